@@ -1,0 +1,25 @@
+# How everything of ours that runs on the host is compiled.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+
+# The build type of the presets: fast to compile, fast enough to run boards in real time, lines in every backtrace.
+set(CMAKE_CXX_FLAGS_DEV "-O1 -g1" CACHE STRING "Flags of the Dev build type")
+set(CMAKE_C_FLAGS_DEV "-O1 -g1" CACHE STRING "Flags of the Dev build type")
+
+# Interface target that each target of ours links: warnings, and sanitizers where asked for.
+add_library(asip_options INTERFACE)
+target_compile_options(asip_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Werror)
+target_include_directories(asip_options INTERFACE "${PROJECT_SOURCE_DIR}")
+target_compile_definitions(asip_options INTERFACE ASIP_VERSION="${PROJECT_VERSION}")
+
+if(ASIP_SANITIZE)
+  add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=address,undefined)
+elseif(ASIP_FUZZ)
+  # Instruments the code under test; the fuzz targets themselves add the driver.
+  add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=address,undefined)
+endif()

@@ -1,0 +1,55 @@
+# Ways to declare tests. Each source list is written out; nothing is globbed.
+
+add_custom_target(unit-tests)
+add_custom_target(fuzz-targets)
+
+# One executable of unit tests, one CTest entry: starting it costs more than most tests in it.
+function(asip_add_unit_test name)
+  cmake_parse_arguments(arg "" "" "SOURCES;LIBS" ${ARGN})
+  if(ASIP_FUZZ)
+    return()
+  endif()
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE asip_options ${arg_LIBS} GTest::gmock GTest::gtest_main)
+  add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
+  set_tests_properties(${name} PROPERTIES LABELS unit TIMEOUT 120)
+  add_dependencies(unit-tests ${name})
+endfunction()
+
+# Integration tests: each test case is a CTest entry, so that they run side by side.
+function(asip_add_integration_test name)
+  cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;LIBS;DEPENDS;ENVIRONMENT" ${ARGN})
+  if(NOT ASIP_INTEGRATION OR ASIP_FUZZ)
+    return()
+  endif()
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 120)
+  endif()
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE asip_options ${arg_LIBS} GTest::gmock GTest::gtest_main)
+  if(arg_DEPENDS)
+    add_dependencies(${name} ${arg_DEPENDS})
+  endif()
+  include(GoogleTest)
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}." EXTRA_ARGS --gtest_brief=1
+    PROPERTIES LABELS integration TIMEOUT ${arg_TIMEOUT} ENVIRONMENT "${arg_ENVIRONMENT}")
+endfunction()
+
+# A fuzz target: LLVMFuzzerTestOneInput in SOURCES, its committed corpus in CORPUS (a folder).
+# With ASIP_FUZZ it is a libFuzzer program; without, it replays the corpus as a plain unit test.
+function(asip_add_fuzz_target name)
+  cmake_parse_arguments(arg "" "CORPUS" "SOURCES;LIBS" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE asip_options ${arg_LIBS})
+  if(ASIP_FUZZ)
+    target_link_options(${name} PRIVATE -fsanitize=fuzzer)
+    set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/fuzzers")
+    file(GENERATE OUTPUT "${PROJECT_BINARY_DIR}/fuzzers/${name}.corpus" CONTENT "${arg_CORPUS}\n")
+    add_dependencies(fuzz-targets ${name})
+  else()
+    target_sources(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests/fuzz/replay_main.cpp")
+    add_test(NAME ${name}_corpus COMMAND ${name} "${arg_CORPUS}")
+    set_tests_properties(${name}_corpus PROPERTIES LABELS unit TIMEOUT 60)
+    add_dependencies(unit-tests ${name})
+  endif()
+endfunction()
