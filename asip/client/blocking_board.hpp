@@ -1,0 +1,59 @@
+#pragma once
+#include <chrono>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "asip/client/error.hpp"
+#include "asip/client/options.hpp"
+#include "asip/client/transport.hpp"
+#include "asip/protocol/pin.hpp"
+
+namespace asip::client {
+
+/// The calls of Board for a program without an event loop: each returns when it is done. A thread of its own
+/// serves the connection, so that a program may sleep or compute between two calls as long as it likes; it
+/// may be used from several threads. Nothing of the caller is ever called from that thread: events are
+/// fetched with next_event.
+class BlockingBoard {
+  public:
+    /// As Board::open.
+    static Result<BlockingBoard> open(const std::string& address, Options options = {});
+
+    BlockingBoard();
+    ~BlockingBoard();  ///< Closes the connection.
+    BlockingBoard(BlockingBoard&&) noexcept;
+    BlockingBoard& operator=(BlockingBoard&&) noexcept;
+
+    std::string name() const;
+    bool online() const;
+    std::vector<ServiceInfo> services() const;
+
+    Result<void> set_pin_mode(int pin, protocol::PinMode mode);
+    Result<void> digital_write(int pin, bool level);
+    Result<void> analog_write(int pin, int value);
+    Result<bool> digital_read(int pin);
+    Result<int> analog_read(int channel);
+    Result<void> set_analog_period(std::chrono::milliseconds period);
+    Result<void> raw(const std::string& line);
+
+    /// `board.command("servo", "write", {0, 90})`; the decoded answer, or null.
+    Result<nlohmann::json> command(const std::string& service, const std::string& name,
+                                   const nlohmann::json& arguments);
+    Result<nlohmann::json> command(const std::string& service, const std::string& name);
+
+    /// From now on, keep the events of this service for next_event: the newest 256, older ones are dropped.
+    Result<void> watch(const std::string& service);
+    /// The oldest event kept of a watched service, waiting for one at most `timeout`; Timeout if none came.
+    Result<nlohmann::json> next_event(const std::string& service, std::chrono::milliseconds timeout);
+
+  private:
+    class Runner;
+    explicit BlockingBoard(std::unique_ptr<Runner> runner);
+
+    std::unique_ptr<Runner> runner_;
+};
+
+}  // namespace asip::client

@@ -1,0 +1,125 @@
+#pragma once
+#include <boost/asio/awaitable.hpp>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "asip/client/error.hpp"
+#include "asip/client/options.hpp"
+#include "asip/client/transport.hpp"
+#include "asip/protocol/pin.hpp"
+
+namespace asip::client {
+
+template <class T>
+using Awaitable = boost::asio::awaitable<Result<T>>;
+
+/// Keeps a callback registered; the callback is never called after this is destroyed or reset.
+class Subscription {
+  public:
+    Subscription() = default;
+    explicit Subscription(std::shared_ptr<void> registration) : registration_(std::move(registration)) {}
+    void reset() { registration_.reset(); }
+
+  private:
+    std::shared_ptr<void> registration_;
+};
+
+class Service;
+
+/// One board, whatever carries it: a serial port, a TCP connection or an MQTT broker. The calls, their
+/// answers and their errors are the same over each.
+///
+/// A Board is a handle: copies refer to the same board, the last one closes it. A default-constructed one
+/// refers to none; every call on it fails with Closed. All calls are made from the one thread that runs the
+/// executor it was opened on; a program without an io_context of its own uses BlockingBoard.
+///
+/// A call that changes something returns when the board has executed it, which a fence behind the command
+/// proves. A call in progress when the board goes away ends with Unreachable; the Board itself stays usable
+/// and works again once the board is back. Pin modes and periods that were set are then set again; output
+/// values never are.
+class Board {
+  public:
+    Board() = default;
+    /// Over any transport; Board::open makes the usual ones. open() has not been called on it.
+    static Awaitable<Board> open(std::unique_ptr<Transport> transport, Options options = {});
+    /// `address` as parse_address takes it: "/dev/ttyACM0", "tcp://host:6789", "mqtt://broker/uno1", "uno1".
+    static Awaitable<Board> open(std::string address, Options options = {});
+
+    std::string name() const;
+    /// Whether the board is there now.
+    bool online() const;
+    std::vector<ServiceInfo> services() const;
+
+    // Pins. `pin` is the number that the Arduino core uses; `channel` counts analog inputs: channel 0 is A0.
+
+    Awaitable<void> set_pin_mode(int pin, protocol::PinMode mode);
+    Awaitable<void> digital_write(int pin, bool level);
+    /// 0 to 255, of a pin in mode Pwm.
+    Awaitable<void> analog_write(int pin, int value);
+    /// The level of an input. Boards report changes by themselves, so a level once reported is answered at
+    /// once; the first time the board is asked. Invalid if the pin is no input.
+    Awaitable<bool> digital_read(int pin);
+    /// 0 to 1023. The newest report if it is younger than Options::analog_max_age, else the next one; Timeout
+    /// if none comes (set_analog_period starts reports, and the pin must be in mode Analog).
+    Awaitable<int> analog_read(int channel);
+    /// How often the board reports its analog inputs; 0 stops. At most 65535 ms.
+    Awaitable<void> set_analog_period(std::chrono::milliseconds period);
+
+    /// `changed` is called with each level reported for the pin that differs from the one before (the first
+    /// one does).
+    Subscription on_digital(int pin, std::function<void(bool level)> changed);
+    /// `reported` is called with each report of the channel.
+    Subscription on_analog(int channel, std::function<void(int value)> reported);
+    /// `changed` is called when the board goes away (false) and when it is back (true).
+    Subscription on_presence(std::function<void(bool online)> changed);
+    /// Waits for the next change of the pin. No deadline: the caller decides when to stop waiting, by
+    /// close().
+    Awaitable<bool> next_digital(int pin);
+
+    /// A service by its name on the bus ("distance", "servo"); Invalid if the board has none of that name,
+    /// with those it has in the text.
+    Result<Service> service(const std::string& name) const;
+
+    /// One ASIP request as on the wire, for what has no call here: "T,P,440,200".
+    Awaitable<void> raw(std::string line);
+
+    /// Lets go of the port or broker; calls in progress end with Closed.
+    void close();
+
+  private:
+    friend class Service;
+    class Core;
+    explicit Board(std::shared_ptr<Core> core);
+
+    std::shared_ptr<Core> core_;
+};
+
+/// One service of a board. Commands, arguments and events are those of its service model
+/// (services/NAME.json).
+class Service {
+  public:
+    Service() = default;
+
+    const ServiceInfo& info() const { return info_; }
+    /// `servo.command("write", {0, 90})`, or by argument name: `servo.command("write", {{"servo", 0},
+    /// {"angle", 90}})`. Returns the board's decoded answer for a command that has one, else null.
+    Awaitable<nlohmann::json> command(std::string name, nlohmann::json arguments) const;
+    Awaitable<nlohmann::json> command(std::string name) const;
+    /// `happened` is called with each event, decoded: {"distance":[42,118]}.
+    Subscription on_event(std::function<void(const nlohmann::json& event)> happened) const;
+    /// Waits for the next event. No deadline, as Board::next_digital.
+    Awaitable<nlohmann::json> next_event() const;
+
+  private:
+    friend class Board;
+    Service(std::shared_ptr<Board::Core> core, ServiceInfo info);
+
+    std::shared_ptr<Board::Core> core_;
+    ServiceInfo info_;
+};
+
+}  // namespace asip::client

@@ -1,0 +1,32 @@
+#pragma once
+#include <chrono>
+#include <string>
+
+namespace asip::client {
+
+/// How to reach a board; every member has a working default.
+struct Options {
+    /// Reaching the board: port opened, banner or answer seen, or the board's description found on the bus.
+    std::chrono::milliseconds open_timeout{10'000};
+    /// One command, until its acknowledgement.
+    std::chrono::milliseconds command_timeout{5'000};
+    /// digital_read and analog_read, when the value has to be asked for or waited for.
+    std::chrono::milliseconds read_timeout{1'000};
+    /// analog_read returns a reported value at most this old, else waits for the next report.
+    std::chrono::milliseconds analog_max_age{1'000};
+
+    // Over MQTT only.
+    std::string topic_root = "asip";
+    std::string user;  ///< Empty: what the address says, else none.
+    std::string
+        password_file;  ///< Its first line; a password on a command line is seen by every user of a machine.
+    std::string ca;     ///< PEM file of the authority that signed the broker's certificate; for mqtts.
+    std::string
+        certificate;  ///< PEM files of this client's own certificate and key, where the broker demands one.
+    std::string key;
+
+    // Serial only.
+    unsigned baud = 57'600;
+};
+
+}  // namespace asip::client
