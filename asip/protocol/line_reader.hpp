@@ -1,0 +1,47 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "asip/protocol/limits.hpp"
+
+namespace asip::protocol {
+
+/// Cuts a byte stream into lines ended by `\n`; a `\r` before it is dropped, empty lines are skipped.
+/// A line longer than the limit is dropped to its end and counted; memory never exceeds the limit.
+class LineReader {
+  public:
+    explicit LineReader(std::size_t max_line_bytes = kMaxBoardLineBytes);
+
+    /// Calls `on_line(std::string_view)` for each line that these bytes complete. The view is valid during
+    /// the call only. `on_line` must not call push(); it may call reset(), which forgets the partial line but
+    /// not the rest of `bytes`.
+    template <class OnLine>
+    void push(std::string_view bytes, OnLine&& on_line) {
+        while (take_line(bytes)) {
+            const std::string line = std::move(line_);
+            line_.clear();
+            on_line(std::string_view(line));
+        }
+    }
+
+    /// Forgets a partial line, for example when the port was opened again.
+    void reset();
+
+    /// Bytes of the line that has not ended yet (0 while an overlong one is being dropped).
+    std::size_t partial_bytes() const { return line_.size(); }
+    std::string_view partial() const { return line_; }
+    std::uint64_t overlong_lines() const { return overlong_lines_; }
+
+  private:
+    /// Consumes bytes up to and including one line end; true when line_ holds a complete, non-empty line.
+    bool take_line(std::string_view& bytes);
+
+    std::size_t max_line_bytes_;
+    std::string line_;
+    bool dropping_ = false;
+    std::uint64_t overlong_lines_ = 0;
+};
+
+}  // namespace asip::protocol
