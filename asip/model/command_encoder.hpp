@@ -1,0 +1,58 @@
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "asip/expected.hpp"
+#include "asip/model/service_model.hpp"
+
+namespace asip::model {
+
+struct EncodedCommand {
+    std::string line;     // "S,W,0,90", without newline, at most protocol::kMaxRequestBytes
+    std::string command;  // its name in the model; empty for a service without a model
+    char service = 0;
+    char tag = 0;
+    char answer = 0;  // tag of the event that answers it; 0: none
+};
+
+// Each checks name, count, types and ranges, and fails with a reason for a person: "period: 70000 is above
+// 65535", "no command 'wirte'; did you mean 'write'?". Nothing is sent half-checked.
+
+/// {"write":[0,90]}, {"write":{"servo":0,"angle":90}}, {"measure":null} (also [] , {} , true), {"report":100}
+/// for one argument. Members "id" and "reply_to" are passed over.
+Expected<EncodedCommand> encode_json_command(const ServiceModel& model, const nlohmann::json& command);
+
+/// The request without its service: "W,0,90". Checked against the model's command with that tag; a tag the
+/// model does not know is refused.
+Expected<EncodedCommand> encode_text_command(const ServiceModel& model, std::string_view text);
+
+/// As typed: {"write","0","90"}; items of a list may be "0:255". The first word is a command's name, or the
+/// tag.
+Expected<EncodedCommand> encode_word_command(const ServiceModel& model, std::span<const std::string> words);
+
+/// What arrived on BOARD/SERVICE/in, JSON or text. id and reply_to are read even when the command is refused,
+/// so that the refusal can be answered; both are bounded (64 and 256 bytes) and empty where absent.
+struct ControlRequest {
+    std::string id;
+    std::string reply_to;
+    Expected<EncodedCommand> command;
+};
+/// `model` may be null: then only ASIP text, or {"raw":"W,0,90"}, for the service `letter` is taken.
+/// {"raw":...} also works with a model and is checked by it.
+ControlRequest read_control(const ServiceModel* model, char letter, std::string_view payload);
+
+/// What arrived on BOARD/in: request lines, or {"raw":"#,?","reply_to":"...","id":"..."} (raw may hold
+/// several lines or be an array of lines).
+struct RawControl {
+    std::string id;
+    std::string reply_to;
+    Expected<std::vector<std::string>> lines;
+};
+RawControl read_raw_control(std::string_view payload);
+
+/// "write SERVO ANGLE" with types, ranges and units, for help texts: "servo 0..255, angle 0..180 degrees".
+std::string usage(const CommandModel& command);
+
+}  // namespace asip::model
