@@ -1,0 +1,143 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "asip/bus/message.hpp"
+#include "asip/bus/mqtt_options.hpp"
+#include "asip/time.hpp"
+
+namespace boost::asio {
+class io_context;
+}
+
+namespace asip::bus {
+
+/// Why there is no connection.
+struct ConnectionFailure {
+    enum class Kind {
+        kUnreachable,     ///< no TCP connection: refused, no route, unknown host, or no answer in time
+        kNoAnswer,        ///< TCP connected, but the broker does not speak: it hangs, or is something else
+        kTls,             ///< certificates: theirs or ours
+        kBadCredentials,  ///< the broker refused user, password or client certificate, or bans us
+        kRefused,         ///< the broker refused for another reason
+        kTakenOver,       ///< another client connected with our client id
+        kStalled,         ///< an established connection went silent (keep-alive, or acknowledgements overdue)
+        kClosed,          ///< an established connection was closed by the broker or the network
+    };
+    Kind kind = Kind::kUnreachable;
+    BrokerAddress broker{};
+    int code = 0;        ///< reason code of CONNACK or DISCONNECT, where there was one
+    std::string text{};  ///< one line for a person, says what to check
+
+    /// Whether trying again cannot help until somebody changes something (kTls, kBadCredentials, kTakenOver).
+    /// The client tries again all the same; a program that has never been connected should stop and say so.
+    bool fatal() const;
+};
+
+std::string_view name_of(ConnectionFailure::Kind kind);
+
+struct Connected {
+    BrokerAddress broker;
+    bool v5 = false;                   ///< false: 3.1.1, and properties are not carried
+    std::string client_id;             ///< ours, or as assigned by the broker
+    std::size_t max_packet_bytes = 0;  ///< the broker's limit; 0: none told
+};
+
+struct SubscribeOptions {
+    int qos = 0;
+    bool no_local = false;  ///< MQTT 5: not what this client itself publishes
+    /// MQTT 5: whether retained messages are delivered when we subscribe. On 3.1.1 they always are, marked as
+    /// retained.
+    bool retained = true;
+};
+
+/// What publish() did. `kQueued` and `kSent` end in on_published for QoS 1 or in a dropped count.
+enum class PublishResult {
+    kSent,     ///< handed to the socket
+    kQueued,   ///< waits: not connected, or the broker is slower than we are
+    kRefused,  ///< queue full of what may not be dropped, or topic or payload that MQTT cannot carry
+};
+
+struct MqttCounters {
+    std::uint64_t published = 0;  ///< QoS 0: handed over; QoS 1: acknowledged
+    std::uint64_t received = 0;
+    std::uint64_t dropped_context = 0;  ///< oldest context values that gave way
+    std::uint64_t refused = 0;          ///< publish() returned kRefused
+    std::uint64_t rejected = 0;         ///< acknowledged by the broker with an error (not authorised, quota)
+    std::uint64_t connects = 0;
+    std::uint64_t failures = 0;
+    std::size_t queued = 0;        ///< now
+    std::size_t queued_bytes = 0;  ///< now
+    std::size_t unacknowledged = 0;
+};
+
+/// One connection to a bus, kept up: connects, and after any loss connects again, to the next broker of the
+/// list with jittered backoff, subscribes to everything again, and sends what was queued. At least once for
+/// QoS 1: what was not acknowledged is sent again over the next connection.
+///
+/// Runs on the io_context it is given, on the one thread that runs it; every handler is called from there,
+/// never from inside a call of one of the member functions. Handlers may call any member function, but must
+/// not destroy the client. Host names are looked up without blocking for plain connections; for TLS the
+/// system's resolver is called by the TLS library's owner, so a slow DNS server delays the loop: give numeric
+/// addresses or a local resolver there.
+class MqttClient {
+  public:
+    struct Handlers {
+        /// Subscriptions have been sent: what is published from here on reaches us, too. Announce and probe
+        /// here.
+        std::function<void(const Connected&)> on_connected;
+        /// An established connection was lost; the next attempt is under way.
+        std::function<void(const ConnectionFailure&)> on_disconnected;
+        /// An attempt failed; the next is under way.
+        std::function<void(const ConnectionFailure&)> on_connect_failed;
+        std::function<void(const Message&)> on_message;
+        /// The broker took this QoS 1 message.
+        std::function<void(const std::string& topic)> on_published;
+        /// The broker will not deliver this subscription (access rules).
+        std::function<void(const std::string& filter, const std::string& reason)> on_subscribe_refused;
+        /// What libmosquitto has to say, for debug logs.
+        std::function<void(const std::string& line)> on_debug;
+    };
+
+    MqttClient(boost::asio::io_context& io, MqttOptions options, Handlers handlers);
+    /// Drops the connection without a goodbye: the broker publishes the will.
+    ~MqttClient();
+    MqttClient(const MqttClient&) = delete;
+    MqttClient& operator=(const MqttClient&) = delete;
+
+    /// Begins to connect. Call once.
+    void start();
+
+    /// Sends what is queued, says goodbye (no will is published) and calls `done` within `limit`, also when
+    /// the broker hangs or there is no connection. Nothing else is called afterwards.
+    void stop(Duration limit, std::function<void()> done);
+
+    /// Replaces the will from the next connection on.
+    void set_will(Message will);
+
+    /// Adds a subscription, now and on each reconnection; the same filter again replaces its options.
+    void subscribe(std::string filter, SubscribeOptions options = {});
+    void unsubscribe(const std::string& filter);
+
+    /// Publishes, or queues in order. Of retained messages that wait, the newest of a topic replaces the
+    /// older.
+    PublishResult publish(Message message, Priority priority = Priority::kContext);
+
+    /// Forgets what is queued and not yet handed over, for a program that announces anew on each connection.
+    void discard_queued(Priority priority);
+
+    bool connected() const;
+    bool v5() const;
+    const std::string& client_id() const;
+    MqttCounters counters() const;
+
+    class Impl;
+
+  private:
+    std::shared_ptr<Impl> impl_;
+};
+
+}  // namespace asip::bus

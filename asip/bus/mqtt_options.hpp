@@ -1,0 +1,66 @@
+#pragma once
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/bus/message.hpp"
+#include "asip/expected.hpp"
+#include "asip/random.hpp"
+#include "asip/time.hpp"
+
+namespace asip::bus {
+
+struct BrokerAddress {
+    std::string host = "127.0.0.1";
+    std::uint16_t port = 1883;
+    bool tls = false;
+
+    std::string describe() const;  ///< as a URL, `mqtt://127.0.0.1:1883`
+    friend bool operator==(const BrokerAddress&, const BrokerAddress&) = default;
+};
+
+/// Reads `HOST`, `HOST:PORT`, `[V6]:PORT`, `mqtt://HOST[:PORT]` (1883) or `mqtts://HOST[:PORT]` (TLS, 8883).
+Expected<BrokerAddress> parse_broker(std::string_view text);
+
+enum class MqttVersion {
+    kBest,  ///< 5, and 3.1.1 with a broker that refuses it
+    kV5,
+    kV311,
+};
+
+struct MqttOptions {
+    std::vector<BrokerAddress> brokers{BrokerAddress{}};  ///< at least one; tried in turn
+    /// Unique per process: a broker throws out the older of two connections with the same id. Empty: made up.
+    std::string client_id;
+    std::string user;
+    std::string password;
+
+    std::string ca_file;    ///< PEM; empty: the system's certificates
+    std::string cert_file;  ///< PEM; empty: no client certificate
+    std::string key_file;
+    bool insecure = false;  ///< TLS without checking the host name of the broker's certificate
+
+    MqttVersion version = MqttVersion::kBest;
+    std::chrono::seconds keepalive{10};  ///< at least 5
+    /// An attempt that has no CONNACK after this long is given up: a dead host, or a broker that hangs.
+    Duration connect_timeout = std::chrono::seconds(5);
+    /// A QoS 1 message that is not acknowledged for this long means that the broker stalls: the connection is
+    /// dropped and the next broker tried. Zero: left to the keep-alive.
+    Duration ack_timeout = std::chrono::seconds(8);
+    Duration retry_first = std::chrono::milliseconds(100);
+    Duration retry_most = std::chrono::seconds(2);
+
+    /// Bounds of what waits to be sent. Beyond, the oldest context values go; announcements and replies may
+    /// fill twice as much before they are refused.
+    std::size_t max_queued_messages = 4096;
+    std::size_t max_queued_bytes = 4u << 20;
+
+    std::optional<Message> will;
+    Random random;  ///< empty: system_random()
+};
+
+}  // namespace asip::bus

@@ -1,0 +1,72 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "asip/bus/message.hpp"
+#include "asip/expected.hpp"
+
+namespace asip::bus {
+
+/// Where and under which names the answer to one request goes.
+struct ReplyTo {
+    std::string topic;        ///< empty: nobody wants an answer
+    std::string correlation;  ///< MQTT 5 correlation data, sent back as it came
+    std::string id;           ///< the requester's `id`, sent back inside the JSON
+
+    bool wanted() const { return !topic.empty(); }
+
+    /// What tells this request from others of the same requester: the id, else the correlation data; empty
+    /// when there is neither, and then a repetition cannot be recognised.
+    std::string key() const;
+
+    friend bool operator==(const ReplyTo&, const ReplyTo&) = default;
+};
+
+/// The one final answer to a command.
+struct Reply {
+    enum class Status {
+        kOk,       ///< executed; `proof` says how that is known, `answer` holds what the board answered, if
+                   ///< anything
+        kError,    ///< the board refused: `code` and `error` are its words
+        kTimeout,  ///< no evidence within the time limit
+        kRefused,  ///< never sent to the board: `reason` is a word for programs, `error` a sentence for a
+                   ///< person
+    };
+
+    std::string id{};
+    Status status = Status::kOk;
+    std::string proof{};   ///< "fence", or "answer"
+    std::string answer{};  ///< JSON text; empty: none
+    int code = 0;          ///< ASIP error number
+    std::string error{};
+    std::string reason{};
+
+    static Reply ok(std::string proof, std::string answer = {});
+    static Reply board_error(int code, std::string error);
+    static Reply timeout();
+    static Reply refused(std::string reason, std::string error);
+
+    bool succeeded() const { return status == Status::kOk; }
+    friend bool operator==(const Reply&, const Reply&) = default;
+};
+
+/// Reasons of Reply::kRefused that every program knows.
+inline constexpr std::string_view kRefusedQueueFull = "queue-full";
+inline constexpr std::string_view kRefusedInvalid = "invalid";
+inline constexpr std::string_view kRefusedBoardNotThere = "board-not-there";
+inline constexpr std::string_view kRefusedRetained = "retained";
+
+/// The JSON text of a reply, `{"id":"7","status":"ok","proof":"fence"}`. Bytes of id, error and reason that
+/// are not UTF-8 are replaced; an `answer` that is not JSON becomes a JSON string.
+std::string to_json_text(const Reply& reply);
+
+/// Reads what to_json_text wrote, by whichever version: unknown members are ignored. Fails on anything that
+/// is not a JSON object with a known `status`.
+Expected<Reply> parse_reply(std::string_view text);
+
+/// The message that carries `reply` (its id filled in from `to`) to whom asked, QoS 1; nothing when nobody
+/// did.
+std::optional<Message> reply_message(const ReplyTo& to, Reply reply);
+
+}  // namespace asip::bus

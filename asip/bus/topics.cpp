@@ -1,0 +1,112 @@
+#include "asip/bus/topics.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace asip::bus {
+namespace {
+
+constexpr std::size_t kMaxNameBytes = 64;
+constexpr std::size_t kMaxRootBytes = 128;
+
+bool is_name_character(char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' ||
+           c == '_' || c == '-';
+}
+
+/// The part of `rest` before the next slash; `rest` becomes what is behind it, or ends (data() == nullptr).
+std::string_view next_level(std::string_view& rest) {
+    const auto slash = rest.find('/');
+    const auto level = rest.substr(0, slash);
+    rest = slash == std::string_view::npos ? std::string_view{} : rest.substr(slash + 1);
+    return level;
+}
+
+std::optional<TopicRef> parse_service_bus(std::string_view board, std::string_view rest, bool has_rest) {
+    if (board == "$probe")
+        return has_rest ? std::nullopt : std::optional(TopicRef{TopicKind::kProbe, {}, {}});
+    if (!legal_board_name(board)) return std::nullopt;
+    if (!has_rest) return TopicRef{TopicKind::kServiceNames, board, {}};
+    if (rest == "$state") return TopicRef{TopicKind::kState, board, {}};
+    if (rest == "$description") return TopicRef{TopicKind::kDescription, board, {}};
+    return std::nullopt;
+}
+
+std::optional<TopicRef> parse_registry(std::string_view id, std::string_view rest, bool has_rest) {
+    if (!has_rest) {
+        return id == "query" ? std::optional(TopicRef{TopicKind::kAnyRegistryQuery, {}, {}}) : std::nullopt;
+    }
+    if (!legal_service_name(id)) return std::nullopt;
+    if (rest == "$state") return TopicRef{TopicKind::kRegistryState, id, {}};
+    if (rest == "$stats") return TopicRef{TopicKind::kRegistryStats, id, {}};
+    if (rest == "events") return TopicRef{TopicKind::kRegistryEvents, id, {}};
+    if (rest == "query") return TopicRef{TopicKind::kRegistryQuery, id, {}};
+    return std::nullopt;
+}
+
+std::optional<TopicRef> parse_board(std::string_view board, std::string_view second, std::string_view rest,
+                                    bool has_rest) {
+    if (!legal_board_name(board)) return std::nullopt;
+    if (!has_rest) {
+        if (second == "out") return TopicRef{TopicKind::kBoardOut, board, {}};
+        if (second == "in") return TopicRef{TopicKind::kBoardIn, board, {}};
+        return std::nullopt;
+    }
+    if (!legal_service_name(second)) return std::nullopt;
+    if (rest == "out") return TopicRef{TopicKind::kServiceOut, board, second};
+    if (rest == "in") return TopicRef{TopicKind::kServiceIn, board, second};
+    if (rest == "error") return TopicRef{TopicKind::kServiceError, board, second};
+    return std::nullopt;
+}
+
+}  // namespace
+
+bool legal_service_name(std::string_view name) {
+    return !name.empty() && name.size() <= kMaxNameBytes &&
+           std::all_of(name.begin(), name.end(), is_name_character);
+}
+
+bool legal_board_name(std::string_view name) {
+    return legal_service_name(name) && name != "servicebus" && name != "registry";
+}
+
+Topics::Topics(std::string root) : root_(std::move(root)) {
+    if (!legal_root(root_)) throw std::invalid_argument("not a topic root: \"" + root_ + "\"");
+}
+
+bool Topics::legal_root(std::string_view root) {
+    if (root.empty() || root.size() > kMaxRootBytes || root.front() == '$') return false;
+    const auto forbidden = [](unsigned char c) { return c < 0x20 || c >= 0x7f || c == '+' || c == '#'; };
+    if (std::any_of(root.begin(), root.end(), forbidden)) return false;
+    return root.front() != '/' && root.back() != '/' && root.find("//") == std::string_view::npos;
+}
+
+std::string Topics::join(std::string_view a, std::string_view b) const {
+    std::string topic;
+    topic.reserve(root_.size() + a.size() + b.size() + 2);
+    return topic.append(root_).append("/").append(a).append("/").append(b);
+}
+
+std::string Topics::join(std::string_view a, std::string_view b, std::string_view c) const {
+    std::string topic;
+    topic.reserve(root_.size() + a.size() + b.size() + c.size() + 3);
+    return topic.append(root_).append("/").append(a).append("/").append(b).append("/").append(c);
+}
+
+std::optional<TopicRef> Topics::parse(std::string_view topic) const {
+    if (!topic.starts_with(root_) || topic.size() <= root_.size() || topic[root_.size()] != '/')
+        return std::nullopt;
+    auto rest = topic.substr(root_.size() + 1);
+    const auto first = next_level(rest);
+    const bool has_second = rest.data() != nullptr;
+    if (!has_second) {
+        return first == "servicebus" ? std::optional(TopicRef{TopicKind::kBoardNames, {}, {}}) : std::nullopt;
+    }
+    const auto second = next_level(rest);
+    const bool has_third = rest.data() != nullptr;
+    if (first == "servicebus") return parse_service_bus(second, rest, has_third);
+    if (first == "registry") return parse_registry(second, rest, has_third);
+    return parse_board(first, second, rest, has_third);
+}
+
+}  // namespace asip::bus

@@ -1,0 +1,93 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace asip::bus {
+
+/// What a topic of the service bus is for. "registry" kinds carry the registry's id instead of a board.
+enum class TopicKind {
+    kBoardNames,       ///< ROOT/servicebus: payload is a board name
+    kServiceNames,     ///< ROOT/servicebus/BOARD: payload is a service name
+    kState,            ///< ROOT/servicebus/BOARD/$state
+    kDescription,      ///< ROOT/servicebus/BOARD/$description
+    kProbe,            ///< ROOT/servicebus/$probe
+    kBoardOut,         ///< ROOT/BOARD/out: raw lines
+    kBoardIn,          ///< ROOT/BOARD/in: raw lines
+    kServiceOut,       ///< ROOT/BOARD/SERVICE/out
+    kServiceIn,        ///< ROOT/BOARD/SERVICE/in
+    kServiceError,     ///< ROOT/BOARD/SERVICE/error
+    kRegistryState,    ///< ROOT/registry/ID/$state
+    kRegistryStats,    ///< ROOT/registry/ID/$stats
+    kRegistryEvents,   ///< ROOT/registry/ID/events
+    kRegistryQuery,    ///< ROOT/registry/ID/query: to one registry
+    kAnyRegistryQuery  ///< ROOT/registry/query: to whichever answers
+};
+
+/// A parsed topic. The names are views into the topic that was parsed and live as long as it does; those that
+/// the kind does not have are empty.
+struct TopicRef {
+    TopicKind kind;
+    std::string_view board;  ///< board name, or registry id
+    std::string_view service;
+    friend bool operator==(const TopicRef&, const TopicRef&) = default;
+};
+
+/// Whether `name` may name a service or a registry: 1 to 64 of `A-Z a-z 0-9 . _ -`.
+bool legal_service_name(std::string_view name);
+
+/// Whether `name` may name a board: as for a service, and none of the reserved names `servicebus` and
+/// `registry`.
+bool legal_board_name(std::string_view name);
+
+/// The topics below one root. Builders trust their arguments: give them names that are legal, or "+" where a
+/// subscription shall match any.
+class Topics {
+  public:
+    /// Throws std::invalid_argument when !legal_root(root).
+    explicit Topics(std::string root = "asip");
+
+    /// A root is one or more non-empty levels joined by `/`, at most 128 bytes, without wildcards, control
+    /// characters or a leading `$`.
+    static bool legal_root(std::string_view root);
+
+    const std::string& root() const { return root_; }
+
+    std::string board_names() const { return root_ + "/servicebus"; }
+    std::string service_names(std::string_view board) const { return join("servicebus", board); }
+    std::string state(std::string_view board) const { return join("servicebus", board, "$state"); }
+    std::string description(std::string_view board) const {
+        return join("servicebus", board, "$description");
+    }
+    std::string probe() const { return root_ + "/servicebus/$probe"; }
+
+    std::string board_out(std::string_view board) const { return join(board, "out"); }
+    std::string board_in(std::string_view board) const { return join(board, "in"); }
+    std::string service_out(std::string_view board, std::string_view service) const {
+        return join(board, service, "out");
+    }
+    std::string service_in(std::string_view board, std::string_view service) const {
+        return join(board, service, "in");
+    }
+    std::string service_error(std::string_view board, std::string_view service) const {
+        return join(board, service, "error");
+    }
+
+    std::string registry_state(std::string_view id) const { return join("registry", id, "$state"); }
+    std::string registry_stats(std::string_view id) const { return join("registry", id, "$stats"); }
+    std::string registry_events(std::string_view id) const { return join("registry", id, "events"); }
+    std::string registry_query(std::string_view id) const { return join("registry", id, "query"); }
+    std::string any_registry_query() const { return root_ + "/registry/query"; }
+
+    /// What `topic` is, or nothing when it is none of ours or carries an illegal name. Any bytes may be
+    /// given.
+    std::optional<TopicRef> parse(std::string_view topic) const;
+
+  private:
+    std::string join(std::string_view a, std::string_view b) const;
+    std::string join(std::string_view a, std::string_view b, std::string_view c) const;
+
+    std::string root_;
+};
+
+}  // namespace asip::bus

@@ -1,0 +1,53 @@
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace asip::link {
+
+/// Why a stream could not be opened or ended.
+struct StreamError {
+    enum class Kind {
+        kNotThere,      ///< no such device, unknown host
+        kBusy,          ///< another program has the port
+        kNoPermission,  ///< the user may not open the device
+        kNotASerialPort,
+        kUnreachable,  ///< TCP: refused, no route, or no answer in time
+        kClosed,       ///< was open: unplugged, or the peer hung up
+        kFailed,       ///< anything else
+    };
+    Kind kind = Kind::kFailed;
+    std::string text{};  ///< one line for a person that says what to do
+};
+
+/// Bytes to and from a board, whatever carries them. One thread: all calls and handlers on the io_context it
+/// was opened with. Destroying a stream closes it; no handler is called after close() or destruction.
+class ByteStream {
+  public:
+    struct Handlers {
+        /// Bytes as they came, any number at least one; the view is valid during the call only.
+        std::function<void(std::string_view)> on_bytes;
+        /// The stream has ended by itself; nothing follows. The stream may be destroyed in this handler.
+        std::function<void(const StreamError&)> on_closed;
+    };
+
+    virtual ~ByteStream() = default;
+
+    /// Begins to read. Call once; what arrived before is delivered then.
+    virtual void start(Handlers handlers) = 0;
+
+    /// Sends all of `bytes`, after what was written before. Never blocks; see unsent_bytes() for what is
+    /// left.
+    virtual void write(std::string_view bytes) = 0;
+
+    /// Bytes that were written but not yet taken by the operating system.
+    virtual std::size_t unsent_bytes() const = 0;
+
+    virtual void close() = 0;
+
+    /// For logs: `/dev/ttyACM0`, `tcp://127.0.0.1:5000`.
+    virtual std::string describe() const = 0;
+};
+
+}  // namespace asip::link

@@ -1,0 +1,85 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/bus/mqtt_options.hpp"
+#include "asip/expected.hpp"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace asip::program {
+
+struct BrokerOptions {
+    std::vector<std::string> brokers{"127.0.0.1:1883"};
+    std::string user;
+    std::string password;
+    std::string password_file;  ///< first line is the password
+    std::string ca;
+    std::string cert;
+    std::string key;
+    bool insecure = false;
+    std::string mqtt_version = "best";  ///< best, 5, 3.1.1
+    std::string topic_root = "asip";
+};
+
+struct LogOptions {
+    std::string level = "info";
+    std::string format = "text";
+};
+
+/// Reads options from, in order of precedence: the command line, the environment, a configuration file,
+/// defaults.
+///
+///     CLI::App app{"..."};
+///     Settings settings(app, "asip-agent");
+///     BrokerOptions broker; LogOptions log; std::string serial;
+///     settings.add_broker_options(broker);
+///     settings.add_log_options(log);
+///     settings.setting(app.add_option("--serial", serial, "Serial port of the board"));
+///     if (auto status = settings.parse(argc, argv)) return *status;
+///
+/// `--serial` is then also `ASIP_SERIAL` in the environment and `serial = ...` in the file named by
+/// `--config` or `ASIP_CONFIG`: lines `name = value`, `#` comments; lines below `[asip-agent]` are for that
+/// program only and those below other programs' names are skipped. A name in the file that no option has is
+/// an error, with a suggestion. The values of file and environment are checked like those of the command
+/// line.
+class Settings {
+  public:
+    Settings(CLI::App& app, std::string program);
+    ~Settings();
+
+    /// Makes an option (or flag) of the app settable in environment and file. Its long name gives both names.
+    /// Returns it.
+    CLI::Option* setting(CLI::Option* option);
+
+    void add_broker_options(BrokerOptions& options);
+    void add_log_options(LogOptions& options);
+
+    /// Nothing: go on. Otherwise the exit status to end with; help, version or the error has been printed.
+    /// Applies the log options, where added, to the log.
+    std::optional<int> parse(int argc, const char* const* argv);
+
+    /// Same for tests: arguments without the program name, environment by function.
+    using Environment = std::function<std::optional<std::string>(const std::string& name)>;
+    std::optional<int> parse(std::vector<std::string> arguments, const Environment& environment);
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// What the MQTT client needs, from the options: addresses parsed, password file read, files checked to be
+/// readable, topic root checked, a client id unique to this process: `PROGRAM-HOST-RANDOM`.
+Expected<bus::MqttOptions> mqtt_options(const BrokerOptions& options, std::string_view program);
+
+/// This machine's name, for descriptions and client ids.
+std::string host_name();
+
+}  // namespace asip::program

@@ -1,0 +1,68 @@
+#pragma once
+#include <sys/types.h>
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/support/wait.hpp"
+
+namespace asip::test {
+
+/// A program under test. Killed, with whatever it started, when this object goes; killed by the kernel when
+/// the test dies.
+class ChildProcess {
+  public:
+    /// `arguments[0]` is the program: a path, or looked up in PATH. `environment` is added to the test's own,
+    /// from which all ASIP_ variables are taken out. Throws std::runtime_error when it cannot be started.
+    explicit ChildProcess(std::vector<std::string> arguments,
+                          std::map<std::string, std::string> environment = {});
+    ~ChildProcess();
+    ChildProcess(const ChildProcess&) = delete;
+    ChildProcess& operator=(const ChildProcess&) = delete;
+
+    pid_t pid() const;
+
+    void write_input(const std::string& text);
+    void close_input();
+
+    /// Everything it has written so far. The streams are read by threads, so that it never blocks on a full
+    /// pipe.
+    std::string output() const;  ///< standard output
+    std::string errors() const;  ///< standard error
+
+    /// The first line of standard output (or error) that contains a match of the ECMAScript regular
+    /// expression. Nothing when none came in time.
+    std::optional<std::string> wait_for_output(const std::string& pattern,
+                                               std::chrono::milliseconds limit = kDeadline);
+    std::optional<std::string> wait_for_errors(const std::string& pattern,
+                                               std::chrono::milliseconds limit = kDeadline);
+
+    void signal(int number);
+    bool running();
+    /// Its exit status (128 + signal when killed by one); nothing when it still runs after `limit`.
+    std::optional<int> wait_exit(std::chrono::milliseconds limit = kDeadline);
+
+    /// Resident memory in bytes, and processor time used so far.
+    std::size_t resident_bytes() const;
+    std::chrono::milliseconds processor_time() const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+struct Finished {
+    int status = -1;  ///< -1: did not end in time and was killed
+    std::string output;
+    std::string errors;
+};
+
+/// Runs a program to its end.
+Finished run(std::vector<std::string> arguments, std::map<std::string, std::string> environment = {},
+             std::chrono::milliseconds limit = kDeadline);
+
+}  // namespace asip::test

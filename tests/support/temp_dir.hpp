@@ -1,0 +1,30 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace asip::test {
+
+/// A folder of its own for a test, gone when the test is.
+class TempDir {
+  public:
+    TempDir();
+    ~TempDir();
+    TempDir(const TempDir&) = delete;
+    TempDir& operator=(const TempDir&) = delete;
+
+    const std::filesystem::path& path() const { return path_; }
+    /// Path of a file below it.
+    std::string file(std::string_view name) const { return (path_ / name).string(); }
+    /// Writes a file below it and returns its path.
+    std::string write(std::string_view name, std::string_view content) const;
+
+  private:
+    std::filesystem::path path_;
+};
+
+/// A TCP port of 127.0.0.1 that is free now.
+std::uint16_t free_port();
+
+}  // namespace asip::test
