@@ -1,0 +1,29 @@
+#include "asip/protocol/extensions.hpp"
+
+#include "asip/protocol/body.hpp"
+
+namespace asip::protocol {
+
+int Extensions::version(char tag) const {
+    for (const auto& [letter, number] : list) {
+        if (letter == tag) return number;
+    }
+    return 0;
+}
+
+Expected<Extensions> parse_extensions(std::string_view body) {
+    const auto parsed = parse_body(body);
+    if (!parsed) return fail(parsed.error());
+    Extensions result;
+    for (const auto item : parsed->items) {
+        const auto fields = split_fields(item);
+        if (fields.size() != 2 || fields[0].size() != 1) return fail("extension is not TAG:VERSION");
+        const auto version = parse_integer(fields[1]);
+        if (!version || *version < 0 || *version > 255)
+            return fail("extension version is no number from 0 to 255");
+        result.list.emplace_back(fields[0].front(), static_cast<int>(*version));
+    }
+    return result;
+}
+
+}  // namespace asip::protocol

@@ -1,0 +1,81 @@
+#include "asip/protocol/request.hpp"
+
+#include <algorithm>
+
+#include "asip/protocol/limits.hpp"
+
+namespace asip::protocol {
+
+std::string make_request(char service, char tag, std::initializer_list<int> parameters) {
+    std::string line{service, ',', tag};
+    for (const int parameter : parameters) {
+        line += ',';
+        line += std::to_string(parameter);
+    }
+    return line;
+}
+
+std::string set_pin_mode(int pin, PinMode mode) {
+    return make_request('I', 'P', {pin, static_cast<int>(mode)});
+}
+std::string digital_write(int pin, bool high) {
+    return make_request('I', 'd', {pin, high ? 1 : 0});
+}
+std::string analog_write(int pin, int value) {
+    return make_request('I', 'a', {pin, value});
+}
+std::string analog_period(int milliseconds) {
+    return make_request('I', 'A', {milliseconds});
+}
+std::string echo(std::string_view token) {
+    return "#,E," + std::string(token);
+}
+std::string set_identity(std::string_view name) {
+    return "#,I," + std::string(name);
+}
+std::string set_line_rate(int baud) {
+    return make_request('#', 'B', {baud});
+}
+std::string set_checksum(bool on) {
+    return make_request('#', 'C', {on ? 1 : 0});
+}
+
+Expected<Request> parse_request(std::string_view line) {
+    if (line.size() > kMaxRequestBytes) {
+        return fail("request is " + std::to_string(line.size()) + " bytes long, above " +
+                    std::to_string(kMaxRequestBytes));
+    }
+    const bool printable =
+        std::all_of(line.begin(), line.end(), [](char c) { return c >= 0x20 && c <= 0x7e; });
+    if (!printable) return fail("request holds bytes that are not printable ASCII");
+    const bool addressed = line.size() >= 3 && line[1] == ',' && line[2] != ',' && line[2] != ' ' &&
+                           (line[0] == '#' || (line[0] >= 'A' && line[0] <= 'Z'));
+    if (!addressed || (line.size() > 3 && line[3] != ',')) {
+        return fail("'" + std::string(line) + "' is no request: SERVICE,TAG[,PARAMETERS]");
+    }
+    return Request{line[0], line[2], line.size() > 4 ? line.substr(4) : std::string_view{}};
+}
+
+Expected<std::vector<std::string_view>> split_requests(std::string_view payload) {
+    if (payload.size() > kMaxPayloadBytes) {
+        return fail("payload is " + std::to_string(payload.size()) + " bytes long, above " +
+                    std::to_string(kMaxPayloadBytes));
+    }
+    std::vector<std::string_view> lines;
+    while (!payload.empty()) {
+        const auto end = payload.find('\n');
+        auto line = payload.substr(0, end);
+        payload.remove_prefix(end == std::string_view::npos ? payload.size() : end + 1);
+        if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+        if (line.empty()) continue;
+        if (const auto request = parse_request(line); !request) return fail(request.error());
+        if (lines.size() == kMaxRequestsPerPayload) {
+            return fail("payload holds more than " + std::to_string(kMaxRequestsPerPayload) + " requests");
+        }
+        lines.push_back(line);
+    }
+    if (lines.empty()) return fail("payload holds no request");
+    return lines;
+}
+
+}  // namespace asip::protocol
