@@ -1,0 +1,123 @@
+# Builds Arduino sketches as the Arduino IDE would: same compiler flags (platform.txt of arduino-core-avr), the
+# core as one archive per board, our library as another. Host code is not touched: these are custom commands.
+#
+#   asip_add_image(NAME BOARD uno|mega|leonardo SKETCH FILE.ino [SOURCES FILE.cpp...] [DEFINES NAME=VALUE...])
+#
+# makes ${ASIP_IMAGES}/NAME.elf, target NAME_image, all of them by target firmware-images.
+
+set(ASIP_IMAGES "${PROJECT_BINARY_DIR}/firmware/images" CACHE INTERNAL "Folder of the built board images")
+set(ASIP_LIBRARY_DIR "${PROJECT_SOURCE_DIR}/firmware/src" CACHE INTERNAL "Sources of the Arduino library")
+set(ASIP_ARDUINO "/usr/share/arduino/hardware/arduino/avr" CACHE PATH "Arduino AVR core")
+
+set(asip_avr_common -g -Os -ffunction-sections -fdata-sections -MMD -flto -DF_CPU=16000000L -DARDUINO=10819
+  -DARDUINO_ARCH_AVR)
+set(asip_avr_c -std=gnu11 -fno-fat-lto-objects ${asip_avr_common})
+set(asip_avr_cxx -std=gnu++11 -fpermissive -fno-exceptions -fno-threadsafe-statics -Wno-error=narrowing
+  ${asip_avr_common})
+set(asip_avr_warnings -Wall -Wextra -Werror)
+
+set(asip_library_sources
+  asip/Board.cpp asip/Error.cpp asip/Extensions.cpp asip/IoService.cpp asip/Out.cpp asip/Request.cpp
+  asip/Service.cpp asip/System.cpp)
+
+function(asip_board_flags board out_flags out_variant)
+  set(${out_variant} ${board})
+  if(board STREQUAL "uno")
+    set(flags -mmcu=atmega328p -DARDUINO_AVR_UNO)
+    set(${out_variant} standard)
+  elseif(board STREQUAL "mega")
+    set(flags -mmcu=atmega2560 -DARDUINO_AVR_MEGA2560)
+  elseif(board STREQUAL "leonardo")
+    set(flags -mmcu=atmega32u4 -DARDUINO_AVR_LEONARDO -DUSB_VID=0x2341 -DUSB_PID=0x8036
+      "-DUSB_MANUFACTURER=\"Unknown\"" "-DUSB_PRODUCT=\"Arduino Leonardo\"")
+  else()
+    message(FATAL_ERROR "asip_add_image: unknown board ${board}")
+  endif()
+  set(${out_flags} ${flags} -I${ASIP_ARDUINO}/cores/arduino -I${ASIP_ARDUINO}/variants/${${out_variant}} PARENT_SCOPE)
+  set(${out_variant} ${${out_variant}} PARENT_SCOPE)
+endfunction()
+
+# One object per source; DEPFILE keeps the headers in sight.
+function(asip_avr_object source object)
+  get_filename_component(extension "${source}" LAST_EXT)
+  if(extension STREQUAL ".c")
+    set(compiler avr-gcc ${asip_avr_c})
+  elseif(extension STREQUAL ".S")
+    set(compiler avr-gcc -g -x assembler-with-cpp -flto -MMD -DF_CPU=16000000L -DARDUINO=10819)
+  else()
+    set(compiler avr-g++ ${asip_avr_cxx})
+  endif()
+  if(extension STREQUAL ".ino")
+    list(APPEND compiler -x c++ -include Arduino.h)
+  endif()
+  file(RELATIVE_PATH shown "${PROJECT_BINARY_DIR}" "${object}")
+  add_custom_command(OUTPUT "${object}"
+    COMMAND ${compiler} ${ARGN} -MF "${object}.d" -MT "${object}" -c "${source}" -o "${object}"
+    DEPENDS "${source}" DEPFILE "${object}.d" COMMENT "avr ${shown}" VERBATIM)
+endfunction()
+
+function(asip_avr_archive archive)
+  add_custom_command(OUTPUT "${archive}"
+    COMMAND ${CMAKE_COMMAND} -E rm -f "${archive}"
+    COMMAND avr-gcc-ar rcs "${archive}" ${ARGN}
+    DEPENDS ${ARGN} VERBATIM)
+endfunction()
+
+# The Arduino core of a board, built once. Its WString.cpp needs DECIMAL_DIG, which avr-gcc 5 keeps from C++.
+function(asip_add_core board)
+  if(TARGET avr_core_${board})
+    return()
+  endif()
+  asip_board_flags(${board} flags variant)
+  set(folder "${PROJECT_BINARY_DIR}/firmware/core_${board}")
+  file(MAKE_DIRECTORY "${folder}")
+  set(objects)
+  foreach(name
+      abi.cpp CDC.cpp HardwareSerial.cpp HardwareSerial0.cpp HardwareSerial1.cpp HardwareSerial2.cpp
+      HardwareSerial3.cpp hooks.c IPAddress.cpp main.cpp new.cpp PluggableUSB.cpp Print.cpp Stream.cpp Tone.cpp
+      USBCore.cpp WInterrupts.c wiring.c wiring_analog.c wiring_digital.c wiring_pulse.c wiring_pulse.S
+      wiring_shift.c WMath.cpp WString.cpp)
+    asip_avr_object("${ASIP_ARDUINO}/cores/arduino/${name}" "${folder}/${name}.o" -w -DDECIMAL_DIG=17 ${flags})
+    list(APPEND objects "${folder}/${name}.o")
+  endforeach()
+  asip_avr_archive("${folder}/core.a" ${objects})
+  add_custom_target(avr_core_${board} DEPENDS "${folder}/core.a")
+endfunction()
+
+function(asip_add_image name)
+  cmake_parse_arguments(arg "" "BOARD;SKETCH" "SOURCES;DEFINES" ${ARGN})
+  asip_add_core(${arg_BOARD})
+  asip_board_flags(${arg_BOARD} flags variant)
+  list(TRANSFORM arg_DEFINES PREPEND -D)
+  list(APPEND flags ${asip_avr_warnings} ${arg_DEFINES} -I${ASIP_LIBRARY_DIR})
+  set(folder "${PROJECT_BINARY_DIR}/firmware/${name}")
+  file(MAKE_DIRECTORY "${folder}/asip" "${ASIP_IMAGES}")
+
+  set(library)
+  foreach(source ${asip_library_sources})
+    asip_avr_object("${ASIP_LIBRARY_DIR}/${source}" "${folder}/${source}.o" ${flags})
+    list(APPEND library "${folder}/${source}.o")
+  endforeach()
+  asip_avr_archive("${folder}/asip.a" ${library})
+
+  set(objects)
+  foreach(source ${arg_SKETCH} ${arg_SOURCES})
+    get_filename_component(source "${source}" ABSOLUTE)
+    get_filename_component(base "${source}" NAME)
+    asip_avr_object("${source}" "${folder}/${base}.o" ${flags})
+    list(APPEND objects "${folder}/${base}.o")
+  endforeach()
+
+  set(core "${PROJECT_BINARY_DIR}/firmware/core_${arg_BOARD}/core.a")
+  set(elf "${ASIP_IMAGES}/${name}.elf")
+  list(FILTER flags INCLUDE REGEX "^-mmcu")
+  add_custom_command(OUTPUT "${elf}"
+    COMMAND avr-gcc -Os -g -flto -fuse-linker-plugin -Wl,--gc-sections ${flags} -o "${elf}"
+      ${objects} "${folder}/asip.a" "${core}" -lm
+    DEPENDS ${objects} "${folder}/asip.a" "${core}" avr_core_${arg_BOARD} COMMENT "image ${name}.elf" VERBATIM)
+  add_custom_target(${name}_image ALL DEPENDS "${elf}")
+  if(NOT TARGET firmware-images)
+    add_custom_target(firmware-images)
+  endif()
+  add_dependencies(firmware-images ${name}_image)
+endfunction()

@@ -1,0 +1,7 @@
+// A board with the input/output service alone: its pins, analog inputs and PWM, over the serial line.
+#include <Asip.h>
+#include <AsipFastSerial.h>
+
+void setup() { asip::board.begin(F("AsipHello")); }
+
+void loop() { asip::board.run(); }

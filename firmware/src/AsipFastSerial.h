@@ -1,0 +1,153 @@
+// Carries the line with a lean driver of its own on the chip's first UART (the second of a 32u4): 500,000
+// baud with time to spare, 1,000,000 for what fits its rings. Include it in the sketch, once, instead of
+// <AsipSerial.h>; the sketch must then not use `Serial`, whose interrupts it takes.
+#pragma once
+
+#include <avr/interrupt.h>
+#include <avr/io.h>
+
+#include "asip/Config.h"
+#include "asip/Line.h"
+
+#if defined(UDR0)
+#define ASIP_UART(name) name##0
+#if defined(USART_RX_vect)
+#define ASIP_RX_VECTOR USART_RX_vect
+#define ASIP_UDRE_VECTOR USART_UDRE_vect
+#else
+#define ASIP_RX_VECTOR USART0_RX_vect
+#define ASIP_UDRE_VECTOR USART0_UDRE_vect
+#endif
+#define ASIP_UCSRA UCSR0A
+#define ASIP_UCSRB UCSR0B
+#define ASIP_UCSRC UCSR0C
+#define ASIP_UBRR UBRR0
+#define ASIP_UDR UDR0
+#else
+#define ASIP_RX_VECTOR USART1_RX_vect
+#define ASIP_UDRE_VECTOR USART1_UDRE_vect
+#define ASIP_UCSRA UCSR1A
+#define ASIP_UCSRB UCSR1B
+#define ASIP_UCSRC UCSR1C
+#define ASIP_UBRR UBRR1
+#define ASIP_UDR UDR1
+#endif
+
+namespace asip {
+namespace line {
+
+// Powers of two: an index is wrapped by a mask. The bits of the registers are the same for each UART.
+static constexpr uint8_t kRxSize = 64;
+static constexpr uint8_t kTxSize = 64;
+static uint8_t rx[kRxSize];
+static uint8_t tx[kTxSize];
+static volatile uint8_t rxHead, rxTail, txHead, txTail;
+
+static constexpr uint8_t kDataOverrun = 1 << 3, kFrameError = 1 << 4, kDataEmpty = 1 << 5, kSent = 1 << 6;
+static constexpr uint8_t kDoubleSpeed = 1 << 1, kSendInterrupt = 1 << 5;
+
+ISR(ASIP_RX_VECTOR) {
+    const uint8_t status = ASIP_UCSRA;
+    uint8_t byte = ASIP_UDR;
+    if (status & (kDataOverrun | kFrameError)) byte = 0;
+    uint8_t head = rxHead;
+    const uint8_t next = (head + 1) & (kRxSize - 1);
+    if (next == rxTail) {
+        // Full: what is lost spoils the line it belonged to, so that no half of a request is ever executed.
+        rx[(head - 1) & (kRxSize - 1)] = 0;
+        return;
+    }
+    rx[head] = byte;
+    rxHead = next;
+}
+
+ISR(ASIP_UDRE_VECTOR) {
+    uint8_t tail = txTail;
+    ASIP_UDR = tx[tail];
+    tail = (tail + 1) & (kTxSize - 1);
+    txTail = tail;
+    if (tail == txHead) ASIP_UCSRB &= static_cast<uint8_t>(~kSendInterrupt);
+}
+
+void begin() {
+    setRate(kDefaultBaud);
+    ASIP_UCSRC = 6;     // 8N1
+    ASIP_UCSRB = 0x98;  // receive with interrupt, send
+}
+
+int16_t read() {
+    const uint8_t tail = rxTail;
+    if (tail == rxHead) return -1;
+    const uint8_t byte = rx[tail];
+    rxTail = (tail + 1) & (kRxSize - 1);
+    return byte;
+}
+
+uint8_t room() {
+    return static_cast<uint8_t>(txTail - txHead - 1) & (kTxSize - 1);
+}
+
+void write(uint8_t byte) {
+    const uint8_t head = txHead;
+    const uint8_t next = (head + 1) & (kTxSize - 1);
+    while (next == txTail) {
+    }
+    tx[head] = byte;
+    txHead = next;
+    ASIP_UCSRB = 0xB8;  // the same bits as in begin(), and the interrupt that sends
+}
+
+// The flag of a finished byte is cleared when the ring is first seen empty, while the last byte is still on
+// the wire; should it have left already, two milliseconds are certainly enough.
+bool idle() {
+    static uint8_t since;
+    static bool waiting;
+    const uint8_t now = static_cast<uint8_t>(millis());
+    if (txHead != txTail) {
+        waiting = false;
+        return false;
+    }
+    if (!waiting) {
+        waiting = true;
+        since = now;
+        ASIP_UCSRA |= kSent;
+        return false;
+    }
+    if (!(ASIP_UCSRA & kSent) && static_cast<uint8_t>(now - since) < 2) return false;
+    waiting = false;
+    return true;
+}
+
+// 57600 without double speed, 2.1 % fast, as the USB chips of Arduino boards do it; the others are exact or
+// (115200) as close.
+static uint8_t divisor(uint32_t baud) {
+    switch (baud) {
+        case 115200:
+            return F_CPU / 8 / 115200 - 1;
+        case 250000:
+            return F_CPU / 8 / 250000 - 1;
+        case 500000:
+            return F_CPU / 8 / 500000 - 1;
+        case 1000000:
+            return F_CPU / 8 / 1000000 - 1;
+        default:
+            return 0;
+    }
+}
+
+bool isRate(uint32_t baud) {
+    return baud == kDefaultBaud || divisor(baud) != 0;
+}
+
+void setRate(uint32_t baud) {
+    const uint8_t fast = divisor(baud);
+    ASIP_UCSRA = fast != 0 ? kDoubleSpeed : 0;
+    ASIP_UBRR = fast != 0 ? fast : F_CPU / 16 / kDefaultBaud - 1;
+}
+
+bool usesPin(uint8_t pin) {
+    return pin < 2;
+}
+
+}  // namespace line
+}  // namespace asip

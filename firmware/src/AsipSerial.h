@@ -1,0 +1,56 @@
+// Carries the line with the Arduino core's own `Serial`, or with another port of its kind:
+//
+//   #define ASIP_SERIAL Serial1
+//   #include <AsipSerial.h>
+//
+// Include it in the sketch, once, instead of <AsipFastSerial.h>.
+#pragma once
+
+#include <Arduino.h>
+
+#include "asip/Config.h"
+#include "asip/Line.h"
+
+#ifndef ASIP_SERIAL
+#define ASIP_SERIAL Serial
+#endif
+
+namespace asip {
+namespace line {
+
+void begin() {
+    ASIP_SERIAL.begin(kDefaultBaud);
+}
+int16_t read() {
+    return ASIP_SERIAL.read();
+}
+uint8_t room() {
+    return static_cast<uint8_t>(ASIP_SERIAL.availableForWrite());
+}
+void write(uint8_t byte) {
+    ASIP_SERIAL.write(byte);
+}
+bool idle() {
+    return true;
+}  // setRate() waits
+
+bool isRate(uint32_t baud) {
+    return baud == kDefaultBaud || baud == 115200 || baud == 250000 || baud == 500000 || baud == 1000000;
+}
+
+void setRate(uint32_t baud) {
+    ASIP_SERIAL.flush();
+    ASIP_SERIAL.begin(baud);
+}
+
+bool usesPin(uint8_t pin) {
+#if defined(USBCON)
+    (void)pin;
+    return false;
+#else
+    return pin < 2;
+#endif
+}
+
+}  // namespace line
+}  // namespace asip

@@ -1,0 +1,97 @@
+// The board: collects requests, gives each to its service, keeps the auto-events, and answers for the system
+// itself (service `#`). There is one, `asip::board`, as there is one line.
+#pragma once
+
+#include "Config.h"
+#include "IoService.h"
+
+namespace asip {
+
+class Board {
+  public:
+    // Adds a service, which must outlive the board; before start. At most 15.
+    void add(Service& service);
+
+    // Strict mode: begin() leaves every free pin unallocated and sends no analog events.
+    void useStrictMode() { io_.useStrictMode(true); }
+
+    // Opens the line, starts every service and announces the board: `!SKETCH running on CHIP with ...`.
+    void begin(FlashText sketch);
+
+    // One pass: at most one request, changes of inputs, auto-events. Call from loop(), always.
+    void run();
+
+    // Sends a line of information, `!text`. Waits for the line.
+    void info(FlashText text);
+
+    // Takes a free pin for `service`: kInvalidPin if there is no such pin or it is in use.
+    Error claimPin(uint8_t pin, const Service& service);
+
+    // Gives back every pin of `service` as a free input.
+    void releasePins(const Service& service);
+
+    // Sends @S,TAG,COUNT,{...}, each element written by service.reportValue(index), as the line has room: no
+    // answer, however long, holds up the board. The next request waits until it is out. Call from
+    // processRequest() or reportValues(), or when out.hasRoom().
+    void sendList(Service& service, char tag, uint8_t count);
+
+    // The tag of the list under way.
+    char listTag() const { return listTag_; }
+
+    IoService& io() { return io_; }
+
+  private:
+    // What keeps the next request waiting.
+    enum class Job : uint8_t { kNone, kList, kStoreName, kSwitchRate };
+
+    void receive();
+    bool collect(char c);
+    void execute();
+    Error dispatch(Service& service, Request& request);
+    void tick(uint8_t elapsedMs);
+    void restart();
+
+    Service* find(char id);
+    Service* serviceAt(uint8_t number);
+    uint8_t numberOf(const Service& service) const;
+    uint8_t countServices() const;
+
+    void continueJob();
+    void startList(Service* service, char id, char tag, uint8_t count);
+    void continueList();
+
+    // System.cpp
+    Error processSystem(Request& request);
+    void sendVersion();
+    void writeSystemElement(uint8_t index);
+
+    // Extensions.cpp
+    Error processExtension(Request& request);
+    Error echo(Request& request);
+    Error identity(Request& request);
+    Error lineRate(Request& request);
+    Error checksum(Request& request);
+    bool acceptChecksum(uint8_t& length);
+    void continueExtension();
+    void storeName();
+    void sendName();
+    void countRateTrial(uint8_t elapsedMs);
+
+    IoService io_;
+    FlashText sketch_;
+    char line_[kMaxRequestLength + 1];
+    uint8_t length_;  // collected so far
+    bool spoiled_;    // what is being collected cannot be executed
+    uint8_t lastMs_;
+    Job job_;
+    char listTag_;
+    uint8_t listIndex_;  // also counts through the name being stored
+    uint8_t listCount_;
+    Service* listService_;  // null: the system
+    uint32_t newBaud_;
+    uint16_t rateTrialMs_;  // left to hear a fence at a new rate; 0 when none is on trial
+};
+
+extern Board board;
+
+}  // namespace asip

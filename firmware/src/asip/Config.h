@@ -1,0 +1,30 @@
+// What is decided when the library is compiled.
+#pragma once
+
+#include <stdint.h>
+
+// 1: a board with the link extensions (echo, identity, line rate, checksum). 0: a plain ASIP 0.4 board.
+#ifndef ASIP_EXTENSIONS
+#define ASIP_EXTENSIONS 1
+#endif
+
+namespace asip {
+
+constexpr bool kExtensions = ASIP_EXTENSIONS;
+
+// Characters of the longest request, without its line end. One RAM byte each.
+constexpr uint8_t kMaxRequestLength = 63;
+
+// Rate after a reset, and the one a board returns to.
+constexpr uint32_t kDefaultBaud = 57600;
+
+// How long a board stays at a new line rate without hearing a fence there.
+constexpr uint16_t kRateTrialMs = 500;
+
+constexpr uint8_t kMaxNameLength = 32;
+constexpr uint8_t kMaxTokenLength = 8;
+
+// Period of analog events after a reset.
+constexpr uint16_t kAnalogPeriodMs = 50;
+
+}  // namespace asip

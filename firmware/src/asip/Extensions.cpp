@@ -1,0 +1,184 @@
+// The link extensions: echo, identity, line rate, checksum.
+#include "Board.h"
+#include "Line.h"
+
+namespace asip {
+
+static bool isAlphanumeric(char c) {
+    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+}
+
+static bool isNameCharacter(char c) {
+    return isAlphanumeric(c) || c == '.' || c == '_' || c == '-';
+}
+
+// Length of `text` if all of it is made of what `allowed` allows, else 255.
+static uint8_t lengthIf(bool (*allowed)(char), const char* text) {
+    uint8_t length = 0;
+    for (; text[length] != '\0'; ++length) {
+        if (!allowed(text[length])) return 255;
+    }
+    return length;
+}
+
+Error Board::processExtension(Request& request) {
+    switch (request.tag()) {
+        case 'X':
+            if (!request.complete()) return Error::kBadArgument;
+            out.event('#', 'X');
+            out.text(F(",4,{E:1,I:1,B:1,C:1}"));
+            out.end();
+            return Error::kNone;
+        case 'E':
+            return echo(request);
+        case 'I':
+            return identity(request);
+        case 'B':
+            return lineRate(request);
+        case 'C':
+            return checksum(request);
+        default:
+            return Error::kUnknownRequest;
+    }
+}
+
+Error Board::echo(Request& request) {
+    const char* const token = request.text();
+    const uint8_t length = lengthIf(isAlphanumeric, token);
+    if (length == 0 || length > kMaxTokenLength) return Error::kBadArgument;
+    rateTrialMs_ = 0;
+    out.event('#', 'E');
+    out.character(',');
+    out.text(token);
+    out.end();
+    return Error::kNone;
+}
+
+// In EEPROM, at its very end, away from what sketches keep: a check, the length, the name. The length is
+// written last, the check covers all, so a board that loses power meanwhile has no name rather than a wrong
+// one.
+static constexpr uint16_t kCheckAddress = hw::kEepromEnd;
+static constexpr uint16_t kLengthAddress = hw::kEepromEnd - 1;
+static constexpr uint16_t kNameAddress = kLengthAddress - kMaxNameLength;
+
+static uint8_t storedNameLength() {
+    const uint8_t length = hw::readEeprom(kLengthAddress);
+    if (length > kMaxNameLength) return 0;
+    uint8_t check = static_cast<uint8_t>(length ^ hw::readEeprom(kCheckAddress));
+    for (uint8_t i = 0; i < length; ++i) {
+        const uint8_t c = hw::readEeprom(kNameAddress + i);
+        if (!isNameCharacter(static_cast<char>(c))) return 0;
+        check ^= c;
+    }
+    return check == 0x5A ? length : 0;
+}
+
+void Board::sendName() {
+    out.event('#', 'I');
+    out.character(',');
+    const uint8_t length = storedNameLength();
+    for (uint8_t i = 0; i < length; ++i)
+        out.character(static_cast<char>(hw::readEeprom(kNameAddress + i)));
+    out.end();
+}
+
+Error Board::identity(Request& request) {
+    if (request.complete()) {
+        sendName();
+        return Error::kNone;
+    }
+    const uint8_t length = lengthIf(isNameCharacter, request.text());
+    if (length == 0 || length > kMaxNameLength) return Error::kBadArgument;
+    listIndex_ = 0;
+    listCount_ = length;
+    job_ = Job::kStoreName;
+    return Error::kNone;
+}
+
+// One byte a pass, when the EEPROM is ready: each takes 3.4 ms. The name stays in the request line, where no
+// other is collected meanwhile.
+void Board::storeName() {
+    if (!hw::eepromReady()) return;
+    const char* const name = line_ + 4;
+    const uint8_t index = listIndex_++;
+    if (index < listCount_) return hw::writeEeprom(kNameAddress + index, static_cast<uint8_t>(name[index]));
+    if (index == listCount_) {
+        uint8_t check = static_cast<uint8_t>(0x5A ^ listCount_);
+        for (uint8_t i = 0; i < listCount_; ++i)
+            check ^= static_cast<uint8_t>(name[i]);
+        return hw::writeEeprom(kCheckAddress, check);
+    }
+    if (index == listCount_ + 1) return hw::writeEeprom(kLengthAddress, listCount_);
+    if (!out.hasRoom()) {
+        --listIndex_;
+        return;
+    }
+    job_ = Job::kNone;
+    sendName();
+}
+
+Error Board::lineRate(Request& request) {
+    const char* const text = request.text();
+    uint32_t baud = 0;
+    uint8_t length = 0;
+    for (; text[length] >= '0' && text[length] <= '9' && length < 8; ++length) {
+        baud = baud * 10 + static_cast<uint8_t>(text[length] - '0');
+    }
+    if (text[length] != '\0' || !line::isRate(baud)) return Error::kBadArgument;
+    newBaud_ = baud;
+    out.event('#', 'B');
+    out.character(',');
+    out.text(text);
+    out.end();
+    job_ = Job::kSwitchRate;
+    return Error::kNone;
+}
+
+void Board::continueExtension() {
+    if (job_ == Job::kStoreName) return storeName();
+    if (!line::idle()) return;
+    line::setRate(newBaud_);
+    rateTrialMs_ = newBaud_ == kDefaultBaud ? 0 : kRateTrialMs;
+    job_ = Job::kNone;
+}
+
+void Board::countRateTrial(uint8_t elapsedMs) {
+    if (rateTrialMs_ == 0) return;
+    if (rateTrialMs_ > elapsedMs) {
+        rateTrialMs_ = static_cast<uint16_t>(rateTrialMs_ - elapsedMs);
+        return;
+    }
+    rateTrialMs_ = 0;
+    line::setRate(kDefaultBaud);
+    length_ = 0;
+    spoiled_ = false;
+}
+
+Error Board::checksum(Request& request) {
+    const uint16_t on = request.number(1);
+    if (!request.complete()) return Error::kBadArgument;
+    out.useChecksum(on != 0);
+    return Error::kNone;
+}
+
+static uint8_t hexValue(char c) {
+    if (c >= '0' && c <= '9') return static_cast<uint8_t>(c - '0');
+    c = static_cast<char>(c | 0x20);
+    return c >= 'a' && c <= 'f' ? static_cast<uint8_t>(c - 'a' + 10) : 255;
+}
+
+// Checks *HH at the end of the line of `length` characters and cuts it off.
+bool Board::acceptChecksum(uint8_t& length) {
+    if (length < 3 || line_[length - 3] != '*') return false;
+    const uint8_t high = hexValue(line_[length - 2]);
+    const uint8_t low = hexValue(line_[length - 1]);
+    if (high > 15 || low > 15) return false;
+    length = static_cast<uint8_t>(length - 3);
+    uint8_t sum = static_cast<uint8_t>(high << 4 | low);
+    for (uint8_t i = 0; i < length; ++i)
+        sum ^= static_cast<uint8_t>(line_[i]);
+    line_[length] = '\0';
+    return sum == 0;
+}
+
+}  // namespace asip

@@ -1,0 +1,73 @@
+// The input/output service `I` that every board has, and with it the record of what each pin is used for.
+#pragma once
+
+#include "Hardware.h"
+#include "Service.h"
+
+namespace asip {
+
+enum class PinMode : uint8_t {
+    kUnallocated = 0,
+    kInput = 1,
+    kPullUp = 2,
+    kOutput = 3,
+    kAnalog = 4,
+    kPwm = 5,
+    kReserved = 6,
+    kOtherService = 7,
+};
+
+class IoService : public Service {
+  public:
+    constexpr IoService()
+        : Service('I', 1), modes_(), inputs_(), levels_(), analog_(), channel_(kIdle), strict_(false) {}
+
+    FlashText name() const override;
+    void begin() override;
+    Error processRequest(Request& request) override;
+    void reportValue(uint8_t index) override;
+    void reportValues() override;  // starts a round of conversions
+    void poll() override;          // one conversion of a round, and its event at the end
+
+    // Sends an event for each port whose inputs changed. Called in each pass, as often as can be.
+    void pollInputs();
+
+    // Strict: every free pin begins unallocated. Otherwise as an input, analog pins as analog.
+    void useStrictMode(bool strict) { strict_ = strict; }
+    bool isStrict() const { return strict_; }
+
+    PinMode mode(uint8_t pin) const { return static_cast<PinMode>(modes_[pin] & 15); }
+
+    // Number given by claim() to who uses the pin, 0 for the I/O service.
+    uint8_t owner(uint8_t pin) const { return modes_[pin] >> 4; }
+    Error claim(uint8_t pin, uint8_t owner);
+    void release(uint8_t owner);
+
+    // Bit 1 digital, 2 analog input, 4 PWM.
+    static uint8_t capabilities(uint8_t pin);
+
+  private:
+    Error setMode(uint8_t pin, uint8_t mode);
+    Error writeDigital(uint8_t pin, bool high);
+    Error writePwm(uint8_t pin, uint8_t duty);
+    void free(uint8_t pin);
+    void apply(uint8_t pin, PinMode mode);
+    void sendPort(uint8_t port, uint8_t levels);
+    bool isAnalogInput(uint8_t channel) const;
+    uint8_t countAnalogInputs() const;
+    void writePortAndMask(uint8_t pin);
+    void writeAnalogInput(uint8_t nth);
+    bool isFree(uint8_t pin) const { return mode(pin) < PinMode::kReserved; }
+
+    static constexpr uint8_t kPorts = hw::kLastPort - hw::kFirstPort + 1;
+    static constexpr uint8_t kIdle = 255;
+
+    uint8_t modes_[hw::kPins];  // mode in the low half, owner in the high
+    uint8_t inputs_[kPorts];    // mask of the pins that are inputs
+    uint8_t levels_[kPorts];    // as last reported
+    uint16_t analog_[hw::kAnalogChannels];
+    uint8_t channel_;  // being converted in this round
+    bool strict_;
+};
+
+}  // namespace asip

@@ -1,0 +1,36 @@
+// The serial line under the protocol. These functions are defined by whichever of <AsipFastSerial.h> and
+// <AsipSerial.h> the sketch includes (exactly one, in one file), and by a fake in the tests: chosen when
+// linking, a line costs no RAM and no indirect call.
+#pragma once
+
+#include <stdint.h>
+
+namespace asip {
+namespace line {
+
+// Opens the line at kDefaultBaud.
+void begin();
+
+// Next byte received, or -1. A byte that arrived damaged, or in whose place bytes were lost, reads as 0.
+int16_t read();
+
+// Bytes that write() takes now without waiting.
+uint8_t room();
+
+// Queues one byte; waits while the queue is full.
+void write(uint8_t byte);
+
+// True when all that was written has left the wire (or may be taken to have, for a line that cannot tell).
+bool idle();
+
+// Switches to `baud`, one of the rates that isRate() allows. Call when idle.
+void setRate(uint32_t baud);
+
+// True if the line can run at `baud` with an error below 2.5 %.
+bool isRate(uint32_t baud);
+
+// True for the pins that the line itself occupies.
+bool usesPin(uint8_t pin);
+
+}  // namespace line
+}  // namespace asip

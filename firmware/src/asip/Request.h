@@ -1,0 +1,47 @@
+// One request line, read argument by argument. A service reads all its arguments, then asks once whether
+// they were all there and well-formed, and acts only then:
+//
+//   const uint16_t servo = request.number();
+//   const uint16_t angle = request.number(180);
+//   if (!request.complete()) return Error::kBadArgument;
+#pragma once
+
+#include <stdint.h>
+
+namespace asip {
+
+class Request {
+  public:
+    // `line` ends in '\0', lasts as long as the request, and has at least `S,t`.
+    explicit Request(const char* line) : tag_(line[2]), next_(line + 3), good_(true) {}
+
+    char tag() const { return tag_; }
+
+    // The next argument: a comma and digits. A missing or malformed one, or one above `max`, spoils the
+    // request and reads as 0.
+    uint16_t number(uint16_t max = 65535);
+
+    // The same with an optional minus; the magnitude is at most `max`.
+    int16_t signedNumber(int16_t max = 32767);
+
+    // True if there is another argument.
+    bool more() const { return good_ && *next_ == ','; }
+
+    // The rest of the line after a comma, as text; empty if there is none.
+    const char* text();
+
+    // True if every argument asked for was good and nothing is left over.
+    bool complete() const { return good_ && *next_ == '\0'; }
+
+    // Steps over `expected` if it is the next character.
+    bool skip(char expected);
+
+  private:
+    uint16_t digits(uint16_t max);
+
+    char tag_;
+    const char* next_;
+    bool good_;
+};
+
+}  // namespace asip

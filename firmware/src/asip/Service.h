@@ -1,0 +1,65 @@
+// Base of everything a board offers. A service is a class with an id, a name, begin() and
+// processRequest(); one that reports adds count() and reportValue(). The core finds the service of a
+// request, sends its errors, and keeps its auto-event period. docs/add-a-service.md builds one step by step.
+#pragma once
+
+#include <stdint.h>
+
+#include "Error.h"
+#include "Flash.h"
+#include "Out.h"
+#include "Request.h"
+
+namespace asip {
+
+class Service {
+  public:
+    // The letter of the service, 'A' to 'Z'.
+    char id() const { return id_; }
+
+    // Its name as listed by #,N: return F("...").
+    virtual FlashText name() const = 0;
+
+    // Claims its pins (board.claimPin) and brings its hardware to rest. Called when the board starts and
+    // again at each #,R: all pins are then free inputs and no period is set.
+    virtual void begin() = 0;
+
+    // Executes a request, or says what is wrong with it and does nothing.
+    virtual Error processRequest(Request& request) = 0;
+
+    // Writes one of its values to `out`, as it stands between the braces of an event.
+    virtual void reportValue(uint8_t index);
+
+    // Called when the auto-event period is over, and when the line has room. By default sends the event
+    // @S,e,COUNT,{value,...} of count() values at once; a service that has to measure first starts to.
+    virtual void reportValues();
+
+    // Called in each pass of the loop. Must be short: a few dozen microseconds.
+    virtual void poll();
+
+    // Milliseconds between auto-events, 0 for none.
+    void setPeriod(uint16_t ms) { period_ = remaining_ = ms; }
+    uint16_t period() const { return period_; }
+
+  protected:
+    // `count` values are reported; a service that reports none has no auto-event request either.
+    constexpr explicit Service(char id, uint8_t count = 0)
+        : next_(nullptr), period_(0), remaining_(0), id_(id), count_(count) {}
+
+    uint8_t count() const { return count_; }
+    void setCount(uint8_t count) { count_ = count; }
+
+  private:
+    friend class Board;
+    bool countDown(uint8_t elapsedMs);
+    void reload() { remaining_ = period_; }
+
+    Service* next_;
+    // Counted down, not compared with a clock: a 16-bit clock misfires when it wraps.
+    uint16_t period_;
+    uint16_t remaining_;
+    char id_;
+    uint8_t count_;
+};
+
+}  // namespace asip
