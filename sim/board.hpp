@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -153,10 +154,6 @@ class Board {
 
     /// The simulator underneath, for what is not offered here.
     avr_t* raw();
-
-    /// Of use to parts only.
-    class Wiring;
-    Wiring& wiring();
 
   private:
     struct Impl;

@@ -1,0 +1,84 @@
+#include "sim/board_impl.hpp"
+
+namespace asip::sim {
+namespace {
+
+constexpr std::uint16_t kMcusr = 0x54;
+constexpr std::uint8_t kPowerOn = 0x01;
+constexpr std::uint8_t kExternal = 0x02;
+constexpr std::uint16_t kStackPointerLow = 0x5d;
+constexpr std::uint16_t kStackPointerHigh = 0x5e;
+
+}  // namespace
+
+Board::Impl::Impl(BoardConfig config, const BoardKind& kind, Image image, std::unique_ptr<Chip> chip,
+                  avr_uart_t& port)
+    : config_(std::move(config)),
+      kind_(kind),
+      symbols_(std::move(image.symbols)),
+      chip_(std::move(chip)),
+      clock_(chip_->avr()),
+      wiring_(chip_->avr(), kind),
+      line_(port, clock_, config_.frequency, [this](char byte) { received(byte); }),
+      deadline_(clock_, [] {}),
+      context_{wiring_, clock_, config_.frequency / 1e6, [this](const Part& part) {
+                   if (on_change_)
+                       on_change_({std::chrono::nanoseconds(
+                                       static_cast<std::int64_t>(clock_.cycle() * 1e9 / config_.frequency)),
+                                   part.name(), std::string(part.kind()), part.state()});
+               }} {
+    line_.set_host_baud(config_.host_baud);
+    avr().data[kMcusr] = kPowerOn;
+    chip_->on_reset([this] { was_reset(); });
+    for (const auto& part : config_.parts)
+        parts_.push_back(
+            std::visit([&](const auto& spec) { return make_part(part.name, spec, context_); }, part.spec));
+}
+
+void Board::Impl::run_to(Cycles target) {
+    // Without it a sleeping chip would run on to its own next timer.
+    deadline_.at(target);
+    while (clock_.cycle() < target && !stop_) {
+        if (!chip_->alive()) {
+            avr().cycle = target;
+            break;
+        }
+        chip_->run_a_little();
+        if (watching_stack_) watch_stack_pointer();
+    }
+    deadline_.cancel();
+}
+
+void Board::Impl::was_reset() {
+    ++resets_;
+    last_reset_ = external_reset_ ? ResetCause::external : ResetCause::watchdog;
+    if (external_reset_) avr().data[kMcusr] = kExternal;
+    line_.after_reset();
+    clock_.rearm();
+    wiring_.after_reset();
+    for (auto& part : parts_)
+        part->after_reset();
+    if (on_reset_) on_reset_(last_reset_);
+}
+
+void Board::Impl::received(char byte) {
+    if (on_byte_) {
+        on_byte_(byte);
+        return;
+    }
+    received_.push_back({byte, clock_.cycle()});
+    if (stop_at_newline_ && byte == '\n') stop_ = true;
+}
+
+unsigned Board::Impl::stack_depth() const {
+    const auto& data = avr().data;
+    const unsigned pointer = data[kStackPointerLow] | data[kStackPointerHigh] << 8;
+    // Before the start-up code has set it, it may be anywhere.
+    return pointer > avr().ramend || pointer < 0x100 ? 0 : avr().ramend - pointer;
+}
+
+void Board::Impl::watch_stack_pointer() {
+    deepest_stack_ = std::max(deepest_stack_, stack_depth());
+}
+
+}  // namespace asip::sim

@@ -1,0 +1,50 @@
+#pragma once
+#include <deque>
+
+#include "sim/board.hpp"
+#include "sim/chip.hpp"
+#include "sim/part_context.hpp"
+#include "sim/serial_line.hpp"
+
+namespace asip::sim {
+
+/// What a Board consists of. Order matters: later members refer to earlier ones.
+struct Board::Impl {
+    Impl(BoardConfig config, const BoardKind& kind, Image image, std::unique_ptr<Chip> chip,
+         avr_uart_t& port);
+
+    void run_to(Cycles target);
+    void was_reset();
+    void received(char byte);
+    void watch_stack_pointer();
+    unsigned stack_depth() const;
+    avr_t& avr() { return chip_->avr(); }
+    const avr_t& avr() const { return chip_->avr(); }
+
+    BoardConfig config_;
+    const BoardKind& kind_;
+    std::map<std::string, std::uint32_t, std::less<>> symbols_;
+    std::unique_ptr<Chip> chip_;
+    AlarmClock clock_;
+    Wiring wiring_;
+    SerialLine line_;
+    Alarm deadline_;
+    PartContext context_;
+    std::vector<std::unique_ptr<Part>> parts_;
+
+    std::vector<ReceivedByte> received_;
+    std::function<void(char)> on_byte_;
+    std::function<void(const Change&)> on_change_;
+    std::function<void(ResetCause)> on_reset_;
+    bool stop_at_newline_ = false;
+    bool stop_ = false;
+
+    unsigned resets_ = 0;
+    bool external_reset_ = false;
+    ResetCause last_reset_ = ResetCause::power_on;
+
+    bool watching_stack_ = false;
+    unsigned deepest_stack_ = 0;
+};
+
+}  // namespace asip::sim

@@ -1,0 +1,20 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+namespace asip::sim {
+
+/// What a receiver makes of one frame.
+struct HeardByte {
+    std::uint8_t byte;
+    bool framing_error;  ///< its stop bit was low
+};
+
+/// Whether a receiver at one rate understands a sender at the other: within 3 %.
+bool rates_match(double sender_bit, double receiver_bit);
+
+/// What an 8N1 receiver hears of one 8N1 byte followed by silence, when their bits last differently (any
+/// common unit). None, one or several bytes, as on a real wire.
+std::vector<HeardByte> hear(std::uint8_t byte, double sender_bit, double receiver_bit);
+
+}  // namespace asip::sim

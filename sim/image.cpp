@@ -1,0 +1,49 @@
+#include "sim/image.hpp"
+
+#include "sim/image_places.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+namespace asip::sim {
+namespace {
+
+constexpr std::size_t kLargestFlash = 1 << 20;
+constexpr std::size_t kLargestEeprom = 1 << 16;
+
+}  // namespace
+
+Expected<Image> load_image(const std::filesystem::path& file) {
+    const auto name = file.string();
+    std::error_code error;
+    if (std::filesystem::is_directory(file, error)) return fail(name + ": is a folder, not a firmware image");
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) return fail(name + ": cannot read the firmware image: " + std::strerror(errno));
+    const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
+    if (bytes.empty()) return fail(name + ": the firmware image is empty");
+    if (bytes[0] == 0x7f) return parse_elf(bytes, name);
+    if (bytes[0] == ':') return parse_hex(bytes, name);
+    return fail(name + ": neither an .elf nor an Intel .hex file");
+}
+
+/// Places `data` at `address` of a memory that grows as needed; false if it would leave the largest chip.
+bool place(std::vector<std::uint8_t>& memory, std::size_t limit, std::size_t address,
+           const std::uint8_t* data, std::size_t size) {
+    if (address > limit || size > limit - address) return false;
+    if (memory.size() < address + size) memory.resize(address + size, 0xff);
+    std::copy(data, data + size, memory.begin() + static_cast<std::ptrdiff_t>(address));
+    return true;
+}
+
+bool place_in_flash(Image& image, std::size_t address, const std::uint8_t* data, std::size_t size) {
+    return place(image.flash, kLargestFlash, address, data, size);
+}
+
+bool place_in_eeprom(Image& image, std::size_t address, const std::uint8_t* data, std::size_t size) {
+    return place(image.eeprom, kLargestEeprom, address, data, size);
+}
+
+}  // namespace asip::sim

@@ -1,0 +1,28 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "asip/expected.hpp"
+
+namespace asip::sim {
+
+/// A firmware image as it goes into a chip.
+struct Image {
+    std::vector<std::uint8_t> flash;   ///< from address 0; gaps are 0xff, as in an erased flash
+    std::vector<std::uint8_t> eeprom;  ///< what the image brings along, from address 0
+    std::map<std::string, std::uint32_t, std::less<>>
+        symbols;  ///< data addresses without the linker's 0x800000
+};
+
+/// Reads an AVR .elf or an Intel .hex file, told apart by content. The error names the file, and for a .hex
+/// the line.
+Expected<Image> load_image(const std::filesystem::path& file);
+
+/// The two formats from memory; `name` is for the errors.
+Expected<Image> parse_elf(const std::vector<std::uint8_t>& bytes, const std::string& name);
+Expected<Image> parse_hex(const std::vector<std::uint8_t>& bytes, const std::string& name);
+
+}  // namespace asip::sim

@@ -1,0 +1,82 @@
+#include "sim/serial_line.hpp"
+
+#include <cmath>
+
+#include "sim/garble.hpp"
+
+namespace asip::sim {
+namespace {
+
+constexpr double kUsualBaud = 57600;  // the host's rate while it follows a board that has not opened its port
+constexpr int kHostFrameBits = 10;
+
+}  // namespace
+
+SerialLine::SerialLine(avr_uart_t& port, AlarmClock& clock, std::uint32_t frequency, Receiver to_host)
+    : usart_(port, clock,
+             {[this](std::uint8_t byte, double bit_cycles) { from_board(byte, bit_cycles); },
+              [this] { ++errors_.cut_by_rate_change; }}),
+      frequency_(frequency),
+      to_host_(std::move(to_host)),
+      arrival_(clock, [this] { arrived(); }) {}
+
+void SerialLine::send(std::string_view bytes) {
+    queue_.insert(queue_.end(), bytes.begin(), bytes.end());
+    if (!busy_ && !queue_.empty()) start_next(arrival_.clock().cycle());
+}
+
+std::uint32_t SerialLine::board_baud() const {
+    if (!usart_.receiver_on() && !usart_.transmitter_on()) return 0;
+    return static_cast<std::uint32_t>(std::lround(frequency_ / usart_.bit_cycles()));
+}
+
+double SerialLine::host_bit(double board_bit) const {
+    if (host_baud_ != 0) return static_cast<double>(frequency_) / host_baud_;
+    return board_baud() != 0 ? board_bit : frequency_ / kUsualBaud;
+}
+
+void SerialLine::start_next(std::uint64_t cycle) {
+    busy_ = true;
+    byte_ = static_cast<std::uint8_t>(queue_.front());
+    queue_.pop_front();
+    sender_bit_ = host_bit(usart_.bit_cycles());
+    lost_ = !usart_.receive_start();
+    if (lost_) ++errors_.receive_overruns;
+    arrival_.at(cycle + static_cast<std::uint64_t>(sender_bit_ * kHostFrameBits));
+}
+
+void SerialLine::arrived() {
+    busy_ = false;
+    if (!lost_) {
+        const double board_bit = usart_.bit_cycles();
+        if (rates_match(sender_bit_, board_bit)) {
+            usart_.receive(byte_, false);
+        } else {
+            if (usart_.receiver_on()) ++errors_.garbled_to_board;
+            for (const auto& heard : hear(byte_, sender_bit_, board_bit))
+                usart_.receive(heard.byte, heard.framing_error);
+        }
+    }
+    if (!queue_.empty()) start_next(arrival_.when());
+}
+
+void SerialLine::from_board(std::uint8_t byte, double bit_cycles) {
+    const double bit = host_bit(bit_cycles);
+    if (rates_match(bit_cycles, bit)) {
+        to_host_(static_cast<char>(byte));
+        return;
+    }
+    ++errors_.garbled_to_host;
+    for (const auto& heard : hear(byte, bit_cycles, bit))
+        to_host_(heard.framing_error ? '\0'
+                                     : static_cast<char>(heard.byte));  // as a tty in raw mode hands it on
+}
+
+void SerialLine::after_reset() {
+    arrival_.cancel();
+    queue_.clear();
+    busy_ = false;
+    usart_.reset();
+}
+
+}  // namespace asip::sim

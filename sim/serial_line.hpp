@@ -1,0 +1,50 @@
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <string_view>
+
+#include "sim/alarm.hpp"
+#include "sim/board.hpp"
+#include "sim/usart.hpp"
+
+namespace asip::sim {
+
+/// The wire between the host's serial port and the chip's: bytes take their time, and two rates that differ
+/// garble.
+class SerialLine {
+  public:
+    using Receiver = std::function<void(char byte)>;
+
+    SerialLine(avr_uart_t& port, AlarmClock& clock, std::uint32_t frequency, Receiver to_host);
+
+    void send(std::string_view bytes);
+    std::size_t sending() const { return queue_.size() + (busy_ ? 1 : 0); }
+
+    void set_host_baud(std::uint32_t baud) { host_baud_ = baud; }
+    std::uint32_t host_baud() const { return host_baud_; }
+    std::uint32_t board_baud() const;
+    const LineErrors& errors() const { return errors_; }
+
+    void after_reset();
+
+  private:
+    double host_bit(double board_bit) const;
+    void start_next(std::uint64_t cycle);
+    void arrived();
+    void from_board(std::uint8_t byte, double bit_cycles);
+
+    Usart usart_;
+    std::uint32_t frequency_;
+    Receiver to_host_;
+    Alarm arrival_;
+    std::deque<char> queue_;
+    bool busy_ = false;
+    bool lost_ = false;
+    std::uint8_t byte_ = 0;
+    double sender_bit_ = 0;
+    std::uint32_t host_baud_ = 0;
+    LineErrors errors_;
+};
+
+}  // namespace asip::sim

@@ -1,0 +1,13 @@
+#pragma once
+// simavr's headers, for the files that talk to it.
+#include <simavr/sim_avr.h>
+// sim_avr.h has to come first.
+#include <simavr/avr_adc.h>
+#include <simavr/avr_eeprom.h>
+#include <simavr/avr_extint.h>
+#include <simavr/avr_ioport.h>
+#include <simavr/avr_uart.h>
+#include <simavr/sim_cycle_timers.h>
+#include <simavr/sim_interrupts.h>
+#include <simavr/sim_io.h>
+#include <simavr/sim_irq.h>
