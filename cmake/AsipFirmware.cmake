@@ -14,10 +14,11 @@ set(asip_avr_common -g -Os -ffunction-sections -fdata-sections -MMD -flto -DF_CP
 set(asip_avr_c -std=gnu11 -fno-fat-lto-objects ${asip_avr_common})
 set(asip_avr_cxx -std=gnu++11 -fpermissive -fno-exceptions -fno-threadsafe-statics -Wno-error=narrowing
   ${asip_avr_common})
-set(asip_avr_warnings -Wall -Wextra -Werror)
+# The pin macros of the core compare an unsigned pin with 0.
+set(asip_avr_warnings -Wall -Wextra -Wno-type-limits -Werror)
 
 set(asip_library_sources
-  asip/Board.cpp asip/Error.cpp asip/Extensions.cpp asip/IoService.cpp asip/Out.cpp asip/Request.cpp
+  AsipDistance.cpp AsipServos.cpp asip/Board.cpp asip/Error.cpp asip/Extensions.cpp asip/IoService.cpp asip/Out.cpp asip/Request.cpp
   asip/Service.cpp asip/System.cpp)
 
 function(asip_board_flags board out_flags out_variant)

@@ -149,6 +149,14 @@ Error Board::claimPin(uint8_t pin, const Service& service) {
     return io_.claim(pin, numberOf(service));
 }
 
+bool Board::ownsPin(uint8_t pin, const Service& service) const {
+    return pin < hw::kPins && io_.owner(pin) == numberOf(service);
+}
+
+bool Board::canClaim(uint8_t pin, const Service& service) const {
+    return ownsPin(pin, service) || io_.isFree(pin);
+}
+
 void Board::releasePins(const Service& service) {
     io_.release(numberOf(service));
 }

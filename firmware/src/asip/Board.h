@@ -27,6 +27,10 @@ class Board {
     // Takes a free pin for `service`: kInvalidPin if there is no such pin or it is in use.
     Error claimPin(uint8_t pin, const Service& service);
 
+    // True if claimPin() would give the pin to `service`, or has.
+    bool canClaim(uint8_t pin, const Service& service) const;
+    bool ownsPin(uint8_t pin, const Service& service) const;
+
     // Gives back every pin of `service` as a free input.
     void releasePins(const Service& service);
 

@@ -37,7 +37,7 @@ void IoService::release(uint8_t owner) {
 }
 
 Error IoService::claim(uint8_t pin, uint8_t owner) {
-    if (pin >= hw::kPins || !isFree(pin)) return Error::kInvalidPin;
+    if (!isFree(pin)) return Error::kInvalidPin;
     apply(pin, PinMode::kUnallocated);
     modes_[pin] = static_cast<uint8_t>(static_cast<uint8_t>(PinMode::kOtherService) | (owner << 4));
     return Error::kNone;

@@ -40,6 +40,7 @@ class IoService : public Service {
 
     // Number given by claim() to who uses the pin, 0 for the I/O service.
     uint8_t owner(uint8_t pin) const { return modes_[pin] >> 4; }
+    bool isFree(uint8_t pin) const { return pin < hw::kPins && mode(pin) < PinMode::kReserved; }
     Error claim(uint8_t pin, uint8_t owner);
     void release(uint8_t owner);
 
@@ -57,7 +58,6 @@ class IoService : public Service {
     uint8_t countAnalogInputs() const;
     void writePortAndMask(uint8_t pin);
     void writeAnalogInput(uint8_t nth);
-    bool isFree(uint8_t pin) const { return mode(pin) < PinMode::kReserved; }
 
     static constexpr uint8_t kPorts = hw::kLastPort - hw::kFirstPort + 1;
     static constexpr uint8_t kIdle = 255;

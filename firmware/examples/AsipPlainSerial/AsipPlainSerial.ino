@@ -1,0 +1,8 @@
+// The line on the Arduino core's own Serial: for sketches that use Serial themselves, and for boards whose
+// Serial is a USB port of the chip (Leonardo).
+#include <Asip.h>
+#include <AsipSerial.h>
+
+void setup() { asip::board.begin(F("AsipPlainSerial")); }
+
+void loop() { asip::board.run(); }

@@ -1,0 +1,37 @@
+// Servos on any pins: S,W,servo,angle turns one to 0..180 degrees (pulses of 544 to 2400 microseconds, every
+// 20 ms); S,M,count,pin,... puts the servos on other pins. A servo gets no pulses, and stays where it is,
+// until its first S,W.
+//
+//   asip::Servos servos(9, 10);
+//
+// Timer 1 makes the pulses: with servos, its pins (Uno and Leonardo 9 and 10, Mega 11 and 12) have no PWM.
+#pragma once
+
+#include "Asip.h"
+
+namespace asip {
+
+class Servos : public Service {
+  public:
+    static constexpr uint8_t kMaxServos = 8;
+
+    template <typename... Pins>
+    constexpr explicit Servos(Pins... pins)
+        : Service('S'), pins_{static_cast<uint8_t>(pins)...}, used_(sizeof...(Pins)) {
+        static_assert(sizeof...(Pins) <= kMaxServos, "too many servos");
+    }
+
+    FlashText name() const override;
+    void begin() override;
+    Error processRequest(Request& request) override;
+
+  private:
+    Error write(Request& request);
+    Error remap(Request& request);
+    void attach();
+
+    uint8_t pins_[kMaxServos];
+    uint8_t used_;
+};
+
+}  // namespace asip
