@@ -24,13 +24,14 @@ Expected<std::vector<std::uint8_t>> read_eeprom(const std::filesystem::path& fil
 }
 
 /// Under another name first: whoever ends this program must not leave half an EEPROM.
-void write_eeprom(const std::filesystem::path& file, const std::vector<std::uint8_t>& bytes) {
+bool write_eeprom(const std::filesystem::path& file, const std::vector<std::uint8_t>& bytes) {
     const auto draft = file.string() + ".new";
     std::ofstream stream(draft, std::ios::binary | std::ios::trunc);
     stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     stream.close();
     std::error_code error;
     if (stream) std::filesystem::rename(draft, file, error);
+    return stream && !error;
 }
 
 std::string board_names() {
@@ -45,7 +46,17 @@ std::string board_names() {
 Board::Board(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Board::~Board() {
-    if (!impl_->config_.eeprom.empty()) write_eeprom(impl_->config_.eeprom, eeprom());
+    save_eeprom();
+}
+
+bool Board::save_eeprom() {
+    const auto& file = impl_->config_.eeprom;
+    if (file.empty()) return true;
+    const auto bytes = eeprom();
+    if (bytes == impl_->saved_eeprom_) return true;
+    if (!write_eeprom(file, bytes)) return false;
+    impl_->saved_eeprom_ = bytes;
+    return true;
 }
 
 Expected<std::unique_ptr<Board>> Board::create(const BoardConfig& config) {
@@ -54,7 +65,8 @@ Expected<std::unique_ptr<Board>> Board::create(const BoardConfig& config) {
         return fail(fmt::format("there is no board \"{}\": {}", config.board, board_names()));
     if (config.frequency < 1'000'000 || config.frequency > 20'000'000)
         return fail(fmt::format("frequency: {} Hz is not between 1 and 20 MHz", config.frequency));
-    if (auto checked = check_parts(config, *kind); !checked) return fail(checked.error());
+    if (auto checked = check_parts(config, *kind); !checked)
+        return fail(config.parts[checked.error().index].name + ": " + checked.error().reason);
     auto image = load_image(config.image);
     if (!image) return fail(image.error());
     auto chip = Chip::create(*kind, config.frequency, *image);
@@ -230,9 +242,10 @@ void Board::on_change(std::function<void(const Change&)> callback) {
 }
 
 void Board::reset() {
-    impl_->external_reset_ = true;
-    avr_reset(&impl_->avr());
-    impl_->external_reset_ = false;
+    impl_->reset_from_outside(ResetCause::external);
+}
+void Board::power_cycle() {
+    impl_->reset_from_outside(ResetCause::power_on);
 }
 
 unsigned Board::resets() const {

@@ -131,7 +131,10 @@ class Board {
 
     /// As the reset button or DTR does it. RAM keeps its content, as on a chip; bytes on the wire are lost.
     void reset();
-    unsigned resets() const;  ///< since switched on: watchdog and reset() together
+    /// As unplugging and plugging in again does it. RAM keeps its content here, which a chip does not
+    /// promise.
+    void power_cycle();
+    unsigned resets() const;  ///< since it was created: watchdog, reset() and power_cycle()
     ResetCause last_reset() const;
     void on_reset(std::function<void(ResetCause)> callback);
 
@@ -144,6 +147,9 @@ class Board {
 
     std::vector<std::uint8_t> eeprom() const;
     void set_eeprom(std::size_t offset, const std::vector<std::uint8_t>& bytes);
+
+    /// Writes the EEPROM to BoardConfig::eeprom if it changed since. False if that cannot be written.
+    bool save_eeprom();
 
     /// From now on follows the stack pointer after each instruction (about half as fast).
     void watch_stack();

@@ -30,6 +30,7 @@ Board::Impl::Impl(BoardConfig config, const BoardKind& kind, Image image, std::u
     line_.set_host_baud(config_.host_baud);
     avr().data[kMcusr] = kPowerOn;
     chip_->on_reset([this] { was_reset(); });
+    saved_eeprom_ = chip_->eeprom();
     for (const auto& part : config_.parts)
         parts_.push_back(
             std::visit([&](const auto& spec) { return make_part(part.name, spec, context_); }, part.spec));
@@ -49,10 +50,17 @@ void Board::Impl::run_to(Cycles target) {
     deadline_.cancel();
 }
 
+void Board::Impl::reset_from_outside(ResetCause cause) {
+    cause_from_outside_ = cause;
+    avr_reset(&avr());
+    cause_from_outside_.reset();
+}
+
 void Board::Impl::was_reset() {
     ++resets_;
-    last_reset_ = external_reset_ ? ResetCause::external : ResetCause::watchdog;
-    if (external_reset_) avr().data[kMcusr] = kExternal;
+    last_reset_ = cause_from_outside_.value_or(ResetCause::watchdog);
+    // After the watchdog simavr sets its flag itself.
+    if (cause_from_outside_) avr().data[kMcusr] = last_reset_ == ResetCause::power_on ? kPowerOn : kExternal;
     line_.after_reset();
     clock_.rearm();
     wiring_.after_reset();

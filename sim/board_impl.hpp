@@ -14,6 +14,7 @@ struct Board::Impl {
          avr_uart_t& port);
 
     void run_to(Cycles target);
+    void reset_from_outside(ResetCause cause);
     void was_reset();
     void received(char byte);
     void watch_stack_pointer();
@@ -40,8 +41,10 @@ struct Board::Impl {
     bool stop_ = false;
 
     unsigned resets_ = 0;
-    bool external_reset_ = false;
+    std::optional<ResetCause> cause_from_outside_;
     ResetCause last_reset_ = ResetCause::power_on;
+
+    std::vector<std::uint8_t> saved_eeprom_;
 
     bool watching_stack_ = false;
     unsigned deepest_stack_ = 0;

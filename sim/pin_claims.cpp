@@ -47,18 +47,18 @@ struct Holder {
 Expected<void> check_claim(const std::string& name, const Claim& claim, const BoardKind& kind,
                            std::multimap<int, Holder>& held) {
     if (claim.pin < 0 || claim.pin >= static_cast<int>(kind.pins.size()))
-        return fail(fmt::format("{}: there is no pin {} on the {} (0 to {})", name, claim.pin, kind.name,
+        return fail(fmt::format("there is no pin {} on the {} (0 to {})", claim.pin, kind.name,
                                 kind.pins.size() - 1));
     const int channel = kind.pins[static_cast<std::size_t>(claim.pin)].channel;
     if (claim.analog && channel < 0)
-        return fail(fmt::format("{}: pin {} of the {} is not an analog input", name, claim.pin, kind.name));
+        return fail(fmt::format("pin {} of the {} is not an analog input", claim.pin, kind.name));
     if (claim.analog && channel >= kReadableChannels)
         return fail(fmt::format("{}: simavr cannot read pin {}: it has only the first {} analog channels",
                                 name, claim.pin, kReadableChannels));
     const auto [first, last] = held.equal_range(claim.pin);
     for (auto it = first; it != last; ++it)
         if (!can_share(it->second.use, claim.use))
-            return fail(fmt::format("{}: pin {} is taken by {}", name, claim.pin, it->second.name));
+            return fail(fmt::format("pin {} is taken by {}", claim.pin, it->second.name));
     held.emplace(claim.pin, Holder{name, claim.use});
     return {};
 }
@@ -73,24 +73,29 @@ std::pair<int, int> serial_pins(const BoardConfig& config, const BoardKind& kind
 
 }  // namespace
 
-Expected<void> check_parts(const BoardConfig& config, const BoardKind& kind) {
+Expected<void, PartFault> check_parts(const BoardConfig& config, const BoardKind& kind) {
     std::multimap<int, Holder> held;
     const auto [first, second] = serial_pins(config, kind);
     held.emplace(first, Holder{"the serial port", Use::drives});
     held.emplace(second, Holder{"the serial port", Use::drives});
     std::set<std::string> names;
     unsigned timed = 0;
-    for (const auto& part : config.parts) {
-        if (part.name.empty()) return fail("a part has no name");
-        if (!names.insert(part.name).second) return fail(part.name + ": two parts have this name");
+    for (std::size_t i = 0; i < config.parts.size(); ++i) {
+        const auto fault = [i](std::string reason) {
+            return Unexpected<PartFault>(PartFault{i, std::move(reason)});
+        };
+        const auto& part = config.parts[i];
+        if (part.name.empty()) return fault("it has no name");
+        if (!names.insert(part.name).second) return fault("another part has this name");
         for (const auto& claim : std::visit(ClaimsOf{}, part.spec))
-            if (auto checked = check_claim(part.name, claim, kind, held); !checked) return checked;
+            if (auto checked = check_claim(part.name, claim, kind, held); !checked)
+                return fault(checked.error());
         if (std::holds_alternative<UltrasonicSpec>(part.spec) ||
             std::holds_alternative<SquareWaveSpec>(part.spec))
             ++timed;
         if (timed > kMostTimedParts)
-            return fail(fmt::format("{}: more than {} ultrasonic sensors and square waves on one board",
-                                    part.name, kMostTimedParts));
+            return fault(fmt::format("more than {} ultrasonic sensors and square waves on one board",
+                                     kMostTimedParts));
     }
     return {};
 }

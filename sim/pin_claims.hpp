@@ -5,8 +5,13 @@
 
 namespace asip::sim {
 
+/// Which part cannot be wired, and why.
+struct PartFault {
+    std::size_t index;  ///< in BoardConfig::parts
+    std::string reason;
+};
+
 /// Whether the parts can be wired as asked: every pin exists, is free, can do it, and each name is used once.
-/// The error begins with the part's name.
-Expected<void> check_parts(const BoardConfig& config, const BoardKind& kind);
+Expected<void, PartFault> check_parts(const BoardConfig& config, const BoardKind& kind);
 
 }  // namespace asip::sim
