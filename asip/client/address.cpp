@@ -3,7 +3,7 @@
 #include <charconv>
 #include <utility>
 
-#include "asip/model/name.hpp"
+#include "asip/model/names.hpp"
 
 namespace asip::client {
 namespace {
@@ -63,7 +63,7 @@ Expected<std::pair<std::string, std::uint16_t>> parse_host_port(std::string_view
 }
 
 Expected<Address> parse_board_name(std::string_view name, Address address) {
-    if (!model::valid_name(name)) {
+    if (!model::valid_board_name(name)) {
         return fail("\"" + std::string(name) + "\" is not a board name: 1 to 64 of A-Z a-z 0-9 . _ -");
     }
     address.board = name;

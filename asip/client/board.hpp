@@ -1,5 +1,7 @@
 #pragma once
-#include <boost/asio/awaitable.hpp>
+#include "asip/client/awaitable.hpp"
+
+#include <boost/asio/io_context.hpp>
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -9,24 +11,12 @@
 
 #include "asip/client/error.hpp"
 #include "asip/client/options.hpp"
+#include "asip/client/stream.hpp"
+#include "asip/client/subscription.hpp"
 #include "asip/client/transport.hpp"
 #include "asip/protocol/pin.hpp"
 
 namespace asip::client {
-
-template <class T>
-using Awaitable = boost::asio::awaitable<Result<T>>;
-
-/// Keeps a callback registered; the callback is never called after this is destroyed or reset.
-class Subscription {
-  public:
-    Subscription() = default;
-    explicit Subscription(std::shared_ptr<void> registration) : registration_(std::move(registration)) {}
-    void reset() { registration_.reset(); }
-
-  private:
-    std::shared_ptr<void> registration_;
-};
 
 class Service;
 
@@ -35,7 +25,7 @@ class Service;
 ///
 /// A Board is a handle: copies refer to the same board, the last one closes it. A default-constructed one
 /// refers to none; every call on it fails with Closed. All calls are made from the one thread that runs the
-/// executor it was opened on; a program without an io_context of its own uses BlockingBoard.
+/// io_context it was opened on; a program without an io_context of its own uses BlockingBoard.
 ///
 /// A call that changes something returns when the board has executed it, which a fence behind the command
 /// proves. A call in progress when the board goes away ends with Unreachable; the Board itself stays usable
@@ -45,9 +35,10 @@ class Board {
   public:
     Board() = default;
     /// Over any transport; Board::open makes the usual ones. open() has not been called on it.
-    static Awaitable<Board> open(std::unique_ptr<Transport> transport, Options options = {});
+    static Awaitable<Board> open(std::unique_ptr<Transport> transport, Options options);
     /// `address` as parse_address takes it: "/dev/ttyACM0", "tcp://host:6789", "mqtt://broker/uno1", "uno1".
-    static Awaitable<Board> open(std::string address, Options options = {});
+    /// `io` outlives the board. Returns once the board is there and its services are known.
+    static Awaitable<Board> open(boost::asio::io_context& io, std::string address, Options options = {});
 
     std::string name() const;
     /// Whether the board is there now.
@@ -56,44 +47,44 @@ class Board {
 
     // Pins. `pin` is the number that the Arduino core uses; `channel` counts analog inputs: channel 0 is A0.
 
-    Awaitable<void> set_pin_mode(int pin, protocol::PinMode mode);
-    Awaitable<void> digital_write(int pin, bool level);
+    Awaitable<void> set_pin_mode(int pin, protocol::PinMode mode) const;
+    Awaitable<void> digital_write(int pin, bool level) const;
     /// 0 to 255, of a pin in mode Pwm.
-    Awaitable<void> analog_write(int pin, int value);
+    Awaitable<void> analog_write(int pin, int value) const;
     /// The level of an input. Boards report changes by themselves, so a level once reported is answered at
     /// once; the first time the board is asked. Invalid if the pin is no input.
-    Awaitable<bool> digital_read(int pin);
+    Awaitable<bool> digital_read(int pin) const;
     /// 0 to 1023. The newest report if it is younger than Options::analog_max_age, else the next one; Timeout
     /// if none comes (set_analog_period starts reports, and the pin must be in mode Analog).
-    Awaitable<int> analog_read(int channel);
+    Awaitable<int> analog_read(int channel) const;
     /// How often the board reports its analog inputs; 0 stops. At most 65535 ms.
-    Awaitable<void> set_analog_period(std::chrono::milliseconds period);
+    Awaitable<void> set_analog_period(std::chrono::milliseconds period) const;
 
     /// `changed` is called with each level reported for the pin that differs from the one before (the first
     /// one does).
-    Subscription on_digital(int pin, std::function<void(bool level)> changed);
+    Subscription on_digital(int pin, std::function<void(bool level)> changed) const;
     /// `reported` is called with each report of the channel.
-    Subscription on_analog(int channel, std::function<void(int value)> reported);
+    Subscription on_analog(int channel, std::function<void(int value)> reported) const;
     /// `changed` is called when the board goes away (false) and when it is back (true).
-    Subscription on_presence(std::function<void(bool online)> changed);
-    /// Waits for the next change of the pin. No deadline: the caller decides when to stop waiting, by
-    /// close().
-    Awaitable<bool> next_digital(int pin);
+    Subscription on_presence(std::function<void(bool online)> changed) const;
+    /// The same levels as on_digital, to be fetched one after another, none missed in between.
+    Stream<bool> digital_changes(int pin) const;
 
     /// A service by its name on the bus ("distance", "servo"); Invalid if the board has none of that name,
     /// with those it has in the text.
     Result<Service> service(const std::string& name) const;
 
     /// One ASIP request as on the wire, for what has no call here: "T,P,440,200".
-    Awaitable<void> raw(std::string line);
+    Awaitable<void> raw(std::string line) const;
 
     /// Lets go of the port or broker; calls in progress end with Closed.
-    void close();
+    void close() const;
 
   private:
     friend class Service;
     class Core;
     explicit Board(std::shared_ptr<Core> core);
+    std::shared_ptr<Core> owner() const;
 
     std::shared_ptr<Core> core_;
 };
@@ -111,8 +102,8 @@ class Service {
     Awaitable<nlohmann::json> command(std::string name) const;
     /// `happened` is called with each event, decoded: {"distance":[42,118]}.
     Subscription on_event(std::function<void(const nlohmann::json& event)> happened) const;
-    /// Waits for the next event. No deadline, as Board::next_digital.
-    Awaitable<nlohmann::json> next_event() const;
+    /// The same events as on_event, to be fetched one after another, none missed in between.
+    Stream<nlohmann::json> events() const;
 
   private:
     friend class Board;

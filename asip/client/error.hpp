@@ -20,6 +20,8 @@ struct Error {
     Kind kind = Kind::Closed;
     int code = 0;  ///< With Board the board's error number, else 0.
     std::string text;
+
+    friend bool operator==(const Error&, const Error&) = default;
 };
 
 /// "invalid", "refused", "board error 3", ... followed by the text, for a log line.

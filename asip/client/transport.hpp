@@ -1,6 +1,7 @@
 #pragma once
+#include "asip/client/awaitable.hpp"
+
 #include <boost/asio/any_io_executor.hpp>
-#include <boost/asio/awaitable.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -47,16 +48,15 @@ class Transport {
     /// Called once, before anything else: reaches the board and learns its services. Returns when commands
     /// can be sent, or with the reason why not (Unreachable, Timeout). `listener` outlives the transport or
     /// its close().
-    virtual boost::asio::awaitable<Result<void>> open(Listener& listener) = 0;
+    virtual Awaitable<void> open(Listener& listener) = 0;
 
     /// One command, `{"write":[0,90]}` or `{"write":{"servo":0,"angle":90}}`, to a service by name; returns
     /// when the board has executed or refused it: the decoded answer of a command that has one, else null.
-    virtual boost::asio::awaitable<Result<nlohmann::json>> command(std::string service,
-                                                                   nlohmann::json command) = 0;
+    virtual Awaitable<nlohmann::json> command(std::string service, nlohmann::json command) = 0;
 
     /// One ASIP request as it is on the wire, without newline ("I,d,13,1"); returns when it was executed or
     /// refused.
-    virtual boost::asio::awaitable<Result<void>> raw(std::string line) = 0;
+    virtual Awaitable<void> raw(std::string line) = 0;
 
     /// What is known since open(); stable between two on_presence calls.
     virtual std::string board_name() const = 0;

@@ -1,0 +1,14 @@
+#pragma once
+#include <utility>  // Boost 1.74's awaitable.hpp uses std::exchange without it
+
+#include <boost/asio/awaitable.hpp>
+
+#include "asip/client/error.hpp"
+
+namespace asip::client {
+
+/// What a call returns to a coroutine: `const auto done = co_await board.digital_write(13, true);`
+template <class T>
+using Awaitable = boost::asio::awaitable<Result<T>>;
+
+}  // namespace asip::client
