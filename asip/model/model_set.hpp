@@ -32,7 +32,7 @@ class ModelSet {
     /// By "distance@1"; null when the name or the version differs.
     ModelPtr find_ref(std::string_view ref) const;
     /// True when this very version is built into every program, so that a description may refer to it.
-    bool is_standard(const ServiceModel& model) const;
+    static bool is_standard(const ServiceModel& model);
 
     /// Sorted by name.
     const std::vector<ModelPtr>& all() const { return models_; }

@@ -72,7 +72,8 @@ struct ServiceModel {
     std::string element;  // what one element is called: "sensor"; may be empty
     std::vector<EventModel> events;
     std::vector<CommandModel> commands;
-    std::string source;  // its JSON text, compact, with examples
+    std::string source;          // its JSON text, compact, without examples
+    std::string example_source;  // the array "examples", compact; empty where there is none
 
     std::string ref() const;  // "distance@1"
     const EventModel* event(char tag) const;

@@ -1,0 +1,234 @@
+#include "asip/model/command_encoder.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "asip/model/argument_writer.hpp"
+#include "asip/model/json.hpp"
+#include "asip/model/names.hpp"
+#include "asip/protocol/body.hpp"
+#include "asip/protocol/limits.hpp"
+#include "asip/protocol/request.hpp"
+
+namespace asip::model {
+namespace {
+
+using nlohmann::json;
+
+/// The arguments that the caller gives: all but the counts.
+std::vector<const Field*> given_arguments(const CommandModel& command) {
+    std::vector<const Field*> result;
+    for (const auto& argument : command.args) {
+        if (argument.type != ValueType::Count) result.push_back(&argument);
+    }
+    return result;
+}
+
+std::string wrong_count(const CommandModel& command, std::size_t given) {
+    const auto args = given_arguments(command);
+    const auto number = std::to_string(given);
+    if (args.empty()) return command.name + " takes no argument, not " + number;
+    std::string names;
+    for (const auto* argument : args)
+        names += (names.empty() ? "" : ", ") + argument->name;
+    const auto count = std::to_string(args.size()) + (args.size() == 1 ? " argument (" : " arguments (");
+    return command.name + " takes " + count + names + "), not " + number;
+}
+
+Expected<EncodedCommand> finish(const ServiceModel& model, const CommandModel& command, const json& values,
+                                Strictness strictness) {
+    const auto args = given_arguments(command);
+    if (values.size() > args.size()) return fail(wrong_count(command, values.size()));
+    if (values.size() < args.size()) {
+        return fail(command.name + ": argument '" + args[values.size()]->name + "' is missing");
+    }
+    const auto arguments = write_arguments(command, values, strictness);
+    if (!arguments) return fail(arguments.error());
+    EncodedCommand result{{}, command.name, model.id, command.tag, command.answer};
+    result.line = std::string{model.id, ',', command.tag} + *arguments;
+    if (result.line.size() > protocol::kMaxRequestBytes) {
+        return fail(command.name + ": the request would be " + std::to_string(result.line.size()) +
+                    " bytes long, above " + std::to_string(protocol::kMaxRequestBytes) +
+                    "; send it in parts");
+    }
+    return result;
+}
+
+Unexpected<std::string> unknown_command(const ServiceModel& model, std::string_view name) {
+    std::vector<std::string> names;
+    std::string all;
+    for (const auto& command : model.commands) {
+        names.push_back(command.name);
+        all += (all.empty() ? "" : ", ") + command.name;
+    }
+    const auto shown = std::string(name.substr(0, kMaxNameBytes));
+    const auto near = nearest(shown, names);
+    if (!near.empty()) return fail("no command '" + shown + "'; did you mean '" + near + "'?");
+    if (all.empty()) return fail("no command '" + shown + "'; " + model.name + " takes none");
+    return fail("no command '" + shown + "'; " + model.name + " has " + all);
+}
+
+/// Whether these values are the one list argument itself, not an array that holds it.
+bool is_list_itself(const Field& list, const json& values) {
+    if (values.size() != 1 || !values.front().is_array()) return true;
+    const auto& inner = values.front();
+    if (list.items.size() == 1) return false;
+    return inner.empty() ||
+           !(inner.front().is_array() || inner.front().is_object() || inner.front().is_string());
+}
+
+/// {"servo":0,"angle":90} in the order of the arguments.
+Expected<json> order_members(const CommandModel& command, const json& members) {
+    const auto args = given_arguments(command);
+    std::vector<std::string> names;
+    for (const auto* argument : args)
+        names.push_back(argument->name);
+    for (auto it = members.begin(); it != members.end(); ++it) {
+        if (std::find(names.begin(), names.end(), it.key()) != names.end()) continue;
+        const auto shown = it.key().substr(0, kMaxNameBytes);
+        const auto near = nearest(shown, names);
+        return fail(command.name + " has no argument '" + shown + "'" +
+                    (near.empty() ? "" : "; did you mean '" + near + "'?"));
+    }
+    json values = json::array();
+    for (const auto& name : names) {
+        const auto found = members.find(name);
+        if (found == members.end()) return fail(command.name + ": argument '" + name + "' is missing");
+        values.push_back(*found);
+    }
+    return values;
+}
+
+Expected<json> json_values(const CommandModel& command, const json& given) {
+    const auto args = given_arguments(command);
+    const bool one_list = args.size() == 1 && args.front()->type == ValueType::List;
+    if (given.is_null()) return json::array();
+    if (given.is_object()) return order_members(command, given);
+    if (given.is_array()) {
+        if (!one_list || !is_list_itself(*args.front(), given)) return given;
+        json values = json::array();
+        values.push_back(given);
+        return values;
+    }
+    if (args.empty() && given == json(true)) return json::array();
+    json values = json::array();
+    values.push_back(given);
+    return values;
+}
+
+/// A list as it stands on the wire, to an array of its items as text.
+Expected<json> list_from_text(const Field& list, std::string_view text) {
+    if (list.braces) {
+        if (text.size() < 2 || text.front() != '{' || text.back() != '}')
+            return fail(list.name + ": needs braces { }");
+        text = text.substr(1, text.size() - 2);
+    }
+    json items = json::array();
+    if (text.empty()) return items;
+    for (const auto item : protocol::split_fields(text, ','))
+        items.push_back(std::string(item));
+    return items;
+}
+
+/// "2,9,10" to values; the counts in it must be right.
+Expected<json> values_from_text(const CommandModel& command, std::string_view parameters, bool any) {
+    json values = json::array();
+    std::vector<std::pair<const Field*, std::string>> counts;
+    for (std::size_t i = 0; i < command.args.size() && any; ++i) {
+        const auto& argument = command.args[i];
+        const bool rest = argument.type == ValueType::List || argument.type == ValueType::Text;
+        const auto comma = rest ? std::string_view::npos : parameters.find(',');
+        const auto part = parameters.substr(0, comma);
+        if (argument.type == ValueType::List) {
+            auto items = list_from_text(argument, part);
+            if (!items) return items;
+            for (const auto& [count, said] : counts) {
+                if (count->of == argument.name && said != std::to_string(items->size())) {
+                    return fail(count->name + ": says " + said + ", but " + argument.name + " holds " +
+                                std::to_string(items->size()));
+                }
+            }
+            values.push_back(std::move(*items));
+        } else if (argument.type == ValueType::Count) {
+            counts.emplace_back(&argument, std::string(part));
+        } else {
+            values.push_back(std::string(part));
+        }
+        any = comma != std::string_view::npos;
+        parameters.remove_prefix(any ? comma + 1 : parameters.size());
+    }
+    if (any)
+        return fail(wrong_count(
+            command, values.size() + 1 +
+                         static_cast<std::size_t>(std::count(parameters.begin(), parameters.end(), ','))));
+    return values;
+}
+
+}  // namespace
+
+Expected<EncodedCommand> encode_json_command(const ServiceModel& model, const nlohmann::json& command) {
+    if (!command.is_object()) return fail("a command is an object such as {\"NAME\":[ARGUMENTS]}");
+    const std::string* name = nullptr;
+    const json* given = nullptr;
+    for (auto it = command.begin(); it != command.end(); ++it) {
+        if (it.key() == "id" || it.key() == "reply_to") continue;
+        if (name != nullptr)
+            return fail("one command at a time: '" + *name + "' or '" + it.key().substr(0, kMaxNameBytes) +
+                        "'");
+        name = &it.key();
+        given = &it.value();
+    }
+    if (name == nullptr) return fail("there is no command in it");
+    const auto* known = model.command(*name);
+    if (known == nullptr) return unknown_command(model, *name);
+    const auto values = json_values(*known, *given);
+    if (!values) return fail(values.error());
+    return finish(model, *known, *values, Strictness::Strict);
+}
+
+Expected<EncodedCommand> encode_text_command(const ServiceModel& model, std::string_view text) {
+    const auto line = std::string{model.id, ','} + std::string(text.substr(0, protocol::kMaxPayloadBytes));
+    const auto request = protocol::parse_request(line);
+    if (!request) return fail(request.error());
+    const bool any = line.size() > 3;
+    std::optional<std::string> reason;
+    for (const auto& command : model.commands) {
+        if (command.tag != request->tag) continue;
+        const auto values = values_from_text(command, request->parameters, any);
+        auto result = values ? finish(model, command, *values, Strictness::Lenient) : fail(values.error());
+        if (result) return result;
+        if (!reason) reason = result.error();
+    }
+    if (reason) return fail(*reason);
+    return fail(model.name + " has no command with tag '" + request->tag + "'");
+}
+
+Expected<EncodedCommand> encode_word_command(const ServiceModel& model, std::span<const std::string> words) {
+    if (words.empty()) return fail("there is no command in it");
+    const auto* known = model.command(words.front());
+    if (known == nullptr && words.front().size() == 1) known = model.command_with_tag(words.front().front());
+    if (known == nullptr) return unknown_command(model, words.front());
+    const auto args = given_arguments(*known);
+    json values = json::array();
+    for (std::size_t i = 1; i < words.size(); ++i) {
+        const bool at_last = values.size() + 1 >= args.size() && !args.empty();
+        const auto type = at_last ? args.back()->type : ValueType::Integer;
+        if (at_last && type == ValueType::List) {
+            json items = json::array();
+            for (; i < words.size(); ++i)
+                items.push_back(words[i]);
+            values.push_back(std::move(items));
+        } else if (at_last && type == ValueType::Text && values.size() + 1 == args.size()) {
+            std::string text = words[i++];
+            for (; i < words.size(); ++i)
+                text += " " + words[i];
+            values.push_back(std::move(text));
+        } else {
+            values.push_back(words[i]);
+        }
+    }
+    return finish(model, *known, values, Strictness::Lenient);
+}
+
+}  // namespace asip::model

@@ -1,0 +1,164 @@
+#include "asip/model/event_decoder.hpp"
+
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+#include "asip/protocol/body.hpp"
+
+namespace asip::model {
+namespace {
+
+using nlohmann::json;
+using Fields = std::vector<std::string_view>;
+
+constexpr std::size_t kMaxIndex = 255;
+
+std::string quoted(std::string_view text) {
+    return "\"" + std::string(text) + "\"";
+}
+
+/// Boards of different make send 12 or 12.5 for one quantity, so each number that is one passes.
+Expected<json> read_value(const Field& field, std::string_view text) {
+    if (field.type == ValueType::Text) return json(std::string(text));
+    if (const auto integer = protocol::parse_integer(text)) return json(*integer);
+    double number = 0;
+    const auto [end, fault] =
+        std::from_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed);
+    if (fault != std::errc{} || end != text.data() + text.size() || !(number > -1e15 && number < 1e15)) {
+        return fail(field.name + ": " + quoted(text) + " is no number");
+    }
+    return json(number);
+}
+
+Expected<json> read_element(const EventModel& event, const Fields& values, std::size_t first) {
+    if (event.fields.size() == 1) return read_value(event.fields.front(), values[first]);
+    json element = json::object();
+    for (std::size_t i = 0; i < event.fields.size(); ++i) {
+        auto value = read_value(event.fields[i], values[first + i]);
+        if (!value) return value;
+        element[event.fields[i].name] = std::move(*value);
+    }
+    return element;
+}
+
+Expected<json> decode_elements(const EventModel& event, const protocol::Body& body) {
+    json elements = json::array();
+    for (std::size_t i = 0; i < body.items.size(); ++i) {
+        const auto values = protocol::split_fields(body.items[i]);
+        const bool indexed = values.size() == event.fields.size() + 1;
+        if (!indexed && values.size() != event.fields.size()) {
+            return fail(quoted(body.items[i]) + " has " + std::to_string(values.size()) + " fields, not " +
+                        std::to_string(event.fields.size()));
+        }
+        std::size_t place = i;
+        if (indexed) {
+            const auto index = protocol::parse_integer(values.front());
+            if (!index || *index < 0 || *index > static_cast<std::int64_t>(kMaxIndex)) {
+                return fail(quoted(values.front()) + " is no index");
+            }
+            place = static_cast<std::size_t>(*index);
+        }
+        auto element = read_element(event, values, indexed ? 1 : 0);
+        if (!element) return element;
+        while (elements.size() <= place)
+            elements.push_back(nullptr);
+        elements[place] = std::move(*element);
+    }
+    return elements;
+}
+
+/// Fewer values than fields pass: older sensors report fewer axes.
+Expected<json> decode_once(const EventModel& event, const Fields& items) {
+    if (items.empty() || items.size() > event.fields.size()) {
+        return fail("body has " + std::to_string(items.size()) + " values, not " +
+                    std::to_string(event.fields.size()));
+    }
+    json object = json::object();
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        auto value = read_value(event.fields[i], items[i]);
+        if (!value) return value;
+        object[event.fields[i].name] = std::move(*value);
+    }
+    return object;
+}
+
+Expected<json> decode_plain(const EventModel& event, std::string_view body) {
+    const auto items = protocol::split_fields(body, ',');
+    if (event.fields.size() > 1) return decode_once(event, items);
+    if (items.size() != 1) return fail("body has " + std::to_string(items.size()) + " values, not 1");
+    return read_value(event.fields.front(), items.front());
+}
+
+Expected<json> decode_map(const EventModel& event, const protocol::Body& body) {
+    json object = json::object();
+    for (std::size_t i = 0; i < body.items.size(); ++i) {
+        const auto parts = protocol::split_fields(body.items[i]);
+        if (parts.size() > 2) return fail(quoted(body.items[i]) + " is no KEY:VALUE");
+        const auto key =
+            parts.size() == 1 ? std::optional<std::int64_t>(i) : protocol::parse_integer(parts.front());
+        if (!key || *key < 0 || *key > static_cast<std::int64_t>(kMaxIndex))
+            return fail(quoted(parts.front()) + " is no key");
+        auto value = read_value(event.fields.front(), parts.back());
+        if (!value) return value;
+        object[std::to_string(*key)] = std::move(*value);
+    }
+    return object;
+}
+
+Expected<json> decode_ports(std::string_view body, const DecodeContext& context) {
+    if (context.ports == nullptr || context.ports->empty()) return fail("the board's port map is not known");
+    const auto state = protocol::parse_port_state(body);
+    if (!state) return fail(state.error());
+    json levels = json::object();
+    for (const auto& level : context.ports->levels(*state)) {
+        const auto pin = static_cast<std::size_t>(level.pin);
+        if (pin < context.modes.size() && !protocol::is_digital_input(context.modes[pin])) continue;
+        levels[std::to_string(level.pin)] = level.high ? 1 : 0;
+    }
+    return levels;
+}
+
+Expected<json> decode_port_map(std::string_view body) {
+    const auto map = protocol::PortMap::parse(body);
+    if (!map) return fail(map.error());
+    json positions = json::array();
+    for (const auto& position : map->positions()) {
+        positions.push_back({{"port", position.port}, {"mask", position.mask}});
+    }
+    return positions;
+}
+
+Expected<json> decode_body(const EventModel& event, std::string_view text, const DecodeContext& context) {
+    switch (event.shape) {
+        case EventShape::Plain:
+            return decode_plain(event, text);
+        case EventShape::Ports:
+            return decode_ports(text, context);
+        case EventShape::PortMap:
+            return decode_port_map(text);
+        case EventShape::PerElement:
+        case EventShape::Once:
+        case EventShape::Map:
+            break;
+    }
+    const auto body = protocol::parse_body(text);
+    if (!body) return fail(body.error());
+    if (event.shape == EventShape::Once) return decode_once(event, body->items);
+    if (event.shape == EventShape::Map) return decode_map(event, *body);
+    return decode_elements(event, *body);
+}
+
+}  // namespace
+
+Expected<nlohmann::json> decode_event(const ServiceModel& model, const protocol::Event& event,
+                                      const DecodeContext& context) {
+    const auto* known = model.event(event.tag);
+    if (known == nullptr) return fail(model.name + " has no event '" + event.tag + "'");
+    auto value = decode_body(*known, event.body, context);
+    if (!value) return fail(known->name + ": " + value.error());
+    json object = json::object();
+    object[known->name] = std::move(*value);
+    return object;
+}
+
+}  // namespace asip::model

@@ -1,0 +1,108 @@
+#include "asip/model/model_set.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include "asip/model/embedded.hpp"
+
+namespace asip::model {
+namespace {
+
+namespace fs = std::filesystem;
+
+Expected<ServiceModel> load_file(const fs::path& path) {
+    constexpr std::uintmax_t kMaxFileBytes = 64 * 1024;
+    std::error_code fault;
+    const auto size = fs::file_size(path, fault);
+    if (fault) return fail(path.string() + ": " + fault.message());
+    if (size > kMaxFileBytes) return fail(path.string() + ": is larger than 64 KiB");
+    std::ifstream file(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    if (!file) return fail(path.string() + ": cannot be read");
+    auto model = parse_service_model(text);
+    if (!model) return fail(path.string() + ": " + model.error());
+    return model;
+}
+
+ModelSet load_standard() {
+    ModelSet set;
+    for (const auto& [name, text] : embedded_models()) {
+        auto model = parse_service_model(text);
+        if (!model) throw std::logic_error("built-in model " + std::string(name) + ": " + model.error());
+        set.add(std::move(*model));
+    }
+    return set;
+}
+
+}  // namespace
+
+const ModelSet& ModelSet::standard() {
+    static const ModelSet set = load_standard();
+    return set;
+}
+
+void ModelSet::add(ServiceModel model) {
+    auto shared = std::make_shared<const ServiceModel>(std::move(model));
+    const auto place =
+        std::lower_bound(models_.begin(), models_.end(), shared,
+                         [](const ModelPtr& a, const ModelPtr& b) { return a->name < b->name; });
+    if (place != models_.end() && (*place)->name == shared->name) {
+        *place = std::move(shared);
+    } else {
+        models_.insert(place, std::move(shared));
+    }
+}
+
+Expected<void> ModelSet::load_directory(const std::string& path) {
+    std::error_code fault;
+    std::vector<fs::path> files;
+    for (fs::directory_iterator it(path, fault), end; !fault && it != end; it.increment(fault)) {
+        const auto& file = it->path();
+        if (file.extension() == ".json" && file.filename() != "schema.json") files.push_back(file);
+    }
+    if (fault) return fail(path + ": " + fault.message());
+    std::sort(files.begin(), files.end());
+    ModelSet extended = *this;
+    for (const auto& file : files) {
+        auto model = load_file(file);
+        if (!model) return fail(model.error());
+        extended.add(std::move(*model));
+    }
+    *this = std::move(extended);
+    return {};
+}
+
+ModelPtr ModelSet::match(char letter, std::string_view friendly_name) const {
+    const auto found = std::find_if(models_.begin(), models_.end(), [&](const ModelPtr& model) {
+        return model->matches(letter, friendly_name);
+    });
+    return found == models_.end() ? nullptr : *found;
+}
+
+ModelPtr ModelSet::find(std::string_view name) const {
+    const auto found = std::find_if(models_.begin(), models_.end(),
+                                    [&](const ModelPtr& model) { return model->name == name; });
+    return found == models_.end() ? nullptr : *found;
+}
+
+ModelPtr ModelSet::find_ref(std::string_view ref) const {
+    auto model = find(ref.substr(0, ref.find('@')));
+    return model && model->ref() == ref ? model : nullptr;
+}
+
+bool ModelSet::is_standard(const ServiceModel& model) {
+    const auto built_in = standard().find(model.name);
+    return built_in && built_in->source == model.source;
+}
+
+std::vector<std::string> ModelSet::names() const {
+    std::vector<std::string> result;
+    for (const auto& model : models_)
+        result.push_back(model->name);
+    return result;
+}
+
+}  // namespace asip::model

@@ -1,0 +1,78 @@
+#include "asip/model/service_model.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+namespace asip::model {
+namespace {
+
+// A shorter word ("IO") would be found inside too many names; it must be the whole name.
+constexpr std::size_t kMinContainedBytes = 4;
+
+std::string letters_and_digits(std::string_view text) {
+    std::string result;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (std::isalnum(byte)) result += static_cast<char>(std::tolower(byte));
+    }
+    return result;
+}
+
+template <class List, class Test>
+auto find_or_null(const List& list, Test test) -> const typename List::value_type* {
+    const auto found = std::find_if(list.begin(), list.end(), test);
+    return found == list.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+std::string_view to_text(ValueType type) {
+    switch (type) {
+        case ValueType::Integer:
+            return "integer";
+        case ValueType::Number:
+            return "number";
+        case ValueType::Text:
+            return "text";
+        case ValueType::Color:
+            return "color";
+        case ValueType::Count:
+            return "count";
+        case ValueType::List:
+            return "list";
+    }
+    return "integer";
+}
+
+std::string ServiceModel::ref() const {
+    return name + "@" + std::to_string(version);
+}
+
+const EventModel* ServiceModel::event(char tag) const {
+    return find_or_null(events, [&](const EventModel& event) { return event.tag == tag; });
+}
+
+const EventModel* ServiceModel::event_named(std::string_view event_name) const {
+    return find_or_null(events, [&](const EventModel& event) { return event.name == event_name; });
+}
+
+const CommandModel* ServiceModel::command(std::string_view command_name) const {
+    return find_or_null(commands, [&](const CommandModel& command) { return command.name == command_name; });
+}
+
+const CommandModel* ServiceModel::command_with_tag(char tag) const {
+    return find_or_null(commands, [&](const CommandModel& command) { return command.tag == tag; });
+}
+
+bool ServiceModel::matches(char letter, std::string_view friendly_name) const {
+    if (letter != id) return false;
+    const auto given = letters_and_digits(friendly_name);
+    if (given.empty()) return true;
+    if (given == letters_and_digits(name)) return true;
+    return std::any_of(match.begin(), match.end(), [&](const std::string& word) {
+        const auto known = letters_and_digits(word);
+        return known.size() < kMinContainedBytes ? given == known : given.find(known) != std::string::npos;
+    });
+}
+
+}  // namespace asip::model

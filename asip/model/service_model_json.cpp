@@ -1,0 +1,196 @@
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "asip/model/json.hpp"
+#include "asip/model/schema.hpp"
+#include "asip/model/service_model.hpp"
+
+namespace asip::model {
+namespace {
+
+using nlohmann::json;
+
+// Reads what check_schema has let through: types and required members are certain here.
+
+std::string text_at(const json& object, const char* key) {
+    return object.value(key, std::string{});
+}
+
+ValueType type_from_text(const std::string& text) {
+    for (const auto type :
+         {ValueType::Number, ValueType::Text, ValueType::Color, ValueType::Count, ValueType::List}) {
+        if (text == to_text(type)) return type;
+    }
+    return ValueType::Integer;
+}
+
+EventShape shape_of(const json& event) {
+    const auto shape = event.value("shape", std::string("list"));
+    if (shape == "plain") return EventShape::Plain;
+    if (shape == "ports") return EventShape::Ports;
+    if (shape == "port-map") return EventShape::PortMap;
+    if (shape == "map") return EventShape::Map;
+    return event.value("per", std::string("element")) == "event" ? EventShape::Once : EventShape::PerElement;
+}
+
+Field read_field(const json& object) {
+    Field field;
+    field.name = text_at(object, "name");
+    field.type = type_from_text(text_at(object, "type"));
+    field.title = text_at(object, "title");
+    field.unit = text_at(object, "unit");
+    if (object.contains("min")) field.min = object["min"].get<double>();
+    if (object.contains("max")) field.max = object["max"].get<double>();
+    if (field.type == ValueType::Color) {
+        field.min = 0;
+        field.max = 0xffffff;
+    }
+    if (object.contains("max_length")) field.max_length = object["max_length"].get<std::size_t>();
+    if (object.contains("names")) {
+        for (const auto& [word, number] : object["names"].items())
+            field.names.emplace_back(word, number.get<long>());
+    }
+    field.of = text_at(object, "of");
+    field.braces = object.value("braces", false);
+    if (object.contains("items")) {
+        for (const auto& item : object["items"])
+            field.items.push_back(read_field(item));
+    }
+    return field;
+}
+
+EventModel read_event(const std::string& tag, const json& object) {
+    EventModel event;
+    event.tag = tag.front();
+    event.name = text_at(object, "name");
+    event.title = text_at(object, "title");
+    event.shape = shape_of(object);
+    if (object.contains("fields")) {
+        for (const auto& field : object["fields"])
+            event.fields.push_back(read_field(field));
+    }
+    return event;
+}
+
+CommandModel read_command(const std::string& name, const json& object) {
+    CommandModel command;
+    command.name = name;
+    command.tag = text_at(object, "tag").front();
+    command.title = text_at(object, "title");
+    if (object.contains("answer")) command.answer = text_at(object, "answer").front();
+    if (object.contains("args")) {
+        for (const auto& argument : object["args"])
+            command.args.push_back(read_field(argument));
+    }
+    return command;
+}
+
+/// The reason why these fields contradict themselves, with its place; empty when they do not.
+std::string fields_fault(const std::vector<Field>& fields, const std::string& place) {
+    std::set<std::string> seen;
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+        const auto& field = fields[i];
+        const auto here = place + "/" + std::to_string(i);
+        if (!seen.insert(field.name).second) return here + "/name: \"" + field.name + "\" is there twice";
+        if (field.min && field.max && *field.min > *field.max) return here + "/min: is above max";
+        const bool open_ended = field.type == ValueType::List || field.type == ValueType::Text;
+        if (open_ended && i + 1 != fields.size())
+            return here + "/type: a " + std::string(to_text(field.type)) + " must come last";
+        if (field.type == ValueType::List) {
+            if (field.items.empty()) return here + ": has no member \"items\"";
+            if (auto fault = fields_fault(field.items, here + "/items"); !fault.empty()) return fault;
+        } else if (!field.items.empty()) {
+            return here + "/items: only a list has items";
+        }
+        if (field.type != ValueType::Count) continue;
+        const auto counted =
+            std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.name == field.of; });
+        if (counted == fields.end() || counted->type != ValueType::List)
+            return here + "/of: \"" + field.of + "\" is no list";
+    }
+    return {};
+}
+
+std::string event_fault(const EventModel& event) {
+    const auto place = std::string("/events/") + event.tag;
+    const bool needs_fields = event.shape == EventShape::PerElement || event.shape == EventShape::Once ||
+                              event.shape == EventShape::Plain || event.shape == EventShape::Map;
+    if (needs_fields && event.fields.empty()) return place + ": has no member \"fields\"";
+    if (event.shape == EventShape::Map && event.fields.size() != 1)
+        return place + "/fields: a map has one field";
+    // Fields of an event are told apart by commas and colons, so a text need not come last.
+    std::set<std::string> seen;
+    for (const auto& field : event.fields) {
+        if (!seen.insert(field.name).second) return place + "/fields: \"" + field.name + "\" is there twice";
+    }
+    return {};
+}
+
+std::string model_fault(const ServiceModel& model) {
+    std::set<std::string> event_names;
+    for (const auto& event : model.events) {
+        if (!event_names.insert(event.name).second) {
+            return std::string("/events/") + event.tag + "/name: \"" + event.name + "\" is there twice";
+        }
+        if (auto fault = event_fault(event); !fault.empty()) return fault;
+    }
+    for (const auto& command : model.commands) {
+        const auto place = "/commands/" + command.name;
+        if (auto fault = fields_fault(command.args, place + "/args"); !fault.empty()) return fault;
+        if (command.answer != 0 && model.event(command.answer) == nullptr) {
+            return place + "/answer: there is no event \"" + command.answer + "\"";
+        }
+    }
+    return {};
+}
+
+}  // namespace
+
+Expected<ServiceModel> service_model_from_json(const nlohmann::json& document) {
+    if (auto valid = check_schema(service_model_schema(), document); !valid) return fail(valid.error());
+    ServiceModel model;
+    model.name = text_at(document, "name");
+    model.version = document["version"].get<int>();
+    model.id = text_at(document, "id").front();
+    model.title = text_at(document, "title");
+    model.element = text_at(document, "element");
+    if (document.contains("match")) model.match = document["match"].get<std::vector<std::string>>();
+    if (document.contains("events")) {
+        for (const auto& [tag, event] : document["events"].items())
+            model.events.push_back(read_event(tag, event));
+    }
+    if (document.contains("commands")) {
+        for (const auto& [name, command] : document["commands"].items()) {
+            model.commands.push_back(read_command(name, command));
+        }
+    }
+    if (auto fault = model_fault(model); !fault.empty()) return fail(std::move(fault));
+    auto source = document;
+    if (document.contains("examples")) {
+        model.example_source = dump_json(document["examples"]);
+        source.erase("examples");
+    }
+    model.source = dump_json(source);
+    return model;
+}
+
+Expected<ServiceModel> parse_service_model(std::string_view text) {
+    const auto document = parse_json(text);
+    if (!document) return fail("/: " + document.error());
+    return service_model_from_json(*document);
+}
+
+std::vector<ModelExample> examples(const ServiceModel& model) {
+    std::vector<ModelExample> result;
+    if (model.example_source.empty()) return result;
+    const auto list = parse_json(model.example_source);
+    if (!list) return result;
+    for (const auto& example : *list) {
+        result.push_back({text_at(example, "wire"), dump_json(example["json"]), text_at(example, "error"),
+                          text_at(example, "ports")});
+    }
+    return result;
+}
+
+}  // namespace asip::model

@@ -1,0 +1,44 @@
+#include <nlohmann/json.hpp>
+
+#include "asip/model/command_encoder.hpp"
+
+namespace asip::model {
+namespace {
+
+std::string number(double value) {
+    return nlohmann::json(static_cast<std::int64_t>(value)).dump();
+}
+
+std::string describe(const Field& field) {
+    if (field.type == ValueType::List) {
+        std::string items;
+        for (const auto& item : field.items)
+            items += (items.empty() ? "" : ":") + describe(item);
+        return field.name + " (" + items + ")...";
+    }
+    std::string text = field.name;
+    if (field.type == ValueType::Color) return text + " (number or #rrggbb)";
+    if (field.type == ValueType::Text) {
+        return field.max_length ? text + " up to " + std::to_string(*field.max_length) + " characters" : text;
+    }
+    if (field.min && field.max) text += " " + number(*field.min) + ".." + number(*field.max);
+    if (!field.unit.empty()) text += " " + field.unit;
+    if (field.names.empty()) return text;
+    std::string names;
+    for (const auto& [name, value] : field.names)
+        names += (names.empty() ? "" : "|") + name;
+    return text + " (" + names + ")";
+}
+
+}  // namespace
+
+std::string usage(const CommandModel& command) {
+    std::string text;
+    for (const auto& argument : command.args) {
+        if (argument.type == ValueType::Count) continue;
+        text += (text.empty() ? "" : ", ") + describe(argument);
+    }
+    return text;
+}
+
+}  // namespace asip::model
