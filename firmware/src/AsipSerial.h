@@ -41,6 +41,8 @@ bool isRate(uint32_t baud) {
 void setRate(uint32_t baud) {
     ASIP_SERIAL.flush();
     ASIP_SERIAL.begin(baud);
+    while (ASIP_SERIAL.read() >= 0) {
+    }
 }
 
 bool usesPin(uint8_t pin) {

@@ -49,7 +49,7 @@ void Board::run() {
     const uint8_t elapsed = static_cast<uint8_t>(now - lastMs_);
     lastMs_ = now;
     if (elapsed != 0) tick(elapsed);
-    for (Service* service = &io_; service != nullptr; service = service->next_)
+    for (Service* service = io_.next_; service != nullptr; service = service->next_)
         service->poll();
 }
 
@@ -64,24 +64,28 @@ void Board::tick(uint8_t elapsedMs) {
 
 // Reads until a request is complete: what follows it waits, in the line's own buffer, for the next pass.
 void Board::receive() {
-    int16_t byte;
-    while ((byte = line::read()) >= 0) {
-        if (collect(static_cast<char>(byte))) {
-            execute();
-            return;
-        }
-    }
+    int16_t byte = line::read();
+    if (byte < 0) return;
+    do {
+        if (collect(static_cast<char>(byte))) return execute();
+        byte = line::read();
+    } while (byte >= 0);
+    const uint8_t length = length_;
+    if (length < IoService::kShortestWrite || length > IoService::kLongestWrite || out.usesChecksum()) return;
+    io_.prepare(line_, length);
 }
 
-// True at the end of a line. Past its end a line only counts as too long; the first characters stay, to say
+// True at the end of a line. Past its end a line only counts as spoiled; the first characters stay, to say
 // which request it was.
 bool Board::collect(char c) {
     if (c == '\n') return true;
-    if (length_ >= kMaxRequestLength) {
-        spoiled_ = true;
+    io_.forgetPrepared();
+    const uint8_t length = length_;
+    if (length >= kMaxRequestLength || c == '\0') {
+        length_ = length | kSpoiled;
     } else {
-        if (c == '\0') spoiled_ = true;
-        line_[length_++] = c;
+        line_[length] = c;
+        length_ = static_cast<uint8_t>(length + 1);
     }
     return false;
 }
@@ -92,28 +96,29 @@ static char printable(char c) {
 
 void Board::execute() {
     uint8_t length = length_;
-    bool spoiled = spoiled_;
     length_ = 0;
-    spoiled_ = false;
-    if (length > 0 && line_[length - 1] == '\r') --length;
+    if (io_.executePrepared()) return;
+    const bool spoiled = length & kSpoiled;
+    length &= static_cast<uint8_t>(~kSpoiled);
+    if (length != 0 && line_[length - 1] == '\r') --length;
     line_[length] = '\0';
     if (length == 0 || line_[0] == '!') return;
-    if (kExtensions && out.usesChecksum() && !acceptChecksum(length))
+    if (kExtensions && out.usesChecksum() && !acceptChecksum(length)) {
         return out.error('#', 'C', Error::kBadChecksum);
-
-    const char id = line_[0];
-    const bool whole = length >= 3 && line_[1] == ',' && (line_[3] == '\0' || line_[3] == ',');
-    const char tag = length >= 3 ? printable(line_[2]) : '?';
-    Service* const service = id == '#' ? nullptr : find(id);
-    if (service == nullptr && id != '#') return out.error('Q', '?', Error::kInvalidService);
-    Error error = Error::kUnknownRequest;
-    if (spoiled) {
-        error = Error::kBadArgument;
-    } else if (whole) {
-        Request request(line_);
-        error = service == nullptr ? processSystem(request) : dispatch(*service, request);
     }
-    if (error != Error::kNone) out.error(id, tag, error);
+    const Error error = spoiled ? Error::kBadArgument : process(length);
+    if (error == Error::kNone) return;
+    const char id = line_[0];
+    if (id != '#' && find(id) == nullptr) return out.error('Q', '?', Error::kInvalidService);
+    out.error(id, length < 3 ? '?' : printable(line_[2]), error);
+}
+
+Error Board::process(uint8_t length) {
+    if (length < 3 || line_[1] != ',' || (line_[3] != ',' && length > 3)) return Error::kUnknownRequest;
+    Request request(line_);
+    if (line_[0] == '#') return processSystem(request);
+    Service* const service = find(line_[0]);
+    return service == nullptr ? Error::kInvalidService : dispatch(*service, request);
 }
 
 Error Board::dispatch(Service& service, Request& request) {
@@ -195,23 +200,23 @@ void Board::startList(Service* service, char id, char tag, uint8_t count) {
     job_ = Job::kList;
 }
 
+// One element a pass: those of an analog event take a conversion each, 110 microseconds.
 void Board::continueList() {
-    while (out.hasRoomForElement()) {
-        if (listIndex_ == listCount_) {
-            out.character('}');
-            out.end();
-            out.setInList(false);
-            job_ = Job::kNone;
-            return;
-        }
-        if (listIndex_ != 0) out.character(',');
-        if (listService_ != nullptr) {
-            listService_->reportValue(listIndex_);
-        } else {
-            writeSystemElement(listIndex_);
-        }
-        ++listIndex_;
+    if (!out.hasRoomForElement()) return;
+    if (listIndex_ == listCount_) {
+        out.character('}');
+        out.end();
+        out.setInList(false);
+        job_ = Job::kNone;
+        return;
     }
+    if (listIndex_ != 0) out.character(',');
+    if (listService_ != nullptr) {
+        listService_->reportValue(listIndex_);
+    } else {
+        writeSystemElement(listIndex_);
+    }
+    ++listIndex_;
 }
 
 }  // namespace asip

@@ -45,12 +45,15 @@ class Board {
     IoService& io() { return io_; }
 
   private:
+    static constexpr uint8_t kSpoiled = 128;
+
     // What keeps the next request waiting.
     enum class Job : uint8_t { kNone, kList, kStoreName, kSwitchRate };
 
     void receive();
     bool collect(char c);
     void execute();
+    Error process(uint8_t length);
     Error dispatch(Service& service, Request& request);
     void tick(uint8_t elapsedMs);
     void restart();
@@ -84,15 +87,13 @@ class Board {
     IoService io_;
     FlashText sketch_;
     char line_[kMaxRequestLength + 1];
-    uint8_t length_;  // collected so far
-    bool spoiled_;    // what is being collected cannot be executed
+    uint8_t length_;  // collected so far; with kSpoiled if it cannot be executed
     uint8_t lastMs_;
     Job job_;
     char listTag_;
     uint8_t listIndex_;  // also counts through the name being stored
     uint8_t listCount_;
     Service* listService_;  // null: the system
-    uint32_t newBaud_;
     uint16_t rateTrialMs_;  // left to hear a fence at a new rate; 0 when none is on trial
 };
 

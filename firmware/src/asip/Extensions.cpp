@@ -4,6 +4,8 @@
 
 namespace asip {
 
+static constexpr uint8_t kArgument = 4;  // where the first argument begins: after #,I,
+
 static bool isAlphanumeric(char c) {
     return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
 }
@@ -95,11 +97,10 @@ Error Board::identity(Request& request) {
     return Error::kNone;
 }
 
-// One byte a pass, when the EEPROM is ready: each takes 3.4 ms. The name stays in the request line, where no
-// other is collected meanwhile.
+// One byte a pass, when the EEPROM is ready: each takes 3.4 ms. The name stays in the request's line.
 void Board::storeName() {
     if (!hw::eepromReady()) return;
-    const char* const name = line_ + 4;
+    const char* const name = line_ + kArgument;
     const uint8_t index = listIndex_++;
     if (index < listCount_) return hw::writeEeprom(kNameAddress + index, static_cast<uint8_t>(name[index]));
     if (index == listCount_) {
@@ -117,15 +118,20 @@ void Board::storeName() {
     sendName();
 }
 
+// The rate asked for by `text`, 0 if it is not a number.
+static uint32_t parseRate(const char* text) {
+    uint32_t baud = 0;
+    for (; *text != '\0'; ++text) {
+        const uint8_t digit = static_cast<uint8_t>(*text - '0');
+        if (digit > 9 || baud > 1000000) return 0;
+        baud = baud * 10 + digit;
+    }
+    return baud;
+}
+
 Error Board::lineRate(Request& request) {
     const char* const text = request.text();
-    uint32_t baud = 0;
-    uint8_t length = 0;
-    for (; text[length] >= '0' && text[length] <= '9' && length < 8; ++length) {
-        baud = baud * 10 + static_cast<uint8_t>(text[length] - '0');
-    }
-    if (text[length] != '\0' || !line::isRate(baud)) return Error::kBadArgument;
-    newBaud_ = baud;
+    if (!line::isRate(parseRate(text))) return Error::kBadArgument;
     out.event('#', 'B');
     out.character(',');
     out.text(text);
@@ -137,8 +143,10 @@ Error Board::lineRate(Request& request) {
 void Board::continueExtension() {
     if (job_ == Job::kStoreName) return storeName();
     if (!line::idle()) return;
-    line::setRate(newBaud_);
-    rateTrialMs_ = newBaud_ == kDefaultBaud ? 0 : kRateTrialMs;
+    // The request is still in its line, where no other is collected meanwhile.
+    const uint32_t baud = parseRate(line_ + kArgument);
+    line::setRate(baud);
+    rateTrialMs_ = baud == kDefaultBaud ? 0 : kRateTrialMs;
     job_ = Job::kNone;
 }
 
@@ -151,7 +159,6 @@ void Board::countRateTrial(uint8_t elapsedMs) {
     rateTrialMs_ = 0;
     line::setRate(kDefaultBaud);
     length_ = 0;
-    spoiled_ = false;
 }
 
 Error Board::checksum(Request& request) {

@@ -10,7 +10,7 @@ FlashText IoService::name() const {
 }
 
 void IoService::begin() {
-    channel_ = kIdle;
+    preparedPin_ = kNoPin;
     for (uint8_t port = 0; port < kPorts; ++port)
         inputs_[port] = 0;
     for (uint8_t pin = 0; pin < hw::kPins; ++pin) {
@@ -51,29 +51,86 @@ uint8_t IoService::capabilities(uint8_t pin) {
 }
 
 Error IoService::processRequest(Request& request) {
-    const char tag = request.tag();
-    switch (tag) {
-        case 'P':
+    switch (request.tag()) {
         case 'd':
+            return digitalRequest(request);
         case 'a':
-            break;
+            return pwmRequest(request);
+        case 'P':
+            return modeRequest(request);
         case 'M':
         case 'p':
         case 'c':
+            return listRequest(request, hw::kPins);
         case 'm':
-            if (!request.complete()) return Error::kBadArgument;
-            board.sendList(*this, tag, tag == 'm' ? hw::kAnalogChannels : hw::kPins);
-            return Error::kNone;
+            return listRequest(request, hw::kAnalogChannels);
         default:
             return Error::kUnknownRequest;
     }
+}
+
+Error IoService::listRequest(Request& request, uint8_t count) {
+    if (!request.complete()) return Error::kBadArgument;
+    board.sendList(*this, request.tag(), count);
+    return Error::kNone;
+}
+
+bool IoService::canWrite(uint8_t pin) const {
+    const PinMode now = mode(pin);
+    return now >= PinMode::kInput && now <= PinMode::kOutput;
+}
+
+Error IoService::digitalRequest(Request& request) {
     const uint16_t pin = request.number();
-    const uint8_t value = static_cast<uint8_t>(request.number(tag == 'd' ? 1 : 255));
+    const uint16_t high = request.number(1);
     if (!request.complete()) return Error::kBadArgument;
     if (pin >= hw::kPins) return Error::kInvalidPin;
-    if (tag == 'd') return writeDigital(static_cast<uint8_t>(pin), value != 0);
-    if (tag == 'a') return writePwm(static_cast<uint8_t>(pin), value);
-    return setMode(static_cast<uint8_t>(pin), value);
+    if (!canWrite(static_cast<uint8_t>(pin))) return Error::kWrongMode;
+    hw::writePin(static_cast<uint8_t>(pin), high != 0);
+    return Error::kNone;
+}
+
+void IoService::prepare(const char* line, uint8_t length) {
+    // I,d,2,1 or I,d,13,1
+    if (line[length - 2] != ',' || line[0] != 'I' || line[1] != ',' || line[2] != 'd' || line[3] != ',')
+        return;
+    const uint8_t level = static_cast<uint8_t>(line[length - 1] - '0');
+    uint8_t pin = static_cast<uint8_t>(line[4] - '0');
+    if (level > 1 || pin > 9) return;
+    if (length == kLongestWrite) {
+        const uint8_t digit = static_cast<uint8_t>(line[5] - '0');
+        if (digit > 9) return;
+        pin = static_cast<uint8_t>(pin * 10 + digit);
+    }
+    if (pin >= hw::kPins || !canWrite(pin)) return;
+    preparedPin_ = pin;
+    preparedLevel_ = level;
+}
+
+bool IoService::executePrepared() {
+    const uint8_t pin = preparedPin_;
+    if (pin == kNoPin) return false;
+    preparedPin_ = kNoPin;
+    hw::writePin(pin, preparedLevel_);
+    return true;
+}
+
+Error IoService::pwmRequest(Request& request) {
+    const uint16_t pin = request.number();
+    const uint16_t duty = request.number(255);
+    if (!request.complete()) return Error::kBadArgument;
+    if (pin >= hw::kPins) return Error::kInvalidPin;
+    if (mode(static_cast<uint8_t>(pin)) != PinMode::kPwm) return Error::kWrongMode;
+    hw::writePwm(static_cast<uint8_t>(pin), static_cast<uint8_t>(duty));
+    return Error::kNone;
+}
+
+Error IoService::modeRequest(Request& request) {
+    const uint16_t pin = request.number();
+    const uint16_t mode = request.number(255);
+    if (!request.complete()) return Error::kBadArgument;
+    if (pin >= hw::kPins) return Error::kInvalidPin;
+    return setMode(static_cast<uint8_t>(pin), static_cast<uint8_t>(mode));
 }
 
 Error IoService::setMode(uint8_t pin, uint8_t mode) {
@@ -110,19 +167,6 @@ void IoService::apply(uint8_t pin, PinMode mode) {
     levels_[port] = static_cast<uint8_t>((levels_[port] & ~mask) | level);
 }
 
-Error IoService::writeDigital(uint8_t pin, bool high) {
-    const PinMode now = mode(pin);
-    if (now == PinMode::kUnallocated || now > PinMode::kOutput) return Error::kWrongMode;
-    hw::writePin(pin, high);
-    return Error::kNone;
-}
-
-Error IoService::writePwm(uint8_t pin, uint8_t duty) {
-    if (mode(pin) != PinMode::kPwm) return Error::kWrongMode;
-    hw::writePwm(pin, duty);
-    return Error::kNone;
-}
-
 void IoService::pollInputs() {
     for (uint8_t port = 0; port < kPorts; ++port) {
         const uint8_t mask = inputs_[port];
@@ -144,20 +188,6 @@ void IoService::sendPort(uint8_t port, uint8_t levels) {
 }
 
 void IoService::reportValues() {
-    channel_ = 0;
-}
-
-// One conversion a pass: the six of a round together would hide what the inputs do for 0.7 ms.
-void IoService::poll() {
-    if (channel_ == kIdle) return;
-    while (channel_ < hw::kAnalogChannels) {
-        const uint8_t channel = channel_++;
-        if (!isAnalogInput(channel)) continue;
-        analog_[channel] = hw::readAnalog(channel);
-        return;
-    }
-    if (!out.hasRoom()) return;
-    channel_ = kIdle;
     const uint8_t count = countAnalogInputs();
     if (count != 0) board.sendList(*this, 'a', count);
 }
@@ -202,7 +232,7 @@ void IoService::writeAnalogInput(uint8_t nth) {
         ++channel;
     out.number(channel);
     out.character(':');
-    out.number(analog_[channel]);
+    out.number(hw::readAnalog(channel));
 }
 
 }  // namespace asip

@@ -20,17 +20,32 @@ enum class PinMode : uint8_t {
 class IoService : public Service {
   public:
     constexpr IoService()
-        : Service('I', 1), modes_(), inputs_(), levels_(), analog_(), channel_(kIdle), strict_(false) {}
+        : Service('I', 1),
+          modes_(),
+          inputs_(),
+          levels_(),
+          preparedPin_(kNoPin),
+          preparedLevel_(0),
+          strict_(false) {}
 
     FlashText name() const override;
     void begin() override;
     Error processRequest(Request& request) override;
     void reportValue(uint8_t index) override;
-    void reportValues() override;  // starts a round of conversions
-    void poll() override;          // one conversion of a round, and its event at the end
+    void reportValues() override;
 
     // Sends an event for each port whose inputs changed. Called in each pass, as often as can be.
     void pollInputs();
+
+    // A digital write is read and checked while its line end is still on the wire: that takes half of the
+    // time between request and event off its round trip. `line` is what has come so far, of a length from
+    // kShortestWrite to kLongestWrite.
+    static constexpr uint8_t kShortestWrite = 7, kLongestWrite = 8;
+    void prepare(const char* line, uint8_t length);
+    void forgetPrepared() { preparedPin_ = kNoPin; }
+
+    // Does what was prepared; false if nothing was.
+    bool executePrepared();
 
     // Strict: every free pin begins unallocated. Otherwise as an input, analog pins as analog.
     void useStrictMode(bool strict) { strict_ = strict; }
@@ -48,10 +63,14 @@ class IoService : public Service {
     static uint8_t capabilities(uint8_t pin);
 
   private:
+    // Kept apart from one another: in one function they would each pay for the registers of all.
+    Error digitalRequest(Request& request) __attribute__((noinline));
+    Error pwmRequest(Request& request) __attribute__((noinline));
+    Error modeRequest(Request& request) __attribute__((noinline));
+    Error listRequest(Request& request, uint8_t count);
     Error setMode(uint8_t pin, uint8_t mode);
-    Error writeDigital(uint8_t pin, bool high);
-    Error writePwm(uint8_t pin, uint8_t duty);
     void free(uint8_t pin);
+    bool canWrite(uint8_t pin) const;
     void apply(uint8_t pin, PinMode mode);
     void sendPort(uint8_t port, uint8_t levels);
     bool isAnalogInput(uint8_t channel) const;
@@ -60,13 +79,13 @@ class IoService : public Service {
     void writeAnalogInput(uint8_t nth);
 
     static constexpr uint8_t kPorts = hw::kLastPort - hw::kFirstPort + 1;
-    static constexpr uint8_t kIdle = 255;
+    static constexpr uint8_t kNoPin = 255;
 
     uint8_t modes_[hw::kPins];  // mode in the low half, owner in the high
     uint8_t inputs_[kPorts];    // mask of the pins that are inputs
     uint8_t levels_[kPorts];    // as last reported
-    uint16_t analog_[hw::kAnalogChannels];
-    uint8_t channel_;  // being converted in this round
+    uint8_t preparedPin_;
+    uint8_t preparedLevel_;
     bool strict_;
 };
 

@@ -23,7 +23,8 @@ void write(uint8_t byte);
 // True when all that was written has left the wire (or may be taken to have, for a line that cannot tell).
 bool idle();
 
-// Switches to `baud`, one of the rates that isRate() allows. Call when idle.
+// Switches to `baud`, one of the rates that isRate() allows, and drops what was received before and not read.
+// Call when idle.
 void setRate(uint32_t baud);
 
 // True if the line can run at `baud` with an error below 2.5 %.

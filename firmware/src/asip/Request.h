@@ -37,7 +37,7 @@ class Request {
     bool skip(char expected);
 
   private:
-    uint16_t digits(uint16_t max);
+    uint16_t digits(const char* next, uint16_t max);
 
     char tag_;
     const char* next_;
