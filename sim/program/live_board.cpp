@@ -1,0 +1,182 @@
+#include "sim/program/live_board.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace asip::sim {
+namespace {
+
+using nlohmann::json;
+using namespace std::chrono_literals;
+
+constexpr std::size_t kReadAtOnce = 512;
+constexpr std::size_t kMostQueued = 1024;       // beyond that a sender waits, as it does for a slow wire
+constexpr std::size_t kMostUnread = 64 * 1024;  // of a program that has the port open and does not read
+constexpr auto kLongestLag = 200ms;             // a board that is further behind stops trying to catch up
+constexpr auto kHousekeeping = 1s;
+
+}  // namespace
+
+Expected<std::unique_ptr<LiveBoard>> LiveBoard::create(BoardFile file, Reporter& reporter) {
+    auto board = Board::create(file.board);
+    if (!board) return fail(board.error());
+    std::unique_ptr<LiveBoard> live(new LiveBoard(std::move(file), reporter, std::move(*board)));
+    if (auto opened = live->open_pty(); !opened) return fail(opened.error());
+    if (live->file_.tcp_port >= 0) {
+        auto tcp = TcpPort::listen(live->file_.tcp_port);
+        if (!tcp) return fail(tcp.error());
+        live->tcp_ = std::move(*tcp);
+    }
+    json details{{"path", live->pty_.path()}};
+    if (!live->file_.link.empty()) details["link"] = live->file_.link.string();
+    if (live->tcp_.is_open()) details["tcp"] = live->tcp_.port();
+    live->happened("port", details);
+    return live;
+}
+
+LiveBoard::LiveBoard(BoardFile file, Reporter& reporter, std::unique_ptr<Board> board)
+    : file_(std::move(file)), reporter_(reporter), board_(std::move(board)) {
+    board_->on_change([this](const Change& change) { reporter_.changed(name(), change); });
+    board_->on_byte([this](char byte) { to_host_.push_back(byte); });
+    board_->on_reset([this](ResetCause cause) {
+        if (cause == ResetCause::power_on) return;
+        happened("reset", json{{"cause", cause == ResetCause::watchdog ? "watchdog" : "external"}});
+    });
+}
+
+LiveBoard::~LiveBoard() = default;
+
+Expected<void> LiveBoard::open_pty() {
+    auto pty = Pty::open();
+    if (!pty) return fail(pty.error());
+    pty_ = std::move(*pty);
+    pty_in_use_ = false;
+    if (file_.link.empty()) return {};
+    auto link = PortLink::create(file_.link, pty_.path());
+    if (!link) return fail(link.error());
+    link_ = std::move(*link);
+    return {};
+}
+
+void LiveBoard::tick(Time now) {
+    if (started_ == Time{}) started_ = now;
+    if (!plugged_) return;
+    notice_opening();
+    receive_from_ports();
+    run_to(now);
+    send_to_ports();
+    if (now < next_housekeeping_) return;
+    next_housekeeping_ = now + kHousekeeping;
+    board_->save_eeprom();
+    report_losses(now);
+}
+
+void LiveBoard::notice_opening() {
+    const bool in_use = pty_.in_use();
+    const bool opened = in_use && !pty_in_use_;
+    if (in_use != pty_in_use_) happened(in_use ? "opened" : "closed", json::object());
+    pty_in_use_ = in_use;
+    const bool connected = tcp_.is_open() && tcp_.accept();
+    if ((opened || connected) && file_.reset_on_open) board_->reset();
+    // A TCP connection has no rate, so the line follows the board while one is there.
+    board_->set_host_baud(in_use && !tcp_.in_use() ? pty_.baud() : 0);
+}
+
+void LiveBoard::receive_from_ports() {
+    if (board_->sending() > kMostQueued) return;
+    if (pty_in_use_) board_->send(pty_.read(kReadAtOnce));
+    if (tcp_.in_use()) board_->send(tcp_.read(kReadAtOnce));
+}
+
+void LiveBoard::run_to(Time now) {
+    auto behind = started_at_ + (now - started_) - board_->now();
+    if (behind > kLongestLag) {
+        skipped_ += behind;
+        started_ = now;
+        started_at_ = board_->now();
+        behind = 0ns;
+    }
+    if (behind > 0ns) board_->run_for(behind);
+}
+
+void LiveBoard::send_to_ports() {
+    if (to_host_.empty()) return;
+    if (tcp_.in_use()) tcp_.write(to_host_);
+    const auto taken = pty_in_use_ ? pty_.write(to_host_) : to_host_.size();
+    to_host_.erase(0, taken);
+    if (to_host_.size() > kMostUnread) to_host_.erase(0, to_host_.size() - kMostUnread);
+}
+
+void LiveBoard::report_losses(Time) {
+    const auto& errors = board_->line_errors();
+    const auto report = [&](std::uint64_t now, std::uint64_t& before, std::string_view event,
+                            const char* direction) {
+        if (now == before) return;
+        happened(event, json{{"bytes", now - before}, {"direction", direction}});
+        before = now;
+    };
+    report(errors.receive_overruns, reported_.receive_overruns, "overrun", "to-board");
+    report(errors.garbled_to_board, reported_.garbled_to_board, "garbled", "to-board");
+    report(errors.garbled_to_host, reported_.garbled_to_host, "garbled", "to-host");
+    report(errors.cut_by_rate_change, reported_.cut_by_rate_change, "cut", "to-host");
+    if (skipped_ > 0ns) {
+        happened("behind", json{{"milliseconds", skipped_ / 1ms}});
+        skipped_ = 0ns;
+    }
+    if (board_->alive() == reported_dead_) {
+        reported_dead_ = !board_->alive();
+        if (reported_dead_)
+            happened("stopped", json{{"reason", "the firmware stopped the chip; reset starts it again"}});
+    }
+}
+
+void LiveBoard::happened(std::string_view event, const json& details) {
+    reporter_.happened(name(), board_->now(), event, details);
+}
+
+Expected<std::string> LiveBoard::command(std::string_view verb, std::string_view part,
+                                         std::string_view argument, Time now) {
+    if (verb == "list") return list();
+    if (verb == "unplug" || verb == "replug") return plug(verb == "replug", now);
+    if (verb == "reset") {
+        if (!plugged_) return fail(name() + " is unplugged");
+        board_->reset();
+        return std::string();
+    }
+    auto* worked = board_->find_part(part);
+    if (worked == nullptr) return fail(fmt::format("{} has no part {}", name(), part));
+    if (auto done = worked->command(verb, argument); !done) return fail(done.error());
+    return std::string();
+}
+
+Expected<std::string> LiveBoard::plug(bool in, Time now) {
+    if (in == plugged_) return fail(name() + (in ? " is plugged in already" : " is unplugged already"));
+    if (in) {
+        if (auto opened = open_pty(); !opened) return fail(opened.error());
+        started_ = now;
+        started_at_ = board_->now();
+        board_->power_cycle();
+        happened("plugged", json{{"path", pty_.path()}});
+    } else {
+        happened("unplugged", json::object());
+        board_->save_eeprom();
+        link_ = PortLink();
+        pty_ = Pty();
+        tcp_.drop_client();
+        to_host_.clear();
+    }
+    plugged_ = in;
+    return std::string();
+}
+
+std::string LiveBoard::list() const {
+    auto text = fmt::format(
+        "{} {} {}\n", name(), board_->kind().name,
+        plugged_ ? pty_.path() + (file_.link.empty() ? "" : " " + file_.link.string()) : "unplugged");
+    for (const auto& part : board_->parts())
+        text += fmt::format("{}/{} {} {}\n", name(), part->name(), part->kind(), part->state());
+    return text;
+}
+
+}  // namespace asip::sim

@@ -1,0 +1,63 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "asip/time.hpp"
+#include "sim/board_file.hpp"
+#include "sim/program/pty.hpp"
+#include "sim/program/reporter.hpp"
+#include "sim/program/tcp_port.hpp"
+
+namespace asip::sim {
+
+/// A board that runs by the computer's clock and that programs reach through its ports. Used by one thread at
+/// a time.
+class LiveBoard {
+  public:
+    /// The reporter outlives it. Opens the ports and reports them.
+    static Expected<std::unique_ptr<LiveBoard>> create(BoardFile file, Reporter& reporter);
+    ~LiveBoard();
+    LiveBoard(const LiveBoard&) = delete;
+    LiveBoard& operator=(const LiveBoard&) = delete;
+
+    const std::string& name() const { return board_->config().name; }
+
+    /// Carries bytes between the ports and the board and lets it run up to `now`.
+    void tick(Time now);
+
+    /// "press button1", "reset", "unplug", "replug", "list"; the answer's lines, or what was wrong.
+    Expected<std::string> command(std::string_view verb, std::string_view part, std::string_view argument,
+                                  Time now);
+
+  private:
+    LiveBoard(BoardFile file, Reporter& reporter, std::unique_ptr<Board> board);
+    Expected<void> open_pty();
+    Expected<std::string> plug(bool in, Time now);
+    std::string list() const;
+
+    void receive_from_ports();
+    void notice_opening();
+    void run_to(Time now);
+    void send_to_ports();
+    void report_losses(Time now);
+    void happened(std::string_view event, const nlohmann::json& details);
+
+    BoardFile file_;
+    Reporter& reporter_;
+    std::unique_ptr<Board> board_;
+    Pty pty_;
+    PortLink link_;
+    TcpPort tcp_;
+    bool plugged_ = true;
+    bool pty_in_use_ = false;
+    std::string to_host_;
+
+    Time started_{};  // the moment at which the board's time was started_at_
+    SimTime started_at_{0};
+    Time next_housekeeping_{};
+    SimTime skipped_{0};  // what it lagged behind and gave up
+    LineErrors reported_;
+    bool reported_dead_ = false;
+};
+
+}  // namespace asip::sim

@@ -1,0 +1,180 @@
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/streambuf.hpp>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <set>
+#include <thread>
+
+#include "sim/program/control_socket.hpp"
+#include "sim/program/desk.hpp"
+#include "sim/program/options.hpp"
+
+namespace asip::sim {
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kBadInput = 2;
+constexpr int kNobodyThere = 5;
+constexpr std::size_t kLongestCommand = 1024;
+
+int complain(int status, const std::string& text) {
+    std::cerr << "asip-sim: " << text << '\n';
+    return status;
+}
+
+bool is_image(const std::filesystem::path& file) {
+    const auto extension = file.extension();
+    return extension == ".elf" || extension == ".hex";
+}
+
+Expected<std::vector<BoardFile>> load_boards(const Options& options) {
+    std::vector<BoardFile> files;
+    std::set<std::string> names;
+    for (const auto& path : options.boards) {
+        BoardFile file;
+        if (is_image(path)) {
+            file.board.name = std::filesystem::path(path).stem().string();
+            file.board.image = path;
+            file.board.board = options.board;
+        } else {
+            auto loaded = load_board_file(path);
+            if (!loaded) return fail(loaded.error());
+            file = std::move(*loaded);
+        }
+        const auto i = files.size();
+        if (i < options.links.size()) file.link = options.links[i];
+        if (i < options.tcp_ports.size()) file.tcp_port = options.tcp_ports[i];
+        if (!names.insert(file.board.name).second)
+            return fail(
+                fmt::format("{}: another board is called {} too; give it a \"name\"", path, file.board.name));
+        files.push_back(std::move(file));
+    }
+    if (options.links.size() > files.size()) return fail("--link: more links than boards");
+    if (options.tcp_ports.size() > files.size()) return fail("--tcp: more ports than boards");
+    return files;
+}
+
+/// Commands on standard input, one a line. The end of the input ends nothing: a service has none.
+class InputCommands {
+  public:
+    InputCommands(boost::asio::io_context& context, std::function<void(std::string)> execute)
+        : descriptor_(context), input_(kLongestCommand), execute_(std::move(execute)) {
+        struct stat status {};
+        const bool is_file = ::fstat(STDIN_FILENO, &status) == 0 && S_ISREG(status.st_mode);
+        if (is_file) {  // epoll refuses files
+            for (std::string line; std::getline(std::cin, line);)
+                execute_(line);
+            return;
+        }
+        boost::system::error_code error;
+        descriptor_.assign(::dup(STDIN_FILENO), error);
+        if (!error) read();
+    }
+
+  private:
+    void read() {
+        boost::asio::async_read_until(descriptor_, input_, '\n',
+                                      [this](boost::system::error_code error, std::size_t) {
+                                          if (error) return;
+                                          std::string line;
+                                          std::istream stream(&input_);
+                                          std::getline(stream, line);
+                                          execute_(line);
+                                          read();
+                                      });
+    }
+
+    boost::asio::posix::stream_descriptor descriptor_;
+    boost::asio::streambuf input_;
+    std::function<void(std::string)> execute_;
+};
+
+int run_control(const Options& options) {
+    const auto path = options.socket.value_or(usual_control_socket());
+    const auto answer = send_control(path, fmt::format("{}", fmt::join(options.command, " ")));
+    if (answer) {
+        std::cout << *answer;
+        return 0;
+    }
+    return complain(answer.error().reached ? kFailed : kNobodyThere, answer.error().text);
+}
+
+void write_stdout(std::string_view line) {
+    std::fwrite(line.data(), 1, line.size(), stdout);
+    std::fputc('\n', stdout);
+    std::fflush(stdout);
+}
+
+std::chrono::microseconds slice_for(const Options& options, std::size_t boards, unsigned threads) {
+    if (options.slice.count() > 0) return options.slice;
+    return std::chrono::microseconds(boards <= threads ? 200 : 1000);
+}
+
+int run_boards(const Options& options) {
+    auto files = load_boards(options);
+    if (!files) return complain(kBadInput, files.error());
+
+    Reporter reporter(options.json ? Reporter::Format::json : Reporter::Format::text, write_stdout);
+    std::vector<std::unique_ptr<LiveBoard>> boards;
+    std::vector<BoardConfig> configs;
+    for (std::size_t i = 0; i < files->size(); ++i) {
+        configs.push_back((*files)[i].board);
+        auto board = LiveBoard::create((*files)[i], reporter);
+        if (!board) {
+            const auto& source = options.boards[i];
+            const bool says_where = board.error().rfind(source, 0) == 0;
+            return complain(kBadInput, says_where ? board.error() : source + ": " + board.error());
+        }
+        boards.push_back(std::move(*board));
+    }
+    const unsigned threads =
+        options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+
+    boost::asio::io_context context;
+    boost::asio::signal_set signals(context, SIGINT, SIGTERM, SIGHUP);
+    signals.async_wait([&](boost::system::error_code, int) { context.stop(); });
+    Desk desk(std::move(boards), configs, threads, slice_for(options, configs.size(), threads));
+    const auto execute = [&](std::string_view line, Desk::Reply reply) {
+        if (line.rfind("quit", 0) != 0) return desk.execute(line, std::move(reply));
+        reply(std::string());
+        boost::asio::post(context, [&] { context.stop(); });
+    };
+
+    std::unique_ptr<ControlSocket> socket;
+    if (!options.no_socket) {
+        auto opened = ControlSocket::open(context, options.socket.value_or(usual_control_socket()), execute);
+        if (opened)
+            socket = std::move(*opened);
+        else if (options.socket)
+            return complain(kBadInput, opened.error());
+        else
+            std::cerr << "asip-sim: no control socket: " << opened.error() << '\n';
+    }
+    InputCommands input(context, [&](const std::string& line) {
+        execute(line, [](const Expected<std::string>& answer) {
+            if (!answer) std::cerr << "asip-sim: " << answer.error() << '\n';
+            if (answer && !answer->empty()) std::cerr << *answer;
+        });
+    });
+    context.run();
+    return 0;
+}
+
+}  // namespace
+}  // namespace asip::sim
+
+int main(int argc, char** argv) {
+    std::signal(SIGPIPE, SIG_IGN);
+    const auto parsed = asip::sim::parse_options(argc, argv);
+    if (parsed.exit_status) return *parsed.exit_status;
+    return parsed.options.control ? asip::sim::run_control(parsed.options)
+                                  : asip::sim::run_boards(parsed.options);
+}

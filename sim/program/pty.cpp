@@ -1,0 +1,100 @@
+#include "sim/program/pty.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <pty.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "sim/program/tty_speed.hpp"
+
+namespace asip::sim {
+
+Expected<Pty> Pty::open() {
+    int master = -1;
+    int slave = -1;
+    char path[128];
+    termios settings{};
+    cfmakeraw(&settings);
+    settings.c_cflag |= CREAD | CLOCAL;
+    cfsetspeed(&settings, B57600);
+    if (openpty(&master, &slave, path, &settings, nullptr) != 0)
+        return fail(std::string("cannot open a pseudo-terminal: ") + std::strerror(errno));
+    fcntl(master, F_SETFL, fcntl(master, F_GETFL) | O_NONBLOCK);
+    fcntl(master, F_SETFD, FD_CLOEXEC);
+    ::close(slave);
+    Pty pty;
+    pty.master_ = master;
+    pty.path_ = path;
+    return pty;
+}
+
+Pty::~Pty() {
+    if (master_ >= 0) ::close(master_);
+}
+
+Pty::Pty(Pty&& other) noexcept : master_(std::exchange(other.master_, -1)), path_(std::move(other.path_)) {}
+
+Pty& Pty::operator=(Pty&& other) noexcept {
+    std::swap(master_, other.master_);
+    std::swap(path_, other.path_);
+    return *this;
+}
+
+bool Pty::in_use() const {
+    pollfd request{master_, POLLIN, 0};
+    return ::poll(&request, 1, 0) >= 0 && (request.revents & POLLHUP) == 0;
+}
+
+std::uint32_t Pty::baud() const {
+    return tty_speed(master_);
+}
+
+std::string Pty::read(std::size_t most) {
+    std::string bytes(most, '\0');
+    const auto count = ::read(master_, bytes.data(), bytes.size());
+    bytes.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
+    return bytes;
+}
+
+std::size_t Pty::write(std::string_view bytes) {
+    const auto count = ::write(master_, bytes.data(), bytes.size());
+    return count > 0 ? static_cast<std::size_t>(count) : 0;
+}
+
+Expected<PortLink> PortLink::create(const std::filesystem::path& link, const std::string& target) {
+    std::error_code error;
+    const auto status = std::filesystem::symlink_status(link, error);
+    const bool leads_nowhere = std::filesystem::is_symlink(status) && !std::filesystem::exists(link, error);
+    if (std::filesystem::exists(status) && !leads_nowhere)
+        return fail(link.string() + ": exists already; remove it or choose another link");
+    if (leads_nowhere) std::filesystem::remove(link, error);
+    std::filesystem::create_symlink(target, link, error);
+    if (error) return fail(link.string() + ": cannot make the link: " + error.message());
+    PortLink result;
+    result.link_ = link;
+    result.target_ = target;
+    return result;
+}
+
+PortLink::~PortLink() {
+    std::error_code error;
+    if (!link_.empty() && std::filesystem::read_symlink(link_, error) == target_)
+        std::filesystem::remove(link_, error);
+}
+
+PortLink::PortLink(PortLink&& other) noexcept
+    : link_(std::exchange(other.link_, {})), target_(std::move(other.target_)) {}
+
+PortLink& PortLink::operator=(PortLink&& other) noexcept {
+    std::swap(link_, other.link_);
+    std::swap(target_, other.target_);
+    return *this;
+}
+
+}  // namespace asip::sim

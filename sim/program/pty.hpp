@@ -1,0 +1,55 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "asip/expected.hpp"
+
+namespace asip::sim {
+
+/// A pseudo-terminal that stands for a board's serial port. Not blocking.
+class Pty {
+  public:
+    /// At 57600 baud and raw, as most programs will set it anyway.
+    static Expected<Pty> open();
+    Pty() = default;
+    ~Pty();
+    Pty(Pty&& other) noexcept;
+    Pty& operator=(Pty&& other) noexcept;
+
+    bool is_open() const { return master_ >= 0; }
+    int descriptor() const { return master_; }
+    /// Of the side that other programs open: "/dev/pts/3".
+    const std::string& path() const { return path_; }
+
+    /// Whether a program has the port open. Until then (and after) nothing should be written: it would be
+    /// kept for the next one that opens it.
+    bool in_use() const;
+    /// The rate that the program has set; 0 if it cannot be told.
+    std::uint32_t baud() const;
+    std::string read(std::size_t most);
+    /// How many bytes it took.
+    std::size_t write(std::string_view bytes);
+
+  private:
+    int master_ = -1;
+    std::string path_;
+};
+
+/// A symbolic link to a port, for as long as the object lives. Never replaces anything but a link that leads
+/// nowhere.
+class PortLink {
+  public:
+    static Expected<PortLink> create(const std::filesystem::path& link, const std::string& target);
+    PortLink() = default;
+    ~PortLink();
+    PortLink(PortLink&& other) noexcept;
+    PortLink& operator=(PortLink&& other) noexcept;
+
+  private:
+    std::filesystem::path link_;
+    std::string target_;
+};
+
+}  // namespace asip::sim

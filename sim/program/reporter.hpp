@@ -1,0 +1,34 @@
+#pragma once
+#include <functional>
+#include <mutex>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+
+#include "sim/board.hpp"
+
+namespace asip::sim {
+
+/// Prints what happens on the boards, one line each: "uno1 1.234567 led13 on", or as a JSON object. Called
+/// from the boards' threads.
+class Reporter {
+  public:
+    enum class Format { text, json };
+    /// `write_line` gets a line without its end, one call at a time.
+    Reporter(Format format, std::function<void(std::string_view)> write_line);
+
+    void changed(const std::string& board, const Change& change);
+    /// Something that is no part's change: "reset", "unplugged". `details` is an object whose values follow
+    /// in the text.
+    void happened(const std::string& board, SimTime time, std::string_view event,
+                  const nlohmann::json& details);
+
+  private:
+    void write(const std::string& line);
+
+    Format format_;
+    std::function<void(std::string_view)> write_line_;
+    std::mutex mutex_;
+};
+
+}  // namespace asip::sim

@@ -1,0 +1,37 @@
+#pragma once
+#include <string>
+#include <string_view>
+
+#include "asip/expected.hpp"
+
+namespace asip::sim {
+
+/// A board's serial port as a TCP port on 127.0.0.1, for one client at a time; others are turned away while
+/// it is there. Not blocking: everything happens in poll().
+class TcpPort {
+  public:
+    /// 0 takes any free port.
+    static Expected<TcpPort> listen(int port);
+    TcpPort() = default;
+    ~TcpPort();
+    TcpPort(TcpPort&& other) noexcept;
+    TcpPort& operator=(TcpPort&& other) noexcept;
+
+    bool is_open() const { return listener_ >= 0; }
+    int port() const { return port_; }
+    bool in_use() const { return client_ >= 0; }
+
+    /// Lets a client in. True if one came.
+    bool accept();
+    /// What the client sent; notices that it left.
+    std::string read(std::size_t most);
+    std::size_t write(std::string_view bytes);
+    void drop_client();
+
+  private:
+    int listener_ = -1;
+    int client_ = -1;
+    int port_ = 0;
+};
+
+}  // namespace asip::sim

@@ -1,0 +1,35 @@
+#pragma once
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "sim/program/live_board.hpp"
+
+namespace asip::sim {
+
+/// A thread that runs some boards in turn, each a slice of real time after the other.
+class Worker {
+  public:
+    Worker(std::vector<std::unique_ptr<LiveBoard>> boards, std::chrono::nanoseconds slice);
+    /// Ends the thread; the boards go with it, closing their ports.
+    ~Worker();
+
+    /// Does something with the boards on their thread, between two slices.
+    void post(std::function<void(std::vector<std::unique_ptr<LiveBoard>>&)> task);
+
+  private:
+    void run();
+    bool do_tasks();
+
+    std::vector<std::unique_ptr<LiveBoard>> boards_;
+    std::chrono::nanoseconds slice_;
+    std::mutex mutex_;
+    std::vector<std::function<void(std::vector<std::unique_ptr<LiveBoard>>&)>> tasks_;
+    bool stop_ = false;
+    std::thread thread_;
+};
+
+}  // namespace asip::sim
