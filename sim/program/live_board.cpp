@@ -7,7 +7,7 @@
 namespace asip::sim {
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;
 using namespace std::chrono_literals;
 
 constexpr std::size_t kReadAtOnce = 512;

@@ -40,7 +40,7 @@ class LiveBoard {
     void run_to(Time now);
     void send_to_ports();
     void report_losses(Time now);
-    void happened(std::string_view event, const nlohmann::json& details);
+    void happened(std::string_view event, const nlohmann::ordered_json& details);
 
     BoardFile file_;
     Reporter& reporter_;

@@ -9,6 +9,7 @@
 #include <boost/asio/streambuf.hpp>
 #include <csignal>
 #include <cstdio>
+#include <fstream>
 #include <iostream>
 #include <set>
 #include <thread>
@@ -30,9 +31,10 @@ int complain(int status, const std::string& text) {
     return status;
 }
 
+/// By its first byte: builds name their .elf files as they like.
 bool is_image(const std::filesystem::path& file) {
-    const auto extension = file.extension();
-    return extension == ".elf" || extension == ".hex";
+    const int first = std::ifstream(file, std::ios::binary).get();
+    return file.extension() != ".json" && (first == 0x7f || first == ':');
 }
 
 Expected<std::vector<BoardFile>> load_boards(const Options& options) {

@@ -37,7 +37,7 @@ void Reporter::changed(const std::string& board, const Change& change) {
 }
 
 void Reporter::happened(const std::string& board, SimTime time, std::string_view event,
-                        const nlohmann::json& details) {
+                        const nlohmann::ordered_json& details) {
     if (format_ == Format::text) {
         auto line = fmt::format("{} {:.6f} {}", board, seconds(time), event);
         for (const auto& [key, value] : details.items())

@@ -21,7 +21,7 @@ class Reporter {
     /// Something that is no part's change: "reset", "unplugged". `details` is an object whose values follow
     /// in the text.
     void happened(const std::string& board, SimTime time, std::string_view event,
-                  const nlohmann::json& details);
+                  const nlohmann::ordered_json& details);
 
   private:
     void write(const std::string& line);
