@@ -43,7 +43,8 @@ struct RequestOptions {
 };
 
 enum class Refusal {
-    kInvalid,    ///< not a request line: `S,t[,...]`, printable characters, at most kMaxRequestBytes
+    kInvalid,  ///< not a request line: `S,t[,...]`, printable characters, at most 62 bytes, and neither `#,B`
+               ///< nor `#,C`
     kQueueFull,  ///< BoardSession::kMaxQueued requests wait already
     kNoBoard,    ///< link down, silent, or nobody identified yet
 };
@@ -70,7 +71,6 @@ class BoardSession {
   public:
     static constexpr std::size_t kMaxInFlightBytes = 48;
     static constexpr std::size_t kMaxQueued = 512;
-    static constexpr std::size_t kMaxRequestBytes = 250;
 
     enum class State { kDown, kSearching, kIdentifying, kReady, kSilent };
 

@@ -4,14 +4,15 @@
 
 namespace asip::session {
 
-const BoardService* Identity::find_service(char letter) const {
-    auto it = std::find_if(services.begin(), services.end(),
-                           [&](const BoardService& s) { return s.letter == letter; });
+const protocol::ServiceName* Identity::find_service(char letter) const {
+    auto it = std::find_if(services.begin(), services.end(), [&](const auto& s) { return s.id == letter; });
     return it == services.end() ? nullptr : &*it;
 }
 
-std::string Identity::version() const {
-    return std::to_string(version_major) + "." + std::to_string(version_minor);
+bool same_board(const Identity& a, const Identity& b) {
+    return a.info.major == b.info.major && a.info.minor == b.info.minor && a.info.chip == b.info.chip &&
+           a.info.pins == b.info.pins && a.info.sketch == b.info.sketch && a.stored_name == b.stored_name &&
+           a.services == b.services && a.extensions == b.extensions && a.pin_owners == b.pin_owners;
 }
 
 }  // namespace asip::session

@@ -1,0 +1,45 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "asip/protocol/message.hpp"
+#include "asip/session/identity.hpp"
+#include "asip/time.hpp"
+
+namespace asip::session {
+
+/// The fold that asks a board what it is: one question at a time, each up to three times. Only `#,?` must be
+/// answered; what a board refuses or does not answer stays empty.
+class Interview {
+  public:
+    enum class Progress { kAsking, kDone, kFailed };
+
+    /// `services` as a banner named them, for boards that do not answer `#,N`. The question goes to `lines`.
+    void start(std::string services, Time now, std::vector<std::string>& lines);
+    /// True: the line was the answer to our question.
+    bool on_event(const protocol::Event& event, Time now, std::vector<std::string>& lines);
+    bool on_error(const protocol::ErrorReply& error, Time now, std::vector<std::string>& lines);
+    void on_deadline(Time now, Duration answer_timeout, std::vector<std::string>& lines);
+
+    Progress progress() const { return progress_; }
+    Time next_deadline(Duration answer_timeout) const { return asked_ + answer_timeout; }
+    /// When done.
+    Identity& identity() { return identity_; }
+
+  private:
+    void ask(Time now, std::vector<std::string>& lines);
+    void next(Time now, std::vector<std::string>& lines);
+    bool skip_step() const;
+    bool take(const protocol::Event& event);
+    void finish();
+
+    Progress progress_ = Progress::kDone;
+    std::size_t step_ = 0;
+    int tries_ = 0;
+    Time asked_{};
+    std::string banner_services_;
+    Identity identity_;
+};
+
+}  // namespace asip::session

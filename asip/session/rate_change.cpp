@@ -1,0 +1,116 @@
+#include "asip/session/rate_change.hpp"
+
+#include "asip/protocol/limits.hpp"
+#include "asip/protocol/request.hpp"
+
+namespace asip::session {
+
+namespace {
+
+// Within the 500 ms after which the board gives up: three tries.
+constexpr Duration kFirstFence = std::chrono::milliseconds(140);
+constexpr int kFirstFenceTries = 3;
+constexpr Duration kAnswer = std::chrono::milliseconds(700);
+constexpr Duration kBurstTime = std::chrono::milliseconds(500);
+// Three fences of 13 bytes are in flight at a time, as full as requests ever make the board's buffer.
+constexpr unsigned kBurst = 30;
+constexpr unsigned kWindow = 3;
+
+std::string burst_token(unsigned number) {
+    return "burst" + std::to_string(100 + number);
+}
+
+}  // namespace
+
+unsigned RateChange::best(unsigned max_baud) const {
+    for (unsigned rate : kFastRates)
+        if (rate <= max_baud && !bad_.contains(rate)) return rate;
+    return protocol::kDefaultBaud;
+}
+
+void RateChange::start(unsigned baud, Time now, std::vector<std::string>& lines) {
+    step_ = Step::kAsked;
+    baud_ = baud;
+    refused_ = false;
+    tries_ = 0;
+    sent_ = received_ = 0;
+    deadline_ = now + kAnswer;
+    lines.push_back(protocol::set_line_rate(static_cast<int>(baud)));
+}
+
+void RateChange::fail() {
+    mark_bad(baud_);
+    step_ = Step::kFailed;
+}
+
+bool RateChange::on_event(const protocol::Event& event, Time now, std::vector<std::string>& lines) {
+    if (event.service != '#') return false;
+    if (step_ == Step::kAsked && event.tag == 'B') {
+        if (event.body == std::to_string(baud_)) {
+            step_ = Step::kSwitching;
+        } else {
+            fail();
+        }
+        return true;
+    }
+    if (event.tag != 'E') return false;
+    if (step_ == Step::kFirst && event.body == "first") {
+        step_ = Step::kBurst;
+        deadline_ = now + kBurstTime;
+        while (sent_ < kWindow)
+            fence(lines);
+        return true;
+    }
+    if (step_ != Step::kBurst) return false;
+    if (event.body == "first") return true;
+    if (event.body != burst_token(received_)) {
+        fail();
+        return true;
+    }
+    if (++received_ == kBurst) step_ = Step::kDone;
+    if (sent_ < kBurst) fence(lines);
+    return true;
+}
+
+void RateChange::fence(std::vector<std::string>& lines) {
+    lines.push_back(protocol::echo(burst_token(sent_++)));
+}
+
+bool RateChange::on_error(const protocol::ErrorReply& error) {
+    if (step_ == Step::kAsked && error.service == '#' && error.tag == 'B') {
+        fail();
+        refused_ = true;
+        return true;
+    }
+    if (step_ != Step::kBurst) return step_ == Step::kFirst;
+    fail();
+    return true;
+}
+
+void RateChange::on_garbage() {
+    if (step_ == Step::kBurst) fail();
+}
+
+void RateChange::on_rate_set(bool ok, Time now, std::vector<std::string>& lines) {
+    if (step_ != Step::kSwitching) return;
+    if (!ok) return fail();
+    step_ = Step::kFirst;
+    tries_ = 1;
+    deadline_ = now + kFirstFence;
+    lines.push_back(protocol::echo("first"));
+}
+
+void RateChange::on_deadline(Time now, std::vector<std::string>& lines) {
+    if (!busy() || now < deadline_) return;
+    if (step_ == Step::kFirst && tries_ < kFirstFenceTries) {
+        ++tries_;
+        deadline_ = now + kFirstFence;
+        // Ends whatever the change of rate left in the board's line.
+        lines.emplace_back();
+        lines.push_back(protocol::echo("first"));
+        return;
+    }
+    fail();
+}
+
+}  // namespace asip::session

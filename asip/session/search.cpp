@@ -1,0 +1,44 @@
+#include "asip/session/search.hpp"
+
+#include <algorithm>
+
+#include "asip/session/rate_change.hpp"
+
+namespace asip::session {
+
+namespace {
+constexpr Duration kAtStartRate = std::chrono::milliseconds(600);
+constexpr Duration kAtOtherRates = std::chrono::milliseconds(200);
+constexpr Duration kOnceHeard = std::chrono::milliseconds(400);
+}  // namespace
+
+void Search::start(unsigned start_baud, bool rates, Time quiet_until, Time now) {
+    rates_.assign(1, start_baud);
+    if (rates)
+        for (unsigned rate : {500'000u, 1'000'000u, 250'000u, 115'200u})
+            if (rate != start_baud) rates_.push_back(rate);
+    index_ = 0;
+    round_ = 0;
+    quiet_until_ = quiet_until;
+    deadline_ = now;
+}
+
+Search::Step Search::next(Time now) {
+    const unsigned baud = rates_[index_];
+    if (now < quiet_until_) {
+        deadline_ = quiet_until_;
+        return {baud, false, false};
+    }
+    // At the start rate twice, the second time behind a newline.
+    const bool at_start = index_ == 0;
+    const Step step{baud, true, !at_start || round_ % 2 == 1};
+    deadline_ = now + (at_start ? kAtStartRate / 2 : kAtOtherRates);
+    if (++round_ % 2 == 0 || !at_start) index_ = (index_ + 1) % rates_.size();
+    return step;
+}
+
+void Search::heard(Time now) {
+    deadline_ = std::max(deadline_, now + kOnceHeard);
+}
+
+}  // namespace asip::session

@@ -1,0 +1,547 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/session/scripted_board.hpp"
+
+namespace asip::session {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::Not;
+
+SessionOptions no_step_up() {
+    SessionOptions options;
+    options.max_baud = 0;
+    return options;
+}
+
+struct OldBoard : testing::Test {
+    OldBoard() { bench.board.extensions = false; }
+    Bench bench;
+};
+
+// --- finding and identifying
+
+TEST(BoardSession, BoardWithExtensions_IsIdentifiedAndSteppedUp) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(1s));
+    const Identity& board = bench.session.identity();
+    EXPECT_EQ(board.info.chip, "ATmega328P");
+    EXPECT_EQ(board.stored_name, "uno1");
+    EXPECT_EQ(board.services.size(), 3u);
+    EXPECT_EQ(board.pin_owners, "@@IISD");
+    EXPECT_EQ(board.port_map.pin_count(), 6u);
+    EXPECT_EQ(bench.session.baud(), 1'000'000u);
+    EXPECT_EQ(bench.board.baud, 1'000'000u);
+    EXPECT_EQ(bench.count("identified"), 1);
+    EXPECT_THAT(bench.lines, IsEmpty());
+}
+
+TEST_F(OldBoard, IsIdentifiedAndLeftAtItsRate) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(1s));
+    EXPECT_TRUE(bench.session.identity().extensions.empty());
+    EXPECT_EQ(bench.session.identity().stored_name, "");
+    EXPECT_THAT(bench.rates, IsEmpty());
+}
+
+TEST(BoardSession, RestartingBoard_IsNotWrittenToBeforeItsBanner) {
+    Bench bench;
+    bench.plug({57600, true});
+    bench.pass(2s);
+    EXPECT_THAT(bench.board.heard, IsEmpty());
+    bench.say(bench.board.banner());
+    EXPECT_TRUE(bench.ready_within(100ms));
+}
+
+TEST(BoardSession, RestartingBoardWithoutBanner_IsAskedAfterTheBootTime) {
+    Bench bench;
+    bench.plug({57600, true});
+    EXPECT_TRUE(bench.ready_within(3s));
+}
+
+TEST(BoardSession, BoardLeftAtAFastRate_IsFound) {
+    Bench bench;
+    bench.board.baud = 500'000;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(3s));
+    EXPECT_EQ(bench.board.baud, 1'000'000u);
+}
+
+TEST(BoardSession, BoardLeftWithChecksums_IsFound) {
+    Bench bench;
+    bench.board.checksum = true;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(3s));
+    EXPECT_FALSE(bench.board.checksum);
+}
+
+TEST(BoardSession, NothingAnswers_SaysSoOnceAndGoesOnAsking) {
+    Bench bench;
+    bench.board.mute = true;
+    bench.plug();
+    bench.pass(30s);
+    EXPECT_EQ(bench.count("no-answer"), 1);
+    bench.board.mute = false;
+    EXPECT_TRUE(bench.ready_within(5s));
+}
+
+TEST(BoardSession, OneQuestionUnanswered_RestIsKnown) {
+    Bench bench(no_step_up());
+    bench.board.replies["I,c"] = "";
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(10s));
+    EXPECT_THAT(bench.session.identity().pin_capabilities, IsEmpty());
+    EXPECT_EQ(bench.session.identity().port_map.pin_count(), 6u);
+}
+
+TEST(BoardSession, QuestionRefused_IsNotAskedAgain) {
+    Bench bench(no_step_up());
+    bench.board.replies["#,S"] = "~#,S,2{UNKNOWN_REQUEST}";
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(100ms));
+    EXPECT_EQ(bench.session.identity().pin_owners, "");
+    EXPECT_EQ(std::count(bench.board.heard.begin(), bench.board.heard.end(), "#,S"), 1);
+}
+
+TEST(BoardSession, NamesNotAnswered_LettersOfTheBannerServe) {
+    Bench bench(no_step_up());
+    bench.board.replies["#,N"] = "~#,N,2{UNKNOWN_REQUEST}";
+    bench.plug({57600, true});
+    bench.say(bench.board.banner());
+    ASSERT_TRUE(bench.ready_within(1s));
+    ASSERT_EQ(bench.session.identity().services.size(), 3u);
+    EXPECT_EQ(bench.session.identity().services[1].id, 'S');
+}
+
+TEST(BoardSession, EventsWhileAsking_AreHandedOn) {
+    Bench bench;
+    bench.board.answers_info = false;
+    bench.plug();
+    bench.say("@I,a,1,{0:320}\r\n");
+    EXPECT_THAT(bench.lines, ElementsAre("@I,a,1,{0:320}"));
+}
+
+// --- line rate
+
+TEST(BoardSession, FastestRateDoesNotWork_NextIsTaken) {
+    Bench bench;
+    bench.board.fastest_working = 500'000;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(5s));
+    EXPECT_EQ(bench.session.baud(), 500'000u);
+    EXPECT_EQ(bench.board.baud, 500'000u);
+}
+
+TEST(BoardSession, FastestRateRefused_NextIsTakenWithoutSearching) {
+    Bench bench;
+    bench.board.fastest_allowed = 250'000;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(100ms));
+    EXPECT_EQ(bench.session.baud(), 250'000u);
+    EXPECT_THAT(bench.rates, ElementsAre(250'000u));
+}
+
+TEST(BoardSession, NoFastRateWorks_StaysAtTheStartRate) {
+    Bench bench;
+    bench.board.fastest_working = 57600;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(20s));
+    EXPECT_EQ(bench.session.baud(), 57600u);
+}
+
+TEST(BoardSession, PortCannotSetTheRate_StaysAtTheStartRate) {
+    Bench bench;
+    bench.rate_works = false;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(20s));
+    EXPECT_EQ(bench.board.baud, 57600u);
+}
+
+TEST(BoardSession, OnTcp_NoRateIsTouched) {
+    Bench bench;
+    bench.board.baud = 0;
+    bench.plug({0, false});
+    ASSERT_TRUE(bench.ready_within(1s));
+    EXPECT_THAT(bench.rates, IsEmpty());
+}
+
+TEST(BoardSession, GarbageAtAFastRate_GoesToASlowerOne) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    for (int i = 0; i < 3; ++i) bench.say("\x81\x82garbage\n");
+    ASSERT_TRUE(bench.ready_within(5s));
+    EXPECT_EQ(bench.session.baud(), 500'000u);
+}
+
+// --- requests and fences
+
+TEST(BoardSession, Request_EndsExecutedWhenItsFenceIsBack) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("I,d,13,1\n");
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,d,13,1"));
+    EXPECT_EQ(bench.session.bytes_in_flight(), 0u);
+}
+
+TEST_F(OldBoard, Request_IsProvenByTheInformationRequest) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("I,d,13,1");
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.board.heard.back(), "#,?");
+    EXPECT_THAT(bench.lines, IsEmpty());
+}
+
+TEST(BoardSession, BoardError_EndsTheRequestAndIsHandedOn) {
+    Bench bench;
+    bench.board.replies["S,W,9,90"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("S,W,9,90");
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kBoardError);
+    EXPECT_EQ(bench.end_of(id)->code, 7);
+    EXPECT_EQ(bench.end_of(id)->text, "INVALID_DEVICE_NUMBER");
+    EXPECT_THAT(bench.lines, ElementsAre("~S,W,7{INVALID_DEVICE_NUMBER}"));
+    EXPECT_EQ(bench.finished.size(), 1u);
+}
+
+class BothGenerations : public testing::TestWithParam<bool> {
+  protected:
+    BothGenerations() { bench.board.extensions = GetParam(); }
+    Bench bench;
+};
+INSTANTIATE_TEST_SUITE_P(Boards, BothGenerations, testing::Bool(),
+                         [](const auto& param) { return param.param ? "Extended" : "Plain04"; });
+
+TEST_P(BothGenerations, AlikeRequestsAtOnce_EachEndsWithItsOwnOutcome) {
+    bench.board.replies["S,W,9,1"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    std::vector<RequestId> good, bad;
+    bench.board.mute = true;  // they pile up
+    for (int i = 0; i < 50; ++i) {
+        bad.push_back(bench.request("S,W,9,1"));
+        good.push_back(bench.request("S,W,0,1"));
+    }
+    bench.board.mute = false;
+    bench.pass(1ms);
+    bench.say("");
+    // What was swallowed while mute times out; everything else ends as the board says.
+    bench.pass(10s);
+    int timeouts = 0;
+    for (int i = 0; i < 50; ++i) {
+        ASSERT_NE(bench.end_of(bad[i]), nullptr);
+        ASSERT_NE(bench.end_of(good[i]), nullptr);
+        timeouts += bench.end_of(bad[i])->ending == Ending::kTimeout || bench.end_of(bad[i])->ending == Ending::kNotSent;
+        if (bench.end_of(bad[i])->ending == Ending::kExecuted) ADD_FAILURE() << "bad request " << i << " proven";
+        if (bench.end_of(good[i])->ending == Ending::kBoardError) ADD_FAILURE() << "good request " << i << " refused";
+    }
+    EXPECT_GE(timeouts, 1);
+    EXPECT_EQ(bench.finished.size(), 100u);
+    EXPECT_LE(bench.most_in_flight, 48u);
+}
+
+TEST_P(BothGenerations, ThousandRequests_NeverMoreThan48BytesInFlight) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    for (int i = 0; i < 1000; ++i)
+        bench.request(i % 3 ? "I,d,13,1" : "S,W,0,90", {.prove = i % 2 == 0, .answer_tag = 0});
+    bench.pass(5s);
+    EXPECT_EQ(bench.finished.size(), 1000u);
+    EXPECT_LE(bench.most_in_flight, 48u);
+    EXPECT_EQ(bench.board.executed.size(), 1000u);
+}
+
+TEST_P(BothGenerations, FenceLost_RequestTimesOutAndTheNextWorks) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.swallow_fences = 1;
+    const auto lost = bench.request("I,d,13,1");
+    bench.say("@I,a,1,{0:1}\n");
+    bench.pass(1s);
+    bench.say("@I,a,1,{0:1}\n");
+    bench.pass(1s);
+    ASSERT_NE(bench.end_of(lost), nullptr);
+    EXPECT_EQ(bench.end_of(lost)->ending, Ending::kTimeout);
+    const auto next = bench.request("I,d,13,0");
+    ASSERT_NE(bench.end_of(next), nullptr);
+    EXPECT_EQ(bench.end_of(next)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.count("silent"), 0);
+}
+
+TEST_P(BothGenerations, UnprovenRequests_CostNoFenceEach) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.heard.clear();
+    bench.request("I,d,13,1", {.prove = false, .answer_tag = 0});
+    bench.request("I,d,13,0", {.prove = false, .answer_tag = 0});
+    EXPECT_THAT(bench.board.heard, ElementsAre("I,d,13,1", "I,d,13,0"));
+    bench.pass(200ms);
+    EXPECT_EQ(bench.board.heard.size(), 3u) << "one fence when nothing else is to do";
+    EXPECT_EQ(bench.finished.size(), 2u);
+    EXPECT_EQ(bench.session.bytes_in_flight(), 0u);
+}
+
+TEST_P(BothGenerations, ClientAsksForInformation_GetsTheAnswer) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("#,?", {.prove = true, .answer_tag = '?'});
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.end_of(id)->answer, "@#,?,0,4,ATmega328P,6,Script");
+    EXPECT_THAT(bench.lines, ElementsAre("@#,?,0,4,ATmega328P,6,Script"));
+}
+
+TEST(BoardSession, ClientSendsAFence_GetsItsOwnAnswerOnly) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("#,E,mine");
+    EXPECT_THAT(bench.lines, ElementsAre("@#,E,mine"));
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+}
+
+TEST(BoardSession, AnswerEvent_ComesWithTheEnd) {
+    Bench bench;
+    bench.board.replies["D,M"] = "@D,e,2,{42,118}";
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("D,M", {.prove = true, .answer_tag = 'e'});
+    EXPECT_EQ(bench.end_of(id)->answer, "@D,e,2,{42,118}");
+    EXPECT_THAT(bench.lines, ElementsAre("@D,e,2,{42,118}"));
+}
+
+TEST(BoardSession, ServiceTheBoardDoesNotHave_ErrorWithoutNameIsAttributed) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto before = bench.request("I,d,13,1");
+    const auto id = bench.request("Z,x,1");
+    const auto after = bench.request("I,a,3,1");
+    EXPECT_EQ(bench.end_of(before)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kBoardError);
+    EXPECT_EQ(bench.end_of(id)->code, 1);
+    EXPECT_EQ(bench.end_of(after)->ending, Ending::kExecuted);
+}
+
+TEST(BoardSession, NotARequest_IsRefused) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    for (const char* line : {"", "x", "@I,d,4,1", "I", "i,d,1", "I,d,\x01", "#,B,500000", "#,C,1", "I,d,13,1\nI,d,13,0"})
+        EXPECT_EQ(bench.refused(line), Refusal::kInvalid) << line;
+    EXPECT_EQ(bench.refused(std::string("I,d,") + std::string(80, '1')), Refusal::kInvalid);
+}
+
+TEST(BoardSession, QueueFull_IsRefused) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.mute = true;
+    int accepted = 0;
+    while (!bench.refused("I,d,13,1") && accepted < 10000) ++accepted;
+    EXPECT_EQ(bench.refused("I,d,13,1"), Refusal::kQueueFull);
+    EXPECT_GE(accepted, static_cast<int>(BoardSession::kMaxQueued));
+    EXPECT_LE(accepted, static_cast<int>(BoardSession::kMaxQueued) + 6);
+}
+
+TEST(BoardSession, NoBoard_IsRefused) {
+    Bench bench;
+    EXPECT_EQ(bench.refused("I,d,13,1"), Refusal::kNoBoard);
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.unplug();
+    EXPECT_EQ(bench.refused("I,d,13,1"), Refusal::kNoBoard);
+}
+
+TEST(BoardSession, LinkGoes_SentTimesOutAndQueuedIsNotSent) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.mute = true;
+    std::vector<RequestId> ids;
+    for (int i = 0; i < 10; ++i) ids.push_back(bench.request("I,d,13,1"));
+    bench.unplug();
+    EXPECT_EQ(bench.end_of(ids.front())->ending, Ending::kTimeout);
+    EXPECT_EQ(bench.end_of(ids.back())->ending, Ending::kNotSent);
+    EXPECT_EQ(bench.finished.size(), 10u);
+}
+
+// --- restarts and silence
+
+TEST_P(BothGenerations, BannerInMidStream_ModesAndPeriodsAreRestoredValuesAreNot) {
+    SessionOptions options = no_step_up();
+    bench.session = BoardSession(options);
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    for (const char* line : {"I,P,13,3", "I,d,13,1", "D,A,100", "S,W,0,90", "I,P,12,2"}) bench.request(line);
+    bench.board.executed.clear();
+    bench.say(bench.board.reboot());
+    ASSERT_TRUE(bench.ready_within(1s));
+    EXPECT_EQ(bench.count("reset"), 1);
+    EXPECT_EQ(bench.count("identified"), 2);
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,P,12,2", "I,P,13,3", "D,A,100"));
+    EXPECT_EQ(bench.session.period('D'), 100u);
+}
+
+TEST_P(BothGenerations, BannerCutInHalf_IsStillARestart) {
+    bench.session = BoardSession(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("I,P,13,3");
+    bench.board.executed.clear();
+    bench.say("ing on ATmega328P with Services: I S D \r\n");
+    ASSERT_TRUE(bench.ready_within(1s));
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,P,13,3"));
+}
+
+TEST(BoardSession, RestartAtAFastRate_IsNoticedByGarbageAndRestored) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("I,P,13,3");
+    bench.board.executed.clear();
+    bench.board.reboot();
+    bench.say("\x80\x91\n");
+    bench.pass(5s);
+    ASSERT_TRUE(bench.ready_within());
+    EXPECT_EQ(bench.session.baud(), 1'000'000u);
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,P,13,3"));
+}
+
+TEST(BoardSession, RefusedMode_IsNotRestored) {
+    Bench bench(no_step_up());
+    bench.board.replies["I,P,1,3"] = "~I,P,3{INVALID_PIN}";
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("I,P,1,3");
+    bench.board.executed.clear();
+    bench.say(bench.board.reboot());
+    ASSERT_TRUE(bench.ready_within(1s));
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST(BoardSession, ClientRestartsTheBoard_NothingIsRestored) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("I,P,13,3");
+    bench.request("#,R");
+    bench.board.executed.clear();
+    bench.say(bench.board.reboot());
+    ASSERT_TRUE(bench.ready_within(1s));
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST(BoardSession, Replugged_SettingsAreRestored) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("I,P,13,3");
+    bench.unplug();
+    bench.board.reboot();
+    bench.board.executed.clear();
+    bench.pass(1min);
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(3s));
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,P,13,3"));
+}
+
+TEST(BoardSession, QueuedWhileRestarting_IsExecutedAfterwards) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("I,P,13,3");
+    bench.board.mute = true;
+    bench.say(bench.board.reboot());
+    bench.board.executed.clear();
+    const auto id = bench.request("I,d,13,1");
+    bench.board.mute = false;
+    ASSERT_TRUE(bench.ready_within(5s));
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,P,13,3", "I,d,13,1"));
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+}
+
+TEST_P(BothGenerations, QuietBoard_IsProbedAndStaysReady) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.pass(1min);
+    EXPECT_EQ(bench.session.state(), BoardSession::State::kReady);
+    EXPECT_EQ(bench.count("silent"), 0);
+    EXPECT_GE(bench.board.heard.size(), 20u);
+    EXPECT_THAT(bench.lines, IsEmpty());
+}
+
+TEST_P(BothGenerations, BoardStopsAnswering_IsSilentWithinFourSecondsAndFoundAgain) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.mute = true;
+    bench.pass(4s);
+    EXPECT_EQ(bench.count("silent"), 1);
+    EXPECT_EQ(bench.session.state(), BoardSession::State::kSilent);
+    EXPECT_EQ(bench.refused("I,d,13,1"), Refusal::kNoBoard);
+    bench.board.mute = false;
+    ASSERT_TRUE(bench.ready_within(5s));
+    EXPECT_EQ(bench.count("identified"), 2);
+}
+
+// --- garbage
+
+TEST_P(BothGenerations, GarbageInManyForms_IsCountedAndTheNextMessageWorks) {
+    bench.session = BoardSession(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const std::string long_line(10'000, 'x');
+    for (const std::string& bytes : {std::string("\0\xff\x80\n", 4), long_line + "\n", std::string("@\n"),
+                                     std::string("~I,d,\n"), std::string("@I\xfe,d\n"), std::string("nonsense\n")}) {
+        const auto before = bench.session.counters().garbage;
+        bench.say(bytes);
+        EXPECT_EQ(bench.session.counters().garbage, before + 1) << bytes.substr(0, 20);
+        bench.lines.clear();
+        bench.say("@I,d,4,c\r\n");
+        EXPECT_THAT(bench.lines, ElementsAre("@I,d,4,c"));
+    }
+}
+
+TEST(BoardSession, NoNewlineForAMinute_BoardIsAskedAndStays) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.say("@I,a,1,{");
+    bench.pass(1min);
+    ASSERT_TRUE(bench.ready_within(5s));
+    const auto id = bench.request("I,d,13,1");
+    bench.pass(2s);
+    ASSERT_NE(bench.end_of(id), nullptr);
+}
+
+// --- checksum
+
+TEST(BoardSession, ChecksumWanted_LinesCarryItBothWays) {
+    SessionOptions options = no_step_up();
+    options.checksum = true;
+    Bench bench(options);
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("I,d,13,1");
+    EXPECT_TRUE(bench.board.checksum);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    bench.say("@I,d,4,c*00\r\n");
+    EXPECT_EQ(bench.session.counters().checksum_errors, 1u);
+    EXPECT_THAT(bench.lines, IsEmpty());
+    bench.say("@I,d,4,c*26\r\n");
+    EXPECT_THAT(bench.lines.size() + bench.session.counters().checksum_errors, 2u);
+}
+
+}  // namespace
+}  // namespace asip::session

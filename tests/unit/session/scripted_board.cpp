@@ -1,0 +1,218 @@
+#include "tests/unit/session/scripted_board.hpp"
+
+#include <algorithm>
+
+#include "asip/protocol/checksum.hpp"
+
+namespace asip::session {
+
+namespace {
+
+const std::map<std::string, std::string> kAnswers{
+    {"#,N", "@#,N,3,{I:ASIP core IO,S:Servos,D:Distance}"},
+    {"#,S", "@#,S,6,{@,@,I,I,S,D}"},
+    {"I,M", "@I,M,6,{4:1,4:2,4:4,4:8,4:10,3:1}"},
+    {"I,m", "@I,m,1,{5:0}"},
+    {"I,p", "@I,p,6{6,6,1,1,7,7}"},
+    {"I,c", "@I,c,6,{1,1,1,5,1,3}"},
+};
+
+}  // namespace
+
+std::string ScriptedBoard::reboot() {
+    baud = 57600;
+    partial_.clear();
+    next_baud_.reset();
+    trial_ends_.reset();
+    checksum = false;
+    return banner();
+}
+
+void ScriptedBoard::tick(Time now) {
+    if (trial_ends_ && now >= *trial_ends_) {
+        trial_ends_.reset();
+        baud = 57600;
+        partial_.clear();
+    }
+}
+
+std::string ScriptedBoard::hear(std::string_view bytes, unsigned host_baud, Time now) {
+    tick(now);
+    if (mute) return {};
+    const bool works = baud <= fastest_working;
+    if (host_baud != baud || !works) {
+        partial_ += std::string(bytes.size() / 2, '\x80');
+        if (partial_.size() > 100) partial_.clear();
+        return {};
+    }
+    std::string said;
+    for (char c : bytes) {
+        if (c != '\n') {
+            partial_ += c;
+            continue;
+        }
+        std::string line;
+        line.swap(partial_);
+        if (line.empty()) continue;
+        said += answer(line, now);
+        if (next_baud_) {
+            baud = *next_baud_;
+            next_baud_.reset();
+            trial_ends_ = now + 500ms;
+            break;
+        }
+    }
+    return said;
+}
+
+std::string ScriptedBoard::answer(const std::string& received, Time) {
+    std::string line = received;
+    const auto say = [this](const std::string& text) { return (checksum ? protocol::append_checksum(text) : text) + "\r\n"; };
+    if (checksum) {
+        const auto checked = protocol::verify_checksum(line);
+        if (!checked) return say("~#,C,10{BAD_CHECKSUM}");
+        line = std::string(*checked);
+    }
+    heard.push_back(line);
+    if (const auto reply = replies.find(line); reply != replies.end()) {
+        if (line[0] != '#') executed.push_back(line);
+        return reply->second.empty() ? "" : say(reply->second);
+    }
+    if (line == "#,?") {
+        if (!answers_info) return {};
+        if (!extensions && swallow_fences > 0) return --swallow_fences, std::string();
+        return say("@#,?,0,4," + chip + ",6," + sketch);
+    }
+    if (const auto known = kAnswers.find(line); known != kAnswers.end()) return say(known->second);
+    if (line.find_first_not_of("\x80") != 0) return say("~Q,?,1{INVALID_SERVICE}");
+    if (line[0] == '#' && extensions) {
+        const std::string rest = line.size() > 4 ? line.substr(4) : "";
+        if (line == "#,X") return say("@#,X,4,{E:1,I:1,B:1,C:1}");
+        if (line == "#,I") return say("@#,I," + stored_name);
+        if (line[2] == 'E') {
+            if (swallow_fences > 0) return --swallow_fences, std::string();
+            trial_ends_.reset();
+            return say("@#,E," + rest);
+        }
+        if (line[2] == 'B') {
+            const unsigned wanted = static_cast<unsigned>(std::stoul(rest));
+            if (wanted > fastest_allowed) return say("~#,B,11{BAD_ARGUMENT}");
+            next_baud_ = wanted;
+            return say("@#,B," + rest);
+        }
+        if (line[2] == 'C') {
+            checksum = rest == "1";
+            return {};
+        }
+    }
+    executed.push_back(line);
+    if (line[0] == '#' && line != "#,R") return say(std::string("~#,") + line[2] + ",2{UNKNOWN_REQUEST}");
+    if (line[0] != 'I' && line[0] != 'S' && line[0] != 'D' && line[0] != '#') return say("~Q,?,1{INVALID_SERVICE}");
+    return {};
+}
+
+void Bench::plug(LinkTraits traits) {
+    host_baud = traits.baud;
+    Actions actions;
+    session.link_up(traits, now, actions);
+    perform(actions);
+}
+
+void Bench::unplug() {
+    Actions actions;
+    session.link_down(now, actions);
+    perform(actions);
+}
+
+void Bench::say(std::string_view bytes) {
+    Actions actions;
+    session.receive(bytes, now, actions);
+    perform(actions);
+}
+
+void Bench::perform(Actions& actions) {
+    most_in_flight = std::max(most_in_flight, session.bytes_in_flight());
+    for (Action& action : actions) {
+        if (auto* write = std::get_if<Write>(&action)) {
+            const std::string said = board.hear(write->bytes, host_baud, now);
+            if (!said.empty()) say(said);
+        } else if (auto* rate = std::get_if<SetLineRate>(&action)) {
+            rates.push_back(rate->baud);
+            if (rate_works) host_baud = rate->baud;
+            Actions more;
+            session.line_rate_set(rate_works, now, more);
+            perform(more);
+        } else if (auto* line = std::get_if<BoardLine>(&action)) {
+            lines.push_back(line->line);
+        } else if (auto* end = std::get_if<Finished>(&action)) {
+            finished.push_back(*end);
+        } else if (std::holds_alternative<Identified>(action)) {
+            facts.emplace_back("identified");
+        } else if (std::holds_alternative<BoardReset>(action)) {
+            facts.emplace_back("reset");
+        } else if (std::holds_alternative<BecameSilent>(action)) {
+            facts.emplace_back("silent");
+        } else if (std::holds_alternative<NoAnswer>(action)) {
+            facts.emplace_back("no-answer");
+        } else if (auto* change = std::get_if<LineRateChanged>(&action)) {
+            facts.push_back("baud " + std::to_string(change->baud));
+        } else if (std::holds_alternative<Garbage>(action)) {
+            facts.emplace_back("garbage");
+        }
+    }
+}
+
+void Bench::step_to(Time time) {
+    now = time;
+    board.tick(now);
+    Actions actions;
+    session.tick(now, actions);
+    perform(actions);
+}
+
+void Bench::pass(Duration time) {
+    const Time end = now + time;
+    while (true) {
+        const auto deadline = session.next_deadline();
+        if (!deadline || *deadline > end) break;
+        step_to(std::max(*deadline, now + 1us));
+    }
+    now = end;
+    board.tick(now);
+}
+
+bool Bench::ready_within(Duration limit) {
+    const Time end = now + limit;
+    while (session.state() != BoardSession::State::kReady) {
+        const auto deadline = session.next_deadline();
+        if (!deadline || *deadline > end) return false;
+        step_to(std::max(*deadline, now + 1us));
+    }
+    return true;
+}
+
+RequestId Bench::request(std::string_view line, RequestOptions options) {
+    Actions actions;
+    const auto id = session.submit(line, options, now, actions);
+    perform(actions);
+    return id ? *id : 0;
+}
+
+std::optional<Refusal> Bench::refused(std::string_view line) {
+    Actions actions;
+    const auto id = session.submit(line, {}, now, actions);
+    perform(actions);
+    if (id) return std::nullopt;
+    return id.error();
+}
+
+const Finished* Bench::end_of(RequestId id) const {
+    auto it = std::find_if(finished.begin(), finished.end(), [&](const Finished& f) { return f.id == id; });
+    return it == finished.end() ? nullptr : &*it;
+}
+
+int Bench::count(std::string_view fact) const {
+    return static_cast<int>(std::count(facts.begin(), facts.end(), fact));
+}
+
+}  // namespace asip::session

@@ -1,0 +1,84 @@
+#pragma once
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "asip/session/board_session.hpp"
+
+namespace asip::session {
+
+using namespace std::chrono_literals;
+
+/// A board of either generation as far as its peer can tell, in plain text. Bytes at a rate it does not have are garbage
+/// to both sides. Time passes only when the Bench says so.
+class ScriptedBoard {
+  public:
+    bool extensions = true;
+    unsigned baud = 57600;
+    bool mute = false;                     ///< hears and says nothing
+    bool answers_info = true;
+    std::string chip = "ATmega328P";
+    std::string sketch = "Script";
+    std::string stored_name = "uno1";
+    unsigned fastest_working = 1'000'000;  ///< rates above are accepted and then do not work
+    unsigned fastest_allowed = 1'000'000;  ///< rates above are refused
+    int swallow_fences = 0;                ///< so many fences from now on are lost
+    bool checksum = false;
+    std::map<std::string, std::string> replies;  ///< request line to answer line, before everything else
+
+    std::vector<std::string> executed;  ///< every line that is no question of an interview and no fence
+    std::vector<std::string> heard;     ///< every whole line
+
+    /// What it answers at `host_baud`, now.
+    std::string hear(std::string_view bytes, unsigned host_baud, Time now);
+    void tick(Time now);
+    /// As after power-on: the banner's bytes.
+    std::string reboot();
+    std::string banner() const { return "!" + sketch + " running on " + chip + " with Services: I S D \r\n"; }
+
+  private:
+    std::string answer(const std::string& line, Time now);
+
+    std::string partial_;
+    std::optional<unsigned> next_baud_;
+    std::optional<Time> trial_ends_;
+};
+
+/// The session with a board, and time.
+class Bench {
+  public:
+    explicit Bench(SessionOptions options = {}) : session(options) {}
+
+    ScriptedBoard board;
+    BoardSession session;
+    Time now{};
+    unsigned host_baud = 57600;
+    bool rate_works = true;  ///< what the port says to a change of rate
+
+    std::vector<std::string> lines;     ///< BoardLine
+    std::vector<Finished> finished;
+    std::vector<std::string> facts;     ///< "identified", "reset", "silent", "no-answer", "baud N", "garbage"
+    std::vector<unsigned> rates;        ///< SetLineRate
+    std::size_t most_in_flight = 0;
+
+    void plug(LinkTraits traits = {57600, false});
+    void unplug();
+    /// Until the session is ready, at most for `limit` of its time.
+    bool ready_within(Duration limit = 10s);
+    void pass(Duration time);
+    /// The board says this by itself.
+    void say(std::string_view bytes);
+    RequestId request(std::string_view line, RequestOptions options = {});
+    std::optional<Refusal> refused(std::string_view line);
+    const Finished* end_of(RequestId id) const;
+    int count(std::string_view fact) const;
+
+  private:
+    void perform(Actions& actions);
+    void step_to(Time time);
+};
+
+}  // namespace asip::session
