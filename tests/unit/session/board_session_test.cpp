@@ -173,7 +173,8 @@ TEST(BoardSession, GarbageAtAFastRate_GoesToASlowerOne) {
     Bench bench;
     bench.plug();
     ASSERT_TRUE(bench.ready_within());
-    for (int i = 0; i < 3; ++i) bench.say("\x81\x82garbage\n");
+    for (int i = 0; i < 3; ++i)
+        bench.say("\x81\x82garbage\n");
     ASSERT_TRUE(bench.ready_within(5s));
     EXPECT_EQ(bench.session.baud(), 500'000u);
 }
@@ -242,9 +243,12 @@ TEST_P(BothGenerations, AlikeRequestsAtOnce_EachEndsWithItsOwnOutcome) {
     for (int i = 0; i < 50; ++i) {
         ASSERT_NE(bench.end_of(bad[i]), nullptr);
         ASSERT_NE(bench.end_of(good[i]), nullptr);
-        timeouts += bench.end_of(bad[i])->ending == Ending::kTimeout || bench.end_of(bad[i])->ending == Ending::kNotSent;
-        if (bench.end_of(bad[i])->ending == Ending::kExecuted) ADD_FAILURE() << "bad request " << i << " proven";
-        if (bench.end_of(good[i])->ending == Ending::kBoardError) ADD_FAILURE() << "good request " << i << " refused";
+        timeouts += bench.end_of(bad[i])->ending == Ending::kTimeout ||
+                    bench.end_of(bad[i])->ending == Ending::kNotSent;
+        if (bench.end_of(bad[i])->ending == Ending::kExecuted)
+            ADD_FAILURE() << "bad request " << i << " proven";
+        if (bench.end_of(good[i])->ending == Ending::kBoardError)
+            ADD_FAILURE() << "good request " << i << " refused";
     }
     EXPECT_GE(timeouts, 1);
     EXPECT_EQ(bench.finished.size(), 100u);
@@ -338,7 +342,8 @@ TEST(BoardSession, NotARequest_IsRefused) {
     Bench bench;
     bench.plug();
     ASSERT_TRUE(bench.ready_within());
-    for (const char* line : {"", "x", "@I,d,4,1", "I", "i,d,1", "I,d,\x01", "#,B,500000", "#,C,1", "I,d,13,1\nI,d,13,0"})
+    for (const char* line :
+         {"", "x", "@I,d,4,1", "I", "i,d,1", "I,d,\x01", "#,B,500000", "#,C,1", "I,d,13,1\nI,d,13,0"})
         EXPECT_EQ(bench.refused(line), Refusal::kInvalid) << line;
     EXPECT_EQ(bench.refused(std::string("I,d,") + std::string(80, '1')), Refusal::kInvalid);
 }
@@ -349,7 +354,8 @@ TEST(BoardSession, QueueFull_IsRefused) {
     ASSERT_TRUE(bench.ready_within());
     bench.board.mute = true;
     int accepted = 0;
-    while (!bench.refused("I,d,13,1") && accepted < 10000) ++accepted;
+    while (!bench.refused("I,d,13,1") && accepted < 10000)
+        ++accepted;
     EXPECT_EQ(bench.refused("I,d,13,1"), Refusal::kQueueFull);
     EXPECT_GE(accepted, static_cast<int>(BoardSession::kMaxQueued));
     EXPECT_LE(accepted, static_cast<int>(BoardSession::kMaxQueued) + 6);
@@ -370,7 +376,8 @@ TEST(BoardSession, LinkGoes_SentTimesOutAndQueuedIsNotSent) {
     ASSERT_TRUE(bench.ready_within());
     bench.board.mute = true;
     std::vector<RequestId> ids;
-    for (int i = 0; i < 10; ++i) ids.push_back(bench.request("I,d,13,1"));
+    for (int i = 0; i < 10; ++i)
+        ids.push_back(bench.request("I,d,13,1"));
     bench.unplug();
     EXPECT_EQ(bench.end_of(ids.front())->ending, Ending::kTimeout);
     EXPECT_EQ(bench.end_of(ids.back())->ending, Ending::kNotSent);
@@ -384,7 +391,8 @@ TEST_P(BothGenerations, BannerInMidStream_ModesAndPeriodsAreRestoredValuesAreNot
     bench.session = BoardSession(options);
     bench.plug();
     ASSERT_TRUE(bench.ready_within());
-    for (const char* line : {"I,P,13,3", "I,d,13,1", "D,A,100", "S,W,0,90", "I,P,12,2"}) bench.request(line);
+    for (const char* line : {"I,P,13,3", "I,d,13,1", "D,A,100", "S,W,0,90", "I,P,12,2"})
+        bench.request(line);
     bench.board.executed.clear();
     bench.say(bench.board.reboot());
     ASSERT_TRUE(bench.ready_within(1s));
@@ -502,8 +510,9 @@ TEST_P(BothGenerations, GarbageInManyForms_IsCountedAndTheNextMessageWorks) {
     bench.plug();
     ASSERT_TRUE(bench.ready_within());
     const std::string long_line(10'000, 'x');
-    for (const std::string& bytes : {std::string("\0\xff\x80\n", 4), long_line + "\n", std::string("@\n"),
-                                     std::string("~I,d,\n"), std::string("@I\xfe,d\n"), std::string("nonsense\n")}) {
+    for (const std::string& bytes :
+         {std::string("\0\xff\x80\n", 4), long_line + "\n", std::string("@\n"), std::string("~I,d,\n"),
+          std::string("@I\xfe,d\n"), std::string("nonsense\n")}) {
         const auto before = bench.session.counters().garbage;
         bench.say(bytes);
         EXPECT_EQ(bench.session.counters().garbage, before + 1) << bytes.substr(0, 20);

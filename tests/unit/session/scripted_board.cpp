@@ -67,7 +67,9 @@ std::string ScriptedBoard::hear(std::string_view bytes, unsigned host_baud, Time
 
 std::string ScriptedBoard::answer(const std::string& received, Time) {
     std::string line = received;
-    const auto say = [this](const std::string& text) { return (checksum ? protocol::append_checksum(text) : text) + "\r\n"; };
+    const auto say = [this](const std::string& text) {
+        return (checksum ? protocol::append_checksum(text) : text) + "\r\n";
+    };
     if (checksum) {
         const auto checked = protocol::verify_checksum(line);
         if (!checked) return say("~#,C,10{BAD_CHECKSUM}");
@@ -105,9 +107,10 @@ std::string ScriptedBoard::answer(const std::string& received, Time) {
             return {};
         }
     }
-    executed.push_back(line);
+    if (line != "#,X") executed.push_back(line);
     if (line[0] == '#' && line != "#,R") return say(std::string("~#,") + line[2] + ",2{UNKNOWN_REQUEST}");
-    if (line[0] != 'I' && line[0] != 'S' && line[0] != 'D' && line[0] != '#') return say("~Q,?,1{INVALID_SERVICE}");
+    if (line[0] != 'I' && line[0] != 'S' && line[0] != 'D' && line[0] != '#')
+        return say("~Q,?,1{INVALID_SERVICE}");
     return {};
 }
 
@@ -125,23 +128,43 @@ void Bench::unplug() {
 }
 
 void Bench::say(std::string_view bytes) {
-    Actions actions;
-    session.receive(bytes, now, actions);
-    perform(actions);
+    inbox_.emplace_back(bytes);
+    deliver();
 }
 
+// What the board answers arrives after everything that was to be done before.
 void Bench::perform(Actions& actions) {
+    const bool outermost = !std::exchange(delivering_, true);
+    perform_all(actions);
+    if (!outermost) return;
+    delivering_ = false;
+    deliver();
+}
+
+void Bench::deliver() {
+    if (std::exchange(delivering_, true)) return;
+    while (!inbox_.empty()) {
+        const std::string bytes = std::move(inbox_.front());
+        inbox_.pop_front();
+        Actions actions;
+        session.receive(bytes, now, actions);
+        perform_all(actions);
+    }
+    delivering_ = false;
+}
+
+void Bench::perform_all(Actions& actions) {
     most_in_flight = std::max(most_in_flight, session.bytes_in_flight());
     for (Action& action : actions) {
         if (auto* write = std::get_if<Write>(&action)) {
             const std::string said = board.hear(write->bytes, host_baud, now);
-            if (!said.empty()) say(said);
+            if (!said.empty()) inbox_.push_back(said);
         } else if (auto* rate = std::get_if<SetLineRate>(&action)) {
             rates.push_back(rate->baud);
             if (rate_works) host_baud = rate->baud;
             Actions more;
             session.line_rate_set(rate_works, now, more);
-            perform(more);
+            perform_all(more);
         } else if (auto* line = std::get_if<BoardLine>(&action)) {
             lines.push_back(line->line);
         } else if (auto* end = std::get_if<Finished>(&action)) {

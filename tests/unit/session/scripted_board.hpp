@@ -12,13 +12,13 @@ namespace asip::session {
 
 using namespace std::chrono_literals;
 
-/// A board of either generation as far as its peer can tell, in plain text. Bytes at a rate it does not have are garbage
-/// to both sides. Time passes only when the Bench says so.
+/// A board of either generation as far as its peer can tell, in plain text. Bytes at a rate it does not have
+/// are garbage to both sides. Time passes only when the Bench says so.
 class ScriptedBoard {
   public:
     bool extensions = true;
     unsigned baud = 57600;
-    bool mute = false;                     ///< hears and says nothing
+    bool mute = false;  ///< hears and says nothing
     bool answers_info = true;
     std::string chip = "ATmega328P";
     std::string sketch = "Script";
@@ -58,10 +58,10 @@ class Bench {
     unsigned host_baud = 57600;
     bool rate_works = true;  ///< what the port says to a change of rate
 
-    std::vector<std::string> lines;     ///< BoardLine
+    std::vector<std::string> lines;  ///< BoardLine
     std::vector<Finished> finished;
-    std::vector<std::string> facts;     ///< "identified", "reset", "silent", "no-answer", "baud N", "garbage"
-    std::vector<unsigned> rates;        ///< SetLineRate
+    std::vector<std::string> facts;  ///< "identified", "reset", "silent", "no-answer", "baud N", "garbage"
+    std::vector<unsigned> rates;     ///< SetLineRate
     std::size_t most_in_flight = 0;
 
     void plug(LinkTraits traits = {57600, false});
@@ -78,7 +78,12 @@ class Bench {
 
   private:
     void perform(Actions& actions);
+    void perform_all(Actions& actions);
+    void deliver();
     void step_to(Time time);
+
+    std::deque<std::string> inbox_;
+    bool delivering_ = false;
 };
 
 }  // namespace asip::session
