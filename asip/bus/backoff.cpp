@@ -1,0 +1,14 @@
+#include "asip/bus/backoff.hpp"
+
+#include <algorithm>
+
+namespace asip::bus {
+
+Duration Backoff::next(const Random& random) {
+    const double part = 0.5 + random_unit(random) / 2;
+    const auto wait = std::chrono::duration_cast<Duration>(next_ * part);
+    next_ = std::min(next_ * 2, most_);
+    return wait;
+}
+
+}  // namespace asip::bus

@@ -1,0 +1,451 @@
+#include "asip/bus/mqtt_client.hpp"
+
+#include <mosquitto.h>
+#include <mqtt_protocol.h>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <map>
+#include <unordered_map>
+
+#include "asip/bus/backoff.hpp"
+#include "asip/bus/mqtt_connection.hpp"
+#include "asip/bus/mqtt_failure.hpp"
+#include "asip/bus/outbox.hpp"
+
+namespace asip::bus {
+namespace {
+
+namespace asio = boost::asio;
+using Kind = ConnectionFailure::Kind;
+
+/// Unacknowledged QoS 1 messages: what libmosquitto and Mosquitto both allow unless told otherwise.
+constexpr std::size_t kMaxUnacknowledged = 20;
+constexpr std::size_t kMaxPropertyBytes = 65535;
+/// "Closed before answering" can be a broker that is just going down; only the second time in a row it is
+/// taken as "does not know MQTT 5".
+constexpr int kSuspicionsUntilFallback = 2;
+
+bool can_be_published(const Message& message) {
+    return message.qos >= 0 && message.qos <= 1 && mosquitto_pub_topic_check(message.topic.c_str()) == 0 &&
+           message.topic.find('\0') == std::string::npos && message.topic.size() <= kMaxPropertyBytes &&
+           mosquitto_validate_utf8(message.topic.data(), static_cast<int>(message.topic.size())) == 0 &&
+           message.payload.size() <= MQTT_MAX_PAYLOAD && message.correlation.size() <= kMaxPropertyBytes &&
+           message.response_topic.size() <= kMaxPropertyBytes;
+}
+
+/// Errors that say that the connection is gone, and nothing about the message.
+bool is_connection_error(int error) {
+    return error == MOSQ_ERR_NO_CONN || error == MOSQ_ERR_CONN_LOST || error == MOSQ_ERR_ERRNO ||
+           error == MOSQ_ERR_TLS || error == MOSQ_ERR_NOMEM;
+}
+
+}  // namespace
+
+class MqttClient::Impl final : public ConnectionEvents, public std::enable_shared_from_this<Impl> {
+  public:
+    Impl(asio::io_context& io, MqttOptions options, Handlers handlers);
+
+    void start() { attempt(); }
+    void stop(Duration limit, std::function<void()> done);
+    void close();
+
+    void set_will(Message will) { options_.will = std::move(will); }
+    void subscribe(std::string filter, SubscribeOptions options);
+    void unsubscribe(const std::string& filter);
+    PublishResult publish(Message message, Priority priority);
+    void discard_queued(Priority priority) { outbox_.discard(priority); }
+
+    bool connected() const { return connection_ && connection_->up(); }
+    bool v5() const { return connected() && connection_->v5(); }
+    const std::string& client_id() const { return options_.client_id; }
+    MqttCounters counters() const;
+
+  private:
+    struct Broker {
+        BrokerAddress address;
+        bool speaks_v5 = true;
+        int suspicions = 0;  ///< attempts with MQTT 5 in a row that were closed without an answer
+    };
+    struct Unacknowledged {
+        Outbox::Entry entry;
+        Time sent;
+    };
+
+    void connection_up(const Connected& connected) override;
+    void connection_down(const End& end) override;
+    void message_received(Message message) override;
+    void publish_answered(int id, int reason_code) override;
+    void subscribe_answered(int id, const std::vector<int>& granted) override;
+    void may_write() override { flush(); }
+    void tick(Time now) override;
+    void debug_line(const std::string& line) override;
+
+    Broker& broker() { return brokers_[broker_]; }
+    void attempt();
+    void resolve();
+    void connect_next_address();
+    void learn_version(End::Version version);
+    void retry(bool same_broker_at_once);
+    void send_subscription(const std::string& filter, const SubscribeOptions& options);
+    bool window_open(const Message& message) const {
+        return message.qos == 0 || unacknowledged_.size() < kMaxUnacknowledged;
+    }
+    /// Handlers are kept, and no longer called: one of them may be what called stop().
+    bool silent() const { return closed_ || stopped_; }
+    int send(Outbox::Entry entry);
+    void flush();
+    void requeue_unacknowledged();
+    void leave_when_sent();
+    void finish();
+
+    asio::io_context& io_;
+    MqttOptions options_;
+    Handlers handlers_;
+    std::vector<Broker> brokers_;
+    std::size_t broker_ = 0;
+    std::size_t failures_this_round_ = 0;
+    Backoff backoff_;
+    asio::steady_timer retry_timer_;
+    asio::ip::tcp::resolver resolver_;
+    std::vector<std::string> addresses_;  ///< of this attempt, those not yet tried; the next one last
+    std::shared_ptr<MqttConnection> connection_;
+    bool was_up_ = false;
+
+    std::map<std::string, SubscribeOptions> subscriptions_;
+    std::unordered_map<int, std::string> awaited_subscriptions_;
+    Outbox outbox_;
+    std::map<int, Unacknowledged> unacknowledged_;
+    MqttCounters counters_;
+
+    bool closed_ = false;
+    bool leaving_ = false;
+    std::function<void()> stopped_;
+    asio::steady_timer stop_timer_;
+};
+
+MqttClient::Impl::Impl(asio::io_context& io, MqttOptions options, Handlers handlers)
+    : io_(io),
+      options_(std::move(options)),
+      handlers_(std::move(handlers)),
+      backoff_(options_.retry_first, options_.retry_most),
+      retry_timer_(io),
+      resolver_(io),
+      outbox_({options_.max_queued_messages, options_.max_queued_bytes}),
+      stop_timer_(io) {
+    if (options_.brokers.empty()) options_.brokers.emplace_back();
+    for (const auto& address : options_.brokers)
+        brokers_.push_back({address});
+    if (!options_.random) options_.random = system_random();
+    if (options_.client_id.empty()) options_.client_id = "asip-" + random_hex(options_.random, 12);
+}
+
+void MqttClient::Impl::attempt() {
+    if (silent()) return;
+    addresses_.clear();
+    boost::system::error_code not_numeric;
+    asio::ip::make_address(broker().address.host, not_numeric);
+    // With TLS the name itself must reach libmosquitto: the certificate is checked against it.
+    if (!not_numeric || broker().address.tls) {
+        addresses_ = {broker().address.host};
+        connect_next_address();
+    } else {
+        resolve();
+    }
+}
+
+void MqttClient::Impl::resolve() {
+    resolver_.async_resolve(
+        broker().address.host, std::to_string(broker().address.port),
+        [self = shared_from_this()](const boost::system::error_code& error, const auto& results) {
+            if (self->silent()) return;
+            if (error) {
+                self->connection_down({unreachable(self->broker().address, "unknown host")});
+                return;
+            }
+            for (const auto& result : results) {
+                self->addresses_.insert(self->addresses_.begin(), result.endpoint().address().to_string());
+            }
+            self->connect_next_address();
+        });
+}
+
+void MqttClient::Impl::connect_next_address() {
+    const auto host = addresses_.back();
+    addresses_.pop_back();
+    const bool v5 = options_.version == MqttVersion::kV5 ||
+                    (options_.version == MqttVersion::kBest && broker().speaks_v5 &&
+                     broker().suspicions < kSuspicionsUntilFallback);
+    was_up_ = false;
+    connection_ = std::make_shared<MqttConnection>(io_, options_, broker().address, host, v5, *this);
+    connection_->open();
+}
+
+void MqttClient::Impl::connection_up(const Connected& connected) {
+    was_up_ = true;
+    ++counters_.connects;
+    failures_this_round_ = 0;
+    backoff_.reset();
+    broker().suspicions = 0;
+    awaited_subscriptions_.clear();
+    for (const auto& [filter, options] : subscriptions_)
+        send_subscription(filter, options);
+    if (!silent() && handlers_.on_connected) handlers_.on_connected(connected);
+    flush();
+}
+
+void MqttClient::Impl::connection_down(const End& end) {
+    connection_.reset();
+    requeue_unacknowledged();
+    if (stopped_) {
+        finish();
+        return;
+    }
+    if (was_up_) {
+        was_up_ = false;
+        ++counters_.failures;
+        retry(end.failure.kind != Kind::kStalled);
+        if (handlers_.on_disconnected) handlers_.on_disconnected(end.failure);
+        return;
+    }
+    if (end.failure.kind == Kind::kUnreachable && !addresses_.empty()) {
+        connect_next_address();
+        return;
+    }
+    learn_version(end.version);
+    ++counters_.failures;
+    retry(end.version == End::Version::kRefused);
+    // A version we can go below is no failure anyone should hear of.
+    if (end.version == End::Version::kRefused && options_.version == MqttVersion::kBest) return;
+    if (!silent() && handlers_.on_connect_failed) handlers_.on_connect_failed(end.failure);
+}
+
+void MqttClient::Impl::learn_version(End::Version version) {
+    if (options_.version != MqttVersion::kBest) return;
+    if (version == End::Version::kRefused) broker().speaks_v5 = false;
+    // When 3.1.1 fares no better the suspicion was wrong.
+    else
+        broker().suspicions = version == End::Version::kSuspect ? broker().suspicions + 1 : 0;
+}
+
+void MqttClient::Impl::retry(bool same_broker_at_once) {
+    Duration wait{};
+    const bool suspected = broker().suspicions > 0;
+    if (!same_broker_at_once && !suspected) broker_ = (broker_ + 1) % brokers_.size();
+    // The whole list is tried without waiting, then there is a pause.
+    if (++failures_this_round_ >= brokers_.size()) {
+        failures_this_round_ = 0;
+        wait = backoff_.next(options_.random);
+    }
+    retry_timer_.expires_after(wait);
+    retry_timer_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
+        if (!error) self->attempt();
+    });
+}
+
+void MqttClient::Impl::message_received(Message message) {
+    ++counters_.received;
+    if (!silent() && handlers_.on_message) handlers_.on_message(message);
+}
+
+void MqttClient::Impl::debug_line(const std::string& line) {
+    if (!silent() && handlers_.on_debug) handlers_.on_debug(line);
+}
+
+void MqttClient::Impl::subscribe(std::string filter, SubscribeOptions options) {
+    const auto place = subscriptions_.insert_or_assign(std::move(filter), options).first;
+    if (connected()) send_subscription(place->first, options);
+}
+
+void MqttClient::Impl::unsubscribe(const std::string& filter) {
+    subscriptions_.erase(filter);
+    if (connected()) connection_->unsubscribe(filter);
+}
+
+void MqttClient::Impl::send_subscription(const std::string& filter, const SubscribeOptions& options) {
+    int id = 0;
+    if (connection_->subscribe(filter, options, id) == MOSQ_ERR_SUCCESS) awaited_subscriptions_[id] = filter;
+}
+
+void MqttClient::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
+    const auto awaited = awaited_subscriptions_.find(id);
+    if (awaited == awaited_subscriptions_.end()) return;
+    const auto filter = awaited->second;
+    awaited_subscriptions_.erase(awaited);
+    const bool refused = !granted.empty() && granted.front() >= 128;
+    if (refused && !silent() && handlers_.on_subscribe_refused) {
+        handlers_.on_subscribe_refused(filter, mosquitto_reason_string(granted.front()));
+    }
+}
+
+PublishResult MqttClient::Impl::publish(Message message, Priority priority) {
+    if (closed_ || !can_be_published(message)) {
+        ++counters_.refused;
+        return PublishResult::kRefused;
+    }
+    if (!outbox_.push(std::move(message), priority)) {
+        ++counters_.refused;
+        return PublishResult::kRefused;
+    }
+    flush();
+    return outbox_.empty() ? PublishResult::kSent : PublishResult::kQueued;
+}
+
+/// libmosquitto's own queue has no bound: it is given the next message only when it has written the one
+/// before.
+void MqttClient::Impl::flush() {
+    while (!outbox_.empty() && connection_ && connection_->ready_to_write() &&
+           window_open(outbox_.front().message)) {
+        const int error = send(outbox_.pop());
+        if (is_connection_error(error)) {
+            connection_->fail(closed_by(broker().address, 0));
+            break;
+        }
+    }
+    leave_when_sent();
+}
+
+int MqttClient::Impl::send(Outbox::Entry entry) {
+    int id = 0;
+    const int error = connection_->publish(entry.message, id);
+    if (is_connection_error(error)) {
+        outbox_.put_back(std::move(entry));
+    } else if (error != MOSQ_ERR_SUCCESS) {
+        ++counters_.rejected;
+        debug_line("not published on " + entry.message.topic + ": " + mosquitto_strerror(error));
+    } else if (entry.message.qos == 0) {
+        ++counters_.published;
+    } else {
+        unacknowledged_.emplace(id, Unacknowledged{std::move(entry), Clock::now()});
+    }
+    return error;
+}
+
+void MqttClient::Impl::publish_answered(int id, int reason_code) {
+    const auto sent = unacknowledged_.find(id);
+    if (sent == unacknowledged_.end()) return;  // QoS 0: libmosquitto reports these as well
+    const auto topic = std::move(sent->second.entry.message.topic);
+    unacknowledged_.erase(sent);
+    if (reason_code >= 128) {
+        ++counters_.rejected;
+        debug_line("broker rejected what was published on " + topic + ": " +
+                   mosquitto_reason_string(reason_code));
+    } else {
+        ++counters_.published;
+        if (!silent() && handlers_.on_published) handlers_.on_published(topic);
+    }
+    leave_when_sent();
+}
+
+void MqttClient::Impl::requeue_unacknowledged() {
+    for (auto& [id, sent] : unacknowledged_)
+        outbox_.put_back(std::move(sent.entry));
+    unacknowledged_.clear();
+}
+
+void MqttClient::Impl::tick(Time now) {
+    if (options_.ack_timeout == Duration::zero()) return;
+    for (const auto& [id, sent] : unacknowledged_) {
+        if (now - sent.sent < options_.ack_timeout) continue;
+        connection_->fail({Kind::kStalled, broker().address, 0,
+                           broker().address.describe() + " acknowledges nothing any more"});
+        return;
+    }
+}
+
+void MqttClient::Impl::stop(Duration limit, std::function<void()> done) {
+    if (stopped_ || closed_) return;
+    stopped_ = std::move(done);
+    if (!stopped_) stopped_ = [] {};
+    retry_timer_.cancel();
+    resolver_.cancel();
+    if (!connected()) {
+        asio::post(io_, [self = shared_from_this()] { self->finish(); });
+        return;
+    }
+    // The last part of the time is for the goodbye itself, whatever is still waiting.
+    stop_timer_.expires_after(limit * 3 / 4);
+    stop_timer_.async_wait([self = shared_from_this(), limit](const boost::system::error_code& error) {
+        if (error || self->closed_) return;
+        if (self->connection_ && !self->leaving_) self->connection_->goodbye();
+        self->leaving_ = true;
+        self->stop_timer_.expires_after(limit / 4);
+        self->stop_timer_.async_wait([self](const boost::system::error_code& late) {
+            if (!late) self->finish();
+        });
+    });
+    flush();
+}
+
+void MqttClient::Impl::leave_when_sent() {
+    if (!stopped_ || leaving_ || !connected() || !outbox_.empty() || !unacknowledged_.empty()) return;
+    leaving_ = true;
+    connection_->goodbye();
+}
+
+void MqttClient::Impl::finish() {
+    if (closed_) return;
+    const auto done = std::move(stopped_);
+    close();
+    if (done) done();
+}
+
+void MqttClient::Impl::close() {
+    closed_ = true;
+    retry_timer_.cancel();
+    stop_timer_.cancel();
+    resolver_.cancel();
+    if (connection_) connection_->abandon();
+    connection_.reset();
+}
+
+MqttCounters MqttClient::Impl::counters() const {
+    auto counters = counters_;
+    counters.dropped_context = outbox_.dropped();
+    counters.queued = outbox_.size();
+    counters.queued_bytes = outbox_.bytes();
+    counters.unacknowledged = unacknowledged_.size();
+    return counters;
+}
+
+MqttClient::MqttClient(asio::io_context& io, MqttOptions options, Handlers handlers)
+    : impl_(std::make_shared<Impl>(io, std::move(options), std::move(handlers))) {}
+MqttClient::~MqttClient() {
+    impl_->close();
+}
+void MqttClient::start() {
+    impl_->start();
+}
+void MqttClient::stop(Duration limit, std::function<void()> done) {
+    impl_->stop(limit, std::move(done));
+}
+void MqttClient::set_will(Message will) {
+    impl_->set_will(std::move(will));
+}
+void MqttClient::subscribe(std::string filter, SubscribeOptions options) {
+    impl_->subscribe(std::move(filter), options);
+}
+void MqttClient::unsubscribe(const std::string& filter) {
+    impl_->unsubscribe(filter);
+}
+PublishResult MqttClient::publish(Message message, Priority priority) {
+    return impl_->publish(std::move(message), priority);
+}
+void MqttClient::discard_queued(Priority priority) {
+    impl_->discard_queued(priority);
+}
+bool MqttClient::connected() const {
+    return impl_->connected();
+}
+bool MqttClient::v5() const {
+    return impl_->v5();
+}
+const std::string& MqttClient::client_id() const {
+    return impl_->client_id();
+}
+MqttCounters MqttClient::counters() const {
+    return impl_->counters();
+}
+
+}  // namespace asip::bus

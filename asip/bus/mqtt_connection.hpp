@@ -1,0 +1,119 @@
+#pragma once
+#include <mosquitto.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "asip/bus/message.hpp"
+#include "asip/bus/mqtt_client.hpp"
+
+namespace asip::bus {
+
+/// What one connection tells its owner. Called from the io_context only.
+class ConnectionEvents {
+  public:
+    /// How a connection ended, and whether it looks as if the broker does not know this version of MQTT.
+    struct End {
+        ConnectionFailure failure;
+        enum class Version { kFine, kSuspect, kRefused } version = Version::kFine;
+    };
+
+    virtual void connection_up(const Connected& connected) = 0;
+    /// Once, and the last call: the attempt failed, the connection was lost, or goodbye() is through.
+    virtual void connection_down(const End& end) = 0;
+    virtual void message_received(Message message) = 0;
+    virtual void publish_answered(int id, int reason_code) = 0;
+    virtual void subscribe_answered(int id, const std::vector<int>& granted) = 0;
+    virtual void may_write() = 0;     ///< nothing is waiting in front of the socket any more
+    virtual void tick(Time now) = 0;  ///< about once a second
+    virtual void debug_line(const std::string& line) = 0;
+
+  protected:
+    ~ConnectionEvents() = default;
+};
+
+/// One libmosquitto instance from its first TCP packet to its end, on an io_context. It is used for one
+/// connection and then thrown away, so no state of an old connection can reach a new one.
+///
+/// The io_context watches a duplicate of libmosquitto's socket: libmosquitto closes its own whenever it
+/// likes, inside almost any call, and the duplicate lets Asio find that out in its own time.
+class MqttConnection : public std::enable_shared_from_this<MqttConnection> {
+  public:
+    MqttConnection(boost::asio::io_context& io, const MqttOptions& options, BrokerAddress broker,
+                   std::string host, bool v5, ConnectionEvents& events);
+    ~MqttConnection();
+
+    void open();
+
+    /// Says goodbye; connection_down() follows when the broker has seen it, or never if it hangs.
+    void goodbye();
+
+    /// Ends without goodbye and reports nothing more.
+    void abandon();
+
+    /// Ends without goodbye and reports `failure` as the reason, from the io_context.
+    void fail(ConnectionFailure failure);
+
+    bool up() const { return phase_ == Phase::kUp; }
+    bool v5() const { return v5_; }
+
+    /// Whether a PUBLISH would go straight to the socket.
+    bool ready_to_write() const { return up() && !mosquitto_want_write(mosquitto_.get()); }
+
+    /// Returns libmosquitto's error code; `id` is what publish_answered() will name.
+    int publish(const Message& message, int& id);
+    int subscribe(const std::string& filter, const SubscribeOptions& options, int& id);
+    int unsubscribe(const std::string& filter);
+
+  private:
+    enum class Phase { kConnecting, kUp, kLeaving, kDown };
+    struct Destroy {
+        void operator()(mosquitto* instance) const { mosquitto_destroy(instance); }
+    };
+
+    int configure();
+    void set_callbacks();
+    void watch();
+    void arm();
+    void serve();
+    void read_all();
+    bool still_open();
+    bool tcp_established();
+    void schedule_tick();
+    void tick();
+    void await_close();
+    void end(ConnectionEvents::End end);
+    ConnectionEvents::End why_closed(int error) const;
+
+    void on_connect(int code, const mosquitto_property* properties);
+    void on_disconnect(int code);
+    void on_message(const mosquitto_message& message, const mosquitto_property* properties);
+    void on_log(int level, const char* line);
+
+    boost::asio::io_context& io_;
+    const MqttOptions& options_;
+    const BrokerAddress broker_;
+    const std::string host_;  ///< what is connected to: the broker's host, or one of its addresses
+    const bool v5_;
+    ConnectionEvents& events_;
+
+    std::unique_ptr<mosquitto, Destroy> mosquitto_;
+    boost::asio::posix::stream_descriptor socket_;
+    boost::asio::steady_timer timer_;
+    Time opened_{};
+    Phase phase_ = Phase::kConnecting;
+    bool tcp_connected_ = false;
+    bool read_armed_ = false;
+    bool write_armed_ = false;
+    bool serving_ = false;
+    unsigned packets_seen_ = 0;  ///< counts callbacks, to learn whether reading again may give more
+    int connack_code_ = 0;
+    int disconnect_code_ = 0;
+    std::string tls_detail_;
+};
+
+}  // namespace asip::bus

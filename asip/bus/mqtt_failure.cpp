@@ -1,0 +1,106 @@
+#include "asip/bus/mqtt_failure.hpp"
+
+#include <mosquitto.h>
+#include <mqtt_protocol.h>
+
+namespace asip::bus {
+namespace {
+
+using Kind = ConnectionFailure::Kind;
+
+constexpr int kV311BadVersion = 1;
+constexpr int kV311ServerUnavailable = 3;
+constexpr int kV311BadCredentials = 4;
+constexpr int kV311NotAuthorised = 5;
+
+bool is_credentials(int code) {
+    switch (code) {
+        case kV311BadCredentials:
+        case kV311NotAuthorised:
+        case MQTT_RC_BAD_USERNAME_OR_PASSWORD:
+        case MQTT_RC_NOT_AUTHORIZED:
+        case MQTT_RC_BANNED:
+        case MQTT_RC_BAD_AUTHENTICATION_METHOD:
+            return true;
+        default:
+            return false;
+    }
+}
+
+std::string words(int code) {
+    if (code == kV311ServerUnavailable) return "server unavailable";
+    return code < 128 ? mosquitto_connack_string(code) : mosquitto_reason_string(code);
+}
+
+}  // namespace
+
+bool ConnectionFailure::fatal() const {
+    return kind == Kind::kTls || kind == Kind::kBadCredentials || kind == Kind::kTakenOver;
+}
+
+std::string_view name_of(ConnectionFailure::Kind kind) {
+    switch (kind) {
+        case Kind::kUnreachable:
+            return "unreachable";
+        case Kind::kNoAnswer:
+            return "no-answer";
+        case Kind::kTls:
+            return "tls";
+        case Kind::kBadCredentials:
+            return "bad-credentials";
+        case Kind::kRefused:
+            return "refused";
+        case Kind::kTakenOver:
+            return "taken-over";
+        case Kind::kStalled:
+            return "stalled";
+        case Kind::kClosed:
+            return "closed";
+    }
+    return "unknown";
+}
+
+bool is_version_refusal(int connack_code) {
+    return connack_code == kV311BadVersion || connack_code == MQTT_RC_UNSUPPORTED_PROTOCOL_VERSION;
+}
+
+ConnectionFailure refused_by(const BrokerAddress& broker, int connack_code, const MqttOptions& options) {
+    if (!is_credentials(connack_code)) {
+        return {Kind::kRefused, broker, connack_code,
+                broker.describe() + " refused the connection: " + words(connack_code)};
+    }
+    const std::string whom = options.user.empty() ? "a connection without user; set user and password"
+                             : connack_code == MQTT_RC_BANNED
+                                 ? "user \"" + options.user + "\": banned"
+                                 : "user \"" + options.user + "\"; check user and password";
+    return {Kind::kBadCredentials, broker, connack_code, broker.describe() + " refused " + whom};
+}
+
+ConnectionFailure closed_by(const BrokerAddress& broker, int disconnect_code) {
+    const auto prefix = broker.describe();
+    switch (disconnect_code) {
+        case 0:
+            return {Kind::kClosed, broker, 0, prefix + " closed the connection"};
+        case MQTT_RC_SESSION_TAKEN_OVER:
+            return {Kind::kTakenOver, broker, disconnect_code,
+                    prefix + ": another client connected with our client id; give each program its own"};
+        case MQTT_RC_KEEP_ALIVE_TIMEOUT:
+            return {Kind::kStalled, broker, disconnect_code, prefix + " did not hear from us in time"};
+        default:
+            return {Kind::kClosed, broker, disconnect_code,
+                    prefix + " closed the connection: " + mosquitto_reason_string(disconnect_code)};
+    }
+}
+
+ConnectionFailure tls_failed(const BrokerAddress& broker, const std::string& detail) {
+    return {Kind::kTls, broker, 0,
+            broker.describe() + ": no TLS connection; check the CA, certificate and key" +
+                (detail.empty() ? "" : " (" + detail + ")")};
+}
+
+ConnectionFailure unreachable(const BrokerAddress& broker, const std::string& detail) {
+    return {Kind::kUnreachable, broker, 0,
+            "cannot reach the broker " + broker.describe() + ": " + detail + "; is it running there?"};
+}
+
+}  // namespace asip::bus

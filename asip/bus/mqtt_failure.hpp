@@ -1,0 +1,21 @@
+#pragma once
+#include <string>
+
+#include "asip/bus/mqtt_client.hpp"
+
+/// Telling apart the ways in which a connection fails, in words for a person.
+namespace asip::bus {
+
+/// A CONNACK other than success. Codes below 128 are those of MQTT 3.1.1.
+ConnectionFailure refused_by(const BrokerAddress& broker, int connack_code, const MqttOptions& options);
+
+/// A DISCONNECT from the broker, or a connection that ended without one (code 0).
+ConnectionFailure closed_by(const BrokerAddress& broker, int disconnect_code);
+
+ConnectionFailure tls_failed(const BrokerAddress& broker, const std::string& detail);
+ConnectionFailure unreachable(const BrokerAddress& broker, const std::string& detail);
+
+/// CONNACK codes that say "not with this version of the protocol".
+bool is_version_refusal(int connack_code);
+
+}  // namespace asip::bus

@@ -1,0 +1,27 @@
+#pragma once
+#include <mosquitto.h>
+
+#include <memory>
+
+#include "asip/bus/message.hpp"
+
+/// MQTT 5 properties between our messages and libmosquitto.
+namespace asip::bus {
+
+struct FreeProperties {
+    void operator()(mosquitto_property* list) const { mosquitto_property_free_all(&list); }
+};
+using Properties = std::unique_ptr<mosquitto_property, FreeProperties>;
+
+/// What a PUBLISH of `message` carries; null when there is nothing to carry.
+Properties publish_properties(const Message& message);
+
+/// What a will of `message` carries: as for a PUBLISH.
+inline Properties will_properties(const Message& message) {
+    return publish_properties(message);
+}
+
+/// Fills in the members of `message` that travel as properties. `list` may be null.
+void read_properties(const mosquitto_property* list, Message& message);
+
+}  // namespace asip::bus

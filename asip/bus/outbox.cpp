@@ -1,0 +1,85 @@
+#include "asip/bus/outbox.hpp"
+
+#include <algorithm>
+
+namespace asip::bus {
+namespace {
+
+std::size_t weight(const Message& message) {
+    return message.topic.size() + message.payload.size();
+}
+
+}  // namespace
+
+void Outbox::insert(Queue& queue, Queue::iterator before, Entry entry) {
+    ++size_;
+    bytes_ += weight(entry.message);
+    const auto place = queue.insert(before, std::move(entry));
+    if (place->message.retain) retained_[place->message.topic] = {&queue, place};
+}
+
+void Outbox::erase(Queue& queue, Queue::iterator entry) {
+    --size_;
+    bytes_ -= weight(entry->message);
+    if (entry->message.retain) retained_.erase(entry->message.topic);
+    queue.erase(entry);
+}
+
+bool Outbox::push(Message message, Priority priority) {
+    if (message.retain) {
+        if (const auto older = retained_.find(message.topic); older != retained_.end()) {
+            const auto place = older->second;
+            erase(*place.queue, place.entry);
+        }
+    }
+    const auto added = weight(message);
+    auto& context = queue(Priority::kContext);
+    const auto fits = [&](std::size_t times) {
+        return size_ + 1 <= max_.messages * times && bytes_ + added <= max_.bytes * times;
+    };
+    while (!fits(1) && !context.empty()) {
+        erase(context, context.begin());
+        ++dropped_;
+    }
+    if (!fits(priority == Priority::kContext ? 1 : 2)) return false;
+    auto& own = queue(priority);
+    insert(own, own.end(), Entry{std::move(message), priority, next_order_++});
+    return true;
+}
+
+const Outbox::Queue* Outbox::oldest() const {
+    const Queue* found = nullptr;
+    for (const auto& queue : queues_) {
+        if (queue.empty()) continue;
+        if (found == nullptr || queue.front().order < found->front().order) found = &queue;
+    }
+    return found;
+}
+
+Outbox::Entry Outbox::pop() {
+    auto& from = queue(oldest()->front().priority);
+    auto entry = from.front();
+    erase(from, from.begin());
+    return entry;
+}
+
+void Outbox::put_back(Entry entry) {
+    if (const auto other = entry.message.retain ? retained_.find(entry.message.topic) : retained_.end();
+        other != retained_.end()) {
+        if (other->second.entry->order > entry.order) return;
+        const auto place = other->second;
+        erase(*place.queue, place.entry);
+    }
+    auto& own = queue(entry.priority);
+    const auto later =
+        std::find_if(own.begin(), own.end(), [&](const Entry& e) { return e.order > entry.order; });
+    insert(own, later, std::move(entry));
+}
+
+void Outbox::discard(Priority priority) {
+    auto& own = queue(priority);
+    while (!own.empty())
+        erase(own, own.begin());
+}
+
+}  // namespace asip::bus

@@ -1,0 +1,75 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <optional>
+#include <string>
+#include <unordered_map>
+
+#include "asip/bus/message.hpp"
+
+namespace asip::bus {
+
+/// What waits to be published: bounded, in order, dropping what matters least.
+///
+/// Entries leave in the order they came, whatever their priority. A retained message replaces a waiting one
+/// of the same topic. When `max` is exceeded the oldest context values are dropped; what may not be dropped
+/// is taken up to twice `max` and then refused.
+class Outbox {
+  public:
+    struct Bounds {
+        std::size_t messages;
+        std::size_t bytes;  ///< of topics and payloads
+    };
+    struct Entry {
+        Message message;
+        Priority priority;
+        std::uint64_t order;  ///< for put_back()
+    };
+
+    explicit Outbox(Bounds max) : max_(max) {}
+
+    /// False: refused.
+    bool push(Message message, Priority priority);
+
+    /// The oldest entry. Precondition: !empty().
+    const Entry& front() const { return oldest()->front(); }
+
+    /// The oldest entry, taken out. Precondition: !empty().
+    Entry pop();
+
+    /// Returns an entry that was popped but not delivered to its old place; a newer retained message of its
+    /// topic makes it obsolete, and bounds do not apply: it had been let in.
+    void put_back(Entry entry);
+
+    void discard(Priority priority);
+
+    bool empty() const { return size_ == 0; }
+    std::size_t size() const { return size_; }
+    std::size_t bytes() const { return bytes_; }
+    std::uint64_t dropped() const { return dropped_; }
+
+  private:
+    using Queue = std::list<Entry>;
+    static constexpr int kPriorities = 3;
+
+    const Queue* oldest() const;
+    Queue& queue(Priority priority) { return queues_[static_cast<int>(priority)]; }
+    void erase(Queue& queue, Queue::iterator entry);
+    void insert(Queue& queue, Queue::iterator before, Entry entry);
+
+    Bounds max_;
+    Queue queues_[kPriorities];
+    /// Waiting retained messages by topic; the newest of a topic is the only one.
+    struct Place {
+        Queue* queue;
+        Queue::iterator entry;
+    };
+    std::unordered_map<std::string, Place> retained_;
+    std::size_t size_ = 0;
+    std::size_t bytes_ = 0;
+    std::uint64_t next_order_ = 0;
+    std::uint64_t dropped_ = 0;
+};
+
+}  // namespace asip::bus

@@ -1,0 +1,129 @@
+#include "asip/bus/reply.hpp"
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "asip/bus/request_envelope.hpp"
+
+namespace asip::bus {
+namespace {
+
+using nlohmann::json;
+
+std::string_view name_of(Reply::Status status) {
+    switch (status) {
+        case Reply::Status::kOk:
+            return "ok";
+        case Reply::Status::kError:
+            return "error";
+        case Reply::Status::kTimeout:
+            return "timeout";
+        case Reply::Status::kRefused:
+            return "refused";
+    }
+    return "refused";
+}
+
+std::optional<Reply::Status> status_named(std::string_view name) {
+    using Status = Reply::Status;
+    for (const auto status : {Status::kOk, Status::kError, Status::kTimeout, Status::kRefused}) {
+        if (name == name_of(status)) return status;
+    }
+    return std::nullopt;
+}
+
+std::string text_member(const json& object, const char* name) {
+    const auto member = object.find(name);
+    if (member == object.end()) return {};
+    if (member->is_string()) return member->get<std::string>();
+    return member->is_number() ? member->dump() : std::string{};
+}
+
+std::string dump(const json& value) {
+    return value.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::string ReplyTo::key() const {
+    return id.empty() ? correlation : id;
+}
+
+Reply Reply::ok(std::string proof, std::string answer) {
+    Reply reply;
+    reply.proof = std::move(proof);
+    reply.answer = std::move(answer);
+    return reply;
+}
+
+Reply Reply::board_error(int code, std::string error) {
+    Reply reply;
+    reply.status = Status::kError;
+    reply.code = code;
+    reply.error = std::move(error);
+    return reply;
+}
+
+Reply Reply::timeout() {
+    Reply reply;
+    reply.status = Status::kTimeout;
+    return reply;
+}
+
+Reply Reply::refused(std::string reason, std::string error) {
+    Reply reply;
+    reply.status = Status::kRefused;
+    reply.reason = std::move(reason);
+    reply.error = std::move(error);
+    return reply;
+}
+
+std::string to_json_text(const Reply& reply) {
+    json object;
+    if (!reply.id.empty()) object["id"] = reply.id;
+    object["status"] = name_of(reply.status);
+    if (!reply.proof.empty()) object["proof"] = reply.proof;
+    if (!reply.answer.empty()) {
+        auto answer = json_depth_within(reply.answer, kMaxJsonDepth)
+                          ? json::parse(reply.answer, nullptr, false)
+                          : json(json::value_t::discarded);
+        object["answer"] = answer.is_discarded() ? json(reply.answer) : std::move(answer);
+    }
+    if (reply.status == Reply::Status::kError) object["code"] = reply.code;
+    if (!reply.reason.empty()) object["reason"] = reply.reason;
+    if (!reply.error.empty()) object["error"] = reply.error;
+    return dump(object);
+}
+
+Expected<Reply> parse_reply(std::string_view text) {
+    if (!json_depth_within(text, kMaxJsonDepth + 1)) return fail("reply is nested too deeply");
+    const auto object = json::parse(text, nullptr, false);
+    if (!object.is_object()) return fail("reply is not a JSON object");
+    const auto status = status_named(text_member(object, "status"));
+    if (!status) return fail("reply has no known status");
+    Reply reply;
+    reply.status = *status;
+    reply.id = text_member(object, "id");
+    reply.proof = text_member(object, "proof");
+    reply.error = text_member(object, "error");
+    reply.reason = text_member(object, "reason");
+    if (const auto code = object.find("code"); code != object.end() && code->is_number_integer()) {
+        const auto number = code->get<std::int64_t>();
+        if (number >= 0 && number <= std::numeric_limits<int>::max()) reply.code = static_cast<int>(number);
+    }
+    if (const auto answer = object.find("answer"); answer != object.end()) reply.answer = dump(*answer);
+    return reply;
+}
+
+std::optional<Message> reply_message(const ReplyTo& to, Reply reply) {
+    if (!to.wanted()) return std::nullopt;
+    reply.id = to.id;
+    Message message;
+    message.topic = to.topic;
+    message.payload = to_json_text(reply);
+    message.qos = 1;
+    message.correlation = to.correlation;
+    return message;
+}
+
+}  // namespace asip::bus

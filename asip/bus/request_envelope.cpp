@@ -1,0 +1,106 @@
+#include "asip/bus/request_envelope.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace asip::bus {
+namespace {
+
+using nlohmann::json;
+
+bool legal_reply_topic(std::string_view topic) {
+    if (topic.empty() || topic.size() > kMaxReplyTopicBytes || topic.front() == '$') return false;
+    return std::none_of(topic.begin(), topic.end(), [](char c) {
+        const auto byte = static_cast<unsigned char>(c);
+        return byte < 0x20 || byte == 0x7f || c == '+' || c == '#';
+    });
+}
+
+bool looks_like_json(std::string_view payload) {
+    const auto first = payload.find_first_not_of(" \t\r\n");
+    return first != std::string_view::npos && payload[first] == '{';
+}
+
+Unexpected<BadRequest> bad(ReplyTo reply, std::string error) {
+    return Unexpected<BadRequest>(BadRequest{std::move(reply), std::move(error)});
+}
+
+/// Moves `reply_to` and `id` out of the object; the reason when they cannot be used.
+std::string take_reply_members(json& object, ReplyTo& reply) {
+    if (const auto id = object.find("id"); id != object.end()) {
+        if (!id->is_string() && !id->is_number()) return "\"id\" must be a string or a number";
+        auto text = id->is_string() ? id->get<std::string>() : id->dump();
+        if (text.size() > kMaxRequestIdBytes) return "\"id\" is too long";
+        reply.id = std::move(text);
+        object.erase(id);
+    }
+    if (const auto topic = object.find("reply_to"); topic != object.end()) {
+        if (!topic->is_string() || !legal_reply_topic(topic->get_ref<const std::string&>())) {
+            return "\"reply_to\" is not a topic to publish on";
+        }
+        if (!reply.wanted()) reply.topic = topic->get<std::string>();
+        object.erase(topic);
+    }
+    return {};
+}
+
+}  // namespace
+
+Expected<RequestEnvelope, BadRequest> open_envelope(const Message& request) {
+    RequestEnvelope envelope;
+    if (!request.response_topic.empty()) {
+        if (!legal_reply_topic(request.response_topic))
+            return bad({}, "the response topic cannot be published on");
+        if (request.correlation.size() > kMaxCorrelationBytes)
+            return bad({}, "the correlation data is too long");
+        envelope.reply.topic = request.response_topic;
+        envelope.reply.correlation = request.correlation;
+    }
+    if (request.payload.size() > kMaxRequestBytes) {
+        return bad(std::move(envelope.reply),
+                   "the request is longer than " + std::to_string(kMaxRequestBytes) + " bytes");
+    }
+    if (!looks_like_json(request.payload)) {
+        envelope.body = request.payload;
+        return envelope;
+    }
+    if (!json_depth_within(request.payload, kMaxJsonDepth)) {
+        return bad(std::move(envelope.reply), "the JSON is nested too deeply");
+    }
+    auto object = json::parse(request.payload, nullptr, false);
+    if (!object.is_object()) return bad(std::move(envelope.reply), "the request is not valid JSON");
+    if (auto reason = take_reply_members(object, envelope.reply); !reason.empty()) {
+        return bad(std::move(envelope.reply), std::move(reason));
+    }
+    if (const auto raw = object.find("raw"); raw != object.end()) {
+        if (!raw->is_string()) return bad(std::move(envelope.reply), "\"raw\" must be a string");
+        envelope.body = raw->get<std::string>();
+        return envelope;
+    }
+    envelope.form = RequestEnvelope::Form::kJson;
+    envelope.body = object.dump();
+    return envelope;
+}
+
+bool json_depth_within(std::string_view text, int limit) {
+    int depth = 0;
+    bool in_string = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (in_string) {
+            if (c == '\\')
+                ++i;
+            else if (c == '"')
+                in_string = false;
+        } else if (c == '"') {
+            in_string = true;
+        } else if (c == '{' || c == '[') {
+            if (++depth > limit) return false;
+        } else if (c == '}' || c == ']') {
+            --depth;
+        }
+    }
+    return true;
+}
+
+}  // namespace asip::bus

@@ -1,0 +1,125 @@
+#pragma once
+#include <array>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/error.hpp>
+#include <deque>
+#include <memory>
+#include <string>
+
+#include "asip/link/byte_stream.hpp"
+
+namespace asip::link {
+
+/// What serial ports and TCP streams have in common: reading into a callback and a queue of writes, over any
+/// Asio stream. Held by shared_ptr, because operations under way outlive the ByteStream that was destroyed or
+/// closed.
+template <class Socket>
+class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
+  public:
+    StreamCore(Socket socket, std::string name) : socket_(std::move(socket)), name_(std::move(name)) {}
+
+    Socket& socket() { return socket_; }
+    const std::string& name() const { return name_; }
+    std::size_t unsent_bytes() const { return unsent_; }
+
+    void start(ByteStream::Handlers handlers) {
+        handlers_ = std::move(handlers);
+        read();
+    }
+
+    void write(std::string_view bytes) {
+        if (closed_ || bytes.empty()) return;
+        unsent_ += bytes.size();
+        // Nothing waits and the system takes it: no turn through the loop, no copy.
+        if (queue_.empty()) {
+            boost::system::error_code error;
+            const auto sent = socket_.write_some(boost::asio::buffer(bytes.data(), bytes.size()), error);
+            bytes.remove_prefix(sent);
+            unsent_ -= sent;
+            if (bytes.empty()) return;
+        }
+        queue_.emplace_back(bytes);
+        if (queue_.size() == 1) write_next();
+    }
+
+    void close() {
+        closed_ = true;
+        boost::system::error_code ignored;
+        socket_.close(ignored);
+    }
+
+  private:
+    void read() {
+        socket_.async_read_some(
+            boost::asio::buffer(buffer_),
+            [self = this->shared_from_this()](const boost::system::error_code& error, std::size_t size) {
+                if (self->closed_) return;
+                if (error) {
+                    self->ended(error);
+                    return;
+                }
+                if (self->handlers_.on_bytes) {
+                    self->handlers_.on_bytes({self->buffer_.data(), size});
+                }
+                if (!self->closed_) self->read();
+            });
+    }
+
+    void write_next() {
+        socket_.async_write_some(
+            boost::asio::buffer(queue_.front()),
+            [self = this->shared_from_this()](const boost::system::error_code& error, std::size_t size) {
+                if (self->closed_) return;
+                if (error) {
+                    self->ended(error);
+                    return;
+                }
+                self->unsent_ -= size;
+                auto& first = self->queue_.front();
+                first.erase(0, size);
+                if (first.empty()) self->queue_.pop_front();
+                if (!self->queue_.empty()) self->write_next();
+            });
+    }
+
+    void ended(const boost::system::error_code& error) {
+        close();
+        if (!handlers_.on_closed) return;
+        const bool hung_up =
+            error == boost::asio::error::eof || error == boost::asio::error::connection_reset;
+        handlers_.on_closed({StreamError::Kind::kClosed, name_ + (hung_up ? " was closed by the other side"
+                                                                          : " is gone: " + error.message())});
+    }
+
+    Socket socket_;
+    std::string name_;
+    ByteStream::Handlers handlers_;
+    std::array<char, 4096> buffer_;
+    std::deque<std::string> queue_;
+    std::size_t unsent_ = 0;
+    bool closed_ = false;
+};
+
+/// A ByteStream over a core: `Base` is ByteStream or an interface that extends it.
+template <class Socket, class Base = ByteStream>
+class CoreStream : public Base {
+  public:
+    CoreStream(Socket socket, std::string name)
+        : core_(std::make_shared<StreamCore<Socket>>(std::move(socket), std::move(name))) {}
+    ~CoreStream() override { core_->close(); }
+
+    void start(ByteStream::Handlers handlers) override { core_->start(std::move(handlers)); }
+    void write(std::string_view bytes) override { core_->write(bytes); }
+    std::size_t unsent_bytes() const override { return core_->unsent_bytes(); }
+    void close() override { core_->close(); }
+    std::string describe() const override { return core_->name(); }
+
+  protected:
+    Socket& socket() { return core_->socket(); }
+    const Socket& socket() const { return core_->socket(); }
+
+  private:
+    std::shared_ptr<StreamCore<Socket>> core_;
+};
+
+}  // namespace asip::link

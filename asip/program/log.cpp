@@ -1,0 +1,127 @@
+#include "asip/program/log.hpp"
+
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+namespace asip::program::log {
+namespace {
+
+constexpr std::array<std::string_view, 6> kLevelNames = {"trace", "debug", "info", "warning", "error", "off"};
+
+struct State {
+    Level level = Level::kInfo;
+    Format format = Format::kText;
+    std::string program;
+    std::shared_ptr<spdlog::logger> logger;
+
+    State() {
+        logger = std::make_shared<spdlog::logger>("asip", std::make_shared<spdlog::sinks::stderr_sink_st>());
+        logger->set_pattern("%v");
+        logger->set_level(spdlog::level::trace);
+        logger->flush_on(spdlog::level::trace);
+    }
+};
+
+State& state() {
+    static State instance;
+    return instance;
+}
+
+std::string utc_now() {
+    const auto now = std::chrono::system_clock::now();
+    const auto seconds = std::chrono::system_clock::to_time_t(now);
+    const auto millis =
+        std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count() % 1000;
+    std::tm parts{};
+    gmtime_r(&seconds, &parts);
+    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", parts.tm_year + 1900, parts.tm_mon + 1,
+                       parts.tm_mday, parts.tm_hour, parts.tm_min, parts.tm_sec, millis);
+}
+
+/// A line stays a line, whatever a board or a stranger on the bus put into a text.
+std::string printable(std::string_view text) {
+    std::string shown;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte < 0x20 || byte == 0x7f)
+            shown += fmt::format("\\x{:02x}", byte);
+        else
+            shown += c;
+    }
+    return shown;
+}
+
+std::string field_text(std::string_view value) {
+    const bool plain = !value.empty() && value.find_first_of(" \"=\t\r\n") == std::string_view::npos;
+    if (plain) return printable(value);
+    std::string quoted = "\"";
+    for (const char c : printable(value)) {
+        if (c == '"') quoted += '\\';
+        quoted += c;
+    }
+    return quoted + "\"";
+}
+
+std::string text_line(Level level, std::string_view text, Fields fields) {
+    auto line =
+        fmt::format("{} {:<7} {}", utc_now(), kLevelNames[static_cast<std::size_t>(level)], printable(text));
+    const char* separator = "  ";
+    for (const auto& field : fields) {
+        line += fmt::format("{}{}={}", separator, field.name, field_text(field.value));
+        separator = " ";
+    }
+    return line;
+}
+
+std::string json_line(Level level, std::string_view text, Fields fields) {
+    nlohmann::ordered_json line;
+    line["time"] = utc_now();
+    line["level"] = kLevelNames[static_cast<std::size_t>(level)];
+    if (!state().program.empty()) line["program"] = state().program;
+    line["text"] = text;
+    for (const auto& field : fields)
+        line[std::string(field.name)] = field.value;
+    return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace
+
+Expected<Level> parse_level(std::string_view name) {
+    if (name == "warn") return Level::kWarning;
+    const auto found = std::find(kLevelNames.begin(), kLevelNames.end(), name);
+    if (found == kLevelNames.end()) {
+        return fail("\"" + std::string(name) +
+                    "\" is no log level; use trace, debug, info, warning, error or off");
+    }
+    return static_cast<Level>(found - kLevelNames.begin());
+}
+
+Expected<Format> parse_format(std::string_view name) {
+    if (name == "text") return Format::kText;
+    if (name == "json") return Format::kJson;
+    return fail("\"" + std::string(name) + "\" is no log format; use text or json");
+}
+
+void configure(Level level, Format format, std::string_view program) {
+    state().level = level;
+    state().format = format;
+    state().program = program;
+}
+
+bool enabled(Level level) {
+    return level >= state().level && level != Level::kOff;
+}
+
+void write(Level level, std::string_view text, Fields fields) {
+    if (!enabled(level)) return;
+    const auto line =
+        state().format == Format::kJson ? json_line(level, text, fields) : text_line(level, text, fields);
+    state().logger->log(spdlog::level::info, spdlog::string_view_t(line.data(), line.size()));
+}
+
+}  // namespace asip::program::log

@@ -1,0 +1,47 @@
+#include "asip/program/stop_signal.hpp"
+
+#include <unistd.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <csignal>
+
+namespace asip::program {
+
+struct StopSignal::State : std::enable_shared_from_this<State> {
+    State(boost::asio::io_context& io, std::function<void(int)> callback)
+        : signals(io, SIGINT, SIGTERM), stop(std::move(callback)) {}
+
+    void wait() {
+        signals.async_wait([self = shared_from_this()](const boost::system::error_code& error, int number) {
+            if (!error) self->arrived(number);
+        });
+    }
+
+    void arrived(int number) {
+        if (asked) _exit(128 + number);
+        asked = true;
+        wait();
+        stop(number);
+    }
+
+    boost::asio::signal_set signals;
+    std::function<void(int)> stop;
+    bool asked = false;
+};
+
+StopSignal::StopSignal(boost::asio::io_context& io, std::function<void(int signal)> stop)
+    : state_(std::make_shared<State>(io, std::move(stop))) {
+    state_->wait();
+}
+
+StopSignal::~StopSignal() {
+    cancel();
+}
+
+void StopSignal::cancel() {
+    boost::system::error_code ignored;
+    state_->signals.cancel(ignored);
+}
+
+}  // namespace asip::program

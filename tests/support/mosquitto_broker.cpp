@@ -1,0 +1,141 @@
+#include "tests/support/mosquitto_broker.hpp"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <stdexcept>
+
+namespace asip::test {
+namespace {
+
+bool accepts(std::uint16_t port) {
+    const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const bool connected = connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+    close(fd);
+    return connected;
+}
+
+void must_succeed(std::vector<std::string> command) {
+    const auto name = command[0] + " " + command[1];
+    const auto finished = run(std::move(command), {}, 60s);
+    if (finished.status != 0) throw std::runtime_error(name + ": " + finished.errors);
+}
+
+/// Elliptic curve keys, because they take milliseconds to make.
+void make_key(const std::string& file) {
+    must_succeed({"openssl", "ecparam", "-name", "prime256v1", "-genkey", "-noout", "-out", file});
+}
+
+std::string make_ca(const TempDir& folder, const std::string& name) {
+    const auto key = folder.file(name + ".key");
+    make_key(key);
+    must_succeed({"openssl", "req", "-x509", "-new", "-key", key, "-days", "2", "-subj", "/CN=" + name,
+                  "-addext", "basicConstraints=critical,CA:TRUE", "-out", folder.file(name + ".crt")});
+    return folder.file(name + ".crt");
+}
+
+std::string make_signed(const TempDir& folder, const std::string& name, const std::string& common_name,
+                        const std::string& ca) {
+    make_key(folder.file(name + ".key"));
+    must_succeed({"openssl", "req", "-new", "-key", folder.file(name + ".key"), "-subj", "/CN=" + common_name,
+                  "-out", folder.file(name + ".csr")});
+    const auto extensions = folder.write(name + ".ext", "subjectAltName=DNS:localhost,IP:127.0.0.1\n");
+    must_succeed({"openssl", "x509", "-req", "-in", folder.file(name + ".csr"), "-CA",
+                  folder.file(ca + ".crt"), "-CAkey", folder.file(ca + ".key"), "-CAcreateserial", "-days",
+                  "2", "-extfile", extensions, "-out", folder.file(name + ".crt")});
+    return folder.file(name + ".crt");
+}
+
+}  // namespace
+
+Certificates make_certificates(const TempDir& folder) {
+    Certificates made;
+    made.ca = make_ca(folder, "ca");
+    made.other_ca = make_ca(folder, "other-ca");
+    made.server_cert = make_signed(folder, "server", "localhost", "ca");
+    made.server_key = folder.file("server.key");
+    made.client_cert = make_signed(folder, "client", "test-client", "ca");
+    made.client_key = folder.file("client.key");
+    return made;
+}
+
+MosquittoBroker::MosquittoBroker(Options options) : options_(std::move(options)), port_(free_port()) {
+    if (options_.tls) certificates_ = make_certificates(folder_);
+    write_configuration();
+    start();
+}
+
+MosquittoBroker::~MosquittoBroker() {
+    if (process_) process_->signal(SIGCONT);
+}
+
+void MosquittoBroker::write_configuration() {
+    std::string text = "listener " + std::to_string(port_) + " 127.0.0.1\nset_tcp_nodelay true\n";
+    // Started by root it would drop to its own user, who may not read the test's folder.
+    text += "user root\nlog_dest stderr\nlog_type all\nconnection_messages true\n";
+    text += options_.users.empty() ? "allow_anonymous true\n" : "allow_anonymous false\n";
+    if (options_.persistence) {
+        text += "persistence true\npersistence_location " + folder_.path().string() +
+                "/\nautosave_on_changes true\nautosave_interval 1\n";
+    }
+    if (!options_.users.empty()) {
+        const auto file = folder_.write("passwords", "");
+        for (const auto& [user, password] : options_.users) {
+            must_succeed({"mosquitto_passwd", "-b", file, user, password});
+        }
+        text += "password_file " + file + "\n";
+    }
+    if (options_.tls) {
+        text += "cafile " + certificates_.ca + "\ncertfile " + certificates_.server_cert + "\nkeyfile " +
+                certificates_.server_key + "\n";
+        if (options_.require_client_certificate) text += "require_certificate true\n";
+    }
+    for (const auto& line : options_.extra_lines)
+        text += line + "\n";
+    folder_.write("mosquitto.conf", text);
+}
+
+void MosquittoBroker::start() {
+    // /usr/sbin is not in everyone's PATH.
+    const auto program = access("/usr/sbin/mosquitto", X_OK) == 0 ? "/usr/sbin/mosquitto" : "mosquitto";
+    process_ = std::make_unique<ChildProcess>(
+        std::vector<std::string>{program, "-c", folder_.file("mosquitto.conf")});
+    if (!wait_until([&] { return accepts(port_) || !process_->running(); }) || !process_->running()) {
+        throw std::runtime_error("mosquitto does not start: " + process_->errors());
+    }
+}
+
+void MosquittoBroker::stop() {
+    process_->signal(SIGTERM);
+    if (!process_->wait_exit()) throw std::runtime_error("mosquitto does not stop");
+    earlier_logs_ += process_->errors();
+}
+
+void MosquittoBroker::kill() {
+    process_->signal(SIGKILL);
+    process_->wait_exit();
+    earlier_logs_ += process_->errors();
+}
+
+void MosquittoBroker::freeze() {
+    process_->signal(SIGSTOP);
+}
+void MosquittoBroker::thaw() {
+    process_->signal(SIGCONT);
+}
+pid_t MosquittoBroker::pid() const {
+    return process_->pid();
+}
+
+std::string MosquittoBroker::log() const {
+    return earlier_logs_ + (process_ && process_->running() ? process_->errors() : "");
+}
+
+}  // namespace asip::test
