@@ -312,17 +312,6 @@ TEST(MqttClient, RightPassword_Connects) {
     EXPECT_TRUE(bus.connect());
 }
 
-TEST(MqttClient, SameClientIdTwice_OlderIsToldItWasTakenOver) {
-    MosquittoBroker broker;
-    auto options = options_for(broker);
-    options.client_id = "twin";
-    Recorder older(options);
-    ASSERT_TRUE(older.connect());
-    BusProbe newer(broker.port(), {}, {.client_id = "twin"});
-    ASSERT_TRUE(older.until([&] { return !older.losses.empty(); }));
-    EXPECT_EQ(older.losses[0].kind, Kind::kTakenOver) << older.losses[0].text << broker.log();
-}
-
 TEST(MqttClient, TopicWithWildcardOrZero_IsRefused) {
     MosquittoBroker broker;
     Recorder bus(options_for(broker));

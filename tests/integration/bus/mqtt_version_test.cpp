@@ -1,4 +1,4 @@
-// A scripted broker, because Mosquitto cannot be told to refuse MQTT 5.
+// A scripted broker, for what Mosquitto 2.0.11 never does: refuse MQTT 5, or say why it closes a connection.
 #include <gtest/gtest.h>
 
 #include <boost/asio/buffer.hpp>
@@ -66,6 +66,8 @@ class ScriptedBroker {
 const std::string kAccepted311("\x20\x02\x00\x00", 4);
 const std::string kRefusedVersion311("\x20\x02\x00\x01", 4);
 const std::string kRefusedVersion5("\x20\x03\x00\x84\x00", 5);
+const std::string kAccepted5("\x20\x03\x00\x00\x00", 5);
+const std::string kTakenOver5("\xe0\x02\x8e\x00", 4);
 
 class MqttVersion : public testing::Test {
   protected:
@@ -79,16 +81,20 @@ class MqttVersion : public testing::Test {
         ScriptedBroker broker(io, to_v5, to_v311);
         options.brokers[0].port = broker.port();
         bus::MqttClient::Handlers handlers;
+        handlers.on_disconnected = [&](const bus::ConnectionFailure& f) { losses.push_back(f); };
         handlers.on_connect_failed = [&](const bus::ConnectionFailure& f) { failures.push_back(f); };
         bus::MqttClient client(io, options, handlers);
         client.start();
-        const bool connected = run_until(io, [&] { return client.connected() || failures.size() > 4; });
+        const bool connected = run_until(io, [&] {
+            return (client.connected() && !client.v5()) || failures.size() > 4 || losses.size() > 0;
+        });
         versions = broker.versions;
         return connected && client.connected() && !client.v5();
     }
 
     std::vector<int> versions;
     std::vector<bus::ConnectionFailure> failures;
+    std::vector<bus::ConnectionFailure> losses;
 };
 
 TEST_F(MqttVersion, RefusedInTheWordsOf311_FallsBackUnnoticed) {
@@ -118,6 +124,13 @@ TEST_F(MqttVersion, OnlyVersion5Allowed_DoesNotFallBack) {
 TEST_F(MqttVersion, ClosedInEveryVersion_GoesOnTrying) {
     EXPECT_FALSE(connects("", ""));
     EXPECT_EQ(failures.at(0).kind, Kind::kNoAnswer);
+}
+
+TEST_F(MqttVersion, DisconnectedBecauseOfAnotherClientWithOurId_IsTakenOver) {
+    EXPECT_FALSE(connects(kAccepted5 + kTakenOver5, {}));
+    ASSERT_FALSE(losses.empty());
+    EXPECT_EQ(losses[0].kind, Kind::kTakenOver);
+    EXPECT_TRUE(losses[0].fatal());
 }
 
 TEST_F(MqttVersion, SpeaksSomethingElse_FailsAndGoesOnTrying) {
