@@ -52,6 +52,8 @@ class BlockingBoard {
   private:
     class Runner;
     explicit BlockingBoard(std::unique_ptr<Runner> runner);
+    template <class T, class Make>
+    Result<T> call(Make make) const;
 
     std::unique_ptr<Runner> runner_;
 };

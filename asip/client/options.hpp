@@ -27,6 +27,8 @@ struct Options {
 
     // Serial only.
     unsigned baud = 57'600;
+    /// Highest rate to step up to where the board can; 0 stays at `baud`.
+    unsigned max_baud = 0;
 };
 
 }  // namespace asip::client

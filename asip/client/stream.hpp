@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "asip/client/error.hpp"
+#include "asip/time.hpp"
 
 namespace asip::client {
 
@@ -28,7 +29,9 @@ class Stream {
 
     /// The oldest event kept, waiting for one if there is none; kClosed once the board was closed. One caller
     /// at a time.
-    Awaitable<T> next() const { return next_of(state_); }
+    Awaitable<T> next() const { return next_of(state_, Time::max()); }
+    /// The same, but Timeout when none came for `limit`.
+    Awaitable<T> next(Duration limit) const { return next_of(state_, Clock::now() + limit); }
 
     std::uint64_t dropped() const { return state_ ? state_->dropped : 0; }
 
@@ -41,17 +44,16 @@ class Stream {
     void keep(std::shared_ptr<void> owned) const { state_->owned = std::move(owned); }
 
   private:
-    static Awaitable<T> next_of(std::shared_ptr<State> state);
+    static Awaitable<T> next_of(std::shared_ptr<State> state, Time deadline);
 
     std::shared_ptr<State> state_;
 };
 
 template <class T>
 struct Stream<T>::State {
-    explicit State(boost::asio::any_io_executor executor)
-        : arrived(std::move(executor), boost::asio::steady_timer::time_point::max()) {}
+    explicit State(boost::asio::any_io_executor executor) : arrived(std::move(executor)) {}
 
-    boost::asio::steady_timer arrived;  // never expires; cancelled to wake the waiter
+    boost::asio::steady_timer arrived;  // cancelled to wake the waiter
     std::deque<T> queue;
     std::uint64_t dropped = 0;
     bool closed = false;
@@ -79,10 +81,16 @@ void Stream<T>::close(const std::weak_ptr<State>& state) {
 }
 
 template <class T>
-Awaitable<T> Stream<T>::next_of(std::shared_ptr<State> state) {
-    while (state && state->queue.empty() && !state->closed) {
+Awaitable<T> Stream<T>::next_of(std::shared_ptr<State> state, Time deadline) {
+    if (state) {
+        state->arrived.expires_at(deadline);
+    }
+    while (state && state->queue.empty() && !state->closed && Clock::now() < deadline) {
         boost::system::error_code woken;
         co_await state->arrived.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, woken));
+    }
+    if (state && state->queue.empty() && !state->closed) {
+        co_return failure(Error::Kind::Timeout, "no event in time");
     }
     if (!state || state->queue.empty()) {
         co_return failure(Error::Kind::Closed, "the board was closed");

@@ -8,17 +8,16 @@
 #pragma once
 
 #include "Asip.h"
-#include "asip/ServoPulses.h"
 
 namespace asip {
 
 class Servos : public Service {
   public:
-    static constexpr uint8_t kMaxServos = ServoPulses::kMaxServos;
+    static constexpr uint8_t kMaxServos = 8;
 
     template <typename... Pins>
     constexpr explicit Servos(Pins... pins)
-        : Service('S'), pins_{static_cast<uint8_t>(pins)...}, used_(sizeof...(Pins)), available_(false) {
+        : Service('S'), pins_{static_cast<uint8_t>(pins)...}, used_(sizeof...(Pins)) {
         static_assert(sizeof...(Pins) <= kMaxServos, "too many servos");
     }
 
@@ -29,10 +28,10 @@ class Servos : public Service {
   private:
     Error write(Request& request);
     Error remap(Request& request);
+    void attach();
 
     uint8_t pins_[kMaxServos];
     uint8_t used_;
-    bool available_;  // all pins were to be had
 };
 
 }  // namespace asip

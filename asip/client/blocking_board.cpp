@@ -1,0 +1,160 @@
+#include "asip/client/blocking_board.hpp"
+
+#include "asip/client/board.hpp"
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/use_future.hpp>
+#include <future>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+namespace asip::client {
+
+using Json = nlohmann::json;
+namespace asio = boost::asio;
+
+/// The loop, its thread, and what lives on that thread. Callers reach it by coroutines only, so that nothing
+/// is shared.
+class BlockingBoard::Runner {
+  public:
+    ~Runner() {
+        asio::post(io_, [this] {
+            streams_.clear();
+            board_ = Board();
+            // What closing the board left to do comes before.
+            asio::post(io_, [this] { io_.stop(); });
+        });
+        thread_.join();
+    }
+
+    /// Runs `make(board)`, a coroutine, on the loop's thread and returns what it returns.
+    template <class T, class Make>
+    Result<T> call(Make make) {
+        auto work = [this, make = std::move(make)]() -> Awaitable<T> { co_return co_await make(*this); };
+        return asio::co_spawn(io_, std::move(work), asio::use_future).get();
+    }
+
+    asio::io_context& io() { return io_; }
+    Board& board() { return board_; }
+    std::map<std::string, Stream<Json>>& streams() { return streams_; }
+
+  private:
+    asio::io_context io_;
+    asio::executor_work_guard<asio::io_context::executor_type> idle_ = asio::make_work_guard(io_);
+    Board board_;
+    std::map<std::string, Stream<Json>> streams_;
+    std::thread thread_{[this] { io_.run(); }};  // last: runs as soon as it is made
+};
+
+namespace {
+
+Unexpected<Error> none() {
+    return failure(Error::Kind::Closed, "no board was opened");
+}
+
+}  // namespace
+
+BlockingBoard::BlockingBoard() = default;
+BlockingBoard::BlockingBoard(std::unique_ptr<Runner> runner) : runner_(std::move(runner)) {}
+BlockingBoard::~BlockingBoard() = default;
+BlockingBoard::BlockingBoard(BlockingBoard&&) noexcept = default;
+BlockingBoard& BlockingBoard::operator=(BlockingBoard&&) noexcept = default;
+
+Result<BlockingBoard> BlockingBoard::open(const std::string& address, Options options) {
+    auto runner = std::make_unique<Runner>();
+    const auto opened = runner->call<bool>([address, options](Runner& own) -> Awaitable<bool> {
+        auto board = co_await Board::open(own.io(), address, options);
+        if (!board) {
+            co_return Unexpected<Error>(board.error());
+        }
+        own.board() = std::move(*board);
+        co_return true;
+    });
+    if (!opened) {
+        return Unexpected<Error>(opened.error());
+    }
+    return BlockingBoard(std::move(runner));
+}
+
+template <class T, class Make>
+Result<T> BlockingBoard::call(Make make) const {
+    return runner_ ? runner_->call<T>(std::move(make)) : Result<T>(none());
+}
+
+std::string BlockingBoard::name() const {
+    return call<std::string>([](Runner& own) -> Awaitable<std::string> { co_return own.board().name(); })
+        .value_or("");
+}
+
+bool BlockingBoard::online() const {
+    return call<bool>([](Runner& own) -> Awaitable<bool> { co_return own.board().online(); }).value_or(false);
+}
+
+std::vector<ServiceInfo> BlockingBoard::services() const {
+    using Infos = std::vector<ServiceInfo>;
+    return call<Infos>([](Runner& own) -> Awaitable<Infos> { co_return own.board().services(); })
+        .value_or(Infos());
+}
+
+Result<void> BlockingBoard::set_pin_mode(int pin, protocol::PinMode mode) {
+    return call<void>([=](Runner& own) { return own.board().set_pin_mode(pin, mode); });
+}
+Result<void> BlockingBoard::digital_write(int pin, bool level) {
+    return call<void>([=](Runner& own) { return own.board().digital_write(pin, level); });
+}
+Result<void> BlockingBoard::analog_write(int pin, int value) {
+    return call<void>([=](Runner& own) { return own.board().analog_write(pin, value); });
+}
+Result<bool> BlockingBoard::digital_read(int pin) {
+    return call<bool>([=](Runner& own) { return own.board().digital_read(pin); });
+}
+Result<int> BlockingBoard::analog_read(int channel) {
+    return call<int>([=](Runner& own) { return own.board().analog_read(channel); });
+}
+Result<void> BlockingBoard::set_analog_period(std::chrono::milliseconds period) {
+    return call<void>([=](Runner& own) { return own.board().set_analog_period(period); });
+}
+Result<void> BlockingBoard::raw(const std::string& line) {
+    return call<void>([line](Runner& own) { return own.board().raw(line); });
+}
+
+Result<Json> BlockingBoard::command(const std::string& service, const std::string& name,
+                                    const Json& arguments) {
+    return call<Json>([=](Runner& own) -> Awaitable<Json> {
+        const auto found = own.board().service(service);
+        if (!found) {
+            co_return Unexpected<Error>(found.error());
+        }
+        co_return co_await found->command(name, arguments);
+    });
+}
+
+Result<Json> BlockingBoard::command(const std::string& service, const std::string& name) {
+    return command(service, name, Json::array());
+}
+
+Result<void> BlockingBoard::watch(const std::string& service) {
+    return call<void>([service](Runner& own) -> Awaitable<void> {
+        const auto found = own.board().service(service);
+        if (!found) {
+            co_return Unexpected<Error>(found.error());
+        }
+        own.streams().try_emplace(service, found->events());
+        co_return Result<void>();
+    });
+}
+
+Result<Json> BlockingBoard::next_event(const std::string& service, std::chrono::milliseconds timeout) {
+    return call<Json>([=](Runner& own) -> Awaitable<Json> {
+        const auto found = own.streams().find(service);
+        if (found == own.streams().end()) {
+            co_return failure(Error::Kind::Invalid, "call watch(\"" + service + "\") first");
+        }
+        co_return co_await found->second.next(timeout);
+    });
+}
+
+}  // namespace asip::client

@@ -1,0 +1,254 @@
+#include "asip/client/bus_transport.hpp"
+
+#include <boost/asio/post.hpp>
+#include <charconv>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "asip/bus/reply.hpp"
+#include "asip/model/json.hpp"
+#include "asip/random.hpp"
+
+namespace asip::client {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr PendingCalls::Id kOpening = 0;
+
+Expected<bus::MqttOptions> mqtt_options(const Address& address, const Options& options,
+                                        std::string client_id) {
+    bus::MqttOptions mqtt;
+    mqtt.brokers = {bus::BrokerAddress{address.host, address.port, address.tls}};
+    mqtt.client_id = std::move(client_id);
+    mqtt.user = options.user.empty() ? address.user : options.user;
+    if (!options.password_file.empty()) {
+        std::ifstream file(options.password_file);
+        if (!std::getline(file, mqtt.password)) {
+            return fail("the password file " + options.password_file + " cannot be read, or is empty");
+        }
+    }
+    mqtt.ca_file = options.ca;
+    mqtt.cert_file = options.certificate;
+    mqtt.key_file = options.key;
+    return mqtt;
+}
+
+Error error_of(const bus::Reply& reply) {
+    switch (reply.status) {
+        case bus::Reply::Status::kError:
+            return {Error::Kind::Board, reply.code, reply.error};
+        case bus::Reply::Status::kRefused:
+            if (reply.reason == bus::kRefusedInvalid) {
+                return {Error::Kind::Invalid, 0, reply.error};
+            }
+            if (reply.reason == bus::kRefusedBoardNotThere) {
+                return {Error::Kind::Unreachable, 0, reply.error};
+            }
+            return {Error::Kind::Refused, 0, reply.error.empty() ? reply.reason : reply.error};
+        default:
+            return {Error::Kind::Timeout, 0, "the board did not acknowledge it"};
+    }
+}
+
+}  // namespace
+
+BusTransport::BusTransport(boost::asio::io_context& io, Address address, Options options)
+    : io_(io),
+      address_(std::move(address)),
+      options_(std::move(options)),
+      topics_(options_.topic_root),
+      calls_(io.get_executor()) {}
+
+BusTransport::~BusTransport() {
+    close();
+}
+
+Awaitable<void> BusTransport::open(Listener& listener) {
+    listener_ = &listener;
+    const std::string client_id = "asip-client-" + random_hex(system_random(), 16);
+    reply_topic_ = topics_.root() + "/reply/" + client_id;
+    auto mqtt = mqtt_options(address_, options_, client_id);
+    if (!mqtt) {
+        co_return failure(Error::Kind::Invalid, mqtt.error());
+    }
+    bus::MqttClient::Handlers handlers;
+    handlers.on_message = [this](const bus::Message& message) { take(message); };
+    handlers.on_connected = [this](const bus::Connected&) {
+        failure_.clear();
+        bus::Message probe;  // an agent whose retained description the broker lost announces again
+        probe.topic = topics_.probe();
+        probe.payload = address_.board;
+        client_->publish(std::move(probe));
+    };
+    handlers.on_connect_failed = [this](const bus::ConnectionFailure& why) { failed(why); };
+    handlers.on_disconnected = [this](const bus::ConnectionFailure& why) { failed(why); };
+    client_ = std::make_unique<bus::MqttClient>(io_, std::move(*mqtt), std::move(handlers));
+    client_->subscribe(reply_topic_, {.qos = 1});
+    client_->subscribe(topics_.state(address_.board), {.qos = 1});
+    client_->subscribe(topics_.description(address_.board), {.qos = 1});
+    client_->subscribe(topics_.service_out(address_.board, "+"),
+                       {.qos = 0, .no_local = false, .retained = false});
+    calls_.begin(kOpening);
+    client_->start();
+    const auto done = co_await calls_.wait(kOpening, options_.open_timeout, "");
+    if (!done) {
+        const bool late = done.error().kind == Error::Kind::Timeout;
+        co_return failure(late ? Error::Kind::Unreachable : done.error().kind,
+                          late ? why_not_there() : done.error().text);
+    }
+    co_return Result<void>();
+}
+
+std::string BusTransport::why_not_there() const {
+    if (!failure_.empty()) {
+        return failure_;
+    }
+    const std::string where = address_.host + ":" + std::to_string(address_.port);
+    if (state_.empty()) {
+        return "no board " + address_.board + " on the broker " + where +
+               "; does its agent run? `asipctl list` shows the boards there are";
+    }
+    return "board " + address_.board + " on the broker " + where + " is " + state_ +
+           (description_ ? "" : " but has not described itself");
+}
+
+Awaitable<Json> BusTransport::command(std::string service, Json command) {
+    if (!description_ || description_->service(service) == nullptr) {
+        co_return failure(Error::Kind::Invalid,
+                          "board " + address_.board + " has no service \"" + service + "\"");
+    }
+    if (!command.is_object()) {
+        co_return failure(Error::Kind::Invalid, "a command is a JSON object, {\"write\":[0,90]}");
+    }
+    co_return co_await request(topics_.service_in(address_.board, service), std::move(command));
+}
+
+Awaitable<void> BusTransport::raw(std::string line) {
+    Json payload = Json::object();
+    payload["raw"] = std::move(line);
+    const auto done = co_await request(topics_.board_in(address_.board), std::move(payload));
+    co_return done ? Result<void>() : Result<void>(Unexpected<Error>(done.error()));
+}
+
+/// At most once: a command that is sent again after the connection was lost could come when nobody wants it
+/// any more. The answer is what tells that it arrived.
+Awaitable<Json> BusTransport::request(std::string topic, Json payload) {
+    const PendingCalls::Id id = next_id_++;
+    bus::Message message;
+    message.topic = std::move(topic);
+    payload["id"] = std::to_string(id);
+    payload["reply_to"] = reply_topic_;  // 3.1.1 has no response topic
+    message.payload = model::dump_json(payload);
+    message.response_topic = reply_topic_;
+    message.correlation = std::to_string(id);
+    calls_.begin(id);
+    if (client_->publish(std::move(message), bus::Priority::kReply) == bus::PublishResult::kRefused) {
+        calls_.finish(id, failure(Error::Kind::Refused, "the broker is slower than the commands come"));
+    }
+    co_return co_await calls_.wait(id, options_.command_timeout,
+                                   "neither the board nor its agent answered; the agent may be gone");
+}
+
+std::vector<ServiceInfo> BusTransport::services() const {
+    std::vector<ServiceInfo> infos;
+    if (description_) {
+        for (const auto& service : description_->services) {
+            infos.push_back({service.name, service.id, service.title});
+        }
+    }
+    return infos;
+}
+
+void BusTransport::close() {
+    if (closed_) {
+        return;
+    }
+    closed_ = true;
+    calls_.finish_all({Error::Kind::Closed, 0, "the board was closed"});
+    if (client_) {
+        // This may be called from one of the client's handlers, which must not destroy it.
+        boost::asio::post(io_, [client = std::shared_ptr<bus::MqttClient>(std::move(client_))] {});
+    }
+}
+
+void BusTransport::take(const bus::Message& message) {
+    if (closed_) {
+        return;
+    }
+    if (message.topic == reply_topic_) {
+        take_reply(message);
+        return;
+    }
+    const auto topic = topics_.parse(message.topic);
+    if (!topic || topic->board != address_.board) {
+        return;
+    }
+    if (topic->kind == bus::TopicKind::kState) {
+        state_ = message.payload;
+        look_again();
+    } else if (topic->kind == bus::TopicKind::kDescription) {
+        if (auto description = model::parse_description(message.payload)) {
+            description_ = std::move(*description);
+        }
+        look_again();
+    } else if (topic->kind == bus::TopicKind::kServiceOut && !message.retain) {
+        take_event(topic->service, message);
+    }
+}
+
+void BusTransport::take_reply(const bus::Message& message) {
+    const auto reply = bus::parse_reply(message.payload);
+    if (!reply) {
+        return;
+    }
+    const std::string& text = message.correlation.empty() ? reply->id : message.correlation;
+    PendingCalls::Id id = 0;
+    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), id);
+    if (code != std::errc{} || end != text.data() + text.size() || id == kOpening) {
+        return;
+    }
+    if (!reply->succeeded()) {
+        calls_.finish(id, Unexpected<Error>(error_of(*reply)));
+        return;
+    }
+    auto answer = reply->answer.empty() ? Expected<Json>(Json()) : model::parse_json(reply->answer);
+    calls_.finish(id, answer ? std::move(*answer) : Json());
+}
+
+void BusTransport::take_event(std::string_view service, const bus::Message& message) {
+    const auto event = model::parse_json(message.payload);
+    if (event && there_) {
+        listener_->on_event(std::string(service), *event);
+    }
+}
+
+/// Whether the board is there now, and what follows if that changed.
+void BusTransport::look_again() {
+    const bool there = client_->connected() && state_ == "online" && description_.has_value();
+    if (there) {
+        calls_.finish(kOpening, Json());
+    }
+    if (there != there_) {
+        there_ = there;
+        if (!there) {
+            calls_.finish_all({Error::Kind::Unreachable, 0, why_not_there()});
+        }
+        listener_->on_presence(there);
+    }
+}
+
+void BusTransport::failed(const bus::ConnectionFailure& why) {
+    failure_ = why.text;
+    if (why.fatal()) {
+        calls_.finish(kOpening, failure(Error::Kind::Unreachable, why.text));
+    }
+    // What is retained comes again with the next connection; a board that went meanwhile must not seem to be
+    // there.
+    state_.clear();
+    if (there_) {
+        look_again();
+    }
+}
+
+}  // namespace asip::client

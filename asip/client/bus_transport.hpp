@@ -1,0 +1,57 @@
+#pragma once
+#include "asip/client/transport.hpp"
+
+#include <boost/asio/io_context.hpp>
+#include <memory>
+
+#include "asip/bus/mqtt_client.hpp"
+#include "asip/bus/topics.hpp"
+#include "asip/client/address.hpp"
+#include "asip/client/options.hpp"
+#include "asip/client/pending_calls.hpp"
+#include "asip/model/description.hpp"
+
+namespace asip::client {
+
+/// A board by its name, through an MQTT broker and the board's agent. There while the broker is connected and
+/// the board says that it is online.
+class BusTransport final : public Transport {
+  public:
+    /// `address` of kind Mqtt.
+    BusTransport(boost::asio::io_context& io, Address address, Options options);
+    ~BusTransport() override;
+
+    boost::asio::any_io_executor executor() const override { return io_.get_executor(); }
+    Awaitable<void> open(Listener& listener) override;
+    Awaitable<nlohmann::json> command(std::string service, nlohmann::json command) override;
+    Awaitable<void> raw(std::string line) override;
+    std::string board_name() const override { return address_.board; }
+    std::vector<ServiceInfo> services() const override;
+    void close() override;
+
+  private:
+    Awaitable<nlohmann::json> request(std::string topic, nlohmann::json payload);
+    void take(const bus::Message& message);
+    void take_reply(const bus::Message& message);
+    void take_event(std::string_view service, const bus::Message& message);
+    void look_again();
+    void failed(const bus::ConnectionFailure& failure);
+    std::string why_not_there() const;
+
+    boost::asio::io_context& io_;
+    Address address_;
+    Options options_;
+    bus::Topics topics_;
+    std::string reply_topic_;
+    Listener* listener_ = nullptr;
+    std::unique_ptr<bus::MqttClient> client_;
+    PendingCalls calls_;
+    PendingCalls::Id next_id_ = 1;
+    std::string state_;
+    std::optional<model::Description> description_;
+    std::string failure_;  // of the last attempt to connect
+    bool there_ = false;
+    bool closed_ = false;
+};
+
+}  // namespace asip::client

@@ -1,0 +1,360 @@
+#include "asip/client/direct_transport.hpp"
+
+#include <boost/asio/post.hpp>
+#include <nlohmann/json.hpp>
+
+#include "asip/link/serial_port.hpp"
+#include "asip/link/tcp_stream.hpp"
+#include "asip/model/command_encoder.hpp"
+#include "asip/model/event_decoder.hpp"
+#include "asip/model/json.hpp"
+#include "asip/model/names.hpp"
+#include "asip/protocol/message.hpp"
+
+namespace asip::client {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr auto kReopenAfter = std::chrono::milliseconds(300);
+constexpr PendingCalls::Id kOpening = ~PendingCalls::Id{0};  // no request id of a session
+
+session::SessionOptions session_options(const Options& options) {
+    session::SessionOptions session;
+    session.max_baud = options.max_baud;
+    return session;
+}
+
+/// A decoded event; of a service without a model, or one that its model does not cover, what is on the wire.
+Json decoded(const protocol::Event& event, const model::ServiceModel* model, const session::Identity& board) {
+    if (model != nullptr) {
+        const model::DecodeContext context{&board.port_map, board.pin_modes};
+        if (auto json = model::decode_event(*model, event, context)) {
+            return std::move(*json);
+        }
+    }
+    Json raw = Json::object();
+    raw["tag"] = std::string(1, event.tag);
+    raw["body"] = std::string(event.body);
+    return raw;
+}
+
+Error error_of(const session::Finished& end) {
+    using session::Ending;
+    switch (end.ending) {
+        case Ending::kBoardError:
+            return {Error::Kind::Board, end.code, end.text};
+        case Ending::kNotSent:
+            return {Error::Kind::Unreachable, 0, "the board went away before it was sent"};
+        default:
+            return {Error::Kind::Timeout, 0, "the board did not acknowledge it"};
+    }
+}
+
+Error error_of(session::Refusal refusal) {
+    switch (refusal) {
+        case session::Refusal::kInvalid:
+            return {Error::Kind::Invalid, 0, "not an ASIP request line"};
+        case session::Refusal::kQueueFull:
+            return {Error::Kind::Refused, 0, "too many requests wait for the board already"};
+        default:
+            return {Error::Kind::Unreachable, 0, "the board does not answer now"};
+    }
+}
+
+}  // namespace
+
+DirectTransport::DirectTransport(boost::asio::io_context& io, Address address, Options options)
+    : io_(io),
+      address_(std::move(address)),
+      options_(std::move(options)),
+      session_(session_options(options_)),
+      calls_(io.get_executor()),
+      deadline_(io),
+      again_(io) {}
+
+DirectTransport::~DirectTransport() {
+    alive_.reset();
+    close();
+}
+
+Awaitable<void> DirectTransport::open(Listener& listener) {
+    listener_ = &listener;
+    if (address_.kind == Address::Kind::Serial) {
+        address_.path = link::stable_path(address_.path);
+    }
+    calls_.begin(kOpening);
+    connect();
+    const auto done = co_await calls_.wait(kOpening, options_.open_timeout, "no ASIP board answered in time");
+    if (!done) {
+        co_return Unexpected<Error>(done.error());
+    }
+    opened_ = true;
+    co_return Result<void>();
+}
+
+Awaitable<Json> DirectTransport::command(std::string service, Json command) {
+    const KnownService* known = find(service);
+    if (known == nullptr) {
+        co_return failure(Error::Kind::Invalid, "the board has no service \"" + service + "\"");
+    }
+    auto control = model::read_control(known->model.get(), known->info.id, model::dump_json(command));
+    if (!control.command) {
+        co_return failure(Error::Kind::Invalid, control.command.error());
+    }
+    co_return co_await request(std::move(control.command->line), control.command->answer, known->model);
+}
+
+Awaitable<void> DirectTransport::raw(std::string line) {
+    const auto done = co_await request(std::move(line), 0, nullptr);
+    co_return done ? Result<void>() : Result<void>(Unexpected<Error>(done.error()));
+}
+
+Awaitable<Json> DirectTransport::request(std::string line, char answer_tag, model::ModelPtr model) {
+    session::Actions actions;
+    const session::RequestOptions options{.prove = true, .answer_tag = answer_tag};
+    const auto id = session_.submit(line, options, Clock::now(), actions);
+    if (!id) {
+        co_return Unexpected<Error>(error_of(id.error()));
+    }
+    calls_.begin(*id);
+    perform(actions);
+    const auto answer =
+        co_await calls_.wait(*id, options_.command_timeout, "the board did not acknowledge it");
+    if (!answer || !answer->is_string()) {
+        co_return answer;
+    }
+    const auto message = protocol::parse_line(answer->get_ref<const std::string&>());
+    const auto* const event = std::get_if<protocol::Event>(&message);
+    co_return event == nullptr ? Json() : decoded(*event, model.get(), session_.identity());
+}
+
+std::string DirectTransport::board_name() const {
+    if (!session_.identity().stored_name.empty()) {
+        return session_.identity().stored_name;
+    }
+    return model::suggest_name(address_.kind == Address::Kind::Tcp
+                                   ? address_.host + "-" + std::to_string(address_.port)
+                                   : address_.path.substr(address_.path.rfind('/') + 1));
+}
+
+std::vector<ServiceInfo> DirectTransport::services() const {
+    std::vector<ServiceInfo> infos;
+    for (const KnownService& each : services_) {
+        infos.push_back(each.info);
+    }
+    return infos;
+}
+
+void DirectTransport::close() {
+    if (closed_) {
+        return;
+    }
+    closed_ = true;
+    connecting_.reset();
+    deadline_.cancel();
+    again_.cancel();
+    calls_.finish_all({Error::Kind::Closed, 0, "the board was closed"});
+    if (stream_) {
+        stream_->close();
+        // This may be called from a handler of the stream: it goes when that has returned.
+        boost::asio::post(io_, [stream = std::shared_ptr<link::ByteStream>(std::move(stream_))] {});
+    }
+}
+
+// --- the link
+
+void DirectTransport::connect() {
+    if (address_.kind == Address::Kind::Tcp) {
+        connecting_ = link::connect_tcp(io_, {address_.host, address_.port}, options_.open_timeout,
+                                        [this](Streamed stream) { connected(std::move(stream)); });
+        return;
+    }
+    auto port = link::open_serial(io_, address_.path, static_cast<int>(options_.baud));
+    connected(port ? Streamed(std::move(*port)) : Streamed(Unexpected<link::StreamError>(port.error())));
+}
+
+void DirectTransport::connected(Streamed stream) {
+    if (!stream) {
+        if (opened_) {
+            disconnected(stream.error().text);
+        } else {
+            calls_.finish(kOpening, failure(Error::Kind::Unreachable, stream.error().text));
+        }
+        return;
+    }
+    stream_ = std::move(*stream);
+    session::LinkTraits traits;
+    if (auto* const port = dynamic_cast<link::SerialPort*>(stream_.get())) {
+        traits.baud = static_cast<unsigned>(port->baud());
+        traits.restarting = port->set_dtr(true);  // opening the port raised it: most boards restart at that
+    }
+    link::ByteStream::Handlers handlers;
+    handlers.on_bytes = [this](std::string_view bytes) {
+        session::Actions actions;
+        session_.receive(bytes, Clock::now(), actions);
+        perform(actions);
+    };
+    handlers.on_closed = [this](const link::StreamError& error) { disconnected(error.text); };
+    stream_->start(std::move(handlers));
+    session::Actions actions;
+    session_.link_up(traits, Clock::now(), actions);
+    perform(actions);
+}
+
+void DirectTransport::disconnected(const std::string& why) {
+    if (stream_) {
+        stream_.reset();
+        session::Actions actions;
+        session_.link_down(Clock::now(), actions);
+        perform(actions);
+    }
+    if (!opened_) {
+        calls_.finish(kOpening, failure(Error::Kind::Unreachable, why));
+        return;
+    }
+    again_.expires_after(kReopenAfter);
+    again_.async_wait(
+        [this, alive = std::weak_ptr<bool>(alive_)](const boost::system::error_code& cancelled) {
+            if (!cancelled && alive.lock() && !closed_) {
+                connect();
+            }
+        });
+    set_presence(false);
+}
+
+void DirectTransport::set_line_rate(unsigned baud) {
+    auto* const port = dynamic_cast<link::SerialPort*>(stream_.get());
+    if (port != nullptr && port->unsent_bytes() > 0) {
+        const auto retry = std::make_shared<boost::asio::steady_timer>(io_, std::chrono::milliseconds(1));
+        retry->async_wait([this, baud, retry, alive = std::weak_ptr<bool>(alive_)](const auto&) {
+            if (alive.lock() && stream_) {
+                set_line_rate(baud);
+            }
+        });
+        return;
+    }
+    session::Actions actions;
+    const bool set = port != nullptr && port->set_baud(static_cast<int>(baud)).has_value();
+    session_.line_rate_set(set, Clock::now(), actions);
+    perform(actions);
+}
+
+// --- what the session says
+
+void DirectTransport::perform(const session::Actions& actions) {
+    const std::weak_ptr<bool> alive = alive_;
+    for (const session::Action& action : actions) {
+        perform_one(action);
+        if (alive.expired() || closed_) {
+            return;
+        }
+    }
+    arm();
+}
+
+void DirectTransport::perform_one(const session::Action& action) {
+    if (const auto* write = std::get_if<session::Write>(&action)) {
+        if (stream_) {
+            stream_->write(write->bytes);
+        }
+    } else if (const auto* rate = std::get_if<session::SetLineRate>(&action)) {
+        set_line_rate(rate->baud);
+    } else if (const auto* line = std::get_if<session::BoardLine>(&action)) {
+        deliver(line->line);
+    } else if (const auto* end = std::get_if<session::Finished>(&action)) {
+        finished(*end);
+    } else if (std::holds_alternative<session::Identified>(action)) {
+        identified();
+    } else if (std::holds_alternative<session::BoardReset>(action) ||
+               std::holds_alternative<session::BecameSilent>(action)) {
+        set_presence(false);
+    } else if (const auto* none = std::get_if<session::NoAnswer>(&action)) {
+        calls_.finish(
+            kOpening,
+            failure(Error::Kind::Unreachable,
+                    none->heard_bytes ? "something answers, but not in ASIP: is the rate right, and does the "
+                                        "board run an ASIP sketch?"
+                                      : "nothing answers: is this the right port, and does the board run an "
+                                        "ASIP sketch?"));
+    }
+}
+
+void DirectTransport::deliver(const std::string& line) {
+    const auto message = protocol::parse_line(line);
+    const auto* const event = std::get_if<protocol::Event>(&message);
+    if (event == nullptr || !there_) {
+        return;
+    }
+    if (const KnownService* known = find(event->service)) {
+        listener_->on_event(known->info.name, decoded(*event, known->model.get(), session_.identity()));
+    }
+}
+
+void DirectTransport::identified() {
+    services_.clear();
+    for (const auto& service : session_.identity().services) {
+        auto model = model::ModelSet::standard().match(service.id, service.name);
+        std::string name = model ? model->name : std::string(1, service.id);
+        services_.push_back({{std::move(name), service.id, service.name}, std::move(model)});
+    }
+    calls_.finish(kOpening, Json());
+    set_presence(true);
+}
+
+void DirectTransport::finished(const session::Finished& end) {
+    const bool done = end.ending == session::Ending::kExecuted || end.ending == session::Ending::kUnproven;
+    if (!done) {
+        calls_.finish(end.id, Unexpected<Error>(error_of(end)));
+    } else {
+        calls_.finish(end.id, end.answer.empty() ? Json() : Json(end.answer));
+    }
+}
+
+void DirectTransport::set_presence(bool there) {
+    if (there != there_) {
+        there_ = there;
+        listener_->on_presence(there);
+    }
+}
+
+void DirectTransport::arm() {
+    const auto next = session_.next_deadline();
+    if (!next || closed_) {
+        deadline_.cancel();
+        return;
+    }
+    if (deadline_.expiry() == *next && *next > Clock::now()) {
+        return;
+    }
+    deadline_.expires_at(*next);
+    deadline_.async_wait(
+        [this, alive = std::weak_ptr<bool>(alive_)](const boost::system::error_code& cancelled) {
+            if (cancelled || alive.expired() || closed_) {
+                return;
+            }
+            session::Actions actions;
+            session_.tick(Clock::now(), actions);
+            perform(actions);
+        });
+}
+
+const DirectTransport::KnownService* DirectTransport::find(char letter) const {
+    for (const KnownService& each : services_) {
+        if (each.info.id == letter) {
+            return &each;
+        }
+    }
+    return nullptr;
+}
+
+const DirectTransport::KnownService* DirectTransport::find(const std::string& name) const {
+    for (const KnownService& each : services_) {
+        if (each.info.name == name) {
+            return &each;
+        }
+    }
+    return nullptr;
+}
+
+}  // namespace asip::client
