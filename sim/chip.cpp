@@ -68,8 +68,20 @@ Chip::~Chip() {
             *io = nullptr;
             break;
         }
+    free_what_terminate_leaves();
     avr_terminate(avr_);
+    std::free(avr_->irq_pool.irq);
     std::free(avr_);
+}
+
+void Chip::free_what_terminate_leaves() {
+    for (auto& io : avr_->io) {
+        avr_free_irq(io.irq, AVR_IOMEM_IRQ_ALL + 1);
+        io.irq = nullptr;
+    }
+    for (unsigned i = 0; i < avr_->interrupts.vector_count; ++i)
+        if (auto* vector = avr_->interrupts.vector[i]) avr_free_irq(vector->irq, AVR_INT_IRQ_COUNT);
+    avr_free_irq(avr_->interrupts.irq, AVR_INT_IRQ_COUNT);
 }
 
 void Chip::apply_fixes() {

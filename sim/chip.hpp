@@ -49,6 +49,7 @@ class Chip {
     explicit Chip(avr_t* avr);
     void apply_fixes();
     void count_interrupt_entries();
+    void free_what_terminate_leaves();
 
     avr_t* avr_;
     ResetHook hook_{};
