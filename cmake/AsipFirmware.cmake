@@ -18,8 +18,18 @@ set(asip_avr_cxx -std=gnu++11 -fpermissive -fno-exceptions -fno-threadsafe-stati
 set(asip_avr_warnings -Wall -Wextra -Wno-type-limits -Werror)
 
 set(asip_library_sources
-  AsipDistance.cpp AsipServos.cpp asip/Board.cpp asip/Error.cpp asip/Extensions.cpp asip/IoService.cpp asip/Out.cpp asip/Request.cpp
-  asip/Service.cpp asip/System.cpp)
+  AsipDistance.cpp
+  AsipServos.cpp
+  asip/Board.cpp
+  asip/EchoTimer.cpp
+  asip/Error.cpp
+  asip/Extensions.cpp
+  asip/IoService.cpp
+  asip/Out.cpp
+  asip/Request.cpp
+  asip/Service.cpp
+  asip/ServoPulses.cpp
+  asip/System.cpp)
 
 function(asip_board_flags board out_flags out_variant)
   set(${out_variant} ${board})

@@ -53,8 +53,8 @@ Expected<void> check_claim(const std::string& name, const Claim& claim, const Bo
     if (claim.analog && channel < 0)
         return fail(fmt::format("pin {} of the {} is not an analog input", claim.pin, kind.name));
     if (claim.analog && channel >= kReadableChannels)
-        return fail(fmt::format("{}: simavr cannot read pin {}: it has only the first {} analog channels",
-                                name, claim.pin, kReadableChannels));
+        return fail(fmt::format("simavr cannot read pin {}: it has only the first {} analog channels",
+                                claim.pin, kReadableChannels));
     const auto [first, last] = held.equal_range(claim.pin);
     for (auto it = first; it != last; ++it)
         if (!can_share(it->second.use, claim.use))

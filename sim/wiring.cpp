@@ -103,8 +103,11 @@ void Wiring::watch_pwm(int number, std::function<void()> callback) {
 
 void Wiring::after_reset() {
     for (auto& port : ports_) {
+        // The reset has cleared the PIN register, but simavr passes only changes on: without the lows a
+        // pull-up that was on before the reset would never work again.
         for (int bit = 0; bit < 8; ++bit)
-            if ((port.driven >> bit & 1) != 0) avr_raise_irq(port.io->io.irq + bit, port.levels >> bit & 1u);
+            avr_raise_irq(port.io->io.irq + bit, (port.driven & port.levels) >> bit & 1u);
+        avr_.data[port.io->r_pin] = port.driven & port.levels;
         update(port);
     }
     for (auto& callback : pwm_watchers_)

@@ -66,7 +66,7 @@ class CatalogueView {
     std::map<std::string, BoardItem> boards_;
     std::map<std::string, BoardItem> incoming_;
     std::map<std::string, std::uint64_t> page_ends_;  // last name of each page -> its sequence number
-    std::vector<ChangeEvent> waiting_;                // arrived while collecting
+    std::vector<ChangeEvent> waiting_;  // arrived while collecting  // in the order of their arrival
 };
 
 }  // namespace asip::bus

@@ -10,16 +10,16 @@ namespace asip::bus {
 /// One message of the bus, to be published or as it arrived. The members from `response_topic` on travel as
 /// MQTT 5 properties and are left out, silently, on a 3.1.1 connection.
 struct Message {
-    std::string topic;
-    std::string payload;
+    std::string topic{};
+    std::string payload{};
     int qos = 0;          ///< 0 or 1; this bus does not use 2
     bool retain = false;  ///< when received: it was stored before we subscribed (so on 3.1.1 and 5 alike)
 
-    std::string response_topic;  ///< where an answer is wanted; empty: nowhere
-    std::string correlation;     ///< correlation data, any bytes
+    std::string response_topic{};  ///< where an answer is wanted; empty: nowhere
+    std::string correlation{};     ///< correlation data, any bytes
     std::optional<std::uint32_t>
-        expiry_seconds;  ///< how long the broker may keep it; when received: what is left
-    std::vector<std::pair<std::string, std::string>> user_properties;
+        expiry_seconds{};  ///< how long the broker may keep it; when received: what is left
+    std::vector<std::pair<std::string, std::string>> user_properties{};
 };
 
 /// What is dropped first when the outgoing queue is full.

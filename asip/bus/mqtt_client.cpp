@@ -28,7 +28,8 @@ constexpr std::size_t kMaxPropertyBytes = 65535;
 constexpr int kSuspicionsUntilFallback = 2;
 
 bool can_be_published(const Message& message) {
-    return message.qos >= 0 && message.qos <= 1 && mosquitto_pub_topic_check(message.topic.c_str()) == 0 &&
+    return !message.topic.empty() && message.qos >= 0 && message.qos <= 1 &&
+           mosquitto_pub_topic_check(message.topic.c_str()) == 0 &&
            message.topic.find('\0') == std::string::npos && message.topic.size() <= kMaxPropertyBytes &&
            mosquitto_validate_utf8(message.topic.data(), static_cast<int>(message.topic.size())) == 0 &&
            message.payload.size() <= MQTT_MAX_PAYLOAD && message.correlation.size() <= kMaxPropertyBytes &&

@@ -7,7 +7,7 @@ namespace asip::model {
 namespace {
 
 // A shorter word ("IO") would be found inside too many names; it must be the whole name.
-constexpr std::size_t kMinContainedBytes = 4;
+constexpr std::size_t kMinContainedBytes = 3;
 
 std::string letters_and_digits(std::string_view text) {
     std::string result;

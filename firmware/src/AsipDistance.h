@@ -5,9 +5,7 @@
 //   void setup() { asip::board.add(distance); ... }
 //
 // D,M measures once, D,A,ms periodically; both are answered by @D,e,2,{42,118}. The sensors measure one after
-// the other, up to 25 ms each, and nothing waits for them: a pin-change interrupt times the echo. Pins
-// without such an interrupt (Mega: most; Leonardo: all but 8 to 11 and 14 to 17) are timed by the loop, to
-// within one pass of it.
+// the other, up to 25 ms each (40 with nothing in range), and the board does not wait for them.
 #pragma once
 
 #include "Asip.h"
@@ -34,12 +32,8 @@ class Distance : public Service {
     void reportValues() override;  // starts to measure
     void poll() override;          // goes on measuring, and reports at the end
 
-    // The level of the echo pin may have changed: called by the pin-change interrupts.
-    static void onPinChange();
-
   private:
-    void trigger();
-    void finish(uint16_t centimetres);
+    void turnTo(uint8_t sensor);
 
     static constexpr uint8_t kIdle = 255;
 

@@ -8,16 +8,17 @@
 #pragma once
 
 #include "Asip.h"
+#include "asip/ServoPulses.h"
 
 namespace asip {
 
 class Servos : public Service {
   public:
-    static constexpr uint8_t kMaxServos = 8;
+    static constexpr uint8_t kMaxServos = ServoPulses::kMaxServos;
 
     template <typename... Pins>
     constexpr explicit Servos(Pins... pins)
-        : Service('S'), pins_{static_cast<uint8_t>(pins)...}, used_(sizeof...(Pins)) {
+        : Service('S'), pins_{static_cast<uint8_t>(pins)...}, used_(sizeof...(Pins)), available_(false) {
         static_assert(sizeof...(Pins) <= kMaxServos, "too many servos");
     }
 
@@ -28,10 +29,10 @@ class Servos : public Service {
   private:
     Error write(Request& request);
     Error remap(Request& request);
-    void attach();
 
     uint8_t pins_[kMaxServos];
     uint8_t used_;
+    bool available_;  // all pins were to be had
 };
 
 }  // namespace asip

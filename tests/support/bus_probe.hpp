@@ -18,10 +18,10 @@ class BusProbe {
   public:
     struct Options {
         bool v5 = true;
-        std::string user, password;
-        std::string client_id;  ///< empty: made up
-        std::string ca, cert, key;
-        std::optional<bus::Message> will;
+        std::string user{}, password{};
+        std::string client_id{};  ///< empty: made up
+        std::string ca{}, cert{}, key{};
+        std::optional<bus::Message> will{};
     };
 
     /// Connects to 127.0.0.1 and subscribes to `filters` (QoS 1) before it returns. Throws std::runtime_error

@@ -22,10 +22,10 @@ class MosquittoBroker {
     struct Options {
         bool persistence = false;  ///< saved at each change
         std::vector<std::pair<std::string, std::string>>
-            users;  ///< user, password; none: anonymous is allowed
+            users{};  ///< user, password; none: anonymous is allowed
         bool tls = false;
         bool require_client_certificate = false;
-        std::vector<std::string> extra_lines;  ///< of the configuration file
+        std::vector<std::string> extra_lines{};  ///< of the configuration file
     };
 
     MosquittoBroker() : MosquittoBroker(Options{}) {}

@@ -68,10 +68,13 @@ static uint16_t echo(uint8_t bit) {
 
 // 'S': one servo pulse on D9 (PB1 of an Uno).
 static void pulse(uint16_t microseconds) {
+    TCCR1A = 0;
+    TCCR1B = 1 << CS11;
     DDRB |= 1 << 1;
     PORTB |= 1 << 1;
-    while (microseconds--)
-        _delay_us(0.6875);  // and five cycles for the loop itself
+    TCNT1 = 0;
+    while (TCNT1 < 2 * microseconds)
+        ;
     PORTB &= (uint8_t) ~(1 << 1);
 }
 

@@ -1,0 +1,283 @@
+#include <algorithm>
+
+#include "asip/model/description.hpp"
+#include "registry/catalogue/catalogue_impl.hpp"
+
+namespace asip::registry {
+namespace {
+
+using model::BoardState;
+
+// Micro-controllers end what they publish as they end lines.
+std::string_view without_line_end(std::string_view text) {
+    while (!text.empty() && (text.back() == '\n' || text.back() == '\r' || text.back() == ' '))
+        text.remove_suffix(1);
+    return text;
+}
+
+bool valid_session(std::string_view text) {
+    return !text.empty() && text.size() <= 64;
+}
+
+std::uint32_t lease_of(const Scan& scan, Duration fallback) {
+    if (scan.lease == 0) {
+        return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::seconds>(fallback).count());
+    }
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>(scan.lease, model::kMaxLeaseSeconds));
+}
+
+}  // namespace
+
+Applied Catalogue::Impl::apply(const Announcement& a, Time now) {
+    using bus::TopicKind;
+    Applied applied;
+    ++stats_.applied;
+    switch (a.kind) {
+        case TopicKind::kDescription:
+            applied.refused = description(a, now, applied.events);
+            break;
+        case TopicKind::kState:
+            applied.refused = state(a, now, applied.events);
+            break;
+        case TopicKind::kBoardNames:
+            applied.refused = board_name(a, now, applied.events);
+            break;
+        case TopicKind::kServiceNames:
+            applied.refused = service_name(a, now, applied.events);
+            break;
+        case TopicKind::kBoardOut:
+        case TopicKind::kServiceOut:
+            applied.refused = traffic(a, now, applied.events);
+            break;
+        default:
+            applied.refused = Refusal::kNotForUs;
+            break;
+    }
+    if (applied.refused) ++stats_.refused[static_cast<std::size_t>(*applied.refused)];
+    return applied;
+}
+
+std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time now, Events& events) {
+    if (a.payload.empty()) return std::nullopt;  // emptied by whoever tidies up; what is known stays
+    if (!bus::legal_board_name(a.board)) return Refusal::kBadName;
+    if (a.payload.size() > model::kMaxDescriptionBytes) return Refusal::kTooLong;
+    std::uint32_t slot = slot_of(a.board);
+    Board* known = slot == NameTable::kNone ? nullptr : &board(slot);
+
+    Scan scan;
+    if (!scan_description(a.payload, guesses_for(known), scan) || !valid_session(scan.session)) {
+        return Refusal::kMalformed;
+    }
+    if (scan.board != a.board) return Refusal::kWrongBoard;
+    FirmwarePart* firmware = nullptr;
+    PinsPart* pins = nullptr;
+    ServicesPart* services = nullptr;
+    if (!resolve_parts(scan, known, firmware, pins, services)) return Refusal::kMalformed;
+
+    const bool added = known == nullptr;
+    if (added) {
+        slot = make(a.board, now);
+        if (slot == NameTable::kNone) {
+            drop_unused(firmware, pins, services);
+            return Refusal::kTooMany;
+        }
+    }
+    Board& b = board(slot);
+    const bool new_session = b.session != scan.session || !b.described;
+    const bool live = !a.retained;
+    const Judgement judgement = judge(b, scan, live, now, events);
+    const bool renews = judgement.verdict == Verdict::kRenew;
+    if (judgement.verdict == Verdict::kRefuse) {
+        drop_unused(firmware, pins, services);
+        return judgement.refusal;
+    }
+    bool changed = false;
+    if (renews) {
+        drop_unused(firmware, pins, services);
+    } else {
+        changed = store(slot, scan, firmware, pins, services);
+        b.session = scan.session;
+        b.seq = scan.seq;
+        b.lease_seconds = lease_of(scan, options_.default_lease);
+    }
+
+    const auto lease = std::chrono::seconds(b.lease_seconds);
+    if (live) {
+        // A goodbye is older than a description with a new number, but not than a repetition of the last one.
+        if (!renews && !is_alive_word(b.said)) b.said = BoardState::Online;
+        if (is_alive_word(b.said)) b.deadline = now + lease;
+        b.proven = true;
+        b.lasting = !a.expiry_seconds;
+        b.by_name = false;
+        listen(b, false, events);
+        heard(b, now);
+    } else if (is_alive_word(b.said)) {
+        b.lasting = !a.expiry_seconds;
+        if (a.expiry_seconds) {
+            b.deadline = std::max(b.deadline,
+                                  now + std::min<Duration>(std::chrono::seconds(*a.expiry_seconds), lease));
+        } else if (!renews) {
+            b.deadline = std::max(b.deadline, now + std::min<Duration>(options_.grace, lease));
+        }
+    }
+    if (live && !added && !changed && !renews) ++stats_.renewals;
+    update_state(slot, now, live ? Event::Reason::kAnnounced : Event::Reason::kRetained, events, added);
+    if (added) {
+        emit(events, Event::Kind::kAdded, b, live ? Event::Reason::kAnnounced : Event::Reason::kRetained);
+    } else if (changed || (new_session && !renews)) {
+        emit(events, Event::Kind::kDescription, b);
+    }
+    return std::nullopt;
+}
+
+std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, Events& events) {
+    if (!bus::legal_board_name(a.board)) return Refusal::kBadName;
+    std::uint32_t slot = slot_of(a.board);
+    const bool added = slot == NameTable::kNone;
+    if (a.payload.empty()) {
+        // Somebody forgot this board: so do we, unless we know that it lives.
+        if (!added && !is_alive_word(board(slot).effective)) release(slot, events);
+        return std::nullopt;
+    }
+    const auto said = model::board_state_from_text(a.payload);
+    if (!said) return Refusal::kBadState;
+    if (added) {
+        slot = make(a.board, now);
+        if (slot == NameTable::kNone) return Refusal::kTooMany;
+    }
+    Board& b = board(slot);
+    const bool live = !a.retained;
+    if (!live && !added && b.epoch_heard == epoch_) return Refusal::kOldHint;
+    b.said = *said;
+    if (live && is_alive_word(*said)) {
+        b.deadline = now + std::chrono::seconds(b.lease_seconds);
+        heard(b, now);
+    } else if (live) {
+        b.deadline = now;
+        b.epoch_heard = epoch_;
+    }
+    auto reason = Event::Reason::kRetained;
+    if (live) reason = *said == BoardState::Lost ? Event::Reason::kWill : Event::Reason::kSaid;
+    update_state(slot, now, reason, events, added);
+    if (added) emit(events, Event::Kind::kAdded, b, reason);
+    return std::nullopt;
+}
+
+std::optional<Refusal> Catalogue::Impl::board_name(const Announcement& a, Time now, Events& events) {
+    const std::string_view name = without_line_end(a.payload);
+    if (name.empty() && a.retained) return std::nullopt;
+    if (!bus::legal_board_name(name)) return Refusal::kBadName;
+    std::uint32_t slot = slot_of(name);
+    const bool added = slot == NameTable::kNone;
+    if (added) slot = make(name, now);
+    if (slot == NameTable::kNone) return Refusal::kTooMany;
+    const auto refused = alive_by_name(slot, a.retained, added, now, events);
+    if (added) {
+        emit(events, Event::Kind::kAdded, board(slot),
+             a.retained ? Event::Reason::kRetained : Event::Reason::kAnnounced);
+    }
+    return refused;
+}
+
+std::optional<Refusal> Catalogue::Impl::service_name(const Announcement& a, Time now, Events& events) {
+    if (a.payload.empty()) return std::nullopt;
+    const std::string_view name = without_line_end(a.payload);
+    if (!bus::legal_board_name(a.board) || !bus::legal_service_name(name)) return Refusal::kBadName;
+    std::uint32_t slot = slot_of(a.board);
+    const bool added = slot == NameTable::kNone;
+    if (added) slot = make(a.board, now);
+    if (slot == NameTable::kNone) return Refusal::kTooMany;
+    Board& b = board(slot);
+    bool changed = false;
+    if (!b.described) {
+        auto& named = b.rarely().named_services;
+        const auto place = std::lower_bound(named.begin(), named.end(), name);
+        if (place == named.end() || *place != name) {
+            if (named.size() == model::kMaxDescriptionServices) return Refusal::kTooMany;
+            named.emplace(place, name);
+            set_named_services(slot);
+            changed = true;
+        }
+    }
+    const auto refused = alive_by_name(slot, a.retained, added, now, events);
+    if (added) {
+        emit(events, Event::Kind::kAdded, b,
+             a.retained ? Event::Reason::kRetained : Event::Reason::kAnnounced);
+    } else if (changed) {
+        emit(events, Event::Kind::kDescription, b);
+    }
+    return refused;
+}
+
+// A board that says its name lives. Where it also has a description that lives, that one knows better.
+std::optional<Refusal> Catalogue::Impl::alive_by_name(std::uint32_t slot, bool retained, bool added, Time now,
+                                                      Events& events) {
+    Board& b = board(slot);
+    if (retained) {
+        update_state(slot, now, Event::Reason::kRetained, events, added);
+        return std::nullopt;
+    }
+    if (b.described && alive(b, now)) return std::nullopt;
+    b.by_name = true;
+    listen(b, true, events);
+    if (!is_alive_word(b.said)) b.said = BoardState::Online;
+    if (!b.described) {
+        b.lease_seconds = static_cast<std::uint32_t>(
+            std::chrono::duration_cast<std::chrono::seconds>(options_.default_lease).count());
+    }
+    b.deadline = now + std::chrono::seconds(b.lease_seconds);
+    heard(b, now);
+    update_state(slot, now, Event::Reason::kAnnounced, events, added);
+    return std::nullopt;
+}
+
+std::optional<Refusal> Catalogue::Impl::traffic(const Announcement& a, Time now, Events& events) {
+    if (a.retained) return Refusal::kNotForUs;
+    const std::uint32_t slot = slot_of(a.board);
+    if (slot == NameTable::kNone || !board(slot).by_name) return Refusal::kNotForUs;
+    return alive_by_name(slot, false, false, now, events);
+}
+
+std::vector<Event> Catalogue::Impl::expire(Time now) {
+    Events events;
+    if (suspended_) return events;
+    for (due_.clear(), wheel_.advance(now, due_); !due_.empty(); due_.clear(), wheel_.advance(now, due_)) {
+        for (const std::uint32_t slot : due_) {
+            Board& b = board(slot);
+            if (!is_alive_word(b.effective)) {
+                release(slot, events);
+                continue;
+            }
+            ++stats_.expired;
+            update_state(slot, now, Event::Reason::kLease, events);
+            if (b.lasting && b.described) emit(events, Event::Kind::kGhost, b);
+        }
+    }
+    return events;
+}
+
+void Catalogue::Impl::resume(Time now) {
+    suspended_ = false;
+    ++epoch_;
+    for (std::uint32_t slot = 0; slot < slots_; ++slot) {
+        Board& b = board(slot);
+        if (!b.in_use) continue;
+        if (is_alive_word(b.effective)) b.deadline = std::max(b.deadline, now + options_.grace);
+        const Time due = is_alive_word(b.effective) ? b.deadline : now + options_.grace;
+        if (const auto set = wheel_.due(slot); !set || *set < due) wheel_.set(slot, due, now);
+    }
+}
+
+Expected<std::vector<Event>, Catalogue::NotForgotten> Catalogue::Impl::forget(std::string_view name,
+                                                                              Time now) {
+    const std::uint32_t slot = slot_of(name);
+    if (slot == NameTable::kNone) return Unexpected<NotForgotten>(NotForgotten::kUnknown);
+    if (alive(board(slot), now) || is_alive_word(board(slot).effective)) {
+        return Unexpected<NotForgotten>(NotForgotten::kAlive);
+    }
+    Events events;
+    release(slot, events);
+    return events;
+}
+
+}  // namespace asip::registry

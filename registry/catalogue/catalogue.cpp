@@ -1,0 +1,152 @@
+#include "registry/catalogue/catalogue.hpp"
+
+#include <algorithm>
+
+#include "registry/catalogue/catalogue_impl.hpp"
+
+namespace asip::registry {
+
+std::string_view to_text(Refusal refusal) {
+    switch (refusal) {
+        case Refusal::kNotForUs:
+            return "not-for-us";
+        case Refusal::kBadName:
+            return "bad-name";
+        case Refusal::kBadState:
+            return "bad-state";
+        case Refusal::kTooLong:
+            return "too-long";
+        case Refusal::kMalformed:
+            return "malformed";
+        case Refusal::kWrongBoard:
+            return "wrong-board";
+        case Refusal::kOldSequence:
+            return "old-sequence";
+        case Refusal::kOldSession:
+            return "old-session";
+        case Refusal::kUnproven:
+            return "unproven";
+        case Refusal::kConflict:
+            return "conflict";
+        case Refusal::kOldHint:
+            return "old-hint";
+        case Refusal::kTooMany:
+            return "too-many";
+    }
+    return "";
+}
+
+std::string_view to_text(Event::Reason reason) {
+    switch (reason) {
+        case Event::Reason::kNone:
+            return "";
+        case Event::Reason::kSaid:
+            return "said";
+        case Event::Reason::kWill:
+            return "will";
+        case Event::Reason::kLease:
+            return "lease";
+        case Event::Reason::kAnnounced:
+            return "announced";
+        case Event::Reason::kRetained:
+            return "retained";
+    }
+    return "";
+}
+
+Catalogue::Impl::Impl(Options options)
+    : options_(std::move(options)),
+      kinds_(options_.units_of),
+      firmwares_(options_.hash_seed),
+      pins_(options_.hash_seed),
+      services_(options_.hash_seed) {}
+
+Catalogue::Impl::~Impl() = default;
+
+Catalogue::Catalogue() : Catalogue(Options{}) {}
+Catalogue::Catalogue(Options options) : impl_(std::make_unique<Impl>(std::move(options))) {}
+Catalogue::~Catalogue() = default;
+
+Applied Catalogue::apply(const Announcement& announcement, Time now) {
+    return impl_->apply(announcement, now);
+}
+std::vector<Event> Catalogue::expire(Time now) {
+    return impl_->expire(now);
+}
+
+std::optional<Time> Catalogue::next_expiry() const {
+    return impl_->suspended_ ? std::nullopt : impl_->wheel_.next();
+}
+
+void Catalogue::suspend() {
+    impl_->suspended_ = true;
+}
+void Catalogue::resume(Time now) {
+    impl_->resume(now);
+}
+bool Catalogue::suspended() const {
+    return impl_->suspended_;
+}
+
+Expected<std::vector<Event>, Catalogue::NotForgotten> Catalogue::forget(std::string_view board, Time now) {
+    return impl_->forget(board, now);
+}
+
+Expected<bus::Answer> Catalogue::find(const bus::Query& query, Instant now) {
+    return impl_->find(query, now);
+}
+
+std::optional<bus::BoardItem> Catalogue::board(std::string_view name, Instant now) const {
+    const std::uint32_t slot = impl_->slot_of(name);
+    if (slot == NameTable::kNone) return std::nullopt;
+    return impl_->board_item(impl_->board(slot), now, false);
+}
+
+std::vector<std::string> Catalogue::forgettable(std::string_view pattern) const {
+    std::vector<std::string> names;
+    for (std::uint32_t slot = 0; slot < impl_->slots_; ++slot) {
+        const Board& b = impl_->board(slot);
+        if (b.in_use && !is_alive_word(b.effective) && bus::matches_pattern(pattern, b.name))
+            names.push_back(b.name);
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+std::uint64_t Catalogue::seq() const {
+    return impl_->seq_;
+}
+std::size_t Catalogue::size() const {
+    return impl_->names_.size();
+}
+
+CatalogueStats Catalogue::stats() const {
+    CatalogueStats stats = impl_->stats_;
+    for (std::size_t state = 0; state < kStates; ++state)
+        stats.boards[state] = impl_->all_[state].size();
+    return stats;
+}
+
+std::vector<std::pair<std::string, std::size_t>> Catalogue::services_by_kind() const {
+    std::vector<std::pair<std::string, std::size_t>> counts;
+    for (const auto& [name, kind] : impl_->kinds_.all()) {
+        std::size_t count = 0;
+        for (const std::size_t in_state : kind->services)
+            count += in_state;
+        if (count > 0) counts.emplace_back(name, count);
+    }
+    std::sort(counts.begin(), counts.end());
+    return counts;
+}
+
+void Catalogue::settle() {
+    impl_->settle();
+}
+std::string Catalogue::check() const {
+    return impl_->check();
+}
+std::string Catalogue::fingerprint() const {
+    return impl_->fingerprint();
+}
+
+}  // namespace asip::registry

@@ -1,0 +1,176 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "registry/catalogue/catalogue.hpp"
+#include "registry/catalogue/lease_wheel.hpp"
+#include "registry/catalogue/name_order.hpp"
+#include "registry/catalogue/name_table.hpp"
+#include "registry/catalogue/scan.hpp"
+
+namespace asip::registry {
+
+/// A session that claims a board beside its holder.
+struct Challenger {
+    std::string session;
+    std::uint64_t seq = 0;
+    Time deadline{};         // of its lease
+    std::string agent;       // JSON text
+    bool answered = false;   // the holder spoke after it
+    bool confirmed = false;  // and it spoke again: both live
+};
+
+/// What few boards have.
+struct Rare {
+    std::vector<std::pair<std::string, std::uint64_t>>
+        old_sessions;                         // the newest last, with the highest seq seen
+    std::vector<std::string> named_services;  // announced by name, sorted
+    std::unique_ptr<Challenger> challenger;
+};
+
+struct Board {
+    std::string name;
+    std::string session;
+    std::string own;  // what no other board shares: agent, link and unknown members, one behind the other
+    std::uint32_t agent_bytes = 0;
+    std::uint32_t link_bytes = 0;
+    std::uint32_t epoch_heard = 0;  // of the subscription during which it last gave a sign of life
+    std::uint32_t lease_seconds = 0;
+    FirmwarePart* firmware = nullptr;
+    PinsPart* pins = nullptr;
+    ServicesPart* services = nullptr;
+    std::uint64_t seq = 0;
+    Time deadline{};  // of its lease
+    Time last_heard{};
+    Time first_seen{};
+    Time since{};  // of `effective`
+    std::unique_ptr<Rare> rare;
+    model::BoardState said = model::BoardState::Online;
+    model::BoardState effective = model::BoardState::Lost;
+    bool in_use = false;
+    bool described = false;
+    bool by_name = false;  // lives by names and traffic
+    bool listening = false;
+    bool proven = false;   // its session was heard live
+    bool lasting = false;  // its description was published without expiry, or we cannot tell
+
+    std::string_view agent() const { return std::string_view(own).substr(0, agent_bytes); }
+    std::string_view link() const { return std::string_view(own).substr(agent_bytes, link_bytes); }
+    std::string_view extra() const { return std::string_view(own).substr(agent_bytes + link_bytes); }
+    Rare& rarely() {
+        if (!rare) rare = std::make_unique<Rare>();
+        return *rare;
+    }
+    const Challenger* conflict() const {
+        return rare && rare->challenger && rare->challenger->confirmed ? rare->challenger.get() : nullptr;
+    }
+};
+
+constexpr bool is_alive_word(model::BoardState state) {
+    return state != model::BoardState::Offline && state != model::BoardState::Lost;
+}
+
+class Catalogue::Impl {
+  public:
+    explicit Impl(Options options);
+    ~Impl();
+
+    Applied apply(const Announcement& announcement, Time now);
+    std::vector<Event> expire(Time now);
+    void resume(Time now);
+    Expected<std::vector<Event>, NotForgotten> forget(std::string_view name, Time now);
+    Expected<bus::Answer> find(const bus::Query& query, Instant now);
+    void settle();
+
+    std::uint32_t slot_of(std::string_view name) const;
+    Board& board(std::uint32_t slot) { return pages_[slot / kPage][slot % kPage]; }
+    const Board& board(std::uint32_t slot) const { return pages_[slot / kPage][slot % kPage]; }
+    bus::BoardItem board_item(const Board& b, Instant now, bool full) const;
+    bus::ServiceItem service_item(const Board& b, const Service& service) const;
+    std::string check() const;
+    std::string fingerprint() const;
+
+    Options options_;
+    KindTable kinds_;
+    CatalogueStats stats_;
+    NameOrder order_;
+    std::array<BoardSet, kStates> all_;
+    LeaseWheel wheel_;
+    NameTable names_;
+    std::uint64_t seq_ = 0;
+    bool suspended_ = false;
+    std::uint32_t slots_ = 0;  // ever made
+
+  private:
+    static constexpr std::uint32_t kPage = 256;
+    static constexpr std::size_t kOldSessions = 8;
+    using Events = std::vector<Event>;
+
+    // apply.cpp: what a message means
+    std::optional<Refusal> description(const Announcement& a, Time now, Events& events);
+    std::optional<Refusal> state(const Announcement& a, Time now, Events& events);
+    std::optional<Refusal> board_name(const Announcement& a, Time now, Events& events);
+    std::optional<Refusal> service_name(const Announcement& a, Time now, Events& events);
+    std::optional<Refusal> traffic(const Announcement& a, Time now, Events& events);
+    std::optional<Refusal> alive_by_name(std::uint32_t slot, bool retained, bool added, Time now,
+                                         Events& events);
+
+    // sessions.cpp: which description may replace which
+    enum class Verdict { kAccept, kRenew, kRefuse };
+    struct Judgement {
+        Verdict verdict;
+        Refusal refusal = Refusal::kOldSession;
+    };
+    Judgement judge(Board& b, const Scan& scan, bool live, Time now, Events& events);
+    Judgement judge_other_session(Board& b, const Scan& scan, bool live, Time now, Events& events);
+    void holder_spoke(Board& b, Time now, Events& events);
+    bool challenge(Board& b, const Scan& scan, Time now, Events& events);
+    void take_over(Board& b, const Scan& scan, Time now);
+    void resolve(Board& b, Events& events);
+
+    // records.cpp: parts, indices, states
+    Guesses guesses_for(const Board* b) const;
+    bool resolve_parts(const Scan& scan, const Board* b, FirmwarePart*& firmware, PinsPart*& pins,
+                       ServicesPart*& services);
+    bool store(std::uint32_t slot, const Scan& scan, FirmwarePart* firmware, PinsPart* pins,
+               ServicesPart* services);
+    void drop_unused(FirmwarePart* firmware, PinsPart* pins, ServicesPart* services);
+    void set_services(std::uint32_t slot, ServicesPart* services);
+    void set_named_services(std::uint32_t slot);
+    template <class Part>
+    void assign(Part*& member, Part* part, PartPool<Part>& pool);
+    void drop(ServicesPart* part);
+    void index(Board& b, std::uint32_t slot, bool present);
+    void update_state(std::uint32_t slot, Time now, Event::Reason reason, Events& events, bool added = false);
+    void emit(Events& events, Event::Kind kind, const Board& b, Event::Reason reason = Event::Reason::kNone,
+              model::BoardState was = model::BoardState::Lost);
+    void listen(Board& b, bool wanted, Events& events);
+    std::uint32_t make(std::string_view name, Time now);
+    void release(std::uint32_t slot, Events& events);
+    bool alive(const Board& b, Time now) const { return is_alive_word(b.said) && now < b.deadline; }
+    void heard(Board& b, Time now) { b.last_heard = now, b.epoch_heard = epoch_; }
+
+    // find.cpp
+    struct Plan;
+    struct Collector;
+    void scan_ordered(const Plan& plan, Collector& out);
+    void scan_sorted(const Plan& plan, Collector& out);
+    template <class Visit>
+    void visit_candidates(const Plan& plan, const Visit& visit) const;
+
+    std::uint64_t hash(std::string_view name) const { return hash_bytes(name, options_.hash_seed); }
+
+    PartPool<FirmwarePart> firmwares_;
+    PartPool<PinsPart> pins_;
+    PartPool<ServicesPart> services_;
+    FirmwarePart* last_firmware_ = nullptr;  // guesses for boards not seen before
+    PinsPart* last_pins_ = nullptr;
+    ServicesPart* last_services_ = nullptr;
+    std::vector<std::unique_ptr<Board[]>> pages_;
+    std::vector<std::uint32_t> free_;
+    std::vector<std::uint32_t> due_;
+    std::uint32_t epoch_ = 1;
+};
+
+}  // namespace asip::registry

@@ -1,0 +1,58 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace asip::registry {
+
+/// Reads a JSON text in one pass without building anything: enough to take a description apart at its first
+/// level, and strict enough that what it lets through any JSON parser takes (RFC 8259, UTF-8 checked, nesting
+/// at most kMaxDepth).
+///
+/// Positions only move forward; after any function returned false the scanner is good for nothing more.
+class JsonScanner {
+  public:
+    static constexpr int kMaxDepth = 32;
+
+    explicit JsonScanner(std::string_view text) : at_(text.data()), end_(text.data() + text.size()) {}
+
+    /// Consumes the `{` of an object.
+    bool enter_object();
+    /// Consumes the next key and its colon; `key` is its raw text without quotes, escapes not undone.
+    /// False at the end of the object (then `left()`) and on a fault.
+    bool next_member(std::string_view& key);
+    /// Consumes the `[` of an array.
+    bool enter_array();
+    /// Moves to the next element. False at the end of the array (then `left()`) and on a fault.
+    bool next_element();
+    /// True once next_member() or next_element() met the closing brace or bracket.
+    bool left() const { return left_; }
+    /// Consumes one value of any kind; `raw` is its text.
+    bool value(std::string_view& raw);
+    /// Consumes `text` if the input goes on with exactly these bytes and then ends the value.
+    bool known_value(std::string_view text);
+    /// A string without escapes; false (nothing consumed) if the value is anything else.
+    bool plain_string(std::string_view& text);
+    /// A non-negative integer of at most 19 digits; false (nothing consumed) if the value is anything else.
+    bool unsigned_integer(std::uint64_t& number);
+    /// Only white space is left.
+    bool at_end();
+
+  private:
+    bool enter(char open);
+    bool next(char close);
+    void space();
+    bool skip_value(int depth);
+    bool skip_string();
+    bool skip_number();
+    bool skip_literal(std::string_view word);
+    bool skip_utf8();
+    bool skip_container(char close, int depth);
+
+    const char* at_;
+    const char* end_;
+    bool first_ = true;
+    bool left_ = false;
+};
+
+}  // namespace asip::registry

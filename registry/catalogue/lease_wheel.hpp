@@ -1,0 +1,59 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "asip/time.hpp"
+
+namespace asip::registry {
+
+/// When each of many slots (small integers) is due. Setting, moving and taking out cost the same however many
+/// there are.
+///
+/// Time is cut into ticks of kTick; a slot further ahead than one turn of the wheel is looked at once a turn.
+/// A slot whose time is moved later stays where it is until the wheel reaches it (so a renewal writes one
+/// word); moved earlier, it is put in its new place at once. Due times are exact: a slot is never given out
+/// before its own.
+class LeaseWheel {
+  public:
+    static constexpr Duration kTick = std::chrono::milliseconds(128);
+    static constexpr std::uint32_t kTicks = 4096;
+
+    LeaseWheel() : heads_(kTicks, kNone) {}
+
+    /// `slot` is due at `due`; replaces what was set before. `now` is not earlier than any `now` before.
+    void set(std::uint32_t slot, Time due, Time now);
+    void remove(std::uint32_t slot);
+    std::optional<Time> due(std::uint32_t slot) const;
+
+    /// Takes out the slots due at or before `now` and appends them to `out`, earliest first. Time never runs
+    /// backwards: an earlier `now` than before gives nothing.
+    void advance(Time now, std::vector<std::uint32_t>& out);
+
+    /// A time not later than the earliest due one, and nearly always within a tick of it; empty if nothing is
+    /// set.
+    std::optional<Time> next() const;
+
+    std::size_t size() const { return size_; }
+    std::size_t bytes() const;
+
+  private:
+    static constexpr std::uint32_t kNone = 0xFFFFFFFF;
+    struct Entry {
+        std::int64_t due = 0;  // nanoseconds of Clock
+        std::uint32_t previous = kNone;
+        std::uint32_t next = kNone;
+        std::uint32_t bucket = kNone;  // kNone: not set
+    };
+
+    static std::int64_t tick_of(std::int64_t nanoseconds);
+    void link(std::uint32_t slot);
+    void unlink(std::uint32_t slot);
+
+    std::vector<Entry> entries_;
+    std::vector<std::uint32_t> heads_;
+    std::size_t size_ = 0;
+    std::int64_t tick_ = INT64_MIN;  // first tick not wholly looked at; INT64_MIN: no time is known yet
+};
+
+}  // namespace asip::registry

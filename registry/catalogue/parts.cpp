@@ -1,0 +1,203 @@
+#include "registry/catalogue/parts.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "asip/bus/topics.hpp"
+#include "asip/model/description.hpp"
+#include "registry/catalogue/json_scanner.hpp"
+
+namespace asip::registry {
+namespace {
+
+constexpr std::size_t kMaxTextBytes = 256;
+
+std::string string_member(const nlohmann::json& object, const char* key) {
+    const auto found = object.find(key);
+    if (found == object.end() || !found->is_string()) return {};
+    return found->get<std::string>().substr(0, kMaxTextBytes);
+}
+
+// Every member "unit" below `value`: a model's units stand in the fields of its events, at some depth.
+void collect_units(const nlohmann::json& value, std::vector<std::string>& units) {
+    for (const auto& item : value.items()) {
+        if (item.value().is_string() && item.key() == "unit") {
+            units.push_back(item.value().get<std::string>());
+        } else if (item.value().is_structured()) {
+            collect_units(item.value(), units);
+        }
+    }
+}
+
+struct RawService {
+    std::string_view name, id, model, title, own_model;
+    std::uint64_t count = 0, period = 0;
+    bool has_count = false, has_period = false;
+};
+
+bool read_service(JsonScanner& in, RawService& service) {
+    std::string_view key;
+    std::string_view ignored;
+    while (in.next_member(key)) {
+        if (key == "name") {
+            if (!in.plain_string(service.name)) return false;
+        } else if (key == "id") {
+            if (!in.plain_string(service.id) || service.id.size() != 1) return false;
+        } else if (key == "model") {
+            if (!in.plain_string(service.model) && !in.value(service.own_model)) return false;
+            if (!service.own_model.empty() && service.own_model.front() != '{') return false;
+        } else if (key == "title") {
+            std::string_view raw;
+            if (!in.value(raw) || raw.size() < 2 || raw.front() != '"') return false;
+            service.title = raw.substr(1, raw.size() - 2);
+        } else if (key == "count") {
+            if (!in.unsigned_integer(service.count) || service.count > INT32_MAX) return false;
+            service.has_count = true;
+        } else if (key == "period") {
+            if (!in.unsigned_integer(service.period) || service.period > INT32_MAX) return false;
+            service.has_period = true;
+        } else if (!in.value(ignored)) {
+            return false;
+        }
+    }
+    return in.left() && bus::legal_service_name(service.name) && service.title.size() <= kMaxTextBytes &&
+           service.model.size() <= kMaxTextBytes;
+}
+
+// The kind of a service: its model's name, else its letter, else its own name.
+std::string kind_of(const RawService& raw, std::vector<std::string>& units) {
+    if (!raw.model.empty()) return std::string(raw.model.substr(0, raw.model.find('@')));
+    if (!raw.own_model.empty()) {
+        const auto own = nlohmann::json::parse(raw.own_model, nullptr, false);
+        if (own.is_object()) {
+            if (const auto events = own.find("events"); events != own.end()) collect_units(*events, units);
+            if (auto name = string_member(own, "name"); bus::legal_service_name(name)) return name;
+        }
+    }
+    return raw.id.empty() ? std::string(raw.name) : std::string(raw.id);
+}
+
+void count_kind(ServicesPart& part, Kind* kind) {
+    const auto known = std::find_if(part.kinds.begin(), part.kinds.end(),
+                                    [&](const auto& entry) { return entry.first == kind; });
+    if (known == part.kinds.end()) {
+        part.kinds.emplace_back(kind, 1);
+    } else {
+        ++known->second;
+    }
+}
+
+bool read_into(ServicesPart& part, KindTable& kinds) {
+    JsonScanner in(part.text);
+    if (!in.enter_array()) return false;
+    while (in.next_element()) {
+        JsonScanner element = in;
+        std::string_view text;
+        RawService raw;
+        if (!in.value(text) || !element.enter_object() || !read_service(element, raw)) return false;
+        const auto same = [&](const Service& other) { return other.name == raw.name; };
+        if (part.services.size() == model::kMaxDescriptionServices ||
+            std::any_of(part.services.begin(), part.services.end(), same)) {
+            return false;
+        }
+        std::vector<std::string> units;
+        const std::string kind_name = kind_of(raw, units);
+        if (!bus::legal_service_name(kind_name)) return false;
+        Service service;
+        service.name = raw.name;
+        service.model = raw.model;
+        service.title = raw.title;
+        service.kind = kinds.refer(kind_name, raw.model);
+        service.id = raw.id.empty() ? '\0' : raw.id.front();
+        if (raw.has_count) service.count = static_cast<std::int32_t>(raw.count);
+        if (raw.has_period) service.period = static_cast<std::int32_t>(raw.period);
+        for (std::string& unit : units) {
+            part.own_units.emplace_back(static_cast<std::uint16_t>(part.services.size()), std::move(unit));
+        }
+        part.services.push_back(service);
+        count_kind(part, service.kind);
+    }
+    part.services.shrink_to_fit();
+    part.kinds.shrink_to_fit();
+    return in.left();
+}
+
+}  // namespace
+
+Kind* KindTable::refer(std::string_view name, std::string_view model) {
+    auto& kind = kinds_[std::string(name)];
+    if (!kind) {
+        kind = std::make_unique<Kind>();
+        kind->name = name;
+    }
+    if (kind->units.empty() && !model.empty() && units_of_) kind->units = units_of_(model);
+    ++kind->references;
+    return kind.get();
+}
+
+void KindTable::release(Kind* kind) {
+    if (--kind->references == 0 && !kind->dirty) kinds_.erase(std::string(kind->name));
+}
+
+void KindTable::mark_dirty(Kind* kind) {
+    if (kind->dirty) return;
+    kind->dirty = true;
+    dirty_.push_back(kind);
+}
+
+void KindTable::settle(const NameOrder& order) {
+    for (Kind* kind : dirty_) {
+        kind->dirty = false;
+        if (kind->references == 0) {
+            kinds_.erase(std::string(kind->name));
+            continue;
+        }
+        for (BoardSet& set : kind->boards)
+            set.settle(order);
+    }
+    dirty_.clear();
+}
+
+Kind* KindTable::find(std::string_view name) const {
+    const auto found = kinds_.find(std::string(name));
+    return found == kinds_.end() ? nullptr : found->second.get();
+}
+
+std::unique_ptr<FirmwarePart> read_firmware(std::string_view text) {
+    const auto json = nlohmann::json::parse(text, nullptr, false);
+    if (!json.is_object()) return nullptr;
+    auto part = std::make_unique<FirmwarePart>();
+    part->text = text;
+    part->chip = string_member(json, "chip");
+    part->sketch = string_member(json, "sketch");
+    part->protocol = string_member(json, "protocol");
+    return part;
+}
+
+std::unique_ptr<PinsPart> read_pins(std::string_view text) {
+    const auto json = nlohmann::json::parse(text, nullptr, false);
+    if (!json.is_object()) return nullptr;
+    auto part = std::make_unique<PinsPart>();
+    part->text = text;
+    for (const char digit : string_member(json, "capabilities")) {
+        if (digit >= '0' && digit <= '7') part->capabilities |= static_cast<unsigned>(digit - '0');
+    }
+    return part;
+}
+
+std::unique_ptr<ServicesPart> read_services(std::string_view text, KindTable& kinds) {
+    auto part = std::make_unique<ServicesPart>();
+    part->text = text;
+    if (read_into(*part, kinds)) return part;
+    for (const Service& service : part->services)
+        kinds.release(service.kind);
+    return nullptr;
+}
+
+std::string unescape(std::string_view raw) {
+    if (raw.find('\\') == std::string_view::npos) return std::string(raw);
+    const auto json = nlohmann::json::parse('"' + std::string(raw) + '"', nullptr, false);
+    return json.is_string() ? json.get<std::string>() : std::string(raw);
+}
+
+}  // namespace asip::registry

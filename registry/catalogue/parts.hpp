@@ -1,0 +1,141 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "asip/model/board_state.hpp"
+#include "registry/catalogue/hash.hpp"
+#include "registry/catalogue/name_order.hpp"
+
+namespace asip::registry {
+
+inline constexpr std::size_t kStates = 5;
+constexpr std::size_t index_of(model::BoardState state) {
+    return static_cast<std::size_t>(state);
+}
+
+/// A kind of service: the index of the boards that have it, by state.
+struct Kind {
+    std::string name;
+    std::vector<std::string> units;  // of the standard model
+    std::array<BoardSet, kStates> boards;
+    std::array<std::size_t, kStates> services{};  // a board may have several of one kind
+    std::uint32_t references = 0;                 // service lists that mention it
+    bool dirty = false;                           // some of `boards` has changes that wait
+};
+
+/// A service of a list; the views are into the list's text.
+struct Service {
+    std::string_view name;
+    std::string_view model;  // "distance@1"; empty: none, or carried in full
+    std::string_view title;  // raw JSON text between the quotes
+    Kind* kind = nullptr;
+    std::int32_t count = -1;  // -1: not said
+    std::int32_t period = -1;
+    char id = 0;  // 0: not said
+};
+
+// Parts of descriptions that many boards have in common (same sketch, same pins) are kept once. Each holds
+// the JSON text as it came and what queries need of it.
+
+struct FirmwarePart {
+    std::string text;
+    std::uint32_t references = 0;
+    std::string chip;
+    std::string sketch;
+    std::string protocol;
+};
+
+struct PinsPart {
+    std::string text;
+    std::uint32_t references = 0;
+    unsigned capabilities = 0;  // what some pin can: 1 digital, 2 analog in, 4 PWM
+};
+
+struct ServicesPart {
+    std::string text;
+    std::uint32_t references = 0;
+    std::vector<Service> services;
+    std::vector<std::pair<Kind*, std::uint32_t>> kinds;  // each once, with how many services
+    std::vector<std::pair<std::uint16_t, std::string>>
+        own_units;  // service index, unit: of models carried in full
+};
+
+/// The parts of one type, found by their text. A part lives as long as a board refers to it.
+template <class Part>
+class PartPool {
+  public:
+    explicit PartPool(std::uint64_t seed) : parts_(16, Hash{seed}, Equal{}) {}
+    ~PartPool() {
+        for (Part* part : parts_)
+            delete part;
+    }
+    PartPool(const PartPool&) = delete;
+    PartPool& operator=(const PartPool&) = delete;
+
+    Part* find(std::string_view text) const {
+        const auto found = parts_.find(text);
+        return found == parts_.end() ? nullptr : *found;
+    }
+    Part* add(std::unique_ptr<Part> part) { return *parts_.insert(part.release()).first; }
+    void remove(Part* part) {
+        parts_.erase(part);
+        delete part;
+    }
+    std::size_t size() const { return parts_.size(); }
+
+  private:
+    struct Hash {
+        using is_transparent = void;
+        std::uint64_t seed;
+        std::size_t operator()(std::string_view text) const { return hash_bytes(text, seed); }
+        std::size_t operator()(const Part* part) const { return hash_bytes(part->text, seed); }
+    };
+    struct Equal {
+        using is_transparent = void;
+        bool operator()(const Part* a, const Part* b) const { return a->text == b->text; }
+        bool operator()(std::string_view a, const Part* b) const { return a == b->text; }
+        bool operator()(const Part* a, std::string_view b) const { return a->text == b; }
+    };
+    std::unordered_set<Part*, Hash, Equal> parts_;
+};
+
+using UnitsOf = std::function<std::vector<std::string>(std::string_view model)>;
+
+/// All kinds in use. A kind that no service list mentions any more is dropped, if it is dirty when it is
+/// settled.
+class KindTable {
+  public:
+    explicit KindTable(UnitsOf units_of) : units_of_(std::move(units_of)) {}
+
+    /// Adds a reference; makes the kind if it is new. `model` ("distance@1") tells its units; may be empty.
+    Kind* refer(std::string_view name, std::string_view model);
+    void release(Kind* kind);
+    void mark_dirty(Kind* kind);
+    void settle(const NameOrder& order);
+    bool settled() const { return dirty_.empty(); }
+    Kind* find(std::string_view name) const;
+    const std::unordered_map<std::string, std::unique_ptr<Kind>>& all() const { return kinds_; }
+
+  private:
+    UnitsOf units_of_;
+    std::unordered_map<std::string, std::unique_ptr<Kind>> kinds_;
+    std::vector<Kind*> dirty_;
+};
+
+/// Each from JSON text that JsonScanner has accepted; null if it is not what the member should hold.
+std::unique_ptr<FirmwarePart> read_firmware(std::string_view text);
+std::unique_ptr<PinsPart> read_pins(std::string_view text);
+/// The kinds in it are referred to; whoever deletes the part releases them.
+std::unique_ptr<ServicesPart> read_services(std::string_view text, KindTable& kinds);
+
+/// What stood between the quotes of a JSON string, escapes undone.
+std::string unescape(std::string_view raw);
+
+}  // namespace asip::registry

@@ -1,0 +1,48 @@
+// Bytes as a client might send them, over TCP (lines or frames) or in one control payload.
+#include <cstdint>
+
+#include "asip/protocol/request.hpp"
+#include "asip/protocol/utf_frame.hpp"
+#include "tests/fuzz/require.hpp"
+
+namespace {
+
+using namespace asip::protocol;
+
+void read_payload(std::string_view payload) {
+    const auto lines = split_requests(payload);
+    if (!lines) {
+        REQUIRE(!lines.error().empty());
+        return;
+    }
+    REQUIRE(!lines->empty() && lines->size() <= kMaxRequestsPerPayload);
+    for (const auto line : *lines) {
+        const auto request = parse_request(line);
+        REQUIRE(request.has_value() && line.size() <= kMaxRequestBytes);
+        const auto frame = encode_utf_frame(line);
+        REQUIRE(frame.has_value());
+        UtfFrameReader reader;
+        std::string back;
+        reader.push(*frame, [&](std::string_view text) { back = text; });
+        REQUIRE(back == line);
+    }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+    read_payload(bytes);
+    UtfFrameReader whole(100);
+    UtfFrameReader pieces(100);
+    std::string from_whole, from_pieces;
+    whole.push(bytes, [&](std::string_view frame) {
+        REQUIRE(frame.size() <= 100);
+        from_whole.append(frame).append("|");
+    });
+    for (const char& byte : bytes) {
+        pieces.push({&byte, 1}, [&](std::string_view frame) { from_pieces.append(frame).append("|"); });
+    }
+    REQUIRE(from_whole == from_pieces);
+    return 0;
+}

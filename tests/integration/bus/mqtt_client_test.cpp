@@ -1,0 +1,345 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/integration/bus/recorder.hpp"
+#include "tests/support/bus_probe.hpp"
+
+namespace asip::test {
+namespace {
+
+using bus::ConnectionFailure;
+using bus::Priority;
+using Kind = ConnectionFailure::Kind;
+
+TEST(MqttClient, BrokerRunning_ConnectsWithVersion5) {
+    MosquittoBroker broker;
+    Recorder bus(options_for(broker));
+    ASSERT_TRUE(bus.connect());
+    EXPECT_TRUE(bus.client->v5());
+    ASSERT_EQ(bus.connects.size(), 1u);
+    EXPECT_EQ(bus.connects[0].broker.port, broker.port());
+    EXPECT_TRUE(bus.failures.empty());
+}
+
+TEST(MqttClient, HostGivenByName_IsLookedUpAndConnects) {
+    MosquittoBroker broker;
+    auto options = options_for(broker);
+    options.brokers[0].host = "localhost";
+    Recorder bus(options);
+    EXPECT_TRUE(bus.connect());
+    EXPECT_TRUE(bus.failures.empty());
+}
+
+TEST(MqttClient, PropertiesOnVersion5_ArriveAndReturn) {
+    MosquittoBroker broker;
+    BusProbe probe(broker.port());
+    Recorder bus(options_for(broker));
+    bus.client->subscribe("in");
+    ASSERT_TRUE(bus.connect());
+    auto message = make_message("out", std::string("zero\0inside", 11), 1);
+    message.response_topic = "answer/here";
+    message.correlation = std::string("\0\xff", 2);
+    message.expiry_seconds = 60;
+    bus.client->publish(message);
+    ASSERT_TRUE(bus.until([&] { return probe.count("out") == 1; }));
+    const auto arrived = probe.messages("out").at(0);
+    EXPECT_EQ(arrived.payload, message.payload);
+    EXPECT_EQ(arrived.response_topic, "answer/here");
+    EXPECT_EQ(arrived.correlation, message.correlation);
+    EXPECT_TRUE(arrived.expiry_seconds.has_value());
+    message.topic = "in";
+    probe.publish(message);
+    ASSERT_TRUE(bus.until([&] { return !bus.messages.empty(); }));
+    EXPECT_EQ(bus.messages[0].response_topic, "answer/here");
+    EXPECT_EQ(bus.messages[0].correlation, message.correlation);
+    EXPECT_THAT(bus.published, testing::ElementsAre("out"));
+}
+
+TEST(MqttClient, Forced311_ConnectsAndLeavesPropertiesOut) {
+    MosquittoBroker broker;
+    BusProbe probe(broker.port());
+    auto options = options_for(broker);
+    options.version = bus::MqttVersion::kV311;
+    Recorder bus(options);
+    ASSERT_TRUE(bus.connect());
+    EXPECT_FALSE(bus.client->v5());
+    auto message = make_message("out", "x", 1);
+    message.response_topic = "answer";
+    EXPECT_NE(bus.client->publish(message), bus::PublishResult::kRefused);
+    ASSERT_TRUE(bus.until([&] { return probe.count("out") == 1; }));
+    EXPECT_EQ(probe.messages("out").at(0).response_topic, "");
+}
+
+TEST(MqttClient, SubscribedBeforeConnecting_HearsWhatOnConnectedPublishes) {
+    MosquittoBroker broker;
+    Recorder bus(options_for(broker));
+    bus.client->subscribe("echo");
+    bus.at_connect = [&] { bus.client->publish(make_message("echo", "first")); };
+    ASSERT_TRUE(bus.connect());
+    EXPECT_TRUE(bus.received("echo", "first"));
+}
+
+TEST(MqttClient, NoLocal_DoesNotHearItself) {
+    MosquittoBroker broker;
+    BusProbe probe(broker.port(), {});
+    Recorder bus(options_for(broker));
+    bus.client->subscribe("t", {.qos = 1, .no_local = true, .retained = true});
+    ASSERT_TRUE(bus.connect());
+    bus.client->publish(make_message("t", "own", 1));
+    ASSERT_TRUE(bus.until([&] { return bus.published.size() == 1; }));
+    probe.publish("t", "other");
+    ASSERT_TRUE(bus.received("t", "other"));
+    EXPECT_EQ(bus.messages.size(), 1u);
+}
+
+TEST(MqttClient, RetainedNotWanted_IsNotDeliveredOnVersion5AndMarkedOn311) {
+    MosquittoBroker broker;
+    BusProbe probe(broker.port());
+    probe.publish("t", "old", true);
+    ASSERT_TRUE(probe.wait_for("t", "old"));
+    const auto first_heard = [&](bus::MqttVersion version) {
+        auto options = options_for(broker);
+        options.version = version;
+        Recorder bus(options);
+        bus.client->subscribe("t", {.qos = 1, .no_local = false, .retained = false});
+        EXPECT_TRUE(bus.connect());
+        bus.client->publish(make_message("t", "new", 1));
+        EXPECT_TRUE(bus.received("t", "new"));
+        return bus.messages.at(0);
+    };
+    EXPECT_EQ(first_heard(bus::MqttVersion::kV5).payload, "new");
+    const auto replayed = first_heard(bus::MqttVersion::kV311);
+    EXPECT_EQ(replayed.payload, "old");
+    EXPECT_TRUE(replayed.retain);
+}
+
+TEST(MqttClient, RetainedWithExpiry_IsForgottenByTheBroker) {
+    MosquittoBroker broker;
+    Recorder bus(options_for(broker));
+    ASSERT_TRUE(bus.connect());
+    auto message = make_message("t", "short", 1, true);
+    message.expiry_seconds = 1;
+    bus.client->publish(message);
+    ASSERT_TRUE(bus.until([&] { return bus.published.size() == 1; }));
+    EXPECT_TRUE(wait_until([&] {
+        BusProbe probe(broker.port(), {"t"});
+        probe.publish("marker", "x");
+        return !probe.wait_for("t", 100ms);
+    }));
+}
+
+TEST(MqttClient, Destroyed_BrokerPublishesTheWill) {
+    MosquittoBroker broker;
+    BusProbe probe(broker.port());
+    auto options = options_for(broker);
+    options.will = make_message("asip/servicebus/uno1/$state", "lost", 1, true);
+    {
+        Recorder bus(options);
+        ASSERT_TRUE(bus.connect());
+    }
+    EXPECT_TRUE(probe.wait_for("asip/servicebus/uno1/$state", "lost"));
+}
+
+TEST(MqttClient, Stopped_SendsWhatIsQueuedAndNoWill) {
+    MosquittoBroker broker;
+    BusProbe probe(broker.port());
+    auto options = options_for(broker);
+    options.will = make_message("state", "lost", 1);
+    Recorder bus(options);
+    ASSERT_TRUE(bus.connect());
+    for (int i = 0; i < 500; ++i)
+        bus.client->publish(make_message("n", std::to_string(i), i % 2));
+    bus.client->publish(make_message("state", "offline", 1), Priority::kAnnouncement);
+    bool stopped = false;
+    bus.client->stop(5s, [&] { stopped = true; });
+    ASSERT_TRUE(bus.until([&] { return stopped; }));
+    EXPECT_TRUE(probe.wait_for("state", "offline"));
+    EXPECT_EQ(probe.count("n"), 500u);
+    EXPECT_TRUE(wait_until([&] { return broker.log().find("disconnected.") != std::string::npos; }));
+    EXPECT_EQ(probe.last("state"), "offline");
+}
+
+TEST(MqttClient, StoppedInsideItsOwnHandler_Ends) {
+    MosquittoBroker broker;
+    Recorder bus(options_for(broker));
+    bool stopped = false;
+    bus.at_connect = [&] { bus.client->stop(2s, [&] { stopped = true; }); };
+    bus.client->start();
+    EXPECT_TRUE(bus.until([&] { return stopped; }));
+}
+
+TEST(MqttClient, StoppedWithoutConnection_EndsAtOnce) {
+    bus::MqttOptions options;
+    options.brokers = {{"127.0.0.1", free_port(), false}};
+    Recorder bus(options);
+    bus.client->start();
+    ASSERT_TRUE(bus.until([&] { return !bus.failures.empty(); }));
+    bool stopped = false;
+    bus.client->stop(5s, [&] { stopped = true; });
+    EXPECT_TRUE(bus.until([&] { return stopped; }, 1s));
+}
+
+TEST(MqttClient, StoppedWhileTheBrokerHangs_EndsWithinTheLimit) {
+    MosquittoBroker broker;
+    Recorder bus(options_for(broker));
+    ASSERT_TRUE(bus.connect());
+    broker.freeze();
+    bus.client->publish(make_message("state", "offline", 1), Priority::kAnnouncement);
+    bool stopped = false;
+    const auto begin = std::chrono::steady_clock::now();
+    bus.client->stop(800ms, [&] { stopped = true; });
+    ASSERT_TRUE(bus.until([&] { return stopped; }));
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, 2s);
+}
+
+TEST(MqttClient, NothingListens_ReportsUnreachableAndConnectsWhenItDoes) {
+    MosquittoBroker broker;
+    broker.stop();
+    Recorder bus(options_for(broker));
+    bus.client->start();
+    ASSERT_TRUE(bus.until([&] { return bus.failures.size() >= 2; }));
+    EXPECT_EQ(bus.failures[0].kind, Kind::kUnreachable);
+    EXPECT_FALSE(bus.failures[0].fatal());
+    broker.start();
+    EXPECT_TRUE(bus.until([&] { return bus.client->connected(); }, 4s));
+}
+
+TEST(MqttClient, BrokerKilledAndBack_ReconnectsSubscribesAndLosesNoQos1) {
+    MosquittoBroker broker;
+    Recorder bus(options_for(broker));
+    bus.client->subscribe("commands");
+    ASSERT_TRUE(bus.connect());
+    broker.kill();
+    ASSERT_TRUE(bus.until([&] { return !bus.losses.empty(); }));
+    EXPECT_EQ(bus.losses[0].kind, Kind::kClosed);
+    for (int i = 0; i < 100; ++i)
+        bus.client->publish(make_message("kept", std::to_string(i), 1), Priority::kReply);
+    broker.start();
+    BusProbe probe(broker.port());
+    ASSERT_TRUE(bus.until([&] { return bus.client->connected(); }, 4s));
+    EXPECT_TRUE(bus.until([&] { return probe.count("kept") == 100; }));
+    probe.publish("commands", "again");
+    EXPECT_TRUE(bus.received("commands", "again"));
+    EXPECT_TRUE(bus.client->v5());
+}
+
+TEST(MqttClient, BrokerFrozen_IsReportedAsStalledAndTheNewestStateArrivesAfterwards) {
+    MosquittoBroker broker;
+    BusProbe probe(broker.port());
+    auto options = options_for(broker);
+    options.ack_timeout = 2s;
+    options.connect_timeout = 1s;
+    Recorder bus(options);
+    ASSERT_TRUE(bus.connect());
+    broker.freeze();
+    bus.client->publish(make_message("state", "1", 1, true), Priority::kAnnouncement);
+    ASSERT_TRUE(bus.until([&] { return !bus.losses.empty(); }));
+    EXPECT_EQ(bus.losses[0].kind, Kind::kStalled);
+    ASSERT_TRUE(bus.until([&] { return !bus.failures.empty(); }));
+    EXPECT_EQ(bus.failures[0].kind, Kind::kNoAnswer);
+    bus.client->publish(make_message("state", "2", 1, true), Priority::kAnnouncement);
+    broker.thaw();
+    ASSERT_TRUE(bus.until([&] { return bus.client->counters().queued == 0 && bus.client->connected(); }));
+    EXPECT_TRUE(bus.until([&] { return probe.last("state") == "2"; }));
+}
+
+TEST(MqttClient, FirstBrokerOfTheListDead_UsesTheNext) {
+    MosquittoBroker broker;
+    auto options = options_for(broker);
+    options.brokers.insert(options.brokers.begin(), bus::BrokerAddress{"127.0.0.1", free_port(), false});
+    Recorder bus(options);
+    ASSERT_TRUE(bus.connect());
+    EXPECT_EQ(bus.connects[0].broker.port, broker.port());
+    EXPECT_EQ(bus.failures.size(), 1u);
+}
+
+TEST(MqttClient, BrokerOfTheListDies_MovesToTheOther) {
+    MosquittoBroker first, second;
+    auto options = options_for(first);
+    options.brokers.push_back(*bus::parse_broker(second.url()));
+    Recorder bus(options);
+    ASSERT_TRUE(bus.connect());
+    first.kill();
+    ASSERT_TRUE(bus.until([&] { return bus.connects.size() == 2; }));
+    EXPECT_EQ(bus.connects[1].broker.port, second.port());
+}
+
+TEST(MqttClient, FloodWhileTheBrokerHangs_DropsOldestContextAndKeepsReplies) {
+    MosquittoBroker broker;
+    auto options = options_for(broker);
+    options.max_queued_messages = 100;
+    Recorder bus(options);
+    ASSERT_TRUE(bus.connect());
+    BusProbe probe(broker.port());
+    broker.freeze();
+    const std::string big(10000, 'x');
+    constexpr int kFlood = 3000;
+    for (int i = 0; i < kFlood; ++i) {
+        bus.client->publish(make_message("context", std::to_string(i) + big));
+        if (i % 100 == 0) bus.client->publish(make_message("reply", std::to_string(i), 1), Priority::kReply);
+    }
+    EXPECT_LE(bus.client->counters().queued, 100u);
+    const auto dropped = bus.client->counters().dropped_context;
+    EXPECT_GT(dropped, 0u);
+    broker.thaw();
+    EXPECT_TRUE(bus.until([&] { return probe.count("reply") == kFlood / 100; }));
+    EXPECT_TRUE(bus.until([&] { return probe.count("context") == kFlood - dropped; }));
+    EXPECT_TRUE(probe.wait_for("context", std::to_string(kFlood - 1) + big));
+}
+
+TEST(MqttClient, WrongPassword_IsFatalAndSaysSo) {
+    MosquittoBroker broker({.users = {{"ada", "right"}}});
+    for (const auto version : {bus::MqttVersion::kBest, bus::MqttVersion::kV311}) {
+        auto options = options_for(broker);
+        options.user = "ada";
+        options.password = "wrong";
+        options.version = version;
+        Recorder bus(options);
+        bus.client->start();
+        ASSERT_TRUE(bus.until([&] { return !bus.failures.empty(); }));
+        EXPECT_EQ(bus.failures[0].kind, Kind::kBadCredentials);
+        EXPECT_TRUE(bus.failures[0].fatal());
+        EXPECT_THAT(bus.failures[0].text, testing::HasSubstr("ada"));
+    }
+}
+
+TEST(MqttClient, RightPassword_Connects) {
+    MosquittoBroker broker({.users = {{"ada", "right"}}});
+    auto options = options_for(broker);
+    options.user = "ada";
+    options.password = "right";
+    Recorder bus(options);
+    EXPECT_TRUE(bus.connect());
+}
+
+TEST(MqttClient, TopicWithWildcardOrZero_IsRefused) {
+    MosquittoBroker broker;
+    Recorder bus(options_for(broker));
+    ASSERT_TRUE(bus.connect());
+    for (const auto& topic : {std::string("a/+"), std::string("#"), std::string(), std::string("a\0b", 3),
+                              std::string("\xff\xfe")}) {
+        EXPECT_EQ(bus.client->publish(make_message(topic, "x")), bus::PublishResult::kRefused);
+    }
+    EXPECT_EQ(bus.client->counters().refused, 5u);
+    BusProbe probe(broker.port());
+    bus.client->publish(make_message("good", "x", 1));
+    EXPECT_TRUE(bus.until([&] { return probe.count("good") == 1; }));
+}
+
+TEST(MqttClient, MegabyteAndThousandsInbound_AllArriveInOrder) {
+    MosquittoBroker broker;
+    BusProbe probe(broker.port(), {});
+    Recorder bus(options_for(broker));
+    bus.client->subscribe("in", {.qos = 1});
+    ASSERT_TRUE(bus.connect());
+    probe.publish("in", std::string(1 << 20, 'm'));
+    for (int i = 0; i < 2000; ++i)
+        probe.publish("in", std::to_string(i), false, 0);
+    ASSERT_TRUE(bus.until([&] { return bus.messages.size() == 2001; }));
+    EXPECT_EQ(bus.messages[0].payload.size(), 1u << 20);
+    for (int i = 0; i < 2000; ++i)
+        ASSERT_EQ(bus.messages[static_cast<std::size_t>(i) + 1].payload, std::to_string(i));
+}
+
+}  // namespace
+}  // namespace asip::test

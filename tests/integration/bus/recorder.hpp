@@ -1,0 +1,77 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "asip/bus/mqtt_client.hpp"
+#include "tests/support/loop.hpp"
+#include "tests/support/mosquitto_broker.hpp"
+
+namespace asip::test {
+
+/// A client under test and everything it reported.
+struct Recorder {
+    explicit Recorder(bus::MqttOptions options) {
+        bus::MqttClient::Handlers handlers;
+        handlers.on_connected = [this](const bus::Connected& c) {
+            connects.push_back(c);
+            if (at_connect) at_connect();
+        };
+        handlers.on_disconnected = [this](const bus::ConnectionFailure& f) { losses.push_back(f); };
+        handlers.on_connect_failed = [this](const bus::ConnectionFailure& f) { failures.push_back(f); };
+        handlers.on_message = [this](const bus::Message& m) {
+            messages.push_back(m);
+            if (at_message) at_message(m);
+        };
+        handlers.on_published = [this](const std::string& topic) { published.push_back(topic); };
+        handlers.on_subscribe_refused = [this](const std::string& filter, const std::string&) {
+            refused_filters.push_back(filter);
+        };
+        client = std::make_unique<bus::MqttClient>(io, std::move(options), std::move(handlers));
+    }
+
+    bool connect() {
+        client->start();
+        return until([this] { return client->connected(); });
+    }
+    template <class Condition>
+    bool until(Condition condition, std::chrono::milliseconds limit = kDeadline) {
+        return run_until(io, condition, limit);
+    }
+    bool received(const std::string& topic, const std::string& payload) {
+        return until([&] {
+            for (const auto& message : messages) {
+                if (message.topic == topic && message.payload == payload) return true;
+            }
+            return false;
+        });
+    }
+
+    boost::asio::io_context io;
+    std::vector<bus::Connected> connects;
+    std::vector<bus::ConnectionFailure> losses;
+    std::vector<bus::ConnectionFailure> failures;
+    std::vector<bus::Message> messages;
+    std::vector<std::string> published;
+    std::vector<std::string> refused_filters;
+    std::function<void()> at_connect;
+    std::function<void(const bus::Message&)> at_message;
+    std::unique_ptr<bus::MqttClient> client;
+};
+
+inline bus::MqttOptions options_for(const MosquittoBroker& broker) {
+    bus::MqttOptions options;
+    options.brokers = {*bus::parse_broker(broker.url())};
+    return options;
+}
+
+inline bus::Message make_message(std::string topic, std::string payload, int qos = 0, bool retain = false) {
+    bus::Message message;
+    message.topic = std::move(topic);
+    message.payload = std::move(payload);
+    message.qos = qos;
+    message.retain = retain;
+    return message;
+}
+
+}  // namespace asip::test

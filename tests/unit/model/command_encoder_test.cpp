@@ -1,0 +1,147 @@
+#include "asip/model/command_encoder.hpp"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "asip/model/model_set.hpp"
+
+namespace asip::model {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+const ServiceModel& standard(const char* name) {
+    return *ModelSet::standard().find(name);
+}
+
+std::string from_json(const char* model, const char* command) {
+    const auto result = encode_json_command(standard(model), json::parse(command));
+    return result ? result->line : "! " + result.error();
+}
+
+std::string from_text(const char* model, std::string_view text) {
+    const auto result = encode_text_command(standard(model), text);
+    return result ? result->line : "! " + result.error();
+}
+
+std::string from_words(const char* model, std::vector<std::string> words) {
+    const auto result = encode_word_command(standard(model), words);
+    return result ? result->line : "! " + result.error();
+}
+
+TEST(EncodeJson, Command_SaysWhatItIs) {
+    const auto result = encode_json_command(standard("distance"), json::parse(R"({"measure":null})"));
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->line, "D,M");
+    EXPECT_EQ(result->command, "measure");
+    EXPECT_EQ(result->service, 'D');
+    EXPECT_EQ(result->tag, 'M');
+    EXPECT_EQ(result->answer, 'e');
+}
+
+TEST(EncodeJson, IdAndReplyTo_ArePassedOver) {
+    EXPECT_EQ(from_json("servo", R"({"id":"7","write":[0,90],"reply_to":"me"})"), "S,W,0,90");
+}
+
+TEST(EncodeJson, NotOneCommand_IsRefused) {
+    EXPECT_EQ(from_json("servo", "[]"), "! a command is an object such as {\"NAME\":[ARGUMENTS]}");
+    EXPECT_EQ(from_json("servo", R"({"id":"7"})"), "! there is no command in it");
+    EXPECT_EQ(from_json("servo", R"({"remap":[1],"write":[0,1]})"),
+              "! one command at a time: 'remap' or 'write'");
+}
+
+TEST(EncodeJson, UnknownCommand_NamesTheNearestOrAll) {
+    EXPECT_EQ(from_json("servo", R"({"wirte":[0,1]})"), "! no command 'wirte'; did you mean 'write'?");
+    EXPECT_EQ(from_json("servo", R"({"explode":null})"), "! no command 'explode'; servo has remap, write");
+}
+
+TEST(EncodeJson, WrongTypes_AreRefused) {
+    for (const char* value :
+         {"null", "\"90\"", "[]", "{}", "1.5", "1e300", "-1e300", "99999999999999999999"}) {
+        const auto command = std::string(R"({"write":[0,)") + value + "]}";
+        EXPECT_THAT(from_json("servo", command.c_str()), HasSubstr("! angle: ")) << value;
+    }
+    EXPECT_EQ(from_json("servo", R"({"write":"x"})"), "! write: argument 'angle' is missing");
+    EXPECT_EQ(from_json("servo", R"({"remap":{"pins":7}})"), "! pins: 7 is no list");
+    EXPECT_EQ(from_json("pixels", R"({"set":[{"pixel":0,"colour":1}]})"), "! pixels/0: 'color' is missing");
+}
+
+TEST(EncodeJson, WholeNumberWrittenAsFraction_IsAnInteger) {
+    EXPECT_EQ(from_json("servo", R"({"write":[0,90.0]})"), "S,W,0,90");
+}
+
+TEST(EncodeJson, RequestLongerThanABoardTakes_IsRefused) {
+    EXPECT_EQ(
+        from_json("pixels", R"({"fill":[0,["#ffffff","#ffffff","#ffffff","#ffffff","#ffffff","#ffffff"]]})"),
+        "! fill: the request would be 63 bytes long, above 62; send it in parts");
+}
+
+TEST(EncodeJson, ListLongerThanAllowed_IsRefused) {
+    EXPECT_EQ(from_json("lcd", R"({"bars":[[0,1],[1,1],[2,1],[3,1],[4,1],[0,1]]})"),
+              "! bars: 6 items are more than 5");
+    json pins = json::array();
+    for (int i = 0; i < 10000; ++i)
+        pins.push_back(0);
+    EXPECT_FALSE(encode_json_command(standard("servo"), json{{"remap", pins}}));
+}
+
+TEST(EncodeText, Request_IsCheckedByTheModel) {
+    EXPECT_EQ(from_text("servo", "W,0,90"), "S,W,0,90");
+    EXPECT_EQ(from_text("distance", "M"), "D,M");
+    EXPECT_EQ(from_text("lcd", "W,0,a, b,c"), "L,W,0,a, b,c");
+    EXPECT_EQ(from_text("servo", "W,0,181"), "! angle: 181 is above 180");
+    EXPECT_EQ(from_text("servo", "W,0"), "! write: argument 'angle' is missing");
+    EXPECT_EQ(from_text("servo", "W,0,1,2"), "! write takes 2 arguments (servo, angle), not 3");
+    EXPECT_EQ(from_text("servo", "W,0,"), "! angle: \"\" is no integer");
+    EXPECT_EQ(from_text("distance", "M,1"), "! measure takes no argument, not 1");
+    EXPECT_EQ(from_text("servo", "Z"), "! servo has no command with tag 'Z'");
+}
+
+TEST(EncodeText, List_MustAgreeWithItsCount) {
+    EXPECT_EQ(from_text("servo", "M,2,9,10"), "S,M,2,9,10");
+    EXPECT_EQ(from_text("servo", "M,3,9,10"), "! count: says 3, but pins holds 2");
+    EXPECT_EQ(from_text("pixels", "P,1,{0:255}"), "P,P,1,{0:255}");
+    EXPECT_EQ(from_text("pixels", "P,1,0:255"), "! pixels: needs braces { }");
+    EXPECT_EQ(from_text("pixels", "P,1,{0}"), "! pixels/0: not an item of pixel:color");
+    EXPECT_EQ(from_text("pixels", "P,0,{}"), "! pixels: the list is empty");
+}
+
+TEST(EncodeText, WhatIsNoRequest_IsRefused) {
+    for (const std::string_view text : {"", "W0", ",", "W\n", "\x01"})
+        EXPECT_FALSE(encode_text_command(standard("servo"), text)) << text;
+    EXPECT_FALSE(encode_text_command(standard("servo"), std::string(1'000'000, 'W')));
+}
+
+TEST(EncodeWords, AsTyped_IsUnderstood) {
+    EXPECT_EQ(from_words("servo", {"write", "0", "90"}), "S,W,0,90");
+    EXPECT_EQ(from_words("servo", {"W", "0", "90"}), "S,W,0,90");
+    EXPECT_EQ(from_words("io", {"mode", "13", "output"}), "I,P,13,3");
+    EXPECT_EQ(from_words("lcd", {"write", "0", "hello", "world"}), "L,W,0,hello world");
+    EXPECT_EQ(from_words("pixels", {"set", "0:255", "1:#ff0000"}), "P,P,2,{0:255,1:16711680}");
+    EXPECT_EQ(from_words("servo", {"remap", "9", "10"}), "S,M,2,9,10");
+    EXPECT_EQ(from_words("distance", {"measure"}), "D,M");
+    EXPECT_EQ(from_words("motors", {"drive", "-5", "5"}), "M,M,-5,5");
+}
+
+TEST(EncodeWords, Faults_AreNamed) {
+    EXPECT_EQ(from_words("servo", {}), "! there is no command in it");
+    EXPECT_EQ(from_words("servo", {"wirte"}), "! no command 'wirte'; did you mean 'write'?");
+    EXPECT_EQ(from_words("servo", {"write", "0"}), "! write: argument 'angle' is missing");
+    EXPECT_EQ(from_words("servo", {"write", "0", "90", "1"}),
+              "! write takes 2 arguments (servo, angle), not 3");
+    EXPECT_EQ(from_words("distance", {"measure", "now"}), "! measure takes no argument, not 1");
+    EXPECT_EQ(from_words("servo", {"write", "0", "9x"}), "! angle: \"9x\" is no integer");
+}
+
+TEST(Usage, Arguments_HaveRangeAndUnit) {
+    EXPECT_EQ(usage(*standard("servo").command("write")), "servo 0..255, angle 0..180 degrees");
+    EXPECT_EQ(usage(*standard("pixels").command("set")),
+              "pixels (pixel 0..65535:color (number or #rrggbb))...");
+    EXPECT_EQ(usage(*standard("io").command("write")), "pin 0..255, level 0..1 (high|low|off|on)");
+    EXPECT_EQ(usage(*standard("lcd").command("clear")), "");
+}
+
+}  // namespace
+}  // namespace asip::model

@@ -1,0 +1,44 @@
+#include "asip/model/json.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace asip::model {
+namespace {
+
+TEST(ParseJson, ValidText_IsParsed) {
+    EXPECT_EQ(dump_json(parse_json(R"( {"a":[1,2.5,"x"]} )").value()), R"({"a":[1,2.5,"x"]})");
+}
+
+TEST(ParseJson, NoJson_IsRefused) {
+    for (const std::string_view text :
+         {"", "{", "{}x", "{a:1}", "nul", "1e999", "\"\xff\"", "[1,]", "\"a\nb\"", "//x\n1", "]"}) {
+        const auto result = parse_json(text);
+        EXPECT_FALSE(result) << text;
+    }
+}
+
+TEST(ParseJson, DeeperThanTheLimit_IsRefused) {
+    EXPECT_TRUE(parse_json("[[[]]]", {100, 3}));
+    EXPECT_FALSE(parse_json("[[[[]]]]", {100, 3}));
+    EXPECT_FALSE(parse_json(R"({"a":{"a":{"a":{}}}})", {100, 3}));
+    EXPECT_FALSE(parse_json(std::string(30000, '[')));
+}
+
+TEST(ParseJson, BracketsInText_DoNotCount) {
+    EXPECT_TRUE(parse_json(R"(["[[[[\"[[[["])", {100, 1}));
+}
+
+TEST(ParseJson, LongerThanTheLimit_IsRefused) {
+    EXPECT_TRUE(parse_json("[1,2]", {5, 1}));
+    EXPECT_FALSE(parse_json("[1,2] ", {5, 1}));
+    EXPECT_FALSE(parse_json(std::string(1'000'000, ' ')));
+}
+
+TEST(DumpJson, TextThatIsNoUtf8_DoesNotThrow) {
+    EXPECT_EQ(dump_json(nlohmann::json("a\xff")), "\"a\xef\xbf\xbd\"");
+}
+
+}  // namespace
+}  // namespace asip::model

@@ -1,0 +1,71 @@
+#include "asip/model/names.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "asip/model/board_state.hpp"
+
+namespace asip::model {
+namespace {
+
+TEST(ValidName, LettersDigitsDotUnderscoreDash_AreAllowed) {
+    EXPECT_TRUE(valid_name("uno1"));
+    EXPECT_TRUE(valid_name("A-Z_0.9"));
+    EXPECT_TRUE(valid_name(std::string(64, 'x')));
+}
+
+TEST(ValidName, AnythingElse_IsNot) {
+    for (const std::string_view name : {"", "a b", "a/b", "a+", "#", "$state", "\xc3\xa4", "a\n", "a{"})
+        EXPECT_FALSE(valid_name(name)) << name;
+    EXPECT_FALSE(valid_name(std::string(65, 'x')));
+    EXPECT_FALSE(valid_name(std::string_view("a\0b", 3)));
+}
+
+TEST(ValidBoardName, ReservedNames_AreNot) {
+    EXPECT_TRUE(valid_name("registry"));
+    EXPECT_FALSE(valid_board_name("registry"));
+    EXPECT_FALSE(valid_board_name("servicebus"));
+    EXPECT_FALSE(valid_board_name("$probe"));
+    EXPECT_TRUE(valid_board_name("registry2"));
+}
+
+TEST(ExplainBoardName, EachFault_HasItsSentence) {
+    EXPECT_EQ(explain_board_name("uno1"), "");
+    EXPECT_EQ(explain_board_name(""), "the name is empty");
+    EXPECT_EQ(explain_board_name("registry"), "'registry' is reserved");
+    EXPECT_EQ(explain_board_name("a\x1b b"), "'a\\x1b b' is no name: allowed are letters, digits and . _ -");
+    EXPECT_LT(explain_board_name(std::string(100000, 'x')).size(), 200u);
+}
+
+TEST(SuggestName, AnyText_GivesAValidName) {
+    EXPECT_EQ(suggest_name("My Uno (left)"), "My-Uno-left");
+    EXPECT_EQ(suggest_name("/dev/ttyACM0"), "dev-ttyACM0");
+    EXPECT_EQ(suggest_name("registry"), "registry-board");
+    EXPECT_EQ(suggest_name("\xff\xfe"), "board");
+    for (const auto& text : {std::string(200, 'a'), std::string(200, ' '), std::string("$$$"),
+                             std::string("servicebus/"), std::string(63, 'a') + " b"}) {
+        EXPECT_TRUE(valid_board_name(suggest_name(text))) << text;
+    }
+}
+
+TEST(Nearest, Slip_IsFoundAndStrangerIsNot) {
+    const std::array<std::string, 3> names = {"write", "remap", "measure"};
+    EXPECT_EQ(nearest("wirte", names), "write");
+    EXPECT_EQ(nearest("WRITE", names), "write");
+    EXPECT_EQ(nearest("mesure", names), "measure");
+    EXPECT_EQ(nearest("explode", names), "");
+    EXPECT_EQ(nearest("", names), "");
+}
+
+TEST(BoardState, EachState_IsFoundByItsText) {
+    for (const auto state : {BoardState::Online, BoardState::Offline, BoardState::Lost, BoardState::Sleeping,
+                             BoardState::Updating}) {
+        EXPECT_EQ(board_state_from_text(to_text(state)), state);
+    }
+    for (const std::string_view text : {"", "Online", "online ", "dead"})
+        EXPECT_FALSE(board_state_from_text(text)) << text;
+}
+
+}  // namespace
+}  // namespace asip::model

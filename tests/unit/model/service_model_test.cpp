@@ -1,0 +1,117 @@
+#include "asip/model/service_model.hpp"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "asip/model/model_set.hpp"
+
+namespace asip::model {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+const json kFan = json::parse(R"({
+  "name": "fan", "version": 2, "id": "F", "match": ["Fan"], "title": "A fan",
+  "events": { "e": { "name": "speed", "per": "event", "fields": [{ "name": "rpm", "type": "integer", "unit": "rpm" }] } },
+  "commands": { "speed": { "tag": "S", "args": [{ "name": "percent", "type": "integer", "min": 0, "max": 100 }], "answer": "e" } },
+  "examples": [{ "json": { "speed": 50 }, "wire": "F,S,50" }]
+})");
+
+std::string fault(const char* path, const json& value) {
+    auto document = kFan;
+    document[json::json_pointer(path)] = value;
+    const auto model = service_model_from_json(document);
+    return model ? "" : model.error();
+}
+
+TEST(ServiceModel, ValidDocument_IsRead) {
+    const auto model = service_model_from_json(kFan);
+    ASSERT_TRUE(model) << model.error();
+    EXPECT_EQ(model->ref(), "fan@2");
+    EXPECT_EQ(model->event('e')->fields.front().unit, "rpm");
+    EXPECT_EQ(model->event_named("speed"), model->event('e'));
+    EXPECT_EQ(model->command("speed")->answer, 'e');
+    EXPECT_EQ(model->command_with_tag('S'), model->command("speed"));
+    EXPECT_EQ(model->command("stop"), nullptr);
+    EXPECT_EQ(examples(*model).size(), 1u);
+    EXPECT_EQ(model->source.find("examples"), std::string::npos);
+}
+
+TEST(ServiceModel, BrokenDocument_IsRefusedWithPlaceAndReason) {
+    EXPECT_EQ(fault("/id", "FF"), "/id: \"FF\" does not match ^[A-Z]$");
+    EXPECT_EQ(fault("/name", "Fan fan"), "/name: \"Fan fan\" does not match ^[a-z][a-z0-9._-]{1,31}$");
+    EXPECT_EQ(fault("/version", 0), "/version: 0 is below 1");
+    EXPECT_EQ(fault("/colour", "red"), "/colour: no such member is known here");
+    EXPECT_EQ(
+        fault("/commands/speed/args/0/type", "int"),
+        R"(/commands/speed/args/0/type: is "int", not one of ["integer","number","text","color","count","list"])");
+    EXPECT_THAT(fault("/events/ee", json::object()), HasSubstr("/events/ee: \"ee\" does not match"));
+    EXPECT_THAT(fault("/commands/Speed", json::object()), HasSubstr("/commands/Speed"));
+}
+
+TEST(ServiceModel, Contradiction_IsRefusedWithPlaceAndReason) {
+    EXPECT_EQ(fault("/commands/speed/answer", "x"), "/commands/speed/answer: there is no event \"x\"");
+    EXPECT_EQ(fault("/commands/speed/args/0/min", 200), "/commands/speed/args/0/min: is above max");
+    EXPECT_EQ(fault("/commands/speed/args/0/type", "list"),
+              "/commands/speed/args/0: has no member \"items\"");
+    EXPECT_EQ(fault("/commands/speed/args/0/type", "count"), "/commands/speed/args/0/of: \"\" is no list");
+    EXPECT_EQ(fault("/commands/speed/args/1", {{"name", "percent"}, {"type", "integer"}}),
+              "/commands/speed/args/1/name: \"percent\" is there twice");
+    EXPECT_EQ(fault("/events/f", {{"name", "speed"}, {"fields", kFan["events"]["e"]["fields"]}}),
+              "/events/f/name: \"speed\" is there twice");
+    EXPECT_EQ(fault("/events/f", {{"name", "other"}}), "/events/f: has no member \"fields\"");
+    auto text_first = json::array({{{"name", "t"}, {"type", "text"}}, {{"name", "n"}, {"type", "integer"}}});
+    EXPECT_EQ(fault("/commands/speed/args", text_first),
+              "/commands/speed/args/0/type: a text must come last");
+}
+
+TEST(ServiceModel, HostileText_IsRefused) {
+    for (const std::string_view text : {"", "[]", "null", "{", "{\"name\":7}"})
+        EXPECT_FALSE(parse_service_model(text)) << text;
+    EXPECT_FALSE(parse_service_model(std::string(100000, '[')));
+}
+
+struct NameCase {
+    char letter;
+    const char* friendly;
+    const char* model;
+};
+
+TEST(Matches, NamesOfDeployedBoards_FindTheirModel) {
+    const auto& models = ModelSet::standard();
+    for (const auto& [letter, friendly, name] :
+         std::initializer_list<NameCase>{{'I', "ASIP core IO", "io"},
+                                         {'I', "", "io"},
+                                         {'D', "Distance", "distance"},
+                                         {'D', "HC-SR04 distance sensor", "distance"},
+                                         {'S', "Servos", "servo"},
+                                         {'R', "IR Reflectance", "reflectance"},
+                                         {'B', "Bump Sensors", "bump"},
+                                         {'M', "Motors", "motors"},
+                                         {'E', "Encoders", "encoders"},
+                                         {'T', "Tone", "tone"},
+                                         {'P', "Pixels", "pixels"},
+                                         {'P', "Pressure", "pressure"},
+                                         {'L', "LCD", "lcd"},
+                                         {'A', "Accelerometer", "acceleration"},
+                                         {'A', "Acceleration", "acceleration"},
+                                         {'G', "GYROSCOPE", "gyroscope"},
+                                         {'H', "Heading", "heading"},
+                                         {'H', "Magnetometer", "heading"}}) {
+        const auto model = models.match(letter, friendly);
+        ASSERT_TRUE(model) << friendly;
+        EXPECT_EQ(model->name, name) << friendly;
+    }
+}
+
+TEST(Matches, OtherLetterOrOtherName_FindsNone) {
+    EXPECT_FALSE(ModelSet::standard().match('D', "Servos"));
+    EXPECT_FALSE(ModelSet::standard().match('X', "Distance"));
+    EXPECT_FALSE(ModelSet::standard().match('X', ""));
+    EXPECT_FALSE(ModelSet::standard().match('I', "Ion radio"));
+}
+
+}  // namespace
+}  // namespace asip::model

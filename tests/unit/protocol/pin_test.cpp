@@ -1,0 +1,37 @@
+#include "asip/protocol/pin.hpp"
+
+#include <gtest/gtest.h>
+
+namespace asip::protocol {
+namespace {
+
+TEST(PinMode, EachMode_IsFoundByItsTextAndItsNumber) {
+    for (int number = 0; number <= 8; ++number) {
+        const auto mode = pin_mode_from_number(number);
+        ASSERT_TRUE(mode);
+        EXPECT_EQ(pin_mode_from_text(to_text(*mode)), mode);
+        EXPECT_EQ(pin_mode_from_text(std::to_string(number)), mode);
+    }
+}
+
+TEST(PinMode, OtherSpellings_AreUnderstood) {
+    EXPECT_EQ(pin_mode_from_text("INPUT_PULLUP"), PinMode::InputPullup);
+    EXPECT_EQ(pin_mode_from_text("Pullup"), PinMode::InputPullup);
+}
+
+TEST(PinMode, UnknownTextOrNumber_IsNothing) {
+    EXPECT_FALSE(pin_mode_from_number(9));
+    EXPECT_FALSE(pin_mode_from_number(-1));
+    for (const std::string_view text : {"", "9", "outptu", "3 "})
+        EXPECT_FALSE(pin_mode_from_text(text)) << text;
+}
+
+TEST(Capability, Word_IsItsBit) {
+    EXPECT_EQ(capability_from_text("digital"), 1);
+    EXPECT_EQ(capability_from_text("Analog"), 2);
+    EXPECT_EQ(capability_from_text("PWM"), 4);
+    EXPECT_FALSE(capability_from_text("touch"));
+}
+
+}  // namespace
+}  // namespace asip::protocol

@@ -1,0 +1,79 @@
+#include "asip/protocol/request.hpp"
+
+#include <gmock/gmock.h>
+
+#include "asip/protocol/limits.hpp"
+
+namespace asip::protocol {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TEST(MakeRequest, Helpers_WriteTheWire) {
+    EXPECT_EQ(make_request('S', 'W', {0, 90}), "S,W,0,90");
+    EXPECT_EQ(make_request('D', 'M'), "D,M");
+    EXPECT_EQ(set_pin_mode(13, PinMode::Output), "I,P,13,3");
+    EXPECT_EQ(digital_write(13, true), "I,d,13,1");
+    EXPECT_EQ(analog_write(3, 128), "I,a,3,128");
+    EXPECT_EQ(analog_period(50), "I,A,50");
+    EXPECT_EQ(echo("a1"), "#,E,a1");
+    EXPECT_EQ(set_identity("uno1"), "#,I,uno1");
+    EXPECT_EQ(set_line_rate(500000), "#,B,500000");
+    EXPECT_EQ(set_checksum(true), "#,C,1");
+}
+
+TEST(ParseRequest, Line_IsServiceTagAndParameters) {
+    const auto request = parse_request("S,W,0,90");
+    ASSERT_TRUE(request);
+    EXPECT_EQ(request->service, 'S');
+    EXPECT_EQ(request->tag, 'W');
+    EXPECT_EQ(request->parameters, "0,90");
+    EXPECT_EQ(parse_request("#,?")->parameters, "");
+    EXPECT_EQ(parse_request("L,W,")->parameters, "");
+}
+
+TEST(ParseRequest, WhatIsNoRequest_IsRefused) {
+    for (const std::string_view line : {"", "S", "S,", "SW", "s,W", "S,W0", "S,,0", "S, ,0", "!debug",
+                                        "@D,e,1", "S,W\n", "S,W\r", "S,W,\t", "S,W,\xff"}) {
+        EXPECT_FALSE(parse_request(line)) << line;
+    }
+}
+
+TEST(ParseRequest, LongerThanABoardTakes_IsRefused) {
+    const std::string longest = "L,W," + std::string(kMaxRequestBytes - 4, 'x');
+    EXPECT_TRUE(parse_request(longest));
+    EXPECT_THAT(parse_request(longest + "x").error(), HasSubstr("63 bytes long, above 62"));
+}
+
+TEST(SplitRequests, NewlinePresentOrNot_GivesTheSame) {
+    for (const std::string_view payload : {"I,M", "I,M\n", "I,M\r\n", "\nI,M\n\n"}) {
+        EXPECT_THAT(split_requests(payload).value(), ElementsAre("I,M")) << payload;
+    }
+    EXPECT_THAT(split_requests("I,M\nI,m\r\nI,p").value(), ElementsAre("I,M", "I,m", "I,p"));
+}
+
+TEST(SplitRequests, OneBadLine_RefusesThemAll) {
+    EXPECT_FALSE(split_requests("I,M\nbad\nI,p"));
+}
+
+TEST(SplitRequests, EmptyPayload_IsRefused) {
+    EXPECT_FALSE(split_requests(""));
+    EXPECT_FALSE(split_requests("\r\n\n"));
+}
+
+TEST(SplitRequests, TooManyOrTooMuch_IsRefused) {
+    std::string payload;
+    for (std::size_t i = 0; i < kMaxRequestsPerPayload; ++i)
+        payload += "I,M\n";
+    EXPECT_EQ(split_requests(payload)->size(), kMaxRequestsPerPayload);
+    EXPECT_FALSE(split_requests(payload + "I,M"));
+    EXPECT_FALSE(split_requests(std::string(1'000'000, '\n')));
+}
+
+TEST(SplitRequests, BinaryPayload_IsRefused) {
+    EXPECT_FALSE(split_requests(std::string_view("I,M\0\n", 5)));
+}
+
+}  // namespace
+}  // namespace asip::protocol

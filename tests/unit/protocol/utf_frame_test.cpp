@@ -1,0 +1,62 @@
+#include "asip/protocol/utf_frame.hpp"
+
+#include <gmock/gmock.h>
+
+namespace asip::protocol {
+namespace {
+
+using namespace std::string_literals;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+struct UtfFrameReaderTest : testing::Test {
+    std::vector<std::string> push(std::string_view bytes) {
+        std::vector<std::string> frames;
+        reader.push(bytes, [&](std::string_view frame) { frames.emplace_back(frame); });
+        return frames;
+    }
+
+    UtfFrameReader reader{300};
+};
+
+TEST_F(UtfFrameReaderTest, FrameArrivingByteByByte_IsGivenOnceAtItsEnd) {
+    const auto bytes = "\0\3I,M"s;
+    for (std::size_t i = 0; i + 1 < bytes.size(); ++i)
+        EXPECT_THAT(push({&bytes[i], 1}), IsEmpty());
+    EXPECT_THAT(push("M"), ElementsAre("I,M"));
+}
+
+TEST_F(UtfFrameReaderTest, SeveralFramesInOneRead_AreGivenInOrder) {
+    EXPECT_THAT(push("\0\1a\0\0\0\2bc\0"s), ElementsAre("a", "", "bc"));
+    EXPECT_THAT(push("\1d"), ElementsAre("d"));
+}
+
+TEST_F(UtfFrameReaderTest, LengthIsBigEndian) {
+    EXPECT_THAT(push("\1\0"s + std::string(256, 'x')), ElementsAre(std::string(256, 'x')));
+}
+
+TEST_F(UtfFrameReaderTest, TooLongForBuffer_SkipsFrameAndRecovers) {
+    EXPECT_THAT(push("\xff\xff"s + std::string(65535, 'x') + "\0\2ok"s), ElementsAre("ok"));
+    EXPECT_EQ(reader.overlong_frames(), 1u);
+}
+
+TEST(EncodeUtfFrame, Text_GetsItsLengthBeforeIt) {
+    EXPECT_EQ(encode_utf_frame("I,M").value(), "\0\3I,M"s);
+    EXPECT_EQ(encode_utf_frame(std::string(258, 'x'))->substr(0, 3), "\1\2x"s);
+}
+
+TEST(EncodeUtfFrame, WhatJavaEncodesOtherwise_IsRefused) {
+    EXPECT_FALSE(encode_utf_frame("a\0b"s));
+    EXPECT_FALSE(encode_utf_frame("\xc3\xa4"));
+    EXPECT_FALSE(encode_utf_frame(std::string(65536, 'x')));
+}
+
+TEST(StartsUtfFrame, FirstByte_TellsFramesFromLines) {
+    EXPECT_TRUE(starts_utf_frame(0));
+    EXPECT_TRUE(starts_utf_frame(1));
+    for (const char c : {'I', '#', '!', '\n', '\r'})
+        EXPECT_FALSE(starts_utf_frame(static_cast<unsigned char>(c))) << c;
+}
+
+}  // namespace
+}  // namespace asip::protocol

@@ -1,0 +1,265 @@
+#include <gmock/gmock.h>
+
+#include "monitor.hpp"
+#include "sim/part_context.hpp"
+
+namespace asip::sim {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr unsigned kPb5 = 1 << 5;
+constexpr unsigned kPd2 = 1 << 2;
+constexpr unsigned kPd3 = 1 << 3;
+
+/// The values that parts went through.
+void record(Monitor& monitor, std::vector<std::string>& values) {
+    monitor->on_change(
+        [&values](const Change& change) { values.push_back(change.part + " " + change.value); });
+}
+
+TEST(Led, OutputChanges_ShowsThemWithTheirTime) {
+    Monitor monitor({{"led", LedSpec{13}}});
+    std::vector<Change> changes;
+    monitor->on_change([&](const Change& change) { changes.push_back(change); });
+    EXPECT_EQ(monitor->part("led").state(), "off");
+    monitor.write_register(kDdrB, kPb5);
+    const auto before = monitor->now();
+    monitor.write_register(kPortB, kPb5);
+    EXPECT_EQ(monitor->part("led").state(), "on");
+    monitor.write_register(kPortB, 0);
+    ASSERT_EQ(changes.size(), 2u);
+    EXPECT_EQ(changes[0].value, "on");
+    EXPECT_EQ(changes[1].value, "off");
+    EXPECT_GT(changes[0].time, before);
+    EXPECT_LT(changes[0].time, changes[1].time);
+}
+
+TEST(Led, PinIsOnlyPulledUp_StaysOff) {
+    Monitor monitor({{"led", LedSpec{13}}});
+    monitor.write_register(kPortB, kPb5);
+    EXPECT_EQ(monitor->part("led").state(), "off");
+}
+
+TEST(Led, ActiveLow_LitByALowPin) {
+    Monitor monitor({{"led", LedSpec{13, true}}});
+    monitor.write_register(kDdrB, kPb5);
+    EXPECT_EQ(monitor->part("led").state(), "on");
+}
+
+TEST(Led, Pwm_ShowsItsDutyOnEveryTimer) {
+    struct {
+        int pin;
+        unsigned ddr, bit, control, connected, compare;
+    } const channels[] = {
+        {6, kDdrD, 6, 0x44, 0x80, 0x47}, {9, kDdrB, 1, 0x80, 0x80, 0x88}, {3, kDdrD, 3, 0xb0, 0x20, 0xb4}};
+    for (const auto& channel : channels) {
+        Monitor monitor({{"led", LedSpec{channel.pin}}});
+        monitor.write_register(channel.ddr, 1u << channel.bit);
+        monitor.write_register(channel.compare, 64);
+        EXPECT_EQ(monitor->part("led").state(), "off");
+        monitor.write_register(channel.control, channel.connected);
+        EXPECT_EQ(monitor->part("led").state(), "pwm 64") << channel.pin;
+        monitor.write_register(channel.compare, 200);
+        EXPECT_EQ(monitor->part("led").state(), "pwm 200") << channel.pin;
+        monitor.write_register(channel.control, 0);
+        EXPECT_EQ(monitor->part("led").state(), "off") << channel.pin;
+    }
+}
+
+TEST(Button, Pressed_PullsItsPinDownAndReleasedLetsItGo) {
+    Monitor monitor({{"button", ButtonSpec{2}}});
+    monitor.write_register(kPortD, kPd2);
+    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, kPd2);
+    ASSERT_TRUE(monitor->part("button").command("press", ""));
+    EXPECT_EQ(monitor->part("button").state(), "pressed");
+    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, 0u);
+    ASSERT_TRUE(monitor->part("button").command("release", ""));
+    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, kPd2);
+}
+
+TEST(Button, ToVcc_IsHighWhenPressed) {
+    Monitor monitor({{"button", ButtonSpec{2, true}}});
+    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, 0u);
+    ASSERT_TRUE(monitor->part("button").command("press", ""));
+    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, kPd2);
+}
+
+TEST(Button, PressedTwice_ChangesOnce) {
+    Monitor monitor({{"button", ButtonSpec{2}}});
+    std::vector<std::string> values;
+    record(monitor, values);
+    monitor->part("button").command("press", "");
+    monitor->part("button").command("press", "");
+    monitor->part("button").command("release", "");
+    EXPECT_THAT(values, ElementsAre("button pressed", "button released"));
+}
+
+TEST(Wire, EitherEndIsAnOutput_DrivesTheOther) {
+    Monitor monitor({{"wire", WireSpec{2, 3}}});
+    monitor.write_register(kDdrD, kPd2);
+    monitor.write_register(kPortD, kPd2);
+    EXPECT_EQ(monitor.read_register(kPinD) & kPd3, kPd3);
+    monitor.write_register(kPortD, 0);
+    EXPECT_EQ(monitor.read_register(kPinD) & kPd3, 0u);
+    monitor.write_register(kDdrD, kPd3);
+    monitor.write_register(kPortD, kPd3);
+    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, kPd2);
+}
+
+TEST(Wire, Cut_DrivesNothingUntilConnectedAgain) {
+    Monitor monitor({{"wire", WireSpec{2, 3}}});
+    monitor.write_register(kDdrD, kPd2);
+    ASSERT_TRUE(monitor->part("wire").command("cut", ""));
+    monitor.write_register(kPortD, kPd2);
+    EXPECT_EQ(monitor.read_register(kPinD) & kPd3, 0u);
+    ASSERT_TRUE(monitor->part("wire").command("connect", ""));
+    EXPECT_EQ(monitor.read_register(kPinD) & kPd3, kPd3);
+}
+
+TEST(Wire, SharesAPinWithALed) {
+    Monitor monitor({{"led", LedSpec{13}}, {"wire", WireSpec{13, 2}}});
+    monitor.write_register(kDdrB, kPb5);
+    monitor.write_register(kPortB, kPb5);
+    EXPECT_EQ(monitor->part("led").state(), "on");
+    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, kPd2);
+}
+
+TEST(Potentiometer, Turned_IsWhatTheChipMeasures) {
+    Monitor monitor({{"pot", PotentiometerSpec{14, 0.5}}});
+    EXPECT_EQ(monitor.ask_word({"A\0", 2}), 511u);
+    ASSERT_TRUE(monitor->part("pot").command("set", "0.2"));
+    EXPECT_EQ(monitor.ask_word({"A\0", 2}), 204u);
+    ASSERT_TRUE(monitor->part("pot").command("set", "1"));
+    EXPECT_EQ(monitor.ask_word({"A\0", 2}), 1023u);
+    ASSERT_TRUE(monitor->part("pot").command("set", "0"));
+    EXPECT_EQ(monitor.ask_word({"A\0", 2}), 0u);
+}
+
+TEST(Potentiometer, Reset_KeepsItsPosition) {
+    Monitor monitor({{"pot", PotentiometerSpec{15, 0.2}}});
+    monitor->reset();
+    ASSERT_TRUE(monitor->read_line(100ms));
+    EXPECT_EQ(monitor.ask_word({"A\1", 2}), 204u);
+}
+
+TEST(Potentiometer, BeyondItsEnds_RefusedAndUnchanged) {
+    Monitor monitor({{"pot", PotentiometerSpec{14, 0.5}}});
+    for (const auto* argument : {"1.1", "-0.1", "nan", "", "half", "0.5x"}) {
+        const auto done = monitor->part("pot").command("set", argument);
+        ASSERT_FALSE(done) << argument;
+        EXPECT_THAT(done.error(), HasSubstr("0 to 1"));
+    }
+    EXPECT_EQ(monitor->part("pot").state(), "0.5");
+}
+
+class EchoTime : public testing::TestWithParam<double> {};
+
+TEST_P(EchoTime, OnePin_LastsAsLongAsSoundNeeds) {
+    Monitor monitor({{"sonar", UltrasonicSpec{4, 4, GetParam()}}});
+    EXPECT_NEAR(monitor.ask_word("U") / 2.0, GetParam() * 58.31, 3);
+}
+
+TEST_P(EchoTime, TwoPins_LastsAsLongAsSoundNeeds) {
+    Monitor monitor({{"sonar", UltrasonicSpec{4, 5, GetParam()}}});
+    EXPECT_NEAR(monitor.ask_word("u") / 2.0, GetParam() * 58.31, 3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Centimetres, EchoTime, testing::Values(2, 10, 100, 400));
+
+TEST(Ultrasonic, SetWhileItRuns_NextEchoIsTheNewOne) {
+    Monitor monitor({{"sonar", UltrasonicSpec{4, 4, 10}}});
+    EXPECT_NEAR(monitor.ask_word("U") / 2.0, 583.1, 3);
+    ASSERT_TRUE(monitor->part("sonar").command("set", "42"));
+    EXPECT_NEAR(monitor.ask_word("U") / 2.0, 42 * 58.31, 3);
+    EXPECT_EQ(monitor->part("sonar").state(), "42");
+}
+
+TEST(Ultrasonic, NothingInRange_HoldsItsEcho) {
+    Monitor monitor({{"sonar", UltrasonicSpec{4, 4, 500}}});
+    EXPECT_NEAR(monitor.ask_word("U") / 2.0, 76000 / 2.0 - 32768, 6)
+        << "38 ms are 76000 ticks of a 16-bit timer";
+}
+
+TEST(Ultrasonic, Unplugged_DoesNotAnswer) {
+    Monitor monitor({{"sonar", UltrasonicSpec{4, 4, 10}}});
+    ASSERT_TRUE(monitor->part("sonar").command("set", "none"));
+    EXPECT_EQ(monitor.ask_word("U"), 0u);
+}
+
+std::string pulse(unsigned microseconds) {
+    return {'S', static_cast<char>(microseconds), static_cast<char>(microseconds >> 8)};
+}
+
+TEST(Servo, Pulses_MoveItToTheirAngle) {
+    Monitor monitor({{"servo", ServoSpec{9}}});
+    std::vector<std::string> values;
+    record(monitor, values);
+    EXPECT_EQ(monitor->part("servo").state(), "none");
+    for (const unsigned microseconds : {544u, 1472u, 1472u, 2400u}) {
+        monitor.tell(pulse(microseconds));
+        monitor->run_for(20ms);
+    }
+    EXPECT_THAT(values, ElementsAre("servo 0", "servo 90", "servo 180"));
+}
+
+TEST(Servo, PulseThatIsNoCommand_DoesNotMoveIt) {
+    Monitor monitor({{"servo", ServoSpec{9}}});
+    monitor.tell(pulse(1472));
+    monitor->run_for(20ms);
+    for (const unsigned microseconds : {100u, 5000u}) {
+        monitor.tell(pulse(microseconds));
+        monitor->run_for(20ms);
+    }
+    EXPECT_EQ(monitor->part("servo").state(), "90");
+}
+
+TEST(SquareWave, Runs_AtItsFrequencyExactly) {
+    Monitor monitor({{"wave", SquareWaveSpec{2, 333}}});
+    int rises = 0;
+    monitor->on_pin(2, [&](Level level) { rises += level == Level::high ? 1 : 0; });
+    monitor->run_for(10s);
+    EXPECT_NEAR(rises, 3330, 1);
+}
+
+TEST(SquareWave, SetToZero_StaysLow) {
+    Monitor monitor({{"wave", SquareWaveSpec{2, 1000}}});
+    ASSERT_TRUE(monitor->part("wave").command("set", "0"));
+    int changes = 0;
+    monitor->on_pin(2, [&](Level) { ++changes; });
+    monitor->run_for(100ms);
+    EXPECT_EQ(changes, 0);
+    EXPECT_EQ(monitor->pin(2), Level::low);
+}
+
+TEST(SquareWave, WatchdogReset_GoesOn) {
+    Monitor monitor({{"wave", SquareWaveSpec{2, 1000}}});
+    monitor.tell("X");
+    monitor->run_for(100ms);
+    ASSERT_EQ(monitor->last_reset(), ResetCause::watchdog);
+    int changes = 0;
+    monitor->on_pin(2, [&](Level) { ++changes; });
+    monitor->run_for(100ms);
+    EXPECT_NEAR(changes, 200, 1);
+}
+
+TEST(EveryPart, UnknownCommand_SaysWhatItUnderstands) {
+    Monitor monitor({{"led", LedSpec{13}},
+                     {"button", ButtonSpec{2}},
+                     {"wire", WireSpec{7, 8}},
+                     {"pot", PotentiometerSpec{14}},
+                     {"sonar", UltrasonicSpec{4, 4}},
+                     {"servo", ServoSpec{9}},
+                     {"wave", SquareWaveSpec{3}}});
+    for (const auto& part : monitor->parts()) {
+        const auto done = part->command("explode", "");
+        ASSERT_FALSE(done) << part->name();
+        EXPECT_THAT(done.error(), HasSubstr("explode"));
+        EXPECT_THAT(done.error(), HasSubstr(std::string(part->kind())));
+    }
+}
+
+}  // namespace
+}  // namespace asip::sim
