@@ -1,0 +1,29 @@
+// Control payloads and command answers from strangers: refused or read, and what was read can be written and
+// read again.
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include "asip/bus/reply.hpp"
+#include "asip/bus/request_envelope.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace asip::bus;
+    const std::string text(reinterpret_cast<const char*>(data), size);
+    Message message;
+    message.payload = text;
+    if (const auto envelope = open_envelope(message)) {
+        if (envelope->reply.id.size() > kMaxRequestIdBytes) std::abort();
+        if (envelope->form == RequestEnvelope::Form::kJson &&
+            !json_depth_within(envelope->body, kMaxJsonDepth)) {
+            std::abort();
+        }
+    } else if (envelope.error().error.empty()) {
+        std::abort();
+    }
+    if (const auto reply = parse_reply(text)) {
+        const auto again = parse_reply(to_json_text(*reply));
+        if (!again || again->status != reply->status || again->id != reply->id) std::abort();
+    }
+    return 0;
+}

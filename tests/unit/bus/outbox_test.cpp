@@ -1,0 +1,119 @@
+#include "asip/bus/outbox.hpp"
+
+#include <gtest/gtest.h>
+
+namespace asip::bus {
+namespace {
+
+constexpr std::size_t kPlenty = 1000000;
+
+Message message(std::string topic, std::string payload, bool retain = false) {
+    Message made;
+    made.topic = std::move(topic);
+    made.payload = std::move(payload);
+    made.retain = retain;
+    return made;
+}
+
+std::string drain(Outbox& outbox) {
+    std::string payloads;
+    while (!outbox.empty())
+        payloads += outbox.pop().message.payload + " ";
+    return payloads;
+}
+
+TEST(Outbox, DifferentPriorities_LeaveInTheOrderTheyCame) {
+    Outbox outbox({10, kPlenty});
+    outbox.push(message("c", "1"), Priority::kContext);
+    outbox.push(message("a", "2"), Priority::kAnnouncement);
+    outbox.push(message("r", "3"), Priority::kReply);
+    outbox.push(message("c", "4"), Priority::kContext);
+    EXPECT_EQ(drain(outbox), "1 2 3 4 ");
+    EXPECT_EQ(outbox.bytes(), 0u);
+}
+
+TEST(Outbox, Full_DropsTheOldestContextOnly) {
+    Outbox outbox({3, kPlenty});
+    outbox.push(message("r", "reply"), Priority::kReply);
+    for (int i = 0; i < 5; ++i)
+        EXPECT_TRUE(outbox.push(message("c", std::to_string(i)), Priority::kContext));
+    EXPECT_EQ(outbox.dropped(), 3u);
+    EXPECT_EQ(drain(outbox), "reply 3 4 ");
+}
+
+TEST(Outbox, FullByBytes_DropsUntilTheNewestFits) {
+    Outbox outbox({100, 30});
+    outbox.push(message("c", "123456789"), Priority::kContext);
+    outbox.push(message("c", "abcdefghi"), Priority::kContext);
+    EXPECT_TRUE(outbox.push(message("c", std::string(20, 'x')), Priority::kContext));
+    EXPECT_EQ(drain(outbox), std::string(20, 'x') + " ");
+    EXPECT_EQ(outbox.dropped(), 2u);
+}
+
+TEST(Outbox, LargerThanTheBound_IsRefused) {
+    Outbox outbox({100, 30});
+    EXPECT_FALSE(outbox.push(message("c", std::string(31, 'x')), Priority::kContext));
+    EXPECT_TRUE(outbox.push(message("r", std::string(50, 'x')), Priority::kReply));
+    EXPECT_FALSE(outbox.push(message("r", std::string(50, 'x')), Priority::kReply));
+}
+
+TEST(Outbox, FullOfReplies_TakesTwiceTheBoundThenRefuses) {
+    Outbox outbox({3, kPlenty});
+    for (int i = 0; i < 6; ++i)
+        EXPECT_TRUE(outbox.push(message("r", std::to_string(i)), Priority::kReply));
+    EXPECT_FALSE(outbox.push(message("r", "6"), Priority::kAnnouncement));
+    EXPECT_FALSE(outbox.push(message("c", "c"), Priority::kContext));
+    EXPECT_EQ(drain(outbox), "0 1 2 3 4 5 ");
+    EXPECT_TRUE(outbox.push(message("c", "again"), Priority::kContext));
+}
+
+TEST(Outbox, RetainedOfTheSameTopic_ReplacesTheOlder) {
+    Outbox outbox({10, kPlenty});
+    outbox.push(message("state", "old", true), Priority::kAnnouncement);
+    outbox.push(message("c", "value"), Priority::kContext);
+    outbox.push(message("state", "new", true), Priority::kAnnouncement);
+    EXPECT_EQ(drain(outbox), "value new ");
+    outbox.push(message("c", "1"), Priority::kContext);
+    outbox.push(message("c", "2"), Priority::kContext);
+    EXPECT_EQ(drain(outbox), "1 2 ");
+}
+
+TEST(Outbox, PutBack_TakesItsOldPlace) {
+    Outbox outbox({10, kPlenty});
+    for (const char* payload : {"1", "2", "3"})
+        outbox.push(message("r", payload), Priority::kReply);
+    auto first = outbox.pop();
+    auto second = outbox.pop();
+    outbox.put_back(std::move(second));
+    outbox.put_back(std::move(first));
+    EXPECT_EQ(drain(outbox), "1 2 3 ");
+}
+
+TEST(Outbox, PutBackRetained_YieldsToTheNewerInWhicheverOrder) {
+    Outbox outbox({10, kPlenty});
+    outbox.push(message("s", "1", true), Priority::kAnnouncement);
+    auto first = outbox.pop();
+    outbox.push(message("s", "2", true), Priority::kAnnouncement);
+    auto second = outbox.pop();
+    auto first_again = first;
+    auto second_again = second;
+    outbox.put_back(std::move(first));
+    outbox.put_back(std::move(second));
+    EXPECT_EQ(drain(outbox), "2 ");
+    outbox.put_back(std::move(second_again));
+    outbox.put_back(std::move(first_again));
+    EXPECT_EQ(drain(outbox), "2 ");
+}
+
+TEST(Outbox, Discard_RemovesOnePriority) {
+    Outbox outbox({10, kPlenty});
+    outbox.push(message("s", "state", true), Priority::kAnnouncement);
+    outbox.push(message("r", "reply"), Priority::kReply);
+    outbox.discard(Priority::kAnnouncement);
+    EXPECT_EQ(outbox.size(), 1u);
+    outbox.push(message("s", "state", true), Priority::kAnnouncement);
+    EXPECT_EQ(drain(outbox), "reply state ");
+}
+
+}  // namespace
+}  // namespace asip::bus

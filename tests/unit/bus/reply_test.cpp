@@ -1,0 +1,72 @@
+#include "asip/bus/reply.hpp"
+
+#include <gtest/gtest.h>
+
+namespace asip::bus {
+namespace {
+
+TEST(Reply, EachStatus_HasTheTextOfTheProtocolAndReadsBack) {
+    auto ok = Reply::ok("fence");
+    ok.id = "7";
+    EXPECT_EQ(to_json_text(ok), R"({"id":"7","proof":"fence","status":"ok"})");
+    EXPECT_EQ(to_json_text(Reply::board_error(7, "INVALID_DEVICE_NUMBER")),
+              R"({"code":7,"error":"INVALID_DEVICE_NUMBER","status":"error"})");
+    EXPECT_EQ(to_json_text(Reply::timeout()), R"({"status":"timeout"})");
+    EXPECT_EQ(to_json_text(Reply::refused("queue-full", "too many commands wait")),
+              R"({"error":"too many commands wait","reason":"queue-full","status":"refused"})");
+    for (const auto& reply : {ok, Reply::ok("answer", R"({"a":[1,2]})"), Reply::board_error(2, "x"),
+                              Reply::timeout(), Reply::refused("invalid", "y")}) {
+        const auto back = parse_reply(to_json_text(reply));
+        ASSERT_TRUE(back) << back.error();
+        EXPECT_EQ(*back, reply);
+    }
+}
+
+TEST(Reply, AnswerThatIsNotJson_BecomesAString) {
+    EXPECT_EQ(to_json_text(Reply::ok("answer", "@I,x")),
+              R"({"answer":"@I,x","proof":"answer","status":"ok"})");
+}
+
+TEST(Reply, BytesThatAreNotUtf8_AreReplaced) {
+    const auto text = to_json_text(Reply::board_error(1, "bad \xff byte"));
+    const auto back = parse_reply(text);
+    ASSERT_TRUE(back);
+    EXPECT_EQ(back->error, "bad \xef\xbf\xbd byte");
+}
+
+TEST(ParseReply, UnknownMembers_AreIgnored) {
+    const auto reply = parse_reply(R"({"status":"ok","later":{"x":1},"id":7})");
+    ASSERT_TRUE(reply);
+    EXPECT_EQ(reply->id, "7");
+}
+
+TEST(ParseReply, NotAReply_Fails) {
+    for (const char* text :
+         {"", "ok", "[]", "{}", R"({"status":"fine"})", R"({"status":1})", R"({"status":"ok")"}) {
+        EXPECT_FALSE(parse_reply(text)) << text;
+    }
+    EXPECT_FALSE(parse_reply(std::string(100000, '[')));
+    EXPECT_EQ(parse_reply(R"({"status":"error","code":99999999999})")->code, 0);
+}
+
+TEST(ReplyMessage, WantedWithId_GoesToTheTopicWithIdAndCorrelation) {
+    const auto message = reply_message({"a/b", "corr", "7"}, Reply::timeout());
+    ASSERT_TRUE(message);
+    EXPECT_EQ(message->topic, "a/b");
+    EXPECT_EQ(message->correlation, "corr");
+    EXPECT_EQ(message->qos, 1);
+    EXPECT_EQ(message->payload, R"({"id":"7","status":"timeout"})");
+}
+
+TEST(ReplyMessage, NobodyAsked_IsNothing) {
+    EXPECT_FALSE(reply_message({}, Reply::timeout()));
+}
+
+TEST(ReplyTo, Key_IsTheIdElseTheCorrelation) {
+    EXPECT_EQ((ReplyTo{"t", "c", "i"}).key(), "i");
+    EXPECT_EQ((ReplyTo{"t", "c", ""}).key(), "c");
+    EXPECT_EQ((ReplyTo{"t", "", ""}).key(), "");
+}
+
+}  // namespace
+}  // namespace asip::bus
