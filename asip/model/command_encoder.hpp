@@ -52,7 +52,9 @@ struct RawControl {
 };
 RawControl read_raw_control(std::string_view payload);
 
-/// "write SERVO ANGLE" with types, ranges and units, for help texts: "servo 0..255, angle 0..180 degrees".
+/// A field or argument with its type, range and unit, for help texts: "angle 0..180 degrees".
+std::string describe(const Field& field);
+/// All arguments of a command: "servo 0..255, angle 0..180 degrees"; empty where there is none.
 std::string usage(const CommandModel& command);
 
 }  // namespace asip::model

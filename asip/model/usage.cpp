@@ -9,6 +9,8 @@ std::string number(double value) {
     return nlohmann::json(static_cast<std::int64_t>(value)).dump();
 }
 
+}  // namespace
+
 std::string describe(const Field& field) {
     if (field.type == ValueType::List) {
         std::string items;
@@ -29,8 +31,6 @@ std::string describe(const Field& field) {
         names += (names.empty() ? "" : "|") + name;
     return text + " (" + names + ")";
 }
-
-}  // namespace
 
 std::string usage(const CommandModel& command) {
     std::string text;
