@@ -1,0 +1,184 @@
+#include "agent/announcer.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "asip/program/exit_status.hpp"
+
+namespace asip::agent {
+
+namespace {
+
+// A probe is answered within a second, at a random moment; the rest is the way there and back.
+constexpr Duration kClaimTime = std::chrono::milliseconds(1300);
+constexpr Duration kProbeAnswer = std::chrono::milliseconds(900);
+
+std::string make_session(std::uint64_t started_unix, const Random& random) {
+    char time[24];
+    std::snprintf(time, sizeof time, "%010llx", static_cast<unsigned long long>(started_unix));
+    return time + random_hex(random, 6);
+}
+
+bus::Message retained(std::string topic, std::string payload) {
+    bus::Message message;
+    message.topic = std::move(topic);
+    message.payload = std::move(payload);
+    message.qos = 1;
+    message.retain = true;
+    return message;
+}
+
+bus::Message plain(std::string topic, std::string payload) {
+    bus::Message message;
+    message.topic = std::move(topic);
+    message.payload = std::move(payload);
+    message.qos = 1;
+    return message;
+}
+
+Duration random_part(Duration of, const Random& random) {
+    return std::chrono::duration_cast<Duration>(of * random_unit(random));
+}
+
+}  // namespace
+
+Announcer::Announcer(const bus::Topics& topics, AnnouncerOptions options, Random random)
+    : topics_(topics),
+      options_(std::move(options)),
+      random_(std::move(random)),
+      session_(make_session(options_.started_unix, random_)) {}
+
+bus::Message Announcer::will() const {
+    return retained(topics_.state(options_.board), std::string(to_text(model::BoardState::Lost)));
+}
+
+void Announcer::describe(model::Description description, Effects& out) {
+    description_ = std::move(description);
+    description_.board = options_.board;
+    description_.lease = options_.lease_seconds;
+    described_ = true;
+    (void)out;
+    if (established_ && connected_)
+        probe_answer_ = Time::min();  // at the next tick: one announcement for many changes
+}
+
+void Announcer::set_state(model::BoardState state, Effects& out) {
+    if (state_ == state) return;
+    state_ = state;
+    if (established_ && connected_) publish_state(out);
+}
+
+void Announcer::publish_state(Effects& out) {
+    out.publish.push_back({retained(topics_.state(options_.board), std::string(to_text(state_))),
+                           bus::Priority::kAnnouncement});
+}
+
+void Announcer::on_connected(Time now, Effects& out) {
+    connected_ = true;
+    if (established_) return announce(now, out);
+    claim_ends_ = now + kClaimTime;
+    out.publish.push_back({plain(topics_.probe(), options_.board), bus::Priority::kAnnouncement});
+}
+
+void Announcer::on_disconnected() {
+    connected_ = false;
+    claim_ends_.reset();
+    renewal_.reset();
+    probe_answer_.reset();
+}
+
+void Announcer::announce(Time now, Effects& out) {
+    probe_answer_.reset();
+    schedule_renewal(now);
+    if (!described_) return;
+    publish_state(out);
+    description_.session = session_;
+    description_.seq = ++seq_;
+    bus::Message description = retained(topics_.description(options_.board), model::to_text(description_));
+    description.expiry_seconds = static_cast<std::uint32_t>(options_.lease_seconds);
+    out.publish.push_back({std::move(description), bus::Priority::kAnnouncement});
+    out.publish.push_back({plain(topics_.board_names(), options_.board), bus::Priority::kAnnouncement});
+    for (const auto& service : description_.services)
+        out.publish.push_back(
+            {plain(topics_.service_names(options_.board), service.name), bus::Priority::kAnnouncement});
+}
+
+void Announcer::schedule_renewal(Time now) {
+    const Duration third = std::chrono::seconds(options_.lease_seconds) / Duration::rep{3};
+    renewal_ = now + third - random_part(third / 5, random_);
+}
+
+void Announcer::announce_within(Duration limit, Time now) {
+    const Time when = now + random_part(limit, random_);
+    if (!probe_answer_ || when < *probe_answer_) probe_answer_ = when;
+}
+
+void Announcer::on_message(const bus::Message& message, Time now, Effects& out) {
+    const auto topic = topics_.parse(message.topic);
+    if (!topic) return;
+    if (topic->kind == bus::TopicKind::kProbe) {
+        if (established_ && (message.payload.empty() || message.payload == options_.board))
+            announce_within(kProbeAnswer, now);
+        return;
+    }
+    if (topic->board != options_.board) return;
+    if (topic->kind == bus::TopicKind::kDescription) return on_foreign_description(message, now, out);
+    if (topic->kind != bus::TopicKind::kState || !established_ || message.retain ||
+        message.payload == to_text(state_))
+        return;
+    // Our own words of a moment ago come back, too; saying the newest once more does no harm.
+    out.log(program::log::Level::kDebug, "state put right", {{"was", message.payload.substr(0, 32)}});
+    publish_state(out);
+}
+
+void Announcer::on_foreign_description(const bus::Message& message, Time now, Effects& out) {
+    if (message.retain || message.payload.empty()) return;  // what was stored tells of nobody living
+    const auto other = model::parse_description(message.payload);
+    if (!other || other->session == session_) return;
+    const std::string holder = "agent " +
+                               (other->agent.client.empty() ? other->session : other->agent.client) +
+                               (other->agent.host.empty() ? "" : " on " + other->agent.host);
+    if (established_ && other->session < session_) return announce_within(kProbeAnswer, now);
+    if (established_) {
+        out.fatal = Fatal{program::kExitNameConflict,
+                          "the board name \"" + options_.board + "\" was taken over by " + holder};
+        return;
+    }
+    if (options_.takeover) {
+        if (session_ < other->session) session_ = other->session + "-" + random_hex(random_, 4);
+        return;
+    }
+    out.fatal = Fatal{program::kExitNameConflict,
+                      "the board name \"" + options_.board + "\" is held by " + holder +
+                          "; give this board another one with --name, or take the name with --takeover"};
+}
+
+void Announcer::tick(Time now, Effects& out) {
+    if (claim_ends_ && now >= *claim_ends_) {
+        claim_ends_.reset();
+        established_ = true;
+        return announce(now, out);
+    }
+    if (established_ && connected_ &&
+        ((renewal_ && now >= *renewal_) || (probe_answer_ && now >= *probe_answer_)))
+        announce(now, out);
+}
+
+std::optional<Time> Announcer::next_deadline() const {
+    std::optional<Time> deadline = claim_ends_;
+    for (const auto& other : {renewal_, probe_answer_})
+        if (other && (!deadline || *other < *deadline)) deadline = other;
+    return deadline;
+}
+
+void Announcer::goodbye(Effects& out) {
+    const bool known = described_ && established_;
+    state_ = model::BoardState::Offline;
+    if (known) publish_state(out);
+    established_ = false;
+    renewal_.reset();
+    probe_answer_.reset();
+    claim_ends_.reset();
+}
+
+}  // namespace asip::agent

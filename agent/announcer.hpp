@@ -1,0 +1,74 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "agent/effects.hpp"
+#include "asip/bus/topics.hpp"
+#include "asip/model/board_state.hpp"
+#include "asip/model/description.hpp"
+#include "asip/random.hpp"
+#include "asip/time.hpp"
+
+namespace asip::agent {
+
+struct AnnouncerOptions {
+    std::string board;
+    int lease_seconds = model::kDefaultLeaseSeconds;
+    bool takeover = false;
+    /// Seconds since 1970 at the start of this program: sessions are ordered by it, so that of two agents
+    /// with one name all agree on the later one.
+    std::uint64_t started_unix = 0;
+};
+
+/// Claims a board's name on the bus, announces the board, keeps its lease, answers probes, and puts its
+/// `$state` right when somebody else (a late will) wrote it.
+///
+/// A claim asks whether a living agent holds the name, by a probe, and waits 1.3 s for its announcement. Once
+/// established, an announcement of a later session means that the name was taken over, and an older one is a
+/// ghost.
+class Announcer {
+  public:
+    Announcer(const bus::Topics& topics, AnnouncerOptions options, Random random);
+
+    /// What is announced; `board`, `session`, `seq` and `lease` are filled in. Announced at once where
+    /// established.
+    void describe(model::Description description, Effects& out);
+    void set_state(model::BoardState state, Effects& out);
+
+    void on_connected(Time now, Effects& out);
+    void on_disconnected();
+    /// A message on our board's service-bus topics or on the probe topic.
+    void on_message(const bus::Message& message, Time now, Effects& out);
+    void tick(Time now, Effects& out);
+    std::optional<Time> next_deadline() const;
+
+    /// Says `offline`.
+    void goodbye(Effects& out);
+
+    bool established() const { return established_; }
+    const std::string& session() const { return session_; }
+    bus::Message will() const;
+
+  private:
+    void announce(Time now, Effects& out);
+    void publish_state(Effects& out);
+    void on_foreign_description(const bus::Message& message, Time now, Effects& out);
+    void schedule_renewal(Time now);
+    void announce_within(Duration limit, Time now);
+
+    bus::Topics topics_;
+    AnnouncerOptions options_;
+    Random random_;
+    std::string session_;
+    std::uint64_t seq_ = 0;
+    model::Description description_;
+    model::BoardState state_ = model::BoardState::Lost;
+    bool described_ = false;
+    bool connected_ = false;
+    bool established_ = false;  // the name is ours
+    std::optional<Time> claim_ends_;
+    std::optional<Time> renewal_;
+    std::optional<Time> probe_answer_;
+};
+
+}  // namespace asip::agent

@@ -1,0 +1,239 @@
+#include "agent/application.hpp"
+
+#include "asip/program/exit_status.hpp"
+#include "asip/program/log.hpp"
+
+namespace asip::agent {
+
+namespace log = program::log;
+
+namespace {
+
+constexpr Duration kGoodbye = std::chrono::milliseconds(700);
+// Longer than a boot loader and two rounds of asking at the start rate.
+constexpr Duration kSilentAtStart = std::chrono::milliseconds(3500);
+constexpr auto kCountersEvery = std::chrono::seconds(10);
+
+}  // namespace
+
+Application::Application(AgentOptions options)
+    : options_(std::move(options)),
+      bridge_(options_.bridge, options_.models, system_random()),
+      link_(io_, options_,
+            {[this](const session::LinkTraits& traits, model::LinkInfo info) {
+                 with_bridge(
+                     [&](Time now, Effects& out) { bridge_.link_up(traits, std::move(info), now, out); });
+                 if (!traits.restarting && options_.reset == ResetPolicy::kIfSilent) board_silent_at_start();
+             },
+             [this](const std::string& why) {
+                 reset_timer_.cancel();
+                 with_bridge([&](Time now, Effects& out) { bridge_.link_down(why, now, out); });
+             },
+             [this](std::string_view bytes) {
+                 with_bridge([&](Time now, Effects& out) { bridge_.receive(bytes, now, out); });
+             },
+             [this](const link::StreamError& error, bool first) { link_failed(error, first); }}),
+      clients_(io_,
+               [this](std::string_view line) {
+                   with_bridge([&](Time now, Effects& out) {
+                       if (!bridge_.client_line(line, now, out))
+                           log::debug("client's line refused", {{"line", line}});
+                   });
+               }),
+      stop_signal_(io_, [this](int) { stop(); }),
+      timer_(io_),
+      reset_timer_(io_),
+      counters_timer_(io_) {}
+
+Application::~Application() = default;
+
+int Application::run() {
+    if (!options_.listen.empty()) {
+        const auto port = clients_.listen(*link::parse_tcp_address(options_.listen, "127.0.0.1"));
+        if (!port) {
+            log::error("cannot listen for clients",
+                       {{"address", options_.listen}, {"why", port.error().text}});
+            return program::kExitFailure;
+        }
+        log::info("listening for clients", {{"port", *port}});
+    }
+    link_.start();
+    report_counters();
+    io_.run();
+    return status_;
+}
+
+template <class Call>
+void Application::with_bridge(Call&& call) {
+    if (stopping_) return;
+    Effects effects;
+    call(Clock::now(), effects);
+    perform(effects);
+    if (!stopping_) arm_timer();
+}
+
+void Application::perform(Effects& effects) {
+    for (const auto& notice : effects.notices) {
+        std::string fields;
+        for (const auto& [name, value] : notice.fields)
+            if (!value.empty()) fields += (fields.empty() ? "" : " ") + name + "=" + value;
+        log::write(notice.level, notice.text, {{"board", bridge_.name()}, {"details", fields}});
+    }
+    for (auto& action : effects.link) {
+        if (const auto* write = std::get_if<session::Write>(&action)) {
+            link_.write(write->bytes);
+        } else if (const auto* rate = std::get_if<session::SetLineRate>(&action)) {
+            link_.set_rate(rate->baud, [this](bool ok) {
+                with_bridge([&](Time now, Effects& out) { bridge_.line_rate_set(ok, now, out); });
+            });
+        }
+    }
+    if (effects.board_known) {
+        board_ever_known_ = true;
+        reset_timer_.cancel();
+        if (!bus_) connect_bus();
+    }
+    if (bus_)
+        for (auto& publication : effects.publish)
+            bus_->publish(std::move(publication.message), publication.priority);
+    for (const auto& line : effects.lines)
+        clients_.broadcast(line);
+    if (effects.fatal) {
+        log::error(effects.fatal->text, {});
+        finish(effects.fatal->status);
+    }
+}
+
+void Application::arm_timer() {
+    const auto deadline = bridge_.next_deadline();
+    if (!deadline) {
+        armed_for_.reset();
+        timer_.cancel();
+        return;
+    }
+    // Deadlines move later with every line that arrives; the timer is then left to fire early once.
+    if (armed_for_ && *armed_for_ <= *deadline) return;
+    armed_for_ = *deadline;
+    timer_.expires_at(*deadline);
+    timer_.async_wait([this](boost::system::error_code error) {
+        if (error || stopping_) return;
+        armed_for_.reset();
+        with_bridge([&](Time now, Effects& out) {
+            if (const auto due = bridge_.next_deadline(); due && *due <= now) bridge_.tick(now, out);
+        });
+    });
+}
+
+void Application::connect_bus() {
+    bus::MqttOptions options = options_.mqtt;
+    options.will = bridge_.will();
+    bus_ = std::make_unique<bus::MqttClient>(
+        io_, std::move(options),
+        bus::MqttClient::Handlers{
+            [this](const bus::Connected& connected) {
+                ever_connected_ = true;
+                bus_failure_told_ = false;
+                log::info("broker connected",
+                          {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
+                bus_->discard_queued(bus::Priority::kAnnouncement);
+                with_bridge(
+                    [&](Time now, Effects& out) { bridge_.bus_connected(now, connected.client_id, out); });
+            },
+            [this](const bus::ConnectionFailure& failure) {
+                bridge_.bus_disconnected();
+                bus_failed(failure, true);
+            },
+            [this](const bus::ConnectionFailure& failure) { bus_failed(failure, false); },
+            [this](const bus::Message& message) {
+                with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, now, out); });
+            },
+            [](const std::string&) {},
+            [](const std::string& filter, const std::string& reason) {
+                log::error("the broker refuses a subscription", {{"topic", filter}, {"why", reason}});
+            },
+            [](const std::string& line) { log::trace(line); },
+        });
+    for (const auto& filter : bridge_.subscriptions())
+        bus_->subscribe(filter, {.qos = 1, .no_local = false, .retained = true});
+    bus_->start();
+}
+
+void Application::bus_failed(const bus::ConnectionFailure& failure, bool was_connected) {
+    if (stopping_) return;
+    if (failure.fatal() && !ever_connected_) {
+        log::error(failure.text, {{"broker", failure.broker.describe()}});
+        return finish(program::kExitBroker);
+    }
+    // Each attempt may fail the same way; once is enough for a person, the rest is for debugging.
+    const auto level = was_connected || !bus_failure_told_ ? log::Level::kWarning : log::Level::kDebug;
+    log::write(level, was_connected ? "broker lost; connecting again" : "broker not reachable; trying on",
+               {{"broker", failure.broker.describe()}, {"why", failure.text}});
+    bus_failure_told_ = true;
+}
+
+void Application::link_failed(const link::StreamError& error, bool first) {
+    using Kind = link::StreamError::Kind;
+    const bool waiting_helps =
+        error.kind == Kind::kNotThere || error.kind == Kind::kUnreachable || error.kind == Kind::kClosed;
+    if (first && !waiting_helps) {
+        log::error(error.text, {});
+        return finish(program::kExitBoard);
+    }
+    log::warning("board not reachable; waiting for it", {{"why", error.text}});
+}
+
+void Application::board_silent_at_start() {
+    reset_timer_.expires_after(kSilentAtStart);
+    reset_timer_.async_wait([this](boost::system::error_code error) {
+        if (error || stopping_ || bridge_.session().state() == session::BoardSession::State::kReady) return;
+        log::info("board silent; restarting it by DTR", {});
+        link_.restart_board();
+    });
+}
+
+void Application::report_counters() {
+    counters_timer_.expires_after(kCountersEvery);
+    counters_timer_.async_wait([this](boost::system::error_code error) {
+        if (error || stopping_) return;
+        if (bus_) {
+            const auto counters = bus_->counters();
+            if (counters.dropped_context != told_dropped_) {
+                told_dropped_ = counters.dropped_context;
+                log::warning("the broker is slower than the board; oldest values dropped",
+                             {{"dropped", told_dropped_}});
+            }
+        }
+        report_counters();
+    });
+}
+
+void Application::stop() {
+    if (stopping_) return;
+    log::info("stopping", {});
+    Effects effects;
+    bridge_.goodbye(Clock::now(), effects);
+    effects.link.clear();
+    perform(effects);
+    finish(program::kExitOk);
+}
+
+void Application::finish(int status) {
+    if (std::exchange(stopping_, true)) return;
+    status_ = status;
+    timer_.cancel();
+    reset_timer_.cancel();
+    counters_timer_.cancel();
+    clients_.close();
+    link_.stop();
+    if (!bus_) {
+        stop_signal_.cancel();
+        io_.stop();
+        return;
+    }
+    bus_->stop(kGoodbye, [this] {
+        stop_signal_.cancel();
+        io_.stop();
+    });
+}
+
+}  // namespace asip::agent

@@ -1,0 +1,57 @@
+#pragma once
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <memory>
+#include <optional>
+
+#include "agent/board_link.hpp"
+#include "agent/bridge.hpp"
+#include "agent/options.hpp"
+#include "agent/point_to_point.hpp"
+#include "asip/bus/mqtt_client.hpp"
+#include "asip/program/stop_signal.hpp"
+
+namespace asip::agent {
+
+/// The program: owns the bridge and what carries it, and does what the bridge says.
+class Application {
+  public:
+    explicit Application(AgentOptions options);
+    ~Application();
+
+    /// Until told to stop, or a fault that retrying cannot mend. The exit status.
+    int run();
+
+  private:
+    template <class Call>
+    void with_bridge(Call&& call);
+    void perform(Effects& effects);
+    void connect_bus();
+    void arm_timer();
+    void stop();
+    void finish(int status);
+    void link_failed(const link::StreamError& error, bool first);
+    void bus_failed(const bus::ConnectionFailure& failure, bool was_connected);
+    void board_silent_at_start();
+    void report_counters();
+
+    AgentOptions options_;
+    boost::asio::io_context io_{1};
+    Bridge bridge_;
+    BoardLink link_;
+    PointToPoint clients_;
+    std::unique_ptr<bus::MqttClient> bus_;
+    program::StopSignal stop_signal_;
+    boost::asio::steady_timer timer_;
+    boost::asio::steady_timer reset_timer_;
+    boost::asio::steady_timer counters_timer_;
+    std::optional<Time> armed_for_;
+    std::uint64_t told_dropped_ = 0;
+    bool ever_connected_ = false;
+    bool bus_failure_told_ = false;
+    bool board_ever_known_ = false;
+    bool stopping_ = false;
+    int status_ = 0;
+};
+
+}  // namespace asip::agent

@@ -1,0 +1,246 @@
+#include "agent/bridge.hpp"
+
+#include "asip/model/names.hpp"
+#include "asip/program/exit_status.hpp"
+#include "asip/program/options.hpp"
+#include "asip/protocol/body.hpp"
+#include "asip/protocol/message.hpp"
+
+namespace asip::agent {
+
+using program::log::Level;
+
+namespace {
+
+constexpr Duration kGarbageQuiet = std::chrono::seconds(10);
+
+std::string letters(const ServiceTable& services) {
+    std::string text;
+    for (const auto& entry : services.entries())
+        text += (text.empty() ? "" : ",") + entry.name;
+    return text;
+}
+
+}  // namespace
+
+Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
+    : options_(std::move(options)),
+      topics_(options_.topic_root),
+      models_(std::move(models)),
+      random_(std::move(random)),
+      session_(options_.session),
+      control_(topics_, session_),
+      context_(topics_, options_.context) {}
+
+// --- the board's side
+
+void Bridge::link_up(const session::LinkTraits& traits, model::LinkInfo link, Time now, Effects& out) {
+    facts_.link = std::move(link);
+    session::Actions actions;
+    session_.link_up(traits, now, actions);
+    perform(actions, now, out);
+}
+
+void Bridge::link_down(const std::string& why, Time now, Effects& out) {
+    out.log(Level::kWarning, "board lost", {{"why", why}});
+    if (announcer_) announcer_->set_state(model::BoardState::Lost, out);
+    session::Actions actions;
+    session_.link_down(now, actions);
+    perform(actions, now, out);
+}
+
+void Bridge::receive(std::string_view bytes, Time now, Effects& out) {
+    session::Actions actions;
+    session_.receive(bytes, now, actions);
+    perform(actions, now, out);
+}
+
+void Bridge::line_rate_set(bool ok, Time now, Effects& out) {
+    session::Actions actions;
+    session_.line_rate_set(ok, now, actions);
+    perform(actions, now, out);
+}
+
+void Bridge::perform(session::Actions& actions, Time now, Effects& out) {
+    for (auto& action : actions) {
+        if (std::holds_alternative<session::Write>(action) ||
+            std::holds_alternative<session::SetLineRate>(action)) {
+            out.link.push_back(std::move(action));
+            continue;
+        }
+        std::visit(
+            [&](const auto& known) {
+                using Kind = std::decay_t<decltype(known)>;
+                if constexpr (!std::is_same_v<Kind, session::Write> &&
+                              !std::is_same_v<Kind, session::SetLineRate>)
+                    on_action(known, now, out);
+            },
+            action);
+    }
+}
+
+void Bridge::on_action(const session::BoardLine& line, Time, Effects& out) {
+    out.lines.push_back(line.line);
+    if (name_.empty()) return;
+    note_facts(line.line, out);
+    context_.on_line(name_, line.line, session_.identity(), services_, out);
+}
+
+void Bridge::on_action(const session::Identified& identified, Time, Effects& out) {
+    const auto& board = session_.identity();
+    services_ = ServiceTable(board, models_);
+    if (identified.changed) facts_.counts.clear();
+    facts_.periods.clear();
+    for (const auto& entry : services_.entries())
+        if (const auto period = session_.period(entry.letter))
+            facts_.periods[entry.letter] = static_cast<int>(*period);
+    if (name_.empty()) {
+        name_ = !options_.name.empty()       ? options_.name
+                : !board.stored_name.empty() ? board.stored_name
+                                             : name_from_link(facts_.link);
+        announcer_ = std::make_unique<Announcer>(
+            topics_,
+            AnnouncerOptions{name_, options_.lease_seconds, options_.takeover, options_.started_unix},
+            random_);
+    } else if (options_.name.empty() && !board.stored_name.empty() && board.stored_name != name_) {
+        out.log(Level::kWarning,
+                "the board at this port calls itself otherwise; restart this agent to use that name",
+                {{"board", name_}, {"stored", board.stored_name}});
+    }
+    out.board_known = true;
+    out.log(Level::kInfo, identified.changed ? "board identified" : "board back",
+            {{"board", name_},
+             {"chip", board.info.chip},
+             {"sketch", board.info.sketch},
+             {"services", letters(services_)},
+             {"baud", std::to_string(session_.baud())}});
+    describe_again(out);
+    announcer_->set_state(model::BoardState::Online, out);
+}
+
+void Bridge::on_action(const session::BoardReset& reset, Time, Effects& out) {
+    out.log(Level::kWarning, "board restarted by itself", {{"why", reset.why}});
+}
+
+void Bridge::on_action(const session::BecameSilent&, Time, Effects& out) {
+    out.log(Level::kWarning, "board silent", {{"board", name_}});
+    if (announcer_) announcer_->set_state(model::BoardState::Lost, out);
+}
+
+void Bridge::on_action(const session::NoAnswer& none, Time, Effects& out) {
+    const std::string& path = facts_.link.path;
+    out.fatal =
+        Fatal{program::kExitBoard, none.heard_bytes ? path +
+                                                          " sends bytes, but they are not ASIP at 57600 baud "
+                                                          "or any rate that a board steps up to: is it "
+                                                          "another device, or a sketch without ASIP?"
+                                                    : path +
+                                                          " does not answer: is an ASIP sketch loaded (asip "
+                                                          "firmware: AsipHello), and is it the right port?"};
+}
+
+void Bridge::on_action(const session::LineRateChanged& change, Time, Effects& out) {
+    facts_.link.baud = static_cast<int>(change.baud);
+    out.log(Level::kInfo, "line rate", {{"baud", std::to_string(change.baud)}, {"why", change.why}});
+}
+
+void Bridge::on_action(const session::Garbage& garbage, Time now, Effects& out) {
+    if (garbage_quiet_until_ && now < *garbage_quiet_until_) return;
+    garbage_quiet_until_ = now + kGarbageQuiet;
+    out.log(Level::kWarning, "garbage from the board",
+            {{"reason", garbage.reason},
+             {"sample", garbage.sample},
+             {"count", std::to_string(session_.counters().garbage)}});
+}
+
+void Bridge::on_action(const session::Finished& end, Time, Effects& out) {
+    control_.on_finished(end, out);
+}
+
+// What a description says besides the board's own words: how many elements a service has, and its period.
+void Bridge::note_facts(std::string_view line, Effects& out) {
+    const auto parsed = protocol::parse_line(line);
+    const auto* event = std::get_if<protocol::Event>(&parsed);
+    if (!event || event->service == 'I' || event->service == '#') return;
+    const auto* service = services_.find(event->service);
+    if (!service || !service->model) return;
+    const auto* event_model = service->model->event(event->tag);
+    if (!event_model || event_model->shape != model::EventShape::PerElement) return;
+    const auto body = protocol::parse_body(event->body);
+    if (!body) return;
+    const int count = static_cast<int>(body->items.size());
+    const auto known = facts_.counts.find(event->service);
+    if (known != facts_.counts.end() && known->second == count) return;
+    facts_.counts[event->service] = count;
+    describe_again(out);
+}
+
+void Bridge::describe_again(Effects& out) {
+    facts_.link.baud = static_cast<int>(session_.baud());
+    if (announcer_)
+        announcer_->describe(agent::describe(session_.identity(), services_, models_, facts_), out);
+}
+
+// --- the bus's side
+
+std::vector<std::string> Bridge::subscriptions() const {
+    return {topics_.board_in(name_), topics_.service_in(name_, "+"), topics_.state(name_),
+            topics_.description(name_), topics_.probe()};
+}
+
+void Bridge::bus_connected(Time now, const std::string& client_id, Effects& out) {
+    if (!announcer_) return;
+    if (facts_.agent.client != client_id) {
+        facts_.agent = {ASIP_VERSION, program::host_name(), client_id};
+        describe_again(out);
+    }
+    announcer_->on_connected(now, out);
+}
+
+void Bridge::bus_disconnected() {
+    if (announcer_) announcer_->on_disconnected();
+}
+
+void Bridge::bus_message(const bus::Message& message, Time now, Effects& out) {
+    if (!announcer_) return;
+    const auto topic = topics_.parse(message.topic);
+    if (!topic) return;
+    if (topic->kind != bus::TopicKind::kBoardIn && topic->kind != bus::TopicKind::kServiceIn)
+        return announcer_->on_message(message, now, out);
+    session::Actions actions;
+    control_.on_message(message, services_, session_, now, actions, out);
+    perform(actions, now, out);
+}
+
+bool Bridge::client_line(std::string_view line, Time now, Effects& out) {
+    session::Actions actions;
+    const auto id = session_.submit(line, {.prove = false, .answer_tag = 0}, now, actions);
+    perform(actions, now, out);
+    return id.has_value();
+}
+
+// --- time
+
+void Bridge::tick(Time now, Effects& out) {
+    session::Actions actions;
+    session_.tick(now, actions);
+    perform(actions, now, out);
+    if (announcer_) announcer_->tick(now, out);
+}
+
+std::optional<Time> Bridge::next_deadline() const {
+    auto deadline = session_.next_deadline();
+    if (!announcer_) return deadline;
+    const auto other = announcer_->next_deadline();
+    if (other && (!deadline || *other < *deadline)) deadline = other;
+    return deadline;
+}
+
+void Bridge::goodbye(Time now, Effects& out) {
+    session::Actions actions;
+    session_.link_down(now, actions);
+    perform(actions, now, out);
+    if (announcer_) announcer_->goodbye(out);
+}
+
+}  // namespace asip::agent

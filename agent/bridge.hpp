@@ -1,0 +1,91 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "agent/announcer.hpp"
+#include "agent/context.hpp"
+#include "agent/control.hpp"
+#include "agent/describe.hpp"
+#include "agent/effects.hpp"
+#include "agent/service_table.hpp"
+#include "asip/model/model_set.hpp"
+#include "asip/session/board_session.hpp"
+
+namespace asip::agent {
+
+struct BridgeOptions {
+    std::string topic_root = "asip";
+    std::string name;  ///< empty: the one stored on the board, else from the link
+    int lease_seconds = model::kDefaultLeaseSeconds;
+    bool takeover = false;
+    std::uint64_t started_unix = 0;
+    session::SessionOptions session;
+    ContextOptions context;
+};
+
+/// Everything between a board's bytes and the bus's messages: the session, the announcer, the control and the
+/// context bus. Pure: told what happened and when, it says what to do. Once the board is known for the first
+/// time, name() is valid and the caller connects to the broker with will() and subscriptions().
+class Bridge {
+  public:
+    Bridge(BridgeOptions options, model::ModelSet models, Random random);
+
+    // --- the board's side
+    void link_up(const session::LinkTraits& traits, model::LinkInfo link, Time now, Effects& out);
+    void link_down(const std::string& why, Time now, Effects& out);
+    void receive(std::string_view bytes, Time now, Effects& out);
+    void line_rate_set(bool ok, Time now, Effects& out);
+
+    // --- the bus's side
+    void bus_connected(Time now, const std::string& client_id, Effects& out);
+    void bus_disconnected();
+    void bus_message(const bus::Message& message, Time now, Effects& out);
+
+    /// A line from a point-to-point client. False: it was refused.
+    bool client_line(std::string_view line, Time now, Effects& out);
+
+    void tick(Time now, Effects& out);
+    std::optional<Time> next_deadline() const;
+    /// Ends every open command, says `offline`. Nothing is to be called afterwards.
+    void goodbye(Time now, Effects& out);
+
+    /// Empty until the board was identified.
+    const std::string& name() const { return name_; }
+    bus::Message will() const { return announcer_->will(); }
+    std::vector<std::string> subscriptions() const;
+    const session::BoardSession& session() const { return session_; }
+    const ControlCounters& control_counters() const { return control_.counters(); }
+
+  private:
+    void perform(session::Actions& actions, Time now, Effects& out);
+    void on_action(const session::BoardLine& line, Time now, Effects& out);
+    void on_action(const session::Identified& identified, Time now, Effects& out);
+    void on_action(const session::BoardReset& reset, Time now, Effects& out);
+    void on_action(const session::BecameSilent& silent, Time now, Effects& out);
+    void on_action(const session::NoAnswer& none, Time now, Effects& out);
+    void on_action(const session::LineRateChanged& change, Time now, Effects& out);
+    void on_action(const session::Garbage& garbage, Time now, Effects& out);
+    void on_action(const session::Finished& end, Time now, Effects& out);
+    void describe_again(Effects& out);
+    void note_facts(std::string_view line, Effects& out);
+
+    BridgeOptions options_;
+    bus::Topics topics_;
+    model::ModelSet models_;
+    Random random_;
+    session::BoardSession session_;
+    Control control_;
+    Context context_;
+    std::unique_ptr<Announcer> announcer_;  // once there is a name
+    ServiceTable services_;
+    BoardFacts facts_;
+    std::string name_;
+    std::optional<Time> garbage_quiet_until_;
+};
+
+}  // namespace asip::agent

@@ -1,0 +1,48 @@
+#include "agent/context.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "asip/model/event_decoder.hpp"
+#include "asip/model/json.hpp"
+#include "asip/protocol/error_code.hpp"
+#include "asip/protocol/message.hpp"
+
+namespace asip::agent {
+
+void Context::on_line(const std::string& board, std::string_view line, const session::Identity& identity,
+                      const ServiceTable& services, Effects& out) {
+    bus::Message raw;
+    raw.topic = topics_.board_out(board);
+    raw.payload = std::string(line) + options_.terminator;
+    out.publish.push_back({std::move(raw), bus::Priority::kContext});
+
+    const auto parsed = protocol::parse_line(line);
+    bus::Message message;
+    if (const auto* event = std::get_if<protocol::Event>(&parsed)) {
+        const auto* service = services.find(event->service);
+        if (!service || !service->model) return;
+        const auto value =
+            model::decode_event(*service->model, *event, {&identity.port_map, identity.pin_modes});
+        if (!value) {
+            if (service->model->event(event->tag)) ++undecoded_;
+            return;
+        }
+        message.topic = topics_.service_out(board, service->name);
+        message.payload = model::dump_json(*value);
+        message.retain = options_.retain_values;
+    } else if (const auto* error = std::get_if<protocol::ErrorReply>(&parsed)) {
+        const auto* service = services.find(error->service);
+        nlohmann::json value{{"request", std::string(1, error->tag)},
+                             {"code", error->code},
+                             {"error", std::string(error->text)}};
+        message.topic =
+            topics_.service_error(board, service ? service->name : std::string(1, error->service));
+        if (!bus::legal_service_name(service ? service->name : std::string(1, error->service))) return;
+        message.payload = model::dump_json(value);
+    } else {
+        return;
+    }
+    out.publish.push_back({std::move(message), bus::Priority::kContext});
+}
+
+}  // namespace asip::agent

@@ -1,0 +1,183 @@
+#include "agent/control.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "asip/model/command_encoder.hpp"
+#include "asip/model/event_decoder.hpp"
+#include "asip/model/json.hpp"
+#include "asip/protocol/error_code.hpp"
+#include "asip/protocol/request.hpp"
+
+namespace asip::agent {
+
+namespace {
+
+// Questions whose answer has their own tag; what a raw request is answered with.
+char answer_of_question(std::string_view line) {
+    const auto request = protocol::parse_request(line);
+    if (!request) return 0;
+    const std::string_view tags = request->service == '#' ? "?NSXIE" : request->service == 'I' ? "Mmpc" : "";
+    return tags.find(request->tag) == std::string_view::npos ? '\0' : request->tag;
+}
+
+std::string refusal_text(session::Refusal refusal) {
+    switch (refusal) {
+        case session::Refusal::kQueueFull:
+            return "too many commands wait for the board; send fewer, or wait for answers";
+        case session::Refusal::kNoBoard:
+            return "the board is not there now";
+        case session::Refusal::kInvalid:
+            return "not a request that may be sent to the board";
+    }
+    return {};
+}
+
+}  // namespace
+
+void Control::on_message(const bus::Message& message, const ServiceTable& services,
+                         session::BoardSession& session, Time now, session::Actions& actions, Effects& out) {
+    const auto topic = topics_.parse(message.topic);
+    if (!topic || (topic->kind != bus::TopicKind::kBoardIn && topic->kind != bus::TopicKind::kServiceIn))
+        return;
+    ++counters_.commands;
+    auto command = std::make_shared<Command>();
+    auto envelope = bus::open_envelope(message);
+    command->reply = envelope ? envelope->reply : envelope.error().reply;
+    if (message.retain)
+        return refuse(
+            *command, bus::kRefusedRetained,
+            "a stored command was not executed; clear it by publishing an empty retained message on " +
+                message.topic,
+            out);
+    if (!envelope) return refuse(*command, bus::kRefusedInvalid, envelope.error().error, out);
+
+    const ServiceTable::Entry* service = nullptr;
+    if (topic->kind == bus::TopicKind::kServiceIn) {
+        service = services.find(topic->service);
+        if (!service)
+            return refuse(*command,
+                          services.entries().empty() ? bus::kRefusedBoardNotThere : bus::kRefusedInvalid,
+                          "the board has no service \"" + std::string(topic->service) + "\"", out);
+        command->model_owner = service->model;
+        command->model = service->model.get();
+    }
+    const std::string id = command->reply.key();
+    if (!id.empty()) command->key = command->reply.topic + '\n' + id;
+    if (!command->key.empty()) {
+        const auto seen = recent_.see(command->key, now);
+        if (seen != RecentAnswers::Seen::kNew) ++counters_.repeated;
+        if (seen == RecentAnswers::Seen::kAnswered)
+            return send(command->reply, *recent_.find(command->key), out);
+        if (seen == RecentAnswers::Seen::kPending) return;
+    }
+    const auto lines = read(*envelope, service);
+    if (!lines) return refuse(*command, bus::kRefusedInvalid, lines.error(), out);
+    execute(std::move(command), *lines, session, now, actions, out);
+}
+
+Expected<std::vector<Control::Line>> Control::read(const bus::RequestEnvelope& envelope,
+                                                   const ServiceTable::Entry* service) const {
+    std::vector<Line> result;
+    if (!service) {
+        if (envelope.form != bus::RequestEnvelope::Form::kRaw)
+            return fail(
+                "ASIP request lines are expected here, or {\"raw\":\"...\"}; JSON commands go to "
+                "BOARD/SERVICE/in");
+        const auto lines = protocol::split_requests(envelope.body);
+        if (!lines) return Unexpected<std::string>(lines.error());
+        if (lines->empty()) return fail("no request");
+        for (auto line : *lines)
+            result.push_back({std::string(line), answer_of_question(line)});
+        return result;
+    }
+    const auto request = model::read_control(service->model.get(), service->letter, envelope.body);
+    if (!request.command) return Unexpected<std::string>(request.command.error());
+    result.push_back({request.command->line, request.command->answer});
+    return result;
+}
+
+void Control::execute(std::shared_ptr<Command> command, const std::vector<Line>& lines,
+                      session::BoardSession& session, Time now, session::Actions& actions, Effects& out) {
+    std::size_t number = 0;
+    for (const Line& line : lines) {
+        ++number;
+        const bool wanted = command->reply.wanted();
+        const auto id = session.submit(
+            line.text, {.prove = wanted, .answer_tag = wanted ? line.answer_tag : '\0'}, now, actions);
+        if (id) {
+            ++command->open;
+            if (wanted) open_.emplace(*id, command);
+            continue;
+        }
+        std::string text = refusal_text(id.error());
+        if (lines.size() > 1)
+            text = "line " + std::to_string(number) + " of " + std::to_string(lines.size()) + ": " + text;
+        ++counters_.refused;
+        command->outcome = bus::Reply::refused(session::to_string(id.error()), std::move(text));
+        out.log(program::log::Level::kDebug, "command refused",
+                {{"reason", command->outcome.reason}, {"line", line.text}});
+        break;
+    }
+    command->all_sent = true;
+    if (command->open == 0) conclude(*command, out);
+}
+
+bool Control::on_finished(const session::Finished& end, Effects& out) {
+    const auto it = open_.find(end.id);
+    if (it == open_.end()) return false;
+    const std::shared_ptr<Command> command = it->second;
+    open_.erase(it);
+    bus::Reply& outcome = command->outcome;
+    if (outcome.status == bus::Reply::Status::kOk) {
+        switch (end.ending) {
+            case session::Ending::kBoardError:
+                outcome = bus::Reply::board_error(
+                    end.code, end.text.empty() ? std::string(protocol::error_name(end.code)) : end.text);
+                break;
+            case session::Ending::kTimeout:
+                outcome = bus::Reply::timeout();
+                break;
+            case session::Ending::kNotSent:
+                outcome = bus::Reply::refused(std::string(bus::kRefusedBoardNotThere),
+                                              refusal_text(session::Refusal::kNoBoard));
+                break;
+            case session::Ending::kExecuted:
+            case session::Ending::kUnproven:
+                if (!end.answer.empty()) outcome.answer = answer_json(*command, end.answer);
+                break;
+        }
+    }
+    if (--command->open == 0 && command->all_sent) conclude(*command, out);
+    return true;
+}
+
+std::string Control::answer_json(const Command& command, const std::string& line) const {
+    const auto parsed = protocol::parse_line(line);
+    const auto* event = std::get_if<protocol::Event>(&parsed);
+    if (event && command.model) {
+        const auto& identity = session_.identity();
+        const auto value =
+            model::decode_event(*command.model, *event, {&identity.port_map, identity.pin_modes});
+        if (value) return model::dump_json(*value);
+    }
+    return model::dump_json(nlohmann::json(line));
+}
+
+void Control::refuse(Command& command, std::string_view reason, std::string text, Effects& out) {
+    ++counters_.refused;
+    out.log(program::log::Level::kDebug, "command refused", {{"reason", std::string(reason)}, {"why", text}});
+    command.outcome = bus::Reply::refused(std::string(reason), std::move(text));
+    conclude(command, out);
+}
+
+void Control::conclude(Command& command, Effects& out) {
+    if (!command.key.empty()) recent_.answer(command.key, command.outcome);
+    send(command.reply, command.outcome, out);
+}
+
+void Control::send(const bus::ReplyTo& to, const bus::Reply& reply, Effects& out) {
+    if (auto message = bus::reply_message(to, reply))
+        out.publish.push_back({std::move(*message), bus::Priority::kReply});
+}
+
+}  // namespace asip::agent

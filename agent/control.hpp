@@ -1,0 +1,71 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "agent/effects.hpp"
+#include "agent/recent_answers.hpp"
+#include "agent/service_table.hpp"
+#include "asip/bus/request_envelope.hpp"
+#include "asip/bus/topics.hpp"
+#include "asip/session/board_session.hpp"
+#include "asip/time.hpp"
+
+namespace asip::agent {
+
+struct ControlCounters {
+    std::uint64_t commands = 0;  ///< payloads on a control topic
+    std::uint64_t refused = 0;
+    std::uint64_t repeated = 0;
+};
+
+/// The control bus: takes the envelope off, checks the command by its model, queues it on the session, and
+/// sees that whoever asked for an answer gets exactly one.
+class Control {
+  public:
+    Control(const bus::Topics& topics, const session::BoardSession& session)
+        : topics_(topics), session_(session) {}
+
+    /// A message on one of the board's `/in` topics.
+    void on_message(const bus::Message& message, const ServiceTable& services, session::BoardSession& session,
+                    Time now, session::Actions& actions, Effects& out);
+    /// True: the request was one of ours.
+    bool on_finished(const session::Finished& end, Effects& out);
+
+    const ControlCounters& counters() const { return counters_; }
+
+  private:
+    /// One payload: one answer for all its lines.
+    struct Command {
+        bus::ReplyTo reply;
+        std::string key;  // of RecentAnswers; empty: cannot be recognised again
+        const model::ServiceModel* model = nullptr;
+        model::ModelPtr model_owner;
+        std::size_t open = 0;  // requests that have not ended
+        bool all_sent = false;
+        bus::Reply outcome = bus::Reply::ok("fence");
+    };
+    struct Line {
+        std::string text;
+        char answer_tag = 0;
+    };
+
+    void execute(std::shared_ptr<Command> command, const std::vector<Line>& lines,
+                 session::BoardSession& session, Time now, session::Actions& actions, Effects& out);
+    void refuse(Command& command, std::string_view reason, std::string text, Effects& out);
+    void conclude(Command& command, Effects& out);
+    void send(const bus::ReplyTo& to, const bus::Reply& reply, Effects& out);
+    Expected<std::vector<Line>> read(const bus::RequestEnvelope& envelope,
+                                     const ServiceTable::Entry* service) const;
+    std::string answer_json(const Command& command, const std::string& line) const;
+
+    bus::Topics topics_;
+    const session::BoardSession& session_;
+    ControlCounters counters_;
+    RecentAnswers recent_;
+    std::unordered_map<session::RequestId, std::shared_ptr<Command>> open_;
+};
+
+}  // namespace asip::agent

@@ -1,0 +1,47 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "asip/bus/message.hpp"
+#include "asip/program/log.hpp"
+#include "asip/session/action.hpp"
+
+namespace asip::agent {
+
+struct Publication {
+    bus::Message message;
+    bus::Priority priority = bus::Priority::kContext;
+};
+using Publications = std::vector<Publication>;
+
+/// Something a person may want to read in the log.
+struct Notice {
+    program::log::Level level = program::log::Level::kInfo;
+    std::string text;
+    std::vector<std::pair<std::string, std::string>> fields;
+};
+
+/// Why the program has to end, and with which status.
+struct Fatal {
+    int status = 1;
+    std::string text;
+};
+
+/// What the pure bridge wants done, in order within each list; across lists the order does not matter.
+struct Effects {
+    std::vector<session::Action> link;  ///< Write and SetLineRate only
+    Publications publish;
+    std::vector<std::string> lines;  ///< for every point-to-point client
+    std::vector<Notice> notices;
+    bool board_known = false;  ///< the board was identified (again): its name is known now
+    std::optional<Fatal> fatal;
+
+    void log(program::log::Level level, std::string text,
+             std::vector<std::pair<std::string, std::string>> fields = {}) {
+        notices.push_back(Notice{level, std::move(text), std::move(fields)});
+    }
+};
+
+}  // namespace asip::agent

@@ -1,0 +1,165 @@
+#include "agent/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <ctime>
+#include <iostream>
+
+#include "asip/bus/topics.hpp"
+#include "asip/link/tcp_stream.hpp"
+#include "asip/model/names.hpp"
+#include "asip/program/exit_status.hpp"
+#include "asip/program/options.hpp"
+
+namespace asip::agent {
+
+namespace {
+
+constexpr const char* kAbout =
+    "Puts one ASIP board on the service bus: announces it with its services, bridges its events and "
+    "commands,\n"
+    "and keeps doing so when the board or the broker leaves and comes back.";
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  asip-agent --serial /dev/ttyACM0\n"
+    "      The board at that port, to the broker on this machine, under the name stored on the board.\n"
+    "  asip-agent --serial /dev/ttyUSB0 --name greenhouse --broker broker.local,backup.local\n"
+    "      Two brokers: the second is used while the first does not answer.\n"
+    "  asip-agent --tcp 192.168.1.20:5005 --broker mqtts://broker.local --user pi --password-file ~/.asip\n"
+    "      A board with a network of its own; encrypted to the broker.\n"
+    "  asip-agent --serial /dev/ttyACM0 --listen 6789\n"
+    "      Clients without MQTT may connect to port 6789, with plain lines or Java's writeUTF frames.\n"
+    "\n"
+    "Exit status: 0 told to stop; 2 bad option; 3 the broker refused us; 5 port busy, no permission, or no "
+    "ASIP\n"
+    "board there; 6 another agent holds the board's name.";
+
+struct Raw {
+    program::BrokerOptions broker;
+    program::LogOptions log;
+    std::string name, serial, tcp, listen, services, reset = "if-silent", terminator = "none";
+    unsigned baud = 57600;
+    unsigned max_baud = 1'000'000;
+    bool no_step_up = false;
+    bool takeover = false;
+    bool retain_values = false;
+    bool checksum = false;
+    int lease = model::kDefaultLeaseSeconds;
+    double patience = 8;
+};
+
+void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
+    settings.setting(app.add_option("--serial", raw.serial, "Serial port of the board, e.g. /dev/ttyACM0")
+                         ->group("Board"));
+    settings.setting(app.add_option("--tcp", raw.tcp, "HOST:PORT of a board with a network")->group("Board"));
+    settings.setting(
+        app.add_option("--name", raw.name,
+                       "Name of the board on the bus; default: stored on the board, else from the port")
+            ->group("Board"));
+    settings.setting(app.add_flag("--takeover", raw.takeover,
+                                  "Take the name even if another agent holds it; that one ends")
+                         ->group("Board"));
+    settings.setting(
+        app.add_option("--reset", raw.reset, "Whether to restart the board by DTR when its port was opened")
+            ->check(CLI::IsMember({"never", "always", "if-silent"}))
+            ->capture_default_str()
+            ->group("Board"));
+    settings.setting(app.add_option("--baud", raw.baud, "Rate of the line at the start")
+                         ->check(CLI::Range(300, 4'000'000))
+                         ->capture_default_str()
+                         ->group("Board"));
+    settings.setting(app.add_option("--max-baud", raw.max_baud, "Highest rate to step the line up to")
+                         ->capture_default_str()
+                         ->group("Board"));
+    settings.setting(
+        app.add_flag("--no-step-up", raw.no_step_up, "Leave the rate of the line alone")->group("Board"));
+    settings.setting(
+        app.add_flag("--checksum", raw.checksum, "Put a checksum on each line, where the board can")
+            ->group("Board"));
+    settings.setting(app.add_option("--patience", raw.patience,
+                                    "Seconds without any answer after which this is no ASIP board")
+                         ->check(CLI::Range(0.1, 3600.0))
+                         ->capture_default_str()
+                         ->group("Board"));
+    settings.setting(app.add_option("--services", raw.services, "Folder of further service models (*.json)")
+                         ->group("Bus"));
+    settings.setting(app.add_option("--lease", raw.lease, "Seconds for which an announcement holds")
+                         ->check(CLI::Range(3, model::kMaxLeaseSeconds))
+                         ->capture_default_str()
+                         ->group("Bus"));
+    settings.setting(
+        app.add_option("--line-terminator", raw.terminator, "What ends each message on BOARD/out")
+            ->check(CLI::IsMember({"none", "lf", "crlf"}))
+            ->capture_default_str()
+            ->group("Bus"));
+    settings.setting(
+        app.add_flag("--retain-values", raw.retain_values, "Retain the last value of each service")
+            ->group("Bus"));
+    settings.setting(
+        app.add_option("--listen", raw.listen, "[HOST:]PORT for point-to-point clients; 127.0.0.1 if no host")
+            ->group("Point to point"));
+}
+
+Unexpected<int> usage_error(const std::string& text) {
+    std::cerr << "asip-agent: " << text << "\n";
+    return Unexpected<int>(program::kExitUsage);
+}
+
+}  // namespace
+
+Expected<AgentOptions, int> read_options(int argc, const char* const* argv) {
+    Raw raw;
+    CLI::App app{kAbout, "asip-agent"};
+    app.footer(kExamples);
+    program::Settings settings(app, "asip-agent");
+    declare(app, settings, raw);
+    settings.add_broker_options(raw.broker);
+    settings.add_log_options(raw.log);
+    if (const auto status = settings.parse(argc, argv)) return Unexpected<int>(*status);
+
+    AgentOptions options;
+    if (raw.serial.empty() == raw.tcp.empty())
+        return usage_error(
+            "say where the board is: --serial PORT or --tcp HOST:PORT (one of them). --help has examples");
+    if (!raw.name.empty() && !model::valid_board_name(raw.name))
+        return usage_error("--name: " + model::explain_board_name(raw.name) + "; for example --name " +
+                           model::suggest_name(raw.name));
+    if (!raw.tcp.empty())
+        if (const auto address = link::parse_tcp_address(raw.tcp); !address)
+            return usage_error("--tcp: " + address.error());
+    if (!raw.listen.empty())
+        if (const auto address = link::parse_tcp_address(raw.listen, "127.0.0.1"); !address)
+            return usage_error("--listen: " + address.error());
+    auto mqtt = program::mqtt_options(raw.broker, "asip-agent");
+    if (!mqtt) return usage_error(mqtt.error());
+    options.mqtt = std::move(*mqtt);
+    options.models = model::ModelSet::standard();
+    if (!raw.services.empty())
+        if (const auto loaded = options.models.load_directory(raw.services); !loaded)
+            return usage_error("--services: " + loaded.error());
+
+    options.serial = raw.serial;
+    options.tcp = raw.tcp;
+    options.listen = raw.listen;
+    options.baud = raw.baud;
+    options.reset = raw.reset == "never"    ? ResetPolicy::kNever
+                    : raw.reset == "always" ? ResetPolicy::kAlways
+                                            : ResetPolicy::kIfSilent;
+    options.bridge.topic_root = raw.broker.topic_root;
+    options.bridge.name = raw.name;
+    options.bridge.lease_seconds = raw.lease;
+    options.bridge.takeover = raw.takeover;
+    options.bridge.started_unix = static_cast<std::uint64_t>(std::time(nullptr));
+    options.bridge.session.max_baud = raw.no_step_up ? 0 : raw.max_baud;
+    options.bridge.session.checksum = raw.checksum;
+    options.bridge.session.patience =
+        std::chrono::duration_cast<Duration>(std::chrono::duration<double>(raw.patience));
+    options.bridge.context.terminator = raw.terminator == "lf"     ? "\n"
+                                        : raw.terminator == "crlf" ? "\r\n"
+                                                                   : "";
+    options.bridge.context.retain_values = raw.retain_values;
+    return options;
+}
+
+}  // namespace asip::agent
