@@ -1,0 +1,206 @@
+// Serial ports against pseudo-terminals: all of it but the modem lines and the speeds' effect.
+#include "asip/link/serial_port.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "tests/support/loop.hpp"
+#include "tests/support/temp_dir.hpp"
+
+namespace asip::link {
+namespace {
+
+using Kind = StreamError::Kind;
+using test::run_until;
+
+/// The board's end of a pseudo-terminal.
+class Pty {
+  public:
+    Pty() : master_(posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
+        grantpt(master_);
+        unlockpt(master_);
+        char name[64] = {};
+        ptsname_r(master_, name, sizeof name);
+        device_ = name;
+    }
+    ~Pty() { unplug(); }
+    const std::string& device() const { return device_; }
+    void send(const std::string& bytes) {
+        ASSERT_EQ(::write(master_, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+    }
+    std::string read_some() {
+        char buffer[4096];
+        const auto size = ::read(master_, buffer, sizeof buffer);
+        return size > 0 ? std::string(buffer, static_cast<std::size_t>(size)) : "";
+    }
+    speed_t speed() const {
+        termios settings{};
+        tcgetattr(master_, &settings);
+        return cfgetospeed(&settings);
+    }
+    tcflag_t control_flags() const {
+        termios settings{};
+        tcgetattr(master_, &settings);
+        return settings.c_cflag;
+    }
+    void unplug() {
+        if (master_ >= 0) close(master_);
+        master_ = -1;
+    }
+
+  private:
+    int master_;
+    std::string device_;
+};
+
+struct Heard {
+    std::string bytes;
+    std::optional<StreamError> closed;
+    ByteStream::Handlers handlers() {
+        return {[this](std::string_view more) { bytes += more; },
+                [this](const StreamError& e) { closed = e; }};
+    }
+};
+
+class SerialPortTest : public testing::Test {
+  protected:
+    boost::asio::io_context io;
+    Pty board;
+    Heard heard;
+};
+
+TEST_F(SerialPortTest, Opened_CarriesAllBytesUnchangedBothWays) {
+    auto port = open_serial(io, board.device());
+    ASSERT_TRUE(port) << port.error().text;
+    (*port)->start(heard.handlers());
+    const std::string all = std::string("\x03\x04\r\n\x11\x13\x7f\xff\0", 9) + "@I,d,2,FF\n";
+    board.send(all);
+    EXPECT_TRUE(run_until(io, [&] { return heard.bytes == all; }));
+    (*port)->write(all);
+    std::string at_board;
+    EXPECT_TRUE(run_until(io, [&] { return (at_board += board.read_some()) == all; }));
+    EXPECT_EQ((*port)->describe(), board.device());
+}
+
+TEST_F(SerialPortTest, MoreThanTheKernelTakes_IsSentInOrderWithoutBlocking) {
+    auto port = open_serial(io, board.device());
+    ASSERT_TRUE(port);
+    (*port)->start(heard.handlers());
+    std::string sent;
+    for (int i = 0; i < 20000; ++i)
+        sent += std::to_string(i) + "\n";
+    (*port)->write(sent.substr(0, 50000));
+    EXPECT_GT((*port)->unsent_bytes(), 0u);
+    (*port)->write(sent.substr(50000));
+    std::string at_board;
+    EXPECT_TRUE(run_until(io, [&] { return (at_board += board.read_some()).size() >= sent.size(); }));
+    EXPECT_EQ(at_board, sent);
+    EXPECT_TRUE(run_until(io, [&] { return (*port)->unsent_bytes() == 0; }));
+}
+
+TEST_F(SerialPortTest, Speeds_AreSetByNameWhereThereIsOne) {
+    auto port = open_serial(io, board.device());
+    ASSERT_TRUE(port);
+    EXPECT_EQ((*port)->baud(), 57600);
+    EXPECT_EQ(board.speed(), static_cast<speed_t>(B57600));
+    EXPECT_TRUE((*port)->set_baud(500000));
+    EXPECT_EQ(board.speed(), static_cast<speed_t>(B500000));
+    EXPECT_TRUE((*port)->set_baud(1000000));
+    EXPECT_EQ(board.speed(), static_cast<speed_t>(B1000000));
+    EXPECT_TRUE((*port)->set_baud(250000));
+    EXPECT_EQ((*port)->baud(), 250000);
+    EXPECT_FALSE((*port)->set_baud(0));
+    EXPECT_EQ((*port)->baud(), 250000);
+}
+
+TEST_F(SerialPortTest, Opened_DoesNotHangUpOnClose) {
+    auto port = open_serial(io, board.device());
+    ASSERT_TRUE(port);
+    EXPECT_EQ(board.control_flags() & HUPCL, 0u);
+    EXPECT_FALSE((*port)->set_dtr(true)) << "a pseudo-terminal has no such line";
+}
+
+TEST_F(SerialPortTest, OpenedTwice_TheSecondIsBusyUntilTheFirstCloses) {
+    auto first = open_serial(io, board.device());
+    ASSERT_TRUE(first);
+    auto second = open_serial(io, board.device());
+    ASSERT_FALSE(second);
+    EXPECT_EQ(second.error().kind, Kind::kBusy);
+    (*first)->close();
+    EXPECT_TRUE(open_serial(io, board.device()));
+}
+
+TEST_F(SerialPortTest, Unplugged_IsReportedOnce) {
+    auto port = open_serial(io, board.device());
+    ASSERT_TRUE(port);
+    (*port)->start(heard.handlers());
+    board.unplug();
+    ASSERT_TRUE(run_until(io, [&] { return heard.closed.has_value(); }));
+    EXPECT_EQ(heard.closed->kind, Kind::kClosed);
+}
+
+TEST_F(SerialPortTest, DestroyedInItsOwnHandler_IsQuiet) {
+    auto port = open_serial(io, board.device());
+    ASSERT_TRUE(port);
+    auto stream = std::move(*port);
+    int calls = 0;
+    stream->start({[&](std::string_view) {
+                       ++calls;
+                       stream.reset();
+                   },
+                   [&](const StreamError&) { ++calls; }});
+    board.send("x");
+    ASSERT_TRUE(run_until(io, [&] { return calls == 1; }));
+    io.restart();
+    io.run();
+    EXPECT_EQ(calls, 1);
+}
+
+TEST(SerialPortErrors, NotThereOrNotAPort_IsSaid) {
+    boost::asio::io_context io;
+    test::TempDir folder;
+    EXPECT_EQ(open_serial(io, folder.file("ttyUSB9")).error().kind, Kind::kNotThere);
+    EXPECT_EQ(open_serial(io, folder.write("file", "x")).error().kind, Kind::kNotASerialPort);
+    EXPECT_EQ(open_serial(io, "/dev/null").error().kind, Kind::kNotASerialPort);
+    EXPECT_EQ(open_serial(io, folder.path().string()).error().kind, Kind::kNotASerialPort);
+}
+
+TEST(SerialPortErrors, NoPermission_NamesTheGroup) {
+    boost::asio::io_context io;
+    test::TempDir folder;
+    const auto file = folder.write("tty", "");
+    ASSERT_EQ(chmod(file.c_str(), 0), 0);
+    // Root may open anything; for the moment of opening, be somebody else.
+    const bool root = geteuid() == 0;
+    if (root) ASSERT_EQ(seteuid(65534), 0);
+    const auto port = open_serial(io, file);
+    if (root) ASSERT_EQ(seteuid(0), 0);
+    ASSERT_FALSE(port);
+    EXPECT_EQ(port.error().kind, Kind::kNoPermission);
+    EXPECT_NE(port.error().text.find("dialout"), std::string::npos);
+}
+
+TEST(StablePath, DeviceWithLinks_IsTheFirstLinkByName) {
+    test::TempDir folder;
+    const auto device = folder.write("ttyACM0", "");
+    const auto other = folder.write("ttyACM1", "");
+    const auto by_id = folder.path() / "by-id";
+    std::filesystem::create_directory(by_id);
+    std::filesystem::create_symlink("../ttyACM0", by_id / "usb-b");
+    std::filesystem::create_symlink("../ttyACM0", by_id / "usb-a");
+    std::filesystem::create_symlink("../gone", by_id / "usb-0");
+    EXPECT_EQ(stable_path(device, by_id), by_id / "usb-a");
+    EXPECT_EQ(stable_path(by_id / "usb-b", by_id), by_id / "usb-a");
+    EXPECT_EQ(stable_path(other, by_id), other);
+    EXPECT_EQ(stable_path(device, folder.file("none")), device);
+    EXPECT_EQ(stable_path("/no/such", by_id), "/no/such");
+}
+
+}  // namespace
+}  // namespace asip::link

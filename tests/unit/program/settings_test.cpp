@@ -1,0 +1,212 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <CLI/CLI.hpp>
+#include <map>
+
+#include "asip/program/exit_status.hpp"
+#include "asip/program/options.hpp"
+#include "tests/support/temp_dir.hpp"
+
+namespace asip::program {
+namespace {
+
+using Arguments = std::vector<std::string>;
+using Variables = std::map<std::string, std::string>;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// A program with all shared options and one of its own.
+struct Program {
+    CLI::App app{"A program"};
+    Settings settings{app, "asip-test"};
+    BrokerOptions broker;
+    LogOptions log;
+    std::string serial = "none";
+    int count = 1;
+    std::string errors;
+    std::string output;
+
+    Program() {
+        settings.add_broker_options(broker);
+        settings.add_log_options(log);
+        settings.setting(app.add_option("--serial", serial, "Port"));
+        settings.setting(app.add_option("--max-count", count, "Count")->check(CLI::Range(0, 100)));
+    }
+
+    std::optional<int> parse(const Arguments& arguments, const Variables& variables = {}) {
+        testing::internal::CaptureStderr();
+        testing::internal::CaptureStdout();
+        const auto status = settings.parse(arguments, [&](const std::string& name) {
+            const auto found = variables.find(name);
+            return found == variables.end() ? std::nullopt : std::optional(found->second);
+        });
+        errors = testing::internal::GetCapturedStderr();
+        output = testing::internal::GetCapturedStdout();
+        return status;
+    }
+};
+
+class SettingsFile : public testing::Test {
+  protected:
+    test::TempDir folder;
+    std::string file(const std::string& content) { return folder.write("asip.conf", content); }
+};
+
+TEST(Settings, NothingGiven_DefaultsHold) {
+    Program program;
+    EXPECT_EQ(program.parse({}), std::nullopt);
+    EXPECT_THAT(program.broker.brokers, ElementsAre("127.0.0.1:1883"));
+    EXPECT_EQ(program.broker.topic_root, "asip");
+    EXPECT_EQ(program.serial, "none");
+    EXPECT_FALSE(program.broker.insecure);
+}
+
+TEST_F(SettingsFile, GivenEverywhere_FlagBeatsEnvironmentBeatsFileBeatsDefault) {
+    const auto path = file("serial = file\nmax-count = 2\nuser = file\n");
+    Program program;
+    const Variables variables{{"ASIP_SERIAL", "environment"}, {"ASIP_MAX_COUNT", "3"}};
+    EXPECT_EQ(program.parse({"--config", path, "--serial", "flag"}, variables), std::nullopt)
+        << program.errors;
+    EXPECT_EQ(program.serial, "flag");
+    EXPECT_EQ(program.count, 3);
+    EXPECT_EQ(program.broker.user, "file");
+    EXPECT_EQ(program.broker.topic_root, "asip");
+}
+
+TEST_F(SettingsFile, NamedByTheEnvironment_IsRead) {
+    Program program;
+    EXPECT_EQ(program.parse({}, {{"ASIP_CONFIG", file("serial=x")}}), std::nullopt);
+    EXPECT_EQ(program.serial, "x");
+}
+
+TEST_F(SettingsFile, Sections_OnlyOursCounts) {
+    Program program;
+    const auto path = file(
+        "# a comment\n  user = \"Ada L\"  \r\n\n[asip-other]\nunheard = of\nserial = "
+        "other\n[asip-test]\nserial = ours\n");
+    EXPECT_EQ(program.parse({"--config=" + path}), std::nullopt) << program.errors;
+    EXPECT_EQ(program.serial, "ours");
+    EXPECT_EQ(program.broker.user, "Ada L");
+}
+
+TEST_F(SettingsFile, UnknownName_IsAnErrorWithLineAndSuggestion) {
+    Program program;
+    EXPECT_EQ(program.parse({"--config", file("user = a\nserail = b\n")}), kExitUsage);
+    EXPECT_THAT(program.errors, HasSubstr(":2"));
+    EXPECT_THAT(program.errors, HasSubstr("did you mean \"serial\"?"));
+}
+
+TEST_F(SettingsFile, BadLineOrValueOrMissingFile_IsAnErrorThatNamesIt) {
+    for (const char* content : {"serial\n", "[asip-test\n", "max-count = many\n", "max-count = 101\n"}) {
+        Program program;
+        EXPECT_EQ(program.parse({"--config", file(content)}), kExitUsage) << content;
+        EXPECT_THAT(program.errors, HasSubstr("asip.conf:1"));
+    }
+    Program program;
+    EXPECT_EQ(program.parse({"--config", "/no/such/file"}), kExitUsage);
+    EXPECT_THAT(program.errors, HasSubstr("/no/such/file"));
+}
+
+TEST_F(SettingsFile, SeveralBrokers_AsListOrAsLines) {
+    for (const char* content : {"broker = a,b:1884\n", "broker = a\nbroker = b:1884\n"}) {
+        Program program;
+        EXPECT_EQ(program.parse({"--config", file(content)}), std::nullopt) << program.errors;
+        EXPECT_THAT(program.broker.brokers, ElementsAre("a", "b:1884")) << content;
+    }
+}
+
+TEST(Settings, BrokersOnTheCommandLine_ReplaceThoseOfTheEnvironment) {
+    Program program;
+    EXPECT_EQ(program.parse({"--broker", "x", "--broker", "y,z"}, {{"ASIP_BROKER", "a,b"}}), std::nullopt);
+    EXPECT_THAT(program.broker.brokers, ElementsAre("x", "y", "z"));
+}
+
+TEST(Settings, FlagInTheEnvironment_IsSet) {
+    Program program;
+    EXPECT_EQ(program.parse({}, {{"ASIP_INSECURE", "true"}}), std::nullopt) << program.errors;
+    EXPECT_TRUE(program.broker.insecure);
+    Program off;
+    EXPECT_EQ(off.parse({}, {{"ASIP_INSECURE", "false"}}), std::nullopt) << off.errors;
+    EXPECT_FALSE(off.broker.insecure);
+}
+
+TEST(Settings, BadValueInTheEnvironment_NamesTheVariable) {
+    Program program;
+    EXPECT_EQ(program.parse({}, {{"ASIP_LOG_LEVEL", "loud"}}), kExitUsage);
+    EXPECT_THAT(program.errors, HasSubstr("ASIP_LOG_LEVEL"));
+    EXPECT_THAT(program.errors, HasSubstr("warning"));
+}
+
+TEST(Settings, Help_ShowsVariablesAndNoSecrets) {
+    Program program;
+    EXPECT_EQ(program.parse({"--help"}, {{"ASIP_PASSWORD", "s3cret"}}), kExitOk);
+    EXPECT_THAT(program.output, HasSubstr("ASIP_BROKER"));
+    EXPECT_THAT(program.output, HasSubstr("ASIP_SERIAL"));
+    EXPECT_THAT(program.output, testing::Not(HasSubstr("s3cret")));
+    EXPECT_EQ(program.broker.password, "s3cret");
+}
+
+TEST(Settings, Version_IsPrinted) {
+    Program program;
+    EXPECT_EQ(program.parse({"--version"}), kExitOk);
+    EXPECT_EQ(program.output, "asip-test " ASIP_VERSION "\n");
+}
+
+TEST(Settings, UnknownOption_IsUsage) {
+    Program program;
+    EXPECT_EQ(program.parse({"--bogus"}), kExitUsage);
+    EXPECT_THAT(program.errors, HasSubstr("asip-test: "));
+}
+
+TEST(MqttOptions, BrokerOptions_AreTranslated) {
+    BrokerOptions options;
+    options.brokers = {"a:1", "mqtts://b"};
+    options.user = "ada";
+    options.password = "pw";
+    options.mqtt_version = "3.1.1";
+    const auto made = mqtt_options(options, "asip-test");
+    ASSERT_TRUE(made) << made.error();
+    EXPECT_THAT(made->brokers,
+                ElementsAre(bus::BrokerAddress{"a", 1, false}, bus::BrokerAddress{"b", 8883, true}));
+    EXPECT_EQ(made->version, bus::MqttVersion::kV311);
+    EXPECT_THAT(made->client_id, testing::StartsWith("asip-test-"));
+    EXPECT_NE(made->client_id, mqtt_options(options, "asip-test")->client_id);
+}
+
+TEST(MqttOptions, PasswordFile_GivesItsFirstLine) {
+    test::TempDir folder;
+    BrokerOptions options;
+    options.user = "ada";
+    options.password_file = folder.write("pw", "s3cret\r\nmore\n");
+    EXPECT_EQ(mqtt_options(options, "p")->password, "s3cret");
+    options.password_file = folder.file("missing");
+    EXPECT_FALSE(mqtt_options(options, "p"));
+}
+
+TEST(MqttOptions, CertificatesGiven_MeanTls) {
+    test::TempDir folder;
+    BrokerOptions options;
+    options.ca = folder.write("ca", "x");
+    EXPECT_TRUE(mqtt_options(options, "p")->brokers.at(0).tls);
+    options.ca = folder.file("missing");
+    EXPECT_FALSE(mqtt_options(options, "p"));
+    options.ca.clear();
+    options.cert = folder.write("cert", "x");
+    EXPECT_FALSE(mqtt_options(options, "p")) << "a certificate without its key";
+}
+
+TEST(MqttOptions, BadBrokerOrRootOrLonelyPassword_IsRefused) {
+    BrokerOptions options;
+    options.brokers = {"http://x"};
+    EXPECT_FALSE(mqtt_options(options, "p"));
+    options = {};
+    options.topic_root = "a/#";
+    EXPECT_FALSE(mqtt_options(options, "p"));
+    options = {};
+    options.password = "x";
+    EXPECT_FALSE(mqtt_options(options, "p"));
+}
+
+}  // namespace
+}  // namespace asip::program
