@@ -1,0 +1,134 @@
+#include "cli/app.hpp"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cctype>
+#include <cstdlib>
+#include <optional>
+#include <ostream>
+
+#include "asip/program/options.hpp"
+#include "cli/command.hpp"
+#include "cli/context.hpp"
+#include "cli/terminal.hpp"
+#include "cli/text/duration.hpp"
+
+namespace asip::cli {
+namespace {
+
+constexpr char kMark = '\x01';
+
+struct CommonOptions {
+    program::BrokerOptions broker;
+    program::LogOptions log{.level = "warning", .format = "text"};
+    std::string timeout = "5s";
+    std::string services;
+    std::string colour = "auto";
+    bool from_bus = false;
+};
+
+void add_common_options(CLI::App& app, program::Settings& settings, CommonOptions& options) {
+    settings.add_broker_options(options.broker);
+    settings.add_log_options(options.log);
+    settings.setting(
+        app.add_option("--services", options.services, "Folder of service models besides the built-in ones")
+            ->check(CLI::ExistingDirectory)
+            ->type_name("DIR"));
+    settings.setting(app.add_option("--timeout", options.timeout, "How long to wait for one answer")
+                         ->capture_default_str()
+                         ->type_name("DURATION"));
+    settings.setting(app.add_option("--color", options.colour, "auto, always or never; NO_COLOR is respected")
+                         ->check(CLI::IsMember({"auto", "always", "never"}))
+                         ->capture_default_str()
+                         ->type_name("WHEN"));
+    settings.setting(
+        app.add_flag("--from-bus", options.from_bus, "Do not ask a registry, read the bus itself"));
+}
+
+std::optional<std::string> environment(const std::string& name) {
+    const char* value = std::getenv(name.c_str());
+    return value == nullptr ? std::nullopt : std::optional<std::string>(value);
+}
+
+Outcome<void> apply(const CommonOptions& options, Context& context) {
+    auto mqtt = program::mqtt_options(options.broker, "asipctl");
+    if (!mqtt) return failure(program::kExitUsage, mqtt.error());
+    context.mqtt = std::move(*mqtt);
+    context.topics = bus::Topics(options.broker.topic_root);
+    const auto timeout = parse_duration(options.timeout);
+    if (!timeout) return failure(program::kExitUsage, "--timeout: " + timeout.error());
+    context.timeout = *timeout;
+    context.mqtt.connect_timeout = *timeout;
+    context.from_bus = options.from_bus;
+    if (!options.services.empty()) {
+        if (const auto loaded = context.models.load_directory(options.services); !loaded) {
+            return failure(program::kExitUsage, loaded.error());
+        }
+    }
+    return {};
+}
+
+ColourChoice colour_choice(const std::string& word) {
+    return word == "always"  ? ColourChoice::kAlways
+           : word == "never" ? ColourChoice::kNever
+                             : ColourChoice::kAuto;
+}
+
+}  // namespace
+
+std::vector<std::string> mark_negative_numbers(int argc, const char* const* argv) {
+    std::vector<std::string> result(argv, argv + argc);
+    for (std::size_t i = 1; i < result.size(); ++i) {
+        const auto& argument = result[i];
+        const bool number = argument.size() > 1 && argument[0] == '-' &&
+                            std::isdigit(static_cast<unsigned char>(argument[1]));
+        if (number) result[i] = kMark + argument;
+    }
+    return result;
+}
+
+void unmark(std::string& argument) {
+    if (!argument.empty() && argument.front() == kMark) argument.erase(0, 1);
+}
+
+int run_app(int argc, const char* const* argv, std::istream& in, std::ostream& out, std::ostream& err) {
+    CLI::App app{
+        "Lists, watches, reads and commands boards on the ASIP service bus.\n"
+        "Data goes to standard output, everything else to standard error.",
+        "asipctl"};
+    app.require_subcommand(1);
+    app.footer(
+        "Exit status: 0 ok, 1 it did not succeed, 2 usage, 3 broker not reachable or it refused us,\n"
+        "4 nothing answered in time.\n"
+        "Examples:\n"
+        "  asipctl list\n"
+        "  asipctl show uno1/servo\n"
+        "  asipctl subscribe uno1/distance\n"
+        "  asipctl send uno1/servo write 0 90\n"
+        "  asipctl pin uno1 13 high");
+    CommonOptions options;
+    program::Settings settings(app, "asipctl");
+    add_common_options(app, settings, options);
+    Chosen chosen;
+    setup_list(app, chosen);
+    setup_show(app, chosen);
+    setup_subscribe(app, chosen);
+    setup_send(app, chosen);
+    setup_pin(app, chosen);
+    setup_ping(app, chosen);
+
+    const auto arguments = mark_negative_numbers(argc, argv);
+    std::vector<const char*> pointers;
+    for (const auto& argument : arguments)
+        pointers.push_back(argument.c_str());
+    if (const auto status = settings.parse(argc, pointers.data())) return *status;
+
+    Context context{in, out, err};
+    if (const auto applied = apply(options, context); !applied) return context.fail_with(applied.error());
+    context.width = terminal_width(STDOUT_FILENO);
+    context.colour = use_colour(colour_choice(options.colour), context.terminal(), environment);
+    return chosen(context);
+}
+
+}  // namespace asip::cli

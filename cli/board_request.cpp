@@ -1,0 +1,127 @@
+#include "cli/board_request.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "asip/model/command_encoder.hpp"
+#include "asip/model/json.hpp"
+#include "asip/protocol/request.hpp"
+
+namespace asip::cli {
+namespace {
+
+std::string joined(std::span<const std::string> words) {
+    std::string text;
+    for (const auto& word : words)
+        text += (text.empty() ? "" : ",") + word;
+    return text;
+}
+
+Expected<model::EncodedCommand> encode(const model::ServiceModel& model, std::span<const std::string> words) {
+    if (words.size() == 1 && words.front().starts_with("{")) {
+        const auto document = model::parse_json(words.front());
+        if (!document) return fail(document.error());
+        return model::encode_json_command(model, *document);
+    }
+    return model::encode_word_command(model, words);
+}
+
+std::string how_to_use(const model::ServiceModel& model, const std::string& word) {
+    if (const auto* command = model.command(word)) return "; usage: " + model::usage(*command);
+    std::string names;
+    for (const auto& command : model.commands)
+        names += (names.empty() ? "" : ", ") + command.name;
+    return names.empty() ? "; it takes no commands" : "; commands: " + names;
+}
+
+}  // namespace
+
+Outcome<BoardCommand> make_command(const Context& context, const KnownBoard& board,
+                                   const model::ServiceInfo& service, std::span<const std::string> words) {
+    const auto topic = context.topics.service_in(board.item.board, service.name);
+    const auto where = board.item.board + "/" + service.name + ": ";
+    const auto model = model_of(service, context.models);
+    if (words.empty()) {
+        return failure(program::kExitUsage, where + "which command?" + (model ? how_to_use(*model, "") : ""));
+    }
+    if (!model) {
+        const auto text = joined(words);
+        if (text.empty() || text.find_first_of("\r\n") != std::string::npos) {
+            return failure(program::kExitUsage, where + "a tag and its parameters, as in: W 0 90");
+        }
+        return BoardCommand{topic, text, service.name + "," + text};
+    }
+    auto encoded = encode(*model, words);
+    if (!encoded)
+        return failure(program::kExitUsage, where + encoded.error() + how_to_use(*model, words.front()));
+    // Without its service, as the service's own topic wants it.
+    return BoardCommand{topic, encoded->line.substr(std::min<std::size_t>(2, encoded->line.size())),
+                        encoded->line};
+}
+
+Outcome<BoardCommand> make_raw_command(const Context& context, const std::string& board,
+                                       const std::string& line) {
+    const auto request = protocol::parse_request(line);
+    if (!request) {
+        return failure(program::kExitUsage,
+                       "'" + line + "': " + request.error() + "; a request looks like S,W,0,90");
+    }
+    return BoardCommand{context.topics.board_in(board), line, line};
+}
+
+Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const BoardCommand& command) {
+    std::optional<Expected<bus::Reply>> reply;
+    const auto id = session.ask(
+        command.topic, command.payload,
+        [&reply](const bus::Message& message) { reply = bus::parse_reply(message.payload); }, 1);
+    session.run_until([&reply] { return reply.has_value(); }, Clock::now() + context.timeout);
+    session.forget_request(id);
+    if (session.stopped()) return failure(program::kExitFailure, "interrupted");
+    if (!reply) {
+        return failure(program::kExitNoAnswer, "nobody answered " + command.line + " on " + command.topic +
+                                                   " within " + std::to_string(context.timeout.count()) +
+                                                   " ms; is the board's agent running? Try: asipctl doctor");
+    }
+    if (!*reply) return failure(program::kExitNoAnswer, "the answer cannot be read: " + reply->error());
+    return std::move(**reply);
+}
+
+int exit_status(const bus::Reply& reply) {
+    switch (reply.status) {
+        case bus::Reply::Status::kOk:
+            return program::kExitOk;
+        case bus::Reply::Status::kTimeout:
+            return program::kExitNoAnswer;
+        default:
+            return program::kExitFailure;
+    }
+}
+
+std::string explain(const bus::Reply& reply) {
+    switch (reply.status) {
+        case bus::Reply::Status::kOk:
+            return {};
+        case bus::Reply::Status::kError:
+            return "the board answered error " + std::to_string(reply.code) + ", " + reply.error;
+        case bus::Reply::Status::kTimeout:
+            return "the board did not answer its agent in time";
+        case bus::Reply::Status::kRefused:
+            break;
+    }
+    return "refused (" + reply.reason + ")" + (reply.error.empty() ? "" : ": " + reply.error);
+}
+
+Outcome<KnownBoard> find_living_board(BoardSource& source, const std::string& name) {
+    auto board = source.board(name);
+    if (!board) return board;
+    if (board->item.state == "offline") {
+        return failure(program::kExitFailure,
+                       name + " is offline: its agent said goodbye; start asip-agent again");
+    }
+    if (board->item.state == "lost") {
+        return failure(program::kExitFailure,
+                       name + " is lost: its agent died or lost the network; see asipctl show " + name);
+    }
+    return board;
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,41 @@
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+
+#include "asip/bus/reply.hpp"
+#include "cli/board_source.hpp"
+#include "cli/bus_session.hpp"
+#include "cli/target.hpp"
+
+namespace asip::cli {
+
+/// A command ready to be published: checked, with nothing about its answer yet.
+struct BoardCommand {
+    std::string topic;
+    std::string payload;
+    std::string line;  ///< the whole request, for people
+};
+
+/// `words` as typed (a name and its arguments, or one JSON object) against the service's model. A service
+/// without a model takes a tag and its parameters. Fails with kExitUsage, the reason and how the command is
+/// used.
+Outcome<BoardCommand> make_command(const Context& context, const KnownBoard& board,
+                                   const model::ServiceInfo& service, std::span<const std::string> words);
+/// A request line for the board itself.
+Outcome<BoardCommand> make_raw_command(const Context& context, const std::string& board,
+                                       const std::string& line);
+
+/// Sends and waits for the one final answer. Fails with kExitNoAnswer when none comes in time.
+Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const BoardCommand& command);
+
+/// What an answer means for the exit status: 0, 1 (refused by the agent or the board) or 4 (the board was
+/// silent).
+int exit_status(const bus::Reply& reply);
+/// Why it failed, for a person; empty for a success.
+std::string explain(const bus::Reply& reply);
+
+/// Finds a board that is there to be commanded: known, and neither said goodbye nor lost.
+Outcome<KnownBoard> find_living_board(BoardSource& source, const std::string& name);
+
+}  // namespace asip::cli

@@ -1,0 +1,223 @@
+#include "cli/board_source.hpp"
+
+#include <algorithm>
+
+#include "asip/program/nearest.hpp"
+
+namespace asip::cli {
+
+std::vector<std::string> KnownBoard::service_names() const {
+    std::vector<std::string> result;
+    for (const auto& service : item.services)
+        result.push_back(service.name);
+    return result;
+}
+
+BoardSource::BoardSource(const Context& context, BusSession& session)
+    : context_(context), session_(session), catalogue_(context.topics) {
+    if (context.from_bus) return;
+    session_.subscribe(context.topics.registry_state("+"), [this](const bus::Message& message) {
+        const auto ref = context_.topics.parse(message.topic);
+        if (ref && message.payload == "online") online_registries_.emplace_back(ref->board);
+    });
+}
+
+Outcome<bus::Answer> BoardSource::ask(const bus::Query& query) {
+    const auto topic =
+        registry_.empty() ? context_.topics.any_registry_query() : context_.topics.registry_query(registry_);
+    std::optional<Expected<bus::Answer>> answer;
+    const auto id = session_.ask(topic, bus::encode(bus::RegistryRequest{query, {}, {}}),
+                                 [&answer](const bus::Message& message) {
+                                     if (!answer) answer = bus::parse_answer(message.payload);
+                                 });
+    std::optional<Time> marked;
+    if (registry_.empty()) session_.after_retained([&marked] { marked = Clock::now(); });
+    const auto nobody = [&] {
+        return marked && online_registries_.empty() && Clock::now() - *marked >= kRetainedPatience;
+    };
+    const auto deadline = Clock::now() + context_.timeout;
+    session_.run_until([&] { return answer || nobody(); }, deadline);
+    session_.forget_request(id);
+    if (session_.stopped()) return failure(program::kExitFailure, "interrupted");
+    if (!answer)
+        return failure(program::kExitNoAnswer,
+                       online_registries_.empty() ? "no registry" : "registry silent");
+    if (!*answer)
+        return failure(program::kExitNoAnswer, "registry answers what cannot be read: " + answer->error());
+    if (!(*answer)->refused.empty()) return failure(program::kExitFailure, (*answer)->error);
+    registry_ = (*answer)->registry;
+    return std::move(**answer);
+}
+
+Outcome<bus::Answer> BoardSource::ask_all_pages(bus::Query query) {
+    query.limit = bus::Query::kMaxPage;
+    const auto patience = Clock::now() + context_.timeout;
+    auto all = ask(query);
+    while (all && all->settling && Clock::now() < patience && !session_.stopped()) {
+        session_.run_for(std::chrono::milliseconds(100));
+        all = ask(query);
+    }
+    if (!all) return all;
+    while (!all->cursor.empty()) {
+        query.cursor = all->cursor;
+        auto page = ask(query);
+        if (!page) return page;
+        std::move(page->boards.begin(), page->boards.end(), std::back_inserter(all->boards));
+        std::move(page->services.begin(), page->services.end(), std::back_inserter(all->services));
+        all->cursor = page->cursor;
+    }
+    return all;
+}
+
+void BoardSource::without_registry(const std::string& why) {
+    no_registry_ = true;
+    context_.note(why == "no registry"
+                      ? "no registry answers; reading the bus itself (start asip-registry, or say --from-bus)"
+                      : why + "; reading the bus itself");
+}
+
+std::string BoardSource::find_registry() {
+    if (!asks_registry()) return {};
+    bus::Query query;
+    query.limit = 1;
+    const auto answer = ask(query);
+    if (!answer) without_registry(answer.error().text);
+    return registry_;
+}
+
+Outcome<std::vector<bus::BoardItem>> BoardSource::boards(bus::Query query) {
+    query.find = bus::Find::kBoards;
+    if (asks_registry()) {
+        auto answer = ask_all_pages(query);
+        if (answer) return std::move(answer->boards);
+        if (answer.error().status == program::kExitFailure) return tl::unexpected(answer.error());
+        without_registry(answer.error().text);
+    }
+    read_bus(true);
+    auto all = catalogue_.boards(Clock::now());
+    std::erase_if(all, [&](const bus::BoardItem& board) {
+        return !board_matches(query, board, catalogue_.description(board.board), context_.models);
+    });
+    return all;
+}
+
+Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {
+    if (asks_registry()) {
+        query.find = bus::Find::kServices;
+        auto answer = ask_all_pages(query);
+        if (answer) return std::move(answer->services);
+        if (answer.error().status == program::kExitFailure) return tl::unexpected(answer.error());
+        without_registry(answer.error().text);
+    }
+    auto all = boards(query);
+    if (!all) return tl::unexpected(all.error());
+    std::vector<bus::ServiceItem> result;
+    for (auto& board : *all) {
+        const auto* description = catalogue_.description(board.board);
+        for (auto& service : board.services) {
+            if (service_matches(query, service, description, context_.models))
+                result.push_back(std::move(service));
+        }
+    }
+    return result;
+}
+
+void BoardSource::wait_retained(const std::function<bool()>& enough) {
+    bool marked = false;
+    session_.after_retained([&marked] { marked = true; });
+    session_.run_until([&] { return marked || enough(); }, Clock::now() + context_.timeout);
+    if (!enough()) session_.run_until(enough, Clock::now() + kRetainedPatience);
+}
+
+void BoardSource::read_bus(bool probe) {
+    if (!bus_subscribed_) {
+        bus_subscribed_ = true;
+        session_.subscribe(context_.topics.board_names(), [this](const bus::Message& message) {
+            catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
+        });
+        session_.subscribe(context_.topics.board_names() + "/+/+", [this](const bus::Message& message) {
+            catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
+        });
+        session_.subscribe(context_.topics.service_names("+"), [this](const bus::Message& message) {
+            catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
+        });
+        wait_retained([] { return false; });
+    }
+    if (!probe || session_.stopped()) return;
+    session_.publish(context_.topics.probe(), "");
+    session_.run_for(kProbeWindow);
+}
+
+Outcome<KnownBoard> BoardSource::board(const std::string& name) {
+    const auto take = [this](const bus::Message& message) {
+        catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
+    };
+    session_.subscribe(context_.topics.description(name), take);
+    session_.subscribe(context_.topics.state(name), take);
+    const auto here = [&] {
+        return catalogue_.description(name) != nullptr && !catalogue_.board(name, {})->said.empty();
+    };
+    wait_retained(here);
+    if (catalogue_.description(name) == nullptr && asks_registry() && !online_registries_.empty()) {
+        return board_in_full(name);
+    }
+    if (catalogue_.description(name) == nullptr) {
+        session_.subscribe(context_.topics.service_names(name), take);
+        session_.publish(context_.topics.probe(), name);
+        session_.run_until(here, Clock::now() + kProbeWindow);
+    }
+    if (auto item = catalogue_.board(name, Clock::now())) return known(std::move(*item));
+    return unknown(name);
+}
+
+Outcome<KnownBoard> BoardSource::board_in_full(const std::string& name) {
+    if (!asks_registry()) return board(name);
+    bus::Query query;
+    query.board = name;
+    query.full = true;
+    auto answer = ask(query);
+    if (!answer) {
+        if (answer.error().status == program::kExitFailure) return tl::unexpected(answer.error());
+        without_registry(answer.error().text);
+        return board(name);
+    }
+    if (answer->boards.empty()) return unknown(name);
+    return known(std::move(answer->boards.front()));
+}
+
+KnownBoard BoardSource::known(bus::BoardItem item) const {
+    KnownBoard result{std::move(item), std::nullopt};
+    if (result.item.description.empty()) return result;
+    if (auto description = model::parse_description(result.item.description)) {
+        result.description = std::move(*description);
+    }
+    return result;
+}
+
+std::vector<std::string> BoardSource::names() {
+    std::vector<std::string> result;
+    if (asks_registry()) {
+        bus::Query query;
+        if (auto answer = ask_all_pages(query)) {
+            for (auto& board : answer->boards)
+                result.push_back(std::move(board.board));
+            return result;
+        }
+        no_registry_ = true;
+    }
+    read_bus(false);
+    return catalogue_.names();
+}
+
+Outcome<KnownBoard> BoardSource::unknown(const std::string& name) {
+    const auto all = names();
+    auto text = "no board '" + name + "' on this bus" + program::did_you_mean(name, all);
+    if (all.empty()) {
+        text += "; there is no board at all: is its asip-agent running?";
+    } else if (program::did_you_mean(name, all).empty()) {
+        text += "; see asipctl list";
+    }
+    return failure(program::kExitNoAnswer, std::move(text));
+}
+
+}  // namespace asip::cli

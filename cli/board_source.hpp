@@ -1,0 +1,74 @@
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "asip/bus/query.hpp"
+#include "asip/model/description.hpp"
+#include "cli/bus_catalogue.hpp"
+#include "cli/bus_session.hpp"
+
+namespace asip::cli {
+
+/// After the broker's own mark, patience with brokers that hand out retained messages later.
+inline constexpr std::chrono::milliseconds kRetainedPatience{150};
+/// Agents answer a probe within a second.
+inline constexpr std::chrono::milliseconds kProbeWindow{1200};
+
+/// A board and all that is known of it.
+struct KnownBoard {
+    bus::BoardItem item;
+    std::optional<model::Description> description;  ///< none: it takes part by its names only
+
+    std::vector<std::string> service_names() const;
+};
+
+/// Finds boards: asks a registry, and where none is, reads the service bus itself (and says so once on
+/// standard error).
+class BoardSource {
+  public:
+    /// Make it before session.connect(): then finding a registry costs no round trip of its own.
+    BoardSource(const Context& context, BusSession& session);
+
+    /// All that `query` asks for, every page, by name.
+    Outcome<std::vector<bus::BoardItem>> boards(bus::Query query);
+    Outcome<std::vector<bus::ServiceItem>> services(bus::Query query);
+
+    /// One board by the quickest way: what is retained, else a registry, else a probe. Fails with
+    /// kExitNoAnswer and the nearest name.
+    Outcome<KnownBoard> board(const std::string& name);
+    /// The same, with what only a registry knows (when it was seen) where there is one.
+    Outcome<KnownBoard> board_in_full(const std::string& name);
+
+    /// Names of boards, as fast as they can be had: for suggestions and completion. Never fails.
+    std::vector<std::string> names();
+
+    /// Id of a registry that answers a query now; empty, with a note on standard error, when none does.
+    std::string find_registry();
+    /// Id of the registry that answered last; empty: none did.
+    const std::string& registry() const { return registry_; }
+    /// What was read from the bus itself; `read_bus` reads it, with a window for answers to a probe or
+    /// without.
+    const BusCatalogue& bus() const { return catalogue_; }
+    void read_bus(bool probe);
+
+  private:
+    Outcome<bus::Answer> ask(const bus::Query& query);
+    Outcome<bus::Answer> ask_all_pages(bus::Query query);
+    bool asks_registry() const { return !context_.from_bus && !no_registry_; }
+    void without_registry(const std::string& why);
+    void wait_retained(const std::function<bool()>& enough);
+    Outcome<KnownBoard> unknown(const std::string& name);
+    KnownBoard known(bus::BoardItem item) const;
+
+    const Context& context_;
+    BusSession& session_;
+    BusCatalogue catalogue_;
+    std::vector<std::string> online_registries_;  // by their retained state
+    std::string registry_;
+    bool no_registry_ = false;
+    bool bus_subscribed_ = false;
+};
+
+}  // namespace asip::cli

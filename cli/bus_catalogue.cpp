@@ -1,0 +1,224 @@
+#include "cli/bus_catalogue.hpp"
+
+#include <algorithm>
+
+#include "asip/model/board_state.hpp"
+#include "asip/model/names.hpp"
+#include "asip/protocol/pin.hpp"
+
+namespace asip::cli {
+namespace {
+
+constexpr std::size_t kMaxServiceNames = 64;
+
+bool any_of(const std::vector<std::string>& wanted, const std::string& value) {
+    return wanted.empty() || std::find(wanted.begin(), wanted.end(), value) != wanted.end();
+}
+
+bool has_capability(const model::Description& description, const std::string& capability) {
+    const auto bit = protocol::capability_from_text(capability);
+    if (!bit) return false;
+    return std::any_of(description.pins.capabilities.begin(), description.pins.capabilities.end(),
+                       [bit](char c) { return c >= '0' && c <= '7' && ((c - '0') & *bit) != 0; });
+}
+
+std::string kind_of(const model::ServiceInfo& service) {
+    if (!service.model.empty()) return service.model.substr(0, service.model.find('@'));
+    if (service.own_model) return service.own_model->name;
+    return service.id == 0 ? service.name : std::string(1, service.id);
+}
+
+std::string joined(const std::string& a, const std::string& b) {
+    return a.empty() || b.empty() ? a + b : a + " " + b;
+}
+
+}  // namespace
+
+std::string BusCatalogue::apply(const std::string& topic, const std::string& payload, bool retained,
+                                Time now) {
+    const auto ref = topics_.parse(topic);
+    if (!ref) {
+        if (topic.starts_with(topics_.root() + "/servicebus/") && !payload.empty())
+            refused_[topic] = "illegal name";
+        return {};
+    }
+    if (ref->kind == bus::TopicKind::kBoardNames) {
+        if (!model::valid_board_name(payload)) return {};
+        auto& entry = entries_[payload];
+        entry.named = true;
+        entry.heard = now;
+        return payload;
+    }
+    if (ref->kind != bus::TopicKind::kServiceNames && ref->kind != bus::TopicKind::kState &&
+        ref->kind != bus::TopicKind::kDescription) {
+        return {};
+    }
+    const std::string name(ref->board);
+    auto& entry = entries_[name];
+    if (!retained) entry.heard = now;
+    switch (ref->kind) {
+        case bus::TopicKind::kServiceNames:
+            entry.named = true;
+            if (model::valid_name(payload) && entry.service_names.size() < kMaxServiceNames &&
+                std::find(entry.service_names.begin(), entry.service_names.end(), payload) ==
+                    entry.service_names.end()) {
+                entry.service_names.push_back(payload);
+            }
+            break;
+        case bus::TopicKind::kState:
+            entry.said = payload;
+            if (!payload.empty() && !model::board_state_from_text(payload))
+                refused_[topic] = "no state: " + payload;
+            break;
+        default:
+            take_description(topic, entry, name, payload);
+    }
+    if (!entry.named && entry.said.empty() && !entry.description) entries_.erase(name);
+    return name;
+}
+
+void BusCatalogue::take_description(const std::string& topic, Entry& entry, const std::string& name,
+                                    const std::string& payload) {
+    if (payload.empty()) {
+        entry.description.reset();
+        entry.document.clear();
+        return;
+    }
+    auto description = model::parse_description(payload);
+    if (!description) {
+        refused_[topic] = description.error();
+    } else if (description->board != name) {
+        refused_[topic] = "describes another board: " + description->board;
+    } else {
+        entry.description = std::move(*description);
+        entry.document = payload;
+    }
+}
+
+bus::BoardItem BusCatalogue::item(const std::string& name, const Entry& entry, Time now) const {
+    bus::BoardItem result;
+    if (entry.description) {
+        result = board_item(*entry.description, entry.said);
+        result.description = entry.document;
+    } else {
+        result.board = name;
+        result.by_name = entry.named;
+        for (const auto& service : entry.service_names) {
+            bus::ServiceItem one;
+            one.name = one.kind = service;
+            result.services.push_back(std::move(one));
+        }
+        const bool lapsed = entry.said.empty() || entry.said == "online";
+        result.state = entry.named && lapsed ? "online" : lapsed ? "lost" : entry.said;
+    }
+    result.said = entry.said;
+    result.age = entry.heard ? std::chrono::duration<double>(now - *entry.heard).count() : -1;
+    for (auto& service : result.services) {
+        service.board = name;
+        service.state = result.state;
+    }
+    return result;
+}
+
+std::vector<bus::BoardItem> BusCatalogue::boards(Time now) const {
+    std::vector<bus::BoardItem> result;
+    result.reserve(entries_.size());
+    for (const auto& [name, entry] : entries_)
+        result.push_back(item(name, entry, now));
+    return result;
+}
+
+std::optional<bus::BoardItem> BusCatalogue::board(const std::string& name, Time now) const {
+    const auto found = entries_.find(name);
+    if (found == entries_.end()) return std::nullopt;
+    return item(name, found->second, now);
+}
+
+const model::Description* BusCatalogue::description(const std::string& name) const {
+    const auto found = entries_.find(name);
+    return found != entries_.end() && found->second.description ? &*found->second.description : nullptr;
+}
+
+std::vector<std::string> BusCatalogue::names() const {
+    std::vector<std::string> result;
+    for (const auto& [name, entry] : entries_)
+        result.push_back(name);
+    return result;
+}
+
+bus::BoardItem board_item(const model::Description& description, std::string said) {
+    bus::BoardItem result;
+    result.board = description.board;
+    result.state = said.empty() ? "online" : said;
+    result.said = std::move(said);
+    result.session = description.session;
+    result.seq = description.seq;
+    result.lease = description.lease;
+    result.chip = description.firmware.chip;
+    result.sketch = description.firmware.sketch;
+    result.protocol = description.firmware.protocol;
+    result.agent = joined(description.agent.host, description.agent.client);
+    result.link = joined(description.link.kind, description.link.path);
+    for (const auto& service : description.services) {
+        bus::ServiceItem one;
+        one.board = result.board;
+        one.state = result.state;
+        one.name = service.name;
+        one.kind = kind_of(service);
+        one.model = service.model;
+        if (service.id != 0) one.id = std::string(1, service.id);
+        one.title = service.title;
+        one.count = service.count;
+        one.period = service.period;
+        result.services.push_back(std::move(one));
+    }
+    return result;
+}
+
+bool service_matches(const bus::Query& query, const bus::ServiceItem& service,
+                     const model::Description* description, const model::ModelSet& models) {
+    if (!bus::matches_pattern(query.service, service.name) || !any_of(query.kind, service.kind)) return false;
+    if (query.unit.empty()) return true;
+    const auto* info = description == nullptr ? nullptr : description->service(service.name);
+    const auto model = info == nullptr ? models.find(service.name) : model_of(*info, models);
+    return model && has_unit(*model, query.unit);
+}
+
+bool board_matches(const bus::Query& query, const bus::BoardItem& board,
+                   const model::Description* description, const model::ModelSet& models) {
+    if (!bus::matches_pattern(query.board, board.board) || !bus::matches_pattern(query.chip, board.chip) ||
+        !bus::matches_pattern(query.sketch, board.sketch) || !any_of(query.state, board.state)) {
+        return false;
+    }
+    if (!query.capability.empty() &&
+        (description == nullptr || !has_capability(*description, query.capability))) {
+        return false;
+    }
+    if (query.service.empty() && query.kind.empty() && query.unit.empty()) return true;
+    return std::any_of(board.services.begin(), board.services.end(), [&](const bus::ServiceItem& service) {
+        return service_matches(query, service, description, models);
+    });
+}
+
+model::ModelPtr model_of(const model::ServiceInfo& service, const model::ModelSet& models) {
+    if (service.own_model) return service.own_model;
+    if (!service.model.empty()) {
+        if (auto exact = models.find_ref(service.model)) return exact;
+        return models.find(service.model.substr(0, service.model.find('@')));
+    }
+    if (service.id == 0) return models.find(service.name);
+    return nullptr;
+}
+
+bool has_unit(const model::ServiceModel& model, const std::string& unit) {
+    const auto in = [&unit](const std::vector<model::Field>& fields) {
+        return std::any_of(fields.begin(), fields.end(),
+                           [&](const model::Field& field) { return field.unit == unit; });
+    };
+    return std::any_of(model.events.begin(), model.events.end(),
+                       [&](const auto& event) { return in(event.fields); }) ||
+           std::any_of(model.commands.begin(), model.commands.end(),
+                       [&](const auto& command) { return in(command.args); });
+}
+
+}  // namespace asip::cli

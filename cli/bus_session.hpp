@@ -1,0 +1,72 @@
+#pragma once
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "asip/bus/message.hpp"
+#include "asip/bus/mqtt_client.hpp"
+#include "asip/time.hpp"
+#include "cli/context.hpp"
+
+namespace asip::cli {
+
+/// One connection to the bus as a command uses it: it waits, in order, for what it asked for. Everything runs
+/// in the caller's thread, inside run_until. SIGINT and SIGTERM end every wait.
+class BusSession {
+  public:
+    using OnMessage = std::function<void(const bus::Message&)>;
+
+    explicit BusSession(const Context& context);
+    ~BusSession();  ///< says goodbye to the broker
+    BusSession(const BusSession&) = delete;
+    BusSession& operator=(const BusSession&) = delete;
+
+    /// Calls `on_message` for what matches `filter` and no filter subscribed before. Best before connect():
+    /// then it costs no round trip.
+    void subscribe(const std::string& filter, OnMessage on_message, bus::SubscribeOptions options = {});
+    void unsubscribe(const std::string& filter);
+
+    /// Waits for the connection. Fails with kExitBroker and what to check; refused credentials fail at once.
+    Outcome<void> connect();
+    bool v5() const;
+
+    void publish(const std::string& topic, const std::string& payload, int qos = 0, bool retain = false);
+
+    /// Publishes `payload` on `topic`; `on_reply` is called for each answer to it. With MQTT 5 by response
+    /// topic and correlation data; on 3.1.1 the payload becomes JSON with "reply_to" and "id": as a member
+    /// "raw" of it where the payload is no object. Returns the id, for forget_request.
+    std::size_t ask(const std::string& topic, const std::string& payload, OnMessage on_reply, int qos = 0);
+    void forget_request(std::size_t id);
+
+    /// Calls `passed` once what the broker had retained for the subscriptions made so far has arrived (on
+    /// brokers that answer in order; others need some patience after it).
+    void after_retained(std::function<void()> passed);
+
+    /// Handles events until `done` holds; false: `deadline` came, or stopped().
+    bool run_until(const std::function<bool()>& done, Time deadline);
+    bool run_for(Duration duration) {
+        return run_until([] { return false; }, Clock::now() + duration);
+    }
+    /// Whether the user asked to end (Ctrl-C).
+    bool stopped() const;
+
+    /// Called when an established connection is lost or back.
+    void on_connection_change(std::function<void(bool connected, const std::string& why)> handler);
+    /// Why the broker refused a subscription, else empty.
+    const std::string& subscription_refused() const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// `filter` as MQTT matches it: `+` one level, `#` the rest.
+bool topic_matches(std::string_view filter, std::string_view topic);
+
+/// What a request's payload looks like on 3.1.1: see BusSession::ask.
+std::string with_reply_members(const std::string& payload, const std::string& reply_to,
+                               const std::string& id);
+
+}  // namespace asip::cli

@@ -1,0 +1,277 @@
+#include "cli/commands/pin.hpp"
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "asip/model/json.hpp"
+#include "asip/program/nearest.hpp"
+#include "asip/protocol/body.hpp"
+#include "cli/app.hpp"
+#include "cli/board_request.hpp"
+#include "cli/command.hpp"
+#include "cli/commands/show.hpp"
+
+namespace asip::cli {
+namespace {
+
+using protocol::PinMode;
+
+struct Reading {
+    PinMode mode = PinMode::Invalid;
+    std::optional<int> value;
+};
+
+/// The pins of one board, through its io service.
+class PinAccess {
+  public:
+    PinAccess(Context& context, BusSession& session, KnownBoard board)
+        : context_(context), session_(session), board_(std::move(board)) {}
+
+    Outcome<std::vector<PinMode>> modes() {
+        auto answer = request("p");
+        if (!answer) return tl::unexpected(answer.error());
+        const auto document = model::parse_json(answer->answer);
+        if (!document || !document->is_object() || !document->contains("modes") ||
+            !(*document)["modes"].is_array()) {
+            return failure(program::kExitFailure, "the board did not say its pin modes");
+        }
+        std::vector<PinMode> result;
+        for (const auto& number : (*document)["modes"]) {
+            const auto mode =
+                number.is_number_integer() ? protocol::pin_mode_from_number(number.get<int>()) : std::nullopt;
+            result.push_back(mode.value_or(PinMode::Invalid));
+        }
+        return result;
+    }
+
+    Outcome<bus::Reply> request(const std::string& text) {
+        auto reply = ask_board(context_, session_,
+                               {context_.topics.service_in(board_.item.board, service_), text, "I," + text});
+        if (!reply) return reply;
+        if (!reply->succeeded()) return failure(exit_status(*reply), "I," + text + ": " + explain(*reply));
+        return reply;
+    }
+
+    Outcome<Reading> read(int pin, PinMode mode) {
+        Reading result{mode, std::nullopt};
+        if (protocol::is_digital_input(mode)) return read_level(pin, result);
+        if (mode == PinMode::Analog) return read_analog(pin, result);
+        return result;
+    }
+
+    const KnownBoard& board() const { return board_; }
+    /// Values start to arrive; before the requests that cause them.
+    void listen() {
+        session_.subscribe(context_.topics.service_out(board_.item.board, service_),
+                           [this](const bus::Message& message) {
+                               if (message.retain) return;
+                               auto document = model::parse_json(message.payload);
+                               if (!document || !document->is_object()) return;
+                               for (const auto& [name, value] : document->items()) {
+                                   if (value.is_object()) latest_[name].update(value);
+                               }
+                           });
+    }
+
+  private:
+    std::optional<int> latest(const std::string& event, const std::string& key) const {
+        const auto found = latest_.find(event);
+        if (found == latest_.end() || !found->second.contains(key) ||
+            !found->second[key].is_number_integer()) {
+            return std::nullopt;
+        }
+        return found->second[key].get<int>();
+    }
+
+    Outcome<Reading> read_level(int pin, Reading result) {
+        // Asking for the mode it has makes the board report the port.
+        const auto set =
+            request("P," + std::to_string(pin) + "," + std::to_string(static_cast<int>(result.mode)));
+        if (!set) return tl::unexpected(set.error());
+        const auto key = std::to_string(pin);
+        session_.run_until([&] { return latest("digital", key).has_value(); },
+                           Clock::now() + context_.timeout);
+        result.value = latest("digital", key);
+        if (!result.value)
+            return failure(program::kExitNoAnswer, "the board did not report the level of pin " + key);
+        return result;
+    }
+
+    Outcome<Reading> read_analog(int pin, Reading result) {
+        std::optional<int> channel;
+        if (board_.description) {
+            for (const auto& [digital, number] : board_.description->pins.analog) {
+                if (digital == pin) channel = number;
+            }
+        }
+        if (!channel)
+            return failure(program::kExitFailure,
+                           "the board did not say which analog channel pin " + std::to_string(pin) + " is");
+        const auto key = std::to_string(*channel);
+        const auto patience = std::min<Duration>(context_.timeout, std::chrono::seconds(2));
+        session_.run_until([&] { return latest("analog", key).has_value(); }, Clock::now() + patience);
+        result.value = latest("analog", key);
+        if (!result.value) {
+            return failure(program::kExitNoAnswer,
+                           "the board reports no analog values now; start it: asipctl send " +
+                               board_.item.board + "/" + service_ + " report 50");
+        }
+        return result;
+    }
+
+    Context& context_;
+    BusSession& session_;
+    KnownBoard board_;
+    std::string service_ = "io";
+    std::map<std::string, nlohmann::json> latest_;
+};
+
+void print(const PinOptions& options, Context& context, int pin, const Reading& reading) {
+    const auto mode = protocol::to_text(reading.mode);
+    if (options.output != Output::kText) {
+        nlohmann::json object{{"board", options.board}, {"pin", pin}, {"mode", mode}};
+        if (reading.value) object["value"] = *reading.value;
+        context.out << model::dump_json(object) << std::endl;
+        return;
+    }
+    context.out << pin << ' ' << mode;
+    if (reading.value) {
+        if (reading.mode == PinMode::Analog) {
+            context.out << ' ' << *reading.value;
+        } else {
+            context.out << (*reading.value == 0 ? " low" : " high");
+        }
+    }
+    context.out << std::endl;
+}
+
+Outcome<void> act(const PinOptions& options, Context& context, PinAccess& access) {
+    const auto pin = parse_pin(
+        options.pin, access.board().description ? access.board().description->pins : model::PinsInfo{});
+    if (!pin) return tl::unexpected(pin.error());
+    const auto modes = access.modes();
+    if (!modes) return tl::unexpected(modes.error());
+    if (static_cast<std::size_t>(*pin) >= modes->size()) {
+        return failure(program::kExitUsage,
+                       options.board + " has pins 0 to " + std::to_string(modes->size() - 1));
+    }
+    const auto mode = (*modes)[static_cast<std::size_t>(*pin)];
+    if (options.word.empty()) {
+        const auto reading = access.read(*pin, mode);
+        if (!reading) return tl::unexpected(reading.error());
+        print(options, context, *pin, *reading);
+        return {};
+    }
+    const auto action = parse_pin_word(options.word);
+    if (!action) return tl::unexpected(action.error());
+    for (const auto& request : pin_requests(*pin, *action, mode)) {
+        if (const auto done = access.request(request); !done) return tl::unexpected(done.error());
+    }
+    const bool level = action->kind == PinAction::Kind::kWrite;
+    print(options, context, *pin, {action->mode, level ? std::optional<int>(action->value) : std::nullopt});
+    return {};
+}
+
+Outcome<void> show_pins(Context& context, const KnownBoard& board, PinAccess& access) {
+    if (!board.description)
+        return failure(program::kExitFailure, board.item.board + " publishes no description");
+    auto description = *board.description;
+    if (const auto modes = access.modes()) {
+        description.pins.modes.clear();
+        for (const auto mode : *modes)
+            description.pins.modes += static_cast<char>('0' + static_cast<int>(mode));
+    }
+    context.out << pins_text(description, context.width, context.colour) << std::flush;
+    return {};
+}
+
+}  // namespace
+
+Outcome<int> parse_pin(std::string_view text, const model::PinsInfo& pins) {
+    const bool analog = text.size() > 1 && (text[0] == 'A' || text[0] == 'a');
+    const bool digital = text.size() > 1 && (text[0] == 'D' || text[0] == 'd');
+    const auto number = protocol::parse_integer(analog || digital ? text.substr(1) : text);
+    if (!number || *number < 0 || *number > 255) {
+        return failure(program::kExitUsage, "'" + std::string(text) + "' is no pin; write 13, D13 or A0");
+    }
+    if (!analog) return static_cast<int>(*number);
+    for (const auto& [pin, channel] : pins.analog) {
+        if (channel == *number) return pin;
+    }
+    return failure(program::kExitUsage, "the board has no analog channel " + std::to_string(*number));
+}
+
+Outcome<PinAction> parse_pin_word(std::string_view word) {
+    if (word == "high" || word == "on") return PinAction{PinAction::Kind::kWrite, PinMode::Output, 1};
+    if (word == "low" || word == "off") return PinAction{PinAction::Kind::kWrite, PinMode::Output, 0};
+    if (const auto number = protocol::parse_integer(word)) {
+        if (*number >= 0 && *number <= 255)
+            return PinAction{PinAction::Kind::kPwm, PinMode::Pwm, static_cast<int>(*number)};
+        return failure(program::kExitUsage, "PWM goes from 0 to 255, not " + std::string(word));
+    }
+    const auto mode = protocol::pin_mode_from_text(word);
+    if (mode && protocol::is_settable(*mode)) return PinAction{PinAction::Kind::kMode, *mode, 0};
+    const std::vector<std::string> words{"high",   "low",    "on",     "off", "input",
+                                         "pullup", "output", "analog", "pwm"};
+    return failure(program::kExitUsage, "'" + std::string(word) + "'" + program::did_you_mean(word, words) +
+                                            ": say high, low, input, pullup, output, analog, pwm or 0..255");
+}
+
+std::vector<std::string> pin_requests(int pin, const PinAction& action, std::optional<PinMode> mode) {
+    const auto number = std::to_string(pin);
+    const auto set_mode = "P," + number + "," + std::to_string(static_cast<int>(action.mode));
+    std::vector<std::string> result;
+    if (action.kind == PinAction::Kind::kMode || mode != action.mode) result.push_back(set_mode);
+    if (action.kind == PinAction::Kind::kWrite)
+        result.push_back("d," + number + "," + std::to_string(action.value));
+    if (action.kind == PinAction::Kind::kPwm)
+        result.push_back("a," + number + "," + std::to_string(action.value));
+    return result;
+}
+
+int run_pin(const PinOptions& options, Context& context) {
+    const auto target = parse_target(options.board);
+    if (!target) return context.fail_with(target.error());
+    if (!options.word.empty()) {
+        if (const auto action = parse_pin_word(options.word); !action)
+            return context.fail_with(action.error());
+    }
+    BusSession session(context);
+    BoardSource source(context, session);
+    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+    auto board = find_living_board(source, target->board);
+    if (!board) return context.fail_with(board.error());
+    if (const auto io = find_service(*board, "io"); !io) return context.fail_with(io.error());
+    PinAccess access(context, session, *board);
+    access.listen();
+    const auto done =
+        options.pin.empty() ? show_pins(context, *board, access) : act(options, context, access);
+    return done ? program::kExitOk : context.fail_with(done.error());
+}
+
+void setup_pin(CLI::App& app, Chosen& chosen) {
+    auto* command = app.add_subcommand("pin", "Read or set a pin in words");
+    command->fallthrough();
+    auto options = std::make_shared<PinOptions>();
+    command->add_option("board", options->board, "Name of the board")->required()->type_name("");
+    command->add_option("pin", options->pin, "13, D13 or A0; without it all pins are shown")->type_name("");
+    command
+        ->add_option("word", options->word,
+                     "high, low, input, pullup, output, analog, pwm or 0..255; without it the pin is read")
+        ->type_name("");
+    add_output_option(*command, options->output, {Output::kText, Output::kJson, Output::kJsonLines});
+    command->footer(
+        "Sets the mode that the word needs: high and low make an output, 0..255 makes PWM.\n"
+        "Examples:\n  asipctl pin uno1 13 high\n  asipctl pin uno1 3 128\n  asipctl pin uno1 2 pullup\n  "
+        "asipctl pin uno1 2\n"
+        "  asipctl pin uno1 A0");
+    command->callback([&chosen, options] {
+        chosen = [options](Context& context) {
+            unmark(options->word);
+            return run_pin(*options, context);
+        };
+    });
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,43 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/model/description.hpp"
+#include "asip/protocol/pin.hpp"
+#include "cli/context.hpp"
+#include "cli/output.hpp"
+
+namespace asip::cli {
+
+struct PinOptions {
+    std::string board;
+    std::string pin;   ///< empty: all of them, as the board says
+    std::string word;  ///< empty: read it
+    Output output = Output::kText;
+};
+
+/// `asipctl pin`: reads or sets one pin in words.
+int run_pin(const PinOptions& options, Context& context);
+
+/// `13`, `D13`, or `A0` by the board's analog map. Fails with kExitUsage.
+Outcome<int> parse_pin(std::string_view text, const model::PinsInfo& pins);
+
+/// What a word asks for.
+struct PinAction {
+    enum class Kind { kMode, kWrite, kPwm };
+    Kind kind = Kind::kMode;
+    protocol::PinMode mode = protocol::PinMode::Input;  ///< that the pin must have
+    int value = 0;                                      ///< level or duty
+};
+/// A mode's name, `high`, `low`, `on`, `off`, or 0 to 255 for PWM. Fails with kExitUsage and the nearest
+/// word.
+Outcome<PinAction> parse_pin_word(std::string_view word);
+
+/// The requests to the io service, as its topic takes them, that bring it about for a pin that is in `mode`
+/// now.
+std::vector<std::string> pin_requests(int pin, const PinAction& action,
+                                      std::optional<protocol::PinMode> mode);
+
+}  // namespace asip::cli

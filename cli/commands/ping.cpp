@@ -1,0 +1,171 @@
+#include "cli/commands/ping.hpp"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "asip/model/json.hpp"
+#include "asip/protocol/request.hpp"
+#include "cli/board_request.hpp"
+#include "cli/command.hpp"
+#include "cli/text/duration.hpp"
+
+namespace asip::cli {
+namespace {
+
+class Pinger {
+  public:
+    Pinger(const PingOptions& options, Context& context, Duration interval)
+        : options_(options),
+          context_(context),
+          interval_(interval),
+          session_(context),
+          source_(context, session_) {
+        summary_.board = options.board;
+    }
+
+    int run() {
+        // A device with nothing but the published protocol answers on its context bus.
+        session_.subscribe(context_.topics.board_out(options_.board),
+                           [this](const bus::Message& message) { take_line(message.payload); });
+        if (const auto connected = session_.connect(); !connected)
+            return context_.fail_with(connected.error());
+        const auto board = find_living_board(source_, options_.board);
+        if (!board) return context_.fail_with(board.error());
+        echo_ = board->description && board->description->firmware.extensions.has(protocol::kEcho);
+        by_name_ = !board->description;
+        while (!session_.stopped() && (options_.count == 0 || summary_.sent < options_.count)) {
+            const auto next = Clock::now() + interval_;
+            once();
+            const bool last = options_.count != 0 && summary_.sent >= options_.count;
+            if (!last) session_.run_until([] { return false; }, next);
+        }
+        context_.out << (options_.output == Output::kText ? summary_.text() : summary_.json() + "\n")
+                     << std::flush;
+        if (!summary_.milliseconds.empty()) return program::kExitOk;
+        return summary_.failed > 0 ? program::kExitFailure : program::kExitNoAnswer;
+    }
+
+  private:
+    void once() {
+        ++summary_.sent;
+        token_ = "p" + std::to_string(summary_.sent % 10'000'000);
+        const auto line = echo_ ? protocol::echo(token_) : std::string(protocol::kAskInfo);
+        expected_ = echo_ ? "@#,E," + token_ : "@#,?,";
+        std::optional<bus::Reply> reply;
+        returned_.reset();
+        const auto begin = Clock::now();
+        const auto id =
+            session_.ask(context_.topics.board_in(options_.board), line, [&](const bus::Message& message) {
+                if (auto parsed = bus::parse_reply(message.payload)) reply = std::move(*parsed);
+                if (!returned_) returned_ = Clock::now();
+            });
+        session_.run_until([&] { return returned_.has_value(); }, begin + context_.timeout);
+        session_.forget_request(id);
+        if (session_.stopped() && !returned_) {
+            --summary_.sent;
+            return;
+        }
+        tell(returned_ ? std::optional<Duration>(*returned_ - begin) : std::nullopt, reply);
+    }
+
+    void take_line(const std::string& line) {
+        // An agent's acknowledgement is the proof; the line alone counts only where there is no agent.
+        if (by_name_ && !returned_ && line.starts_with(expected_)) returned_ = Clock::now();
+    }
+
+    void tell(std::optional<Duration> took, const std::optional<bus::Reply>& reply) {
+        const bool answered = took && (!reply || reply->succeeded());
+        std::string problem = took ? "" : "no answer within " + duration_text(context_.timeout);
+        if (took && !answered) {
+            problem = explain(*reply);
+            ++summary_.failed;
+        }
+        const double milliseconds = took ? std::chrono::duration<double, std::milli>(*took).count() : 0;
+        if (answered) summary_.milliseconds.add(milliseconds);
+        if (options_.quiet) return;
+        if (options_.output == Output::kText) {
+            context_.out << options_.board << ": seq=" << summary_.sent << ' '
+                         << (answered ? fmt::format("time={:.2f} ms", milliseconds) : problem) << std::endl;
+            return;
+        }
+        nlohmann::json object{{"board", options_.board}, {"seq", summary_.sent}};
+        if (answered) object["ms"] = milliseconds;
+        if (!answered) object["error"] = problem;
+        context_.out << model::dump_json(object) << std::endl;
+    }
+
+    const PingOptions& options_;
+    Context& context_;
+    Duration interval_;
+    BusSession session_;
+    BoardSource source_;
+    PingSummary summary_;
+    bool echo_ = false;
+    bool by_name_ = false;
+    std::string token_;
+    std::string expected_;
+    std::optional<Time> returned_;
+};
+
+}  // namespace
+
+double PingSummary::loss_percent() const {
+    return sent == 0 ? 0
+                     : 100.0 * static_cast<double>(sent - milliseconds.size()) / static_cast<double>(sent);
+}
+
+std::string PingSummary::text() const {
+    auto text = fmt::format("\n{}: {} sent, {} answered, {:.0f} % lost\n", board, sent, milliseconds.size(),
+                            loss_percent());
+    if (milliseconds.empty()) return text;
+    return text + fmt::format("round trip: least {:.2f}, p50 {:.2f}, p99 {:.2f}, greatest {:.2f} ms\n",
+                              milliseconds.least(), milliseconds.percentile(50), milliseconds.percentile(99),
+                              milliseconds.greatest());
+}
+
+std::string PingSummary::json() const {
+    nlohmann::json object{{"board", board},
+                          {"sent", sent},
+                          {"answered", milliseconds.size()},
+                          {"loss_percent", loss_percent()}};
+    if (!milliseconds.empty()) {
+        object["ms"] = {{"least", milliseconds.least()},
+                        {"p50", milliseconds.percentile(50)},
+                        {"p99", milliseconds.percentile(99)},
+                        {"greatest", milliseconds.greatest()}};
+    }
+    return model::dump_json(object);
+}
+
+int run_ping(const PingOptions& options, Context& context) {
+    const auto target = parse_target(options.board);
+    if (!target) return context.fail_with(target.error());
+    if (!target->service.empty())
+        return context.fail_with({program::kExitUsage, "ping takes a board, not a service"});
+    const auto interval = parse_duration(options.interval);
+    if (!interval) return context.fail_with({program::kExitUsage, "-i: " + interval.error()});
+    return Pinger(options, context, *interval).run();
+}
+
+void setup_ping(CLI::App& app, Chosen& chosen) {
+    auto* command =
+        app.add_subcommand("ping", "Round trip to the board itself, through broker, agent and link");
+    command->fallthrough();
+    auto options = std::make_shared<PingOptions>();
+    command->add_option("board", options->board, "Name of the board")->required()->type_name("");
+    command->add_option("-c,--count", options->count, "How many; without it until Ctrl-C")
+        ->type_name("COUNT");
+    command->add_option("-i,--interval", options->interval, "From one to the next")
+        ->capture_default_str()
+        ->type_name("DURATION");
+    command->add_flag("-q,--quiet", options->quiet, "Only the summary");
+    add_output_option(*command, options->output, {Output::kText, Output::kJsonLines});
+    command->footer("Examples:\n  asipctl ping uno1 -c 5\n  asipctl ping uno1 -c 1000 -i 0 -q");
+    command->callback(
+        [&chosen, options] { chosen = [options](Context& context) { return run_ping(*options, context); }; });
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,206 @@
+#include "cli/commands/send.hpp"
+
+#include <CLI/CLI.hpp>
+#include <deque>
+#include <istream>
+#include <map>
+#include <ostream>
+
+#include "cli/app.hpp"
+#include "cli/board_request.hpp"
+#include "cli/command.hpp"
+
+namespace asip::cli {
+namespace {
+
+/// One `asipctl send`: finds boards once, sends, and reports answers in the order of the commands.
+class Sender {
+  public:
+    Sender(const SendOptions& options, Context& context)
+        : options_(options), context_(context), session_(context), source_(context, session_) {}
+
+    int run() {
+        if (const auto connected = session_.connect(); !connected)
+            return context_.fail_with(connected.error());
+        if (options_.from_input) return run_input();
+        const auto command = prepare(options_.target, options_.words, options_.raw);
+        if (!command) return context_.fail_with(command.error());
+        send(*command, {});
+        drain(0);
+        return status_;
+    }
+
+  private:
+    struct Waiting {
+        std::string where;  // "line 3: ", or nothing
+        BoardCommand command;
+        std::size_t id = 0;
+        Time sent;
+        std::optional<bus::Message> answer;
+    };
+
+    int run_input() {
+        std::string line;
+        for (std::size_t number = 1; !session_.stopped() && std::getline(context_.in, line); ++number) {
+            const auto where = "line " + std::to_string(number) + ": ";
+            if (line.find_first_not_of(" \t\r") == std::string::npos || line.front() == '#') continue;
+            const auto command = prepare_line(line);
+            if (!command) {
+                report_failure(where, command.error());
+                continue;
+            }
+            drain(options_.in_flight - 1);
+            send(*command, where);
+        }
+        drain(0);
+        return status_;
+    }
+
+    Outcome<BoardCommand> prepare_line(const std::string& line) {
+        auto words = split_words(line);
+        if (!words) return failure(program::kExitUsage, words.error());
+        if (!options_.target.empty()) return prepare(options_.target, *words, {});
+        const auto target = words->front();
+        words->erase(words->begin());
+        return prepare(target, *words, {});
+    }
+
+    Outcome<BoardCommand> prepare(const std::string& text, const std::vector<std::string>& words,
+                                  const std::string& raw) {
+        const auto target = parse_target(text);
+        if (!target) return tl::unexpected(target.error());
+        auto found = boards_.find(target->board);
+        if (found == boards_.end()) {
+            auto board = find_living_board(source_, target->board);
+            if (!board) return tl::unexpected(board.error());
+            found = boards_.emplace(target->board, std::move(*board)).first;
+        }
+        if (!raw.empty()) return make_raw_command(context_, target->board, raw);
+        if (target->service.empty()) {
+            // A board alone takes request lines.
+            if (words.size() == 1) return make_raw_command(context_, target->board, words.front());
+            return failure(program::kExitUsage, "which service of " + target->board + "? Write " +
+                                                    target->board + "/SERVICE COMMAND ...");
+        }
+        const auto service = find_service(found->second, target->service);
+        if (!service) return tl::unexpected(service.error());
+        return make_command(context_, found->second, *service, words);
+    }
+
+    void send(const BoardCommand& command, const std::string& where) {
+        if (!options_.wait) {
+            session_.publish(command.topic, command.payload, 1);
+            return;
+        }
+        auto& waiting = waiting_.emplace_back(Waiting{where, command, 0, Clock::now(), std::nullopt});
+        waiting.id = session_.ask(
+            command.topic, command.payload,
+            [&waiting](const bus::Message& message) { waiting.answer = message; }, 1);
+    }
+
+    /// Waits until at most `most` commands are unanswered.
+    void drain(std::size_t most) {
+        while (waiting_.size() > most) {
+            auto& oldest = waiting_.front();
+            session_.run_until([&oldest] { return oldest.answer.has_value(); },
+                               oldest.sent + context_.timeout);
+            session_.forget_request(oldest.id);
+            report(oldest);
+            waiting_.pop_front();
+        }
+    }
+
+    void report(const Waiting& done) {
+        if (!done.answer) {
+            report_failure(
+                done.where,
+                {program::kExitNoAnswer,
+                 session_.stopped() ? "interrupted before " + done.command.line + " was answered"
+                                    : "nobody answered " + done.command.line + " on " + done.command.topic +
+                                          " within " + std::to_string(context_.timeout.count()) + " ms"});
+            return;
+        }
+        const auto reply = bus::parse_reply(done.answer->payload);
+        if (!reply) {
+            report_failure(done.where,
+                           {program::kExitNoAnswer, "the answer cannot be read: " + reply.error()});
+            return;
+        }
+        if (options_.output == Output::kText) {
+            if (reply->succeeded())
+                context_.out << (reply->answer.empty() ? "ok" : reply->answer) << '\n' << std::flush;
+        } else {
+            context_.out << bus::to_json_text(*reply) << '\n' << std::flush;
+        }
+        if (!reply->succeeded())
+            report_failure(done.where, {exit_status(*reply), done.command.line + ": " + explain(*reply)});
+    }
+
+    void report_failure(const std::string& where, const Failure& failed) {
+        context_.note(where + failed.text);
+        if (status_ == program::kExitOk) status_ = failed.status;
+    }
+
+    const SendOptions& options_;
+    Context& context_;
+    BusSession session_;
+    BoardSource source_;
+    std::map<std::string, KnownBoard> boards_;
+    std::deque<Waiting> waiting_;
+    int status_ = program::kExitOk;
+};
+
+}  // namespace
+
+int run_send(const SendOptions& options, Context& context) {
+    if (options.target.empty() && !options.from_input) {
+        return context.fail_with(
+            {program::kExitUsage, "send what to whom? Write BOARD/SERVICE COMMAND [ARG...]"});
+    }
+    if (!options.raw.empty() && (options.from_input || !options.words.empty())) {
+        return context.fail_with({program::kExitUsage, "--raw goes with a board alone"});
+    }
+    return Sender(options, context).run();
+}
+
+void setup_send(CLI::App& app, Chosen& chosen) {
+    auto* command = app.add_subcommand("send", "Give a service a command and wait for its acknowledgement");
+    command->fallthrough();
+    auto options = std::make_shared<SendOptions>();
+    auto no_wait = std::make_shared<bool>(false);
+    command->add_option("target", options->target, "BOARD/SERVICE, or BOARD for request lines")
+        ->type_name("");
+    command
+        ->add_option("command", options->words,
+                     "Command and arguments, or one JSON object; see asipctl show BOARD/SERVICE")
+        ->type_name("");
+    command->add_option("--raw", options->raw, "Send this ASIP request line to the board, as S,W,0,90")
+        ->type_name("LINE");
+    command->add_flag("--stdin", options->from_input,
+                      "Read commands from standard input, one a line: [BOARD/SERVICE] COMMAND [ARG...]");
+    command->add_flag("--no-wait", *no_wait, "Do not wait for the acknowledgement");
+    command
+        ->add_option("--in-flight", options->in_flight, "With --stdin: how many may be unanswered at a time")
+        ->check(CLI::Range(1, 256))
+        ->capture_default_str()
+        ->type_name("N");
+    add_output_option(*command, options->output, {Output::kText, Output::kJson, Output::kJsonLines});
+    command->footer(
+        "Prints ok, or what the board answered. Exit status: 0 executed by the board, 1 refused, 4 no "
+        "answer.\n"
+        "Examples:\n"
+        "  asipctl send uno1/servo write 0 90\n"
+        "  asipctl send uno1/servo '{\"write\":{\"servo\":0,\"angle\":90}}'\n"
+        "  asipctl send uno1 --raw S,W,0,90\n"
+        "  printf 'uno1/servo write 0 10\\nuno1/servo write 0 170\\n' | asipctl send --stdin");
+    command->callback([&chosen, options, no_wait] {
+        chosen = [options, no_wait](Context& context) {
+            options->wait = !*no_wait;
+            for (auto& word : options->words)
+                unmark(word);
+            return run_send(*options, context);
+        };
+    });
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,24 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "cli/context.hpp"
+#include "cli/output.hpp"
+
+namespace asip::cli {
+
+struct SendOptions {
+    std::string target;              ///< may be empty with from_input
+    std::vector<std::string> words;  ///< command and arguments
+    std::string raw;                 ///< a request line for the board itself, instead of words
+    bool from_input = false;         ///< one command a line of standard input
+    bool wait = true;
+    std::size_t in_flight = 16;  ///< commands of standard input that may be unanswered at a time
+    Output output = Output::kText;
+};
+
+/// `asipctl send`: one command, or those of standard input in order; the status is that of the first that
+/// failed.
+int run_send(const SendOptions& options, Context& context);
+
+}  // namespace asip::cli

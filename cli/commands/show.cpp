@@ -1,0 +1,266 @@
+#include "cli/commands/show.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "asip/model/json.hpp"
+#include "asip/protocol/pin.hpp"
+#include "cli/command.hpp"
+#include "cli/commands/list.hpp"
+#include "cli/target.hpp"
+#include "cli/text/duration.hpp"
+#include "cli/text/width.hpp"
+
+namespace asip::cli {
+namespace {
+
+constexpr std::size_t kLabelColumns = 11;
+
+std::string labelled(const std::string& label, const std::string& value, bool colour,
+                     Colour value_colour = Colour::kNone) {
+    if (value.empty()) return {};
+    const std::string blanks(kLabelColumns - std::min(kLabelColumns, label.size()), ' ');
+    return painted(label, Colour::kDim, colour) + blanks + painted(printable(value), value_colour, colour) +
+           "\n";
+}
+
+std::string extensions_text(const model::Description& description) {
+    std::string text;
+    for (const auto& [tag, version] : description.firmware.extensions.list) {
+        text += (text.empty() ? "" : " ") + std::string(1, tag) + ":" + std::to_string(version);
+    }
+    return text.empty() ? "none (ASIP 0.4)" : text;
+}
+
+std::string link_text(const model::LinkInfo& link) {
+    auto text = link.kind + (link.path.empty() ? "" : " " + link.path);
+    if (link.baud > 0) text += " at " + std::to_string(link.baud) + " baud";
+    return text;
+}
+
+std::string seen_text(const bus::BoardItem& item) {
+    std::string text;
+    if (item.age >= 0) text = duration_text(std::chrono::duration<double>(item.age)) + " ago";
+    if (item.first_seen != bus::WallTime{}) text += ", first " + bus::format_time(item.first_seen);
+    if (item.since != bus::WallTime{}) text += ", " + item.state + " since " + bus::format_time(item.since);
+    return text;
+}
+
+std::string capability_text(char digit) {
+    const int bits = digit >= '0' && digit <= '7' ? digit - '0' : 0;
+    std::string text;
+    if ((bits & protocol::kCapabilityDigital) != 0) text += " digital";
+    if ((bits & protocol::kCapabilityAnalogIn) != 0) text += " analog";
+    if ((bits & protocol::kCapabilityPwm) != 0) text += " pwm";
+    return text.empty() ? text : text.substr(1);
+}
+
+std::string mode_text(char digit) {
+    const auto mode = protocol::pin_mode_from_number(digit - '0');
+    return mode ? std::string(protocol::to_text(*mode)) : std::string();
+}
+
+std::string owner_text(const model::Description& description, char owner) {
+    if (owner == '@') return "system";
+    for (const auto& service : description.services) {
+        if (service.id == owner && owner != 0) return service.name;
+    }
+    return owner == '-' || owner == 0 ? "" : std::string(1, owner);
+}
+
+char at(const std::string& text, std::size_t index) {
+    return index < text.size() ? text[index] : '\0';
+}
+
+std::string pin_name(const model::Description& description, std::size_t pin) {
+    for (const auto& [digital, channel] : description.pins.analog) {
+        if (digital == pin) return std::to_string(pin) + " (A" + std::to_string(channel) + ")";
+    }
+    return std::to_string(pin);
+}
+
+nlohmann::json board_json(const KnownBoard& board) {
+    auto result = bus::to_json(board.item);
+    if (board.description) result["description"] = model::to_json(*board.description);
+    return result;
+}
+
+nlohmann::json service_json(const KnownBoard& board, const model::ServiceInfo& service,
+                            const model::ServiceModel* model) {
+    auto result = nlohmann::json::object();
+    for (const auto& item : board.item.services) {
+        if (item.name == service.name) result = bus::to_json(item);
+    }
+    if (model != nullptr) {
+        if (auto source = model::parse_json(model->source)) result["definition"] = std::move(*source);
+    }
+    return result;
+}
+
+}  // namespace
+
+std::string field_text(const model::Field& field) {
+    auto text = field.name;
+    if (!field.names.empty()) {
+        std::string names;
+        for (const auto& [name, number] : field.names)
+            names += (names.empty() ? " " : "|") + name;
+        text += names;
+    } else if (field.min && field.max) {
+        const auto number = [](double value) {
+            auto written = std::to_string(value);
+            written.erase(written.find_last_not_of('0') + 1);
+            if (written.back() == '.') written.pop_back();
+            return written;
+        };
+        text += " " + number(*field.min) + ".." + number(*field.max);
+    } else if (field.type != model::ValueType::Integer) {
+        text += " " + std::string(to_text(field.type));
+    }
+    return field.unit.empty() ? text : text + " " + field.unit;
+}
+
+std::string pins_text(const model::Description& description, std::size_t width, bool colour) {
+    const auto& pins = description.pins;
+    const auto count = std::max({pins.capabilities.size(), pins.owners.size(), pins.modes.size()});
+    if (count == 0) return {};
+    Table table({{"PIN"}, {"MODE"}, {"OWNER", false, 6}, {"CAN", false, 6}});
+    for (std::size_t pin = 0; pin < count; ++pin) {
+        const auto owner = at(pins.owners, pin);
+        const auto tint = owner == '@' ? Colour::kDim : Colour::kNone;
+        table.add({Cell(pin_name(description, pin), tint), Cell(mode_text(at(pins.modes, pin)), tint),
+                   Cell(owner_text(description, owner), tint),
+                   Cell(capability_text(at(pins.capabilities, pin)), tint)});
+    }
+    return table.render(width, colour);
+}
+
+std::string service_text(const std::string& board, const model::ServiceInfo& service,
+                         const model::ServiceModel* model, std::size_t width, bool colour) {
+    auto text = painted(board + "/" + service.name, Colour::kBold, colour);
+    const auto title = model != nullptr ? model->title : service.title;
+    if (!title.empty()) text += "  " + printable(title);
+    text += "\n";
+    const auto named = service.id == 0 ? std::string() : std::string(1, service.id) + " " + service.title;
+    text += labelled("on board", named, colour);
+    if (service.count) {
+        const auto element = model != nullptr && !model->element.empty() ? model->element : "element";
+        text += labelled(
+            "has", std::to_string(*service.count) + " " + element + (*service.count == 1 ? "" : "s"), colour);
+    }
+    if (service.period) text += labelled("period", std::to_string(*service.period) + " ms", colour);
+    if (model == nullptr) {
+        return text + labelled("model",
+                               "none known: raw tags only, as in  asipctl send " + board + "/" +
+                                   service.name + " A 100",
+                               colour);
+    }
+    text += labelled("model", model->ref(), colour);
+    if (!model->events.empty()) {
+        Table events({{"REPORTS"}, {"FIELDS", false, 10}, {"", false, 10}});
+        for (const auto& event : model->events) {
+            std::string fields;
+            for (const auto& field : event.fields)
+                fields += (fields.empty() ? "" : ", ") + field_text(field);
+            events.add({event.name, fields, event.title});
+        }
+        text += "\n" + events.render(width, colour);
+    }
+    if (!model->commands.empty()) {
+        Table commands({{"COMMAND"}, {"ARGUMENTS", false, 10}, {"", false, 10}});
+        for (const auto& command : model->commands) {
+            std::string args;
+            for (const auto& field : command.args) {
+                if (field.type == model::ValueType::Count) continue;
+                args += (args.empty() ? "" : ", ") + field_text(field);
+            }
+            commands.add({command.name, args, command.title});
+        }
+        text += "\n" + commands.render(width, colour);
+    }
+    return text;
+}
+
+std::string board_text(const KnownBoard& board, const model::ModelSet& models, std::size_t width,
+                       bool colour) {
+    const auto& item = board.item;
+    auto text = painted(item.board, Colour::kBold, colour) + "  " +
+                painted(item.state, state_colour(item.state), colour) + "\n";
+    if (!item.said.empty() && item.said != item.state) text += labelled("said", item.said, colour);
+    if (item.conflict) {
+        text += labelled("CONFLICT",
+                         "two agents claim this name: session " + item.conflict->holder + " and " +
+                             item.conflict->other + " (" + item.conflict->other_agent + ")",
+                         colour, Colour::kRed);
+    }
+    text += labelled("seen", seen_text(item), colour);
+    if (!board.description) {
+        text += labelled("known by", "its names only; it publishes no description", colour);
+    } else {
+        const auto& all = *board.description;
+        text += labelled("chip", all.firmware.chip, colour) + labelled("sketch", all.firmware.sketch, colour);
+        text += labelled("protocol", all.firmware.protocol, colour) +
+                labelled("extensions", extensions_text(all), colour);
+        text += labelled("link", link_text(all.link), colour);
+        const auto agent = all.agent.client + (all.agent.host.empty() ? "" : " on " + all.agent.host) +
+                           (all.agent.version.empty() ? "" : ", version " + all.agent.version);
+        text += labelled("agent", agent, colour) +
+                labelled("session", all.session + ", announcement " + std::to_string(all.seq), colour);
+        text += labelled("lease", std::to_string(all.lease) + " s", colour);
+        if (const auto pins = pins_text(all, width, colour); !pins.empty()) text += "\n" + pins;
+    }
+    if (board.description) {
+        for (const auto& service : board.description->services) {
+            const auto model = model_of(service, models);
+            text += "\n" + service_text(item.board, service, model.get(), width, colour);
+        }
+    } else {
+        for (const auto& service : item.services)
+            text += "\n" + painted(item.board + "/" + service.name, Colour::kBold, colour) + "\n";
+    }
+    return text;
+}
+
+int run_show(const ShowOptions& options, Context& context) {
+    const auto target = parse_target(options.target);
+    if (!target) return context.fail_with(target.error());
+    BusSession session(context);
+    BoardSource source(context, session);
+    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+    const auto board = source.board_in_full(target->board);
+    if (!board) return context.fail_with(board.error());
+    const bool json = options.output != Output::kText;
+    const auto dump = [&options](const nlohmann::json& value) {
+        return options.output == Output::kJson ? model::dump_json_pretty(value) : model::dump_json(value);
+    };
+    if (target->service.empty()) {
+        context.out << (json ? dump(board_json(*board)) + "\n"
+                             : board_text(*board, context.models, context.width, context.colour))
+                    << std::flush;
+        return program::kExitOk;
+    }
+    const auto service = find_service(*board, target->service);
+    if (!service) return context.fail_with(service.error());
+    const auto model = model_of(*service, context.models);
+    context.out << (json ? dump(service_json(*board, *service, model.get())) + "\n"
+                         : service_text(target->board, *service, model.get(), context.width, context.colour))
+                << std::flush;
+    return program::kExitOk;
+}
+
+void setup_show(CLI::App& app, Chosen& chosen) {
+    auto* command = app.add_subcommand("show", "Everything known of a board or of one of its services");
+    command->fallthrough();
+    auto options = std::make_shared<ShowOptions>();
+    command->add_option("target", options->target, "BOARD or BOARD/SERVICE")->required()->type_name("");
+    add_output_option(*command, options->output, {Output::kText, Output::kJson, Output::kJsonLines});
+    command->footer(
+        "Examples:\n  asipctl show uno1\n  asipctl show uno1/servo\n  asipctl show uno1 -o json | jq "
+        ".description.pins");
+    command->callback(
+        [&chosen, options] { chosen = [options](Context& context) { return run_show(*options, context); }; });
+}
+
+}  // namespace asip::cli

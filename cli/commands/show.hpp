@@ -1,0 +1,29 @@
+#pragma once
+#include <string>
+
+#include "asip/model/service_model.hpp"
+#include "cli/board_source.hpp"
+#include "cli/context.hpp"
+#include "cli/output.hpp"
+
+namespace asip::cli {
+
+struct ShowOptions {
+    std::string target;
+    Output output = Output::kText;
+};
+
+/// `asipctl show`: everything known of a board, or of one service of it.
+int run_show(const ShowOptions& options, Context& context);
+
+/// The parts of it, as text. Pure.
+std::string board_text(const KnownBoard& board, const model::ModelSet& models, std::size_t width,
+                       bool colour);
+std::string pins_text(const model::Description& description, std::size_t width, bool colour);
+std::string service_text(const std::string& board, const model::ServiceInfo& service,
+                         const model::ServiceModel* model, std::size_t width, bool colour);
+
+/// A field or argument in words: `angle 0..180 degrees`.
+std::string field_text(const model::Field& field);
+
+}  // namespace asip::cli

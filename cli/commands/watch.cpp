@@ -1,0 +1,193 @@
+#include "cli/commands/watch.hpp"
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <ostream>
+
+#include "asip/bus/catalogue_view.hpp"
+#include "asip/model/json.hpp"
+#include "cli/board_source.hpp"
+
+namespace asip::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Follows a registry: pages of a snapshot joined to its change events.
+class RegistryWatch {
+  public:
+    RegistryWatch(Context& context, BusSession& session, bus::CatalogueView& view)
+        : context_(context), session_(session), view_(view) {
+        session_.subscribe(context.topics.registry_events("+"), [this](const bus::Message& message) {
+            if (const auto event = bus::parse_change_event(message.payload)) view_.event(*event);
+        });
+        session_.on_connection_change([this](bool connected, const std::string& why) {
+            context_.note(connected ? "connected again" : why);
+            if (connected) view_.restart();
+            asked_at_.reset();
+        });
+    }
+
+    /// Asks for the next page when one is wanted and none is on its way.
+    void step() {
+        const auto query = view_.next_query();
+        if (!query || (asked_at_ && Clock::now() - *asked_at_ < 2s)) return;
+        if (asked_at_) view_.restart();
+        asked_at_ = Clock::now();
+        const auto topic = view_.registry().empty() ? context_.topics.any_registry_query()
+                                                    : context_.topics.registry_query(view_.registry());
+        session_.forget_request(request_);
+        request_ = session_.ask(topic, bus::encode(bus::RegistryRequest{*query, {}, {}}),
+                                [this](const bus::Message& message) {
+                                    const auto answer = bus::parse_answer(message.payload);
+                                    session_.forget_request(request_);
+                                    if (answer && !view_.page(*answer)) view_.restart();
+                                    asked_at_.reset();
+                                });
+    }
+
+  private:
+    Context& context_;
+    BusSession& session_;
+    bus::CatalogueView& view_;
+    std::size_t request_ = 0;
+    std::optional<Time> asked_at_;
+};
+
+bool wanted(const ListOptions& options, const bus::BoardItem& board, const Context& context) {
+    std::optional<model::Description> description;
+    if (!board.description.empty()) {
+        if (auto parsed = model::parse_description(board.description)) description = std::move(*parsed);
+    }
+    return board_matches(options.query, board, description ? &*description : nullptr, context.models);
+}
+
+int watch_registry(const ListOptions& options, Context& context, ChangePrinter& printer) {
+    BusSession session(context);
+    bus::CatalogueView view(
+        [&](const bus::CatalogueView::Change& change) {
+            const bool gone = change.kind == bus::ChangeEvent::Kind::kForgotten;
+            if (!gone && !wanted(options, change.board, context)) return;
+            context.out << (gone ? printer.gone(change.board.board) : printer.changed(change.board))
+                        << std::flush;
+        },
+        options.query.board);
+    RegistryWatch watch(context, session, view);
+    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+    while (!session.stopped()) {
+        watch.step();
+        session.run_until([&] { return view.needs_snapshot(); }, Clock::now() + 200ms);
+        if (view.needs_snapshot()) session.run_for(5ms);
+    }
+    return program::kExitOk;
+}
+
+int watch_bus(const ListOptions& options, Context& context, ChangePrinter& printer) {
+    BusSession session(context);
+    BusCatalogue catalogue(context.topics);
+    std::vector<std::string> changed;
+    const auto take = [&](const bus::Message& message) {
+        auto name = catalogue.apply(message.topic, message.payload, message.retain, Clock::now());
+        if (!name.empty()) changed.push_back(std::move(name));
+    };
+    session.subscribe(context.topics.board_names() + "/+/+", take);
+    session.subscribe(context.topics.service_names("+"), take);
+    session.subscribe(context.topics.board_names(), take);
+    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+    session.publish(context.topics.probe(), "");
+    session.run_for(kRetainedPatience);
+    while (!session.stopped()) {
+        for (const auto& name : changed) {
+            const auto board = catalogue.board(name, Clock::now());
+            if (!board) {
+                context.out << printer.gone(name) << std::flush;
+            } else if (wanted(options, *board, context)) {
+                context.out << printer.changed(*board) << std::flush;
+            }
+        }
+        changed.clear();
+        session.run_until([&] { return !changed.empty(); }, Clock::now() + 1h);
+        // A description and a state that come together are one change.
+        session.run_for(30ms);
+    }
+    return program::kExitOk;
+}
+
+std::string registry_here(Context& context, int& status) {
+    if (context.from_bus) return {};
+    BusSession session(context);
+    BoardSource source(context, session);
+    if (const auto connected = session.connect(); !connected) {
+        status = context.fail_with(connected.error());
+        return {};
+    }
+    return source.find_registry();
+}
+
+}  // namespace
+
+ChangePrinter::ChangePrinter(const ListOptions& options, std::size_t width, bool colour)
+    : options_(options),
+      width_(options.output == Output::kWide ? 0 : width),
+      colour_(colour),
+      table_(options.services ? service_table(options.output == Output::kWide)
+                              : board_table(options.output == Output::kWide)) {}
+
+std::string ChangePrinter::json_lines(const bus::BoardItem& board) const {
+    if (!options_.services) return model::dump_json(bus::to_json(board)) + "\n";
+    std::string text;
+    for (const auto& service : board.services)
+        text += model::dump_json(bus::to_json(service)) + "\n";
+    return text;
+}
+
+std::string ChangePrinter::rows(const bus::BoardItem& board) {
+    const bool wide = options_.output == Output::kWide;
+    if (options_.services) {
+        for (const auto& service : board.services)
+            table_.add(service_row(service, wide));
+    } else {
+        table_.add(board_row(board, wide));
+    }
+    return std::exchange(first_, false) ? table_.render(width_, colour_)
+                                        : table_.render_more(width_, colour_);
+}
+
+std::string ChangePrinter::changed(const bus::BoardItem& board) {
+    auto essence = board;
+    essence.age = 0;
+    essence.seq = 0;
+    essence.last_seen = {};
+    essence.description.clear();
+    auto text = model::dump_json(bus::to_json(essence));
+    auto& shown = shown_[board.board];
+    if (shown == text) return {};
+    shown = std::move(text);
+    if (options_.output == Output::kName) return board.board + "\n";
+    if (options_.output == Output::kJson || options_.output == Output::kJsonLines) return json_lines(board);
+    return rows(board);
+}
+
+std::string ChangePrinter::gone(const std::string& board) {
+    if (shown_.erase(board) == 0) return {};
+    bus::BoardItem item;
+    item.board = board;
+    item.state = "forgotten";
+    item.age = -1;
+    if (options_.output == Output::kName) return board + "\n";
+    if (options_.output == Output::kJson || options_.output == Output::kJsonLines) {
+        return model::dump_json(nlohmann::json{{"board", board}, {"state", "forgotten"}}) + "\n";
+    }
+    return options_.services ? std::string() : rows(item);
+}
+
+int run_watch(const ListOptions& options, Context& context) {
+    ChangePrinter printer(options, context.width, context.colour);
+    int status = program::kExitOk;
+    const auto registry = registry_here(context, status);
+    if (status != program::kExitOk) return status;
+    return registry.empty() ? watch_bus(options, context, printer)
+                            : watch_registry(options, context, printer);
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,52 @@
+#pragma once
+#include <chrono>
+#include <cstddef>
+#include <iosfwd>
+#include <string>
+
+#include "asip/bus/mqtt_options.hpp"
+#include "asip/bus/topics.hpp"
+#include "asip/expected.hpp"
+#include "asip/model/model_set.hpp"
+#include "asip/program/exit_status.hpp"
+#include "asip/program/options.hpp"
+
+namespace asip::cli {
+
+/// Why a command ends early: what to say on standard error (with what to do next), and the exit status.
+struct Failure {
+    int status = program::kExitFailure;
+    std::string text;
+};
+
+template <class T>
+using Outcome = Expected<T, Failure>;
+
+inline tl::unexpected<Failure> failure(int status, std::string text) {
+    return tl::unexpected<Failure>(Failure{status, std::move(text)});
+}
+
+/// Everything a command uses of the world outside its own options.
+struct Context {
+    std::istream& in;
+    std::ostream& out;  ///< data
+    std::ostream& err;  ///< diagnostics
+
+    std::size_t width = 0;  ///< columns of the terminal that `out` is; 0: it is none
+    bool colour = false;    ///< paint `out`
+
+    bus::MqttOptions mqtt{};
+    bus::Topics topics{};
+    model::ModelSet models = model::ModelSet::standard();
+    /// How long to wait for one answer: of the broker, a registry, a board.
+    std::chrono::milliseconds timeout{5000};
+    bool from_bus = false;  ///< do not ask a registry
+
+    bool terminal() const { return width != 0; }
+    /// `asipctl: TEXT` on standard error.
+    void note(const std::string& text) const;
+    /// The same, and the status to end with.
+    int fail_with(const Failure& failure) const;
+};
+
+}  // namespace asip::cli

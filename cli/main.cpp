@@ -1,0 +1,8 @@
+#include <iostream>
+
+#include "cli/app.hpp"
+
+int main(int argc, char** argv) {
+    std::ios::sync_with_stdio(false);
+    return asip::cli::run_app(argc, argv, std::cin, std::cout, std::cerr);
+}

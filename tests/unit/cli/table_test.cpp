@@ -1,0 +1,79 @@
+#include "cli/text/table.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "cli/text/width.hpp"
+
+namespace asip::cli {
+namespace {
+
+Table boards() {
+    Table table({{"BOARD"}, {"PINS", true}, {"SERVICES", false, 8}});
+    table.add({"uno1", "20", "io distance servo"});
+    table.add({"kitchen", "6", "io"});
+    return table;
+}
+
+TEST(Table, NoLimit_AlignsColumnsWithoutTrailingBlanks) {
+    EXPECT_EQ(boards().render(0, false),
+              "BOARD    PINS  SERVICES\n"
+              "uno1       20  io distance servo\n"
+              "kitchen     6  io\n");
+}
+
+TEST(Table, NarrowTerminal_CutsOnlyWhatMayBeCut) {
+    const auto text = boards().render(24, false);
+    EXPECT_EQ(text,
+              "BOARD    PINS  SERVICES\n"
+              "uno1       20  io dista…\n"
+              "kitchen     6  io\n");
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+        EXPECT_LE(display_width(line), 24U) << line;
+}
+
+TEST(Table, TerminalNarrowerThanColumnsAllow_KeepsTheirLeast) {
+    EXPECT_THAT(boards().render(5, false), testing::HasSubstr("kitchen     6  io"));
+    EXPECT_THAT(boards().render(5, false), testing::HasSubstr("io dist…"));
+}
+
+TEST(Table, WideCharacters_StayInColumns) {
+    Table table({{"NAME"}, {"N"}});
+    table.add({"温度", "1"});
+    table.add({"Küche", "2"});
+    EXPECT_EQ(table.render(0, false), "NAME   N\n温度   1\nKüche  2\n");
+}
+
+TEST(Table, Colours_AppearOnlyWhenAskedFor) {
+    Table table({{"STATE"}});
+    table.add({Cell("online", Colour::kGreen)});
+    EXPECT_EQ(table.render(0, false), "STATE\nonline\n");
+    EXPECT_EQ(table.render(0, true), "\033[1mSTATE\033[0m\n\033[32monline\033[0m\n");
+}
+
+TEST(Table, CellFromAStranger_CannotMoveTheCursor) {
+    Table table({{"SKETCH"}});
+    table.add({"x\x1b[2J\ny"});
+    EXPECT_EQ(table.render(0, true), "\033[1mSKETCH\033[0m\nx?[2J?y\n");
+}
+
+TEST(Table, RowsAddedLater_StandInTheColumnsOfBefore) {
+    auto table = boards();
+    table.render(0, false);
+    table.add({"nano", "8", "io"});
+    EXPECT_EQ(table.render_more(0, false), "nano        8  io\n");
+    table.add({"mega", "70", ""});
+    EXPECT_EQ(table.render_more(0, false), "mega       70\n");
+}
+
+TEST(Table, RowWithFewerCells_IsFilledUp) {
+    Table table({{"A"}, {"B"}});
+    table.add({"1"});
+    EXPECT_EQ(table.render(0, false), "A  B\n1\n");
+}
+
+}  // namespace
+}  // namespace asip::cli
