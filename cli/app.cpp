@@ -7,9 +7,11 @@
 #include <cstdlib>
 #include <optional>
 #include <ostream>
+#include <set>
 
 #include "asip/program/options.hpp"
 #include "cli/command.hpp"
+#include "cli/commands/completion.hpp"
 #include "cli/context.hpp"
 #include "cli/terminal.hpp"
 #include "cli/text/duration.hpp"
@@ -75,6 +77,56 @@ ColourChoice colour_choice(const std::string& word) {
                              : ColourChoice::kAuto;
 }
 
+/// What `__complete AT WORD...` asks for; the options that say where the bus is stay with the program.
+struct CompletionRequest {
+    std::size_t at = 0;
+    std::vector<std::string> words;
+    std::vector<std::string> arguments{"asipctl"};
+};
+
+CompletionRequest completion_request(int argc, const char* const* argv) {
+    CompletionRequest request;
+    request.at = argc > 2 ? static_cast<std::size_t>(std::strtoul(argv[2], nullptr, 10)) : 0;
+    request.words.assign(argv + std::min(argc, 3), argv + argc);
+    const std::set<std::string> of_bus{"--broker", "--topic-root", "--user", "--password-file",
+                                       "--ca",     "--cert",       "--key",  "--config"};
+    for (std::size_t i = 0; i < request.words.size();) {
+        const bool has_value = i + 1 < request.words.size() && i + 1 != request.at;
+        if (of_bus.count(request.words[i]) == 0 || !has_value || i + 1 >= request.at) {
+            ++i;
+            continue;
+        }
+        request.arguments.insert(request.arguments.end(), {request.words[i], request.words[i + 1]});
+        request.words.erase(request.words.begin() + static_cast<std::ptrdiff_t>(i),
+                            request.words.begin() + static_cast<std::ptrdiff_t>(i) + 2);
+        request.at -= 2;
+    }
+    request.arguments.emplace_back("completion");
+    request.arguments.emplace_back("bash");
+    return request;
+}
+
+std::vector<CommandShape> shapes(const CLI::App& app) {
+    std::vector<CommandShape> result;
+    for (const auto* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+        CommandShape shape{command->get_name(), {}, {}};
+        for (const auto* owner : {command, &app}) {
+            for (const auto* option : owner->get_options()) {
+                std::vector<std::string> names;
+                for (const auto& name : option->get_lnames())
+                    names.push_back("--" + name);
+                for (const auto& name : option->get_snames())
+                    names.push_back("-" + name);
+                shape.options.insert(shape.options.end(), names.begin(), names.end());
+                if (option->get_items_expected_min() == 0) continue;
+                shape.options_of_value.insert(shape.options_of_value.end(), names.begin(), names.end());
+            }
+        }
+        result.push_back(std::move(shape));
+    }
+    return result;
+}
+
 }  // namespace
 
 std::vector<std::string> mark_negative_numbers(int argc, const char* const* argv) {
@@ -111,23 +163,25 @@ int run_app(int argc, const char* const* argv, std::istream& in, std::ostream& o
     program::Settings settings(app, "asipctl");
     add_common_options(app, settings, options);
     Chosen chosen;
-    setup_list(app, chosen);
-    setup_show(app, chosen);
-    setup_subscribe(app, chosen);
-    setup_send(app, chosen);
-    setup_pin(app, chosen);
-    setup_ping(app, chosen);
+    for (auto* setup : {setup_list, setup_show, setup_subscribe, setup_send, setup_pin, setup_ping, setup_top,
+                        setup_doctor, setup_forget, setup_prune, setup_completion}) {
+        setup(app, chosen);
+    }
 
-    const auto arguments = mark_negative_numbers(argc, argv);
+    std::optional<CompletionRequest> completion;
+    if (argc > 1 && std::string_view(argv[1]) == "__complete") completion = completion_request(argc, argv);
+    const auto arguments = completion ? completion->arguments : mark_negative_numbers(argc, argv);
     std::vector<const char*> pointers;
     for (const auto& argument : arguments)
         pointers.push_back(argument.c_str());
-    if (const auto status = settings.parse(argc, pointers.data())) return *status;
+    if (const auto status = settings.parse(static_cast<int>(pointers.size()), pointers.data()))
+        return *status;
 
     Context context{in, out, err};
     if (const auto applied = apply(options, context); !applied) return context.fail_with(applied.error());
     context.width = terminal_width(STDOUT_FILENO);
     context.colour = use_colour(colour_choice(options.colour), context.terminal(), environment);
+    if (completion) return run_complete(completion->words, completion->at, shapes(app), context);
     return chosen(context);
 }
 

@@ -32,8 +32,11 @@ Outcome<bus::Answer> BoardSource::ask(const bus::Query& query) {
                                  });
     std::optional<Time> marked;
     if (registry_.empty()) session_.after_retained([&marked] { marked = Clock::now(); });
+    const auto asked = Clock::now();
     const auto nobody = [&] {
-        return marked && online_registries_.empty() && Clock::now() - *marked >= kRetainedPatience;
+        const auto waited = Clock::now() - marked.value_or(asked);
+        return registry_.empty() && online_registries_.empty() &&
+               waited >= (marked ? kRetainedPatience : kMarkPatience);
     };
     const auto deadline = Clock::now() + context_.timeout;
     session_.run_until([&] { return answer || nobody(); }, deadline);
@@ -98,6 +101,10 @@ Outcome<std::vector<bus::BoardItem>> BoardSource::boards(bus::Query query) {
     std::erase_if(all, [&](const bus::BoardItem& board) {
         return !board_matches(query, board, catalogue_.description(board.board), context_.models);
     });
+    if (!query.full) {
+        for (auto& board : all)
+            board.description.clear();
+    }
     return all;
 }
 
@@ -122,25 +129,31 @@ Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {
     return result;
 }
 
+void BoardSource::take(const bus::Message& message) {
+    const auto board = catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
+    const auto* description = catalogue_.description(board);
+    if (!announced_ || message.retain || description == nullptr ||
+        message.topic != context_.topics.description(board))
+        return;
+    announced_(board, description->session);
+}
+
 void BoardSource::wait_retained(const std::function<bool()>& enough) {
     bool marked = false;
     session_.after_retained([&marked] { marked = true; });
-    session_.run_until([&] { return marked || enough(); }, Clock::now() + context_.timeout);
+    session_.run_until([&] { return marked || enough(); }, Clock::now() + kMarkPatience);
     if (!enough()) session_.run_until(enough, Clock::now() + kRetainedPatience);
 }
 
 void BoardSource::read_bus(bool probe) {
     if (!bus_subscribed_) {
         bus_subscribed_ = true;
-        session_.subscribe(context_.topics.board_names(), [this](const bus::Message& message) {
-            catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
-        });
-        session_.subscribe(context_.topics.board_names() + "/+/+", [this](const bus::Message& message) {
-            catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
-        });
-        session_.subscribe(context_.topics.service_names("+"), [this](const bus::Message& message) {
-            catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
-        });
+        session_.subscribe(context_.topics.board_names(),
+                           [this](const bus::Message& message) { take(message); });
+        session_.subscribe(context_.topics.board_names() + "/+/+",
+                           [this](const bus::Message& message) { take(message); });
+        session_.subscribe(context_.topics.service_names("+"),
+                           [this](const bus::Message& message) { take(message); });
         wait_retained([] { return false; });
     }
     if (!probe || session_.stopped()) return;
@@ -148,24 +161,25 @@ void BoardSource::read_bus(bool probe) {
     session_.run_for(kProbeWindow);
 }
 
-Outcome<KnownBoard> BoardSource::board(const std::string& name) {
-    const auto take = [this](const bus::Message& message) {
-        catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
-    };
-    session_.subscribe(context_.topics.description(name), take);
-    session_.subscribe(context_.topics.state(name), take);
+std::optional<KnownBoard> BoardSource::retained_board(const std::string& name) {
+    const auto take_it = [this](const bus::Message& message) { take(message); };
+    session_.subscribe(context_.topics.description(name), take_it);
+    session_.subscribe(context_.topics.state(name), take_it);
     const auto here = [&] {
         return catalogue_.description(name) != nullptr && !catalogue_.board(name, {})->said.empty();
     };
     wait_retained(here);
-    if (catalogue_.description(name) == nullptr && asks_registry() && !online_registries_.empty()) {
-        return board_in_full(name);
-    }
-    if (catalogue_.description(name) == nullptr) {
-        session_.subscribe(context_.topics.service_names(name), take);
-        session_.publish(context_.topics.probe(), name);
-        session_.run_until(here, Clock::now() + kProbeWindow);
-    }
+    if (catalogue_.description(name) == nullptr) return std::nullopt;
+    return known(*catalogue_.board(name, Clock::now()));
+}
+
+Outcome<KnownBoard> BoardSource::board(const std::string& name) {
+    if (auto retained = retained_board(name)) return std::move(*retained);
+    if (asks_registry() && !online_registries_.empty()) return board_in_full(name);
+    session_.subscribe(context_.topics.service_names(name),
+                       [this](const bus::Message& message) { take(message); });
+    session_.publish(context_.topics.probe(), name);
+    session_.run_until([&] { return catalogue_.description(name) != nullptr; }, Clock::now() + kProbeWindow);
     if (auto item = catalogue_.board(name, Clock::now())) return known(std::move(*item));
     return unknown(name);
 }

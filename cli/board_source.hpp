@@ -11,6 +11,8 @@
 
 namespace asip::cli {
 
+/// How long to wait for the mark itself: access rules may forbid it.
+inline constexpr std::chrono::milliseconds kMarkPatience{1000};
 /// After the broker's own mark, patience with brokers that hand out retained messages later.
 inline constexpr std::chrono::milliseconds kRetainedPatience{150};
 /// Agents answer a probe within a second.
@@ -38,6 +40,8 @@ class BoardSource {
     /// One board by the quickest way: what is retained, else a registry, else a probe. Fails with
     /// kExitNoAnswer and the nearest name.
     Outcome<KnownBoard> board(const std::string& name);
+    /// The same, as far as the broker has it retained: at once, or not at all.
+    std::optional<KnownBoard> retained_board(const std::string& name);
     /// The same, with what only a registry knows (when it was seen) where there is one.
     Outcome<KnownBoard> board_in_full(const std::string& name);
 
@@ -52,12 +56,17 @@ class BoardSource {
     /// without.
     const BusCatalogue& bus() const { return catalogue_; }
     void read_bus(bool probe);
+    /// Called for each description that is published while we look (not for those retained).
+    void on_announcement(std::function<void(const std::string& board, const std::string& session)> handler) {
+        announced_ = std::move(handler);
+    }
 
   private:
     Outcome<bus::Answer> ask(const bus::Query& query);
     Outcome<bus::Answer> ask_all_pages(bus::Query query);
     bool asks_registry() const { return !context_.from_bus && !no_registry_; }
     void without_registry(const std::string& why);
+    void take(const bus::Message& message);
     void wait_retained(const std::function<bool()>& enough);
     Outcome<KnownBoard> unknown(const std::string& name);
     KnownBoard known(bus::BoardItem item) const;
@@ -67,6 +76,7 @@ class BoardSource {
     BusCatalogue catalogue_;
     std::vector<std::string> online_registries_;  // by their retained state
     std::string registry_;
+    std::function<void(const std::string&, const std::string&)> announced_;
     bool no_registry_ = false;
     bool bus_subscribed_ = false;
 };

@@ -19,5 +19,10 @@ void setup_subscribe(CLI::App& app, Chosen& chosen);
 void setup_send(CLI::App& app, Chosen& chosen);
 void setup_pin(CLI::App& app, Chosen& chosen);
 void setup_ping(CLI::App& app, Chosen& chosen);
+void setup_top(CLI::App& app, Chosen& chosen);
+void setup_doctor(CLI::App& app, Chosen& chosen);
+void setup_forget(CLI::App& app, Chosen& chosen);
+void setup_prune(CLI::App& app, Chosen& chosen);
+void setup_completion(CLI::App& app, Chosen& chosen);
 
 }  // namespace asip::cli

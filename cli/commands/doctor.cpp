@@ -1,0 +1,155 @@
+#include "cli/commands/doctor.hpp"
+
+#include <CLI/CLI.hpp>
+#include <ostream>
+
+#include "asip/protocol/request.hpp"
+#include "cli/board_source.hpp"
+#include "cli/command.hpp"
+#include "cli/doctor/findings.hpp"
+#include "cli/text/samples.hpp"
+
+namespace asip::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kRoundTrips = 9;
+constexpr std::size_t kMaxPings = 200;
+
+/// Gathers what the checks judge.
+class Examination {
+  public:
+    Examination(Context& context, BusSession& session, BoardSource& source)
+        : context_(context), session_(session), source_(source) {
+        seen_.topics = context.topics;
+        seen_.broker = context.mqtt.brokers.front().describe();
+    }
+
+    Observations look() {
+        seen_.v5 = session_.v5();
+        measure_acknowledgement();
+        seen_.retained = read_retained(context_, session_, {context_.topics.root() + "/#"});
+        watch_sessions();
+        source_.read_bus(true);
+        ask_registry();
+        ping_boards();
+        seen_.machine = look_at_machine();
+        return std::move(seen_);
+    }
+
+  private:
+    void measure_acknowledgement() {
+        const auto topic = context_.topics.root() + "/reply/doctor-" +
+                           std::to_string(Clock::now().time_since_epoch().count());
+        bool back = false;
+        session_.subscribe(topic, [&back](const bus::Message&) { back = true; },
+                           {.qos = 1, .no_local = false, .retained = false});
+        Samples seconds;
+        for (int i = 0; i < kRoundTrips; ++i) {
+            back = false;
+            const auto begin = Clock::now();
+            session_.publish(topic, "round", 1);
+            if (!session_.run_until([&back] { return back; }, begin + 2s)) break;
+            seconds.add(std::chrono::duration<double>(Clock::now() - begin).count());
+        }
+        session_.unsubscribe(topic);
+        if (!seconds.empty()) seen_.acknowledged = std::chrono::duration<double>(seconds.percentile(50));
+    }
+
+    void watch_sessions() {
+        // Two live agents with one name both announce within the probe's window.
+        source_.on_announcement([this](const std::string& board, const std::string& session) {
+            seen_.sessions[board].insert(session);
+        });
+    }
+
+    void ask_registry() {
+        for (const auto& message : seen_.retained) {
+            const auto ref = context_.topics.parse(message.topic);
+            const bool online =
+                ref && ref->kind == bus::TopicKind::kRegistryState && message.payload == "online";
+            if (online) seen_.registries.emplace_back(ref->board);
+        }
+        if (!seen_.registries.empty() && !context_.from_bus) {
+            if (auto boards = source_.boards({})) seen_.boards = std::move(*boards);
+            seen_.registry = source_.registry();
+            seen_.now = std::chrono::system_clock::now();
+        }
+        if (seen_.registry.empty()) seen_.boards = source_.bus().boards(Clock::now());
+        seen_.bad_documents = source_.bus().refused();
+    }
+
+    void ping_boards() {
+        std::vector<std::size_t> ids;
+        for (const auto& board : seen_.boards) {
+            if (board.state != "online" || board.by_name || ids.size() >= kMaxPings) continue;
+            auto& result = seen_.pings[board.board];
+            ids.push_back(session_.ask(
+                context_.topics.board_in(board.board), std::string(protocol::kAskInfo),
+                [&](const bus::Message& message) {
+                    if (auto reply = bus::parse_reply(message.payload)) result.reply = std::move(*reply);
+                    ++answers_;
+                },
+                1));
+        }
+        session_.run_until([&] { return answers_ >= ids.size(); }, Clock::now() + context_.timeout);
+        for (const auto id : ids)
+            session_.forget_request(id);
+    }
+
+    Context& context_;
+    BusSession& session_;
+    BoardSource& source_;
+    Observations seen_;
+    std::size_t answers_ = 0;
+};
+
+int tell(const Findings& findings, const DoctorOptions& options, Context& context) {
+    context.out << (options.output == Output::kText ? findings_text(findings, context.colour)
+                                                    : findings_json(findings))
+                << std::flush;
+    return has_problem(findings) ? program::kExitFailure : program::kExitOk;
+}
+
+std::string broker_advice(const std::string& broker) {
+    return "is a broker running there? Try: mosquitto_sub -h HOST -p PORT -t '$SYS/#' -C 1. Mosquitto 2 "
+           "takes only local and no "
+           "anonymous clients unless its configuration says so; ours: packaging/mosquitto/asip.conf. We "
+           "tried " +
+           broker;
+}
+
+}  // namespace
+
+int run_doctor(const DoctorOptions& options, Context& context) {
+    BusSession session(context);
+    BoardSource source(context, session);
+    if (const auto connected = session.connect(); !connected) {
+        Findings findings{{Finding::Level::kProblem, connected.error().text,
+                           broker_advice(context.mqtt.brokers.front().describe())}};
+        auto local = check_machine(look_at_machine());
+        std::move(local.begin(), local.end(), std::back_inserter(findings));
+        tell(findings, options, context);
+        return connected.error().status;
+    }
+    const auto seen = Examination(context, session, source).look();
+    if (session.stopped()) return context.fail_with({program::kExitFailure, "interrupted"});
+    return tell(check_all(seen), options, context);
+}
+
+void setup_doctor(CLI::App& app, Chosen& chosen) {
+    auto* command =
+        app.add_subcommand("doctor", "Find what is wrong with broker, registry, boards and this machine");
+    command->fallthrough();
+    auto options = std::make_shared<DoctorOptions>();
+    add_output_option(*command, options->output, {Output::kText, Output::kJsonLines});
+    command->footer(
+        "Each finding says what to do. Exit status: 0 nothing is wrong, 1 something is, 3 the broker is.\n"
+        "Example:\n  asipctl doctor --broker pi.local");
+    command->callback([&chosen, options] {
+        chosen = [options](Context& context) { return run_doctor(*options, context); };
+    });
+}
+
+}  // namespace asip::cli

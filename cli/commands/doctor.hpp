@@ -1,0 +1,15 @@
+#pragma once
+#include "cli/context.hpp"
+#include "cli/output.hpp"
+
+namespace asip::cli {
+
+struct DoctorOptions {
+    Output output = Output::kText;
+};
+
+/// `asipctl doctor`: looks at broker, registry, boards and this machine. kExitFailure when something is
+/// wrong, kExitBroker when the broker is.
+int run_doctor(const DoctorOptions& options, Context& context);
+
+}  // namespace asip::cli

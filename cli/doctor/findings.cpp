@@ -1,0 +1,293 @@
+#include "cli/doctor/findings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "asip/model/json.hpp"
+#include "cli/text/duration.hpp"
+#include "cli/text/table.hpp"
+#include "cli/text/width.hpp"
+
+namespace asip::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+// Without TCP_NODELAY an acknowledgement waits for the other side's delayed one: 40 ms and more; with it,
+// well below 1.
+constexpr std::chrono::duration<double> kSlowAcknowledgement = 30ms;
+constexpr std::chrono::duration<double> kClockTolerance = 2s;
+constexpr std::size_t kNamed = 5;
+
+Finding fine(std::string what) {
+    return {Finding::Level::kFine, std::move(what), {}};
+}
+Finding note(std::string what, std::string advice) {
+    return {Finding::Level::kNote, std::move(what), std::move(advice)};
+}
+Finding problem(std::string what, std::string advice) {
+    return {Finding::Level::kProblem, std::move(what), std::move(advice)};
+}
+
+std::string some_of(const std::vector<std::string>& all) {
+    std::string text;
+    for (std::size_t i = 0; i < std::min(all.size(), kNamed); ++i)
+        text += (i == 0 ? "" : ", ") + all[i];
+    if (all.size() > kNamed) text += fmt::format(" and {} more", all.size() - kNamed);
+    return text;
+}
+
+std::string retained_payload(const Observations& seen, const std::string& topic) {
+    for (const auto& message : seen.retained) {
+        if (message.topic == topic) return message.payload;
+    }
+    return {};
+}
+
+Finding ping_finding(const std::string& board, const PingResult& ping) {
+    if (!ping.reply) {
+        return problem(board + " is said to be online, but nobody answers for it",
+                       "its agent is gone or stuck: restart it (systemctl restart asip-agent@" + board +
+                           "), else: asipctl forget " + board);
+    }
+    using Status = bus::Reply::Status;
+    switch (ping.reply->status) {
+        case Status::kOk:
+            return fine(board + " answers");
+        case Status::kTimeout:
+            return problem(
+                board + ": its agent answers, the board does not",
+                "check cable and power, reset the board; its log: journalctl -u asip-agent@" + board);
+        case Status::kError:
+            return problem(
+                board + " answers error " + std::to_string(ping.reply->code) + ", " + ping.reply->error,
+                "the firmware does not know the request: does it speak ASIP 0.4?");
+        case Status::kRefused:
+            break;
+    }
+    return problem(
+        board + ": its agent answers, but refuses (" + ping.reply->reason + "): " + ping.reply->error,
+        "an agent without its board: plug it in again; its log: journalctl -u asip-agent@" + board);
+}
+
+}  // namespace
+
+Findings check_broker(const Observations& seen) {
+    Findings result;
+    result.push_back(fine("broker " + seen.broker + " takes us (MQTT " + (seen.v5 ? "5" : "3.1.1") + ")"));
+    if (!seen.v5) {
+        result.push_back(note("the broker speaks MQTT 3.1.1 only: descriptions do not expire by themselves",
+                              "run asip-registry, which clears them, or a broker with MQTT 5"));
+    }
+    if (!seen.acknowledged) {
+        result.push_back(
+            problem("a message of our own did not come back",
+                    "do the access rules let us subscribe below " + seen.topics.root() + "/reply/ ?"));
+    } else if (*seen.acknowledged > kSlowAcknowledgement) {
+        result.push_back(
+            problem("a QoS 1 message takes " + duration_text(*seen.acknowledged) +
+                        " out and back; a slow network, or TCP_NODELAY is missing on the broker",
+                    "Mosquitto: add the line  set_tcp_nodelay true  to its configuration and restart it"));
+    } else {
+        result.push_back(
+            fine("a QoS 1 message takes " + duration_text(*seen.acknowledged) + " out and back"));
+    }
+    return result;
+}
+
+Findings check_registry(const Observations& seen) {
+    if (!seen.registry.empty()) return {fine("registry " + seen.registry + " answers")};
+    if (!seen.registries.empty()) {
+        return {problem("registry " + some_of(seen.registries) + " is said to be online, but does not answer",
+                        "restart it: systemctl restart asip-registry")};
+    }
+    return {note("no registry runs; what is told here comes from the bus itself",
+                 "start one: asip-registry, or systemctl enable --now asip-registry")};
+}
+
+Findings check_boards(const Observations& seen) {
+    Findings result;
+    if (seen.boards.empty()) {
+        result.push_back(
+            note("there is no board", "start an agent: asip-agent --serial /dev/ttyACM0, or try asip-sim"));
+    }
+    std::vector<std::string> answering;
+    for (const auto& [board, ping] : seen.pings) {
+        auto finding = ping_finding(board, ping);
+        if (finding.level == Finding::Level::kFine) {
+            answering.push_back(board);
+        } else {
+            result.push_back(std::move(finding));
+        }
+    }
+    if (!answering.empty()) {
+        result.push_back(
+            fine(fmt::format("{} board{} answer{}: {}", answering.size(), answering.size() == 1 ? "" : "s",
+                             answering.size() == 1 ? "s" : "", some_of(answering))));
+    }
+    return result;
+}
+
+Findings check_states(const Observations& seen) {
+    Findings result;
+    for (const auto& board : seen.boards) {
+        const auto kept = retained_payload(seen, seen.topics.state(board.board));
+        const bool described = !retained_payload(seen, seen.topics.description(board.board)).empty();
+        if (kept == "online" && !described && !board.by_name) {
+            result.push_back(problem(
+                board.board + " is retained as online, but its description has expired",
+                "it died without a will: asipctl forget " + board.board + ", or start its agent again"));
+        } else if (kept == "online" && board.state == "lost") {
+            result.push_back(problem(
+                board.board + " is retained as online, but the registry counts it as lost: its lease ran out",
+                "restart its agent, or: asipctl forget " + board.board));
+        } else if (kept == "lost" && seen.pings.count(board.board) != 0 && board.state == "online") {
+            result.push_back(problem(board.board + " is retained as lost by a late will, but it is there",
+                                     "its agent should put that right at once: restart it"));
+        } else if (board.state == "lost") {
+            result.push_back(
+                note(board.board + " is lost", "start its agent again, or: asipctl forget " + board.board));
+        }
+    }
+    for (const auto& [topic, reason] : seen.bad_documents) {
+        result.push_back(problem(topic + " cannot be read: " + reason,
+                                 "who publishes it? Clear it: asipctl prune --only names"));
+    }
+    return result;
+}
+
+Findings check_retained(const Observations& seen) {
+    std::vector<std::string> commands;
+    std::vector<std::string> orphans;
+    for (const auto& one : find_lingering(seen.topics, seen.retained)) {
+        if (one.kind == Lingering::Kind::kCommand) commands.push_back(one.topic);
+        if (one.kind == Lingering::Kind::kOrphan) orphans.push_back(one.topic);
+    }
+    Findings result;
+    if (!commands.empty()) {
+        result.push_back(
+            problem("retained commands, delivered again at each reconnection: " + some_of(commands),
+                    "asipctl prune --only commands; and publish commands without the retain flag"));
+    }
+    if (!orphans.empty()) {
+        result.push_back(note("retained values of boards that nobody announces: " + some_of(orphans),
+                              "asipctl prune --only orphans"));
+    }
+    return result;
+}
+
+Findings check_names(const Observations& seen) {
+    std::vector<std::string> bad;
+    for (const auto& one : find_lingering(seen.topics, seen.retained)) {
+        if (one.kind == Lingering::Kind::kIllegal) bad.push_back(one.topic);
+    }
+    if (bad.empty()) return {};
+    return {problem(
+        "announced under names that are not legal, so nobody sees them: " + some_of(bad),
+        "names are 1 to 64 of A-Z a-z 0-9 . _ -; rename the board, then: asipctl prune --only names")};
+}
+
+Findings check_conflicts(const Observations& seen) {
+    Findings result;
+    for (const auto& board : seen.boards) {
+        const auto live = seen.sessions.find(board.board);
+        const bool two = live != seen.sessions.end() && live->second.size() > 1;
+        if (!board.conflict && !two) continue;
+        const auto who = board.conflict ? ": " + board.agent + " and " + board.conflict->other_agent : "";
+        result.push_back(problem("two agents claim the name " + board.board + who,
+                                 "give one of the boards another name: asip-agent --name NAME"));
+    }
+    return result;
+}
+
+Findings check_clocks(const Observations& seen) {
+    for (const auto& board : seen.boards) {
+        if (board.age < 0 || board.last_seen == bus::WallTime{}) continue;
+        const auto registry_now = board.last_seen + std::chrono::duration_cast<std::chrono::milliseconds>(
+                                                        std::chrono::duration<double>(board.age));
+        const std::chrono::duration<double> skew = seen.now - registry_now;
+        if (skew < kClockTolerance && skew > -kClockTolerance)
+            return {fine("our clock and the registry's agree")};
+        const auto size = std::chrono::duration<double>(std::abs(skew.count()));
+        return {problem("our clock is " + duration_text(size) + (skew.count() > 0 ? " ahead of" : " behind") +
+                            " the registry's",
+                        "let both machines keep time: timedatectl set-ntp true")};
+    }
+    return {};
+}
+
+Findings check_machine(const Machine& machine) {
+    Findings result;
+    for (const auto& port : machine.ports) {
+        if (port.may_use) {
+            result.push_back(fine("port " + port.path + " may be used"));
+            continue;
+        }
+        const bool group = !port.group.empty() && port.group != "root";
+        result.push_back(
+            problem("no right on the port " + port.path,
+                    group ? "sudo usermod -aG " + port.group + " $USER, then log in again"
+                          : "install the udev rule: packaging/udev/70-asip.rules to /etc/udev/rules.d/"));
+    }
+    if (machine.modem_manager && !machine.udev_rule) {
+        result.push_back(
+            problem("ModemManager runs here and sends AT commands to each board that is plugged in",
+                    "install packaging/udev/70-asip.rules to /etc/udev/rules.d/, then: sudo udevadm control "
+                    "--reload"));
+    }
+    return result;
+}
+
+Findings check_all(const Observations& seen) {
+    Findings result;
+    for (auto* check : {check_broker, check_registry, check_boards, check_states, check_retained, check_names,
+                        check_conflicts, check_clocks}) {
+        auto some = check(seen);
+        std::move(some.begin(), some.end(), std::back_inserter(result));
+    }
+    auto local = check_machine(seen.machine);
+    std::move(local.begin(), local.end(), std::back_inserter(result));
+    return result;
+}
+
+bool has_problem(const Findings& findings) {
+    return std::any_of(findings.begin(), findings.end(),
+                       [](const Finding& finding) { return finding.level == Finding::Level::kProblem; });
+}
+
+std::string findings_text(const Findings& findings, bool colour) {
+    std::string text;
+    for (const auto& finding : findings) {
+        switch (finding.level) {
+            case Finding::Level::kFine:
+                text += painted("ok      ", Colour::kGreen, colour);
+                break;
+            case Finding::Level::kNote:
+                text += painted("note    ", Colour::kYellow, colour);
+                break;
+            case Finding::Level::kProblem:
+                text += painted("problem ", Colour::kRed, colour);
+                break;
+        }
+        text += " " + printable(finding.what) + "\n";
+        if (!finding.advice.empty()) text += "         -> " + printable(finding.advice) + "\n";
+    }
+    return text;
+}
+
+std::string findings_json(const Findings& findings) {
+    std::string text;
+    for (const auto& finding : findings) {
+        const auto* level = finding.level == Finding::Level::kFine   ? "ok"
+                            : finding.level == Finding::Level::kNote ? "note"
+                                                                     : "problem";
+        nlohmann::json object{{"level", level}, {"what", finding.what}};
+        if (!finding.advice.empty()) object["advice"] = finding.advice;
+        text += model::dump_json(object) + "\n";
+    }
+    return text;
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,70 @@
+#pragma once
+#include <chrono>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "asip/bus/query.hpp"
+#include "asip/bus/reply.hpp"
+#include "asip/bus/topics.hpp"
+#include "cli/doctor/machine.hpp"
+#include "cli/retained.hpp"
+
+namespace asip::cli {
+
+/// What is wrong (or fine), and what to do about it.
+struct Finding {
+    enum class Level { kFine, kNote, kProblem };
+    Level level = Level::kFine;
+    std::string what;
+    std::string advice;  ///< empty for what is fine
+    friend bool operator==(const Finding&, const Finding&) = default;
+};
+using Findings = std::vector<Finding>;
+
+/// What one board answered to a request that only it can answer.
+struct PingResult {
+    std::optional<bus::Reply> reply;  ///< none: nobody answered at all
+};
+
+/// Everything that was seen, for the checks below, which are pure.
+struct Observations {
+    bus::Topics topics{};
+    std::string broker{};
+    bool v5 = true;
+    std::optional<std::chrono::duration<double>> acknowledged{};  ///< QoS 1 message out and back, median
+
+    std::vector<Retained> retained{};
+    std::vector<std::string> registries{};               ///< online by their retained state
+    std::string registry{};                              ///< that answered; empty: none
+    std::vector<bus::BoardItem> boards{};                ///< as the registry, else the bus, has them
+    std::map<std::string, std::string> bad_documents{};  ///< topic, reason
+    std::map<std::string, std::set<std::string>>
+        sessions{};                               ///< of each board, seen announcing while we looked
+    std::map<std::string, PingResult> pings{};    ///< of boards that are said to be online
+    std::chrono::system_clock::time_point now{};  ///< by our clock, when the registry answered
+    Machine machine{};
+};
+
+Findings check_broker(const Observations& seen);
+Findings check_registry(const Observations& seen);
+Findings check_boards(const Observations& seen);
+Findings check_states(const Observations& seen);
+Findings check_retained(const Observations& seen);
+Findings check_names(const Observations& seen);
+Findings check_conflicts(const Observations& seen);
+Findings check_clocks(const Observations& seen);
+Findings check_machine(const Machine& machine);
+
+/// All of them, in that order.
+Findings check_all(const Observations& seen);
+
+bool has_problem(const Findings& findings);
+/// One line each, advice below it.
+std::string findings_text(const Findings& findings, bool colour);
+/// One JSON object a line.
+std::string findings_json(const Findings& findings);
+
+}  // namespace asip::cli

@@ -1,0 +1,76 @@
+#include "cli/doctor/machine.hpp"
+
+#include <grp.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <iterator>
+
+namespace asip::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> entries(const fs::path& folder) {
+    std::vector<fs::path> result;
+    std::error_code error;
+    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+        result.push_back(it->path());
+    std::sort(result.begin(), result.end());
+    return result;
+}
+
+std::string content(const fs::path& file) {
+    std::ifstream stream(file);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::string group_of(const fs::path& file) {
+    struct stat status {};
+    if (::stat(file.c_str(), &status) != 0) return {};
+    const auto* group = ::getgrgid(status.st_gid);
+    return group == nullptr ? std::to_string(status.st_gid) : group->gr_name;
+}
+
+bool is_board_port(const std::string& name) {
+    return name.starts_with("ttyACM") || name.starts_with("ttyUSB");
+}
+
+bool runs(const fs::path& proc, const std::string& program) {
+    for (const auto& entry : entries(proc)) {
+        const auto name = entry.filename().string();
+        if (name.empty() || std::isdigit(static_cast<unsigned char>(name.front())) == 0) continue;
+        // The kernel keeps 15 characters.
+        if (content(entry / "comm") == program.substr(0, 15) + "\n") return true;
+    }
+    return false;
+}
+
+bool has_rule(const fs::path& folder) {
+    const auto rules = entries(folder);
+    return std::any_of(rules.begin(), rules.end(), [](const fs::path& rule) {
+        return rule.filename().string().find("asip") != std::string::npos &&
+               content(rule).find("ID_MM_DEVICE_IGNORE") != std::string::npos;
+    });
+}
+
+}  // namespace
+
+Machine look_at_machine(const fs::path& root) {
+    Machine result;
+    for (const auto& port : entries(root / "dev")) {
+        if (!is_board_port(port.filename().string())) continue;
+        result.ports.push_back({port.string(), ::access(port.c_str(), R_OK | W_OK) == 0, group_of(port)});
+    }
+    result.modem_manager = runs(root / "proc", "ModemManager");
+    for (const auto* folder :
+         {"etc/udev/rules.d", "usr/lib/udev/rules.d", "lib/udev/rules.d", "run/udev/rules.d"}) {
+        result.udev_rule = result.udev_rule || has_rule(root / folder);
+    }
+    return result;
+}
+
+}  // namespace asip::cli

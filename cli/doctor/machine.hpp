@@ -1,0 +1,24 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace asip::cli {
+
+struct SerialPort {
+    std::string path;
+    bool may_use = false;  ///< we may read and write it
+    std::string group;     ///< of the device file
+};
+
+/// This machine, as far as it gets in the way of boards that are plugged into it.
+struct Machine {
+    std::vector<SerialPort> ports;
+    bool modem_manager = false;  ///< runs here
+    bool udev_rule = false;      ///< that keeps it off our boards
+};
+
+/// Looks below `root` (`/`; another one for tests): dev, proc, etc and usr/lib.
+Machine look_at_machine(const std::filesystem::path& root = "/");
+
+}  // namespace asip::cli

@@ -1,0 +1,147 @@
+#include "cli/retained.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "cli/board_source.hpp"
+
+namespace asip::cli {
+namespace {
+
+/// What the retained topics say of each board and registry.
+struct Claims {
+    std::map<std::string, std::string> states;
+    std::set<std::string> described;
+    std::map<std::string, std::string> registries;
+
+    Claims(const bus::Topics& topics, const std::vector<Retained>& all) {
+        for (const auto& message : all) {
+            const auto ref = topics.parse(message.topic);
+            if (!ref) continue;
+            const std::string name(ref->board);
+            if (ref->kind == bus::TopicKind::kState) states[name] = message.payload;
+            if (ref->kind == bus::TopicKind::kDescription) described.insert(name);
+            if (ref->kind == bus::TopicKind::kRegistryState) registries[name] = message.payload;
+        }
+    }
+
+    bool announced(const std::string& board) const {
+        return states.count(board) != 0 || described.count(board) != 0;
+    }
+
+    /// Empty for a board that seems alive.
+    std::string why_gone(const std::string& board) const {
+        const auto state = states.find(board);
+        if (state != states.end() && state->second == "offline") return "the board said goodbye";
+        if (state != states.end() && state->second == "lost") return "the board is lost";
+        if (described.count(board) == 0) return "its lease ran out";
+        return {};
+    }
+};
+
+bool is_command(bus::TopicKind kind) {
+    return kind == bus::TopicKind::kBoardIn || kind == bus::TopicKind::kServiceIn ||
+           kind == bus::TopicKind::kProbe || kind == bus::TopicKind::kAnyRegistryQuery ||
+           kind == bus::TopicKind::kRegistryQuery;
+}
+
+bool is_of_registry(bus::TopicKind kind) {
+    return kind == bus::TopicKind::kRegistryState || kind == bus::TopicKind::kRegistryStats ||
+           kind == bus::TopicKind::kRegistryEvents;
+}
+
+bool looks_like_command(std::string_view topic) {
+    return topic.ends_with("/in");
+}
+
+}  // namespace
+
+std::vector<Retained> read_retained(const Context& context, BusSession& session,
+                                    const std::vector<std::string>& filters) {
+    std::map<std::string, std::string> found;
+    for (const auto& filter : filters) {
+        session.subscribe(filter, [&found](const bus::Message& message) {
+            if (message.retain && !message.payload.empty()) found[message.topic] = message.payload;
+        });
+    }
+    bool marked = false;
+    session.after_retained([&marked] { marked = true; });
+    session.run_until([&marked] { return marked; }, Clock::now() + context.timeout);
+    session.run_for(kRetainedPatience);
+    for (const auto& filter : filters)
+        session.unsubscribe(filter);
+    std::vector<Retained> result;
+    for (auto& [topic, payload] : found)
+        result.push_back({topic, std::move(payload)});
+    return result;
+}
+
+Outcome<void> clear_retained(const Context& context, BusSession& session,
+                             const std::vector<std::string>& topics) {
+    for (const auto& topic : topics)
+        session.publish(topic, "", 1, true);
+    bool taken = false;
+    session.after_retained([&taken] { taken = true; });
+    const auto patience = context.timeout + std::chrono::milliseconds(topics.size());
+    if (session.run_until([&taken] { return taken; }, Clock::now() + patience)) return {};
+    return failure(program::kExitNoAnswer,
+                   "the broker did not confirm in time; run it again to see what is left");
+}
+
+std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vector<Retained>& all) {
+    const Claims claims(topics, all);
+    std::vector<Lingering> result;
+    for (const auto& message : all) {
+        const auto ref = topics.parse(message.topic);
+        if (!ref) {
+            // What else somebody keeps below our root is none of our business.
+            if (looks_like_command(message.topic)) {
+                result.push_back({Lingering::Kind::kCommand, message.topic, {}, "a retained command"});
+            } else if (message.topic.starts_with(topics.board_names() + "/")) {
+                result.push_back(
+                    {Lingering::Kind::kIllegal, message.topic, {}, "announced under an illegal name"});
+            }
+            continue;
+        }
+        std::string name(ref->board);
+        if (is_command(ref->kind)) {
+            result.push_back({Lingering::Kind::kCommand, message.topic, name, "a retained command"});
+        } else if (is_of_registry(ref->kind)) {
+            const auto state = claims.registries.find(name);
+            const bool alive = state != claims.registries.end() && state->second == "online";
+            if (!alive)
+                result.push_back(
+                    {Lingering::Kind::kGoneRegistry, message.topic, {}, "registry " + name + " is gone"});
+        } else if (name.empty()) {
+            result.push_back(
+                {Lingering::Kind::kOrphan, message.topic, {}, "an announcement is not to be retained"});
+        } else if (!claims.announced(name)) {
+            result.push_back({Lingering::Kind::kOrphan, message.topic, name, "nobody announces this board"});
+        } else if (auto why = claims.why_gone(name); !why.empty()) {
+            result.push_back({Lingering::Kind::kGoneBoard, message.topic, name, std::move(why)});
+        }
+    }
+    std::sort(result.begin(), result.end(),
+              [](const Lingering& a, const Lingering& b) { return a.topic < b.topic; });
+    return result;
+}
+
+std::vector<std::string> topics_of_board(const bus::Topics& topics, const std::vector<Retained>& all,
+                                         const std::string& board) {
+    std::vector<std::string> result;
+    for (const auto& message : all) {
+        const bool announcement = message.topic == topics.service_names(board) ||
+                                  message.topic.starts_with(topics.service_names(board) + "/");
+        if (announcement || message.topic.starts_with(topics.root() + "/" + board + "/"))
+            result.push_back(message.topic);
+    }
+    return result;
+}
+
+bool seems_alive(const bus::Topics& topics, const std::vector<Retained>& all, const std::string& board) {
+    const Claims claims(topics, all);
+    return claims.announced(board) && claims.why_gone(board).empty();
+}
+
+}  // namespace asip::cli

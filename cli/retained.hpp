@@ -1,0 +1,47 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "asip/bus/topics.hpp"
+#include "cli/bus_session.hpp"
+#include "cli/context.hpp"
+
+namespace asip::cli {
+
+/// A message that the broker keeps.
+struct Retained {
+    std::string topic;
+    std::string payload;
+};
+
+/// Reads what the broker has retained for `filters`.
+std::vector<Retained> read_retained(const Context& context, BusSession& session,
+                                    const std::vector<std::string>& filters);
+
+/// Empties retained topics; returns once the broker has taken it all, or fails with kExitNoAnswer.
+Outcome<void> clear_retained(const Context& context, BusSession& session,
+                             const std::vector<std::string>& topics);
+
+/// Something retained that nobody needs any more, and why.
+struct Lingering {
+    enum class Kind { kGoneBoard, kCommand, kOrphan, kIllegal, kGoneRegistry };
+    Kind kind = Kind::kGoneBoard;
+    std::string topic;
+    std::string board;  ///< empty where none is concerned
+    std::string why;    ///< for a person
+};
+
+/// What of `all` lingers: everything of boards that said goodbye, were lost, or whose lease ran out; commands
+/// (they would be executed again at each reconnection of a careless client); values of boards that nobody
+/// announces; names that are not legal; registries that are gone. Pure. Sorted by topic.
+std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vector<Retained>& all);
+
+/// Every retained topic of one board.
+std::vector<std::string> topics_of_board(const bus::Topics& topics, const std::vector<Retained>& all,
+                                         const std::string& board);
+
+/// Whether what is retained says that the board is alive: online (or asleep, or being updated), and described
+/// where descriptions end with their lease.
+bool seems_alive(const bus::Topics& topics, const std::vector<Retained>& all, const std::string& board);
+
+}  // namespace asip::cli

@@ -1,0 +1,86 @@
+#include "cli/top_model.hpp"
+
+#include <fmt/format.h>
+
+#include "cli/commands/list.hpp"
+#include "cli/text/duration.hpp"
+
+namespace asip::cli {
+namespace {
+
+constexpr int kSlots = 10;
+
+Cell age_cell(const std::optional<Time>& last, const std::optional<int>& period, Time now) {
+    if (!last) return Cell("-", Colour::kDim);
+    const auto age = now - *last;
+    const bool stale = period && *period > 0 && age > std::chrono::milliseconds(3 * *period);
+    return Cell(duration_text(age), stale ? Colour::kRed : Colour::kNone);
+}
+
+}  // namespace
+
+void TopModel::value(const std::string& board, const std::string& service, const std::string& payload,
+                     Time now) {
+    auto& one = boards_[board].services[service];
+    const auto slot = window_ / kSlots;
+    ++one.arrivals[Time((now.time_since_epoch() / slot) * slot)];
+    one.last = now;
+    one.payload = payload;
+    while (!one.arrivals.empty() && one.arrivals.begin()->first + window_ <= now)
+        one.arrivals.erase(one.arrivals.begin());
+}
+
+void TopModel::error(const std::string& board, const std::string& service, Time now) {
+    auto& one = boards_[board].services[service];
+    ++one.errors;
+    if (!one.last) one.last = now;
+}
+
+void TopModel::announced(const std::string& board, const std::string& service, std::optional<int> period) {
+    boards_[board].services[service].period = period;
+}
+
+void TopModel::state(const std::string& board, const std::string& state) {
+    boards_[board].state = state;
+}
+
+void TopModel::round_trip(const std::string& board, std::optional<std::chrono::duration<double>> took) {
+    boards_[board].round_trip = took;
+}
+
+double TopModel::rate(Service& service, Time now) const {
+    std::uint64_t count = 0;
+    for (const auto& [slot, arrivals] : service.arrivals) {
+        if (slot + window_ > now) count += arrivals;
+    }
+    return static_cast<double>(count) / std::chrono::duration<double>(window_).count();
+}
+
+Table TopModel::table(Time now) {
+    Table table({{"BOARD"},
+                 {"STATE"},
+                 {"TRIP", true},
+                 {"SERVICE"},
+                 {"RATE", true},
+                 {"AGE", true},
+                 {"ERRORS", true},
+                 {"LAST", false, 10}});
+    for (auto& [name, board] : boards_) {
+        bool first = true;
+        const auto trip = !board.round_trip   ? Cell("")
+                          : *board.round_trip ? Cell(duration_text(**board.round_trip))
+                                              : Cell("none", Colour::kRed);
+        if (board.services.empty()) table.add({name, Cell(board.state, state_colour(board.state)), trip});
+        for (auto& [service_name, service] : board.services) {
+            const auto errors =
+                Cell(std::to_string(service.errors), service.errors > 0 ? Colour::kRed : Colour::kNone);
+            table.add({first ? name : "", first ? Cell(board.state, state_colour(board.state)) : Cell(""),
+                       first ? trip : Cell(""), service_name, fmt::format("{:.1f}/s", rate(service, now)),
+                       age_cell(service.last, service.period, now), errors, service.payload});
+            first = false;
+        }
+    }
+    return table;
+}
+
+}  // namespace asip::cli

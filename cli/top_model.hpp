@@ -1,0 +1,49 @@
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "asip/time.hpp"
+#include "cli/text/table.hpp"
+
+namespace asip::cli {
+
+/// What `asipctl top` shows: rate, age, errors and round trip of each service, over a sliding window. Pure.
+class TopModel {
+  public:
+    /// Rates are over the last `window`.
+    explicit TopModel(Duration window) : window_(window) {}
+
+    void value(const std::string& board, const std::string& service, const std::string& payload, Time now);
+    void error(const std::string& board, const std::string& service, Time now);
+    /// A service that is announced, so that it is shown before it says anything. `period` in milliseconds,
+    /// where known: a value older than three of them is shown as stale.
+    void announced(const std::string& board, const std::string& service, std::optional<int> period);
+    void state(const std::string& board, const std::string& state);
+    /// Nothing: the board did not answer.
+    void round_trip(const std::string& board, std::optional<std::chrono::duration<double>> took);
+
+    Table table(Time now);
+
+  private:
+    struct Service {
+        std::map<Time, std::uint32_t> arrivals;  // in slots of a tenth of the window
+        std::uint64_t errors = 0;
+        std::optional<Time> last;
+        std::optional<int> period;
+        std::string payload;
+    };
+    struct Board {
+        std::string state;
+        std::optional<std::optional<std::chrono::duration<double>>> round_trip;
+        std::map<std::string, Service> services;
+    };
+    double rate(Service& service, Time now) const;
+
+    Duration window_;
+    std::map<std::string, Board> boards_;
+};
+
+}  // namespace asip::cli
