@@ -331,7 +331,7 @@ json to_json(const BoardItem& item) {
     if (item.by_name) object["by_name"] = true;
     put(object, "session", item.session);
     if (!item.session.empty()) object["seq"] = item.seq;
-    if (item.lease > 0) object["lease"] = item.lease;
+    if (item.lease > 0) object["lease"] = static_cast<std::int64_t>(item.lease);
     put(object, "first_seen", item.first_seen);
     put(object, "since", item.since);
     if (item.last_seen != WallTime{}) {

@@ -1,0 +1,17 @@
+#pragma once
+#include <functional>
+#include <string>
+
+#include "asip/bus/message.hpp"
+
+namespace asip::registry {
+
+/// What the parts of a registry ask of the connection; tests take its place.
+struct BusPort {
+    std::function<void(bus::Message)> publish;
+    std::function<void(std::string filter, bool retained)>
+        subscribe;  ///< `retained`: deliver stored ones, too
+    std::function<void(const std::string& filter)> unsubscribe;
+};
+
+}  // namespace asip::registry

@@ -1,0 +1,18 @@
+#include <exception>
+#include <iostream>
+
+#include "asip/program/exit_status.hpp"
+#include "registry/application.hpp"
+#include "registry/options.hpp"
+
+int main(int argc, char** argv) {
+    try {
+        auto options = asip::registry::read_options(argc, argv);
+        if (!options) return options.error();
+        asip::registry::Application application(std::move(*options));
+        return application.run();
+    } catch (const std::exception& error) {
+        std::cerr << "asip-registry: " << error.what() << "\n";
+        return asip::program::kExitFailure;
+    }
+}

@@ -1,0 +1,163 @@
+#include "registry/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <iostream>
+#include <limits>
+
+#include "asip/bus/topics.hpp"
+#include "asip/model/names.hpp"
+#include "asip/program/exit_status.hpp"
+#include "asip/program/options.hpp"
+
+namespace asip::registry {
+namespace {
+
+constexpr const char* kAbout =
+    "Keeps the live catalogue of boards and services: listens to the service bus, judges leases, answers\n"
+    "queries and tells changes. Needs no configuration next to the broker. Any number may run side by side.";
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  asip-registry\n"
+    "      For the broker on this machine.\n"
+    "  asip-registry --broker broker.local,backup.local --id hall-2\n"
+    "      Two brokers: the second is used while the first does not answer.\n"
+    "  asip-registry --history /var/lib/asip/history.db --forget-after 30d\n"
+    "      Keeps what changed when; lost boards stay in the catalogue for 30 days.\n"
+    "  asipctl list\n"
+    "      Asks it.\n"
+    "\n"
+    "Exit status: 0 told to stop; 1 failed while running; 2 bad option; 3 the broker refused us.";
+
+struct Raw {
+    program::BrokerOptions broker;
+    program::LogOptions log;
+    std::string id, services, history;
+    std::string forget_after = "7d", stats_interval = "10s", history_age = "90d", history_size = "256M";
+    std::size_t max_boards = 1'000'000;
+};
+
+void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
+    settings.setting(
+        app.add_option("--id", raw.id, "Name of this registry on the bus; default: this machine's name")
+            ->group("Registry"));
+    settings.setting(app.add_option("--forget-after", raw.forget_after,
+                                    "How long a board that left stays in the catalogue (90s, 15m, 12h, 7d)")
+                         ->capture_default_str()
+                         ->group("Registry"));
+    settings.setting(app.add_option("--max-boards", raw.max_boards, "Boards beyond this many are refused")
+                         ->check(CLI::Range(std::size_t{1}, std::size_t{100'000'000}))
+                         ->capture_default_str()
+                         ->group("Registry"));
+    settings.setting(app.add_option("--services", raw.services, "Folder of further service models (*.json)")
+                         ->group("Registry"));
+    settings.setting(
+        app.add_option("--stats-interval", raw.stats_interval, "How often statistics are published")
+            ->capture_default_str()
+            ->group("Registry"));
+    settings.setting(app.add_option("--history", raw.history, "SQLite file to keep changes in; default: none")
+                         ->group("History"));
+    settings.setting(app.add_option("--history-age", raw.history_age, "Changes older than this are dropped")
+                         ->capture_default_str()
+                         ->group("History"));
+    settings.setting(app.add_option("--history-size", raw.history_size,
+                                    "Largest size of the file (512k, 256M, 2G); the oldest changes give way")
+                         ->capture_default_str()
+                         ->group("History"));
+}
+
+template <class Value, class Parse>
+bool convert(const char* option, const std::string& text, const Parse& parse, Value& value) {
+    const auto parsed = parse(text);
+    if (!parsed) {
+        std::cerr << "asip-registry: " << option << ": " << parsed.error() << "\n";
+        return false;
+    }
+    value = *parsed;
+    return true;
+}
+
+// Splits "12h" into 12 and "h".
+bool split(const std::string& text, std::uint64_t& number, std::string& unit) {
+    const auto end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data(), end, number);
+    if (error != std::errc()) return false;
+    unit.assign(rest, end);
+    return true;
+}
+
+}  // namespace
+
+Expected<Duration> parse_duration(const std::string& text) {
+    std::uint64_t number = 0;
+    std::string unit;
+    const auto wrong = fail("\"" + text + "\" is no time; write for example 90s, 15m, 12h or 7d");
+    if (!split(text, number, unit)) return wrong;
+    std::uint64_t seconds = 0;
+    if (unit.empty() || unit == "s") seconds = 1;
+    if (unit == "m") seconds = 60;
+    if (unit == "h") seconds = 3600;
+    if (unit == "d") seconds = 86400;
+    constexpr std::uint64_t kMostSeconds = 100ull * 366 * 86400;
+    if (seconds == 0) return wrong;
+    if (number == 0 || number > kMostSeconds / seconds)
+        return fail("\"" + text + "\" is outside 1 second to 100 years");
+    return std::chrono::seconds(number * seconds);
+}
+
+Expected<std::size_t> parse_size(const std::string& text) {
+    std::uint64_t number = 0;
+    std::string unit;
+    const auto wrong = fail("\"" + text + "\" is no size; write for example 512k, 256M or 2G");
+    if (!split(text, number, unit)) return wrong;
+    std::uint64_t factor = 0;
+    if (unit.empty()) factor = 1;
+    if (unit == "k" || unit == "K") factor = 1u << 10;
+    if (unit == "M") factor = 1u << 20;
+    if (unit == "G") factor = 1u << 30;
+    if (factor == 0) return wrong;
+    if (number > std::numeric_limits<std::int64_t>::max() / factor)
+        return fail("\"" + text + "\" is too much");
+    if (number * factor < (64u << 10)) return fail("\"" + text + "\" is less than 64k");
+    return static_cast<std::size_t>(number * factor);
+}
+
+Expected<RegistryOptions, int> read_options(int argc, const char* const* argv) {
+    CLI::App app{kAbout};
+    app.footer(kExamples);
+    program::Settings settings(app, "asip-registry");
+    Raw raw;
+    declare(app, settings, raw);
+    settings.add_broker_options(raw.broker);
+    settings.add_log_options(raw.log);
+    if (auto status = settings.parse(argc, argv)) return Unexpected<int>(*status);
+
+    const Unexpected<int> usage(program::kExitUsage);
+    RegistryOptions options;
+    if (!convert("--forget-after", raw.forget_after, parse_duration, options.forget_after) ||
+        !convert("--stats-interval", raw.stats_interval, parse_duration, options.stats_interval) ||
+        !convert("--history-age", raw.history_age, parse_duration, options.history_age) ||
+        !convert("--history-size", raw.history_size, parse_size, options.history_bytes)) {
+        return usage;
+    }
+    auto mqtt = program::mqtt_options(raw.broker, "asip-registry");
+    if (!mqtt) {
+        std::cerr << "asip-registry: " << mqtt.error() << "\n";
+        return usage;
+    }
+    options.mqtt = std::move(*mqtt);
+    options.topic_root = raw.broker.topic_root;
+    options.id = raw.id.empty() ? model::suggest_name(program::host_name()) : raw.id;
+    if (!bus::legal_service_name(options.id) || options.id == "query") {
+        std::cerr << "asip-registry: --id: \"" << options.id
+                  << "\" is no name; use 1 to 64 of A-Z a-z 0-9 . _ - (and not \"query\")\n";
+        return usage;
+    }
+    options.max_boards = raw.max_boards;
+    options.services = raw.services;
+    options.history = raw.history;
+    return options;
+}
+
+}  // namespace asip::registry

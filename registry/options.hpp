@@ -1,0 +1,33 @@
+#pragma once
+#include <cstddef>
+#include <string>
+
+#include "asip/bus/mqtt_options.hpp"
+#include "asip/expected.hpp"
+#include "asip/time.hpp"
+
+namespace asip::registry {
+
+struct RegistryOptions {
+    bus::MqttOptions mqtt;
+    std::string topic_root = "asip";
+    std::string id;  ///< of this registry; legal as a service name
+    Duration forget_after = std::chrono::hours(7 * 24);
+    std::size_t max_boards = 1'000'000;
+    Duration stats_interval = std::chrono::seconds(10);
+    std::string services;  ///< folder of further service models; empty: none
+    std::string history;   ///< SQLite file; empty: none is kept
+    Duration history_age = std::chrono::hours(90 * 24);
+    std::size_t history_bytes = 256u << 20;
+};
+
+/// From command line, environment and configuration file. The error is the exit status to end with; whatever
+/// there was to say has been printed.
+Expected<RegistryOptions, int> read_options(int argc, const char* const* argv);
+
+/// "90", "90s", "15m", "12h", "7d"
+Expected<Duration> parse_duration(const std::string& text);
+/// "1048576", "512k", "256M", "2G"
+Expected<std::size_t> parse_size(const std::string& text);
+
+}  // namespace asip::registry
