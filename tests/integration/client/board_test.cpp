@@ -1,0 +1,213 @@
+// The same calls over each link, to real firmware of both generations.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "asip/client/blocking_board.hpp"
+#include "tests/integration/client/simulated_boards.hpp"
+#include "tests/support/mosquitto_broker.hpp"
+
+namespace asip::client {
+namespace {
+
+using nlohmann::json;
+using protocol::PinMode;
+using test::wait_until;
+using ::testing::HasSubstr;
+using namespace std::chrono_literals;
+
+struct Way {
+    std::string link;
+    std::string image;
+
+    friend std::ostream& operator<<(std::ostream& out, const Way& way) {
+        return out << way.link << " " << way.image;
+    }
+};
+
+class BoardOverEachLink : public ::testing::TestWithParam<Way> {
+  protected:
+    BoardOverEachLink() : boards_({GetParam().image}) {
+        std::string address = "serial:" + boards_.serial();
+        if (GetParam().link == "tcp") {
+            address = "tcp://127.0.0.1:" + boards_.tcp_port();
+        }
+#ifdef ASIP_TEST_AGENT
+        if (GetParam().link == "mqtt") {
+            broker_.emplace();
+            agent_.emplace(std::vector<std::string>{ASIP_TEST_AGENT, "--serial", boards_.serial(), "--name",
+                                                    "uno", "--broker", broker_->address()});
+            address = broker_->url() + "/uno";
+        }
+#endif
+        auto opened = BlockingBoard::open(address);
+        if (opened) {
+            board_ = std::move(*opened);
+        } else {
+            ADD_FAILURE() << address << ": " << to_string(opened.error()) << (agent_ ? agent_->errors() : "");
+        }
+    }
+
+    test::SimulatedBoards boards_;
+    std::optional<test::MosquittoBroker> broker_;
+    std::optional<test::ChildProcess> agent_;
+    BlockingBoard board_;
+};
+
+TEST_P(BoardOverEachLink, DigitalWrite_LightsTheLed) {
+    ASSERT_TRUE(board_.set_pin_mode(13, PinMode::Output));
+    ASSERT_TRUE(board_.digital_write(13, true));
+    EXPECT_TRUE(boards_.wait_for_led("on")) << boards_.output();
+    ASSERT_TRUE(board_.digital_write(13, false));
+    EXPECT_TRUE(boards_.wait_for_led("off")) << boards_.output();
+}
+
+TEST_P(BoardOverEachLink, DigitalRead_FollowsTheButton) {
+    ASSERT_TRUE(board_.set_pin_mode(2, PinMode::InputPullup));
+    EXPECT_EQ(board_.digital_read(2), Result<bool>(true));
+    boards_.press();
+    EXPECT_TRUE(wait_until([&] { return board_.digital_read(2) == Result<bool>(false); }));
+    boards_.release();
+    EXPECT_TRUE(wait_until([&] { return board_.digital_read(2) == Result<bool>(true); }));
+}
+
+TEST_P(BoardOverEachLink, AnalogRead_FollowsThePotentiometer) {
+    ASSERT_TRUE(board_.set_analog_period(20ms));
+    const auto near = [&](int wanted) {
+        return wait_until([&] {
+            const auto value = board_.analog_read(0);
+            return value && std::abs(*value - wanted) < 20;
+        });
+    };
+    boards_.set_potentiometer("0.25");
+    EXPECT_TRUE(near(256));
+    boards_.set_potentiometer("0.75");
+    EXPECT_TRUE(near(767));
+}
+
+TEST_P(BoardOverEachLink, ServiceByName_AnswersCommandsAndReportsEvents) {
+    const auto done = board_.command("servo", "write", json::array({0, 90}));
+    EXPECT_TRUE(done) << to_string(done.error());
+    ASSERT_TRUE(board_.watch("distance"));
+    ASSERT_TRUE(board_.command("distance", "report", json::array({50})));
+    const auto event = board_.next_event("distance", 5s);
+    ASSERT_TRUE(event) << to_string(event.error());
+    EXPECT_TRUE(event->contains("distance")) << *event;
+}
+
+TEST_P(BoardOverEachLink, WhatTheBoardRefuses_IsItsErrorNotSilence) {
+    const auto no_servo = board_.command("servo", "write", json::array({7, 90}));
+    ASSERT_FALSE(no_servo);
+    EXPECT_EQ(no_servo.error().kind, Error::Kind::Board);
+    EXPECT_EQ(no_servo.error().code, 7);
+
+    const auto system_pin = board_.digital_write(0, true);
+    ASSERT_FALSE(system_pin);
+    EXPECT_EQ(system_pin.error().kind, Error::Kind::Board);
+    EXPECT_TRUE(board_.set_pin_mode(13, PinMode::Output)) << "the next call works";
+}
+
+TEST_P(BoardOverEachLink, WhatTheModelForbids_NeverReachesTheBoard) {
+    const auto angle = board_.command("servo", "write", json::array({0, 900}));
+    ASSERT_FALSE(angle);
+    EXPECT_EQ(angle.error().kind, Error::Kind::Invalid);
+    EXPECT_THAT(angle.error().text, HasSubstr("900"));
+    EXPECT_EQ(board_.command("servo", "wirte", json::array({0, 90})).error().kind, Error::Kind::Invalid);
+    EXPECT_EQ(board_.analog_write(9, 256).error().kind, Error::Kind::Invalid);
+    EXPECT_THAT(board_.command("motor", "stop").error().text, HasSubstr("it has"));
+}
+
+TEST_P(BoardOverEachLink, RawRequest_IsExecuted) {
+    ASSERT_TRUE(board_.raw("I,P,13,3"));
+    ASSERT_TRUE(board_.raw("I,d,13,1"));
+    EXPECT_TRUE(boards_.wait_for_led("on")) << boards_.output();
+    EXPECT_EQ(board_.raw("no request").error().kind, Error::Kind::Invalid);
+}
+
+TEST_P(BoardOverEachLink, BoardUnplugged_CallsFailAndWorkAgainWhenItIsBackWithItsModes) {
+    if (GetParam().link == "tcp") {
+        GTEST_SKIP() << "asip-sim unplugs serial ports";
+    }
+    ASSERT_TRUE(board_.set_pin_mode(13, PinMode::Output));
+    boards_.command("unplug uno");
+    ASSERT_TRUE(wait_until([&] { return !board_.online(); }));
+    EXPECT_EQ(board_.digital_write(13, true).error().kind, Error::Kind::Unreachable);
+    boards_.command("replug uno");
+    ASSERT_TRUE(wait_until([&] { return board_.online(); })) << boards_.output();
+    const auto lit = board_.digital_write(13, true);
+    EXPECT_TRUE(lit) << to_string(lit.error());
+    EXPECT_TRUE(boards_.wait_for_led("on")) << boards_.output();
+}
+
+std::vector<Way> ways() {
+    std::vector<Way> all;
+    for (const char* link : {"serial", "tcp",
+#ifdef ASIP_TEST_AGENT
+                             "mqtt"
+#endif
+         }) {
+        all.push_back({link, "asip_uno_services"});
+        all.push_back({link, "asip_uno_04_services"});
+    }
+    return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Links, BoardOverEachLink, ::testing::ValuesIn(ways()), [](const auto& param_info) {
+    return param_info.param.link + (param_info.param.image == "asip_uno_services" ? "" : "_04");
+});
+
+// --- what cannot be opened says why
+
+TEST(BlockingBoardOpen, PortThatIsNotThere_SaysSo) {
+    const auto board = BlockingBoard::open("/dev/asip-no-such-port");
+    ASSERT_FALSE(board);
+    EXPECT_EQ(board.error().kind, Error::Kind::Unreachable);
+    EXPECT_THAT(board.error().text, HasSubstr("/dev/asip-no-such-port"));
+}
+
+TEST(BlockingBoardOpen, BoardThatIsNotOnTheBroker_IsNamed) {
+    const test::MosquittoBroker broker;
+    Options options;
+    options.open_timeout = 500ms;
+    const auto board = BlockingBoard::open(broker.url() + "/nowhere", options);
+    ASSERT_FALSE(board);
+    EXPECT_EQ(board.error().kind, Error::Kind::Unreachable);
+    EXPECT_THAT(board.error().text, HasSubstr("no board nowhere"));
+}
+
+TEST(BlockingBoardOpen, BrokerThatIsNotThere_SaysSo) {
+    Options options;
+    options.open_timeout = 500ms;
+    const auto board =
+        BlockingBoard::open("mqtt://127.0.0.1:" + std::to_string(test::free_port()) + "/uno1", options);
+    ASSERT_FALSE(board);
+    EXPECT_EQ(board.error().kind, Error::Kind::Unreachable);
+}
+
+TEST(BlockingBoardOpen, BrokerRefusesThePassword_SaysSoAtOnce) {
+    test::MosquittoBroker::Options secured;
+    secured.users = {{"ann", "secret"}};
+    const test::MosquittoBroker broker(secured);
+    const test::TempDir folder;
+    Options options;
+    options.user = "ann";
+    options.password_file = folder.write("password", "wrong\n");
+    const auto begun = std::chrono::steady_clock::now();
+    const auto board = BlockingBoard::open(broker.url() + "/uno1", options);
+    ASSERT_FALSE(board);
+    EXPECT_EQ(board.error().kind, Error::Kind::Unreachable);
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, 5s) << "trying again cannot help";
+}
+
+TEST(BlockingBoardOpen, MovedFromOrDefault_FailsCallsAsClosed) {
+    BlockingBoard board;
+    EXPECT_EQ(board.digital_write(13, true).error().kind, Error::Kind::Closed);
+    EXPECT_EQ(board.name(), "");
+    EXPECT_TRUE(board.services().empty());
+}
+
+}  // namespace
+}  // namespace asip::client
