@@ -71,7 +71,7 @@ ISR(ASIP_UDRE_VECTOR) {
 }
 
 void begin() {
-    setRate(kDefaultBaud);
+    setRate(kDefaultRate);
     ASIP_UCSRC = 6;     // 8N1
     ASIP_UCSRB = 0x98;  // receive with interrupt, send
 }
@@ -125,30 +125,30 @@ bool idle() {
 
 // 57600 without double speed, 2.1 % fast, as the USB chips of Arduino boards do it; the others are exact or
 // (115200) as close.
-static uint8_t divisor(uint32_t baud) {
-    switch (baud) {
-        case 115200:
+static uint8_t divisor(uint16_t hundreds) {
+    switch (hundreds) {
+        case 1152:
             return F_CPU / 8 / 115200 - 1;
-        case 250000:
+        case 2500:
             return F_CPU / 8 / 250000 - 1;
-        case 500000:
+        case 5000:
             return F_CPU / 8 / 500000 - 1;
-        case 1000000:
+        case 10000:
             return F_CPU / 8 / 1000000 - 1;
         default:
             return 0;
     }
 }
 
-bool isRate(uint32_t baud) {
-    return baud == kDefaultBaud || divisor(baud) != 0;
+bool isRate(uint16_t hundreds) {
+    return hundreds == kDefaultRate || divisor(hundreds) != 0;
 }
 
-void setRate(uint32_t baud) {
+void setRate(uint16_t hundreds) {
     rxTail = rxHead;
-    const uint8_t fast = divisor(baud);
+    const uint8_t fast = divisor(hundreds);
     ASIP_UCSRA = fast != 0 ? kDoubleSpeed : 0;
-    ASIP_UBRR = fast != 0 ? fast : F_CPU / 16 / kDefaultBaud - 1;
+    ASIP_UBRR = fast != 0 ? fast : F_CPU / 1600 / kDefaultRate - 1;
 }
 
 bool usesPin(uint8_t pin) {

@@ -19,7 +19,7 @@ namespace asip {
 namespace line {
 
 void begin() {
-    ASIP_SERIAL.begin(kDefaultBaud);
+    ASIP_SERIAL.begin(kDefaultRate * 100UL);
 }
 int16_t read() {
     return ASIP_SERIAL.read();
@@ -34,13 +34,14 @@ bool idle() {
     return true;
 }  // setRate() waits
 
-bool isRate(uint32_t baud) {
-    return baud == kDefaultBaud || baud == 115200 || baud == 250000 || baud == 500000 || baud == 1000000;
+bool isRate(uint16_t hundreds) {
+    return hundreds == kDefaultRate || hundreds == 1152 || hundreds == 2500 || hundreds == 5000 ||
+           hundreds == 10000;
 }
 
-void setRate(uint32_t baud) {
+void setRate(uint16_t hundreds) {
     ASIP_SERIAL.flush();
-    ASIP_SERIAL.begin(baud);
+    ASIP_SERIAL.begin(hundreds * 100UL);
     while (ASIP_SERIAL.read() >= 0) {
     }
 }

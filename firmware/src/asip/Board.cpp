@@ -102,7 +102,7 @@ void Board::execute() {
     length &= static_cast<uint8_t>(~kSpoiled);
     if (length != 0 && line_[length - 1] == '\r') --length;
     line_[length] = '\0';
-    if (length == 0 || line_[0] == '!') return;
+    if (line_[0] == '!' || (length == 0 && !spoiled)) return;
     if (kExtensions && out.usesChecksum() && !acceptChecksum(length)) {
         return out.error('#', 'C', Error::kBadChecksum);
     }

@@ -84,13 +84,25 @@ void Board::sendName() {
     out.end();
 }
 
+static bool equals(const char* text, FlashText other) {
+    const char* next = reinterpret_cast<const char*>(other);
+    while (*text != '\0' && *text == static_cast<char>(pgm_read_byte(next))) {
+        ++text;
+        ++next;
+    }
+    return *text == static_cast<char>(pgm_read_byte(next));
+}
+
 Error Board::identity(Request& request) {
     if (request.complete()) {
         sendName();
         return Error::kNone;
     }
-    const uint8_t length = lengthIf(isNameCharacter, request.text());
+    const char* const name = request.text();
+    const uint8_t length = lengthIf(isNameCharacter, name);
     if (length == 0 || length > kMaxNameLength) return Error::kBadArgument;
+    // What these mean in the topics of the bus no board may be called.
+    if (equals(name, F("servicebus")) || equals(name, F("registry"))) return Error::kBadArgument;
     listIndex_ = 0;
     listCount_ = length;
     job_ = Job::kStoreName;
@@ -118,15 +130,15 @@ void Board::storeName() {
     sendName();
 }
 
-// The rate asked for by `text`, 0 if it is not a number.
-static uint32_t parseRate(const char* text) {
-    uint32_t baud = 0;
-    for (; *text != '\0'; ++text) {
-        const uint8_t digit = static_cast<uint8_t>(*text - '0');
-        if (digit > 9 || baud > 1000000) return 0;
-        baud = baud * 10 + digit;
+// Hundreds of baud asked for by `text`, 0 if it is not a number of whole hundreds.
+static uint16_t parseRate(const char* text) {
+    uint16_t hundreds = 0;
+    while (text[0] != '\0' && text[1] != '\0' && text[2] != '\0') {
+        const uint8_t digit = static_cast<uint8_t>(*text++ - '0');
+        if (digit > 9 || hundreds > 1000) return 0;
+        hundreds = static_cast<uint16_t>(hundreds * 10 + digit);
     }
-    return baud;
+    return text[0] == '0' && text[1] == '0' ? hundreds : 0;
 }
 
 Error Board::lineRate(Request& request) {
@@ -144,9 +156,9 @@ void Board::continueExtension() {
     if (job_ == Job::kStoreName) return storeName();
     if (!line::idle()) return;
     // The request is still in its line, where no other is collected meanwhile.
-    const uint32_t baud = parseRate(line_ + kArgument);
-    line::setRate(baud);
-    rateTrialMs_ = baud == kDefaultBaud ? 0 : kRateTrialMs;
+    const uint16_t hundreds = parseRate(line_ + kArgument);
+    line::setRate(hundreds);
+    rateTrialMs_ = hundreds == kDefaultRate ? 0 : kRateTrialMs;
     job_ = Job::kNone;
 }
 
@@ -157,7 +169,7 @@ void Board::countRateTrial(uint8_t elapsedMs) {
         return;
     }
     rateTrialMs_ = 0;
-    line::setRate(kDefaultBaud);
+    line::setRate(kDefaultRate);
     length_ = 0;
 }
 

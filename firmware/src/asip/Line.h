@@ -8,7 +8,7 @@
 namespace asip {
 namespace line {
 
-// Opens the line at kDefaultBaud.
+// Opens the line at kDefaultRate.
 void begin();
 
 // Next byte received, or -1. A byte that arrived damaged, or in whose place bytes were lost, reads as 0.
@@ -23,12 +23,12 @@ void write(uint8_t byte);
 // True when all that was written has left the wire (or may be taken to have, for a line that cannot tell).
 bool idle();
 
-// Switches to `baud`, one of the rates that isRate() allows, and drops what was received before and not read.
-// Call when idle.
-void setRate(uint32_t baud);
+// Switches to `hundreds` of baud, one of the rates that isRate() allows, and drops what was received before
+// and not read. Call when idle.
+void setRate(uint16_t hundreds);
 
-// True if the line can run at `baud` with an error below 2.5 %.
-bool isRate(uint32_t baud);
+// True if the line can run at `hundreds` of baud with an error below 2.5 %.
+bool isRate(uint16_t hundreds);
 
 // True for the pins that the line itself occupies.
 bool usesPin(uint8_t pin);

@@ -1,0 +1,56 @@
+#include "fake_board.hpp"
+
+#include <utility>
+
+namespace asip {
+
+FakeBoard::FakeBoard(std::vector<Service*> services, bool strict) {
+    hw::reset_fake();
+    board = Board();
+    out = Out();
+    for (Service* service : services)
+        board.add(*service);
+    if (strict) board.useStrictMode();
+    board.begin(F("Test"));
+    banner_ = take();
+    board.io().setPeriod(0);
+}
+
+std::string FakeBoard::send(const std::string& bytes) {
+    hw::fake.to_board += bytes;
+    return settle();
+}
+
+std::string FakeBoard::settle() {
+    std::string all;
+    // The longest answer is a list of 20 elements, the longest job a name of 32 characters.
+    for (int quiet = 0; quiet < 60; ++quiet) {
+        const auto waiting = hw::fake.to_board.size();
+        board.run();
+        const auto sent = take();
+        all += sent;
+        if (!sent.empty() || hw::fake.to_board.size() != waiting) quiet = 0;
+    }
+    return all;
+}
+
+std::string FakeBoard::pass_time(unsigned milliseconds) {
+    std::string all;
+    for (unsigned i = 0; i < milliseconds; ++i) {
+        ++hw::fake.milliseconds;
+        std::string sent;
+        do {
+            board.run();
+            sent = take();
+            all += sent;
+        } while (!sent.empty());
+    }
+    return all;
+}
+
+std::string FakeBoard::take() {
+    hw::fake.room = 63;
+    return std::exchange(hw::fake.from_board, {});
+}
+
+}  // namespace asip

@@ -1,0 +1,175 @@
+#include <gtest/gtest.h>
+
+#include "fake_board.hpp"
+
+namespace asip {
+namespace {
+
+TEST(IoServiceTest, Maps_AreThoseOfAnUno) {
+    FakeBoard board;
+    EXPECT_EQ(board.ask("I,M"),
+              "@I,M,20,{4:1,4:2,4:4,4:8,4:10,4:20,4:40,4:80,2:1,2:2,2:4,2:8,2:10,2:20,3:1,3:2,3:4,3:8,3:10,3:"
+              "20}\n");
+    EXPECT_EQ(board.ask("I,m"), "@I,m,6,{14:0,15:1,16:2,17:3,18:4,19:5}\n");
+    EXPECT_EQ(board.ask("I,c"), "@I,c,20,{1,1,1,5,1,5,5,1,1,5,5,5,1,1,3,3,3,3,3,3}\n");
+}
+
+TEST(IoServiceTest, InputMode_SendsThePortAtOnceWithAllItsInputs) {
+    FakeBoard board;
+    board.hardware().levels[3] = true;
+    board.hardware().levels[7] = true;
+    board.settle();
+    EXPECT_EQ(board.ask("I,P,2,1"), "@I,d,4,88\n");
+}
+
+TEST(IoServiceTest, PullUp_ReadsHigh) {
+    FakeBoard board;
+    EXPECT_EQ(board.ask("I,P,2,2"), "@I,d,4,4\n");
+    EXPECT_EQ(board.hardware().modes[2], hw::FakeMode::kPullUp);
+}
+
+TEST(IoServiceTest, ChangeOfAnInput_IsSentOnceForItsPort) {
+    FakeBoard board;
+    board.hardware().levels[2] = true;
+    EXPECT_EQ(board.settle(), "@I,d,4,4\n");
+    board.hardware().levels[13] = true;
+    board.hardware().levels[8] = true;
+    EXPECT_EQ(board.settle(), "@I,d,2,21\n");
+    EXPECT_EQ(board.settle(), "");
+}
+
+TEST(IoServiceTest, ChangeOfAnOutput_IsNotAnEvent) {
+    FakeBoard board;
+    board.ask("I,P,13,3");
+    EXPECT_EQ(board.ask("I,d,13,1"), "");
+    EXPECT_TRUE(board.hardware().levels[13]);
+    EXPECT_EQ(board.ask("I,d,13,0"), "");
+    EXPECT_FALSE(board.hardware().levels[13]);
+}
+
+TEST(IoServiceTest, PinThatCeasesToBeAnInput_LeavesThePortsStateWithoutAnEvent) {
+    FakeBoard board;
+    board.hardware().levels[2] = true;
+    board.settle();
+    EXPECT_EQ(board.ask("I,P,2,3"), "");
+    EXPECT_EQ(board.settle(), "");
+    board.hardware().levels[3] = true;
+    EXPECT_EQ(board.settle(), "@I,d,4,8\n");
+}
+
+TEST(IoServiceTest, FullLine_KeepsTheLastChangeForLater) {
+    FakeBoard board;
+    board.hardware().room = 3;
+    board.hardware().levels[2] = true;
+    asip::board.run();
+    EXPECT_EQ(board.hardware().from_board, "");
+    board.hardware().levels[3] = true;
+    board.hardware().room = 63;
+    EXPECT_EQ(board.settle(), "@I,d,4,C\n");
+}
+
+TEST(IoServiceTest, DigitalWriteInOneByteSteps_ActsOnlyAtTheLineEnd) {
+    FakeBoard board;
+    board.ask("I,P,13,3");
+    board.send("I,d,13,1");
+    EXPECT_FALSE(board.hardware().levels[13]);
+    board.send("\n");
+    EXPECT_TRUE(board.hardware().levels[13]);
+}
+
+TEST(IoServiceTest, DigitalWriteThatGoesOn_IsNotTakenForTheShorterOne) {
+    FakeBoard board;
+    board.ask("I,P,13,3");
+    board.send("I,d,13,1");
+    EXPECT_EQ(board.send("0\n"), "~I,d,11{BAD_ARGUMENT}\n");
+    board.send("I,d,13,1");
+    EXPECT_EQ(board.send(",5\n"), "~I,d,11{BAD_ARGUMENT}\n");
+    board.send("I,d,13,1");
+    EXPECT_EQ(board.send(std::string(1, '\0')), "");
+    EXPECT_EQ(board.send("\n"), "~I,d,11{BAD_ARGUMENT}\n");
+    EXPECT_FALSE(board.hardware().levels[13]);
+    board.send("I,d,13,1");
+    EXPECT_EQ(board.send("\r\n"), "");
+    EXPECT_TRUE(board.hardware().levels[13]);
+}
+
+TEST(IoServiceTest, DigitalWrite_IsAllowedToInputsForTheirPullUps) {
+    FakeBoard board;
+    EXPECT_EQ(board.ask("I,d,2,1"), "");
+    EXPECT_EQ(board.ask("I,P,4,2"), "@I,d,4,10\n");
+    EXPECT_EQ(board.ask("I,d,4,0"), "");
+}
+
+TEST(IoServiceTest, DigitalWriteErrors) {
+    FakeBoard board;
+    EXPECT_EQ(board.ask("I,d,20,1"), "~I,d,3{INVALID_PIN}\n");
+    EXPECT_EQ(board.ask("I,d,276,1"), "~I,d,3{INVALID_PIN}\n");
+    EXPECT_EQ(board.ask("I,d,14,1"), "~I,d,6{WRONG_MODE}\n");
+    EXPECT_EQ(board.ask("I,d,0,1"), "~I,d,6{WRONG_MODE}\n");
+    EXPECT_EQ(board.ask("I,d,13"), "~I,d,11{BAD_ARGUMENT}\n");
+    EXPECT_EQ(board.ask("I,d,13,2"), "~I,d,11{BAD_ARGUMENT}\n");
+    EXPECT_EQ(board.ask("I,d,,1"), "~I,d,11{BAD_ARGUMENT}\n");
+    EXPECT_EQ(board.ask("I,d,x,1"), "~I,d,11{BAD_ARGUMENT}\n");
+    EXPECT_EQ(board.ask("I,d,1:,1"), "~I,d,11{BAD_ARGUMENT}\n");
+}
+
+TEST(IoServiceTest, Pwm_NeedsItsModeAndEndsWithIt) {
+    FakeBoard board;
+    EXPECT_EQ(board.ask("I,a,3,5"), "~I,a,6{WRONG_MODE}\n");
+    EXPECT_EQ(board.ask("I,P,3,5"), "");
+    EXPECT_EQ(board.ask("I,a,3,200"), "");
+    EXPECT_EQ(board.hardware().duty[3], 200);
+    EXPECT_EQ(board.ask("I,d,3,1"), "~I,d,6{WRONG_MODE}\n");
+    EXPECT_EQ(board.ask("I,P,3,3"), "");
+    EXPECT_EQ(board.hardware().duty[3], -1);
+}
+
+TEST(IoServiceTest, PwmErrors) {
+    FakeBoard board;
+    EXPECT_EQ(board.ask("I,a,20,5"), "~I,a,3{INVALID_PIN}\n");
+    EXPECT_EQ(board.ask("I,a,3,256"), "~I,a,11{BAD_ARGUMENT}\n");
+    EXPECT_EQ(board.ask("I,a,3"), "~I,a,11{BAD_ARGUMENT}\n");
+}
+
+TEST(IoServiceTest, ModeErrors) {
+    FakeBoard board;
+    EXPECT_EQ(board.ask("I,P,20,1"), "~I,P,3{INVALID_PIN}\n");
+    EXPECT_EQ(board.ask("I,P,2,4"), "~I,P,4{MODE_UNAVAILABLE}\n");
+    EXPECT_EQ(board.ask("I,P,2,5"), "~I,P,4{MODE_UNAVAILABLE}\n");
+    EXPECT_EQ(board.ask("I,P,1,1"), "~I,P,4{MODE_UNAVAILABLE}\n");
+    EXPECT_EQ(board.ask("I,P,2,6"), "~I,P,5{INVALID_MODE}\n");
+    EXPECT_EQ(board.ask("I,P,2,8"), "~I,P,5{INVALID_MODE}\n");
+    EXPECT_EQ(board.ask("I,P,2,256"), "~I,P,11{BAD_ARGUMENT}\n");
+    EXPECT_EQ(board.ask("I,P,2"), "~I,P,11{BAD_ARGUMENT}\n");
+}
+
+TEST(IoServiceTest, AnalogEvents_HaveThePinsInAnalogMode) {
+    FakeBoard board;
+    board.hardware().analog = {0, 1023, 42, 7, 8, 9};
+    EXPECT_EQ(board.ask("I,P,14,1"), "@I,d,3,0\n");
+    EXPECT_EQ(board.ask("I,P,17,0"), "");
+    board.ask("I,A,100");
+    EXPECT_EQ(board.pass_time(99), "");
+    EXPECT_EQ(board.pass_time(2), "@I,a,4,{1:1023,2:42,4:8,5:9}\n");
+    board.ask("I,A,0");
+    EXPECT_EQ(board.pass_time(500), "");
+}
+
+TEST(IoServiceTest, NoAnalogPin_NoAnalogEvent) {
+    FakeBoard board;
+    for (int pin = 14; pin < 20; ++pin)
+        board.ask("I,P," + std::to_string(pin) + ",0");
+    board.ask("I,A,10");
+    EXPECT_EQ(board.pass_time(200), "");
+}
+
+TEST(IoServiceTest, AnalogPeriodAfterStart_Is50Milliseconds) {
+    FakeBoard fresh;
+    board = Board();
+    board.begin(F("Test"));
+    fresh.settle();
+    EXPECT_EQ(fresh.pass_time(100), "@I,a,6,{0:0,1:0,2:0,3:0,4:0,5:0}\n@I,a,6,{0:0,1:0,2:0,3:0,4:0,5:0}\n");
+}
+
+}  // namespace
+}  // namespace asip
