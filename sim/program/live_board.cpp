@@ -73,9 +73,10 @@ void LiveBoard::tick(Time now) {
 }
 
 void LiveBoard::notice_opening() {
+    const bool opened = pty_.was_opened();
     const bool in_use = pty_.in_use();
-    const bool opened = in_use && !pty_in_use_;
-    if (in_use != pty_in_use_) happened(in_use ? "opened" : "closed", json::object());
+    if (opened) happened("opened", json::object());
+    if ((opened || pty_in_use_) && !in_use) happened("closed", json::object());
     pty_in_use_ = in_use;
     const bool connected = tcp_.is_open() && tcp_.accept();
     if ((opened || connected) && file_.reset_on_open) board_->reset();

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <pty.h>
+#include <sys/inotify.h>
 #include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
@@ -31,17 +32,26 @@ Expected<Pty> Pty::open() {
     Pty pty;
     pty.master_ = master;
     pty.path_ = path;
+    pty.watch_ = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+    if (pty.watch_ >= 0) inotify_add_watch(pty.watch_, path, IN_OPEN);
     return pty;
 }
 
 Pty::~Pty() {
     if (master_ >= 0) ::close(master_);
+    if (watch_ >= 0) ::close(watch_);
 }
 
-Pty::Pty(Pty&& other) noexcept : master_(std::exchange(other.master_, -1)), path_(std::move(other.path_)) {}
+Pty::Pty(Pty&& other) noexcept
+    : master_(std::exchange(other.master_, -1)),
+      watch_(std::exchange(other.watch_, -1)),
+      was_in_use_(other.was_in_use_),
+      path_(std::move(other.path_)) {}
 
 Pty& Pty::operator=(Pty&& other) noexcept {
     std::swap(master_, other.master_);
+    std::swap(watch_, other.watch_);
+    std::swap(was_in_use_, other.was_in_use_);
     std::swap(path_, other.path_);
     return *this;
 }
@@ -49,6 +59,14 @@ Pty& Pty::operator=(Pty&& other) noexcept {
 bool Pty::in_use() const {
     pollfd request{master_, POLLIN, 0};
     return ::poll(&request, 1, 0) >= 0 && (request.revents & POLLHUP) == 0;
+}
+
+bool Pty::was_opened() {
+    char events[1024];
+    const bool now_in_use = in_use();
+    const bool opened = watch_ >= 0 ? ::read(watch_, events, sizeof events) > 0 : now_in_use && !was_in_use_;
+    was_in_use_ = now_in_use;
+    return opened;
 }
 
 std::uint32_t Pty::baud() const {

@@ -26,6 +26,8 @@ class Pty {
     /// Whether a program has the port open. Until then (and after) nothing should be written: it would be
     /// kept for the next one that opens it.
     bool in_use() const;
+    /// Whether a program opened it since this was last asked, even if another had closed it only just before.
+    bool was_opened();
     /// The rate that the program has set; 0 if it cannot be told.
     std::uint32_t baud() const;
     std::string read(std::size_t most);
@@ -34,6 +36,8 @@ class Pty {
 
   private:
     int master_ = -1;
+    int watch_ = -1;  // inotify, for was_opened(); -1 where the system gives none
+    bool was_in_use_ = false;
     std::string path_;
 };
 

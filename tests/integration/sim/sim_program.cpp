@@ -1,0 +1,47 @@
+#include "sim_program.hpp"
+
+#include <csignal>
+#include <regex>
+#include <stdexcept>
+
+namespace asip::test {
+namespace {
+
+std::vector<std::string> command_line(std::vector<std::string> arguments, const std::string& socket) {
+    arguments.insert(arguments.begin(), ASIP_SIM);
+    arguments.insert(arguments.end(), {"--socket", socket});
+    return arguments;
+}
+
+}  // namespace
+
+SimProgram::SimProgram(const TempDir& folder, std::vector<std::string> arguments, int boards)
+    : socket_(folder.file("control.sock")), process_(command_line(std::move(arguments), socket_)) {
+    const std::regex port_line(R"(\bport path=(\S+)|"event":"port","path":"([^"]+)\")");
+    const bool named = wait_until([&] {
+        const auto output = process_.output();
+        const std::sregex_iterator first(output.begin(), output.end(), port_line);
+        if (std::distance(first, std::sregex_iterator()) < boards) return false;
+        port_ = (*first)[1].matched ? (*first)[1] : (*first)[2];
+        std::smatch tcp;
+        if (std::regex_search(output, tcp, std::regex("tcp=([0-9]+)"))) tcp_port_ = std::stoi(tcp[1]);
+        return std::filesystem::exists(socket_);
+    });
+    if (!named) throw std::runtime_error("asip-sim does not start: " + process_.errors());
+}
+
+Finished SimProgram::control(std::vector<std::string> words) {
+    words.insert(words.begin(), {ASIP_SIM, "ctl", "--socket", socket_});
+    return run(words);
+}
+
+std::optional<int> SimProgram::terminate() {
+    process_.signal(SIGTERM);
+    return process_.wait_exit();
+}
+
+std::string board_file(const TempDir& folder, const std::string& name, const std::string& more) {
+    return folder.write(name, R"({"image": ")" MONITOR_IMAGE "\"" + more + "}");
+}
+
+}  // namespace asip::test
