@@ -143,7 +143,7 @@ Text write_item(const Field& list, const json& item, Strictness strictness, cons
     std::string text;
     for (std::size_t i = 0; i < list.items.size(); ++i) {
         const auto& field = list.items[i];
-        const auto value =
+        auto value =
             write_value(field, (*values)[i], inner, list.items.size() > 1 ? place + "/" + field.name : place);
         if (!value) return value;
         if (i > 0) text += ':';
@@ -163,7 +163,7 @@ Text write_list(const Field& list, const json& value, Strictness strictness, con
     }
     std::string text = list.braces ? "{" : "";
     for (std::size_t i = 0; i < value.size(); ++i) {
-        const auto item = write_item(list, value[i], strictness, place + "/" + std::to_string(i));
+        auto item = write_item(list, value[i], strictness, place + "/" + std::to_string(i));
         if (!item) return item;
         if (i > 0) text += ',';
         text += *item;
@@ -199,7 +199,7 @@ Text write_arguments(const CommandModel& command, const json& values, Strictness
             text += std::to_string(values[value_index(command, argument.of)].size());
             continue;
         }
-        const auto value = write_value(argument, values[next++], strictness, argument.name);
+        auto value = write_value(argument, values[next++], strictness, argument.name);
         if (!value) return value;
         text += *value;
     }

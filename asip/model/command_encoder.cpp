@@ -82,6 +82,7 @@ bool is_list_itself(const Field& list, const json& values) {
 Expected<json> order_members(const CommandModel& command, const json& members) {
     const auto args = given_arguments(command);
     std::vector<std::string> names;
+    names.reserve(args.size());
     for (const auto* argument : args)
         names.push_back(argument->name);
     for (auto it = members.begin(); it != members.end(); ++it) {

@@ -13,7 +13,7 @@ using nlohmann::json;
 
 constexpr std::size_t kMaxIdBytes = 64;
 constexpr std::size_t kMaxTopicBytes = 256;
-constexpr JsonLimits kControlLimits = {8 * 1024, 8};
+constexpr JsonLimits kControlLimits = {8192, 8};
 
 bool looks_like_json(std::string_view payload) {
     const auto first = payload.find_first_not_of(" \t\r\n");

@@ -15,7 +15,7 @@
 
 namespace asip::model {
 
-inline constexpr std::size_t kMaxDescriptionBytes = 64 * 1024;
+inline constexpr std::size_t kMaxDescriptionBytes = std::size_t{64} * 1024;
 inline constexpr std::size_t kMaxDescriptionServices = 64;
 inline constexpr int kDefaultLeaseSeconds = 60;
 inline constexpr int kMaxLeaseSeconds = 24 * 60 * 60;

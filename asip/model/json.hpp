@@ -9,7 +9,7 @@
 namespace asip::model {
 
 struct JsonLimits {
-    std::size_t max_bytes = 64 * 1024;
+    std::size_t max_bytes = std::size_t{64} * 1024;
     int max_depth = 16;
 };
 

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Expected<ServiceModel> load_file(const fs::path& path) {
-    constexpr std::uintmax_t kMaxFileBytes = 64 * 1024;
+    constexpr std::uintmax_t kMaxFileBytes = std::size_t{64} * 1024;
     std::error_code fault;
     const auto size = fs::file_size(path, fault);
     if (fault) return fail(path.string() + ": " + fault.message());
