@@ -105,16 +105,19 @@ const std::string& StreamClient::received() {
 }
 
 bool StreamClient::expect(std::string_view text, std::chrono::milliseconds limit) {
-    std::size_t found = std::string::npos;
-    const bool came = wait_until(
-        [&] {
-            read();
-            found = received_.find(text);
-            return found != std::string::npos;
-        },
-        limit);
-    if (came) received_.erase(0, found + text.size());
-    return came;
+    const auto deadline = std::chrono::steady_clock::now() + limit;
+    for (;;) {
+        read();
+        const auto found = received_.find(text);
+        if (found != std::string::npos) {
+            received_.erase(0, found + text.size());
+            return true;
+        }
+        const auto left = deadline - std::chrono::steady_clock::now();
+        if (closed_ || left <= std::chrono::nanoseconds(0)) return false;
+        pollfd readable{descriptor_, POLLIN, 0};
+        ::poll(&readable, 1, static_cast<int>(left / std::chrono::milliseconds(1)) + 1);
+    }
 }
 
 bool StreamClient::closed() {

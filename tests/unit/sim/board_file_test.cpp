@@ -109,6 +109,16 @@ TEST(BoardFile, PinProblems_NameThePart) {
         "boards/x.json: parts[1]: b: pin 2 is taken by a");
 }
 
+TEST(BoardFile, Examples_AreAllCorrect) {
+    int count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(EXAMPLES_FOLDER)) {
+        const auto file = load_board_file(entry.path());
+        EXPECT_TRUE(file) << file.error();
+        ++count;
+    }
+    EXPECT_GE(count, 5);
+}
+
 TEST(BoardFile, FileThatIsNotThere_Refused) {
     EXPECT_THAT(load_board_file("/nowhere/x.json").error(),
                 StartsWith("/nowhere/x.json: cannot read the board file"));
