@@ -262,7 +262,8 @@ void Catalogue::Impl::resume(Time now) {
     for (std::uint32_t slot = 0; slot < slots_; ++slot) {
         Board& b = board(slot);
         if (!b.in_use) continue;
-        if (is_alive_word(b.effective)) b.deadline = std::max(b.deadline, now + options_.grace);
+        const Duration grace = std::min<Duration>(options_.grace, std::chrono::seconds(b.lease_seconds));
+        if (is_alive_word(b.effective)) b.deadline = std::max(b.deadline, now + grace);
         const Time due = is_alive_word(b.effective) ? b.deadline : now + options_.grace;
         if (const auto set = wheel_.due(slot); !set || *set < due) wheel_.set(slot, due, now);
     }

@@ -101,7 +101,8 @@ struct Instant {
 ///  and
 ///  - a session's first message came after the first message of the session that it replaced.
 /// Messages of a session in any order end at its highest `seq`; those of a replaced session, seen before,
-/// change nothing; of two sessions that both live, both catalogues end with the smaller one as holder. Times
+/// change nothing; of two sessions that both live, both catalogues end with the larger one as holder (agents'
+/// sessions begin with the time of their start: the later one). Times
 /// (last seen, lease) are those of the newest message that counted, so a duplicate may extend a lease by at
 /// most its length.
 ///

@@ -40,7 +40,7 @@ Catalogue::Impl::Judgement Catalogue::Impl::judge_other_session(Board& b, const 
 
 // Another session lives beside the holder, or lived when its message was sent. One message may have been
 // under way when the board changed hands; only one that comes after the holder has answered proves that both
-// live. Then the smaller session holds the board, whichever came first, so that every registry ends with the
+// live. Then the larger session holds the board, whichever came first, so that every registry ends with the
 // same one.
 bool Catalogue::Impl::challenge(Board& b, const Scan& scan, Time now, Events& events) {
     Rare& rare = b.rarely();
@@ -63,7 +63,7 @@ bool Catalogue::Impl::challenge(Board& b, const Scan& scan, Time now, Events& ev
     other.deadline = now + lease;
     other.agent = scan.agent;
     if (new_conflict) ++stats_.conflicts;
-    const bool changes_hands = other.confirmed && scan.session < b.session;
+    const bool changes_hands = other.confirmed && b.session < scan.session;
     if (changes_hands) take_over(b, scan, now);
     if (new_conflict || changes_hands) emit(events, Event::Kind::kConflict, b);
     return changes_hands;

@@ -120,7 +120,7 @@ TEST(CatalogueProperty, TwoLivingAgentsInAnyInterleaving_EndWithTheSameHolder) {
             speak(0), speak(1);  // both are alive to the end
         ASSERT_EQ(catalogue.check(), "");
         const auto board = *catalogue.board("uno1", instant(now));
-        ASSERT_EQ(board.session, "aaaa") << "seed " << seed;
+        ASSERT_EQ(board.session, "bbbb") << "seed " << seed;
         ASSERT_TRUE(board.conflict) << "seed " << seed;
     }
 }

@@ -144,40 +144,40 @@ TEST_F(CatalogueTest, RestartedAgent_TakesOverAtOnceAndReplaysOfTheOldSessionCha
 }
 
 TEST_F(CatalogueTest, TwoLivingSessions_OneConflictReportedAndNoAlternation) {
-    give(description("uno1", {.session = "b", .seq = 1}), 0s);
-    give(description("uno1", {.session = "a", .seq = 1}), 1s);
+    give(description("uno1", {.session = "a", .seq = 1}), 0s);
+    give(description("uno1", {.session = "b", .seq = 1}), 1s);
     std::vector<Kind> all;
     std::vector<std::string> holders;
     for (std::uint64_t round = 2; round < 12; ++round) {
-        for (const char* session : {"b", "a"}) {
+        for (const char* session : {"a", "b"}) {
             const auto events = give(description("uno1", {.session = session, .seq = round}), round * 1s);
             all.insert(all.end(), events.begin(), events.end());
             holders.push_back(board("uno1").session);
         }
     }
     EXPECT_THAT(all, ElementsAre(Kind::kConflict));
-    EXPECT_THAT(holders, testing::Each("a"));
+    EXPECT_THAT(holders, testing::Each("b"));
     const auto item = board("uno1");
     ASSERT_TRUE(item.conflict);
-    EXPECT_EQ(item.conflict->holder, "a");
-    EXPECT_EQ(item.conflict->other, "b");
+    EXPECT_EQ(item.conflict->holder, "b");
+    EXPECT_EQ(item.conflict->other, "a");
     EXPECT_EQ(item.conflict->other_agent, "pi asip-agent-1");
     EXPECT_EQ(catalogue.stats().conflicts, 1u);
 }
 
-TEST_F(CatalogueTest, TwoLivingSessionsWithTheLargerFirst_TheSmallerStillEndsAsHolder) {
-    give(description("uno1", {.session = "a", .seq = 1}), 0s);
-    give(description("uno1", {.session = "b", .seq = 1}), 1s);
+TEST_F(CatalogueTest, TwoLivingSessionsWithTheSmallerLast_TheLargerStillEndsAsHolder) {
+    give(description("uno1", {.session = "b", .seq = 1}), 0s);
+    give(description("uno1", {.session = "a", .seq = 1}), 1s);
     int changes_of_hand = 0;
-    std::string holder = "b";
+    std::string holder = "a";
     for (std::uint64_t round = 2; round < 12; ++round) {
-        for (const char* session : {"a", "b"}) {
+        for (const char* session : {"b", "a"}) {
             give(description("uno1", {.session = session, .seq = round}), round * 1s);
             if (board("uno1").session != holder) ++changes_of_hand;
             holder = board("uno1").session;
         }
     }
-    EXPECT_EQ(holder, "a");
+    EXPECT_EQ(holder, "b");
     EXPECT_EQ(changes_of_hand, 1);
     EXPECT_EQ(catalogue.stats().conflicts, 1u);
 }
@@ -194,26 +194,26 @@ TEST_F(CatalogueTest, OneMessageOfTheReplacedSessionUnderWay_IsNoConflict) {
 }
 
 TEST_F(CatalogueTest, OtherSessionFallsSilent_ConflictIsResolved) {
-    give(description("uno1", {.session = "b", .seq = 1}), 0s);
-    give(description("uno1", {.session = "a", .seq = 1}), 1s);
-    give(description("uno1", {.session = "b", .seq = 2}), 2s);
-    give(description("uno1", {.session = "a", .seq = 2}), 3s);
-    EXPECT_THAT(give(description("uno1", {.session = "b", .seq = 3}), 4s), ElementsAre(Kind::kConflict));
-    EXPECT_THAT(give(description("uno1", {.session = "a", .seq = 3}), 40s), IsEmpty());
-    EXPECT_THAT(give(description("uno1", {.session = "a", .seq = 4}), 64s), ElementsAre(Kind::kResolved));
+    give(description("uno1", {.session = "a", .seq = 1}), 0s);
+    give(description("uno1", {.session = "b", .seq = 1}), 1s);
+    give(description("uno1", {.session = "a", .seq = 2}), 2s);
+    give(description("uno1", {.session = "b", .seq = 2}), 3s);
+    EXPECT_THAT(give(description("uno1", {.session = "a", .seq = 3}), 4s), ElementsAre(Kind::kConflict));
+    EXPECT_THAT(give(description("uno1", {.session = "b", .seq = 3}), 40s), IsEmpty());
+    EXPECT_THAT(give(description("uno1", {.session = "b", .seq = 4}), 64s), ElementsAre(Kind::kResolved));
     EXPECT_EQ(catalogue.stats().conflicts, 0u);
 }
 
 TEST_F(CatalogueTest, HolderFallsSilent_OtherSessionHoldsTheBoard) {
-    give(description("uno1", {.session = "b", .seq = 1}), 0s);
-    give(description("uno1", {.session = "a", .seq = 1}), 1s);
-    give(description("uno1", {.session = "b", .seq = 2}), 2s);
-    give(description("uno1", {.session = "a", .seq = 2}), 3s);
-    give(description("uno1", {.session = "b", .seq = 3}), 50s);
+    give(description("uno1", {.session = "a", .seq = 1}), 0s);
+    give(description("uno1", {.session = "b", .seq = 1}), 1s);
+    give(description("uno1", {.session = "a", .seq = 2}), 2s);
+    give(description("uno1", {.session = "b", .seq = 2}), 3s);
+    give(description("uno1", {.session = "a", .seq = 3}), 50s);
     EXPECT_THAT(expire(63s), ElementsAre(Kind::kState, Kind::kResolved, Kind::kGhost));
-    give(description("uno1", {.session = "b", .seq = 4}), 64s);
+    give(description("uno1", {.session = "a", .seq = 4}), 64s);
     EXPECT_EQ(state_of("uno1"), "online");
-    EXPECT_EQ(board("uno1").session, "b");
+    EXPECT_EQ(board("uno1").session, "a");
 }
 
 TEST_F(CatalogueTest, RetainedDescriptionWithExpiry_LivesForWhatIsLeft) {
