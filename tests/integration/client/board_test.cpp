@@ -35,14 +35,12 @@ class BoardOverEachLink : public ::testing::TestWithParam<Way> {
         if (GetParam().link == "tcp") {
             address = "tcp://127.0.0.1:" + boards_.tcp_port();
         }
-#ifdef ASIP_TEST_AGENT
         if (GetParam().link == "mqtt") {
             broker_.emplace();
             agent_.emplace(std::vector<std::string>{ASIP_TEST_AGENT, "--serial", boards_.serial(), "--name",
                                                     "uno", "--broker", broker_->address()});
             address = broker_->url() + "/uno";
         }
-#endif
         auto opened = BlockingBoard::open(address);
         if (opened) {
             board_ = std::move(*opened);
@@ -144,11 +142,7 @@ TEST_P(BoardOverEachLink, BoardUnplugged_CallsFailAndWorkAgainWhenItIsBackWithIt
 
 std::vector<Way> ways() {
     std::vector<Way> all;
-    for (const char* link : {"serial", "tcp",
-#ifdef ASIP_TEST_AGENT
-                             "mqtt"
-#endif
-         }) {
+    for (const char* link : {"serial", "tcp", "mqtt"}) {
         all.push_back({link, "asip_uno_services"});
         all.push_back({link, "asip_uno_04_services"});
     }
