@@ -1,0 +1,135 @@
+#include <gtest/gtest.h>
+
+#include "firmware_board.hpp"
+
+namespace asip::firmware {
+namespace {
+
+using std::chrono::milliseconds;
+
+class RatesTest : public testing::TestWithParam<std::tuple<const char*, unsigned>> {};
+
+TEST_P(RatesTest, BothSides_FollowAtTheTrueRate) {
+    const auto [image, baud] = GetParam();
+    sim::BoardConfig config;
+    config.image = std::string(ASIP_IMAGES) + "/" + image + ".elf";
+    config.host_baud = 57600;
+    auto created = sim::Board::create(config);
+    ASSERT_TRUE(created) << created.error();
+    auto& board = **created;
+    ASSERT_TRUE(board.read_line(milliseconds(500)));
+    board.send("I,A,0\n");
+    board.run_for(milliseconds(100));
+    board.take_output();
+    board.send("#,B," + std::to_string(baud) + "\n");
+    EXPECT_EQ(board.read_line(milliseconds(100)).value().text, "@#,B," + std::to_string(baud));
+    board.set_host_baud(baud);
+    board.run_for(milliseconds(1));
+    board.send("#,E,new\n");
+    EXPECT_EQ(board.read_line(milliseconds(100)).value().text, "@#,E,new");
+    board.run_for(milliseconds(1000));
+    board.send("#,?\n");
+    EXPECT_EQ(board.read_line(milliseconds(100)).value().text.substr(0, 4), "@#,?");
+    EXPECT_EQ(board.line_errors().cut_by_rate_change, 0u);
+    EXPECT_EQ(board.line_errors().receive_overruns, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RatesTest,
+                         testing::Combine(testing::Values("asip_uno", "asip_uno_serial"),
+                                          testing::Values(57600u, 115200u, 250000u, 500000u, 1000000u)),
+                         [](const auto& chosen) {
+                             return std::string(std::get<0>(chosen.param)) + "_at_" +
+                                    std::to_string(std::get<1>(chosen.param));
+                         });
+
+TEST(RateFallbackTest, NoFenceAtTheNewRate_BringsTheOldOneBackAfterHalfASecond) {
+    sim::BoardConfig config;
+    config.image = std::string(ASIP_IMAGES) + "/asip_uno.elf";
+    config.host_baud = 57600;
+    auto created = sim::Board::create(config);
+    ASSERT_TRUE(created) << created.error();
+    auto& board = **created;
+    ASSERT_TRUE(board.read_line(milliseconds(500)));
+    board.send("I,A,0\n#,B,1000000\n");
+    ASSERT_TRUE(board.run_until([&] { return board.board_baud() == 1000000; }, milliseconds(200)));
+    board.take_output();
+    board.send("#,E,garbled\n");
+    board.run_for(milliseconds(490));
+    EXPECT_EQ(board.board_baud(), 1000000u);
+    board.run_for(milliseconds(20));
+    EXPECT_EQ(board.board_baud(), 58824u);
+    board.take_output();
+    board.send("#,E,back\n");
+    EXPECT_EQ(board.read_line(milliseconds(100)).value().text, "@#,E,back");
+}
+
+TEST(RateFallbackTest, Reset_ReturnsTo57600) {
+    FirmwareBoard board("asip_uno");
+    board.step_up(500000);
+    board->reset();
+    board->run_for(milliseconds(100));
+    EXPECT_EQ(board->board_baud(), 58824u);
+}
+
+TEST(IdentityTest, Name_SurvivesAResetAndLivesAtTheEndOfTheEeprom) {
+    FirmwareBoard board("asip_uno");
+    EXPECT_EQ(board.ask("#,I"), "@#,I,");
+    EXPECT_EQ(board.ask("#,I,living-room.2"), "@#,I,living-room.2");
+    board->reset();
+    board->run_for(milliseconds(500));
+    board->take_output();
+    board.ask("I,A,0");
+    EXPECT_EQ(board.ask("#,I"), "@#,I,living-room.2");
+    const auto eeprom = board->eeprom();
+    for (std::size_t i = 0; i < eeprom.size() - 34; ++i)
+        ASSERT_EQ(eeprom[i], 0xFF) << i;
+}
+
+TEST(ChecksumTest, DamagedRequest_IsRefusedAndTheNextOneWorks) {
+    FirmwareBoard board("asip_uno");
+    board->send("#,C,1\n");
+    board->send("#,E,ok*62\n");
+    EXPECT_EQ(board.next_line(), "@#,E,ok*22");
+    board->send("#,E,oj*62\n");
+    EXPECT_EQ(board.next_line(), "~#,C,10{BAD_CHECKSUM}*0C");
+    board->send("#,E,ok*62\n");
+    EXPECT_EQ(board.next_line(), "@#,E,ok*22");
+}
+
+// 48 bytes may be on their way to a board that is busy with a long answer.
+TEST(FlowTest, RequestsInFlightBehindALongAnswer_AreNotLost) {
+    FirmwareBoard board("asip_uno");
+    board.step_up(500000);
+    for (int round = 0; round < 20; ++round) {
+        board->send("I,M\n#,E,aaaaaaaa\n#,E,bbbbbbbb\n#,E,cccccccc\n");
+        EXPECT_EQ(board.next_line().substr(0, 7), "@I,M,20");
+        EXPECT_EQ(board.next_line(), "@#,E,aaaaaaaa");
+        EXPECT_EQ(board.next_line(), "@#,E,bbbbbbbb");
+        EXPECT_EQ(board.next_line(), "@#,E,cccccccc");
+    }
+    EXPECT_EQ(board->line_errors().receive_overruns, 0u);
+}
+
+// What does not fit is lost, as on any board; but never half a request executed.
+TEST(FlowTest, FloodThatOverflows_ExecutesNoMixtureOfRequests) {
+    FirmwareBoard board("asip_uno");
+    for (int pin = 2; pin < 14; ++pin)
+        board.ask("I,P," + std::to_string(pin) + ",3");
+    board.step_up(1000000);
+    std::string flood;
+    for (int i = 0; i < 400; ++i)
+        flood += i % 2 == 0 ? "I,d,12,1\n" : "#,?\nI,M\n";
+    board->send(flood);
+    board->run_for(milliseconds(300));
+    board->take_output();
+    board->run_for(milliseconds(50));
+    board->take_output();
+    for (int pin = 2; pin < 14; ++pin) {
+        if (pin == 12) continue;
+        EXPECT_EQ(board->pin(pin), sim::Level::low) << pin;
+    }
+    EXPECT_EQ(board.ask("#,E,ok"), "@#,E,ok");
+}
+
+}  // namespace
+}  // namespace asip::firmware

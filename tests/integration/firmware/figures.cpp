@@ -1,0 +1,129 @@
+#include "figures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+
+#include "firmware_board.hpp"
+
+namespace asip::firmware {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr const char* kImage = "asip_uno";
+constexpr double kCyclesPerMs = 16000;
+
+struct Size {
+    long text, data, bss;
+};
+
+Size size_of_image() {
+    const std::string command = "avr-size " + std::string(ASIP_IMAGES) + "/" + kImage + ".elf";
+    const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
+    std::array<char, 256> line{};
+    Size size{};
+    if (!pipe || !std::fgets(line.data(), line.size(), pipe.get()) ||
+        !std::fgets(line.data(), line.size(), pipe.get()) ||
+        std::sscanf(line.data(), "%ld %ld %ld", &size.text, &size.data, &size.bss) != 3) {
+        throw std::runtime_error("avr-size says nothing of use");
+    }
+    return size;
+}
+
+double deepest_stack() {
+    FirmwareBoard board(kImage);
+    board->watch_stack();
+    for (const char* line : {"#,?",         "#,N",       "#,S",
+                             "#,X",         "#,I",       "#,I,a-name-of-32-characters-is-longest",
+                             "#,I,uno-1",   "#,I",       "#,E,12345678",
+                             "#,E,-",       "I,M",       "I,m",
+                             "I,p",         "I,c",       "I,P,13,3",
+                             "I,P,2,2",     "I,P,3,5",   "I,P,2,9",
+                             "I,d,13,1",    "I,d,13",    "I,d,99,1",
+                             "I,a,3,255",   "I,a,3,256", "I,a,2,1",
+                             "I,A,5",       "I,A,70000", "Z,x",
+                             "I",           "#",         "#,B,1",
+                             "#,B,500000",  "I,A,0",     "#,C,1",
+                             "I,d,13,0*5E", "#,R"}) {
+        board->send(std::string(line) + "\n");
+        board->run_for(milliseconds(150));
+    }
+    return board->deepest_stack();
+}
+
+struct RoundTrip {
+    double cycles;  // from the request's first start bit to the event's last stop bit
+    double wire;    // what its bytes take
+};
+
+/// Pin 13 wired to pin 2. The mean of requests that find the firmware's loop and clock at every phase.
+RoundTrip round_trip(unsigned baud) {
+    constexpr int kTrips = 400;
+    FirmwareBoard board(kImage, "uno", {{"wire", sim::WireSpec{13, 2}}});
+    board.ask("I,P,13,3");
+    board.ask("I,P,2,1");
+    if (baud != 57600) board.step_up(baud);
+    double total = 0;
+    std::size_t bytes = 0;
+    for (int trip = 0; trip < kTrips; ++trip) {
+        board->run_for(std::chrono::nanoseconds(2'000'000 + 40'130 * trip));
+        const auto begin = board->cycles();
+        const std::string request = trip % 2 == 0 ? "I,d,13,1\n" : "I,d,13,0\n";
+        board->send(request);
+        const auto event = board->read_line(milliseconds(10));
+        if (!event || event->text != (trip % 2 == 0 ? "@I,d,4,4" : "@I,d,4,0"))
+            throw std::runtime_error("no event");
+        total += static_cast<double>(event->cycle - begin);
+        bytes = request.size() + event->text.size() + 1;
+    }
+    return {total / kTrips, static_cast<double>(bytes) * 10 * 16e6 / board->board_baud()};
+}
+
+bool follows(unsigned hertz, unsigned baud) {
+    FirmwareBoard board(kImage);
+    if (baud != 57600) board.step_up(baud);
+    const double half_ns = 5e8 / hertz;
+    const int edges = static_cast<int>(hertz);  // half a second of them
+    const auto begin = board->now();
+    for (int edge = 1; edge <= edges; ++edge) {
+        board->drive(2, edge % 2 == 1 ? sim::Level::high : sim::Level::low);
+        const auto next = begin + std::chrono::nanoseconds(static_cast<long long>(half_ns * edge));
+        if (next > board->now()) board->run_for(next - board->now());
+    }
+    int events = 0;
+    for (const auto& line : board.lines_within(milliseconds(50))) {
+        if (line != (events % 2 == 0 ? "@I,d,4,4" : "@I,d,4,0")) return false;
+        ++events;
+    }
+    return events == edges;
+}
+
+double fastest_square_wave(unsigned baud) {
+    unsigned best = 0;
+    for (unsigned hertz = 1000; hertz <= 4000 && follows(hertz, baud); hertz += 100)
+        best = hertz;
+    return best;
+}
+
+}  // namespace
+
+std::vector<Figure> measure_figures() {
+    const auto size = size_of_image();
+    const auto slow = round_trip(57600);
+    const auto fast = round_trip(500000);
+    const auto fastest = round_trip(1000000);
+    return {
+        {"static RAM", "B", static_cast<double>(size.data + size.bss), 360, 280},
+        {"flash", "B", static_cast<double>(size.text + size.data), 8000, 6500},
+        {"deepest stack under every request", "B", deepest_stack(), 110, 80},
+        {"round trip / wire at 57600", "", slow.cycles / slow.wire, 1.01, 1.01, false, 4},
+        {"round trip at 500,000", "ms", fast.cycles / kCyclesPerMs, 0.45, 0.40, false, 3},
+        {"round trip at 1,000,000", "ms", fastest.cycles / kCyclesPerMs, 0, 0.25, false, 3},
+        {"square wave followed at 500,000", "Hz", fastest_square_wave(500000), 1500, 2500, true},
+    };
+}
+
+}  // namespace asip::firmware
