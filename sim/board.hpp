@@ -86,7 +86,7 @@ class Board {
 
     // --- serial line
 
-    /// Queues bytes; each takes its time on the wire, at the host's rate.
+    /// Queues bytes; each takes its time on the wire, at the rate that the host has now.
     void send(std::string_view bytes);
     /// Bytes queued whose stop bit has not ended.
     std::size_t sending() const;

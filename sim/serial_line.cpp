@@ -21,7 +21,8 @@ SerialLine::SerialLine(avr_uart_t& port, AlarmClock& clock, std::uint32_t freque
       arrival_(clock, [this] { arrived(); }) {}
 
 void SerialLine::send(std::string_view bytes) {
-    queue_.insert(queue_.end(), bytes.begin(), bytes.end());
+    for (const char byte : bytes)
+        queue_.push_back({byte, host_baud_});
     if (!busy_ && !queue_.empty()) start_next(arrival_.clock().cycle());
 }
 
@@ -30,16 +31,16 @@ std::uint32_t SerialLine::board_baud() const {
     return static_cast<std::uint32_t>(std::lround(frequency_ / usart_.bit_cycles()));
 }
 
-double SerialLine::host_bit(double board_bit) const {
-    if (host_baud_ != 0) return static_cast<double>(frequency_) / host_baud_;
+double SerialLine::host_bit(std::uint32_t host_baud, double board_bit) const {
+    if (host_baud != 0) return static_cast<double>(frequency_) / host_baud;
     return board_baud() != 0 ? board_bit : frequency_ / kUsualBaud;
 }
 
 void SerialLine::start_next(std::uint64_t cycle) {
     busy_ = true;
-    byte_ = static_cast<std::uint8_t>(queue_.front());
+    byte_ = static_cast<std::uint8_t>(queue_.front().byte);
+    sender_bit_ = host_bit(queue_.front().baud, usart_.bit_cycles());
     queue_.pop_front();
-    sender_bit_ = host_bit(usart_.bit_cycles());
     lost_ = !usart_.receive_start();
     if (lost_) ++errors_.receive_overruns;
     arrival_.at(cycle + static_cast<std::uint64_t>(sender_bit_ * kHostFrameBits));
@@ -61,7 +62,7 @@ void SerialLine::arrived() {
 }
 
 void SerialLine::from_board(std::uint8_t byte, double bit_cycles) {
-    const double bit = host_bit(bit_cycles);
+    const double bit = host_bit(host_baud_, bit_cycles);
     if (rates_match(bit_cycles, bit)) {
         to_host_(static_cast<char>(byte));
         return;

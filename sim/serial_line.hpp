@@ -29,7 +29,12 @@ class SerialLine {
     void after_reset();
 
   private:
-    double host_bit(double board_bit) const;
+    struct Queued {
+        char byte;
+        std::uint32_t baud;  // the host's when it sent it: a real port drains before it changes its rate
+    };
+
+    double host_bit(std::uint32_t host_baud, double board_bit) const;
     void start_next(std::uint64_t cycle);
     void arrived();
     void from_board(std::uint8_t byte, double bit_cycles);
@@ -38,7 +43,7 @@ class SerialLine {
     std::uint32_t frequency_;
     Receiver to_host_;
     Alarm arrival_;
-    std::deque<char> queue_;
+    std::deque<Queued> queue_;
     bool busy_ = false;
     bool lost_ = false;
     std::uint8_t byte_ = 0;

@@ -112,7 +112,8 @@ int run_control(const Options& options) {
 void write_stdout(std::string_view line) {
     std::fwrite(line.data(), 1, line.size(), stdout);
     std::fputc('\n', stdout);
-    std::fflush(stdout);
+    // Whoever started it has gone: boards that nobody watches must not run for ever.
+    if (std::fflush(stdout) != 0) ::kill(::getpid(), SIGTERM);
 }
 
 std::chrono::microseconds slice_for(const Options& options, std::size_t boards, unsigned threads) {

@@ -98,6 +98,18 @@ TEST(Port, Interrupted_LeavesNothingBehind) {
     EXPECT_FALSE(std::filesystem::exists(sim.socket()));
 }
 
+TEST(Port, NobodyReadsItsOutput_Ends) {
+    const TempDir folder;
+    // The reset makes it print; 5 means that it does not listen yet.
+    const auto done = run({"sh", "-c",
+                           ASIP_SIM " \"$0\" --socket \"$1\" | { head -n 1; exec <&-; while " ASIP_SIM
+                                    " ctl --socket \"$1\" reset; [ $? -eq 5 ]; do sleep 0.05; done; }",
+                           board_file(folder, "uno.json"), folder.file("control.sock")});
+    EXPECT_EQ(done.status, 0);
+    EXPECT_EQ(done.output.find("uno 0.000000 port path="), 0u);
+    EXPECT_FALSE(std::filesystem::exists(folder.file("control.sock")));
+}
+
 TEST(Port, LinkLeftByACrash_IsReplaced) {
     const TempDir folder;
     const auto link = folder.file("board");

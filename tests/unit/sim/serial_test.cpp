@@ -129,6 +129,15 @@ TEST(SerialLine, BoardStepsUp_HostThatFollowsUnderstandsAndHostThatDoesNotIsGarb
     EXPECT_EQ(monitor.ask("Ea", 1), "a");
 }
 
+TEST(SerialLine, HostChangesItsRateAfterSending_WhatItSentGoesOutAtTheOldRate) {
+    Monitor monitor;
+    monitor->set_host_baud(57600);
+    monitor->send("EaEb");
+    monitor->set_host_baud(500000);
+    ASSERT_TRUE(monitor->run_until([&] { return monitor->sending() == 0; }, 10ms));
+    EXPECT_EQ(monitor->line_errors().garbled_to_board, 0u);
+}
+
 TEST(SerialLine, GarbledByte_ArrivesWithFramingErrorFlag) {
     Monitor monitor;
     monitor.tell("F");

@@ -1,5 +1,6 @@
-// A sketch that does what a test tells it over the serial port: the tests of the simulator look at one chip feature at a
-// time, without a firmware's own ideas in between. Every command is a letter and its binary arguments.
+// A sketch that does what a test tells it over the serial port: the tests of the simulator look at one chip
+// feature at a time, without a firmware's own ideas in between. Every command is a letter and its binary
+// arguments.
 #include <avr/interrupt.h>
 #include <avr/io.h>
 #include <avr/sleep.h>
@@ -48,7 +49,8 @@ static void put16(uint16_t value) {
     put((uint8_t)(value >> 8));
 }
 
-// 'U': a trigger pulse on D4 (PD4), then the echo on the same pin, in timer ticks of 0.5 us. 'u': echo on D5 (PD5).
+// 'U': a trigger pulse on D4 (PD4), then the echo on the same pin, in timer ticks of 0.5 us. 'u': echo on D5
+// (PD5).
 static uint16_t echo(uint8_t bit) {
     TCCR1A = 0;
     TCCR1B = 1 << CS11;
@@ -95,7 +97,9 @@ static uint8_t __attribute__((noinline)) descend(uint8_t levels) {
 
 static volatile uint8_t edges;
 #ifdef PCINT2_vect
-ISR(PCINT2_vect) { ++edges; }
+ISR(PCINT2_vect) {
+    ++edges;
+}
 #endif
 
 static void not_listening(uint8_t milliseconds) {
@@ -114,14 +118,19 @@ int main(void) {
     put('!');
     put(boot_cause);
     put('\n');
-    for (;;) switch (get()) {
+    for (;;)
+        switch (get()) {
             case 'W': {  // address, value: writes a register
                 volatile uint8_t* address = (volatile uint8_t*)get16();
                 *address = get();
                 break;
             }
-            case 'R': put(*(volatile uint8_t*)get16()); break;
-            case 'E': put(get()); break;
+            case 'R':
+                put(*(volatile uint8_t*)get16());
+                break;
+            case 'E':
+                put(get());
+                break;
             case 'F': {  // the frame error flag of the next byte, then the byte
                 while (!(STATUS & (1 << BIT_RXC)))
                     ;
@@ -151,12 +160,24 @@ int main(void) {
                     put('t');
                 break;
             }
-            case 'D': not_listening(get()); break;
-            case 'U': put16(echo(4)); break;
-            case 'u': put16(echo(5)); break;
-            case 'S': pulse(get16()); break;
-            case 'A': put16(measure(get())); break;
-            case 'K': put(descend(get())); break;
+            case 'D':
+                not_listening(get());
+                break;
+            case 'U':
+                put16(echo(4));
+                break;
+            case 'u':
+                put16(echo(5));
+                break;
+            case 'S':
+                pulse(get16());
+                break;
+            case 'A':
+                put16(measure(get()));
+                break;
+            case 'K':
+                put(descend(get()));
+                break;
 #ifdef PCINT2_vect
             case 'I':  // counts changes of D2 (PD2 = PCINT18) from now on; 'i' tells how many
                 edges = 0;
@@ -164,7 +185,9 @@ int main(void) {
                 PCICR = 1 << 2;
                 sei();
                 break;
-            case 'i': put(edges); break;
+            case 'i':
+                put(edges);
+                break;
 #endif
             case 'X':
                 wdt_enable(WDTO_15MS);
