@@ -62,7 +62,7 @@ Unexpected<std::string> unknown_command(const ServiceModel& model, std::string_v
         names.push_back(command.name);
         all += (all.empty() ? "" : ", ") + command.name;
     }
-    const auto shown = std::string(name.substr(0, kMaxNameBytes));
+    const auto shown = printable(name, kMaxNameBytes);
     const auto near = nearest(shown, names);
     if (!near.empty()) return fail("no command '" + shown + "'; did you mean '" + near + "'?");
     if (all.empty()) return fail("no command '" + shown + "'; " + model.name + " takes none");
@@ -87,7 +87,7 @@ Expected<json> order_members(const CommandModel& command, const json& members) {
         names.push_back(argument->name);
     for (auto it = members.begin(); it != members.end(); ++it) {
         if (std::find(names.begin(), names.end(), it.key()) != names.end()) continue;
-        const auto shown = it.key().substr(0, kMaxNameBytes);
+        const auto shown = printable(it.key(), kMaxNameBytes);
         const auto near = nearest(shown, names);
         return fail(command.name + " has no argument '" + shown + "'" +
                     (near.empty() ? "" : "; did you mean '" + near + "'?"));
@@ -175,8 +175,8 @@ Expected<EncodedCommand> encode_json_command(const ServiceModel& model, const nl
     for (auto it = command.begin(); it != command.end(); ++it) {
         if (it.key() == "id" || it.key() == "reply_to") continue;
         if (name != nullptr)
-            return fail("one command at a time: '" + *name + "' or '" + it.key().substr(0, kMaxNameBytes) +
-                        "'");
+            return fail("one command at a time: '" + printable(*name, kMaxNameBytes) + "' or '" +
+                        printable(it.key(), kMaxNameBytes) + "'");
         name = &it.key();
         given = &it.value();
     }

@@ -114,6 +114,7 @@ class Reader {
             set_fault(place + "/" + key, "is longer than 256 bytes");
             return {};
         }
+        if (!is_showable(text)) set_fault(place + "/" + key, "holds control characters");
         return text;
     }
 
@@ -153,7 +154,8 @@ FirmwareInfo read_firmware(Reader& reader, const json& object, const std::string
     if (extensions == nullptr) return firmware;
     for (auto it = extensions->begin(); it != extensions->end(); ++it) {
         const auto inner = place + "/extensions";
-        if (it.key().size() != 1) reader.set_fault(inner, "a tag is one character");
+        if (it.key().size() != 1 || it.key() < "!" || it.key() > "~")
+            reader.set_fault(inner, "a tag is one character");
         const auto version = reader.small(*extensions, it.key().c_str(), inner, 255);
         if (!reader.ok()) return firmware;
         firmware.extensions.list.emplace_back(it.key().front(), version.value_or(0));

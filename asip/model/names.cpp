@@ -20,20 +20,7 @@ bool is_reserved(std::string_view name) {
 }
 
 std::string quoted(std::string_view text) {
-    static constexpr std::string_view kDigits = "0123456789abcdef";
-    constexpr std::size_t kShown = 80;
-    std::string result = "'";
-    for (const char c : text.substr(0, kShown)) {
-        if (c >= 0x20 && c <= 0x7e) {
-            result += c;
-        } else {
-            const auto byte = static_cast<unsigned char>(c);
-            result += "\\x";
-            result += kDigits[byte >> 4];
-            result += kDigits[byte & 0xf];
-        }
-    }
-    return result + (text.size() > kShown ? "...'" : "'");
+    return "'" + printable(text) + "'";
 }
 
 char lower(char c) {
@@ -75,6 +62,33 @@ std::string suggest_name(std::string_view text) {
         name.pop_back();
     if (name.empty()) return "board";
     return is_reserved(name) ? name + "-board" : name;
+}
+
+std::string printable(std::string_view text, std::size_t max_bytes) {
+    static constexpr std::string_view kDigits = "0123456789abcdef";
+    std::string result;
+    for (const char c : text.substr(0, max_bytes)) {
+        if (c >= 0x20 && c <= 0x7e && c != '\\') {
+            result += c;
+            continue;
+        }
+        const auto byte = static_cast<unsigned char>(c);
+        result += "\\x";
+        result += kDigits[byte >> 4];
+        result += kDigits[byte & 0xf];
+    }
+    return text.size() > max_bytes ? result + "..." : result;
+}
+
+bool is_showable(std::string_view text) {
+    unsigned char before = 0;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte < 0x20 || byte == 0x7f) return false;
+        if (before == 0xc2 && byte >= 0x80 && byte <= 0x9f) return false;  // U+0080 to U+009F
+        before = byte;
+    }
+    return true;
 }
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {

@@ -22,6 +22,14 @@ std::string explain_board_name(std::string_view name);
 /// reserved names get `-board` appended; "board" when nothing is left.
 std::string suggest_name(std::string_view text);
 
+/// Text fit for a log or a terminal: control characters, the backslash and bytes beyond ASCII as `\\xNN`;
+/// what is longer is cut, with `...` behind it.
+std::string printable(std::string_view text, std::size_t max_bytes = 80);
+
+/// Whether text that a stranger sent can be shown as it is: it holds no control characters (of ASCII or
+/// Latin-1 in UTF-8), so no terminal takes orders from it.
+bool is_showable(std::string_view text);
+
 /// The candidate nearest to `word` (edit distance, case ignored) if it is near enough to be a slip; else
 /// empty.
 template <class Range>

@@ -6,6 +6,7 @@
 
 #include "asip/model/embedded.hpp"
 #include "asip/model/json.hpp"
+#include "asip/model/names.hpp"
 
 namespace asip::model {
 namespace {
@@ -36,7 +37,7 @@ class Checker {
 };
 
 Unexpected<std::string> fault(const std::string& place, const std::string& reason) {
-    return fail((place.empty() ? "/" : place) + ": " + reason);
+    return fail((place.empty() ? "/" : printable(place, 256)) + ": " + reason);
 }
 
 std::string shown(const json& value) {

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "asip/model/json.hpp"
+#include "asip/model/names.hpp"
 #include "asip/model/schema.hpp"
 #include "asip/model/service_model.hpp"
 
@@ -145,10 +146,23 @@ std::string model_fault(const ServiceModel& model) {
     return {};
 }
 
+/// The place of the first text that is not fit to be shown; examples are not shown and may hold anything.
+std::string unshowable_place(const json& value, const std::string& place) {
+    if (value.is_string() && !is_showable(value.get_ref<const std::string&>())) return place;
+    if (!value.is_structured()) return {};
+    for (const auto& [key, inner] : value.items()) {
+        if (place.empty() && key == "examples") continue;
+        if (auto found = unshowable_place(inner, place + "/" + key); !found.empty()) return found;
+    }
+    return {};
+}
+
 }  // namespace
 
 Expected<ServiceModel> service_model_from_json(const nlohmann::json& document) {
     if (auto valid = check_schema(service_model_schema(), document); !valid) return fail(valid.error());
+    if (auto place = unshowable_place(document, ""); !place.empty())
+        return fail(place + ": holds control characters");
     ServiceModel model;
     model.name = text_at(document, "name");
     model.version = document["version"].get<int>();

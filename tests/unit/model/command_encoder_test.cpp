@@ -54,6 +54,7 @@ TEST(EncodeJson, NotOneCommand_IsRefused) {
 
 TEST(EncodeJson, UnknownCommand_NamesTheNearestOrAll) {
     EXPECT_EQ(from_json("servo", R"({"wirte":[0,1]})"), "! no command 'wirte'; did you mean 'write'?");
+    EXPECT_EQ(from_json("servo", R"({"\u001b[2J":null})"), "! no command '\\x1b[2J'; servo has remap, write");
     EXPECT_EQ(from_json("servo", R"({"explode":null})"), "! no command 'explode'; servo has remap, write");
 }
 

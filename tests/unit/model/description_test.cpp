@@ -93,6 +93,8 @@ TEST(Description, HostileMembers_AreRefusedWithPlaceAndReason) {
     EXPECT_EQ(fault("/firmware", "0.4"), "/firmware: is no object");
     EXPECT_EQ(fault("/firmware/chip", std::string(257, 'x')), "/firmware/chip: is longer than 256 bytes");
     EXPECT_EQ(fault("/firmware/extensions/EE", 1), "/firmware/extensions: a tag is one character");
+    EXPECT_EQ(fault("/firmware/extensions/\x1b", 1), "/firmware/extensions: a tag is one character");
+    EXPECT_EQ(fault("/services/1/title", "\x1b[2J"), "/services/1/title: holds control characters");
     EXPECT_EQ(fault("/link/baud", "fast"), "/link/baud: is no integer from 0");
     EXPECT_EQ(fault("/pins/capabilities", "9"),
               "/pins/capabilities: holds a character that stands for nothing");

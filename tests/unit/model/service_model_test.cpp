@@ -43,6 +43,8 @@ TEST(ServiceModel, BrokenDocument_IsRefusedWithPlaceAndReason) {
     EXPECT_EQ(fault("/id", "FF"), "/id: \"FF\" does not match ^[A-Z]$");
     EXPECT_EQ(fault("/name", "Fan fan"), "/name: \"Fan fan\" does not match ^[a-z][a-z0-9._-]{1,31}$");
     EXPECT_EQ(fault("/version", 0), "/version: 0 is below 1");
+    EXPECT_EQ(fault("/title", "\x1b[2J"), "/title: holds control characters");
+    EXPECT_EQ(fault("/\x1b[2J", 1), "/\\x1b[2J: no such member is known here");
     EXPECT_EQ(fault("/colour", "red"), "/colour: no such member is known here");
     EXPECT_EQ(
         fault("/commands/speed/args/0/type", "int"),
