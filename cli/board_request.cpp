@@ -5,6 +5,7 @@
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/json.hpp"
 #include "asip/protocol/request.hpp"
+#include "cli/text/width.hpp"
 
 namespace asip::cli {
 namespace {
@@ -94,6 +95,12 @@ int exit_status(const bus::Reply& reply) {
         default:
             return program::kExitFailure;
     }
+}
+
+std::string answer_text(const bus::Reply& reply) {
+    if (reply.answer.empty()) return "ok";
+    const auto document = model::parse_json(reply.answer);
+    return document && document->is_string() ? printable(document->get<std::string>()) : reply.answer;
 }
 
 std::string explain(const bus::Reply& reply) {

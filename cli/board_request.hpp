@@ -32,6 +32,8 @@ Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const
 /// What an answer means for the exit status: 0, 1 (refused by the agent or the board) or 4 (the board was
 /// silent).
 int exit_status(const bus::Reply& reply);
+/// What a success says: `ok`, or what the board answered (a raw line as it came, JSON otherwise).
+std::string answer_text(const bus::Reply& reply);
 /// Why it failed, for a person; empty for a success.
 std::string explain(const bus::Reply& reply);
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "asip/model/json.hpp"
+#include "asip/protocol/request.hpp"
 #include "cli/board_source.hpp"
 #include "cli/command.hpp"
 #include "cli/retained.hpp"
@@ -33,6 +34,21 @@ Outcome<void> tell_registry(Context& context, BusSession& session, BoardSource& 
         return failure(program::kExitFailure, "registry " + registry + ": " + (*answer)->error);
     }
     return {};
+}
+
+/// Whether an agent (or the board itself) still speaks for it, whatever is retained.
+bool answers(Context& context, BusSession& session, const std::string& board) {
+    bool heard = false;
+    const auto hear = [&heard](const bus::Message& message) { heard = heard || !message.retain; };
+    session.subscribe(context.topics.description(board), hear,
+                      {.qos = 0, .no_local = false, .retained = false});
+    session.subscribe(context.topics.board_out(board), hear,
+                      {.qos = 0, .no_local = false, .retained = false});
+    const auto id = session.ask(context.topics.board_in(board), std::string(protocol::kAskInfo), hear);
+    session.publish(context.topics.probe(), board);
+    session.run_until([&heard] { return heard; }, Clock::now() + kProbeWindow);
+    session.forget_request(id);
+    return heard;
 }
 
 void print_topics(const std::vector<std::string>& topics, Output output, Context& context) {
@@ -115,7 +131,7 @@ int run_forget(const ForgetOptions& options, Context& context) {
         context, session,
         {context.topics.service_names(board) + "/#", context.topics.root() + "/" + board + "/#"});
     const auto topics = topics_of_board(context.topics, all, board);
-    if (seems_alive(context.topics, all, board) && !options.force) {
+    if (!options.force && seems_alive(context.topics, all, board) && answers(context, session, board)) {
         return context.fail_with(
             {program::kExitFailure, board + " is alive; stop its agent first (--force clears it all the "
                                             "same, and its agent will announce it anew)"});

@@ -46,6 +46,7 @@ class Sender {
             if (line.find_first_not_of(" \t\r") == std::string::npos || line.front() == '#') continue;
             const auto command = prepare_line(line);
             if (!command) {
+                drain(0);
                 report_failure(where, command.error());
                 continue;
             }
@@ -127,8 +128,7 @@ class Sender {
             return;
         }
         if (options_.output == Output::kText) {
-            if (reply->succeeded())
-                context_.out << (reply->answer.empty() ? "ok" : reply->answer) << '\n' << std::flush;
+            if (reply->succeeded()) context_.out << answer_text(*reply) << '\n' << std::flush;
         } else {
             context_.out << bus::to_json_text(*reply) << '\n' << std::flush;
         }

@@ -152,6 +152,7 @@ Findings check_states(const Observations& seen) {
         }
     }
     for (const auto& [topic, reason] : seen.bad_documents) {
+        if (!seen.topics.parse(topic)) continue;  // its name is the fault: check_names
         result.push_back(problem(topic + " cannot be read: " + reason,
                                  "who publishes it? Clear it: asipctl prune --only names"));
     }

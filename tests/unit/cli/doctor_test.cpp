@@ -1,0 +1,206 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "cli/bus_catalogue.hpp"
+#include "cli/doctor/findings.hpp"
+#include "tests/unit/cli/boards.hpp"
+
+namespace asip::cli {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+using Level = Finding::Level;
+
+std::vector<std::string> topics_of(const std::vector<Lingering>& all) {
+    std::vector<std::string> result;
+    for (const auto& one : all)
+        result.push_back(one.topic);
+    return result;
+}
+
+const bus::Topics kTopics("asip");
+
+TEST(FindLingering, LivingBoardAndStrangersOwnTopics_AreLeftAlone) {
+    EXPECT_THAT(find_lingering(kTopics, {{"asip/servicebus/uno1/$state", "online"},
+                                         {"asip/servicebus/uno1/$description", kUno1},
+                                         {"asip/uno1/distance/out", "{}"},
+                                         {"asip/registry/r1/$state", "online"},
+                                         {"asip/registry/r1/$stats", "{}"},
+                                         {"asip/somebody/else/keeps/this", "1"}}),
+                IsEmpty());
+}
+
+TEST(FindLingering, GoneBoardsCommandsOrphansNamesAndRegistries_AreFound) {
+    const auto all = find_lingering(kTopics, {{"asip/servicebus/dead/$state", "lost"},
+                                              {"asip/dead/distance/out", "{}"},
+                                              {"asip/servicebus/ghost/$state", "online"},
+                                              {"asip/servicebus/uno1/$state", "online"},
+                                              {"asip/servicebus/uno1/$description", kUno1},
+                                              {"asip/uno1/in", "#,R"},
+                                              {"asip/uno1/servo/in", "W,0,90"},
+                                              {"asip/nobody/out", "x"},
+                                              {"asip/servicebus/a b/$state", "online"},
+                                              {"asip/registry/r1/$stats", "{}"}});
+    EXPECT_THAT(topics_of(all),
+                ElementsAre("asip/dead/distance/out", "asip/nobody/out", "asip/registry/r1/$stats",
+                            "asip/servicebus/a b/$state", "asip/servicebus/dead/$state",
+                            "asip/servicebus/ghost/$state", "asip/uno1/in", "asip/uno1/servo/in"));
+    EXPECT_EQ(all[5].kind, Lingering::Kind::kGoneBoard);
+    EXPECT_EQ(all[5].why, "its lease ran out");
+    EXPECT_EQ(all[6].kind, Lingering::Kind::kCommand);
+}
+
+TEST(TopicsOfBoard, NameThatBeginsAnother_TakesOnlyItsOwn) {
+    const std::vector<Retained> all{{"asip/servicebus/uno1/$state", "lost"},
+                                    {"asip/servicebus/uno11/$state", "lost"},
+                                    {"asip/uno1/io/out", "{}"},
+                                    {"asip/uno11/io/out", "{}"}};
+    EXPECT_THAT(topics_of_board(kTopics, all, "uno1"),
+                ElementsAre("asip/servicebus/uno1/$state", "asip/uno1/io/out"));
+    EXPECT_FALSE(seems_alive(kTopics, all, "uno1"));
+}
+
+Observations healthy() {
+    Observations seen;
+    seen.broker = "mqtt://127.0.0.1:1883";
+    seen.acknowledged = 200us;
+    seen.registry = "r1";
+    seen.retained = {{"asip/servicebus/uno1/$state", "online"}, {"asip/servicebus/uno1/$description", kUno1}};
+    seen.boards = {board_item(*model::parse_description(kUno1), "online")};
+    seen.boards[0].age = 1;
+    seen.now = std::chrono::system_clock::time_point(1'700'000'000s);
+    seen.boards[0].last_seen = std::chrono::floor<std::chrono::milliseconds>(seen.now - 1s);
+    seen.pings["uno1"].reply = bus::Reply::ok("answer");
+    return seen;
+}
+
+/// What is wrong, without what is fine.
+std::vector<std::string> complaints(const Findings& findings) {
+    std::vector<std::string> result;
+    for (const auto& finding : findings) {
+        if (finding.level == Level::kFine) continue;
+        EXPECT_FALSE(finding.advice.empty()) << finding.what;
+        result.push_back(finding.what);
+    }
+    return result;
+}
+
+TEST(Doctor, HealthyBus_HasNothingToComplainOf) {
+    EXPECT_THAT(complaints(check_all(healthy())), IsEmpty());
+    EXPECT_FALSE(has_problem(check_all(healthy())));
+}
+
+TEST(Doctor, SlowAcknowledgement_PointsAtTcpNodelay) {
+    auto seen = healthy();
+    seen.acknowledged = 44ms;
+    const auto findings = check_broker(seen);
+    EXPECT_THAT(complaints(findings), ElementsAre(HasSubstr("TCP_NODELAY")));
+    EXPECT_THAT(findings.back().advice, HasSubstr("set_tcp_nodelay true"));
+}
+
+TEST(Doctor, OurOwnMessageDoesNotComeBack_PointsAtAccessRules) {
+    auto seen = healthy();
+    seen.acknowledged.reset();
+    EXPECT_THAT(check_broker(seen).back().advice, HasSubstr("asip/reply"));
+}
+
+TEST(Doctor, RegistryMissingOrSilent_IsTold) {
+    auto seen = healthy();
+    seen.registry.clear();
+    EXPECT_EQ(check_registry(seen)[0].level, Level::kNote);
+    seen.registries = {"r1"};
+    EXPECT_EQ(check_registry(seen)[0].level, Level::kProblem);
+}
+
+TEST(Doctor, OnlineBoardNobodyAnswersFor_AndAgentWithoutBoard_AreToldApart) {
+    auto seen = healthy();
+    seen.pings["uno1"].reply.reset();
+    EXPECT_THAT(complaints(check_boards(seen)), ElementsAre(HasSubstr("nobody answers")));
+    seen.pings["uno1"].reply = bus::Reply::refused("board-not-there", "unplugged");
+    EXPECT_THAT(complaints(check_boards(seen)), ElementsAre(HasSubstr("board-not-there")));
+    seen.pings["uno1"].reply = bus::Reply::timeout();
+    EXPECT_THAT(complaints(check_boards(seen)), ElementsAre(HasSubstr("the board does not")));
+}
+
+TEST(Doctor, RetainedStateAgainstLease_IsTold) {
+    auto seen = healthy();
+    seen.retained.pop_back();
+    EXPECT_THAT(complaints(check_states(seen)), ElementsAre(HasSubstr("description has expired")));
+    seen = healthy();
+    seen.boards[0].state = "lost";
+    EXPECT_THAT(complaints(check_states(seen)), ElementsAre(HasSubstr("its lease ran out")));
+    seen = healthy();
+    seen.retained[0].payload = "lost";
+    EXPECT_THAT(complaints(check_states(seen)), ElementsAre(HasSubstr("late will")));
+}
+
+TEST(Doctor, RetainedCommandsAndIllegalNames_AreTold) {
+    auto seen = healthy();
+    seen.retained.push_back({"asip/uno1/servo/in", "W,0,90"});
+    seen.retained.push_back({"asip/servicebus/a b/$state", "online"});
+    EXPECT_THAT(complaints(check_retained(seen)), ElementsAre(HasSubstr("asip/uno1/servo/in")));
+    EXPECT_THAT(complaints(check_names(seen)), ElementsAre(HasSubstr("a b")));
+}
+
+TEST(Doctor, TwoAgentsWithOneName_AreTold) {
+    auto seen = healthy();
+    EXPECT_THAT(check_conflicts(seen), IsEmpty());
+    seen.sessions["uno1"] = {"5f3a9c01", "00000001"};
+    EXPECT_THAT(complaints(check_conflicts(seen)), ElementsAre(HasSubstr("two agents")));
+    seen.sessions.clear();
+    seen.boards[0].conflict = bus::Conflict{"a", "b", "pi2 asip-agent-9"};
+    EXPECT_THAT(complaints(check_conflicts(seen)), ElementsAre(HasSubstr("pi2")));
+}
+
+TEST(Doctor, ClockAwayFromTheRegistrys_IsTold) {
+    auto seen = healthy();
+    EXPECT_THAT(complaints(check_clocks(seen)), IsEmpty());
+    seen.now += 5min;
+    EXPECT_THAT(complaints(check_clocks(seen)), ElementsAre(HasSubstr("ahead")));
+}
+
+TEST(Doctor, PortsWithoutRightAndModemManager_AreTold) {
+    Machine machine;
+    machine.ports = {{"/dev/ttyACM0", false, "dialout"}, {"/dev/ttyUSB0", true, "dialout"}};
+    machine.modem_manager = true;
+    const auto findings = check_machine(machine);
+    EXPECT_THAT(complaints(findings), ElementsAre(HasSubstr("/dev/ttyACM0"), HasSubstr("ModemManager")));
+    EXPECT_THAT(findings[0].advice, HasSubstr("usermod -aG dialout"));
+    machine.udev_rule = true;
+    EXPECT_EQ(complaints(check_machine(machine)).size(), 1U);
+}
+
+TEST(LookAtMachine, FilesOfAMachine_AreRead) {
+    namespace fs = std::filesystem;
+    const auto root = fs::temp_directory_path() / ("asip-machine-" + std::to_string(::getpid()));
+    fs::create_directories(root / "dev");
+    fs::create_directories(root / "proc/42");
+    fs::create_directories(root / "etc/udev/rules.d");
+    std::ofstream(root / "dev/ttyACM0") << "";
+    std::ofstream(root / "dev/ttyS0") << "";
+    std::ofstream(root / "proc/42/comm") << "ModemManager\n";
+    auto machine = look_at_machine(root);
+    ASSERT_EQ(machine.ports.size(), 1U);
+    EXPECT_TRUE(machine.ports[0].may_use);
+    EXPECT_TRUE(machine.modem_manager);
+    EXPECT_FALSE(machine.udev_rule);
+    std::ofstream(root / "etc/udev/rules.d/70-asip.rules") << "ENV{ID_MM_DEVICE_IGNORE}=\"1\"\n";
+    machine = look_at_machine(root);
+    EXPECT_TRUE(machine.udev_rule);
+    fs::remove_all(root);
+    machine = look_at_machine(root);
+    EXPECT_THAT(machine.ports, IsEmpty());
+    EXPECT_FALSE(machine.modem_manager);
+}
+
+}  // namespace
+}  // namespace asip::cli

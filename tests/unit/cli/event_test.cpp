@@ -1,0 +1,126 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cli/bus_session.hpp"
+#include "cli/context_event.hpp"
+#include "cli/text/table.hpp"
+#include "cli/top_model.hpp"
+
+namespace asip::cli {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+const bus::Topics kTopics("asip");
+
+ContextEvent distance_event() {
+    auto event = *context_event(kTopics, "asip/uno1/distance/out", R"({"distance":[42,118]})");
+    event.time = std::chrono::system_clock::time_point(1'700'000'000'042ms);
+    event.age = 100ms;
+    return event;
+}
+
+TEST(ContextEvent, TopicsOfTheContextBus_AreTold) {
+    EXPECT_EQ(distance_event().where(), "uno1/distance");
+    EXPECT_EQ(context_event(kTopics, "asip/uno1/out", "@D,e,1,{4}")->kind, ContextEvent::Kind::kRaw);
+    EXPECT_EQ(context_event(kTopics, "asip/uno1/servo/error", "{}")->kind, ContextEvent::Kind::kError);
+    EXPECT_FALSE(context_event(kTopics, "asip/uno1/servo/in", "W,0,90"));
+    EXPECT_FALSE(context_event(kTopics, "asip/u n o/servo/out", "x"));
+}
+
+TEST(EventText, TimeAndAge_WhereAskedFor) {
+    EXPECT_EQ(event_text(distance_event(), false, false, false), R"(uno1/distance  {"distance":[42,118]})");
+    EXPECT_EQ(event_text(distance_event(), true, true, false),
+              R"(2023-11-14T22:13:20.042Z  uno1/distance   +100 ms  {"distance":[42,118]})");
+}
+
+TEST(EventText, ControlCharacters_CannotReachTheTerminal) {
+    auto event = *context_event(kTopics, "asip/uno1/out", "\x1b[2J!");
+    EXPECT_EQ(event_text(event, false, false, false), "uno1  ?[2J!");
+}
+
+TEST(EventJson, ValueErrorAndLine_AreMembersOfTheirOwn) {
+    EXPECT_EQ(
+        event_json(distance_event()),
+        R"({"age":0.1,"board":"uno1","event":{"distance":[42,118]},"service":"distance","time":"2023-11-14T22:13:20.042Z"})");
+    auto raw = *context_event(kTopics, "asip/uno1/out", "@D,e,1,{4}");
+    EXPECT_THAT(event_json(raw), HasSubstr(R"("line":"@D,e,1,{4}")"));
+    auto broken = *context_event(kTopics, "asip/uno1/distance/out", "no json \xff");
+    EXPECT_THAT(event_json(broken), HasSubstr("\"event\":\"no json "));
+}
+
+TEST(EventValue, PathsIntoThePayload_AreFollowed) {
+    const auto event = distance_event();
+    EXPECT_EQ(event_value(event, "data.distance.1"), "118");
+    EXPECT_EQ(event_value(event, "data.distance"), "[42,118]");
+    EXPECT_EQ(event_value(event, "where"), "uno1/distance");
+    EXPECT_EQ(event_value(event, "age"), "0.100000");
+    for (const auto* name :
+         {"data.distance.2", "data.nothing", "data.distance.x", "data..", "data.distance.-1"}) {
+        EXPECT_EQ(event_value(event, name), "") << name;
+    }
+}
+
+TEST(EventTemplate, UnknownName_IsRefusedWithTheNearest) {
+    EXPECT_TRUE(check_event_template(*LineTemplate::parse("{board} {data.x.0}")));
+    const auto checked = check_event_template(*LineTemplate::parse("{borad}"));
+    ASSERT_FALSE(checked);
+    EXPECT_THAT(checked.error(), HasSubstr("board"));
+}
+
+TEST(ContextFilters, TargetsCoveredByOthers_AreNotSubscribedTwice) {
+    EXPECT_THAT(context_filters(kTopics, {{"uno1", "distance"}, {"uno1", ""}, {"uno1", ""}}, false),
+                ElementsAre("asip/uno1/+/out", "asip/uno1/+/error"));
+    EXPECT_THAT(context_filters(kTopics, {{"uno*", "servo"}}, false),
+                ElementsAre("asip/+/servo/out", "asip/+/servo/error"));
+    EXPECT_THAT(context_filters(kTopics, {{"uno1", ""}, {"uno2", ""}}, true),
+                ElementsAre("asip/uno1/out", "asip/uno2/out"));
+}
+
+TEST(TopicMatches, Wildcards_MatchAsInMqtt) {
+    EXPECT_TRUE(topic_matches("asip/+/out", "asip/uno1/out"));
+    EXPECT_FALSE(topic_matches("asip/+/out", "asip/uno1/servo/out"));
+    EXPECT_TRUE(topic_matches("asip/#", "asip"));
+    EXPECT_TRUE(topic_matches("asip/#", "asip/a/b/c"));
+    EXPECT_FALSE(topic_matches("asip/a", "asip/a/b"));
+    EXPECT_FALSE(topic_matches("asip/a/b", "asip/a"));
+    EXPECT_TRUE(topic_matches("+/+", "a/"));
+}
+
+TEST(WithReplyMembers, ObjectOrText_CarryWhereTheAnswerGoes) {
+    EXPECT_EQ(with_reply_members(R"({"write":[0,90]})", "asip/reply/x", "x-1"),
+              R"({"id":"x-1","reply_to":"asip/reply/x","write":[0,90]})");
+    EXPECT_EQ(with_reply_members("W,0,90", "asip/reply/x", "x-1"),
+              R"({"id":"x-1","raw":"W,0,90","reply_to":"asip/reply/x"})");
+}
+
+TEST(TopModel, RatesAgesAndErrors_AreOfTheWindow) {
+    constexpr Time kStart{1000s};
+    TopModel model(5s);
+    model.state("uno1", "online");
+    model.announced("uno1", "distance", 100);
+    model.announced("uno1", "servo", std::nullopt);
+    for (int i = 0; i < 50; ++i)
+        model.value("uno1", "distance", R"({"distance":[42]})", kStart + i * 100ms);
+    model.error("uno1", "servo", kStart);
+    model.round_trip("uno1", 1500us);
+    const auto text = model.table(kStart + 4950ms).render(0, false);
+    EXPECT_THAT(text,
+                HasSubstr("uno1   online  1.50 ms  distance  10.0/s  50 ms       0  {\"distance\":[42]}"));
+    EXPECT_THAT(text, HasSubstr("servo"));
+    EXPECT_THAT(model.table(kStart + 20s).render(0, false), HasSubstr("0.0/s"));
+}
+
+TEST(TopModel, ValueOlderThanThreePeriods_IsPaintedStale) {
+    constexpr Time kStart{1000s};
+    TopModel model(5s);
+    model.announced("uno1", "distance", 100);
+    model.value("uno1", "distance", "{}", kStart);
+    EXPECT_THAT(model.table(kStart + 200ms).render(0, true), Not(HasSubstr("\033[31m")));
+    EXPECT_THAT(model.table(kStart + 400ms).render(0, true), HasSubstr("\033[31m400 ms"));
+}
+
+}  // namespace
+}  // namespace asip::cli

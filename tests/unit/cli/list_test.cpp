@@ -1,0 +1,120 @@
+#include "cli/commands/list.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cli/bus_catalogue.hpp"
+#include "cli/commands/ping.hpp"
+#include "cli/commands/show.hpp"
+#include "cli/commands/watch.hpp"
+#include "cli/terminal.hpp"
+#include "tests/unit/cli/boards.hpp"
+
+namespace asip::cli {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+bus::BoardItem uno1() {
+    auto item = board_item(*model::parse_description(kUno1), "online");
+    item.age = 0.5;
+    return item;
+}
+
+TEST(ListBoards, EachForm_SaysTheSame) {
+    EXPECT_EQ(boards_text({uno1()}, Output::kTable, 0, false),
+              "BOARD  STATE   CHIP        SKETCH     SERVICES             SEEN\n"
+              "uno1   online  ATmega328P  AsipHello  io distance servo X  500 ms ago\n");
+    EXPECT_THAT(boards_text({uno1()}, Output::kWide, 40, false), HasSubstr("serial /dev/ttyACM0"));
+    EXPECT_EQ(boards_text({uno1()}, Output::kName, 0, false), "uno1\n");
+    EXPECT_THAT(boards_text({uno1()}, Output::kJsonLines, 0, false), HasSubstr("\"board\":\"uno1\""));
+    EXPECT_EQ(boards_text({}, Output::kJson, 0, false), "[]\n");
+    EXPECT_EQ(boards_text({}, Output::kTable, 0, false), "");
+}
+
+TEST(ListBoards, NarrowTerminal_IsNotExceeded) {
+    EXPECT_EQ(boards_text({uno1()}, Output::kTable, 58, false),
+              "BOARD  STATE   CHIP      SKETCH     SERVICES    SEEN\n"
+              "uno1   online  ATmega3…  AsipHello  io distan…  500 ms ago\n");
+}
+
+TEST(ListBoards, NameConflict_IsMarked) {
+    auto board = uno1();
+    board.conflict = bus::Conflict{"a", "b", "elsewhere"};
+    EXPECT_THAT(boards_text({board}, Output::kTable, 0, false), HasSubstr("online!"));
+}
+
+TEST(ListServices, CountPeriodAndNames_AreShown) {
+    const auto services = uno1().services;
+    EXPECT_THAT(services_text(services, Output::kTable, 0, false),
+                HasSubstr("uno1   distance  distance  Distance           2  100 ms  online\n"));
+    EXPECT_THAT(services_text(services, Output::kName, 0, false), HasSubstr("uno1/servo\n"));
+}
+
+TEST(ChangePrinter, OnlyWhatDiffers_IsPrintedAgain) {
+    ListOptions options;
+    ChangePrinter printer(options, 0, false);
+    EXPECT_THAT(printer.changed(uno1()), HasSubstr("BOARD"));
+    auto later = uno1();
+    later.age = 7;
+    later.seq = 9;
+    EXPECT_EQ(printer.changed(later), "");
+    later.state = later.said = "lost";
+    const auto row = printer.changed(later);
+    EXPECT_THAT(row, HasSubstr("lost"));
+    EXPECT_THAT(row, Not(HasSubstr("BOARD")));
+    EXPECT_THAT(printer.gone("uno1"), HasSubstr("forgotten"));
+    EXPECT_EQ(printer.gone("uno1"), "");
+}
+
+TEST(ShowBoard, DescribedBoard_TellsChipPinsServicesAndUnits) {
+    const KnownBoard board{uno1(), *model::parse_description(kUno1)};
+    const auto text = board_text(board, model::ModelSet::standard(), 0, false);
+    EXPECT_THAT(text, HasSubstr("serial /dev/ttyACM0 at 500000 baud"));
+    EXPECT_THAT(text, HasSubstr("14 (A0)  analog"));
+    EXPECT_THAT(text, HasSubstr("write    servo 0..255, angle 0..180 degrees  Turn a servo to an angle"));
+    EXPECT_THAT(text, HasSubstr("distance 0..400 cm"));
+    EXPECT_THAT(text, HasSubstr("2 sensors"));
+    EXPECT_THAT(text, HasSubstr("none known: raw tags only"));
+}
+
+TEST(ShowBoard, NamesOnly_SaysSo) {
+    bus::BoardItem item;
+    item.board = "esp";
+    item.state = "online";
+    item.by_name = true;
+    EXPECT_THAT(board_text({item, std::nullopt}, model::ModelSet::standard(), 0, false),
+                HasSubstr("its names only"));
+}
+
+TEST(PingSummary, LossAndPercentiles_AreCounted) {
+    PingSummary summary;
+    summary.board = "uno1";
+    summary.sent = 4;
+    for (const double ms : {1.0, 2.0, 3.0})
+        summary.milliseconds.add(ms);
+    EXPECT_EQ(summary.text(),
+              "\nuno1: 4 sent, 3 answered, 25 % lost\n"
+              "round trip: least 1.00, p50 2.00, p99 3.00, greatest 3.00 ms\n");
+    EXPECT_THAT(summary.json(), HasSubstr("\"loss_percent\":25.0"));
+}
+
+TEST(UseColour, TerminalNoColorAndChoice_Decide) {
+    const auto none = [](const std::string&) { return std::optional<std::string>(); };
+    const auto no_color = [](const std::string& name) {
+        return name == "NO_COLOR" ? std::optional<std::string>("1") : std::nullopt;
+    };
+    const auto dumb = [](const std::string& name) {
+        return name == "TERM" ? std::optional<std::string>("dumb") : std::nullopt;
+    };
+    EXPECT_TRUE(use_colour(ColourChoice::kAuto, true, none));
+    EXPECT_FALSE(use_colour(ColourChoice::kAuto, false, none));
+    EXPECT_FALSE(use_colour(ColourChoice::kAuto, true, no_color));
+    EXPECT_FALSE(use_colour(ColourChoice::kAuto, true, dumb));
+    EXPECT_TRUE(use_colour(ColourChoice::kAlways, false, no_color));
+    EXPECT_FALSE(use_colour(ColourChoice::kNever, true, none));
+}
+
+}  // namespace
+}  // namespace asip::cli
