@@ -1,0 +1,14 @@
+// The board of docs/add-a-service.md: two fans beside its pins.
+#include <Asip.h>
+#include <AsipFastSerial.h>
+
+#include "Fans.h"
+
+Fans fans;
+
+void setup() {
+    asip::board.add(fans);
+    asip::board.begin(F("AddAService"));
+}
+
+void loop() { asip::board.run(); }
