@@ -26,6 +26,8 @@ constexpr std::size_t kMaxPropertyBytes = 65535;
 /// "Closed before answering" can be a broker that is just going down; only the second time in a row it is
 /// taken as "does not know MQTT 5".
 constexpr int kSuspicionsUntilFallback = 2;
+constexpr int kUnansweredUntilTls = 3;
+constexpr auto kHeldLongEnough = std::chrono::seconds(5);
 
 bool can_be_published(const Message& message) {
     return !message.topic.empty() && message.qos >= 0 && message.qos <= 1 &&
@@ -68,6 +70,7 @@ class MqttClient::Impl final : public ConnectionEvents, public std::enable_share
         BrokerAddress address;
         bool speaks_v5 = true;
         int suspicions = 0;  ///< attempts with MQTT 5 in a row that were closed without an answer
+        int unanswered = 0;  ///< attempts in a row, with any version, that had no answer
     };
     struct Unacknowledged {
         Outbox::Entry entry;
@@ -87,7 +90,7 @@ class MqttClient::Impl final : public ConnectionEvents, public std::enable_share
     void attempt();
     void resolve();
     void connect_next_address();
-    void learn_version(End::Version version);
+    void learn(const End& end);
     void retry(bool same_broker_at_once);
     void send_subscription(const std::string& filter, const SubscribeOptions& options);
     bool window_open(const Message& message) const {
@@ -113,6 +116,8 @@ class MqttClient::Impl final : public ConnectionEvents, public std::enable_share
     std::vector<std::string> addresses_;  ///< of this attempt, those not yet tried; the next one last
     std::shared_ptr<MqttConnection> connection_;
     bool was_up_ = false;
+    Time up_since_{};
+    bool tried_v5_ = false;
 
     std::map<std::string, SubscribeOptions> subscriptions_;
     std::unordered_map<int, std::string> awaited_subscriptions_;
@@ -179,16 +184,16 @@ void MqttClient::Impl::connect_next_address() {
                     (options_.version == MqttVersion::kBest && broker().speaks_v5 &&
                      broker().suspicions < kSuspicionsUntilFallback);
     was_up_ = false;
+    tried_v5_ = v5;
     connection_ = std::make_shared<MqttConnection>(io_, options_, broker().address, host, v5, *this);
     connection_->open();
 }
 
 void MqttClient::Impl::connection_up(const Connected& connected) {
     was_up_ = true;
+    up_since_ = Clock::now();
     ++counters_.connects;
-    failures_this_round_ = 0;
-    backoff_.reset();
-    broker().suspicions = 0;
+    broker().suspicions = broker().unanswered = 0;
     awaited_subscriptions_.clear();
     for (const auto& [filter, options] : subscriptions_)
         send_subscription(filter, options);
@@ -206,6 +211,9 @@ void MqttClient::Impl::connection_down(const End& end) {
     if (was_up_) {
         was_up_ = false;
         ++counters_.failures;
+        // A broker that takes us and throws us out again is not hammered: only a connection that held counts.
+        if (Clock::now() - up_since_ >= kHeldLongEnough) backoff_.reset();
+        failures_this_round_ = brokers_.size();
         retry(end.failure.kind != Kind::kStalled);
         if (handlers_.on_disconnected) handlers_.on_disconnected(end.failure);
         return;
@@ -214,25 +222,29 @@ void MqttClient::Impl::connection_down(const End& end) {
         connect_next_address();
         return;
     }
-    learn_version(end.version);
+    const auto failed = broker_;
+    learn(end);
     ++counters_.failures;
-    retry(end.version == End::Version::kRefused);
+    retry(end.version_refused);
     // A version we can go below is no failure anyone should hear of.
-    if (end.version == End::Version::kRefused && options_.version == MqttVersion::kBest) return;
-    if (!silent() && handlers_.on_connect_failed) handlers_.on_connect_failed(end.failure);
+    if (end.version_refused && options_.version == MqttVersion::kBest) return;
+    auto failure = end.failure;
+    // A broker that misses our certificate says so in an alert, which its closing of the socket often
+    // overtakes.
+    if (failure.broker.tls && brokers_[failed].unanswered >= kUnansweredUntilTls) failure.kind = Kind::kTls;
+    if (!silent() && handlers_.on_connect_failed) handlers_.on_connect_failed(failure);
 }
 
-void MqttClient::Impl::learn_version(End::Version version) {
-    if (options_.version != MqttVersion::kBest) return;
-    if (version == End::Version::kRefused) broker().speaks_v5 = false;
+void MqttClient::Impl::learn(const End& end) {
+    broker().unanswered = end.closed_unanswered ? broker().unanswered + 1 : 0;
+    if (end.version_refused) broker().speaks_v5 = false;
     // When 3.1.1 fares no better the suspicion was wrong.
-    else
-        broker().suspicions = version == End::Version::kSuspect ? broker().suspicions + 1 : 0;
+    broker().suspicions = end.closed_unanswered && tried_v5_ ? broker().suspicions + 1 : 0;
 }
 
 void MqttClient::Impl::retry(bool same_broker_at_once) {
     Duration wait{};
-    const bool suspected = broker().suspicions > 0;
+    const bool suspected = options_.version == MqttVersion::kBest && broker().suspicions > 0;
     if (!same_broker_at_once && !suspected) broker_ = (broker_ + 1) % brokers_.size();
     // The whole list is tried without waiting, then there is a pause.
     if (++failures_this_round_ >= brokers_.size()) {

@@ -19,7 +19,6 @@ namespace {
 
 namespace asio = boost::asio;
 using Kind = ConnectionFailure::Kind;
-using Version = ConnectionEvents::End::Version;
 
 /// libmosquitto reads about one packet a call; this many are read before other work of the program gets its
 /// turn.
@@ -304,8 +303,7 @@ void MqttConnection::end(ConnectionEvents::End reason) {
 
 ConnectionEvents::End MqttConnection::why_closed(int error) const {
     if (connack_code_ != 0) {
-        return {refused_by(broker_, connack_code_, options_),
-                v5_ && is_version_refusal(connack_code_) ? Version::kRefused : Version::kFine};
+        return {refused_by(broker_, connack_code_, options_), v5_ && is_version_refusal(connack_code_)};
     }
     const bool connecting = phase_ == Phase::kConnecting;
     if (error == MOSQ_ERR_TLS || error == MOSQ_ERR_TLS_HANDSHAKE || (connecting && !tls_detail_.empty())) {
@@ -320,10 +318,12 @@ ConnectionEvents::End MqttConnection::why_closed(int error) const {
         const bool known = error == MOSQ_ERR_ERRNO && errno != 0 && errno != EINPROGRESS;
         return {unreachable(broker_, known ? std::strerror(errno) : mosquitto_strerror(error))};
     }
+    const char* question =
+        broker_.tls ? "does it demand a client certificate?" : "is it an MQTT broker, does it expect TLS?";
     return {{Kind::kNoAnswer, broker_, 0,
-             broker_.describe() +
-                 " closed the connection before answering; is it an MQTT broker, does it expect TLS?"},
-            v5_ ? Version::kSuspect : Version::kFine};
+             broker_.describe() + " closed the connection before answering; " + question},
+            false,
+            true};
 }
 
 int MqttConnection::publish(const Message& message, int& id) {

@@ -16,10 +16,11 @@ namespace asip::bus {
 /// What one connection tells its owner. Called from the io_context only.
 class ConnectionEvents {
   public:
-    /// How a connection ended, and whether it looks as if the broker does not know this version of MQTT.
+    /// How a connection ended, and what that says about the broker.
     struct End {
         ConnectionFailure failure;
-        enum class Version { kFine, kSuspect, kRefused } version = Version::kFine;
+        bool version_refused = false;    ///< it does not know this version of MQTT
+        bool closed_unanswered = false;  ///< it took the connection and hung up before CONNACK
     };
 
     virtual void connection_up(const Connected& connected) = 0;

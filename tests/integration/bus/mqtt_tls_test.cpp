@@ -35,13 +35,14 @@ TEST(MqttTls, ClientCertificateDemandedAndShown_Connects) {
     EXPECT_TRUE(bus.connect());
 }
 
-TEST(MqttTls, ClientCertificateDemandedAndMissing_IsATlsFailure) {
+TEST(MqttTls, ClientCertificateDemandedAndMissing_IsATlsFailureAfterAFewAttemptsAtMost) {
     MosquittoBroker broker({.tls = true, .require_client_certificate = true});
     Recorder bus(tls_options(broker));
     bus.client->start();
-    ASSERT_TRUE(bus.until([&] { return !bus.failures.empty(); }));
-    EXPECT_EQ(bus.failures[0].kind, Kind::kTls) << bus.failures[0].text;
-    EXPECT_TRUE(bus.failures[0].fatal());
+    ASSERT_TRUE(bus.until([&] { return !bus.failures.empty() && bus.failures.back().kind == Kind::kTls; }));
+    EXPECT_LE(bus.failures.size(), 3u);
+    EXPECT_THAT(bus.failures.back().text, testing::HasSubstr("certificate"));
+    EXPECT_TRUE(bus.failures.back().fatal());
 }
 
 TEST(MqttTls, BrokerSignedByAnotherCa_IsATlsFailure) {

@@ -75,6 +75,7 @@ class MqttVersion : public testing::Test {
                   bus::MqttVersion version = bus::MqttVersion::kBest) {
         bus::MqttOptions options;
         options.version = version;
+        options.connect_timeout = 300ms;
         options.brokers.clear();
         options.brokers.push_back({"127.0.0.1", 1, false});
         asio::io_context io;
