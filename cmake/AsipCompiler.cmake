@@ -12,6 +12,10 @@ set(CMAKE_C_FLAGS_DEV "-O1 -g1" CACHE STRING "Flags of the Dev build type")
 add_library(asip_options INTERFACE)
 target_compile_options(asip_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Werror)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # GCC 12 sees overlapping copies inside std::string's operator+ when it optimises (GCC bug 105651).
+  target_compile_options(asip_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
+endif()
 target_include_directories(asip_options INTERFACE "${PROJECT_SOURCE_DIR}")
 target_compile_definitions(asip_options INTERFACE ASIP_VERSION="${PROJECT_VERSION}")
 
