@@ -74,10 +74,11 @@ void Application::with_bridge(Call&& call) {
 
 void Application::perform(Effects& effects) {
     for (const auto& notice : effects.notices) {
-        std::string fields;
+        std::vector<log::Field> fields;
+        if (!bridge_.name().empty()) fields.emplace_back("board", bridge_.name());
         for (const auto& [name, value] : notice.fields)
-            if (!value.empty()) fields += (fields.empty() ? "" : " ") + name + "=" + value;
-        log::write(notice.level, notice.text, {{"board", bridge_.name()}, {"details", fields}});
+            if (!value.empty() && name != "board") fields.emplace_back(name, value);
+        log::write(notice.level, notice.text, fields);
     }
     for (auto& action : effects.link) {
         if (const auto* write = std::get_if<session::Write>(&action)) {
@@ -127,6 +128,8 @@ void Application::arm_timer() {
 void Application::connect_bus() {
     bus::MqttOptions options = options_.mqtt;
     options.will = bridge_.will();
+    // 10,000 commands at once get as many answers at once; twice this many of them may wait.
+    options.max_queued_messages = 16 * 1024;
     bus_ = std::make_unique<bus::MqttClient>(
         io_, std::move(options),
         bus::MqttClient::Handlers{
@@ -197,10 +200,13 @@ void Application::report_counters() {
         if (error || stopping_) return;
         if (bus_) {
             const auto counters = bus_->counters();
-            if (counters.dropped_context != told_dropped_) {
-                told_dropped_ = counters.dropped_context;
+            if (std::exchange(told_dropped_, counters.dropped_context) != counters.dropped_context) {
                 log::warning("the broker is slower than the board; oldest values dropped",
-                             {{"dropped", told_dropped_}});
+                             {{"dropped", counters.dropped_context}});
+            }
+            if (std::exchange(told_refused_, counters.refused) != counters.refused) {
+                log::warning("the broker is slower than commands come; answers dropped",
+                             {{"dropped", counters.refused}});
             }
         }
         report_counters();

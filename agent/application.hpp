@@ -47,6 +47,7 @@ class Application {
     boost::asio::steady_timer counters_timer_;
     std::optional<Time> armed_for_;
     std::uint64_t told_dropped_ = 0;
+    std::uint64_t told_refused_ = 0;
     bool ever_connected_ = false;
     bool bus_failure_told_ = false;
     bool board_ever_known_ = false;

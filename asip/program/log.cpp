@@ -67,7 +67,7 @@ std::string field_text(std::string_view value) {
     return quoted + "\"";
 }
 
-std::string text_line(Level level, std::string_view text, Fields fields) {
+std::string text_line(Level level, std::string_view text, std::span<const Field> fields) {
     auto line =
         fmt::format("{} {:<7} {}", utc_now(), kLevelNames[static_cast<std::size_t>(level)], printable(text));
     const char* separator = "  ";
@@ -78,7 +78,7 @@ std::string text_line(Level level, std::string_view text, Fields fields) {
     return line;
 }
 
-std::string json_line(Level level, std::string_view text, Fields fields) {
+std::string json_line(Level level, std::string_view text, std::span<const Field> fields) {
     nlohmann::ordered_json line;
     line["time"] = utc_now();
     line["level"] = kLevelNames[static_cast<std::size_t>(level)];
@@ -118,6 +118,10 @@ bool enabled(Level level) {
 }
 
 void write(Level level, std::string_view text, Fields fields) {
+    write(level, text, std::span<const Field>(fields.begin(), fields.size()));
+}
+
+void write(Level level, std::string_view text, std::span<const Field> fields) {
     if (!enabled(level)) return;
     const auto line =
         state().format == Format::kJson ? json_line(level, text, fields) : text_line(level, text, fields);

@@ -1,6 +1,7 @@
 #pragma once
 #include <concepts>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -37,6 +38,8 @@ struct Field {
 using Fields = std::initializer_list<Field>;
 
 void write(Level level, std::string_view text, Fields fields = {});
+/// With fields that were put together at run time.
+void write(Level level, std::string_view text, std::span<const Field> fields);
 inline void trace(std::string_view text, Fields fields = {}) {
     write(Level::kTrace, text, fields);
 }

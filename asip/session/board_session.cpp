@@ -33,6 +33,11 @@ std::string printable_sample(std::string_view text) {
     return sample;
 }
 
+bool is_text(std::string_view text) {
+    return std::all_of(text.begin(), text.end(),
+                       [](char c) { return (c >= 0x20 && c <= 0x7e) || c == '\r' || c == '\t'; });
+}
+
 void sooner(std::optional<Time>& deadline, std::optional<Time> other) {
     if (other && (!deadline || *other < *deadline)) deadline = other;
 }
@@ -100,6 +105,8 @@ class BoardSession::Impl {
     bool checksum_on_ = false;
     bool restore_ = false;
     std::string banner_services_;
+    unsigned suspect_baud_ = 0;  // rate at which there was too much garbage
+    unsigned ready_baud_ = 0;    // rate at which the board was last ready
     Time link_up_at_{};
     Time last_heard_{};
     Time window_start_{};
@@ -116,6 +123,8 @@ void BoardSession::Impl::link_up(const LinkTraits& traits, Time now, Actions& ou
     no_answer_said_ = false;
     was_silent_ = false;
     counters_.bytes_in = 0;
+    suspect_baud_ = 0;
+    ready_baud_ = traits.baud;
     link_up_at_ = last_heard_ = now;
     banner_services_.clear();
     rate_change_.forget_bad();
@@ -187,6 +196,12 @@ void BoardSession::Impl::search_step(Time now, Actions& out) {
 void BoardSession::Impl::interview(Time now, Actions& out) {
     state_ = State::kIdentifying;
     checksum_on_ = false;
+    if (suspect_baud_ != 0 && suspect_baud_ == baud_) rate_change_.mark_bad(baud_);
+    suspect_baud_ = 0;
+    if (baud_ == start_baud_ && std::exchange(ready_baud_, baud_) != baud_) {
+        ++counters_.resets;
+        out.emplace_back(BoardReset{"it is at its start rate again"});
+    }
     std::vector<std::string> lines;
     interview_.start(banner_services_, now, lines);
     write(lines, out);
@@ -238,6 +253,7 @@ void BoardSession::Impl::become_ready(Time now, Actions& out) {
     known_ = true;
     was_silent_ = false;
     state_ = State::kReady;
+    ready_baud_ = baud_;
     last_heard_ = now;
     window_garbage_ = 0;
     queue_.restart();
@@ -286,6 +302,12 @@ void BoardSession::Impl::receive(std::string_view bytes, Time now, Actions& out)
     if (state_ == State::kDown) return;
     counters_.bytes_in += bytes.size();
     reader_.push(bytes, [&](std::string_view line) { on_line(line, now, out); });
+    if (state_ == State::kReady && baud_ != start_baud_ && !is_text(reader_.partial())) {
+        // At a wrong rate a line end may never come.
+        const std::string noise(reader_.partial());
+        reader_.reset();
+        garbage("not text", noise, now, out);
+    }
     if (reader_.overlong_lines() != overlong_seen_) {
         overlong_seen_ = reader_.overlong_lines();
         garbage("line too long", {}, now, out);
@@ -330,7 +352,7 @@ void BoardSession::Impl::on_message(const protocol::Event& event, std::string_vi
     }
     if (state_ == State::kSearching || state_ == State::kSilent) {
         if (event.service == '#' && event.tag == '?') return interview(now, out);
-        search_.heard(now);
+        search_.heard();
     }
     if (state_ != State::kReady) {
         // Answers to questions that were asked twice are nobody's.
@@ -353,7 +375,7 @@ void BoardSession::Impl::on_message(const protocol::ErrorReply& error, std::stri
         return follow_interview(now, out);
     }
     if (state_ == State::kSearching || state_ == State::kSilent) {
-        search_.heard(now);
+        search_.heard();
         // Left with checksums on by somebody before us. The answer came with one, which parsing took for
         // text.
         if (error.service == '#' && error.tag == 'C')
@@ -405,8 +427,7 @@ void BoardSession::Impl::garbage(std::string reason, std::string_view line, Time
         queue_.probe();
         return pump(now, out);
     }
-    rate_change_.mark_bad(baud_);
-    out.emplace_back(LineRateChanged{start_baud_, "too much garbage at " + std::to_string(baud_) + " baud"});
+    suspect_baud_ = baud_;
     search(now, now, out);
 }
 

@@ -1,6 +1,6 @@
 #include "asip/session/search.hpp"
 
-#include <algorithm>
+#include <utility>
 
 #include "asip/session/rate_change.hpp"
 
@@ -9,7 +9,6 @@ namespace asip::session {
 namespace {
 constexpr Duration kAtStartRate = std::chrono::milliseconds(600);
 constexpr Duration kAtOtherRates = std::chrono::milliseconds(200);
-constexpr Duration kOnceHeard = std::chrono::milliseconds(400);
 }  // namespace
 
 void Search::start(unsigned start_baud, bool rates, Time quiet_until, Time now) {
@@ -19,6 +18,7 @@ void Search::start(unsigned start_baud, bool rates, Time quiet_until, Time now) 
             if (rate != start_baud) rates_.push_back(rate);
     index_ = 0;
     round_ = 0;
+    heard_ = false;
     quiet_until_ = quiet_until;
     deadline_ = now;
 }
@@ -33,12 +33,10 @@ Search::Step Search::next(Time now) {
     const bool at_start = index_ == 0;
     const Step step{baud, true, !at_start || round_ % 2 == 1};
     deadline_ = now + (at_start ? kAtStartRate / 2 : kAtOtherRates);
-    if (++round_ % 2 == 0 || !at_start) index_ = (index_ + 1) % rates_.size();
+    ++round_;
+    if (!std::exchange(heard_, false) && (round_ % 2 == 0 || !at_start))
+        index_ = (index_ + 1) % rates_.size();
     return step;
-}
-
-void Search::heard(Time now) {
-    deadline_ = std::max(deadline_, now + kOnceHeard);
 }
 
 }  // namespace asip::session

@@ -22,13 +22,14 @@ class Search {
     Time next_deadline() const { return deadline_; }
     /// What to do now; call when the deadline has come.
     Step next(Time now);
-    /// Something that reads as ASIP came: this rate is right, stay a little longer.
-    void heard(Time now);
+    /// Something that reads as ASIP came: this rate is right, the next question is asked here again.
+    void heard() { heard_ = true; }
 
   private:
     std::vector<unsigned> rates_;
     std::size_t index_ = 0;
     unsigned round_ = 0;
+    bool heard_ = false;
     Time quiet_until_{};
     Time deadline_{};
 };

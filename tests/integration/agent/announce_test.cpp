@@ -1,0 +1,187 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+
+#include "asip/model/description.hpp"
+#include "tests/integration/agent/rig.hpp"
+
+namespace asip::test {
+namespace {
+
+using testing::HasSubstr;
+
+std::optional<model::Description> description(const BusProbe& probe) {
+    const auto text = probe.last("asip/servicebus/uno1/$description");
+    if (!text) return std::nullopt;
+    const auto parsed = model::parse_description(*text);
+    if (!parsed) return std::nullopt;
+    return *parsed;
+}
+
+TEST(AgentAnnounces, RealBoard_InBothLayersWithPinsAndModels) {
+    MosquittoBroker broker;
+    SimulatedUno uno;
+    BusProbe probe(broker.port());
+    Agent agent(broker, uno.port());
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    ASSERT_TRUE(probe.wait_for("asip/servicebus", "uno1"));
+    for (const char* service : {"io", "distance", "servo"})
+        EXPECT_TRUE(probe.wait_for("asip/servicebus/uno1", service));
+    const auto known = description(probe);
+    ASSERT_TRUE(known);
+    EXPECT_EQ(known->firmware.chip, "ATmega328P");
+    EXPECT_EQ(known->pins.capabilities.size(), 20u);
+    ASSERT_NE(known->service("distance"), nullptr);
+    EXPECT_EQ(known->service("distance")->model, "distance@1");
+    EXPECT_GT(known->link.baud, 57600);
+    EXPECT_LE(probe.last("asip/servicebus/uno1/$description")->size(), 1024u);
+
+    BusProbe late(broker.port());
+    EXPECT_TRUE(late.wait_for("asip/servicebus/uno1/$state", "online"));
+    EXPECT_TRUE(late.wait_for("asip/servicebus/uno1/$description"));
+    late.clear();
+    late.publish("asip/servicebus/$probe", "");
+    EXPECT_TRUE(late.wait_for("asip/servicebus", "uno1", 2s)) << "a probe is answered within a second";
+}
+
+TEST(AgentAnnounces, Plain04Board_WithItsServices) {
+    MosquittoBroker broker;
+    SimulatedUno uno("asip_uno_04_services");
+    BusProbe probe(broker.port());
+    Agent agent(broker, uno.port());
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    ASSERT_TRUE(wait_until([&] { return description(probe).has_value(); }));
+    EXPECT_TRUE(description(probe)->firmware.extensions.empty());
+    EXPECT_EQ(description(probe)->link.baud, 57600);
+    const auto reply = probe.request("asip/uno1/io/in", R"({"write":[13,1]})");
+    ASSERT_TRUE(reply);
+    EXPECT_THAT(*reply, HasSubstr(R"("proof":"fence")"));
+}
+
+TEST(AgentAnnounces, Sigterm_SaysOfflineAndEndsWithinASecond) {
+    MosquittoBroker broker;
+    SimulatedUno uno;
+    BusProbe probe(broker.port());
+    Agent agent(broker, uno.port());
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    agent.process().signal(SIGTERM);
+    EXPECT_EQ(agent.process().wait_exit(1s), 0);
+    EXPECT_TRUE(wait_state(probe, "offline", 1s));
+}
+
+TEST(AgentAnnounces, SigtermWhileTheBrokerHangs_EndsWithinASecond) {
+    MosquittoBroker broker;
+    SimulatedUno uno;
+    Agent agent(broker, uno.port());
+    {
+        BusProbe probe(broker.port());
+        ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    }
+    broker.freeze();
+    agent.process().signal(SIGTERM);
+    EXPECT_EQ(agent.process().wait_exit(1200ms), 0);
+    broker.thaw();
+}
+
+TEST(AgentAnnounces, KilledAndRestarted_LostThenOnlineAndOneBoard) {
+    MosquittoBroker broker;
+    SimulatedUno uno;
+    BusProbe probe(broker.port());
+    Agent agent(broker, uno.port());
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    agent.kill();
+    ASSERT_TRUE(wait_state(probe, "lost", 3s));
+    Agent again(broker, uno.port());
+    ASSERT_TRUE(wait_state(probe, "online")) << again.process().errors();
+    BusProbe late(broker.port(), {"asip/servicebus/+/$description"});
+    ASSERT_TRUE(late.wait_for("asip/servicebus/uno1/$description"));
+    EXPECT_EQ(late.messages().size(), 1u);
+}
+
+TEST(AgentAnnounces, SomebodyWritesItsState_IsPutRight) {
+    MosquittoBroker broker;
+    SimulatedUno uno;
+    BusProbe probe(broker.port());
+    Agent agent(broker, uno.port());
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    probe.publish("asip/servicebus/uno1/$state", "lost", true);
+    EXPECT_TRUE(probe.wait_for("asip/servicebus/uno1/$state", "lost"));
+    EXPECT_TRUE(wait_state(probe, "online", 2s));
+}
+
+class BrokerReturns : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Broker, BrokerReturns, testing::Bool(), [](const auto& param) {
+    return param.param ? "WithPersistence" : "WithoutPersistence";
+});
+
+TEST_P(BrokerReturns, KilledAndRestarted_AnnouncedWithinThreeSeconds) {
+    MosquittoBroker broker({.persistence = GetParam()});
+    SimulatedUno uno;
+    Agent agent(broker, uno.port());
+    {
+        BusProbe probe(broker.port());
+        ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    }
+    broker.kill();
+    broker.start();
+    BusProbe probe(broker.port());
+    EXPECT_TRUE(probe.wait_for(
+        [](const bus::Message& m) { return !m.retain && m.topic == "asip/servicebus/uno1/$description"; },
+        3s))
+        << agent.process().errors();
+    EXPECT_TRUE(wait_state(probe, "online", 1s));
+    EXPECT_TRUE(agent.process().running());
+}
+
+TEST(AgentAnnounces, BrokerStoppedFor20Seconds_NewestStateArrives) {
+    MosquittoBroker broker;
+    SimulatedUno uno;
+    Agent agent(broker, uno.port());
+    {
+        BusProbe probe(broker.port());
+        ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    }
+    broker.freeze();
+    uno.command("unplug");
+    ASSERT_TRUE(agent.process().wait_for_errors("board lost")) << agent.process().errors();
+    std::this_thread::sleep_for(20s);  // what is tested is the duration
+    EXPECT_TRUE(agent.process().running());
+    broker.thaw();
+    BusProbe probe(broker.port());
+    EXPECT_TRUE(wait_state(probe, "lost", 8s)) << agent.process().errors();
+    uno.command("replug");
+    EXPECT_TRUE(wait_state(probe, "online", 8s)) << agent.process().errors();
+}
+
+TEST(AgentAnnounces, NameHeldByALivingAgent_SecondOneEndsAndSaysWho) {
+    MosquittoBroker broker;
+    SimulatedUno uno, other;
+    BusProbe probe(broker.port());
+    Agent agent(broker, uno.port());
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    Agent second(broker, other.port());
+    EXPECT_EQ(second.process().wait_exit(), 6);
+    EXPECT_THAT(second.process().errors(), HasSubstr("--takeover"));
+    EXPECT_TRUE(agent.process().running());
+    EXPECT_EQ(probe.last("asip/servicebus/uno1/$state"), "online");
+}
+
+TEST(AgentAnnounces, Takeover_FirstOneEndsAndTheNameStaysOnline) {
+    MosquittoBroker broker;
+    SimulatedUno uno, other;
+    BusProbe probe(broker.port());
+    Agent agent(broker, uno.port());
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    Agent second(broker, other.port(), {"--takeover"});
+    EXPECT_EQ(agent.process().wait_exit(), 6);
+    EXPECT_TRUE(wait_until([&] {
+        return second.process().errors().find("put right") != std::string::npos ||
+               probe.last("asip/servicebus/uno1/$state") == "online";
+    }));
+    EXPECT_TRUE(wait_state(probe, "online", 3s));
+    EXPECT_TRUE(second.process().running());
+}
+
+}  // namespace
+}  // namespace asip::test

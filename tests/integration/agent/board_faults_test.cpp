@@ -1,0 +1,144 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/integration/agent/fake_port.hpp"
+#include "tests/integration/agent/rig.hpp"
+
+namespace asip::test {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(AgentBoard, UnpluggedAndReplugged_KnownWithinASecondAndBackWithItsModes) {
+    MosquittoBroker broker;
+    SimulatedUno uno;
+    BusProbe probe(broker.port());
+    Agent agent(broker, uno.port());
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    ASSERT_TRUE(probe.request("asip/uno1/io/in", R"({"mode":[13,"output"]})"));
+    uno.command("unplug");
+    ASSERT_TRUE(wait_state(probe, "lost", 1s)) << agent.process().errors();
+    const auto refused = probe.request("asip/uno1/io/in", R"({"write":[13,1]})");
+    ASSERT_TRUE(refused);
+    EXPECT_THAT(*refused, HasSubstr("board-not-there"));
+    uno.command("replug");
+    ASSERT_TRUE(wait_state(probe, "online", 3s)) << agent.process().errors();
+    const auto modes = probe.request("asip/uno1/in", "I,p");
+    ASSERT_TRUE(modes);
+    EXPECT_THAT(*modes, HasSubstr("@I,p,20,{6,6,1,1,1,1,1,7,7,7,7,1,1,3")) << "pin 13 is an output again";
+}
+
+TEST(AgentBoard, ResetInMidStream_ModesAndPeriodsAreBack) {
+    MosquittoBroker broker;
+    SimulatedUno uno;
+    BusProbe probe(broker.port());
+    Agent agent(broker, uno.port());
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    ASSERT_TRUE(probe.request("asip/uno1/io/in", R"({"mode":[13,"output"]})"));
+    ASSERT_TRUE(probe.request("asip/uno1/distance/in", R"({"report":100})"));
+    ASSERT_TRUE(probe.wait_for("asip/uno1/distance/out"));
+    uno.command("reset");
+    ASSERT_TRUE(agent.process().wait_for_errors("board back")) << agent.process().errors();
+    probe.clear();
+    EXPECT_TRUE(probe.wait_for("asip/uno1/distance/out", 3s)) << agent.process().errors();
+    const auto modes = probe.request("asip/uno1/in", "I,p");
+    ASSERT_TRUE(modes);
+    EXPECT_THAT(*modes, HasSubstr("1,1,3,4,4,4,4"));
+}
+
+TEST(AgentBoard, GarbageOfManyKinds_NextEventWorks) {
+    MosquittoBroker broker;
+    FakePort port;
+    BusProbe probe(broker.port());
+    Agent agent(broker, port.path());
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    std::mt19937 random(7);
+    std::string noise(20'000, ' ');
+    for (char& c : noise)
+        c = static_cast<char>(random());
+    for (const std::string& garbage :
+         {noise + "\n", std::string(10'000, 'x') + "\n", std::string("@I,a,99\n@@@\n~\n"),
+          std::string("ing on ATmega328P with Services: I S D \r\n")}) {
+        port.say(garbage);
+        probe.clear();
+        ASSERT_TRUE(wait_until([&] {
+            port.say("@I,a,1,{0:320}\r\n");
+            return probe.count("asip/uno1/io/out") > 0;
+        })) << agent.process().errors();
+    }
+    const auto reply = probe.request("asip/uno1/io/in", R"({"write":[2,1]})");
+    ASSERT_TRUE(reply);
+    EXPECT_THAT(*reply, HasSubstr("\"ok\""));
+    EXPECT_THAT(agent.process().errors(), HasSubstr("garbage from the board"));
+    EXPECT_TRUE(port.executed("I,d,2,1"));
+}
+
+TEST(AgentBoard, FloodWhileTheBrokerIsSlow_OldestValuesGoAndCommandsStay) {
+    MosquittoBroker broker;
+    FakePort port;
+    Agent agent(broker, port.path());
+    {
+        BusProbe probe(broker.port());
+        ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    }
+    broker.freeze();
+    port.flood("@I,a,6,{0:111,1:222,2:333,3:444,4:555,5:666}");
+    ASSERT_TRUE(agent.process().wait_for_errors("oldest values dropped", 30s)) << agent.process().errors();
+    EXPECT_LT(agent.process().resident_bytes(), 40u << 20);
+    port.flood("");
+    broker.thaw();
+    BusProbe probe(broker.port());
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    EXPECT_TRUE(wait_until([&] {
+        const auto reply = probe.request("asip/uno1/io/in", R"({"write":[2,1]})", 2s);
+        return reply && reply->find("\"ok\"") != std::string::npos;
+    })) << agent.process().errors();
+}
+
+TEST(AgentBoard, SilentPort_EndsWithStatus5AndSaysWhatToDo) {
+    MosquittoBroker broker;
+    FakePort port(false);
+    const auto ended = run(agent_command(broker.url(), port.path(), {"--patience", "1"}));
+    EXPECT_EQ(ended.status, 5);
+    EXPECT_THAT(ended.errors, HasSubstr("does not answer"));
+}
+
+TEST(AgentBoard, PortThatTalksSomethingElse_EndsWithStatus5) {
+    MosquittoBroker broker;
+    FakePort port(false);
+    port.flood("$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M");
+    const auto ended = run(agent_command(broker.url(), port.path(), {"--patience", "1"}));
+    EXPECT_EQ(ended.status, 5);
+    EXPECT_THAT(ended.errors, HasSubstr("not ASIP"));
+}
+
+TEST(AgentBoard, PortBusy_EndsWithStatus5AndSaysSo) {
+    MosquittoBroker broker;
+    SimulatedUno uno;
+    BusProbe probe(broker.port());
+    Agent agent(broker, uno.port());
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    const auto ended = run(agent_command(broker.url(), uno.port()));
+    EXPECT_EQ(ended.status, 5) << ended.errors;
+}
+
+TEST(AgentBoard, NoSuchPort_IsWaitedFor) {
+    MosquittoBroker broker;
+    Agent agent(broker, "/dev/does-not-exist");
+    EXPECT_TRUE(agent.process().wait_for_errors("waiting for it"));
+    EXPECT_TRUE(agent.process().running());
+}
+
+TEST(AgentOptions, BadOnes_EndWithStatus2) {
+    EXPECT_EQ(run({ASIP_PROGRAMS "/asip-agent"}).status, 2);
+    EXPECT_EQ(run({ASIP_PROGRAMS "/asip-agent", "--serial", "/dev/null", "--name", "a/b"}).status, 2);
+    EXPECT_EQ(run({ASIP_PROGRAMS "/asip-agent", "--serial", "/dev/null", "--reset", "maybe"}).status, 2);
+    const auto help = run({ASIP_PROGRAMS "/asip-agent", "--help"});
+    EXPECT_EQ(help.status, 0);
+    EXPECT_THAT(help.output, HasSubstr("Examples:"));
+}
+
+}  // namespace
+}  // namespace asip::test

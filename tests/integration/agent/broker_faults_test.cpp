@@ -1,0 +1,72 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/integration/agent/fake_port.hpp"
+#include "tests/integration/agent/rig.hpp"
+
+namespace asip::test {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(AgentBroker, WrongPassword_EndsWithStatus3) {
+    MosquittoBroker broker({.users = {{"pi", "right"}}});
+    FakePort port;
+    const auto ended = run(agent_command(broker.url(), port.path(), {"--user", "pi", "--password", "wrong"}));
+    EXPECT_EQ(ended.status, 3) << ended.errors;
+}
+
+TEST(AgentBroker, RightPassword_IsOnline) {
+    MosquittoBroker broker({.users = {{"pi", "right"}}});
+    FakePort port;
+    BusProbe probe(broker.port(), {"#"}, {.user = "pi", .password = "right"});
+    Agent agent(broker, port.path(), {"--user", "pi", "--password", "right"});
+    EXPECT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+}
+
+TEST(AgentBroker, ClientCertificateDemanded_IsOnlineWithItAndEndsWithout) {
+    MosquittoBroker broker({.tls = true, .require_client_certificate = true});
+    const auto& files = broker.certificates();
+    FakePort port;
+    {
+        Agent agent(broker, port.path(),
+                    {"--ca", files.ca, "--cert", files.client_cert, "--key", files.client_key});
+        BusProbe probe(broker.port(), {"#"},
+                       {.ca = files.ca, .cert = files.client_cert, .key = files.client_key});
+        EXPECT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    }
+    const auto ended = run(agent_command(broker.url(), port.path(), {"--ca", files.ca}));
+    EXPECT_EQ(ended.status, 3) << ended.errors;
+}
+
+TEST(AgentBroker, CertificateOfAnotherCa_EndsWithStatus3) {
+    MosquittoBroker broker({.tls = true});
+    FakePort port;
+    const auto ended =
+        run(agent_command(broker.url(), port.path(), {"--ca", broker.certificates().other_ca}));
+    EXPECT_EQ(ended.status, 3) << ended.errors;
+}
+
+TEST(AgentBroker, NotThereYet_IsWaitedFor) {
+    MosquittoBroker broker;
+    broker.stop();
+    FakePort port;
+    Agent agent(broker, port.path());
+    ASSERT_TRUE(agent.process().wait_for_errors("broker not reachable")) << agent.process().errors();
+    broker.start();
+    BusProbe probe(broker.port());
+    EXPECT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+}
+
+TEST(AgentBroker, SecondOfTheList_IsUsedWhenTheFirstIsGone) {
+    MosquittoBroker first, second;
+    FakePort port;
+    BusProbe probe(second.port());
+    Agent agent(first, port.path(), {"--broker", second.url()});
+    ASSERT_TRUE(agent.process().wait_for_errors("broker connected"));
+    first.kill();
+    EXPECT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+}
+
+}  // namespace
+}  // namespace asip::test

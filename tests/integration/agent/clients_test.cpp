@@ -1,0 +1,100 @@
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "tests/integration/agent/fake_port.hpp"
+#include "tests/integration/agent/rig.hpp"
+
+namespace asip::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// A blocking TCP client with nothing of ours in it.
+class Socket {
+  public:
+    explicit Socket(std::uint16_t port) : fd_(socket(AF_INET, SOCK_STREAM, 0)) {
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        address.sin_port = htons(port);
+        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        connected_ = wait_until(
+            [&] { return connect(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0; });
+    }
+    ~Socket() { close(fd_); }
+    bool connected() const { return connected_; }
+    void send(std::string_view bytes) {
+        EXPECT_EQ(::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL), ssize_t(bytes.size()));
+    }
+    /// Reads until what came contains `wanted`.
+    bool receive(std::string_view wanted, std::chrono::milliseconds limit = kDeadline) {
+        return wait_until(
+            [&] {
+                pollfd poll_for{fd_, POLLIN, 0};
+                char buffer[4096];
+                while (poll(&poll_for, 1, 0) > 0) {
+                    const auto count = recv(fd_, buffer, sizeof buffer, 0);
+                    if (count <= 0) return false;
+                    received.append(buffer, static_cast<std::size_t>(count));
+                }
+                return received.find(wanted) != std::string::npos;
+            },
+            limit);
+    }
+    std::string received;
+
+  private:
+    int fd_;
+    bool connected_ = false;
+};
+
+TEST(AgentClients, PlainAndJavaClientsAtOnce_BothTalkToTheBoard) {
+    MosquittoBroker broker;
+    SimulatedUno uno;
+    BusProbe probe(broker.port());
+    const auto port = free_port();
+    Agent agent(broker, uno.port(), {"--listen", std::to_string(port)});
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    Socket plain(port), java(port);
+    ASSERT_TRUE(plain.connected() && java.connected());
+    plain.send("#,?\n");
+    EXPECT_TRUE(plain.receive("@#,?,0,4,ATmega328P,20,AsipServices\n"));
+    java.send(std::string("\0\3#,N", 5));
+    EXPECT_TRUE(java.receive(std::string("\0", 1)));
+    EXPECT_TRUE(java.receive("@#,N,3,{I:ASIP core IO,D:Distance,S:Servos}"));
+    const auto at = java.received.find("@#,N");
+    ASSERT_GE(at, 2u);
+    EXPECT_EQ(java.received[at - 1], char(43)) << "two bytes of length before it";
+    EXPECT_TRUE(probe.wait_for("asip/uno1/out", "@#,?,0,4,ATmega328P,20,AsipServices")) << "alongside MQTT";
+}
+
+TEST(AgentClients, ClientThatDoesNotRead_IsDroppedAndTheOthersStay) {
+    MosquittoBroker broker;
+    FakePort fake;
+    BusProbe probe(broker.port(), {"asip/servicebus/#"});
+    const auto port = free_port();
+    Agent agent(broker, fake.path(), {"--listen", std::to_string(port)});
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    Socket slow(port);
+    Socket good(port);
+    ASSERT_TRUE(slow.connected() && good.connected());
+    fake.flood("@I,a,6,{0:111,1:222,2:333,3:444,4:555,5:666}");
+    bool dropped = false;
+    EXPECT_TRUE(wait_until(
+        [&] {
+            good.received.clear();
+            (void)good.receive("never", 1ms);
+            dropped = dropped || agent.process().errors().find("too slow") != std::string::npos;
+            return dropped;
+        },
+        40s));
+    fake.flood("");
+    good.send("I,d,2,1\n");
+    EXPECT_TRUE(wait_until([&] { return fake.executed("I,d,2,1"); }));
+}
+
+}  // namespace
+}  // namespace asip::test
