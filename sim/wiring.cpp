@@ -14,8 +14,9 @@ Wiring::Wiring(avr_t& avr, const BoardKind& kind) : avr_(avr), kind_(kind), stat
             if (kind.pins[i].port == port.io->name)
                 port.pins.emplace_back(kind.pins[i].bit, static_cast<int>(i));
         if (port.pins.empty()) continue;
+        const auto registers = {port.io->r_port, port.io->r_ddr, port.io->r_pin};
         ports_.push_back(std::move(port));
-        for (const auto address : {port.io->r_port, port.io->r_ddr, port.io->r_pin})
+        for (const auto address : registers)
             avr_irq_register_notify(avr_iomem_getirq(&avr, address, nullptr, AVR_IOMEM_IRQ_ALL), port_written,
                                     &ports_.back());
     }

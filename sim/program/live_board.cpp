@@ -11,9 +11,10 @@ using json = nlohmann::ordered_json;
 using namespace std::chrono_literals;
 
 constexpr std::size_t kReadAtOnce = 512;
-constexpr std::size_t kMostQueued = 1024;       // beyond that a sender waits, as it does for a slow wire
-constexpr std::size_t kMostUnread = 64 * 1024;  // of a program that has the port open and does not read
-constexpr auto kLongestLag = 200ms;             // a board that is further behind stops trying to catch up
+constexpr std::size_t kMostQueued = 1024;  // beyond that a sender waits, as it does for a slow wire
+constexpr std::size_t kMostUnread =
+    std::size_t{64} * 1024;          // of a program that has the port open and does not read
+constexpr auto kLongestLag = 200ms;  // a board that is further behind stops trying to catch up
 constexpr auto kHousekeeping = 1s;
 
 }  // namespace
