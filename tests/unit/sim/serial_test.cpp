@@ -60,6 +60,20 @@ TEST(SerialLine, ReceivingAtWireSpeed_TakesTenBitsEachAndLosesNothing) {
     EXPECT_EQ(monitor->line_errors().receive_overruns, 0u);
 }
 
+TEST(SerialLine, EchoByInterruptsFromSleep_LosesNothingAtAnyRate) {
+    for (const char divider : {kDivider57600, kDivider500k, kDivider1M}) {
+        Monitor monitor;
+        step_up(monitor, divider);
+        std::string text;
+        for (int i = 0; i < 500; ++i)
+            text.push_back(static_cast<char>('A' + i % 26));
+        monitor.tell("Q");
+        EXPECT_EQ(monitor.ask(text + "q", 501), text + "q");
+        EXPECT_EQ(monitor->line_errors().receive_overruns, 0u);
+        EXPECT_EQ(monitor.ask("Ez", 1), "z") << "polling works again";
+    }
+}
+
 TEST(SerialLine, RateSetByFirmware_IsToldAsTheChipRoundsIt) {
     Monitor monitor;
     EXPECT_EQ(monitor->board_baud(), 57143u);

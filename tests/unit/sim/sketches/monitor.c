@@ -102,6 +102,37 @@ ISR(PCINT2_vect) {
 }
 #endif
 
+// 'Q': echoes by interrupts alone, asleep in between, until it gets a 'q'.
+#ifdef USART_RX_vect
+static uint8_t ring[16];
+static volatile uint8_t ring_in, ring_out, echoing;
+ISR(USART_RX_vect) {
+    uint8_t byte = UDR0;
+    if (byte == 'q') echoing = 0;
+    ring[ring_in++ % sizeof ring] = byte;
+    UCSR0B |= 1 << UDRIE0;
+}
+ISR(USART_UDRE_vect) {
+    UDR0 = ring[ring_out++ % sizeof ring];
+    if (ring_out == ring_in) UCSR0B &= (uint8_t) ~(1 << UDRIE0);
+}
+static void echo_by_interrupts(void) {
+    ring_in = ring_out = 0;
+    echoing = 1;
+    UCSR0B |= 1 << RXCIE0;
+    set_sleep_mode(SLEEP_MODE_IDLE);
+    for (;;) {
+        cli();
+        if (!echoing && ring_in == ring_out) break;
+        sleep_enable();
+        sei();
+        sleep_cpu();
+        sleep_disable();
+    }
+    UCSR0B &= (uint8_t) ~(1 << RXCIE0);
+}
+#endif
+
 static void not_listening(uint8_t milliseconds) {
     while (milliseconds--)
         _delay_ms(1);
@@ -187,6 +218,11 @@ int main(void) {
                 break;
             case 'i':
                 put(edges);
+                break;
+#endif
+#ifdef USART_RX_vect
+            case 'Q':
+                echo_by_interrupts();
                 break;
 #endif
             case 'X':
