@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
 #include "tests/integration/client/simulated_boards.hpp"
+#include "tests/support/mosquitto_broker.hpp"
 
 namespace asip::test {
 namespace {
@@ -30,6 +35,34 @@ TEST(ExampleTwoBoardSwitch, ButtonOfOneBoard_SwitchesTheLedOfTheOther) {
     boards.release(0);
     EXPECT_TRUE(boards.wait_for_led("off", 1)) << boards.output();
     EXPECT_TRUE(program.running());
+}
+
+std::string text_of(const std::string& file) {
+    std::ifstream in(std::string(ASIP_TEST_SOURCE) + "/" + file);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+/// A program of somebody else, with nothing of ours but the topics and the JSON.
+TEST(ExampleLamp, PythonWithPlainMqtt_SwitchesTheLedByTheButton) {
+    const MosquittoBroker broker;
+    SimulatedBoards boards({"asip_uno_services"});
+    ChildProcess agent(
+        {ASIP_TEST_AGENT, "--serial", boards.serial(), "--name", "uno1", "--broker", broker.address()});
+    ChildProcess lamp({"/usr/bin/python3", "-u", ASIP_TEST_SOURCE "/examples/lamp.py", "uno1", "127.0.0.1",
+                       std::to_string(broker.port())});
+    ASSERT_TRUE(lamp.wait_for_output("uno1 is online")) << agent.errors() << lamp.errors();
+    ASSERT_TRUE(lamp.wait_for_output("distance \\[")) << lamp.output() << lamp.errors();
+    boards.press();
+    EXPECT_TRUE(boards.wait_for_led("on")) << lamp.output() << lamp.errors();
+    boards.release();
+    EXPECT_TRUE(boards.wait_for_led("off")) << lamp.output() << lamp.errors();
+    EXPECT_EQ(lamp.output().find("failed"), std::string::npos) << lamp.output();
+}
+
+TEST(Examples, ShownInTheDocumentation_AreTheOnesThatAreTested) {
+    EXPECT_NE(text_of("docs/python-and-node-red.md").find(text_of("examples/lamp.py")), std::string::npos);
 }
 
 }  // namespace
