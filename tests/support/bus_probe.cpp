@@ -53,6 +53,7 @@ struct BusProbe::State {
     bool v5 = true;
     std::atomic<bool> connected{false};
     std::atomic<int> connect_code{-1};
+    std::atomic<bool> dropped{false};
     mutable std::mutex mutex;
     std::vector<bus::Message> messages;
     std::set<int> awaited;         ///< subscriptions and publications without an answer so far
@@ -79,8 +80,11 @@ struct BusProbe::State {
                 state.connect_code = code;
                 state.connected = code == 0;
             });
-        mosquitto_disconnect_callback_set(
-            client, [](mosquitto*, void* self, int) { static_cast<State*>(self)->connected = false; });
+        mosquitto_disconnect_callback_set(client, [](mosquitto* instance, void* self, int) {
+            auto& state = *static_cast<State*>(self);
+            state.connected = false;
+            if (state.dropped) mosquitto_disconnect(instance);  // ends the thread instead of reconnecting
+        });
         mosquitto_publish_callback_set(
             client, [](mosquitto*, void* self, int id) { static_cast<State*>(self)->answered(id); });
         mosquitto_subscribe_callback_set(client, [](mosquitto*, void* self, int id, int, const int*) {
@@ -131,7 +135,8 @@ BusProbe::BusProbe(std::uint16_t port, std::vector<std::string> filters, Options
     mosquitto_loop_start(client);
     if (!wait_until([&] { return state_->connect_code >= 0; }) || !state_->connected) {
         const int code = state_->connect_code;
-        mosquitto_loop_stop(client, true);
+        mosquitto_disconnect(client);
+        mosquitto_loop_stop(client, false);
         mosquitto_destroy(client);
         throw std::runtime_error("probe cannot connect to port " + std::to_string(port) + ", code " +
                                  std::to_string(code));
@@ -142,7 +147,7 @@ BusProbe::BusProbe(std::uint16_t port, std::vector<std::string> filters, Options
 
 BusProbe::~BusProbe() {
     mosquitto_disconnect(state_->client);
-    mosquitto_loop_stop(state_->client, true);
+    mosquitto_loop_stop(state_->client, false);
     mosquitto_destroy(state_->client);
 }
 
@@ -271,9 +276,9 @@ bool BusProbe::connected() const {
 }
 
 void BusProbe::drop() {
-    mosquitto_loop_stop(state_->client, true);
+    state_->dropped = true;
     shutdown(mosquitto_socket(state_->client), SHUT_RDWR);
-    state_->connected = false;
+    wait_until([&] { return !state_->connected; });
 }
 
 }  // namespace asip::test

@@ -67,6 +67,7 @@ const std::string kAccepted311("\x20\x02\x00\x00", 4);
 const std::string kRefusedVersion311("\x20\x02\x00\x01", 4);
 const std::string kRefusedVersion5("\x20\x03\x00\x84\x00", 5);
 const std::string kAccepted5("\x20\x03\x00\x00\x00", 5);
+const std::string kFirstSubscriptionNotAuthorised5("\x90\x04\x00\x01\x00\x87", 6);
 const std::string kTakenOver5("\xe0\x02\x8e\x00", 4);
 
 class MqttVersion : public testing::Test {
@@ -84,10 +85,15 @@ class MqttVersion : public testing::Test {
         bus::MqttClient::Handlers handlers;
         handlers.on_disconnected = [&](const bus::ConnectionFailure& f) { losses.push_back(f); };
         handlers.on_connect_failed = [&](const bus::ConnectionFailure& f) { failures.push_back(f); };
+        handlers.on_subscribe_refused = [&](const std::string& filter, const std::string& reason) {
+            refused_filters.push_back(filter + ": " + reason);
+        };
         bus::MqttClient client(io, options, handlers);
+        client.subscribe("secret/#");
         client.start();
         const bool connected = run_until(io, [&] {
-            return (client.connected() && !client.v5()) || failures.size() > 4 || losses.size() > 0;
+            return (client.connected() && !client.v5()) || failures.size() > 4 || !losses.empty() ||
+                   !refused_filters.empty();
         });
         versions = broker.versions;
         return connected && client.connected() && !client.v5();
@@ -96,6 +102,7 @@ class MqttVersion : public testing::Test {
     std::vector<int> versions;
     std::vector<bus::ConnectionFailure> failures;
     std::vector<bus::ConnectionFailure> losses;
+    std::vector<std::string> refused_filters;
 };
 
 TEST_F(MqttVersion, RefusedInTheWordsOf311_FallsBackUnnoticed) {
@@ -132,6 +139,11 @@ TEST_F(MqttVersion, DisconnectedBecauseOfAnotherClientWithOurId_IsTakenOver) {
     ASSERT_FALSE(losses.empty());
     EXPECT_EQ(losses[0].kind, Kind::kTakenOver);
     EXPECT_TRUE(losses[0].fatal());
+}
+
+TEST_F(MqttVersion, SubscriptionNotAllowed_IsReportedByItsFilter) {
+    EXPECT_FALSE(connects(kAccepted5 + kFirstSubscriptionNotAuthorised5, {}));
+    EXPECT_EQ(refused_filters, (std::vector<std::string>{"secret/#: Not authorized"}));
 }
 
 TEST_F(MqttVersion, SpeaksSomethingElse_FailsAndGoesOnTrying) {
