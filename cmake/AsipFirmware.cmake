@@ -18,8 +18,13 @@ set(asip_avr_cxx -std=gnu++11 -fpermissive -fno-exceptions -fno-threadsafe-stati
 set(asip_avr_warnings -Wall -Wextra -Wno-type-limits -Werror)
 
 set(asip_library_sources
+  AsipBump.cpp
   AsipDistance.cpp
+  AsipEncoders.cpp
+  AsipMotors.cpp
+  AsipReflectance.cpp
   AsipServos.cpp
+  AsipTone.cpp
   asip/Board.cpp
   asip/EchoTimer.cpp
   asip/Error.cpp
@@ -95,21 +100,35 @@ function(asip_add_core board)
   add_custom_target(avr_core_${board} DEPENDS "${folder}/core.a")
 endfunction()
 
+# Our library for a board and a set of defines, built once; its archive in ${out}, its target in ${out}_target.
+function(asip_add_library board defines flags out)
+  string(REPLACE "-D" "_" suffix "${defines}")
+  string(MAKE_C_IDENTIFIER "${board}${suffix}" key)
+  set(folder "${PROJECT_BINARY_DIR}/firmware/library_${key}")
+  set(${out} "${folder}/asip.a" PARENT_SCOPE)
+  set(${out}_target avr_library_${key} PARENT_SCOPE)
+  if(TARGET avr_library_${key})
+    return()
+  endif()
+  file(MAKE_DIRECTORY "${folder}/asip")
+  set(objects)
+  foreach(source ${asip_library_sources})
+    asip_avr_object("${ASIP_LIBRARY_DIR}/${source}" "${folder}/${source}.o" ${flags})
+    list(APPEND objects "${folder}/${source}.o")
+  endforeach()
+  asip_avr_archive("${folder}/asip.a" ${objects})
+  add_custom_target(avr_library_${key} DEPENDS "${folder}/asip.a")
+endfunction()
+
 function(asip_add_image name)
   cmake_parse_arguments(arg "" "BOARD;SKETCH" "SOURCES;DEFINES" ${ARGN})
   asip_add_core(${arg_BOARD})
   asip_board_flags(${arg_BOARD} flags variant)
   list(TRANSFORM arg_DEFINES PREPEND -D)
   list(APPEND flags ${asip_avr_warnings} ${arg_DEFINES} -I${ASIP_LIBRARY_DIR})
+  asip_add_library(${arg_BOARD} "${arg_DEFINES}" "${flags}" library)
   set(folder "${PROJECT_BINARY_DIR}/firmware/${name}")
-  file(MAKE_DIRECTORY "${folder}/asip" "${ASIP_IMAGES}")
-
-  set(library)
-  foreach(source ${asip_library_sources})
-    asip_avr_object("${ASIP_LIBRARY_DIR}/${source}" "${folder}/${source}.o" ${flags})
-    list(APPEND library "${folder}/${source}.o")
-  endforeach()
-  asip_avr_archive("${folder}/asip.a" ${library})
+  file(MAKE_DIRECTORY "${folder}" "${ASIP_IMAGES}")
 
   set(objects)
   foreach(source ${arg_SKETCH} ${arg_SOURCES})
@@ -124,8 +143,9 @@ function(asip_add_image name)
   list(FILTER flags INCLUDE REGEX "^-mmcu")
   add_custom_command(OUTPUT "${elf}"
     COMMAND avr-gcc -Os -g -flto -fuse-linker-plugin -Wl,--gc-sections ${flags} -o "${elf}"
-      ${objects} "${folder}/asip.a" "${core}" -lm
-    DEPENDS ${objects} "${folder}/asip.a" "${core}" avr_core_${arg_BOARD} COMMENT "image ${name}.elf" VERBATIM)
+      ${objects} "${library}" "${core}" -lm
+    DEPENDS ${objects} "${library}" ${library_target} "${core}" avr_core_${arg_BOARD}
+    COMMENT "image ${name}.elf" VERBATIM)
   add_custom_target(${name}_image ALL DEPENDS "${elf}")
   if(NOT TARGET firmware-images)
     add_custom_target(firmware-images)

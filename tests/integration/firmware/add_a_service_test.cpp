@@ -18,7 +18,8 @@ TEST(AddAServiceTest, TheService_DoesWhatThePageShows) {
     EXPECT_EQ(board.ask("F,A,1000"), "");
     const auto lines = board.lines_within(std::chrono::milliseconds(3050));
     ASSERT_EQ(lines.size(), 3u);
-    for (const auto& line : lines) EXPECT_EQ(line.substr(0, 8), "@F,e,2,{");
+    for (const auto& line : lines)
+        EXPECT_EQ(line.substr(0, 8), "@F,e,2,{");
 }
 
 }  // namespace

@@ -1,0 +1,28 @@
+#include "AsipBump.h"
+
+#ifdef ARDUINO
+
+namespace asip {
+
+FlashText Bump::name() const {
+    return F("Bump");
+}
+
+void Bump::begin() {
+    for (uint8_t i = 0; i < count(); ++i) {
+        if (board.claimPin(pins_[i], *this) == Error::kNone) pinMode(pins_[i], INPUT_PULLUP);
+    }
+}
+
+Error Bump::processRequest(Request&) {
+    return Error::kUnknownRequest;
+}
+
+void Bump::reportValue(uint8_t index) {
+    const bool touched = board.ownsPin(pins_[index], *this) && digitalRead(pins_[index]) == LOW;
+    out.number(touched);
+}
+
+}  // namespace asip
+
+#endif

@@ -1,0 +1,53 @@
+#include "AsipMotors.h"
+
+#ifdef ARDUINO
+
+namespace asip {
+
+FlashText Motors::name() const {
+    return F("Motors");
+}
+
+void Motors::begin() {
+    available_ = true;
+    for (uint8_t i = 0; i < 3 * used_; ++i) {
+        if (board.claimPin(pins_[i], *this) != Error::kNone) available_ = false;
+    }
+    if (!available_) return;
+    for (uint8_t i = 0; i < 3 * used_; ++i)
+        pinMode(pins_[i], OUTPUT);
+    for (uint8_t motor = 0; motor < used_; ++motor)
+        setPower(motor, 0);
+}
+
+void Motors::setPower(uint8_t motor, int16_t power) {
+    const uint8_t* const pins = &pins_[3 * motor];
+    digitalWrite(pins[0], power > 0);
+    digitalWrite(pins[1], power < 0);
+    analogWrite(pins[2], power < 0 ? -power : power);
+}
+
+Error Motors::processRequest(Request& request) {
+    const char tag = request.tag();
+    uint16_t motor = 0;
+    int16_t powers[2] = {0, 0};
+    if (tag == 'm' || tag == 's') motor = request.number();
+    if (tag == 'm' || tag == 'M') powers[0] = request.signedNumber(255);
+    if (tag == 'M') powers[1] = request.signedNumber(255);
+    if (tag != 'm' && tag != 's' && tag != 'M' && tag != 'S') return Error::kUnknownRequest;
+    if (!request.complete()) return Error::kBadArgument;
+    if (motor >= used_ || (tag == 'M' && used_ < 2)) return Error::kInvalidDeviceNumber;
+    if (!available_) return Error::kDeviceNotAvailable;
+    if (tag == 'm' || tag == 's') {
+        setPower(static_cast<uint8_t>(motor), powers[0]);
+        return Error::kNone;
+    }
+    for (uint8_t i = 0; i < used_; ++i) {
+        if (tag == 'S' || i < 2) setPower(i, tag == 'S' ? 0 : powers[i]);
+    }
+    return Error::kNone;
+}
+
+}  // namespace asip
+
+#endif

@@ -1,0 +1,35 @@
+// Motors behind H-bridges, three pins each: forward, backward, power (a PWM pin).
+//
+//   asip::Motors motors(7, 8, 5,  12, 13, 6);      // motor 0, motor 1
+//
+// M,m,motor,power (-255 to 255), M,M,power0,power1, M,s,motor stops one, M,S stops all.
+#pragma once
+
+#include "Asip.h"
+
+namespace asip {
+
+class Motors : public Service {
+  public:
+    static constexpr uint8_t kMaxMotors = 4;
+
+    template <typename... Pins>
+    constexpr explicit Motors(Pins... pins)
+        : Service('M'), pins_{static_cast<uint8_t>(pins)...}, used_(sizeof...(Pins) / 3), available_(false) {
+        static_assert(sizeof...(Pins) % 3 == 0, "a motor has three pins");
+        static_assert(sizeof...(Pins) <= 3 * kMaxMotors, "too many motors");
+    }
+
+    FlashText name() const override;
+    void begin() override;
+    Error processRequest(Request& request) override;
+
+  private:
+    void setPower(uint8_t motor, int16_t power);
+
+    uint8_t pins_[3 * kMaxMotors];
+    uint8_t used_;
+    bool available_;  // all pins were to be had
+};
+
+}  // namespace asip

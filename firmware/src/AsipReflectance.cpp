@@ -1,0 +1,44 @@
+#include "AsipReflectance.h"
+
+#ifdef ARDUINO
+
+namespace asip {
+
+static constexpr uint16_t kWarmMicroseconds = 200;  // until the sensors show the light
+
+FlashText Reflectance::name() const {
+    return F("Reflectance");
+}
+
+void Reflectance::begin() {
+    warming_ = false;
+    if (board.claimPin(emitter_, *this) == Error::kNone) pinMode(emitter_, OUTPUT);
+    for (uint8_t i = 0; i < count(); ++i)
+        board.claimPin(pins_[i], *this);
+}
+
+Error Reflectance::processRequest(Request&) {
+    return Error::kUnknownRequest;
+}
+
+void Reflectance::reportValues() {
+    if (!board.ownsPin(emitter_, *this)) return;
+    digitalWrite(emitter_, HIGH);
+    warming_ = true;
+    since_ = static_cast<uint16_t>(micros());
+}
+
+void Reflectance::poll() {
+    if (!warming_ || static_cast<uint16_t>(micros() - since_) < kWarmMicroseconds || !out.hasRoom()) return;
+    warming_ = false;
+    board.sendList(*this, 'e', count());
+}
+
+void Reflectance::reportValue(uint8_t index) {
+    out.number(static_cast<uint16_t>(analogRead(pins_[index])));
+    if (index == count() - 1 && !warming_) digitalWrite(emitter_, LOW);
+}
+
+}  // namespace asip
+
+#endif

@@ -1,0 +1,35 @@
+#include "AsipTone.h"
+
+#ifdef ARDUINO
+
+namespace asip {
+
+static constexpr uint16_t kLowestHertz = 31;  // what the timer can do
+
+FlashText Tone::name() const {
+    return F("Tone");
+}
+
+void Tone::begin() {
+    noTone(pin_);
+    board.claimPin(pin_, *this);
+}
+
+Error Tone::processRequest(Request& request) {
+    if (request.tag() != 'P') return Error::kUnknownRequest;
+    const uint16_t hertz = request.number();
+    const uint16_t milliseconds = request.number();
+    if (!request.complete() || (hertz != 0 && hertz < kLowestHertz)) return Error::kBadArgument;
+    if (!board.ownsPin(pin_, *this)) return Error::kDeviceNotAvailable;
+    // To tone() a duration of 0 is for ever.
+    if (hertz == 0 || milliseconds == 0) {
+        noTone(pin_);
+    } else {
+        tone(pin_, hertz, milliseconds);
+    }
+    return Error::kNone;
+}
+
+}  // namespace asip
+
+#endif

@@ -1,0 +1,109 @@
+// The services of a robot: motors, encoders, bump and reflectance sensors, tone.
+#include <gtest/gtest.h>
+
+#include "firmware_board.hpp"
+
+namespace asip::firmware {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr const char* kImage = "asip_uno_robot";
+constexpr std::uint16_t kOcr0a = 0x47, kOcr0b = 0x48;  // powers of motor 1 (pin 6) and 0 (pin 5)
+
+TEST(RobotTest, Banner_NamesAllServices) {
+    FirmwareBoard board(kImage);
+    EXPECT_EQ(board.banner(), "!AsipRobot running on ATmega328P with Services: I M E B R T ");
+    EXPECT_EQ(board.ask("#,N"), "@#,N,6,{I:ASIP core IO,M:Motors,E:Encoders,B:Bump,R:Reflectance,T:Tone}");
+    EXPECT_EQ(board.ask("#,S"), "@#,S,20,{@,@,E,E,E,M,M,M,M,E,B,B,M,M,R,R,R,R,T,I}");
+}
+
+TEST(MotorsTest, Power_SetsDirectionAndPwm) {
+    FirmwareBoard board(kImage);
+    EXPECT_EQ(board.ask("M,m,0,128"), "");
+    EXPECT_EQ(board->pin(7), sim::Level::high);
+    EXPECT_EQ(board->pin(8), sim::Level::low);
+    EXPECT_EQ(board->peek(kOcr0b), 128);
+    EXPECT_EQ(board.ask("M,M,-100,200"), "");
+    EXPECT_EQ(board->pin(7), sim::Level::low);
+    EXPECT_EQ(board->pin(8), sim::Level::high);
+    EXPECT_EQ(board->pin(12), sim::Level::high);
+    EXPECT_EQ(board->peek(kOcr0b), 100);
+    EXPECT_EQ(board->peek(kOcr0a), 200);
+    EXPECT_EQ(board.ask("M,s,0"), "");
+    EXPECT_EQ(board->pin(8), sim::Level::low);
+    EXPECT_EQ(board->pin(12), sim::Level::high);
+    EXPECT_EQ(board.ask("M,S"), "");
+    EXPECT_EQ(board->pin(12), sim::Level::low);
+}
+
+TEST(MotorsTest, Errors_ChangeNothing) {
+    FirmwareBoard board(kImage);
+    EXPECT_EQ(board.ask("M,m,2,1"), "~M,m,7{INVALID_DEVICE_NUMBER}");
+    EXPECT_EQ(board.ask("M,m,0,256"), "~M,m,11{BAD_ARGUMENT}");
+    EXPECT_EQ(board.ask("M,M,1"), "~M,M,11{BAD_ARGUMENT}");
+    EXPECT_EQ(board.ask("M,S,0"), "~M,S,11{BAD_ARGUMENT}");
+    EXPECT_EQ(board.ask("M,x"), "~M,x,2{UNKNOWN_REQUEST}");
+    EXPECT_EQ(board.ask("M,A,9"), "~M,A,2{UNKNOWN_REQUEST}");
+    EXPECT_EQ(board->pin(7), sim::Level::low);
+}
+
+TEST(EncodersTest, Steps_AreCountedWithTheirDirectionAndWidth) {
+    FirmwareBoard board(kImage, "uno", {{"wheel", sim::SquareWaveSpec{2, 500}}});
+    board->drive(4, sim::Level::low);
+    board.ask("E,A,100");
+    board.next_line();
+    for (int event = 0; event < 5; ++event) {
+        const auto line = board.next_line();
+        int width = 0, steps = 0, width1 = 0, steps1 = 0;
+        ASSERT_EQ(std::sscanf(line.c_str(), "@E,e,2,{%d:%d,%d:%d}", &width, &steps, &width1, &steps1), 4)
+            << line;
+        EXPECT_NEAR(width, 2000, 60);
+        EXPECT_NEAR(steps, 50, 1);
+        EXPECT_EQ(steps1, 0);
+    }
+    board->drive(4, sim::Level::high);
+    board.next_line();
+    const auto line = board.next_line();
+    EXPECT_NE(line.find(":-"), std::string::npos) << line;
+}
+
+TEST(BumpTest, Touched_IsOne) {
+    FirmwareBoard board(kImage, "uno", {{"left", sim::ButtonSpec{10}}, {"right", sim::ButtonSpec{11}}});
+    board.ask("B,A,20");
+    EXPECT_EQ(board.next_line(), "@B,e,2,{0,0}");
+    ASSERT_TRUE(board->part("right").command("press", ""));
+    board.next_line();
+    EXPECT_EQ(board.next_line(), "@B,e,2,{0,1}");
+    EXPECT_EQ(board.ask("B,M").substr(0, 7), "~B,M,2{");
+}
+
+TEST(ReflectanceTest, Values_AreReadWithTheEmittersOn) {
+    FirmwareBoard board(kImage);
+    board->set_millivolts(14, 0);
+    board->set_millivolts(15, 2500);
+    board->set_millivolts(16, 5000);
+    int rises = 0;
+    board->on_pin(17, [&](sim::Level level) { rises += level == sim::Level::high; });
+    board.ask("R,A,50");
+    EXPECT_EQ(board.next_line(), "@R,e,3,{0,511,1023}");
+    EXPECT_EQ(board.next_line(), "@R,e,3,{0,511,1023}");
+    EXPECT_EQ(rises, 2);
+    EXPECT_EQ(board->pin(17), sim::Level::low);
+}
+
+TEST(ToneTest, Tone_SoundsForItsTimeWhileTheBoardGoesOn) {
+    FirmwareBoard board(kImage);
+    int edges = 0;
+    board->on_pin(18, [&](sim::Level) { ++edges; });
+    EXPECT_EQ(board.ask("T,P,1000,100"), "");
+    EXPECT_EQ(board.ask("#,E,x"), "@#,E,x");
+    board->run_for(milliseconds(300));
+    EXPECT_NEAR(edges, 200, 4);
+    EXPECT_EQ(board.ask("T,P,5,100"), "~T,P,11{BAD_ARGUMENT}");
+    EXPECT_EQ(board.ask("T,P,440"), "~T,P,11{BAD_ARGUMENT}");
+    EXPECT_EQ(board.ask("T,S"), "~T,S,2{UNKNOWN_REQUEST}");
+}
+
+}  // namespace
+}  // namespace asip::firmware
