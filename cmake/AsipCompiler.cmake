@@ -11,12 +11,14 @@ set(CMAKE_C_FLAGS_DEV "-O1 -g1" CACHE STRING "Flags of the Dev build type")
 # Interface target that each target of ours links: warnings, and sanitizers where asked for.
 add_library(asip_options INTERFACE)
 target_compile_options(asip_options INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Werror)
+  "$<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wnon-virtual-dtor;-Woverloaded-virtual;-Wcast-align;-Werror>") # not of those who use the installed library
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # GCC 12 sees overlapping copies inside std::string's operator+ when it optimises (GCC bug 105651).
-  target_compile_options(asip_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
+  target_compile_options(asip_options INTERFACE $<BUILD_INTERFACE:$<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>>)
 endif()
-target_include_directories(asip_options INTERFACE "${PROJECT_SOURCE_DIR}")
+target_include_directories(asip_options INTERFACE
+  "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>" "$<INSTALL_INTERFACE:include>")
+target_compile_features(asip_options INTERFACE cxx_std_20)
 target_compile_definitions(asip_options INTERFACE ASIP_VERSION="${PROJECT_VERSION}")
 
 if(ASIP_SANITIZE)
