@@ -40,8 +40,9 @@ namespace line {
 // Powers of two: an index is wrapped by a mask. The bits of the registers are the same for each UART.
 static constexpr uint8_t kRxSize = 64;
 static constexpr uint8_t kTxSize = 64;
-static uint8_t rx[kRxSize];
-static uint8_t tx[kTxSize];
+// Volatile too: the byte must be in its place before the index says so.
+static volatile uint8_t rx[kRxSize];
+static volatile uint8_t tx[kTxSize];
 static volatile uint8_t rxHead, rxTail, txHead, txTail;
 
 static constexpr uint8_t kDataOverrun = 1 << 3, kFrameError = 1 << 4, kDataEmpty = 1 << 5, kSent = 1 << 6;

@@ -3,7 +3,9 @@
 //   #define ASIP_SERIAL Serial1
 //   #include <AsipSerial.h>
 //
-// Include it in the sketch, once, instead of <AsipFastSerial.h>.
+// Include it in the sketch, once, instead of <AsipFastSerial.h>. Unlike that, it cannot tell when bytes were
+// lost because more than 63 came while the board was busy: a peer that floods a board should turn the
+// checksum on.
 #pragma once
 
 #include <Arduino.h>

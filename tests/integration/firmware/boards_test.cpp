@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <ostream>
 
 #include "firmware_board.hpp"
 
@@ -15,6 +16,10 @@ struct Kind {
     int pins;
     int led;
 };
+
+void PrintTo(const Kind& kind, std::ostream* out) {
+    *out << kind.image;
+}
 
 class BoardsTest : public testing::TestWithParam<Kind> {};
 

@@ -7,7 +7,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-class RatesTest : public testing::TestWithParam<std::tuple<const char*, unsigned>> {};
+class RatesTest : public testing::TestWithParam<std::tuple<std::string, unsigned>> {};
 
 TEST_P(RatesTest, BothSides_FollowAtTheTrueRate) {
     const auto [image, baud] = GetParam();
@@ -35,10 +35,11 @@ TEST_P(RatesTest, BothSides_FollowAtTheTrueRate) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RatesTest,
-                         testing::Combine(testing::Values("asip_uno", "asip_uno_serial"),
+                         testing::Combine(testing::Values(std::string("asip_uno"),
+                                                          std::string("asip_uno_serial")),
                                           testing::Values(57600u, 115200u, 250000u, 500000u, 1000000u)),
                          [](const auto& chosen) {
-                             return std::string(std::get<0>(chosen.param)) + "_at_" +
+                             return std::get<0>(chosen.param) + "_at_" +
                                     std::to_string(std::get<1>(chosen.param));
                          });
 

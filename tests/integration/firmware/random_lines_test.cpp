@@ -53,7 +53,7 @@ std::string random_line(std::mt19937& random) {
     return is_of_the_line(line) ? std::string("#") : line;
 }
 
-class RandomLinesTest : public testing::TestWithParam<std::tuple<const char*, unsigned>> {};
+class RandomLinesTest : public testing::TestWithParam<std::tuple<std::string, unsigned>> {};
 
 TEST_P(RandomLinesTest, NeitherResetNorHang) {
     const auto [image, seed] = GetParam();
@@ -86,11 +86,12 @@ TEST_P(RandomLinesTest, NeitherResetNorHang) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Boards, RandomLinesTest,
-                         testing::Values(std::tuple("asip_uno_services", 1u),
-                                         std::tuple("asip_uno_services", 2u),
-                                         std::tuple("asip_uno_serial", 3u), std::tuple("asip_uno", 4u)),
+                         testing::Values(std::tuple(std::string("asip_uno_services"), 1u),
+                                         std::tuple(std::string("asip_uno_services"), 2u),
+                                         std::tuple(std::string("asip_uno_serial"), 3u),
+                                         std::tuple(std::string("asip_uno"), 4u)),
                          [](const auto& chosen) {
-                             return std::string(std::get<0>(chosen.param)) + "_" +
+                             return std::get<0>(chosen.param) + "_" +
                                     std::to_string(std::get<1>(chosen.param));
                          });
 

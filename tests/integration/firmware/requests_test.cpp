@@ -175,12 +175,5 @@ TEST(RequestsTest, SlowBytes_HoldNothingUp) {
     EXPECT_TRUE(board->is_output(13));
 }
 
-TEST(RequestsTest, LongestAutoEventPeriod_HoldsOverTheWrapOf16Bits) {
-    FirmwareBoard board("asip_uno");
-    board.ask("I,A,65535");
-    EXPECT_TRUE(board.lines_within(milliseconds(65400)).empty());
-    EXPECT_EQ(board.lines_within(milliseconds(200)).size(), 1u);
-}
-
 }  // namespace
 }  // namespace asip::firmware
