@@ -295,7 +295,7 @@ void MqttConnection::fail(ConnectionFailure failure) {
     asio::post(io_, [self = shared_from_this(), failure = std::move(failure)] { self->end({failure}); });
 }
 
-void MqttConnection::end(ConnectionEvents::End reason) {
+void MqttConnection::end(const ConnectionEvents::End& reason) {
     if (phase_ == Phase::kDown) return;
     abandon();
     events_.connection_down(reason);

@@ -87,7 +87,7 @@ class MqttConnection : public std::enable_shared_from_this<MqttConnection> {
     void schedule_tick();
     void tick();
     void await_close();
-    void end(ConnectionEvents::End end);
+    void end(const ConnectionEvents::End& reason);
     ConnectionEvents::End why_closed(int error) const;
 
     void on_connect(int code, const mosquitto_property* properties);
