@@ -34,6 +34,7 @@ set(asip_library_sources
   asip/Request.cpp
   asip/Service.cpp
   asip/ServoPulses.cpp
+  asip/Sizes.cpp
   asip/System.cpp)
 
 function(asip_board_flags board out_flags out_variant)

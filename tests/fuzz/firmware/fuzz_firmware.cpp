@@ -58,15 +58,20 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     // Bytes of 0xFE and 0xFF are time and inputs, so that they come in between.
     std::string all;
     std::string bytes;
+    int time_left = 12;  // enough for every timeout there is
     for (std::size_t i = 0; i < size; ++i) {
         if (data[i] < 0xFE) {
             bytes.push_back(static_cast<char>(data[i]));
             continue;
         }
-        all += board.send(bytes);
+        board.hardware().to_board += bytes;
         bytes.clear();
+        all += board.run(3);
         if (data[i] == 0xFE) board.hardware().levels[2] = !board.hardware().levels[2];
-        if (data[i] == 0xFF) all += board.pass_time(100);
+        if (data[i] == 0xFF && time_left > 0) {
+            --time_left;
+            all += board.pass_time(100);
+        }
     }
     all += board.send(bytes);
     check_lines(all);

@@ -21,10 +21,19 @@ std::string FakeBoard::send(const std::string& bytes) {
     return settle();
 }
 
+std::string FakeBoard::run(int passes) {
+    std::string all;
+    for (; passes > 0; --passes) {
+        board.run();
+        all += take();
+    }
+    return all;
+}
+
 std::string FakeBoard::settle() {
     std::string all;
-    // The longest answer is a list of 20 elements, the longest job a name of 32 characters.
-    for (int quiet = 0; quiet < 60; ++quiet) {
+    // The longest silence is that of a name of 32 characters being stored.
+    for (int quiet = 0; quiet < 40; ++quiet) {
         const auto waiting = hw::fake.to_board.size();
         board.run();
         const auto sent = take();

@@ -17,6 +17,8 @@ class FakeBoard {
     std::string ask(const std::string& line) { return send(line + "\n"); }
     std::string send(const std::string& bytes);
 
+    /// So many passes of the loop.
+    std::string run(int passes);
     /// Runs the board until it has nothing to do.
     std::string settle();
     /// Lets milliseconds pass, with a pass of the loop in each.
