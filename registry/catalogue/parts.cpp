@@ -29,6 +29,12 @@ void collect_units(const nlohmann::json& value, std::vector<std::string>& units)
     }
 }
 
+// The text of a JSON value that is a string; else nothing. Cut where it is longer than anybody needs.
+std::string text_of(std::string_view value) {
+    if (value.size() < 2 || value.front() != '"') return {};
+    return unescape(value.substr(1, std::min(value.size() - 2, kMaxTextBytes)));
+}
+
 struct RawService {
     std::string_view name, id, model, title, own_model;
     std::uint64_t count = 0, period = 0;
@@ -164,25 +170,36 @@ Kind* KindTable::find(std::string_view name) const {
 }
 
 std::unique_ptr<FirmwarePart> read_firmware(std::string_view text) {
-    const auto json = nlohmann::json::parse(text, nullptr, false);
-    if (!json.is_object()) return nullptr;
     auto part = std::make_unique<FirmwarePart>();
     part->text = text;
-    part->chip = string_member(json, "chip");
-    part->sketch = string_member(json, "sketch");
-    part->protocol = string_member(json, "protocol");
-    return part;
+    JsonScanner in(text);
+    std::string_view key;
+    std::string_view value;
+    if (!in.enter_object()) return nullptr;
+    while (in.next_member(key)) {
+        if (!in.value(value)) return nullptr;
+        if (key == "chip") part->chip = text_of(value);
+        if (key == "sketch") part->sketch = text_of(value);
+        if (key == "protocol") part->protocol = text_of(value);
+    }
+    return in.left() ? std::move(part) : nullptr;
 }
 
 std::unique_ptr<PinsPart> read_pins(std::string_view text) {
-    const auto json = nlohmann::json::parse(text, nullptr, false);
-    if (!json.is_object()) return nullptr;
     auto part = std::make_unique<PinsPart>();
     part->text = text;
-    for (const char digit : string_member(json, "capabilities")) {
-        if (digit >= '0' && digit <= '7') part->capabilities |= static_cast<unsigned>(digit - '0');
+    JsonScanner in(text);
+    std::string_view key;
+    std::string_view value;
+    if (!in.enter_object()) return nullptr;
+    while (in.next_member(key)) {
+        if (!in.value(value)) return nullptr;
+        if (key != "capabilities") continue;
+        for (const char digit : text_of(value)) {
+            if (digit >= '0' && digit <= '7') part->capabilities |= static_cast<unsigned>(digit - '0');
+        }
     }
-    return part;
+    return in.left() ? std::move(part) : nullptr;
 }
 
 std::unique_ptr<ServicesPart> read_services(std::string_view text, KindTable& kinds) {

@@ -1,0 +1,217 @@
+#include "asip/bus/query.hpp"
+
+#include <gmock/gmock.h>
+
+#include "asip/bus/catalogue_view.hpp"
+
+namespace asip::bus {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+WallTime wall(std::int64_t milliseconds) {
+    return WallTime(std::chrono::milliseconds(milliseconds));
+}
+
+BoardItem some_board(const std::string& name, const std::string& state = "online") {
+    BoardItem item;
+    item.board = name;
+    item.state = state;
+    item.said = "online";
+    item.session = "5f3a";
+    item.seq = 7;
+    item.lease = 60;
+    item.age = 1.5;
+    item.first_seen = wall(1'700'000'000'123);
+    item.last_seen = wall(1'700'000'001'000);
+    item.since = wall(1'700'000'000'500);
+    item.chip = "ATmega328P";
+    item.conflict = Conflict{"a", "b", "pi agent"};
+    ServiceItem service;
+    service.board = name;
+    service.state = state;
+    service.name = "distance";
+    service.kind = "distance";
+    service.model = "distance@1";
+    service.id = "D";
+    service.title = "Distance \"front\"";
+    service.count = 2;
+    item.services.push_back(service);
+    return item;
+}
+
+ChangeEvent change(std::uint64_t seq, ChangeEvent::Kind kind, BoardItem board) {
+    ChangeEvent event;
+    event.kind = kind;
+    event.registry = "r1";
+    event.epoch = "e";
+    event.seq = seq;
+    event.board = std::move(board);
+    return event;
+}
+
+Answer page(std::uint64_t seq, std::vector<BoardItem> boards, std::string cursor = {}) {
+    Answer answer;
+    answer.registry = "r1";
+    answer.epoch = "e";
+    answer.seq = seq;
+    answer.boards = std::move(boards);
+    answer.cursor = std::move(cursor);
+    return answer;
+}
+
+TEST(QueryWire, RequestsComeBackAsTheyWere) {
+    Query query;
+    query.find = Find::kServices;
+    query.board = "uno*";
+    query.kind = {"distance", "servo"};
+    query.state = {"online"};
+    query.unit = "cm";
+    query.capability = "pwm";
+    query.sort = "-last_seen";
+    query.limit = 7;
+    query.cursor = "a/b/c";
+    query.count = query.full = true;
+    const auto parsed = parse_registry_request(encode({query, "id", "answers/me"}));
+    ASSERT_TRUE(parsed) << parsed.error();
+    EXPECT_EQ(std::get<Query>(parsed->what), query);
+    EXPECT_EQ(parsed->id, "id");
+    EXPECT_EQ(parsed->reply_to, "answers/me");
+    const Forget forget{"uno1", true};
+    EXPECT_EQ(std::get<Forget>(parse_registry_request(encode({forget, "", ""}))->what), forget);
+}
+
+TEST(QueryWire, OneWordForAListIsTaken) {
+    const auto parsed = parse_registry_request(R"({"find":"boards","state":"lost"})");
+    ASSERT_TRUE(parsed);
+    EXPECT_THAT(std::get<Query>(parsed->what).state, ElementsAre("lost"));
+}
+
+TEST(QueryWire, BadRequests_AreRefusedByTheMemberThatIsWrong) {
+    for (const auto& [text, member] :
+         std::vector<std::pair<std::string, std::string>>{{R"({})", "find"},
+                                                          {R"({"find":7})", "find"},
+                                                          {R"({"find":"boards","kind":[1]})", "kind"},
+                                                          {R"({"find":"boards","limit":0})", "limit"},
+                                                          {R"({"find":"boards","limit":"x"})", "limit"},
+                                                          {R"({"find":"boards","count":"yes"})", "count"},
+                                                          {R"({"find":"boards","board":["a"]})", "board"},
+                                                          {R"({"forget":""})", "forget"},
+                                                          {R"({"forget":7})", "forget"},
+                                                          {"[]", "object"}}) {
+        const auto parsed = parse_registry_request(text);
+        ASSERT_FALSE(parsed) << text;
+        EXPECT_THAT(parsed.error(), HasSubstr(member)) << text;
+    }
+    EXPECT_FALSE(parse_registry_request("nonsense"));
+    EXPECT_FALSE(parse_registry_request(std::string(100'000, '[')));
+}
+
+TEST(QueryWire, AnswersAndEventsComeBackAsTheyWere) {
+    Answer answer = page(9, {some_board("uno1"), some_board("uno2", "lost")}, "uno2//");
+    answer.id = "5";
+    answer.total = 12;
+    answer.settling = true;
+    const auto parsed = parse_answer(encode(answer));
+    ASSERT_TRUE(parsed);
+    EXPECT_EQ(*parsed, answer);
+
+    ChangeEvent event = change(3, ChangeEvent::Kind::kState, some_board("uno1", "lost"));
+    event.was = "online";
+    event.reason = "lease";
+    event.at = wall(1'700'000'000'001);
+    const auto event_parsed = parse_change_event(encode(event));
+    ASSERT_TRUE(event_parsed);
+    EXPECT_EQ(*event_parsed, event);
+
+    for (const char* bad : {"", "{}", "[]", R"({"event":"state","seq":1})", R"({"event":"what"})"}) {
+        EXPECT_FALSE(parse_change_event(bad)) << bad;
+        EXPECT_FALSE(parse_answer(bad)) << bad;
+    }
+}
+
+TEST(QueryWire, TimesOfDay) {
+    EXPECT_EQ(format_time(wall(1'700'000'000'123)), "2023-11-14T22:13:20.123Z");
+    EXPECT_EQ(parse_time("2023-11-14T22:13:20.123Z"), wall(1'700'000'000'123));
+    for (const char* bad : {"", "2023-11-14", "2023-13-14T22:13:20.123Z", "2023-11-14T22:13:20.12xZ"}) {
+        EXPECT_FALSE(parse_time(bad)) << bad;
+    }
+}
+
+TEST(QueryWire, Patterns) {
+    EXPECT_TRUE(matches_pattern("", "anything"));
+    EXPECT_TRUE(matches_pattern("uno*", "uno"));
+    EXPECT_TRUE(matches_pattern("*1?", "uno12"));
+    EXPECT_TRUE(matches_pattern("a*b*c", "aXbXbc"));
+    EXPECT_FALSE(matches_pattern("uno", "uno1"));
+    EXPECT_FALSE(matches_pattern("a*b", "abc"));
+    EXPECT_FALSE(matches_pattern("?", ""));
+    EXPECT_FALSE(matches_pattern(std::string(60, '*') + "x", std::string(2000, 'a')));
+}
+
+class CatalogueViewTest : public testing::Test {
+  protected:
+    std::vector<std::string> changes;
+    CatalogueView view{[this](const CatalogueView::Change& change) {
+        changes.push_back(std::string(to_string(change.kind)) + " " + change.board.board + " " +
+                          change.board.state);
+    }};
+};
+
+TEST_F(CatalogueViewTest, PagesAndEventsBetweenThem_JoinWithoutGapOrDuplicate) {
+    ASSERT_TRUE(view.next_query());
+    view.event(change(1, ChangeEvent::Kind::kAdded, some_board("a")));  // already in the first page
+    ASSERT_TRUE(view.page(page(2, {some_board("a"), some_board("b")}, "b//")));
+    EXPECT_EQ(view.next_query()->cursor, "b//");
+    view.event(change(2, ChangeEvent::Kind::kAdded, some_board("b")));
+    view.event(
+        change(3, ChangeEvent::Kind::kState, some_board("a", "lost")));  // after a's page: must be applied
+    view.event(
+        change(4, ChangeEvent::Kind::kState, some_board("c", "offline")));  // before c's page: is in it
+    ASSERT_TRUE(view.page(page(4, {some_board("c", "offline")})));
+    EXPECT_FALSE(view.next_query());
+    EXPECT_EQ(view.boards().at("a").state, "lost");
+    EXPECT_EQ(view.boards().at("c").state, "offline");
+    EXPECT_THAT(changes, ElementsAre("added a online", "added b online", "added c offline", "state a lost"));
+    view.event(change(5, ChangeEvent::Kind::kForgotten, some_board("b")));
+    EXPECT_EQ(view.boards().count("b"), 0u);
+}
+
+TEST_F(CatalogueViewTest, LostEventResetOrRestart_AsksForANewSnapshotAndTellsOnlyWhatDiffers) {
+    view.page(page(1, {some_board("a"), some_board("b")}));
+    view.event(change(2, ChangeEvent::Kind::kState, some_board("a", "lost")));
+    changes.clear();
+    view.event(change(4, ChangeEvent::Kind::kState, some_board("b", "lost")));
+    ASSERT_TRUE(view.needs_snapshot());
+    EXPECT_EQ(view.boards().size(), 2u) << "the old ones stay until then";
+    view.page(page(5, {some_board("a", "lost"), some_board("c")}));
+    EXPECT_THAT(changes, ElementsAre("forgotten b online", "added c online"));
+    view.event(change(5, ChangeEvent::Kind::kReset, {}));
+    EXPECT_FALSE(view.needs_snapshot()) << "known already";
+    view.event(change(6, ChangeEvent::Kind::kReset, {}));
+    EXPECT_TRUE(view.needs_snapshot());
+    view.page(page(6, {}));
+    ChangeEvent restarted = change(1, ChangeEvent::Kind::kAdded, some_board("a"));
+    restarted.epoch = "other";
+    view.event(restarted);
+    EXPECT_TRUE(view.needs_snapshot());
+}
+
+TEST_F(CatalogueViewTest, OtherRegistries_AreIgnored) {
+    view.page(page(1, {some_board("a")}, "a//"));
+    Answer other = page(1, {some_board("z")});
+    other.registry = "r2";
+    EXPECT_FALSE(view.page(other));
+    view.page(page(1, {some_board("b")}));
+    EXPECT_FALSE(view.page(page(1, {some_board("z")})));
+    ChangeEvent event = change(9, ChangeEvent::Kind::kAdded, some_board("z"));
+    event.registry = "r2";
+    view.event(event);
+    EXPECT_EQ(view.boards().size(), 2u);
+    EXPECT_FALSE(view.needs_snapshot());
+}
+
+}  // namespace
+}  // namespace asip::bus
