@@ -99,7 +99,15 @@ Catalogue::Options Application::catalogue_options() const {
 QueryService::Dependencies Application::query_dependencies() {
     QueryService::Dependencies result{catalogue_, [] { return now(); }, {}, {}};
     result.forgotten = [this](const std::vector<Event>& events) { handle(events, true); };
-    if (history_) result.history = [this](const bus::Query& query) { return history_->find(query); };
+    if (history_)
+        result.history = [this](const bus::Query& query) -> Expected<bus::Answer> {
+            if (!history_) return fail("the history could not be written and was given up; see the log");
+            try {
+                return history_->find(query);
+            } catch (const std::exception& error) {
+                return fail(std::string("the history cannot be read: ") + error.what());
+            }
+        };
     return result;
 }
 
@@ -279,7 +287,7 @@ void Application::handle(const std::vector<Event>& events, bool decided_here) {
                 listener_->unlisten(event.board);
                 break;
             default:
-                if (history_) history_->add(event, now().wall);
+                keep(event);
                 if (event.kind == Event::Kind::kForgotten && decided_here) tidier_->forgotten(event.board);
                 if (event.kind == Event::Kind::kConflict) {
                     log::warning("two agents claim one board; stop one or give it another --name",
@@ -288,6 +296,20 @@ void Application::handle(const std::vector<Event>& events, bool decided_here) {
                 tell(event);
         }
     }
+}
+
+void Application::keep(const Event& event) {
+    try {
+        if (history_) history_->add(event, now().wall);
+    } catch (const std::exception& error) {
+        give_up_history(error.what());
+    }
+}
+
+// A full disk must not take the catalogue with it.
+void Application::give_up_history(const std::string& why) {
+    log::error("history cannot be written; going on without", {{"file", options_.history}, {"why", why}});
+    history_.reset();
 }
 
 void Application::tell(const Event& event) {
@@ -393,7 +415,11 @@ void Application::tick() {
         if (!settling_) catalogue_.settle();
         if (!settling_ && present >= next_stats_) publish_stats();
     }
-    if (history_) history_->tick(present);
+    try {
+        if (history_) history_->tick(present);
+    } catch (const std::exception& error) {
+        give_up_history(error.what());
+    }
     last_tick_ = present;
     schedule_tick();
 }

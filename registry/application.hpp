@@ -47,6 +47,8 @@ class Application {
 
     void settled();
     void handle(const std::vector<Event>& events, bool decided_here);
+    void keep(const Event& event);
+    void give_up_history(const std::string& why);
     void tell(const Event& event);
     void tell_reset();
     void publish_state(std::string_view word);
