@@ -12,6 +12,7 @@ namespace {
 // A probe is answered within a second, at a random moment; the rest is the way there and back.
 constexpr Duration kClaimTime = std::chrono::milliseconds(1300);
 constexpr Duration kProbeAnswer = std::chrono::milliseconds(900);
+constexpr Duration kBetweenChanges = std::chrono::seconds(1);
 
 std::string make_session(std::uint64_t started_unix, const Random& random) {
     char time[24];
@@ -52,14 +53,13 @@ bus::Message Announcer::will() const {
     return retained(topics_.state(options_.board), std::string(to_text(model::BoardState::Lost)));
 }
 
-void Announcer::describe(model::Description description, Effects& out) {
+void Announcer::describe(model::Description description) {
     description_ = std::move(description);
     description_.board = options_.board;
     description_.lease = options_.lease_seconds;
     described_ = true;
-    (void)out;
-    if (established_ && connected_)
-        probe_answer_ = Time::min();  // at the next tick: one announcement for many changes
+    // At the next tick, so that many changes are one announcement, and at most once a second.
+    if (established_ && connected_) probe_answer_ = last_announced_ + kBetweenChanges;
 }
 
 void Announcer::set_state(model::BoardState state, Effects& out) {
@@ -89,6 +89,7 @@ void Announcer::on_disconnected() {
 
 void Announcer::announce(Time now, Effects& out) {
     probe_answer_.reset();
+    last_announced_ = now;
     schedule_renewal(now);
     if (!described_) return;
     publish_state(out);

@@ -30,9 +30,9 @@ class Announcer {
   public:
     Announcer(const bus::Topics& topics, AnnouncerOptions options, Random random);
 
-    /// What is announced; `board`, `session`, `seq` and `lease` are filled in. Announced at once where
+    /// What is announced; `board`, `session`, `seq` and `lease` are filled in. Announced within a second where
     /// established.
-    void describe(model::Description description, Effects& out);
+    void describe(model::Description description);
     void set_state(model::BoardState state, Effects& out);
 
     void on_connected(Time now, Effects& out);
@@ -66,6 +66,7 @@ class Announcer {
     bool described_ = false;
     bool connected_ = false;
     bool established_ = false;  // the name is ours
+    Time last_announced_{};
     std::optional<Time> claim_ends_;
     std::optional<Time> renewal_;
     std::optional<Time> probe_answer_;

@@ -49,8 +49,7 @@ void BoardLink::open_serial() {
         if (other) port = std::move(other);
     }
     if (!port) {
-        if (!failure_told_ || !ever_open_) handlers_.on_failed(port.error(), !ever_open_);
-        failure_told_ = true;
+        failed(port.error());
         return retry();
     }
     serial_ = port->get();
@@ -62,17 +61,24 @@ void BoardLink::open_tcp() {
     const auto address = link::parse_tcp_address(options_.tcp);
     connecting_ = link::connect_tcp(io_, *address, kConnectTimeout, [this](auto stream) {
         if (stream) return opened(std::move(*stream), {"tcp", options_.tcp, 0});
-        if (!failure_told_) handlers_.on_failed(stream.error(), !ever_open_);
-        failure_told_ = true;
+        failed(stream.error());
         retry();
     });
+}
+
+// Said once for each kind of failure, not at every attempt.
+void BoardLink::failed(const link::StreamError& error) {
+    const bool first = !ever_open_ && !told_;
+    if (told_ == error.kind) return;
+    told_ = error.kind;
+    handlers_.on_failed(error, first);
 }
 
 void BoardLink::opened(std::unique_ptr<link::ByteStream> stream, model::LinkInfo info) {
     stream_ = std::move(stream);
     info_ = std::move(info);
     ever_open_ = true;
-    failure_told_ = false;
+    told_.reset();
     wanted_baud_ = 0;
     held_.clear();
     stream_->start({[this](std::string_view bytes) { handlers_.on_bytes(bytes); },

@@ -3,6 +3,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "agent/options.hpp"
@@ -19,7 +20,8 @@ class BoardLink {
         std::function<void(const session::LinkTraits&, model::LinkInfo)> on_up;
         std::function<void(const std::string& why)> on_down;
         std::function<void(std::string_view)> on_bytes;
-        /// It cannot be opened. `first`: it has never been open.
+        /// It cannot be opened. `first`: at the first attempt of all; a port that appeared later may yet get
+        /// its rights.
         std::function<void(const link::StreamError&, bool first)> on_failed;
     };
 
@@ -42,6 +44,7 @@ class BoardLink {
     void opened(std::unique_ptr<link::ByteStream> stream, model::LinkInfo info);
     void pulse_dtr();
     void closed(const link::StreamError& error);
+    void failed(const link::StreamError& error);
     void retry();
     void poll_drained();
 
@@ -56,7 +59,7 @@ class BoardLink {
     boost::asio::steady_timer drain_timer_;
     model::LinkInfo info_;
     bool ever_open_ = false;
-    bool failure_told_ = false;
+    std::optional<link::StreamError::Kind> told_;
     bool stopped_ = false;
     unsigned wanted_baud_ = 0;  // 0: no change of rate under way
     std::function<void(bool)> rate_done_;

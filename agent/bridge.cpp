@@ -82,7 +82,7 @@ void Bridge::perform(session::Actions& actions, Time now, Effects& out) {
 void Bridge::on_action(const session::BoardLine& line, Time, Effects& out) {
     out.lines.push_back(line.line);
     if (name_.empty()) return;
-    note_facts(line.line, out);
+    note_facts(line.line);
     context_.on_line(name_, line.line, session_.identity(), services_, out);
 }
 
@@ -90,10 +90,7 @@ void Bridge::on_action(const session::Identified& identified, Time, Effects& out
     const auto& board = session_.identity();
     services_ = ServiceTable(board, models_);
     if (identified.changed) facts_.counts.clear();
-    facts_.periods.clear();
-    for (const auto& entry : services_.entries())
-        if (const auto period = session_.period(entry.letter))
-            facts_.periods[entry.letter] = static_cast<int>(*period);
+    facts_.periods = current_periods();
     if (name_.empty()) {
         name_ = !options_.name.empty()       ? options_.name
                 : !board.stored_name.empty() ? board.stored_name
@@ -114,7 +111,7 @@ void Bridge::on_action(const session::Identified& identified, Time, Effects& out
              {"sketch", board.info.sketch},
              {"services", letters(services_)},
              {"baud", std::to_string(session_.baud())}});
-    describe_again(out);
+    describe_again();
     announcer_->set_state(model::BoardState::Online, out);
 }
 
@@ -155,10 +152,28 @@ void Bridge::on_action(const session::Garbage& garbage, Time now, Effects& out) 
 
 void Bridge::on_action(const session::Finished& end, Time, Effects& out) {
     control_.on_finished(end, out);
+    note_settings();
+}
+
+// Modes and periods that a request changed belong into the description.
+void Bridge::note_settings() {
+    auto periods = current_periods();
+    if (session_.identity().pin_modes == described_modes_ && periods == facts_.periods) return;
+    facts_.periods = std::move(periods);
+    describe_again();
+}
+
+std::map<char, int> Bridge::current_periods() const {
+    std::map<char, int> periods;
+    for (const auto& entry : services_.entries()) {
+        if (const auto period = session_.period(entry.letter))
+            periods[entry.letter] = static_cast<int>(*period);
+    }
+    return periods;
 }
 
 // What a description says besides the board's own words: how many elements a service has, and its period.
-void Bridge::note_facts(std::string_view line, Effects& out) {
+void Bridge::note_facts(std::string_view line) {
     const auto parsed = protocol::parse_line(line);
     const auto* event = std::get_if<protocol::Event>(&parsed);
     if (!event || event->service == 'I' || event->service == '#') return;
@@ -172,13 +187,13 @@ void Bridge::note_facts(std::string_view line, Effects& out) {
     const auto known = facts_.counts.find(event->service);
     if (known != facts_.counts.end() && known->second == count) return;
     facts_.counts[event->service] = count;
-    describe_again(out);
+    describe_again();
 }
 
-void Bridge::describe_again(Effects& out) {
+void Bridge::describe_again() {
     facts_.link.baud = static_cast<int>(session_.baud());
-    if (announcer_)
-        announcer_->describe(agent::describe(session_.identity(), services_, models_, facts_), out);
+    described_modes_ = session_.identity().pin_modes;
+    if (announcer_) announcer_->describe(agent::describe(session_.identity(), services_, models_, facts_));
 }
 
 // --- the bus's side
@@ -192,7 +207,7 @@ void Bridge::bus_connected(Time now, const std::string& client_id, Effects& out)
     if (!announcer_) return;
     if (facts_.agent.client != client_id) {
         facts_.agent = {ASIP_VERSION, program::host_name(), client_id};
-        describe_again(out);
+        describe_again();
     }
     announcer_->on_connected(now, out);
 }

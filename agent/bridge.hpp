@@ -71,8 +71,10 @@ class Bridge {
     void on_action(const session::LineRateChanged& change, Time now, Effects& out);
     void on_action(const session::Garbage& garbage, Time now, Effects& out);
     void on_action(const session::Finished& end, Time now, Effects& out);
-    void describe_again(Effects& out);
-    void note_facts(std::string_view line, Effects& out);
+    void describe_again();
+    void note_facts(std::string_view line);
+    void note_settings();
+    std::map<char, int> current_periods() const;
 
     BridgeOptions options_;
     bus::Topics topics_;
@@ -84,6 +86,7 @@ class Bridge {
     std::unique_ptr<Announcer> announcer_;  // once there is a name
     ServiceTable services_;
     BoardFacts facts_;
+    std::vector<protocol::PinMode> described_modes_;
     std::string name_;
     std::optional<Time> garbage_quiet_until_;
 };

@@ -131,6 +131,25 @@ TEST(AgentBoard, NoSuchPort_IsWaitedFor) {
     EXPECT_TRUE(agent.process().running());
 }
 
+TEST(AgentBoard, OverTcp_IsOnlineAndBackWhenItsPortIs) {
+    MosquittoBroker broker;
+    TempDir folder;
+    const auto port = std::to_string(free_port());
+    const auto start_board = [&] {
+        return std::make_unique<ChildProcess>(std::vector<std::string>{
+            ASIP_PROGRAMS "/asip-sim", ASIP_IMAGES "/asip_uno.elf", "--tcp", port, "--no-socket"});
+    };
+    auto board = start_board();
+    BusProbe probe(broker.port());
+    ChildProcess agent({ASIP_PROGRAMS "/asip-agent", "--tcp", "127.0.0.1:" + port, "--broker", broker.url(),
+                        "--name", "uno1"});
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.errors();
+    board.reset();
+    ASSERT_TRUE(wait_state(probe, "lost", 2s)) << agent.errors();
+    board = start_board();
+    EXPECT_TRUE(wait_state(probe, "online")) << agent.errors();
+}
+
 TEST(AgentOptions, BadOnes_EndWithStatus2) {
     EXPECT_EQ(run({ASIP_PROGRAMS "/asip-agent"}).status, 2);
     EXPECT_EQ(run({ASIP_PROGRAMS "/asip-agent", "--serial", "/dev/null", "--name", "a/b"}).status, 2);

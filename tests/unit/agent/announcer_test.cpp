@@ -1,0 +1,196 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "asip/program/exit_status.hpp"
+#include "tests/unit/agent/bridge_bench.hpp"
+
+namespace asip::agent {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const std::string kState = "asip/servicebus/uno1/$state";
+const std::string kDescription = "asip/servicebus/uno1/$description";
+const std::string kProbe = "asip/servicebus/$probe";
+
+std::string foreign_description(const std::string& session) {
+    model::Description other;
+    other.board = "uno1";
+    other.session = session;
+    other.seq = 1;
+    other.agent = {"0.1.0", "pi", "asip-agent-pi-1"};
+    return model::to_text(other);
+}
+
+TEST(Announcer, BoardAndBusThere_NameIsProbedThenAnnouncedInBothLayers) {
+    BridgeBench bench;
+    bench.plug();
+    bench.connect();
+    EXPECT_THAT(bench.on(kProbe), ElementsAre("uno1"));
+    EXPECT_THAT(bench.on(kState), IsEmpty());
+    bench.pass(1500ms);
+    EXPECT_THAT(bench.on(kState), ElementsAre("online"));
+    EXPECT_THAT(bench.on("asip/servicebus"), ElementsAre("uno1"));
+    EXPECT_THAT(bench.on("asip/servicebus/uno1"), ElementsAre("io", "servo", "distance"));
+    ASSERT_EQ(bench.on(kDescription).size(), 1u);
+    const auto description = model::parse_description(bench.on(kDescription)[0]);
+    ASSERT_TRUE(description) << description.error();
+    EXPECT_EQ(description->pins.owners, "@@IISD");
+    EXPECT_EQ(description->services.size(), 3u);
+    EXPECT_EQ(description->agent.client, "client");
+}
+
+TEST(Announcer, StateAndDescription_AreRetainedAndTheDescriptionExpiresWithTheLease) {
+    BridgeBench bench;
+    bench.go_online();
+    for (const auto& publication : bench.published) {
+        if (publication.message.topic == kState) {
+            EXPECT_TRUE(publication.message.retain);
+        }
+        if (publication.message.topic != kDescription) continue;
+        EXPECT_TRUE(publication.message.retain);
+        EXPECT_EQ(publication.message.expiry_seconds, 60u);
+    }
+    EXPECT_EQ(bench.bridge.will().payload, "lost");
+    EXPECT_TRUE(bench.bridge.will().retain);
+}
+
+TEST(Announcer, Lease_IsRenewedAtAThirdWithARisingSeq) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.pass(60s);
+    const auto descriptions = bench.on(kDescription);
+    ASSERT_GE(descriptions.size(), 3u);
+    ASSERT_LE(descriptions.size(), 6u);
+    EXPECT_EQ(model::parse_description(descriptions[0])->seq + 1,
+              model::parse_description(descriptions[1])->seq);
+}
+
+TEST(Announcer, Probe_IsAnsweredWithinASecond) {
+    BridgeBench bench;
+    bench.go_online();
+    for (const char* payload : {"", "uno1"}) {
+        bench.published.clear();
+        bench.hear(kProbe, payload);
+        bench.pass(1s);
+        EXPECT_EQ(bench.on(kDescription).size(), 1u);
+    }
+    bench.published.clear();
+    bench.hear(kProbe, "other");
+    bench.pass(1s);
+    EXPECT_THAT(bench.on(kDescription), IsEmpty());
+}
+
+TEST(Announcer, OwnStateWrittenBySomebody_IsPutRight) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.published.clear();
+    bench.hear(kState, "online");
+    EXPECT_THAT(bench.on(kState), IsEmpty());
+    bench.hear(kState, "lost");
+    EXPECT_THAT(bench.on(kState), ElementsAre("online"));
+    bench.hear(kState, "");
+    EXPECT_THAT(bench.on(kState), ElementsAre("online", "online"));
+}
+
+TEST(Announcer, LivingHolderAnswersTheClaim_EndsAndNamesIt) {
+    BridgeBench bench;
+    bench.plug();
+    bench.connect();
+    bench.hear(kDescription, foreign_description("0"));
+    ASSERT_TRUE(bench.fatal);
+    EXPECT_EQ(bench.fatal->status, program::kExitNameConflict);
+    EXPECT_THAT(bench.fatal->text, HasSubstr("asip-agent-pi-1 on pi"));
+    EXPECT_THAT(bench.on(kState), IsEmpty());
+}
+
+TEST(Announcer, RetainedDescriptionOfADeadAgent_IsNoConflict) {
+    BridgeBench bench;
+    bench.plug();
+    bench.connect();
+    bench.hear(kDescription, foreign_description("zzz"), true);
+    bench.hear(kDescription, "no json");
+    bench.pass(1500ms);
+    EXPECT_FALSE(bench.fatal);
+    EXPECT_THAT(bench.on(kState), ElementsAre("online"));
+}
+
+TEST(Announcer, Takeover_AnnouncesALaterSessionThanTheHolders) {
+    auto options = BridgeBench::defaults();
+    options.takeover = true;
+    BridgeBench bench(options);
+    bench.plug();
+    bench.connect();
+    bench.hear(kDescription, foreign_description("ffff"));
+    bench.pass(1500ms);
+    EXPECT_FALSE(bench.fatal);
+    ASSERT_EQ(bench.on(kDescription).size(), 1u);
+    EXPECT_GT(model::parse_description(bench.on(kDescription)[0])->session, "ffff");
+}
+
+TEST(Announcer, LaterSessionAnnouncesOurName_WeEnd) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.hear(kDescription, foreign_description("ffffffffffffffff"));
+    ASSERT_TRUE(bench.fatal);
+    EXPECT_EQ(bench.fatal->status, program::kExitNameConflict);
+}
+
+TEST(Announcer, OlderSessionIsReplayed_WeAnnounceAgainAndStay) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.published.clear();
+    bench.hear(kDescription, foreign_description("0000000001"));
+    bench.pass(1s);
+    EXPECT_FALSE(bench.fatal);
+    EXPECT_EQ(bench.on(kDescription).size(), 1u);
+}
+
+TEST(Announcer, BoardLostAndBack_StateFollows) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.unplug();
+    bench.plug();
+    EXPECT_THAT(bench.on(kState), ElementsAre("online", "lost", "online"));
+}
+
+TEST(Announcer, BrokerBack_AnnouncesAtOnceWithoutAnotherClaim) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.bridge.bus_disconnected();
+    bench.unplug();
+    bench.published.clear();
+    bench.connect();
+    EXPECT_THAT(bench.on(kState), ElementsAre("lost"));
+    EXPECT_EQ(bench.on(kDescription).size(), 1u);
+    EXPECT_THAT(bench.on(kProbe), IsEmpty());
+}
+
+TEST(Announcer, Goodbye_SaysOffline) {
+    BridgeBench bench;
+    bench.go_online();
+    Effects effects;
+    bench.bridge.goodbye(bench.now, effects);
+    ASSERT_FALSE(effects.publish.empty());
+    EXPECT_EQ(effects.publish.back().message.topic, kState);
+    EXPECT_EQ(effects.publish.back().message.payload, "offline");
+}
+
+TEST(Announcer, NameNotGiven_IsTheStoredOneElseFromThePort) {
+    auto options = BridgeBench::defaults();
+    options.name.clear();
+    BridgeBench stored(options);
+    stored.board.stored_name = "greenhouse";
+    stored.plug();
+    EXPECT_EQ(stored.bridge.name(), "greenhouse");
+    BridgeBench old(options);
+    old.board.extensions = false;
+    old.plug();
+    EXPECT_EQ(old.bridge.name(), "ttyACM0");
+}
+
+}  // namespace
+}  // namespace asip::agent

@@ -1,0 +1,121 @@
+#pragma once
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "agent/bridge.hpp"
+#include "tests/unit/session/scripted_board.hpp"
+
+namespace asip::agent {
+
+using namespace std::chrono_literals;
+
+/// A bridge between a scripted board and a list of what was published.
+class BridgeBench {
+  public:
+    explicit BridgeBench(BridgeOptions options = defaults())
+        : bridge(std::move(options), model::ModelSet::standard(), [] { return std::uint64_t{1} << 60; }) {}
+
+    static BridgeOptions defaults() {
+        BridgeOptions options;
+        options.name = "uno1";
+        options.started_unix = 1000;
+        options.session.max_baud = 0;
+        return options;
+    }
+
+    session::ScriptedBoard board;
+    Bridge bridge;
+    Time now{};
+    std::vector<Publication> published;
+    std::vector<std::string> client_lines;
+    std::vector<std::string> notices;
+    std::optional<Fatal> fatal;
+
+    void plug() {
+        run([&](Effects& out) {
+            bridge.link_up({57600, false}, {"serial", "/dev/ttyACM0", 57600}, now, out);
+        });
+    }
+    void unplug() {
+        run([&](Effects& out) { bridge.link_down("gone", now, out); });
+    }
+    void connect() {
+        run([&](Effects& out) { bridge.bus_connected(now, "client", out); });
+    }
+    /// Board, bus, and the name claimed.
+    void go_online() {
+        plug();
+        connect();
+        pass(1500ms);
+    }
+    void say(std::string_view bytes) {
+        run([&](Effects& out) { bridge.receive(bytes, now, out); });
+    }
+    void hear(bus::Message message) {
+        run([&](Effects& out) { bridge.bus_message(message, now, out); });
+    }
+    void hear(const std::string& topic, const std::string& payload, bool retained = false) {
+        bus::Message message;
+        message.topic = topic;
+        message.payload = payload;
+        message.retain = retained;
+        hear(message);
+    }
+    bool client_says(std::string_view line) {
+        bool taken = false;
+        run([&](Effects& out) { taken = bridge.client_line(line, now, out); });
+        return taken;
+    }
+    void pass(Duration time) {
+        const Time end = now + time;
+        while (true) {
+            const auto deadline = bridge.next_deadline();
+            if (!deadline || *deadline > end) break;
+            now = std::max(*deadline, now + 1us);
+            run([&](Effects& out) { bridge.tick(now, out); });
+        }
+        now = end;
+    }
+    /// Payloads on `topic`, in order.
+    std::vector<std::string> on(const std::string& topic) const {
+        std::vector<std::string> payloads;
+        for (const auto& publication : published)
+            if (publication.message.topic == topic) payloads.push_back(publication.message.payload);
+        return payloads;
+    }
+    /// The answer to a JSON command with id "1", which `command` must not have.
+    nlohmann::json ask(const std::string& topic, nlohmann::json command, const std::string& id = "1") {
+        command["id"] = id;
+        command["reply_to"] = "answers";
+        hear(topic, command.dump());
+        const auto answers = on("answers");
+        return answers.empty() ? nlohmann::json() : nlohmann::json::parse(answers.back());
+    }
+
+  private:
+    template <class Call>
+    void run(Call&& call) {
+        Effects effects;
+        call(effects);
+        perform(effects);
+    }
+    void perform(Effects& effects) {
+        std::string answer;
+        for (auto& action : effects.link)
+            if (auto* write = std::get_if<session::Write>(&action))
+                answer += board.hear(write->bytes, 57600, now);
+        for (auto& publication : effects.publish)
+            published.push_back(std::move(publication));
+        for (auto& line : effects.lines)
+            client_lines.push_back(std::move(line));
+        for (auto& notice : effects.notices)
+            notices.push_back(notice.text);
+        if (effects.fatal) fatal = effects.fatal;
+        if (!answer.empty()) say(answer);
+    }
+};
+
+}  // namespace asip::agent

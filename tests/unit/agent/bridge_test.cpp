@@ -1,0 +1,238 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "agent/client_framing.hpp"
+#include "agent/recent_answers.hpp"
+#include "tests/unit/agent/bridge_bench.hpp"
+
+namespace asip::agent {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+struct OnlineBridge : testing::Test {
+    OnlineBridge() {
+        bench.go_online();
+        bench.published.clear();
+        bench.board.executed.clear();
+    }
+    BridgeBench bench;
+};
+
+// --- context
+
+TEST_F(OnlineBridge, EventOfTheBoard_IsPublishedRawAndDecoded) {
+    bench.say("@D,e,2,{42,118}\r\n");
+    EXPECT_THAT(bench.on("asip/uno1/out"), ElementsAre("@D,e,2,{42,118}"));
+    EXPECT_THAT(bench.on("asip/uno1/distance/out"), ElementsAre(R"({"distance":[42,118]})"));
+    EXPECT_THAT(bench.client_lines, ElementsAre("@D,e,2,{42,118}"));
+}
+
+TEST_F(OnlineBridge, DigitalEvent_NamesThePinsOfThePort) {
+    bench.say("@I,d,4,4\r\n");
+    ASSERT_EQ(bench.on("asip/uno1/io/out").size(), 1u);
+    EXPECT_EQ(json::parse(bench.on("asip/uno1/io/out")[0])["digital"]["2"], 1);
+}
+
+TEST_F(OnlineBridge, ErrorOfTheBoard_IsPublishedForItsService) {
+    bench.say("~S,W,7{INVALID_DEVICE_NUMBER}\r\n");
+    ASSERT_EQ(bench.on("asip/uno1/servo/error").size(), 1u);
+    EXPECT_EQ(json::parse(bench.on("asip/uno1/servo/error")[0]),
+              json::parse(R"({"request":"W","code":7,"error":"INVALID_DEVICE_NUMBER"})"));
+}
+
+TEST_F(OnlineBridge, EventThatFitsNoModel_IsPublishedRawOnly) {
+    bench.say("@D,e,3,{42\r\n@Z,z,1\r\n");
+    EXPECT_EQ(bench.on("asip/uno1/out").size(), 2u);
+    EXPECT_EQ(bench.published.size(), 2u);
+}
+
+TEST_F(OnlineBridge, ElementsSeen_AreCountedInTheDescription) {
+    bench.say("@D,e,2,{42,118}\r\n");
+    bench.pass(1s);
+    const auto descriptions = bench.on("asip/servicebus/uno1/$description");
+    ASSERT_EQ(descriptions.size(), 1u);
+    EXPECT_EQ(model::parse_description(descriptions[0])->service("distance")->count, 2);
+}
+
+TEST_F(OnlineBridge, ModeAndPeriodSet_AreInTheDescription) {
+    bench.ask("asip/uno1/io/in", {{"mode", {3, "output"}}}, "1");
+    bench.ask("asip/uno1/distance/in", {{"report", 100}}, "2");
+    bench.pass(1s);
+    const auto descriptions = bench.on("asip/servicebus/uno1/$description");
+    ASSERT_EQ(descriptions.size(), 1u) << "one announcement for both";
+    const auto description = model::parse_description(descriptions[0]);
+    EXPECT_EQ(description->pins.modes, "661377");
+    EXPECT_EQ(description->service("distance")->period, 100);
+}
+
+TEST(Context, TerminatorAndRetainWanted_AreUsed) {
+    auto options = BridgeBench::defaults();
+    options.context = {"\r\n", true};
+    BridgeBench bench(options);
+    bench.go_online();
+    bench.say("@D,e,1,{42}\r\n");
+    EXPECT_THAT(bench.on("asip/uno1/out"), ElementsAre("@D,e,1,{42}\r\n"));
+    bool retained = false;
+    for (const auto& p : bench.published)
+        retained = retained || (p.message.topic == "asip/uno1/distance/out" && p.message.retain);
+    EXPECT_TRUE(retained);
+}
+
+// --- control
+
+TEST_F(OnlineBridge, Command_IsExecutedAndAnsweredWithItsProof) {
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}),
+              json::parse(R"({"id":"1","status":"ok","proof":"fence"})"));
+    EXPECT_THAT(bench.board.executed, ElementsAre("S,W,0,90"));
+}
+
+TEST_F(OnlineBridge, CommandWithAnAnswer_CarriesItDecoded) {
+    bench.board.replies["D,M"] = "@D,e,2,{42,118}";
+    EXPECT_EQ(bench.ask("asip/uno1/distance/in", {{"measure", nullptr}})["answer"],
+              json::parse(R"({"distance":[42,118]})"));
+}
+
+TEST_F(OnlineBridge, BoardRefuses_ItsWordsAreTheAnswer) {
+    bench.board.replies["S,W,9,90"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {9, 90}}}),
+              json::parse(R"({"id":"1","status":"error","code":7,"error":"INVALID_DEVICE_NUMBER"})"));
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "2")["status"], "ok");
+}
+
+TEST_F(OnlineBridge, BoardDoesNotAnswer_TimeoutAndTheNextWorks) {
+    bench.board.swallow_fences = 1;
+    EXPECT_TRUE(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}).is_null());
+    bench.say("@I,a,1,{0:1}\r\n");
+    bench.pass(1s);
+    bench.say("@I,a,1,{0:1}\r\n");
+    bench.pass(1s);
+    ASSERT_EQ(bench.on("answers").size(), 1u);
+    EXPECT_EQ(json::parse(bench.on("answers")[0])["status"], "timeout");
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "2")["status"], "ok");
+}
+
+TEST_F(OnlineBridge, BadCommands_AreRefusedWithAReasonAndNothingIsSent) {
+    int id = 0;
+    for (const char* command : {R"({"wirte":[0,90]})", R"({"write":[0]})", R"({"write":[0,900]})",
+                                R"({"write":["x",1]})", R"({"write":{"servo":0,"ankle":90}})", R"({})"}) {
+        const auto answer =
+            bench.ask("asip/uno1/servo/in", json::parse(command), "bad" + std::to_string(++id));
+        EXPECT_EQ(answer["status"], "refused") << command;
+        EXPECT_EQ(answer["reason"], "invalid") << command;
+        EXPECT_FALSE(answer["error"].get<std::string>().empty()) << command;
+    }
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}})["status"], "ok");
+}
+
+TEST_F(OnlineBridge, ServiceTheBoardDoesNotHave_IsRefused) {
+    EXPECT_EQ(bench.ask("asip/uno1/tone/in", {{"play", {440, 100}}})["status"], "refused");
+}
+
+TEST_F(OnlineBridge, TextAndRawLines_AreExecuted) {
+    bench.hear("asip/uno1/servo/in", "W,0,90");
+    bench.hear("asip/uno1/in", "I,d,13,1\nI,d,13,0\r\n");
+    EXPECT_THAT(bench.board.executed, ElementsAre("S,W,0,90", "I,d,13,1", "I,d,13,0"));
+}
+
+TEST_F(OnlineBridge, ManyLinesInOnePayload_OneAnswerWithTheFirstError) {
+    bench.board.replies["S,W,9,90"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    const auto answer = bench.ask("asip/uno1/in", {{"raw", "I,d,13,1\nS,W,9,90\nI,d,13,0"}});
+    EXPECT_EQ(answer["code"], 7);
+    EXPECT_EQ(bench.on("answers").size(), 1u);
+    EXPECT_EQ(bench.board.executed.size(), 3u);
+}
+
+TEST_F(OnlineBridge, RetainedCommand_IsRefusedAndNotSent) {
+    bench.hear("asip/uno1/servo/in", R"({"write":[0,90],"id":"1","reply_to":"answers"})", true);
+    bench.hear("asip/uno1/in", "I,d,13,1", true);
+    ASSERT_EQ(bench.on("answers").size(), 1u);
+    EXPECT_EQ(json::parse(bench.on("answers")[0])["reason"], "retained");
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST_F(OnlineBridge, SameIdWithinAMinute_IsAnsweredAgainNotExecutedAgain) {
+    const auto first = bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "a");
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "a"), first);
+    EXPECT_EQ(bench.board.executed.size(), 1u);
+    EXPECT_EQ(bench.on("answers").size(), 2u);
+    bench.pass(61s);
+    bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "a");
+    EXPECT_EQ(bench.board.executed.size(), 2u);
+}
+
+TEST_F(OnlineBridge, ResponseTopic_IsAnsweredWithTheCorrelationData) {
+    bus::Message command;
+    command.topic = "asip/uno1/servo/in";
+    command.payload = R"({"write":[0,90]})";
+    command.response_topic = "me";
+    command.correlation = std::string("\0\xff", 2);
+    bench.hear(command);
+    const auto at = std::find_if(bench.published.begin(), bench.published.end(),
+                                 [](const auto& p) { return p.message.topic == "me"; });
+    ASSERT_NE(at, bench.published.end());
+    EXPECT_EQ(at->message.correlation, command.correlation);
+    EXPECT_EQ(at->priority, bus::Priority::kReply);
+}
+
+TEST_F(OnlineBridge, BoardNotThere_IsRefusedAndWhatWasSentTimesOut) {
+    bench.board.mute = true;
+    bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "sent");
+    bench.unplug();
+    EXPECT_EQ(json::parse(bench.on("answers").back())["status"], "timeout");
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "after")["reason"], "board-not-there");
+}
+
+TEST_F(OnlineBridge, QueueFull_IsRefusedAndEveryCommandIsAnsweredOnce) {
+    bench.board.mute = true;
+    for (int i = 0; i < 2000; ++i)
+        bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "n" + std::to_string(i));
+    EXPECT_GE(bench.on("answers").size(), 1400u);
+    EXPECT_EQ(json::parse(bench.on("answers").back())["reason"], "queue-full");
+    bench.unplug();
+    EXPECT_EQ(bench.on("answers").size(), 2000u);
+}
+
+TEST_F(OnlineBridge, LineOfAClient_ReachesTheBoardAndBadOnesDoNot) {
+    EXPECT_TRUE(bench.client_says("I,d,13,1"));
+    EXPECT_FALSE(bench.client_says("#,B,500000"));
+    EXPECT_FALSE(bench.client_says("nonsense"));
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,d,13,1"));
+}
+
+TEST_F(OnlineBridge, ForeignTopics_ChangeNothing) {
+    for (const char* topic : {"asip/other/in", "asip/uno1/bad name/in", "x", "", "asip/uno1/io/in/more"})
+        bench.hear(topic, "S,W,0,90");
+    EXPECT_THAT(bench.published, IsEmpty());
+}
+
+// --- parts
+
+TEST(ClientFraming, PlainClient_SendsAndGetsLines) {
+    ClientFraming framing;
+    EXPECT_THAT(framing.decode("I,d,1"), IsEmpty());
+    EXPECT_THAT(framing.decode("3,1\r\n#,?\n"), ElementsAre("I,d,13,1", "#,?"));
+    EXPECT_EQ(framing.encode("@I,d,4,c"), "@I,d,4,c\n");
+}
+
+TEST(ClientFraming, JavaClient_SendsAndGetsFrames) {
+    ClientFraming framing;
+    EXPECT_THAT(framing.decode(std::string("\0\3#,", 4)), IsEmpty());
+    EXPECT_THAT(framing.decode(std::string("?\0\4I,M\n", 7)), ElementsAre("#,?", "I,M"));
+    EXPECT_EQ(framing.encode("@x"), std::string("\0\2@x", 4));
+}
+
+TEST(RecentAnswers, ManyKeys_OldestIsForgottenAndMemoryBounded) {
+    RecentAnswers recent;
+    for (std::size_t i = 0; i < RecentAnswers::kMost + 100; ++i)
+        recent.see("k" + std::to_string(i), Time{});
+    EXPECT_LE(recent.size(), RecentAnswers::kMost);
+    EXPECT_EQ(recent.see("k0", Time{}), RecentAnswers::Seen::kNew);
+}
+
+}  // namespace
+}  // namespace asip::agent
