@@ -29,13 +29,15 @@ std::string shipped(const std::string& file) {
 /// Mosquitto with asip-secured.conf as it is, but for the places of its files and its ports.
 class SecuredBroker {
   public:
-    SecuredBroker()
+    enum class By { kPassword, kCertificate };
+
+    explicit SecuredBroker(By by = By::kPassword)
         : certificates_(make_certificates(folder_)), port_(free_port()), local_port_(free_port()) {
         std::string text = shipped("asip-secured.conf");
-        const auto put = [&text](const std::string& what, const std::string& by) {
+        const auto put = [&text](const std::string& what, const std::string& real) {
             const auto place = text.find(what);
             if (place == std::string::npos) throw std::runtime_error("asip-secured.conf has no " + what);
-            text.replace(place, what.size(), by);
+            text.replace(place, what.size(), real);
         };
         put("/etc/mosquitto/asip.passwords", passwords());
         put("/etc/mosquitto/conf.d/asip-secured.acl", folder_.write("acl", shipped("asip-secured.acl")));
@@ -44,6 +46,10 @@ class SecuredBroker {
         put("/etc/mosquitto/certs/asip-broker.key", certificates_.server_key);
         put("listener 1883 127.0.0.1", "listener " + std::to_string(local_port_) + " 127.0.0.1");
         put("listener 8883", "listener " + std::to_string(port_) + " 127.0.0.1");
+        if (by == By::kCertificate) {
+            put("# require_certificate true", "require_certificate true");
+            put("# use_identity_as_username true", "use_identity_as_username true");
+        }
         text += "user root\npersistence_location " + folder_.path().string() + "/\n";
         const auto file = folder_.write("mosquitto.conf", text);
         process_.emplace(std::vector<std::string>{"/usr/sbin/mosquitto", "-c", file});
@@ -52,6 +58,7 @@ class SecuredBroker {
 
     std::string host() const { return "127.0.0.1:" + std::to_string(port_); }
     std::uint16_t port() const { return port_; }
+    std::uint16_t local_port() const { return local_port_; }
     const Certificates& certificates() const { return certificates_; }
     std::string password_file(const std::string& user) const { return folder_.file(user + ".password"); }
 
@@ -169,6 +176,22 @@ TEST_F(SecuredBus, AuthorityThatDidNotSignTheBroker_IsNotTrusted) {
     ASSERT_FALSE(board);
     EXPECT_EQ(board.error().kind, client::Error::Kind::Unreachable);
     EXPECT_THAT(board.error().text, HasSubstr("certificate"));
+}
+
+TEST(SecuredBusByCertificate, CertificateNamesTheUser) {
+    const SecuredBroker broker(SecuredBroker::By::kCertificate);
+    const Certificates& made = broker.certificates();  // the client's names "test-client"
+    SimulatedBoards boards({"asip_uno"});
+    ChildProcess agent({ASIP_TEST_AGENT, "--serial", boards.serial(), "--name", "test-client", "--broker",
+                        "mqtts://" + broker.host(), "--ca", made.ca, "--cert", made.client_cert, "--key",
+                        made.client_key});
+    BusProbe::Options by_password = broker.probe("operator");
+    by_password.ca.clear();
+    BusProbe here(broker.local_port(), {"asip/#"}, by_password);
+    EXPECT_TRUE(here.wait_for("asip/servicebus/test-client/$state", "online")) << agent.errors();
+
+    const Finished without = run(with({ASIP_TEST_ASIPCTL, "list"}, broker.options("operator")));
+    EXPECT_EQ(without.status, 3) << "a password is not enough there: " << without.errors;
 }
 
 }  // namespace
