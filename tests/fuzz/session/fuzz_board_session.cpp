@@ -1,0 +1,99 @@
+// A board session that is told anything, in any order: it never has too much in flight, never writes a line
+// that is no request, and ends each request exactly once.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <set>
+#include <string_view>
+
+#include "asip/session/board_session.hpp"
+#include "tests/fuzz/require.hpp"
+
+namespace {
+
+using namespace asip::session;
+
+class Run {
+  public:
+    explicit Run(std::uint8_t flags) : session_(options(flags)) {}
+
+    void step(std::uint8_t operation, std::string_view data) {
+        Actions actions;
+        switch (operation % 8) {
+            case 0:
+                session_.link_up({operation & 8 ? 57600u : 0u, (operation & 16) != 0}, now_, actions);
+                break;
+            case 1:
+                session_.link_down(now_, actions);
+                break;
+            case 2:
+            case 3:
+                session_.receive(data, now_, actions);
+                break;
+            case 4:
+                if (const auto deadline = session_.next_deadline(); deadline && *deadline > now_)
+                    now_ = *deadline;
+                session_.tick(now_, actions);
+                break;
+            case 5:
+                session_.line_rate_set((operation & 8) != 0, now_, actions);
+                break;
+            case 6:
+                submit(data, {.prove = (operation & 8) != 0, .answer_tag = operation & 16 ? 'e' : '\0'},
+                       actions);
+                break;
+            default:
+                now_ += std::chrono::milliseconds(operation);
+        }
+        check(actions);
+    }
+
+    void end() {
+        Actions actions;
+        session_.link_down(now_, actions);
+        check(actions);
+        REQUIRE(open_.empty());
+    }
+
+  private:
+    static SessionOptions options(std::uint8_t flags) {
+        SessionOptions options;
+        options.checksum = flags & 1;
+        if (flags & 2) options.max_baud = 0;
+        return options;
+    }
+    void submit(std::string_view line, const RequestOptions& wanted, Actions& actions) {
+        const auto id = session_.submit(line, wanted, now_, actions);
+        if (id) REQUIRE(open_.insert(*id).second);
+    }
+    void check(const Actions& actions) {
+        for (const Action& action : actions) {
+            if (const auto* end = std::get_if<Finished>(&action)) REQUIRE(open_.erase(end->id) == 1);
+            if (const auto* write = std::get_if<Write>(&action))
+                REQUIRE(!write->bytes.empty() && write->bytes.back() == '\n');
+        }
+        REQUIRE(session_.bytes_in_flight() <= BoardSession::kMaxInFlightBytes + 32);
+        REQUIRE(session_.queued() <= BoardSession::kMaxQueued + 512);
+    }
+
+    BoardSession session_;
+    asip::Time now_{};
+    std::set<RequestId> open_;
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    if (size == 0) return 0;
+    std::string_view rest(reinterpret_cast<const char*>(data), size);
+    Run run(static_cast<std::uint8_t>(rest[0]));
+    rest.remove_prefix(1);
+    while (rest.size() >= 2) {
+        const auto operation = static_cast<std::uint8_t>(rest[0]);
+        const auto length = std::min<std::size_t>(static_cast<std::uint8_t>(rest[1]), rest.size() - 2);
+        run.step(operation, rest.substr(2, length));
+        rest.remove_prefix(2 + length);
+    }
+    run.end();
+    return 0;
+}
