@@ -30,8 +30,8 @@ class Announcer {
   public:
     Announcer(const bus::Topics& topics, AnnouncerOptions options, Random random);
 
-    /// What is announced; `board`, `session`, `seq` and `lease` are filled in. Announced within a second where
-    /// established.
+    /// What is announced; `board`, `session`, `seq` and `lease` are filled in. Announced within a second
+    /// where established.
     void describe(model::Description description);
     void set_state(model::BoardState state, Effects& out);
 
@@ -45,7 +45,10 @@ class Announcer {
     /// Says `offline`.
     void goodbye(Effects& out);
 
+    /// The name is ours.
     bool established() const { return established_; }
+    /// And the bus is there.
+    bool on_air() const { return established_ && connected_; }
     const std::string& session() const { return session_; }
     bus::Message will() const;
 

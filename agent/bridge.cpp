@@ -1,5 +1,7 @@
 #include "agent/bridge.hpp"
 
+#include <utility>
+
 #include "asip/model/names.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/options.hpp"
@@ -13,6 +15,7 @@ using program::log::Level;
 namespace {
 
 constexpr Duration kGarbageQuiet = std::chrono::seconds(10);
+constexpr std::size_t kMostHeld = 64;
 
 std::string letters(const ServiceTable& services) {
     std::string text;
@@ -83,7 +86,32 @@ void Bridge::on_action(const session::BoardLine& line, Time, Effects& out) {
     out.lines.push_back(line.line);
     if (name_.empty()) return;
     note_facts(line.line);
-    context_.on_line(name_, line.line, session_.identity(), services_, out);
+    publish_or_hold(line.line, out);
+}
+
+// Without a bus the newest value of each kind waits; what it replaces would be stale when the bus is back.
+void Bridge::publish_or_hold(std::string_view line, Effects& out) {
+    if (announcer_->on_air()) return context_.on_line(name_, line, session_.identity(), services_, out);
+    const auto parsed = protocol::parse_line(line);
+    const auto* event = std::get_if<protocol::Event>(&parsed);
+    if (!event) return;
+    std::string kind{event->service, event->tag};
+    // Each port's state is a value of its own.
+    if (kind == "Id") kind += event->body.substr(0, event->body.find(','));
+    if (held_.contains(kind) || held_.size() >= kMostHeld) ++superseded_;
+    if (held_.contains(kind) || held_.size() < kMostHeld) held_[kind] = line;
+}
+
+void Bridge::go_on_air(Effects& out) {
+    if (!announcer_ || !announcer_->on_air()) return;
+    if (!std::exchange(claim_told_, true)) out.name_claimed = true;
+    if (held_.empty()) return;
+    if (superseded_ > 0)
+        out.log(Level::kInfo, "values superseded while the bus was away",
+                {{"count", std::to_string(superseded_)}});
+    superseded_ = 0;
+    for (const auto& [kind, line] : std::exchange(held_, {}))
+        context_.on_line(name_, line, session_.identity(), services_, out);
 }
 
 void Bridge::on_action(const session::Identified& identified, Time, Effects& out) {
@@ -199,8 +227,11 @@ void Bridge::describe_again() {
 // --- the bus's side
 
 std::vector<std::string> Bridge::subscriptions() const {
-    return {topics_.board_in(name_), topics_.service_in(name_, "+"), topics_.state(name_),
-            topics_.description(name_), topics_.probe()};
+    return {topics_.state(name_), topics_.description(name_), topics_.probe()};
+}
+
+std::vector<std::string> Bridge::control_subscriptions() const {
+    return {topics_.board_in(name_), topics_.service_in(name_, "+")};
 }
 
 void Bridge::bus_connected(Time now, const std::string& client_id, Effects& out) {
@@ -210,6 +241,7 @@ void Bridge::bus_connected(Time now, const std::string& client_id, Effects& out)
         describe_again();
     }
     announcer_->on_connected(now, out);
+    go_on_air(out);
 }
 
 void Bridge::bus_disconnected() {
@@ -222,6 +254,7 @@ void Bridge::bus_message(const bus::Message& message, Time now, Effects& out) {
     if (!topic) return;
     if (topic->kind != bus::TopicKind::kBoardIn && topic->kind != bus::TopicKind::kServiceIn)
         return announcer_->on_message(message, now, out);
+    if (!announcer_->established()) return;
     session::Actions actions;
     control_.on_message(message, services_, session_, now, actions, out);
     perform(actions, now, out);
@@ -241,6 +274,7 @@ void Bridge::tick(Time now, Effects& out) {
     session_.tick(now, actions);
     perform(actions, now, out);
     if (announcer_) announcer_->tick(now, out);
+    go_on_air(out);
 }
 
 std::optional<Time> Bridge::next_deadline() const {

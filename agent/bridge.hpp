@@ -58,6 +58,8 @@ class Bridge {
     const std::string& name() const { return name_; }
     bus::Message will() const { return announcer_->will(); }
     std::vector<std::string> subscriptions() const;
+    /// To be added once the name is claimed: until then another agent may be meant.
+    std::vector<std::string> control_subscriptions() const;
     const session::BoardSession& session() const { return session_; }
     const ControlCounters& control_counters() const { return control_.counters(); }
 
@@ -74,6 +76,8 @@ class Bridge {
     void describe_again();
     void note_facts(std::string_view line);
     void note_settings();
+    void publish_or_hold(std::string_view line, Effects& out);
+    void go_on_air(Effects& out);
     std::map<char, int> current_periods() const;
 
     BridgeOptions options_;
@@ -88,6 +92,9 @@ class Bridge {
     BoardFacts facts_;
     std::vector<protocol::PinMode> described_modes_;
     std::string name_;
+    bool claim_told_ = false;
+    std::map<std::string, std::string> held_;  // newest line of each kind while there is no bus
+    std::uint64_t superseded_ = 0;
     std::optional<Time> garbage_quiet_until_;
 };
 

@@ -35,7 +35,8 @@ struct Effects {
     Publications publish;
     std::vector<std::string> lines;  ///< for every point-to-point client
     std::vector<Notice> notices;
-    bool board_known = false;  ///< the board was identified (again): its name is known now
+    bool board_known = false;   ///< the board was identified (again): its name is known now
+    bool name_claimed = false;  ///< the board's name is ours now: commands may come
     std::optional<Fatal> fatal;
 
     void log(program::log::Level level, std::string text,

@@ -69,6 +69,28 @@ TEST_F(OnlineBridge, ModeAndPeriodSet_AreInTheDescription) {
     EXPECT_EQ(description->service("distance")->period, 100);
 }
 
+TEST_F(OnlineBridge, BusAway_NewestValueOfEachKindIsPublishedWhenItIsBack) {
+    bench.bridge.bus_disconnected();
+    for (const char* line : {"@D,e,1,{1}\n", "@I,d,4,4\n", "@D,e,1,{2}\n", "@I,d,3,0\n", "@D,e,1,{3}\n"})
+        bench.say(line);
+    EXPECT_THAT(bench.on("asip/uno1/out"), IsEmpty());
+    bench.connect();
+    EXPECT_THAT(bench.on("asip/uno1/out"), ElementsAre("@D,e,1,{3}", "@I,d,3,0", "@I,d,4,4"));
+}
+
+TEST(Claim, NameNotYetOurs_NothingIsPublishedOrExecuted) {
+    BridgeBench bench;
+    bench.plug();
+    bench.connect();
+    bench.board.executed.clear();
+    bench.say("@D,e,1,{42}\n");
+    bench.hear("asip/uno1/in", "I,d,13,1");
+    EXPECT_THAT(bench.on("asip/uno1/out"), IsEmpty());
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+    bench.pass(1500ms);
+    EXPECT_THAT(bench.on("asip/uno1/out"), ElementsAre("@D,e,1,{42}"));
+}
+
 TEST(Context, TerminatorAndRetainWanted_AreUsed) {
     auto options = BridgeBench::defaults();
     options.context = {"\r\n", true};
