@@ -12,6 +12,10 @@ namespace {
 // a fence keeps the line busy for 6 ms.
 constexpr Duration kLazyFence = std::chrono::milliseconds(100);
 
+// Half of what may be in flight: the fence is then back before the other half is used up, and nobody waits
+// for it.
+constexpr std::size_t kEarlyFence = 24;
+
 constexpr std::string_view kInfoFence = "?";
 
 }  // namespace
@@ -99,7 +103,8 @@ std::vector<std::string> RequestQueue::pump(Time now) {
         send(std::move(request), now, lines);
     }
     Batch* const open = open_batch();
-    if (open && may_fence() && (open->wants_proof() || now >= open->last_sent + kLazyFence))
+    if (!open || !may_fence()) return lines;
+    if (open->wants_proof() || in_flight_ >= kEarlyFence || now >= open->last_sent + kLazyFence)
         close(*open, now, lines);
     return lines;
 }

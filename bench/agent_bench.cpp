@@ -1,0 +1,283 @@
+// The figures of asip-agent, each beside what it is compared with, measured in the same run: simulated boards
+// with real firmware, a real Mosquitto, the agent as it is shipped.
+#include <fcntl.h>
+#include <mosquitto.h>
+#include <mqtt_protocol.h>
+#include <poll.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "asip/link/baud.hpp"
+#include "tests/integration/agent/rig.hpp"
+
+namespace {
+
+using namespace asip::test;
+using Clock = std::chrono::steady_clock;
+using Milliseconds = std::chrono::duration<double, std::milli>;
+
+constexpr int kRounds = 400;
+
+/// An MQTT client that waits on its socket and nothing else.
+class Client {
+  public:
+    explicit Client(std::uint16_t port) : mosquitto_(mosquitto_new(nullptr, true, this)) {
+        mosquitto_int_option(mosquitto_, MOSQ_OPT_TCP_NODELAY, 1);
+        mosquitto_int_option(mosquitto_, MOSQ_OPT_PROTOCOL_VERSION, MQTT_PROTOCOL_V5);
+        mosquitto_message_callback_set(
+            mosquitto_, [](mosquitto*, void* self, const mosquitto_message* message) {
+                static_cast<Client*>(self)->received_.emplace_back(
+                    message->topic,
+                    std::string(static_cast<char*>(message->payload), size_t(message->payloadlen)));
+            });
+        if (mosquitto_connect(mosquitto_, "127.0.0.1", port, 60) != 0) throw std::runtime_error("no broker");
+        spin(std::chrono::milliseconds(300));
+    }
+    ~Client() { mosquitto_destroy(mosquitto_); }
+    void subscribe(const std::string& topic) {
+        mosquitto_subscribe(mosquitto_, nullptr, topic.c_str(), 0);
+        spin(std::chrono::milliseconds(300));
+    }
+    void publish(const std::string& topic, const std::string& payload) {
+        mosquitto_publish(mosquitto_, nullptr, topic.c_str(), int(payload.size()), payload.data(), 0, false);
+    }
+    /// Handles what arrives within `limit`; returns early with the first message.
+    bool wait(std::chrono::milliseconds limit) {
+        const auto end = Clock::now() + limit;
+        while (received_.empty() && Clock::now() < end) {
+            const short write = mosquitto_want_write(mosquitto_) ? POLLOUT : 0;
+            pollfd poll_for{mosquitto_socket(mosquitto_), short(POLLIN | write), 0};
+            if (poll(&poll_for, 1, 20) > 0) {
+                if (poll_for.revents & POLLOUT) mosquitto_loop_write(mosquitto_, 1);
+                if (poll_for.revents & POLLIN) mosquitto_loop_read(mosquitto_, 1);
+            }
+            mosquitto_loop_misc(mosquitto_);
+        }
+        return !received_.empty();
+    }
+    std::vector<std::pair<std::string, std::string>> take() { return std::exchange(received_, {}); }
+    void spin(std::chrono::milliseconds time) {
+        const auto end = Clock::now() + time;
+        while (Clock::now() < end) {
+            wait(std::chrono::milliseconds(5));
+            take();
+        }
+    }
+
+  private:
+    mosquitto* mosquitto_;
+    std::vector<std::pair<std::string, std::string>> received_;
+};
+
+struct Latency {
+    double p50 = 0, p99 = 0;
+};
+
+Latency summary(std::vector<double> samples) {
+    std::sort(samples.begin(), samples.end());
+    if (samples.empty()) throw std::runtime_error("nothing was measured");
+    return {samples[samples.size() / 2], samples[samples.size() * 99 / 100]};
+}
+
+std::string command(int round) {
+    return round % 2 ? "I,d,13,1" : "I,d,13,0";
+}
+bool is_event(std::string_view line) {
+    return line.starts_with("@I,d,2,");
+}
+
+/// Command to event on the serial port itself.
+Latency direct(const std::string& port, int baud) {
+    const int fd = open(port.c_str(), O_RDWR | O_NOCTTY);
+    if (fd < 0) throw std::runtime_error("cannot open " + port);
+    termios settings{};
+    tcgetattr(fd, &settings);
+    cfmakeraw(&settings);
+    tcsetattr(fd, TCSANOW, &settings);
+    asip::link::set_terminal_baud(fd, baud);
+    std::string pending;
+    const auto line = [&](std::chrono::milliseconds limit) -> std::string {
+        const auto end = Clock::now() + limit;
+        while (Clock::now() < end) {
+            if (const auto at = pending.find('\n'); at != std::string::npos) {
+                std::string text = pending.substr(0, at);
+                pending.erase(0, at + 1);
+                return text;
+            }
+            pollfd poll_for{fd, POLLIN, 0};
+            char buffer[512];
+            if (poll(&poll_for, 1, 10) > 0)
+                if (const auto count = read(fd, buffer, sizeof buffer); count > 0)
+                    pending.append(buffer, size_t(count));
+        }
+        return {};
+    };
+    for (const char* setup : {"\n", "I,A,0\n", "I,P,13,3\n", "I,P,12,1\n"}) {
+        if (write(fd, setup, strlen(setup)) < 0) break;
+        while (!line(std::chrono::milliseconds(60)).empty()) {
+        }
+    }
+    std::vector<double> samples;
+    for (int round = 0; round < kRounds; ++round) {
+        const auto start = Clock::now();
+        const std::string text = command(round + 1) + "\n";
+        if (write(fd, text.data(), text.size()) < 0) break;
+        std::string answer;
+        do
+            answer = line(std::chrono::milliseconds(500));
+        while (!answer.empty() && !is_event(answer));
+        if (!answer.empty()) samples.push_back(Milliseconds(Clock::now() - start).count());
+        usleep(3000 + (round * 331) % 2000);
+    }
+    close(fd);
+    return summary(samples);
+}
+
+/// Command on asip/B/in to event on asip/B/out.
+Latency bridged(Client& client) {
+    for (const char* setup : {"I,A,0", "I,P,13,3", "I,P,12,1"}) {
+        client.publish("asip/uno1/in", setup);
+        client.spin(std::chrono::milliseconds(200));
+    }
+    std::vector<double> samples;
+    for (int round = 0; round < kRounds; ++round) {
+        client.take();
+        const auto start = Clock::now();
+        client.publish("asip/uno1/in", command(round + 1));
+        bool done = false;
+        while (!done && client.wait(std::chrono::milliseconds(500)))
+            for (const auto& [topic, payload] : client.take())
+                done = done || is_event(payload);
+        if (done) samples.push_back(Milliseconds(Clock::now() - start).count());
+        usleep(3000 + (round * 331) % 2000);
+    }
+    return summary(samples);
+}
+
+Latency broker_round_trip(Client& client) {
+    client.subscribe("bench/echo");
+    std::vector<double> samples;
+    for (int round = 0; round < kRounds * 2; ++round) {
+        const auto start = Clock::now();
+        client.publish("bench/echo", "I,d,13,1");
+        if (client.wait(std::chrono::milliseconds(500)))
+            samples.push_back(Milliseconds(Clock::now() - start).count());
+        client.take();
+        usleep(500);
+    }
+    return summary(samples);
+}
+
+double acknowledged_per_second(Client& client) {
+    client.subscribe("bench/answers");
+    constexpr int kCommands = 3000;
+    constexpr int kWindow = 100;
+    int sent = 0, ok = 0;
+    const auto start = Clock::now();
+    while (ok < kCommands && Clock::now() - start < std::chrono::seconds(30)) {
+        while (sent < kCommands && sent - ok < kWindow) {
+            client.publish("asip/uno1/io/in", R"({"write":[13,)" + std::to_string(sent % 2) + R"(],"id":")" +
+                                                  std::to_string(sent) + R"(","reply_to":"bench/answers"})");
+            ++sent;
+        }
+        if (!client.wait(std::chrono::milliseconds(200))) continue;
+        for (const auto& [topic, payload] : client.take())
+            if (topic == "bench/answers" && payload.find("\"ok\"") != std::string::npos) ++ok;
+    }
+    return ok / std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void wait_online(const MosquittoBroker& broker, Agent& agent) {
+    BusProbe probe(broker.port());
+    if (!wait_state(probe, "online")) throw std::runtime_error(agent.process().errors());
+}
+
+void row(const char* what, double value, const char* unit, double must, double aim,
+         bool more_is_better = false) {
+    const bool good = more_is_better ? value >= must : value <= must;
+    std::printf("%-72s %9.2f %-8s must %8.2f  aim %8.2f  %s\n", what, value, unit, must, aim,
+                good ? "ok" : "MISSED");
+}
+
+void plain_board(MosquittoBroker& broker) {
+    SimulatedUno uno("asip_uno_04_services");
+    const Latency wire = direct(uno.port(), 57600);
+    Agent agent(broker, uno.port());
+    wait_online(broker, agent);
+    Client client(broker.port());
+    client.subscribe("asip/uno1/out");
+    const Latency bus = bridged(client);
+    std::printf("0.4 board at 57600: serial port p50 %.3f p99 %.3f ms; over the bus p50 %.3f p99 %.3f ms\n",
+                wire.p50, wire.p99, bus.p50, bus.p99);
+    row("0.4 board at 57600, command to event, p50, over the serial port's", bus.p50 / wire.p50, "x", 1.10,
+        1.05);
+    row("  its p99 over its p50", bus.p99 / bus.p50, "x", 1.5, 1.2);
+    row("  the serial port's own p99 over p50, for comparison", wire.p99 / wire.p50, "x", 1.5, 1.2);
+}
+
+void fast_board(MosquittoBroker& broker) {
+    SimulatedUno uno;
+    int baud = 0;
+    Latency bus, echo;
+    {
+        Agent agent(broker, uno.port());
+        wait_online(broker, agent);
+        const auto line = agent.process().wait_for_errors("board identified");
+        baud = std::stoi(line->substr(line->rfind("baud=") + 5));
+        Client client(broker.port());
+        client.subscribe("asip/uno1/out");
+        bus = bridged(client);
+        Client other(broker.port());
+        echo = broker_round_trip(other);
+        row("commands acknowledged per second, line stepped up", acknowledged_per_second(other), "1/s", 300,
+            1000, true);
+        agent.kill();
+    }
+    const Latency wire = direct(uno.port(), baud);
+    std::printf(
+        "stepped up to %d: serial port p50 %.3f p99 %.3f; broker p50 %.3f; over the bus p50 %.3f p99 %.3f "
+        "ms\n",
+        baud, wire.p50, wire.p99, echo.p50, bus.p50, bus.p99);
+    row("line stepped up, command to event, p50, over broker plus wire", bus.p50 / (echo.p50 + wire.p50), "x",
+        1.5, 1.2);
+    row("  its p99 over its p50", bus.p99 / bus.p50, "x", 1.5, 1.2);
+    row("  the serial port's own p99 over p50, for comparison", wire.p99 / wire.p50, "x", 1.5, 1.2);
+}
+
+void idle_board(MosquittoBroker& broker) {
+    SimulatedUno uno;
+    Agent agent(broker, uno.port());
+    wait_online(broker, agent);
+    const auto before = agent.process().processor_time();
+    const auto start = Clock::now();
+    std::this_thread::sleep_for(std::chrono::seconds(10));
+    const double busy =
+        Milliseconds(agent.process().processor_time() - before) / Milliseconds(Clock::now() - start);
+    row("memory of one agent", double(agent.process().resident_bytes()) / (1 << 20), "MB", 20, 10);
+    row("processor, idle board with 50 ms analog events", busy * 100, "% core", 2, 1);
+}
+
+}  // namespace
+
+int main() {
+    mosquitto_lib_init();
+    try {
+        MosquittoBroker broker({.extra_lines = {"max_queued_messages 0"}});
+        plain_board(broker);
+        fast_board(broker);
+        idle_board(broker);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "bench_agent: %s\n", error.what());
+        return 1;
+    }
+}
