@@ -64,7 +64,8 @@ Outcome<void> apply(const CommonOptions& options, Context& context) {
     context.mqtt.connect_timeout = *timeout;
     context.from_bus = options.from_bus;
     if (!options.services.empty()) {
-        if (const auto loaded = context.models.load_directory(options.services); !loaded) {
+        auto& models = context.own_models.emplace(model::ModelSet::standard());
+        if (const auto loaded = models.load_directory(options.services); !loaded) {
             return failure(program::kExitUsage, loaded.error());
         }
     }

@@ -40,7 +40,7 @@ Outcome<BoardCommand> make_command(const Context& context, const KnownBoard& boa
                                    const model::ServiceInfo& service, std::span<const std::string> words) {
     const auto topic = context.topics.service_in(board.item.board, service.name);
     const auto where = board.item.board + "/" + service.name + ": ";
-    const auto model = model_of(service, context.models);
+    const auto model = model_of(service, context.models());
     if (words.empty()) {
         return failure(program::kExitUsage, where + "which command?" + (model ? how_to_use(*model, "") : ""));
     }

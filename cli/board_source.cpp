@@ -99,7 +99,7 @@ Outcome<std::vector<bus::BoardItem>> BoardSource::boards(bus::Query query) {
     read_bus(true);
     auto all = catalogue_.boards(Clock::now());
     std::erase_if(all, [&](const bus::BoardItem& board) {
-        return !board_matches(query, board, catalogue_.description(board.board), context_.models);
+        return !board_matches(query, board, catalogue_.description(board.board), context_.models());
     });
     if (!query.full) {
         for (auto& board : all)
@@ -122,7 +122,7 @@ Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {
     for (auto& board : *all) {
         const auto* description = catalogue_.description(board.board);
         for (auto& service : board.services) {
-            if (service_matches(query, service, description, context_.models))
+            if (service_matches(query, service, description, context_.models()))
                 result.push_back(std::move(service));
         }
     }

@@ -47,12 +47,11 @@ struct BusSession::State {
             answer(message);
             return;
         }
+        std::vector<OnMessage> called;  // a copy: handlers subscribe and unsubscribe
         for (const auto& [filter, handler] : subscriptions) {
-            if (!topic_matches(filter, message.topic)) continue;
-            const auto kept = handler;  // may unsubscribe itself
-            kept(message);
-            return;
+            if (topic_matches(filter, message.topic)) called.push_back(handler);
         }
+        for (const auto& handler : called) handler(message);
     }
 
     void answer(const bus::Message& message) {

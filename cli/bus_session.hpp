@@ -23,7 +23,7 @@ class BusSession {
     BusSession(const BusSession&) = delete;
     BusSession& operator=(const BusSession&) = delete;
 
-    /// Calls `on_message` for what matches `filter` and no filter subscribed before. Best before connect():
+    /// Calls `on_message` for what matches `filter`. Best before connect():
     /// then it costs no round trip.
     void subscribe(const std::string& filter, OnMessage on_message, bus::SubscribeOptions options = {});
     void unsubscribe(const std::string& filter);

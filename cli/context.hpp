@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cstddef>
 #include <iosfwd>
+#include <optional>
 #include <string>
 
 #include "asip/bus/mqtt_options.hpp"
@@ -37,11 +38,13 @@ struct Context {
 
     bus::MqttOptions mqtt{};
     bus::Topics topics{};
-    model::ModelSet models = model::ModelSet::standard();
+    std::optional<model::ModelSet> own_models{};  ///< standard ones and those of --services
     /// How long to wait for one answer: of the broker, a registry, a board.
     std::chrono::milliseconds timeout{5000};
     bool from_bus = false;  ///< do not ask a registry
 
+    /// Service models; the standard ones are read when first asked for, which `asipctl list` never does.
+    const model::ModelSet& models() const { return own_models ? *own_models : model::ModelSet::standard(); }
     bool terminal() const { return width != 0; }
     /// `asipctl: TEXT` on standard error.
     void note(const std::string& text) const;

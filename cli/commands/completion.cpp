@@ -156,7 +156,7 @@ int run_complete(const std::vector<std::string>& words, std::size_t at,
         Words result;
         const auto found = bus() ? source.retained_board(board) : std::nullopt;
         const auto info = found ? find_service(*found, service) : failure(1, "");
-        const auto model = info ? model_of(*info, context.models) : nullptr;
+        const auto model = info ? model_of(*info, context.models()) : nullptr;
         if (!model) return result;
         for (const auto& command : model->commands)
             result.push_back(command.name);

@@ -237,13 +237,13 @@ int run_show(const ShowOptions& options, Context& context) {
     };
     if (target->service.empty()) {
         context.out << (json ? dump(board_json(*board)) + "\n"
-                             : board_text(*board, context.models, context.width, context.colour))
+                             : board_text(*board, context.models(), context.width, context.colour))
                     << std::flush;
         return program::kExitOk;
     }
     const auto service = find_service(*board, target->service);
     if (!service) return context.fail_with(service.error());
-    const auto model = model_of(*service, context.models);
+    const auto model = model_of(*service, context.models());
     context.out << (json ? dump(service_json(*board, *service, model.get())) + "\n"
                          : service_text(target->board, *service, model.get(), context.width, context.colour))
                 << std::flush;

@@ -59,7 +59,7 @@ bool wanted(const ListOptions& options, const bus::BoardItem& board, const Conte
     if (!board.description.empty()) {
         if (auto parsed = model::parse_description(board.description)) description = std::move(*parsed);
     }
-    return board_matches(options.query, board, description ? &*description : nullptr, context.models);
+    return board_matches(options.query, board, description ? &*description : nullptr, context.models());
 }
 
 int watch_registry(const ListOptions& options, Context& context, ChangePrinter& printer) {
