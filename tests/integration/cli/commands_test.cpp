@@ -1,0 +1,141 @@
+// Commands and their answers, against a scripted agent.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/integration/cli/bus_fixture.hpp"
+
+namespace asip::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class SendTest : public BusTest {
+  protected:
+    void SetUp() override { announce("uno1"); }
+
+    /// Runs asipctl, answers its first command with `reply` and returns how it ended.
+    Finished answered(const Words& arguments, const std::string& topic, const std::string& reply) {
+        ChildProcess child(program(arguments), environment());
+        request_ = probe_.wait_for(topic);
+        if (!request_) return {-1, child.output(), child.errors()};
+        answer(*request_, reply);
+        const auto status = child.wait_exit().value_or(-1);
+        return {status, child.output(), child.errors()};
+    }
+
+    std::optional<bus::Message> request_;
+};
+
+TEST_F(SendTest, Acknowledged_PrintsOkAndEndsWith0) {
+    const auto sent = answered({"send", "uno1/servo", "write", "0", "90"}, "asip/uno1/servo/in",
+                               R"({"status":"ok","proof":"fence"})");
+    EXPECT_EQ(sent.status, 0) << sent.errors;
+    EXPECT_EQ(sent.output, "ok\n");
+    EXPECT_EQ(request_->payload, "W,0,90");
+    EXPECT_FALSE(request_->retain);
+    EXPECT_THAT(request_->response_topic, testing::StartsWith("asip/reply/"));
+    EXPECT_FALSE(request_->correlation.empty());
+}
+
+TEST_F(SendTest, BoardsError_EndsWith1AndItsWords) {
+    const auto sent = answered({"send", "uno1/servo", "write", "7", "90"}, "asip/uno1/servo/in",
+                               R"({"status":"error","code":7,"error":"INVALID_DEVICE_NUMBER"})");
+    EXPECT_EQ(sent.status, 1);
+    EXPECT_THAT(sent.output, IsEmpty());
+    EXPECT_THAT(sent.errors, HasSubstr("S,W,7,90: the board answered error 7, INVALID_DEVICE_NUMBER"));
+}
+
+TEST_F(SendTest, RefusedOrTimedOut_EndsWith1Or4) {
+    EXPECT_EQ(answered({"send", "uno1/servo", "write", "0", "1"}, "asip/uno1/servo/in",
+                       R"({"status":"refused","reason":"queue-full","error":"too much at once"})")
+                  .status,
+              1);
+    probe_.clear();
+    EXPECT_EQ(
+        answered({"send", "uno1/servo", "write", "0", "1"}, "asip/uno1/servo/in", R"({"status":"timeout"})")
+            .status,
+        4);
+}
+
+TEST_F(SendTest, NobodyAnswers_EndsWith4InTime) {
+    const auto sent = asipctl({"send", "uno1/servo", "write", "0", "90", "--timeout", "300ms"});
+    EXPECT_EQ(sent.status, 4);
+    EXPECT_THAT(sent.errors, HasSubstr("within 300 ms"));
+}
+
+TEST_F(SendTest, OutOfRange_NeverReachesTheBus) {
+    const auto sent = asipctl({"send", "uno1/servo", "write", "0", "181"});
+    EXPECT_EQ(sent.status, 2);
+    EXPECT_THAT(sent.errors, HasSubstr("angle: 181 is above 180"));
+    EXPECT_EQ(asipctl({"send", "uno1/servo", "write", "0", "-5"}).status, 2);
+    probe_.publish("asip/sentinel", "1");
+    ASSERT_TRUE(probe_.wait_for("asip/sentinel"));
+    EXPECT_EQ(probe_.count("asip/uno1/servo/in"), 0U);
+}
+
+TEST_F(SendTest, BoardThatSaidGoodbye_IsToldAtOnce) {
+    announce("uno1", "offline");
+    const auto sent = asipctl({"send", "uno1/servo", "write", "0", "90"});
+    EXPECT_EQ(sent.status, 1);
+    EXPECT_THAT(sent.errors, HasSubstr("offline"));
+}
+
+TEST_F(SendTest, OldMqtt_CarriesTheReplyTopicInsideTheJson) {
+    ChildProcess child(program({"send", "uno1/servo", "write", "0", "90", "--mqtt-version", "3.1.1"}),
+                       environment());
+    const auto request = probe_.wait_for("asip/uno1/servo/in");
+    ASSERT_TRUE(request);
+    const auto document = nlohmann::json::parse(request->payload);
+    EXPECT_EQ(document["raw"], "W,0,90");
+    nlohmann::json reply{{"id", document["id"]}, {"status", "ok"}, {"proof", "fence"}};
+    probe_.publish(document["reply_to"].get<std::string>(), reply.dump());
+    EXPECT_EQ(child.wait_exit(), 0);
+    EXPECT_EQ(child.output(), "ok\n");
+}
+
+TEST_F(SendTest, RawLine_GoesToTheBoardAndItsAnswerIsPrinted) {
+    const auto sent =
+        answered({"send", "uno1", "--raw", "#,?"}, "asip/uno1/in",
+                 R"({"status":"ok","proof":"answer","answer":"@#,?,0,4,ATmega328P,20,AsipHello"})");
+    EXPECT_EQ(sent.status, 0);
+    EXPECT_EQ(sent.output, "@#,?,0,4,ATmega328P,20,AsipHello\n");
+}
+
+TEST_F(SendTest, StandardInput_SendsAllAndEndsWithTheFirstFailure) {
+    ChildProcess child(program({"send", "--stdin"}), environment());
+    child.write_input("# a comment\nuno1/servo write 0 10\nuno1/servo write 0 999\nuno1/servo write 0 20\n");
+    child.close_input();
+    for (const auto* payload : {"W,0,10", "W,0,20"}) {
+        const auto request = probe_.wait_for("asip/uno1/servo/in", payload);
+        ASSERT_TRUE(request) << payload;
+        answer(*request, R"({"status":"ok","proof":"fence"})");
+    }
+    EXPECT_EQ(child.wait_exit(), 2);
+    EXPECT_EQ(child.output(), "ok\nok\n");
+    EXPECT_THAT(child.errors(), HasSubstr("line 3: uno1/servo: angle: 999 is above 180"));
+}
+
+TEST_F(SendTest, NoWait_DeliversBeforeItEnds) {
+    EXPECT_EQ(asipctl({"send", "uno1/servo", "write", "0", "90", "--no-wait"}).status, 0);
+    EXPECT_TRUE(probe_.wait_for("asip/uno1/servo/in", "W,0,90"));
+}
+
+TEST_F(SendTest, PingABoard_MeasuresItsAnswersAndCountsLosses) {
+    ChildProcess child(program({"ping", "uno1", "-c", "2", "-i", "0", "--timeout", "400ms"}), environment());
+    const auto first = probe_.wait_for("asip/uno1/in", "#,E,p1");
+    ASSERT_TRUE(first);
+    answer(*first, R"({"status":"ok","proof":"fence"})");
+    EXPECT_EQ(child.wait_exit(), 0);
+    EXPECT_THAT(child.output(), HasSubstr("uno1: seq=1 time="));
+    EXPECT_THAT(child.output(), HasSubstr("uno1: seq=2 no answer within 400 ms"));
+    EXPECT_THAT(child.output(), HasSubstr("2 sent, 1 answered, 50 % lost"));
+}
+
+TEST_F(SendTest, PingNobody_EndsWith4) {
+    EXPECT_EQ(asipctl({"ping", "uno1", "-c", "1", "--timeout", "200ms"}).status, 4);
+}
+
+}  // namespace
+}  // namespace asip::test

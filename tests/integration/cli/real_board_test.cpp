@@ -1,0 +1,106 @@
+// The main job from end to end: firmware in a simulated Uno, asip-agent, asip-registry, asipctl.
+#include <gmock/gmock.h>
+
+#include "tests/integration/cli/bus_fixture.hpp"
+#include "tests/support/temp_dir.hpp"
+
+namespace asip::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+
+class RealBoardTest : public BusTest, public ::testing::WithParamInterface<const char*> {
+  protected:
+    /// An Uno with LED, button, potentiometer, distance sensor and servo, named `desk`.
+    std::string board_file() const {
+        return folder_.write(
+            "desk.json",
+            std::string(R"({"name":"desk","board":"uno","image":")") + ASIP_IMAGES + "/" + GetParam() +
+                R"(","link":")" + folder_.file("port") +
+                R"(","parts":[{"kind":"button","pin":2,"name":"button"},{"kind":"led","pin":13},)"
+                R"({"kind":"ultrasonic","name":"distance","trigger":7,"echo":7,"distance":42},)"
+                R"({"kind":"servo","name":"servo","pin":9}]})");
+    }
+
+    void SetUp() override {
+        ASSERT_TRUE(sim_.wait_for_output("desk .*port")) << sim_.errors();
+        agent_ = std::make_unique<ChildProcess>(
+            Words{ASIP_PROGRAMS "/asip-agent", "--serial", folder_.file("port"), "--name", "desk"},
+            environment());
+        ASSERT_TRUE(probe_.wait_for("asip/servicebus/desk/$state", "online")) << agent_->errors();
+        ASSERT_TRUE(probe_.wait_for("asip/servicebus/desk/$description"));
+    }
+
+    TempDir folder_;
+    ChildProcess sim_{{ASIP_PROGRAMS "/asip-sim", "--no-socket", board_file()}};
+    std::unique_ptr<ChildProcess> agent_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Firmware, RealBoardTest,
+                         ::testing::Values("asip_uno_services.elf", "asip_uno_04_services.elf"),
+                         [](const auto& test) {
+                             return std::string(test.param).find("04") == std::string::npos ? "Ours"
+                                                                                            : "Asip04";
+                         });
+
+TEST_P(RealBoardTest, ListShowSendAndSubscribe_WorkOnIt) {
+    EXPECT_THAT(asipctl({"list", "--from-bus"}).output,
+                HasSubstr("desk   online  ATmega328P  AsipServices  io distance servo"));
+    EXPECT_THAT(asipctl({"show", "desk", "--from-bus"}).output,
+                HasSubstr("write    servo 0..255, angle 0..180 degrees"));
+    const auto moved = asipctl({"send", "desk/servo", "write", "0", "90"});
+    EXPECT_EQ(moved.output, "ok\n") << moved.errors;
+    EXPECT_TRUE(sim_.wait_for_output("servo (89|90|91)"));
+    const auto refused = asipctl({"send", "desk/servo", "write", "9", "90"});
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_THAT(refused.errors, HasSubstr("7, INVALID_DEVICE_NUMBER"));
+    EXPECT_EQ(asipctl({"send", "desk/distance", "report", "100"}).status, 0);
+    EXPECT_THAT(
+        asipctl({"subscribe", "desk/distance", "-n", "1", "-W", "10", "--format", "{data.distance.0}"})
+            .output,
+        MatchesRegex("4[123]\n"));
+}
+
+TEST_P(RealBoardTest, PinsInWords_AreSetAndRead) {
+    EXPECT_EQ(asipctl({"pin", "desk", "13", "high"}).output, "13 output high\n");
+    EXPECT_TRUE(sim_.wait_for_output("led13 on"));
+    EXPECT_EQ(asipctl({"pin", "desk", "13"}).output, "13 output\n");
+    EXPECT_EQ(asipctl({"pin", "desk", "2", "pullup"}).status, 0);
+    EXPECT_EQ(asipctl({"pin", "desk", "2"}).output, "2 input-pullup high\n");
+    sim_.write_input("press desk/button\n");
+    EXPECT_TRUE(wait_until([this] {
+        return asipctl({"pin", "desk", "D2"}).output == "2 input-pullup low\n";
+    }));
+    EXPECT_THAT(asipctl({"pin", "desk", "A0"}).output, MatchesRegex("14 analog [0-9]+\n"));
+    const auto taken = asipctl({"pin", "desk", "9", "high"});
+    EXPECT_EQ(taken.status, 1);
+    EXPECT_THAT(taken.errors, HasSubstr("MODE_UNAVAILABLE"));
+}
+
+TEST_P(RealBoardTest, Ping_ReachesTheBoardItself) {
+    const auto ping = asipctl({"ping", "desk", "-c", "3", "-i", "10ms"});
+    EXPECT_EQ(ping.status, 0);
+    EXPECT_THAT(ping.output, HasSubstr("3 sent, 3 answered, 0 % lost"));
+}
+
+TEST_P(RealBoardTest, WithARegistry_StatesAndForgettingAreItsJudgement) {
+    ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1"}, environment());
+    ASSERT_TRUE(probe_.wait_for("asip/registry/r1/$state", "online"));
+    const auto list = asipctl({"list"});
+    EXPECT_THAT(list.output, HasSubstr("desk   online"));
+    EXPECT_EQ(list.errors, "");
+    EXPECT_EQ(asipctl({"doctor"}).status, 0) << asipctl({"doctor"}).output;
+    EXPECT_EQ(asipctl({"forget", "desk"}).status, 1) << "it is alive";
+    ChildProcess watch(program({"list", "-w"}), environment());
+    ASSERT_TRUE(watch.wait_for_output("^desk +online"));
+    agent_.reset();  // killed: its will speaks
+    EXPECT_TRUE(watch.wait_for_output("^desk +lost"));
+    const auto forget = asipctl({"forget", "desk"});
+    EXPECT_EQ(forget.status, 0) << forget.errors;
+    EXPECT_TRUE(watch.wait_for_output("^desk +forgotten"));
+    EXPECT_EQ(asipctl({"list", "-o", "name"}).output, "");
+}
+
+}  // namespace
+}  // namespace asip::test
