@@ -31,6 +31,7 @@ struct BusSession::State {
         };
         result.on_connect_failed = [this](const bus::ConnectionFailure& why) { failed = why; };
         result.on_message = [this](const bus::Message& message) { dispatch(message); };
+        result.on_published = [this](const std::string&) { ++acknowledged; };
         result.on_subscribe_refused = [this](const std::string& filter, const std::string& reason) {
             refused = filter + ": " + reason;
         };
@@ -51,7 +52,8 @@ struct BusSession::State {
         for (const auto& [filter, handler] : subscriptions) {
             if (topic_matches(filter, message.topic)) called.push_back(handler);
         }
-        for (const auto& handler : called) handler(message);
+        for (const auto& handler : called)
+            handler(message);
     }
 
     void answer(const bus::Message& message) {
@@ -81,6 +83,7 @@ struct BusSession::State {
     boost::asio::io_context io{1};
     bool stopped = false;
     bool was_connected = false;
+    std::size_t acknowledged = 0;
     std::optional<bus::ConnectionFailure> failed;
     std::string refused;
     std::function<void(bool, const std::string&)> connection_changed;
@@ -183,6 +186,10 @@ bool BusSession::run_until(const std::function<bool()>& done, Time deadline) {
         state_->io.run_one_for(std::min<Duration>(left, 20ms));
     }
     return true;
+}
+
+std::size_t BusSession::acknowledged() const {
+    return state_->acknowledged;
 }
 
 bool BusSession::stopped() const {

@@ -49,6 +49,8 @@ class BusSession {
     bool run_for(Duration duration) {
         return run_until([] { return false; }, Clock::now() + duration);
     }
+    /// How many QoS 1 messages of ours the broker has acknowledged.
+    std::size_t acknowledged() const;
     /// Whether the user asked to end (Ctrl-C).
     bool stopped() const;
 

@@ -48,9 +48,11 @@ class Examination {
         Samples seconds;
         for (int i = 0; i < kRoundTrips; ++i) {
             back = false;
+            const auto before = session_.acknowledged();
             const auto begin = Clock::now();
             session_.publish(topic, "round", 1);
-            if (!session_.run_until([&back] { return back; }, begin + 2s)) break;
+            if (!session_.run_until([&] { return back && session_.acknowledged() > before; }, begin + 2s))
+                break;
             seconds.add(std::chrono::duration<double>(Clock::now() - begin).count());
         }
         session_.unsubscribe(topic);

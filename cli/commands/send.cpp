@@ -160,6 +160,10 @@ int run_send(const SendOptions& options, Context& context) {
     if (!options.raw.empty() && (options.from_input || !options.words.empty())) {
         return context.fail_with({program::kExitUsage, "--raw goes with a board alone"});
     }
+    if (!options.target.empty()) {
+        if (const auto target = parse_target(options.target); !target)
+            return context.fail_with(target.error());
+    }
     return Sender(options, context).run();
 }
 
