@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -53,11 +54,14 @@ class Capture {
                 text_.append(buffer, static_cast<std::size_t>(size));
             }
             close(fd);
+            ended_ = true;
         });
     }
     void join() {
         if (thread_.joinable()) thread_.join();
     }
+    /// The last writer is gone and text() is whole.
+    bool ended() const { return ended_; }
     std::string text() const {
         const std::lock_guard lock(mutex_);
         return text_;
@@ -66,6 +70,7 @@ class Capture {
   private:
     mutable std::mutex mutex_;
     std::string text_;
+    std::atomic<bool> ended_ = false;
     std::thread thread_;
 };
 
@@ -213,6 +218,8 @@ bool ChildProcess::running() {
 
 std::optional<int> ChildProcess::wait_exit(std::chrono::milliseconds limit) {
     wait_until([&] { return !running(); }, limit);
+    // What it wrote last may still be in the pipe; a child of its own may hold it open for longer.
+    if (state_->status) wait_until([&] { return state_->output.ended() && state_->errors.ended(); }, 1s);
     return state_->status;
 }
 
@@ -245,12 +252,6 @@ Finished run(std::vector<std::string> arguments, std::map<std::string, std::stri
     const auto status = child.wait_exit(limit);
     finished.status = status.value_or(-1);
     if (!status) child.signal(SIGKILL);
-    // The streams are complete when the last writer is gone.
-    std::string before;
-    do {
-        before = child.output() + child.errors();
-        wait_until([] { return false; }, 10ms);
-    } while (before != child.output() + child.errors());
     finished.output = child.output();
     finished.errors = child.errors();
     return finished;
