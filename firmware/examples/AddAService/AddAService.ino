@@ -11,4 +11,6 @@ void setup() {
     asip::board.begin(F("AddAService"));
 }
 
-void loop() { asip::board.run(); }
+void loop() {
+    asip::board.run();
+}

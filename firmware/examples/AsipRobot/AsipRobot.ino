@@ -22,4 +22,6 @@ void setup() {
     asip::board.begin(F("AsipRobot"));
 }
 
-void loop() { asip::board.run(); }
+void loop() {
+    asip::board.run();
+}

@@ -13,4 +13,6 @@ void setup() {
     asip::board.begin(F("AsipServices"));
 }
 
-void loop() { asip::board.run(); }
+void loop() {
+    asip::board.run();
+}

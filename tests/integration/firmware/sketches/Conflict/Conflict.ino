@@ -10,4 +10,6 @@ void setup() {
     asip::board.begin(F("Conflict"));
 }
 
-void loop() { asip::board.run(); }
+void loop() {
+    asip::board.run();
+}
