@@ -11,6 +11,4 @@ void setup() {
     asip::board.begin(F("AddAService"));
 }
 
-void loop() {
-    asip::board.run();
-}
+void loop() { asip::board.run(); }

@@ -2,10 +2,6 @@
 #include <Asip.h>
 #include <AsipFastSerial.h>
 
-void setup() {
-    asip::board.begin(F("AsipHello"));
-}
+void setup() { asip::board.begin(F("AsipHello")); }
 
-void loop() {
-    asip::board.run();
-}
+void loop() { asip::board.run(); }

@@ -3,10 +3,6 @@
 #include <Asip.h>
 #include <AsipSerial.h>
 
-void setup() {
-    asip::board.begin(F("AsipPlainSerial"));
-}
+void setup() { asip::board.begin(F("AsipPlainSerial")); }
 
-void loop() {
-    asip::board.run();
-}
+void loop() { asip::board.run(); }

@@ -22,6 +22,4 @@ void setup() {
     asip::board.begin(F("AsipRobot"));
 }
 
-void loop() {
-    asip::board.run();
-}
+void loop() { asip::board.run(); }

@@ -13,6 +13,4 @@ void setup() {
     asip::board.begin(F("AsipServices"));
 }
 
-void loop() {
-    asip::board.run();
-}
+void loop() { asip::board.run(); }

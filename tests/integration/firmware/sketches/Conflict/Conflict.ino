@@ -10,6 +10,4 @@ void setup() {
     asip::board.begin(F("Conflict"));
 }
 
-void loop() {
-    asip::board.run();
-}
+void loop() { asip::board.run(); }
