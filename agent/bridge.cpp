@@ -153,15 +153,17 @@ void Bridge::on_action(const session::BecameSilent&, Time, Effects& out) {
 }
 
 void Bridge::on_action(const session::NoAnswer& none, Time, Effects& out) {
-    const std::string& path = facts_.link.path;
-    out.fatal =
-        Fatal{program::kExitBoard, none.heard_bytes ? path +
-                                                          " sends bytes, but they are not ASIP at 57600 baud "
-                                                          "or any rate that a board steps up to: is it "
-                                                          "another device, or a sketch without ASIP?"
-                                                    : path +
-                                                          " does not answer: is an ASIP sketch loaded (asip "
-                                                          "firmware: AsipHello), and is it the right port?"};
+    const std::string why =
+        none.heard_bytes ? " sends bytes, but they are not ASIP at 57600 baud or any rate that a board "
+                           "steps up to: is it another device, or a sketch without ASIP?"
+                         : " does not answer: is an ASIP sketch loaded (asip firmware: AsipHello), and "
+                           "is it the right port?";
+    // A board that was here may come back; a port where none ever was is more likely the wrong one.
+    if (name_.empty()) {
+        out.fatal = Fatal{program::kExitBoard, facts_.link.path + why};
+    } else {
+        out.log(Level::kWarning, facts_.link.path + why + " Asking on");
+    }
 }
 
 void Bridge::on_action(const session::LineRateChanged& change, Time, Effects& out) {

@@ -99,9 +99,9 @@ class BoardSession::Impl {
     RateChange rate_change_;
     unsigned start_baud_ = 0;
     RequestId next_id_ = 1;
-    bool known_ = false;       // identified at least once, since construction
-    bool was_silent_ = false;  // state to report while searching
-    bool no_answer_said_ = false;
+    bool known_ = false;           // identified at least once, since construction
+    bool was_silent_ = false;      // state to report while searching
+    bool no_answer_said_ = false;  // since link_up, or need not be: it answered
     bool checksum_on_ = false;
     bool restore_ = false;
     std::string banner_services_;
@@ -251,6 +251,7 @@ void BoardSession::Impl::become_ready(Time now, Actions& out) {
     const bool changed = !known_ || !same_board(identity_, interview_.identity());
     identity_ = interview_.identity();
     known_ = true;
+    no_answer_said_ = true;
     was_silent_ = false;
     state_ = State::kReady;
     ready_baud_ = baud_;
@@ -495,7 +496,7 @@ void BoardSession::Impl::tick(Time now, Actions& out) {
         return follow_interview(now, out);
     }
     if (state_ == State::kSearching || state_ == State::kSilent) {
-        if (!no_answer_said_ && !known_ && now >= link_up_at_ + options_.patience) {
+        if (!no_answer_said_ && now >= link_up_at_ + options_.patience) {
             no_answer_said_ = true;
             out.emplace_back(NoAnswer{counters_.bytes_in > 0});
         }
@@ -525,7 +526,7 @@ std::optional<Time> BoardSession::Impl::next_deadline() const {
         return deadline;
     }
     sooner(deadline, search_.next_deadline());
-    if (!no_answer_said_ && !known_) sooner(deadline, link_up_at_ + options_.patience);
+    if (!no_answer_said_) sooner(deadline, link_up_at_ + options_.patience);
     return deadline;
 }
 

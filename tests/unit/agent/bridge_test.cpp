@@ -22,6 +22,42 @@ struct OnlineBridge : testing::Test {
     BridgeBench bench;
 };
 
+// --- a board that does not answer
+
+TEST(NoAnswer, NoBoardEverIdentified_EndsTheProgram) {
+    BridgeBench bench;
+    bench.board.mute = true;
+    bench.plug();
+    bench.pass(10s);
+    ASSERT_TRUE(bench.fatal);
+    EXPECT_EQ(bench.fatal->status, 5);
+    EXPECT_THAT(bench.fatal->text, HasSubstr("does not answer"));
+}
+
+TEST_F(OnlineBridge, ReplacedByABoardThatIsMute_WarnsAndGoesOnAsking) {
+    bench.unplug();
+    bench.board.mute = true;
+    bench.plug();
+    bench.pass(60s);
+    EXPECT_FALSE(bench.fatal);
+    EXPECT_EQ(std::count_if(bench.notices.begin(), bench.notices.end(),
+                            [](const auto& n) { return n.find("does not answer") != n.npos; }),
+              1);
+    bench.board.mute = false;
+    bench.pass(10s);
+    EXPECT_EQ(bench.on("asip/servicebus/uno1/$state").back(), "online");
+}
+
+TEST_F(OnlineBridge, SilentForLongWithoutUnplugging_IsNeverFatal) {
+    bench.board.mute = true;
+    bench.pass(60s);
+    EXPECT_FALSE(bench.fatal);
+    EXPECT_EQ(bench.on("asip/servicebus/uno1/$state").back(), "lost");
+    bench.board.mute = false;
+    bench.pass(10s);
+    EXPECT_EQ(bench.on("asip/servicebus/uno1/$state").back(), "online");
+}
+
 // --- context
 
 TEST_F(OnlineBridge, EventOfTheBoard_IsPublishedRawAndDecoded) {
