@@ -25,11 +25,9 @@ Application::Application(AgentOptions options)
                      [&](Time now, Effects& out) { bridge_.link_up(traits, std::move(info), now, out); });
                  if (!traits.restarting && options_.reset == ResetPolicy::kIfSilent) board_silent_at_start();
              },
-             [this](const std::string& why) {
-                 reset_timer_.cancel();
-                 with_bridge([&](Time now, Effects& out) { bridge_.link_down(why, now, out); });
-             },
+             [this](const link::StreamError& error) { link_lost(error); },
              [this](std::string_view bytes) {
+                 board_heard();
                  with_bridge([&](Time now, Effects& out) { bridge_.receive(bytes, now, out); });
              },
              [this](const link::StreamError& error, bool first) { link_failed(error, first); }}),
@@ -186,7 +184,19 @@ void Application::link_failed(const link::StreamError& error, bool first) {
         log::error(error.text, {});
         return finish(program::kExitBoard);
     }
-    log::warning("board not reachable; waiting for it", {{"why", error.text}});
+    if (outage_.failed(error.kind, Clock::now()))
+        log::warning("board not reachable; waiting for it", {{"why", error.text}});
+}
+
+void Application::link_lost(const link::StreamError& error) {
+    reset_timer_.cancel();
+    // Opened and closed without a word from the board: as good as not opened.
+    if (bridge_.session().counters().bytes_in == 0) link_failed(error, false);
+    with_bridge([&](Time now, Effects& out) { bridge_.link_down(error.text, now, out); });
+}
+
+void Application::board_heard() {
+    if (!stopping_ && outage_.heard()) log::info("board reachable again", {});
 }
 
 void Application::board_silent_at_start() {

@@ -7,6 +7,7 @@
 #include "agent/board_link.hpp"
 #include "agent/bridge.hpp"
 #include "agent/options.hpp"
+#include "agent/outage.hpp"
 #include "agent/point_to_point.hpp"
 #include "asip/bus/mqtt_client.hpp"
 #include "asip/program/stop_signal.hpp"
@@ -30,7 +31,9 @@ class Application {
     void arm_timer();
     void stop();
     void finish(int status);
+    void link_lost(const link::StreamError& error);
     void link_failed(const link::StreamError& error, bool first);
+    void board_heard();
     void bus_failed(const bus::ConnectionFailure& failure, bool was_connected);
     void board_silent_at_start();
     void report_counters();
@@ -45,6 +48,7 @@ class Application {
     boost::asio::steady_timer timer_;
     boost::asio::steady_timer reset_timer_;
     boost::asio::steady_timer counters_timer_;
+    Outage outage_;
     std::optional<Time> armed_for_;
     std::uint64_t told_dropped_ = 0;
     std::uint64_t told_refused_ = 0;

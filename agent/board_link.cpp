@@ -66,19 +66,14 @@ void BoardLink::open_tcp() {
     });
 }
 
-// Said once for each kind of failure, not at every attempt.
 void BoardLink::failed(const link::StreamError& error) {
-    const bool first = !ever_open_ && !told_;
-    if (told_ == error.kind) return;
-    told_ = error.kind;
-    handlers_.on_failed(error, first);
+    handlers_.on_failed(error, !std::exchange(tried_, true));
 }
 
 void BoardLink::opened(std::unique_ptr<link::ByteStream> stream, model::LinkInfo info) {
     stream_ = std::move(stream);
     info_ = std::move(info);
-    ever_open_ = true;
-    told_.reset();
+    tried_ = true;
     wanted_baud_ = 0;
     held_.clear();
     stream_->start({[this](std::string_view bytes) { handlers_.on_bytes(bytes); },
@@ -107,7 +102,7 @@ void BoardLink::closed(const link::StreamError& error) {
     wanted_baud_ = 0;
     serial_ = nullptr;
     stream_.reset();
-    handlers_.on_down(error.text);
+    handlers_.on_down(error);
     retry();
 }
 

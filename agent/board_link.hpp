@@ -3,7 +3,6 @@
 #include <boost/asio/steady_timer.hpp>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "agent/options.hpp"
@@ -18,10 +17,10 @@ class BoardLink {
   public:
     struct Handlers {
         std::function<void(const session::LinkTraits&, model::LinkInfo)> on_up;
-        std::function<void(const std::string& why)> on_down;
+        std::function<void(const link::StreamError& why)> on_down;
         std::function<void(std::string_view)> on_bytes;
-        /// It cannot be opened. `first`: at the first attempt of all; a port that appeared later may yet get
-        /// its rights.
+        /// It cannot be opened; said at every attempt. `first`: at the first attempt of all; a port that
+        /// appeared later may yet get its rights.
         std::function<void(const link::StreamError&, bool first)> on_failed;
     };
 
@@ -58,8 +57,7 @@ class BoardLink {
     boost::asio::steady_timer retry_timer_;
     boost::asio::steady_timer drain_timer_;
     model::LinkInfo info_;
-    bool ever_open_ = false;
-    std::optional<link::StreamError::Kind> told_;
+    bool tried_ = false;
     bool stopped_ = false;
     unsigned wanted_baud_ = 0;  // 0: no change of rate under way
     std::function<void(bool)> rate_done_;

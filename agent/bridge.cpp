@@ -45,7 +45,9 @@ void Bridge::link_up(const session::LinkTraits& traits, model::LinkInfo link, Ti
 }
 
 void Bridge::link_down(const std::string& why, Time now, Effects& out) {
-    out.log(Level::kWarning, "board lost", {{"why", why}});
+    // A port that opens and closes with nothing behind it loses no board.
+    const bool heard = session_.counters().bytes_in > 0;
+    out.log(heard ? Level::kWarning : Level::kDebug, "board lost", {{"why", why}});
     if (announcer_) announcer_->set_state(model::BoardState::Lost, out);
     session::Actions actions;
     session_.link_down(now, actions);

@@ -23,8 +23,12 @@ TEST(AgentBoard, UnpluggedAndReplugged_KnownWithinASecondAndBackWithItsModes) {
     const auto refused = probe.request("asip/uno1/io/in", R"({"write":[13,1]})");
     ASSERT_TRUE(refused);
     EXPECT_THAT(*refused, HasSubstr("board-not-there"));
+    ASSERT_TRUE(agent.process().wait_for_errors("waiting for it")) << agent.process().errors();
     uno.command("replug");
     ASSERT_TRUE(wait_state(probe, "online", 3s)) << agent.process().errors();
+    const std::string log = agent.process().errors();
+    EXPECT_THAT(log, HasSubstr("board reachable again"));
+    EXPECT_EQ(log.find("waiting for it"), log.rfind("waiting for it")) << log;
     const auto modes = probe.request("asip/uno1/in", "I,p");
     ASSERT_TRUE(modes);
     EXPECT_THAT(*modes, HasSubstr("@I,p,20,{6,6,1,1,1,1,1,7,7,7,7,1,1,3")) << "pin 13 is an output again";

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "agent/client_framing.hpp"
+#include "agent/outage.hpp"
 #include "agent/recent_answers.hpp"
 #include "tests/unit/agent/bridge_bench.hpp"
 
@@ -282,6 +283,33 @@ TEST(ClientFraming, JavaClient_SendsAndGetsFrames) {
     EXPECT_THAT(framing.decode(std::string("\0\3#,", 4)), IsEmpty());
     EXPECT_THAT(framing.decode(std::string("?\0\4I,M\n", 7)), ElementsAre("#,?", "I,M"));
     EXPECT_EQ(framing.encode("@x"), std::string("\0\2@x", 4));
+}
+
+TEST(Outage, FourAttemptsASecond_AreToldOnceThenOnceAMinute) {
+    Outage outage;
+    int told = 0;
+    for (Time now{}; now < Time{} + 150s; now += 250ms)
+        told += outage.failed(link::StreamError::Kind::kNotThere, now);
+    EXPECT_EQ(told, 3);
+}
+
+TEST(Outage, KindsOfFailureInTurns_AreToldOnceEach) {
+    Outage outage;
+    int told = 0;
+    for (Time now{}; now < Time{} + 30s; now += 500ms) {
+        told += outage.failed(link::StreamError::Kind::kNotThere, now);
+        told += outage.failed(link::StreamError::Kind::kClosed, now + 250ms);
+    }
+    EXPECT_EQ(told, 2);
+}
+
+TEST(Outage, BoardHeard_IsToldOnceAndTheNextOutageAtOnce) {
+    Outage outage;
+    EXPECT_FALSE(outage.heard()) << "there was none";
+    EXPECT_TRUE(outage.failed(link::StreamError::Kind::kNotThere, Time{}));
+    EXPECT_TRUE(outage.heard());
+    EXPECT_FALSE(outage.heard());
+    EXPECT_TRUE(outage.failed(link::StreamError::Kind::kNotThere, Time{} + 1s));
 }
 
 TEST(RecentAnswers, ManyKeys_OldestIsForgottenAndMemoryBounded) {
