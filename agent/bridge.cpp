@@ -268,6 +268,8 @@ bool Bridge::client_line(std::string_view line, Time now, Effects& out) {
     session::Actions actions;
     const auto id = session_.submit(line, {.prove = false, .answer_tag = 0}, now, actions);
     perform(actions, now, out);
+    if (!id && announcer_ && announcer_->on_air())
+        control_.tell_refused(name_, line, id.error(), services_, out);
     return id.has_value();
 }
 

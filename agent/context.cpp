@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "agent/error_report.hpp"
 #include "asip/model/event_decoder.hpp"
 #include "asip/model/json.hpp"
 #include "asip/protocol/error_code.hpp"
@@ -31,14 +32,11 @@ void Context::on_line(const std::string& board, std::string_view line, const ses
         message.payload = model::dump_json(*value);
         message.retain = options_.retain_values;
     } else if (const auto* error = std::get_if<protocol::ErrorReply>(&parsed)) {
-        const auto* service = services.find(error->service);
-        nlohmann::json value{{"request", std::string(1, error->tag)},
-                             {"code", error->code},
-                             {"error", std::string(error->text)}};
-        message.topic =
-            topics_.service_error(board, service ? service->name : std::string(1, error->service));
-        if (!bus::legal_service_name(service ? service->name : std::string(1, error->service))) return;
-        message.payload = model::dump_json(value);
+        return publish_error(topics_, board, service_named(services, error->service),
+                             {{"request", std::string(1, error->tag)},
+                              {"code", error->code},
+                              {"error", std::string(error->text)}},
+                             out);
     } else {
         return;
     }

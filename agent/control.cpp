@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "agent/error_report.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/event_decoder.hpp"
 #include "asip/model/json.hpp"
@@ -18,6 +19,15 @@ char answer_of_question(std::string_view line) {
     if (!request) return 0;
     const std::string_view tags = request->service == '#' ? "?NSXIE" : request->service == 'I' ? "Mmpc" : "";
     return tags.find(request->tag) == std::string_view::npos ? '\0' : request->tag;
+}
+
+std::string service_of_line(const ServiceTable& services, std::string_view line) {
+    return service_named(services, line.size() > 1 && line[1] == ',' ? line[0] : '#');
+}
+
+// On a service's topic the request stands without its service.
+std::string_view request_of_line(std::string_view line) {
+    return line.size() > 2 && line[1] == ',' ? line.substr(2) : line;
 }
 
 std::string refusal_text(session::Refusal refusal) {
@@ -43,19 +53,22 @@ void Control::on_message(const bus::Message& message, const ServiceTable& servic
     auto command = std::make_shared<Command>();
     auto envelope = bus::open_envelope(message);
     command->reply = envelope ? envelope->reply : envelope.error().reply;
+    command->board = topic->board;
+    command->service = topic->service;
+    const std::string_view request = envelope ? envelope->body : message.payload;
     if (message.retain)
         return refuse(
-            *command, bus::kRefusedRetained,
+            *command, request, bus::kRefusedRetained,
             "a stored command was not executed; clear it by publishing an empty retained message on " +
                 message.topic,
             out);
-    if (!envelope) return refuse(*command, bus::kRefusedInvalid, envelope.error().error, out);
+    if (!envelope) return refuse(*command, request, bus::kRefusedInvalid, envelope.error().error, out);
 
     const ServiceTable::Entry* service = nullptr;
     if (topic->kind == bus::TopicKind::kServiceIn) {
         service = services.find(topic->service);
         if (!service)
-            return refuse(*command,
+            return refuse(*command, request,
                           services.entries().empty() ? bus::kRefusedBoardNotThere : bus::kRefusedInvalid,
                           "the board has no service \"" + std::string(topic->service) + "\"", out);
         command->model_owner = service->model;
@@ -71,8 +84,8 @@ void Control::on_message(const bus::Message& message, const ServiceTable& servic
         if (seen == RecentAnswers::Seen::kPending) return;
     }
     const auto lines = read(*envelope, service);
-    if (!lines) return refuse(*command, bus::kRefusedInvalid, lines.error(), out);
-    execute(std::move(command), *lines, session, now, actions, out);
+    if (!lines) return refuse(*command, request, bus::kRefusedInvalid, lines.error(), out);
+    execute(std::move(command), *lines, services, session, now, actions, out);
 }
 
 Expected<std::vector<Control::Line>> Control::read(const bus::RequestEnvelope& envelope,
@@ -97,16 +110,19 @@ Expected<std::vector<Control::Line>> Control::read(const bus::RequestEnvelope& e
 }
 
 void Control::execute(std::shared_ptr<Command> command, const std::vector<Line>& lines,
-                      session::BoardSession& session, Time now, session::Actions& actions, Effects& out) {
+                      const ServiceTable& services, session::BoardSession& session, Time now,
+                      session::Actions& actions, Effects& out) {
     std::size_t number = 0;
     for (const Line& line : lines) {
         ++number;
         const bool wanted = command->reply.wanted();
         const auto id = session.submit(
             line.text, {.prove = wanted, .answer_tag = wanted ? line.answer_tag : '\0'}, now, actions);
+        std::string service =
+            command->service.empty() ? service_of_line(services, line.text) : command->service;
         if (id) {
             ++command->open;
-            if (wanted) open_.emplace(*id, command);
+            open_.emplace(*id, Open{command, std::move(service), line.text});
             continue;
         }
         std::string text = refusal_text(id.error());
@@ -116,6 +132,9 @@ void Control::execute(std::shared_ptr<Command> command, const std::vector<Line>&
         command->outcome = bus::Reply::refused(session::to_string(id.error()), std::move(text));
         out.log(program::log::Level::kDebug, "command refused",
                 {{"reason", command->outcome.reason}, {"line", line.text}});
+        if (!wanted)
+            report_failure(topics_, command->board, service, request_of_line(line.text),
+                           command->outcome.reason, command->outcome.error, out);
         break;
     }
     command->all_sent = true;
@@ -125,9 +144,21 @@ void Control::execute(std::shared_ptr<Command> command, const std::vector<Line>&
 bool Control::on_finished(const session::Finished& end, Effects& out) {
     const auto it = open_.find(end.id);
     if (it == open_.end()) return false;
-    const std::shared_ptr<Command> command = it->second;
+    const Open request = std::move(it->second);
+    const auto& command = request.command;
     open_.erase(it);
+    const bool wanted = command->reply.wanted();
+    const auto tell = [&](std::string_view reason, std::string_view error) {
+        if (!wanted)
+            report_failure(topics_, command->board, request.service, request_of_line(request.line), reason,
+                           error, out);
+    };
     bus::Reply& outcome = command->outcome;
+    // The board's own errors are on the error topic already, in the board's words.
+    if (end.ending == session::Ending::kTimeout)
+        tell("timeout", "no sign that the board executed it; it may have, or not");
+    if (end.ending == session::Ending::kNotSent)
+        tell(bus::kRefusedBoardNotThere, refusal_text(session::Refusal::kNoBoard));
     if (outcome.status == bus::Reply::Status::kOk) {
         switch (end.ending) {
             case session::Ending::kBoardError:
@@ -163,11 +194,22 @@ std::string Control::answer_json(const Command& command, const std::string& line
     return model::dump_json(nlohmann::json(line));
 }
 
-void Control::refuse(Command& command, std::string_view reason, std::string text, Effects& out) {
+void Control::refuse(Command& command, std::string_view request, std::string_view reason, std::string text,
+                     Effects& out) {
     ++counters_.refused;
     out.log(program::log::Level::kDebug, "command refused", {{"reason", std::string(reason)}, {"why", text}});
+    // An empty payload is how somebody clears a stored command: nothing was asked for.
+    if (!command.reply.wanted() && !request.empty())
+        report_failure(topics_, command.board, command.service.empty() ? "io" : command.service, request,
+                       reason, text, out);
     command.outcome = bus::Reply::refused(std::string(reason), std::move(text));
     conclude(command, out);
+}
+
+void Control::tell_refused(const std::string& board, std::string_view line, session::Refusal why,
+                           const ServiceTable& services, Effects& out) const {
+    report_failure(topics_, board, service_of_line(services, line), request_of_line(line),
+                   session::to_string(why), refusal_text(why), out);
 }
 
 void Control::conclude(Command& command, Effects& out) {

@@ -22,7 +22,8 @@ struct ControlCounters {
 };
 
 /// The control bus: takes the envelope off, checks the command by its model, queues it on the session, and
-/// sees that whoever asked for an answer gets exactly one.
+/// sees that whoever asked for an answer gets exactly one. What fails for those who asked for none is told on
+/// the service's error topic.
 class Control {
   public:
     Control(const bus::Topics& topics, const session::BoardSession& session)
@@ -33,6 +34,9 @@ class Control {
                     Time now, session::Actions& actions, Effects& out);
     /// True: the request was one of ours.
     bool on_finished(const session::Finished& end, Effects& out);
+    /// A line that came by another way than the bus was refused: told on the error topic of its service.
+    void tell_refused(const std::string& board, std::string_view line, session::Refusal why,
+                      const ServiceTable& services, Effects& out) const;
 
     const ControlCounters& counters() const { return counters_; }
 
@@ -40,7 +44,9 @@ class Control {
     /// One payload: one answer for all its lines.
     struct Command {
         bus::ReplyTo reply;
-        std::string key;  // of RecentAnswers; empty: cannot be recognised again
+        std::string board;
+        std::string service;  // the topic's; empty: raw lines, each its own
+        std::string key;      // of RecentAnswers; empty: cannot be recognised again
         const model::ServiceModel* model = nullptr;
         model::ModelPtr model_owner;
         std::size_t open = 0;  // requests that have not ended
@@ -51,10 +57,17 @@ class Control {
         std::string text;
         char answer_tag = 0;
     };
+    struct Open {
+        std::shared_ptr<Command> command;
+        std::string service;
+        std::string line;
+    };
 
     void execute(std::shared_ptr<Command> command, const std::vector<Line>& lines,
-                 session::BoardSession& session, Time now, session::Actions& actions, Effects& out);
-    void refuse(Command& command, std::string_view reason, std::string text, Effects& out);
+                 const ServiceTable& services, session::BoardSession& session, Time now,
+                 session::Actions& actions, Effects& out);
+    void refuse(Command& command, std::string_view request, std::string_view reason, std::string text,
+                Effects& out);
     void conclude(Command& command, Effects& out);
     void send(const bus::ReplyTo& to, const bus::Reply& reply, Effects& out);
     Expected<std::vector<Line>> read(const bus::RequestEnvelope& envelope,
@@ -65,7 +78,7 @@ class Control {
     const session::BoardSession& session_;
     ControlCounters counters_;
     RecentAnswers recent_;
-    std::unordered_map<session::RequestId, std::shared_ptr<Command>> open_;
+    std::unordered_map<session::RequestId, Open> open_;  // bounded by the session's queue
 };
 
 }  // namespace asip::agent

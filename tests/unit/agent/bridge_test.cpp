@@ -263,6 +263,97 @@ TEST_F(OnlineBridge, LineOfAClient_ReachesTheBoardAndBadOnesDoNot) {
     EXPECT_THAT(bench.board.executed, ElementsAre("I,d,13,1"));
 }
 
+// --- what fails for those who asked for no answer
+
+struct SilentSender : OnlineBridge {
+    json error(const std::string& service, std::size_t at = 0) {
+        const auto errors = bench.on("asip/uno1/" + service + "/error");
+        return at < errors.size() ? json::parse(errors[at]) : json();
+    }
+};
+
+TEST_F(SilentSender, InvalidCommand_IsToldOnTheErrorTopicOfItsService) {
+    bench.hear("asip/uno1/servo/in", R"({"write":[0,900]})");
+    EXPECT_EQ(error("servo")["request"], R"({"write":[0,900]})");
+    EXPECT_EQ(error("servo")["reason"], "invalid");
+    EXPECT_FALSE(error("servo")["error"].get<std::string>().empty());
+    bench.hear("asip/uno1/servo/in", R"({"write":[0,90)");
+    EXPECT_EQ(error("servo", 1)["reason"], "invalid");
+}
+
+TEST_F(SilentSender, RawLineRefused_IsToldForTheServiceOfTheLine) {
+    bench.unplug();
+    bench.hear("asip/uno1/in", "S,W,0,90");
+    bench.hear("asip/uno1/in", "I,d,13,1");
+    bench.hear("asip/uno1/in", "T,P,440");
+    EXPECT_EQ(error("servo")["request"], "W,0,90");
+    EXPECT_EQ(error("servo")["reason"], "board-not-there");
+    EXPECT_EQ(error("io")["request"], "d,13,1");
+    EXPECT_EQ(error("T")["request"], "P,440") << "a service that the board does not have";
+}
+
+TEST_F(SilentSender, UnreadableRawText_IsToldForIoAndCutShort) {
+    bench.hear("asip/uno1/in", std::string(5000, '\xff'));
+    EXPECT_EQ(error("io")["reason"], "invalid");
+    EXPECT_LT(bench.on("asip/uno1/io/error")[0].size(), 1000u);
+}
+
+TEST_F(SilentSender, RetainedCommand_IsToldAndClearingItIsNot) {
+    bench.hear("asip/uno1/servo/in", "W,0,90", true);
+    EXPECT_EQ(error("servo")["reason"], "retained");
+    bench.hear("asip/uno1/servo/in", "");
+    EXPECT_EQ(bench.on("asip/uno1/servo/error").size(), 1u);
+}
+
+TEST_F(SilentSender, TenThousandCommands_EachRefusalIsToldOnceAsContext) {
+    bench.board.mute = true;
+    for (int i = 0; i < 10'000; ++i)
+        bench.hear("asip/uno1/servo/in", "W,0,90");
+    const auto told = bench.published.size();
+    EXPECT_GE(told, 9'400u);
+    EXPECT_EQ(error("servo")["request"], "W,0,90");
+    EXPECT_EQ(error("servo")["reason"], "queue-full");
+    for (const auto& publication : bench.published)
+        ASSERT_EQ(publication.priority, bus::Priority::kContext);
+    bench.unplug();
+    EXPECT_EQ(bench.on("asip/uno1/servo/error").size(), 10'000u) << "and those that waited, or were lost";
+}
+
+TEST_F(SilentSender, FenceLost_TimeoutIsTold) {
+    bench.board.swallow_fences = 1;
+    bench.hear("asip/uno1/servo/in", "W,0,90");
+    bench.pass(1s);
+    bench.say("@I,a,1,{0:1}\r\n");
+    bench.pass(1s);
+    EXPECT_EQ(error("servo")["request"], "W,0,90");
+    EXPECT_EQ(error("servo")["reason"], "timeout");
+}
+
+TEST_F(SilentSender, ErrorOfTheBoard_IsToldOnce) {
+    bench.board.replies["S,W,9,90"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    bench.hear("asip/uno1/servo/in", "W,9,90");
+    bench.pass(1s);
+    ASSERT_EQ(bench.on("asip/uno1/servo/error").size(), 1u);
+    EXPECT_EQ(error("servo")["code"], 7);
+}
+
+TEST_F(SilentSender, ReplyWanted_NothingIsOnTheErrorTopic) {
+    bench.ask("asip/uno1/servo/in", {{"write", {0, 900}}});
+    EXPECT_THAT(bench.on("asip/uno1/servo/error"), IsEmpty());
+}
+
+TEST_F(SilentSender, CommandExecuted_NothingIsOnTheErrorTopic) {
+    bench.hear("asip/uno1/servo/in", "W,0,90");
+    bench.pass(1s);
+    EXPECT_THAT(bench.board.executed, ElementsAre("S,W,0,90"));
+    EXPECT_THAT(bench.on("asip/uno1/servo/error"), IsEmpty());
+}
+
+TEST_F(SilentSender, LineOfAPointToPointClientRefused_IsTold) {
+    EXPECT_FALSE(bench.client_says("#,B,500000"));
+    EXPECT_EQ(error("io")["request"], "B,500000");
+}
+
 TEST_F(OnlineBridge, ForeignTopics_ChangeNothing) {
     for (const char* topic : {"asip/other/in", "asip/uno1/bad name/in", "x", "", "asip/uno1/io/in/more"})
         bench.hear(topic, "S,W,0,90");

@@ -1,0 +1,36 @@
+#include "agent/error_report.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "asip/model/json.hpp"
+
+namespace asip::agent {
+
+namespace {
+constexpr std::size_t kMostOfRequest = 128;
+}
+
+std::string service_named(const ServiceTable& services, char letter) {
+    if (const auto* service = services.find(letter)) return service->name;
+    std::string name(1, letter);
+    return bus::legal_service_name(name) && letter != 'I' ? name : "io";
+}
+
+void publish_error(const bus::Topics& topics, std::string_view board, std::string_view service,
+                   const nlohmann::json& value, Effects& out) {
+    bus::Message message;
+    message.topic = topics.service_error(board, service);
+    message.payload = model::dump_json(value);
+    out.publish.push_back({std::move(message), bus::Priority::kContext});
+}
+
+void report_failure(const bus::Topics& topics, std::string_view board, std::string_view service,
+                    std::string_view request, std::string_view reason, std::string_view error, Effects& out) {
+    publish_error(topics, board, service,
+                  {{"request", std::string(request.substr(0, kMostOfRequest))},
+                   {"reason", std::string(reason)},
+                   {"error", std::string(error)}},
+                  out);
+}
+
+}  // namespace asip::agent

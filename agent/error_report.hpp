@@ -1,0 +1,25 @@
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+
+#include "agent/effects.hpp"
+#include "agent/service_table.hpp"
+#include "asip/bus/topics.hpp"
+
+namespace asip::agent {
+
+/// Name on the bus of the service that `letter` stands for: its model's, else the letter. What belongs to no
+/// service (`#`) belongs to `io`, the core's.
+std::string service_named(const ServiceTable& services, char letter);
+
+/// `{"request":...}` on the service's error topic. As context: of a flood the oldest give way.
+void publish_error(const bus::Topics& topics, std::string_view board, std::string_view service,
+                   const nlohmann::json& value, Effects& out);
+
+/// A command that was not executed, for whoever listens, as the one who sent it wants no answer.
+/// `{"request":"W,0,90","reason":"queue-full","error":"..."}`; of a long request the beginning.
+void report_failure(const bus::Topics& topics, std::string_view board, std::string_view service,
+                    std::string_view request, std::string_view reason, std::string_view error, Effects& out);
+
+}  // namespace asip::agent
