@@ -66,6 +66,8 @@ Outcome<bus::Answer> BoardSource::ask_all_pages(bus::Query query) {
         auto page = ask(query);
         if (!page) return page;
         std::move(page->boards.begin(), page->boards.end(), std::back_inserter(all->boards));
+        if (all->brief && page->brief)
+            std::move(page->brief->begin(), page->brief->end(), std::back_inserter(*all->brief));
         std::move(page->services.begin(), page->services.end(), std::back_inserter(all->services));
         all->cursor = page->cursor;
     }
@@ -106,6 +108,33 @@ Outcome<std::vector<bus::BoardItem>> BoardSource::boards(bus::Query query) {
             board.description.clear();
     }
     return all;
+}
+
+Outcome<std::vector<bus::BriefBoard>> BoardSource::brief_boards(bus::Query query) {
+    std::vector<bus::BoardItem> items;
+    if (asks_registry()) {
+        query.find = bus::Find::kBoards;
+        query.brief = true;
+        auto answer = ask_all_pages(query);
+        if (answer && answer->brief) return std::move(*answer->brief);
+        if (answer) {
+            items = std::move(answer->boards);  // a registry that knows no brief queries
+        } else if (answer.error().status == program::kExitFailure) {
+            return tl::unexpected(answer.error());
+        } else {
+            without_registry(answer.error().text);
+        }
+    }
+    if (!asks_registry()) {
+        auto found = boards(query);
+        if (!found) return tl::unexpected(found.error());
+        items = std::move(*found);
+    }
+    std::vector<bus::BriefBoard> rows;
+    rows.reserve(items.size());
+    for (const auto& item : items)
+        rows.push_back(bus::brief_of(item));
+    return rows;
 }
 
 Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {

@@ -118,7 +118,8 @@ Expected<Query> query_from(const json& object) {
         if (!value) return Unexpected<std::string>(value.error());
         *member = std::move(*value);
     }
-    for (const auto& [key, member] : {std::pair{"count", &query.count}, std::pair{"full", &query.full}}) {
+    for (const auto& [key, member] : {std::pair{"count", &query.count}, std::pair{"full", &query.full},
+                                      std::pair{"brief", &query.brief}}) {
         const auto value = flag(object, key);
         if (!value) return Unexpected<std::string>(value.error());
         *member = *value;
@@ -128,6 +129,9 @@ Expected<Query> query_from(const json& object) {
             return fail("limit: must be 1 or more");
         query.limit =
             static_cast<std::size_t>(std::min<std::uint64_t>(limit->get<std::uint64_t>(), Query::kMaxPage));
+    }
+    if (query.brief && (query.full || query.find != Find::kBoards)) {
+        return fail("brief: only for boards, and not together with full");
     }
     return query;
 }
@@ -160,6 +164,7 @@ json to_object(const Query& query) {
     put(object, "cursor", query.cursor);
     if (query.count) object["count"] = true;
     if (query.full) object["full"] = true;
+    if (query.brief) object["brief"] = true;
     return object;
 }
 
@@ -224,6 +229,18 @@ Expected<json> object_from(std::string_view payload) {
     if (!document) return document;
     if (!document->is_object()) return fail("not a JSON object");
     return document;
+}
+
+// The rows of a large catalogue are written and read straight from and into text; a JSON tree costs ten times
+// as much.
+std::string encode_brief(json& envelope, const std::vector<BriefBoard>& boards) {
+    envelope["brief"] = true;
+    std::string text = model::dump_json(envelope);
+    text.pop_back();
+    text += ",\"items\":";
+    append_brief_rows(text, boards);
+    text += '}';
+    return text;
 }
 
 int digits(std::string_view text, std::size_t at, std::size_t count) {
@@ -394,13 +411,25 @@ std::string encode(const Answer& answer) {
         items.push_back(to_json(item));
     if (!answer.forgotten.empty()) object["forgotten"] = answer.forgotten;
     object["find"] = what;
-    object["items"] = std::move(items);
     put(object, "cursor", answer.cursor);
+    if (answer.brief) return encode_brief(object, *answer.brief);
+    object["items"] = std::move(items);
     return model::dump_json(object);
 }
 
+BriefBoard brief_of(const BoardItem& board) {
+    BriefBoard brief{board.board, board.state, board.age, board.chip, board.sketch, {}, {}};
+    brief.conflict = board.conflict.has_value();
+    for (const ServiceItem& service : board.services) {
+        if (!brief.services.empty()) brief.services += ' ';
+        brief.services += service.name;
+    }
+    return brief;
+}
+
 Expected<Answer> parse_answer(std::string_view payload) {
-    const auto document = object_from(payload);
+    const auto split = split_brief(payload);
+    const auto document = object_from(split ? split->envelope : payload);
     if (!document) return Unexpected<std::string>(document.error());
     const json& object = *document;
     Answer answer;
@@ -417,6 +446,12 @@ Expected<Answer> parse_answer(std::string_view payload) {
         for (const json& name : *found) {
             if (name.is_string()) answer.forgotten.push_back(name.get<std::string>());
         }
+    }
+    if (split) {
+        auto rows = read_brief_rows(split->rows);
+        if (!rows) return Unexpected<std::string>(rows.error());
+        answer.brief = std::move(*rows);
+        return answer;
     }
     const auto items = object.find("items");
     if (items == object.end() || !items->is_array()) {

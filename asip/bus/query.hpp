@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "asip/bus/brief.hpp"
 #include "asip/expected.hpp"
 
 /// What is said between a registry and those who ask it: queries, their answers and change events. Pure: JSON
@@ -47,6 +48,7 @@ struct Query {
     std::string cursor;  ///< of the previous page's answer, with all else the same; empty: the first page
     bool count = false;  ///< give `total` even where it costs a scan
     bool full = false;   ///< boards with their whole description
+    bool brief = false;  ///< boards only with what a table shows: Answer::brief instead of Answer::boards
 
     static constexpr std::size_t kMaxPage = 1000;
     bool operator==(const Query&) const = default;
@@ -145,6 +147,9 @@ struct Answer {
     bool settling = false;  ///< the registry is still reading what the broker retains: more will come
     std::optional<std::size_t> total;  ///< all matches, where asked for or known anyway
     std::vector<BoardItem> boards;
+    /// Set: the answer is to a brief query, and `boards` is empty. A registry that does not know brief
+    /// queries answers with `boards`.
+    std::optional<std::vector<BriefBoard>> brief;
     std::vector<ServiceItem> services;
     std::vector<HistoryItem> history;
     std::vector<std::string> forgotten;  ///< board names
@@ -154,6 +159,9 @@ struct Answer {
 
     bool operator==(const Answer&) const = default;
 };
+
+/// A board as a brief query would tell of it.
+BriefBoard brief_of(const BoardItem& board);
 
 std::string encode(const Answer& answer);
 Expected<Answer> parse_answer(std::string_view payload);

@@ -15,16 +15,8 @@
 namespace asip::cli {
 namespace {
 
-std::string seen_text(const bus::BoardItem& board) {
-    return board.age < 0 ? std::string("-")
-                         : duration_text(std::chrono::duration<double>(board.age)) + " ago";
-}
-
-std::string names_of(const std::vector<bus::ServiceItem>& services) {
-    std::string text;
-    for (const auto& service : services)
-        text += (text.empty() ? "" : " ") + service.name;
-    return text;
+std::string seen_text(double age) {
+    return age < 0 ? std::string("-") : duration_text(std::chrono::duration<double>(age)) + " ago";
 }
 
 template <class Item>
@@ -54,6 +46,13 @@ int show_all(const ListOptions& options, Context& context, BoardSource& source) 
         context.out << services_text(*found, options.output, context.width, context.colour) << std::flush;
         return program::kExitOk;
     }
+    if (options.output == Output::kTable || options.output == Output::kName) {
+        const auto found = source.brief_boards(options.query);
+        if (!found) return context.fail_with(found.error());
+        if (found->empty() && table) context.note("no board matches");
+        context.out << brief_text(*found, options.output, context.width, context.colour) << std::flush;
+        return program::kExitOk;
+    }
     const auto found = source.boards(options.query);
     if (!found) return context.fail_with(found.error());
     if (found->empty() && table) context.note("no board matches");
@@ -80,11 +79,24 @@ Table board_table(bool wide) {
     return Table(std::move(columns));
 }
 
+std::vector<Cell> brief_row(const bus::BriefBoard& board) {
+    std::vector<Cell> row;
+    row.reserve(6);
+    row.emplace_back(board.board);
+    if (board.conflict) {
+        row.emplace_back(board.state + "!", Colour::kRed);
+    } else {
+        row.emplace_back(board.state, state_colour(board.state));
+    }
+    row.emplace_back(board.chip);
+    row.emplace_back(board.sketch);
+    row.emplace_back(board.services);
+    row.emplace_back(seen_text(board.age));
+    return row;
+}
+
 std::vector<Cell> board_row(const bus::BoardItem& board, bool wide) {
-    auto state =
-        board.conflict ? Cell(board.state + "!", Colour::kRed) : Cell(board.state, state_colour(board.state));
-    std::vector<Cell> row{board.board,  std::move(state),         board.chip,
-                          board.sketch, names_of(board.services), seen_text(board)};
+    auto row = brief_row(bus::brief_of(board));
     if (!wide) return row;
     const auto lease =
         board.lease > 0 ? duration_text(std::chrono::duration<double>(board.lease)) : std::string();
@@ -116,18 +128,33 @@ std::vector<Cell> service_row(const bus::ServiceItem& service, bool wide) {
 std::string boards_text(const std::vector<bus::BoardItem>& boards, Output output, std::size_t width,
                         bool colour) {
     if (output == Output::kJson || output == Output::kJsonLines) return json_text(boards, output);
-    if (output == Output::kName) {
-        std::string text;
+    const bool wide = output == Output::kWide;
+    if (!wide) {
+        std::vector<bus::BriefBoard> rows;
         for (const auto& board : boards)
-            text += board.board + "\n";
-        return text;
+            rows.push_back(bus::brief_of(board));
+        return brief_text(rows, output, width, colour);
     }
     if (boards.empty()) return {};
-    const bool wide = output == Output::kWide;
     auto table = board_table(wide);
     for (const auto& board : boards)
         table.add(board_row(board, wide));
-    return table.render(wide ? 0 : width, colour);
+    return table.render(0, colour);
+}
+
+std::string brief_text(const std::vector<bus::BriefBoard>& boards, Output output, std::size_t width,
+                       bool colour) {
+    std::string text;
+    if (output == Output::kName) {
+        for (const auto& board : boards)
+            text.append(board.board).append("\n");
+        return text;
+    }
+    if (boards.empty()) return text;
+    auto table = board_table(false);
+    for (const auto& board : boards)
+        table.add(brief_row(board));
+    return table.render(width, colour);
 }
 
 std::string services_text(const std::vector<bus::ServiceItem>& services, Output output, std::size_t width,

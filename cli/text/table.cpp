@@ -32,13 +32,19 @@ const char* code_of(Colour colour) {
 
 void append_cell(std::string& line, const Cell& cell, const Column& column, std::size_t width, bool last,
                  bool colour) {
-    const auto text = fit(cell.text, width);
-    const std::string blanks(width - display_width(text), ' ');
-    if (column.right) line += blanks;
-    line += painted(text, cell.colour, colour);
+    const auto whole = display_width(cell.text);
+    std::string cut;
+    if (whole > width) cut = fit(cell.text, width);
+    const std::string& text = whole > width ? cut : cell.text;
+    const auto blanks = width - (whole > width ? display_width(cut) : whole);
+    if (column.right) line.append(blanks, ' ');
+    if (colour && cell.colour != Colour::kNone) {
+        line += painted(text, cell.colour, colour);
+    } else {
+        line += text;
+    }
     if (last) return;
-    if (!column.right) line += blanks;
-    line.append(kGap, ' ');
+    line.append((column.right ? 0 : blanks) + kGap, ' ');
 }
 
 }  // namespace
@@ -50,8 +56,9 @@ std::string painted(std::string_view text, Colour colour, bool on) {
 
 void Table::add(std::vector<Cell> row) {
     row.resize(columns_.size());
-    for (auto& cell : row)
-        cell.text = printable(cell.text);
+    for (auto& cell : row) {
+        if (!is_plain(cell.text)) cell.text = printable(cell.text);
+    }
     rows_.push_back(std::move(row));
 }
 
@@ -80,16 +87,15 @@ void Table::measure(std::size_t limit) {
     }
 }
 
-std::string Table::lines(std::vector<std::vector<Cell>> rows, bool colour) const {
+std::string Table::lines(const std::vector<std::vector<Cell>>& rows, bool colour) const {
     std::string text;
     for (const auto& row : rows) {
-        std::string line;
         std::size_t last = row.size();
         while (last > 0 && row[last - 1].text.empty())
             --last;
         for (std::size_t i = 0; i < last; ++i)
-            append_cell(line, row[i], columns_[i], widths_[i], i + 1 == last, colour);
-        text += line + "\n";
+            append_cell(text, row[i], columns_[i], widths_[i], i + 1 == last, colour);
+        text += '\n';
     }
     return text;
 }
@@ -110,7 +116,7 @@ std::string Table::render_more(std::size_t width, bool colour) {
     std::vector<std::vector<Cell>> fresh(rows_.begin() + static_cast<std::ptrdiff_t>(rendered_), rows_.end());
     rows_.clear();
     rendered_ = 0;
-    return lines(std::move(fresh), colour);
+    return lines(fresh, colour);
 }
 
 }  // namespace asip::cli

@@ -44,7 +44,7 @@ class Table {
 
   private:
     void measure(std::size_t limit);
-    std::string lines(std::vector<std::vector<Cell>> rows, bool colour) const;
+    std::string lines(const std::vector<std::vector<Cell>>& rows, bool colour) const;
 
     std::vector<Column> columns_;
     std::vector<std::vector<Cell>> rows_;

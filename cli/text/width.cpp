@@ -69,7 +69,15 @@ std::size_t width_of(const Character& character) {
 
 }  // namespace
 
+bool is_plain(std::string_view text) {
+    for (const char c : text) {
+        if (c < 0x20 || c >= 0x7F) return false;
+    }
+    return true;
+}
+
 std::size_t display_width(std::string_view text) {
+    if (is_plain(text)) return text.size();
     std::size_t width = 0;
     while (!text.empty()) {
         const auto character = next_character(text);

@@ -5,6 +5,9 @@
 
 namespace asip::cli {
 
+/// Nothing but printable ASCII: as many columns as bytes, and shown as it is.
+bool is_plain(std::string_view text);
+
 /// Columns a terminal needs to show UTF-8 `text`: combining marks take none, East Asian wide characters and
 /// emoji two, control characters none. A byte that is not UTF-8 counts one.
 std::size_t display_width(std::string_view text);

@@ -87,6 +87,7 @@ class Catalogue::Impl {
     Board& board(std::uint32_t slot) { return pages_[slot / kPage][slot % kPage]; }
     const Board& board(std::uint32_t slot) const { return pages_[slot / kPage][slot % kPage]; }
     bus::BoardItem board_item(const Board& b, Instant now, bool full) const;
+    bus::BriefBoard brief_board(const Board& b, Instant now) const;
     bus::ServiceItem service_item(const Board& b, const Service& service) const;
     std::string check() const;
     std::string fingerprint() const;

@@ -120,6 +120,13 @@ struct Catalogue::Impl::Collector {
     bool more = false;
 
     bool full() const { return taken == plan.limit; }
+    void take(const Impl& catalogue, const Board& b) {
+        if (answer.brief) {
+            answer.brief->push_back(catalogue.brief_board(b, plan.now));
+        } else {
+            answer.boards.push_back(catalogue.board_item(b, plan.now, plan.query.full));
+        }
+    }
 };
 
 // Calls `visit(slot)` for each board of the plan's kinds and states in the order of names, from where `visit`
@@ -176,7 +183,7 @@ void Catalogue::Impl::scan_ordered(const Plan& plan, Collector& out) {
             if (at_cursor || (plan.by_service && !plan.some_service_matches(b))) return true;
             if (out.full()) return !(out.more = true);
             ++out.taken;
-            out.answer.boards.push_back(board_item(b, plan.now, plan.query.full));
+            out.take(*this, b);
             out.last = b.name + "//";
             return true;
         }
@@ -254,7 +261,7 @@ void Catalogue::Impl::scan_sorted(const Plan& plan, Collector& out) {
         if (hits[i].service != nullptr) {
             out.answer.services.push_back(service_item(b, *hits[i].service));
         } else {
-            out.answer.boards.push_back(board_item(b, plan.now, plan.query.full));
+            out.take(*this, b);
         }
         out.last = b.name + "/" + std::string(name_of(hits[i])) + "/" + hits[i].key;
     }
@@ -302,6 +309,7 @@ Expected<bus::Answer> Catalogue::Impl::find(const bus::Query& query, Instant now
 
     bus::Answer answer;
     answer.seq = seq_;
+    if (query.brief && query.find == bus::Find::kBoards) answer.brief.emplace();
     Collector out{plan, answer, false, 0, 0, {}, false};
     if (plan.sort == "name" && !plan.descending) {
         scan_ordered(plan, out);
@@ -321,7 +329,7 @@ Expected<bus::Answer> Catalogue::Impl::find(const bus::Query& query, Instant now
             everything.sort = "-name";
             everything.cursor.clear();
             everything.limit = 1;
-            everything.full = false;
+            everything.full = everything.brief = false;
             answer.total = find(everything, now).value().total;
         }
     } else {
@@ -344,6 +352,24 @@ bus::ServiceItem Catalogue::Impl::service_item(const Board& b, const Service& se
     if (service.count >= 0) item.count = service.count;
     if (service.period >= 0) item.period = service.period;
     return item;
+}
+
+bus::BriefBoard Catalogue::Impl::brief_board(const Board& b, Instant now) const {
+    bus::BriefBoard row;
+    row.board = b.name;
+    row.state = model::to_text(b.effective);
+    if (b.last_heard != Time{}) row.age = std::chrono::duration<double>(now.time - b.last_heard).count();
+    if (b.firmware != nullptr) {
+        row.chip = b.firmware->chip;
+        row.sketch = b.firmware->sketch;
+    }
+    row.conflict = b.conflict() != nullptr;
+    if (b.services == nullptr) return row;
+    for (const Service& service : b.services->services) {
+        if (!row.services.empty()) row.services += ' ';
+        row.services += service.name;
+    }
+    return row;
 }
 
 bus::BoardItem Catalogue::Impl::board_item(const Board& b, Instant now, bool full) const {

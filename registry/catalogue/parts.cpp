@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/json_scanner.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/model/description.hpp"
-#include "registry/catalogue/json_scanner.hpp"
 
 namespace asip::registry {
 namespace {
+
+using bus::JsonScanner;
 
 constexpr std::size_t kMaxTextBytes = 256;
 

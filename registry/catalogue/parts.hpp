@@ -129,7 +129,7 @@ class KindTable {
     std::vector<Kind*> dirty_;
 };
 
-/// Each from JSON text that JsonScanner has accepted; null if it is not what the member should hold.
+/// Each from JSON text that bus::JsonScanner has accepted; null if it is not what the member should hold.
 std::unique_ptr<FirmwarePart> read_firmware(std::string_view text);
 std::unique_ptr<PinsPart> read_pins(std::string_view text);
 /// The kinds in it are referred to; whoever deletes the part releases them.

@@ -1,9 +1,11 @@
 #include "registry/catalogue/scan.hpp"
 
-#include "registry/catalogue/json_scanner.hpp"
+#include "asip/bus/json_scanner.hpp"
 
 namespace asip::registry {
 namespace {
+
+using bus::JsonScanner;
 
 bool read_structure(JsonScanner& in, std::string_view guess, char open, std::string_view& text) {
     if (in.known_value(guess)) {

@@ -3,12 +3,13 @@
 #include <cstdint>
 #include <string_view>
 
-namespace asip::registry {
+namespace asip::bus {
 
 /// Reads a JSON text in one pass without building anything: enough to take a description apart at its first
 /// level, and strict enough that what it lets through any JSON parser takes (RFC 8259, UTF-8 checked, nesting
 /// at most kMaxDepth).
 ///
+/// Containers may be entered one inside the other, if the inner one is left before the outer one goes on.
 /// Positions only move forward; after any function returned false the scanner is good for nothing more.
 class JsonScanner {
   public:
@@ -55,4 +56,4 @@ class JsonScanner {
     bool left_ = false;
 };
 
-}  // namespace asip::registry
+}  // namespace asip::bus

@@ -1,9 +1,9 @@
-#include "registry/catalogue/json_scanner.hpp"
+#include "asip/bus/json_scanner.hpp"
 
 #include <array>
 #include <cstring>
 
-namespace asip::registry {
+namespace asip::bus {
 namespace {
 
 // 0: part of a string as it is, 1: ends the fast loop (quote, backslash, control character, first byte of
@@ -57,6 +57,7 @@ bool JsonScanner::next_element() {
 }
 
 bool JsonScanner::next(char close) {
+    left_ = false;
     space();
     if (at_ == end_) return false;
     if (*at_ == close) {
@@ -280,4 +281,4 @@ bool JsonScanner::skip_literal(std::string_view word) {
     return true;
 }
 
-}  // namespace asip::registry
+}  // namespace asip::bus
