@@ -53,9 +53,9 @@ TEST(ListBoards, BriefRows_SayWhatWholeItemsSay) {
     lost.conflict = bus::Conflict{"a", "b", "elsewhere"};
     const std::vector<bus::BriefBoard> rows{bus::brief_of(uno1()), bus::brief_of(lost)};
     EXPECT_EQ(brief_text(rows, Output::kTable, 0, false),
-              "BOARD        STATE   CHIP        SKETCH     SERVICES             SEEN\n"
-              "uno1         online  ATmega328P  AsipHello  io distance servo X  500 ms ago\n"
-              "küche?[31m   lost!   ATmega328P  AsipHello  io distance servo X  -\n");
+              "BOARD       STATE   CHIP        SKETCH     SERVICES             SEEN\n"
+              "uno1        online  ATmega328P  AsipHello  io distance servo X  500 ms ago\n"
+              "küche?[31m  lost!   ATmega328P  AsipHello  io distance servo X  -\n");
     EXPECT_EQ(brief_text({rows[0]}, Output::kName, 0, false), "uno1\n");
     EXPECT_EQ(brief_text({}, Output::kTable, 0, false), "");
 }
