@@ -137,7 +137,8 @@ void Application::connect_bus() {
         bus::MqttClient::Handlers{
             [this](const bus::Connected& connected) {
                 ever_connected_ = true;
-                bus_failure_told_ = false;
+                bus_failure_told_ = announcement_taken_ = rejection_told_ = false;
+                rejected_before_ = bus_->counters().rejected;
                 log::info("broker connected",
                           {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
                 bus_->discard_queued(bus::Priority::kAnnouncement);
@@ -152,11 +153,14 @@ void Application::connect_bus() {
             [this](const bus::Message& message) {
                 with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, now, out); });
             },
-            [](const std::string&) {},
+            [this](const std::string& topic) { note_taken(topic); },
             [](const std::string& filter, const std::string& reason) {
                 log::error("the broker refuses a subscription", {{"topic", filter}, {"why", reason}});
             },
-            [](const std::string& line) { log::trace(line); },
+            [this](const std::string& line) {
+                log::trace(line);
+                tell_rejections();  // each has its line
+            },
         });
     for (const auto& filter : bridge_.subscriptions())
         bus_->subscribe(filter, {.qos = 1, .no_local = false, .retained = true});
@@ -225,6 +229,29 @@ void Application::report_counters() {
         }
         report_counters();
     });
+}
+
+void Application::note_taken(const std::string& topic) {
+    const auto known = bus::Topics(options_.bridge.topic_root).parse(topic);
+    if (known && known->kind == bus::TopicKind::kDescription) announcement_taken_ = true;
+}
+
+void Application::tell_rejections() {
+    if (!bus_ || rejection_told_ || bus_->counters().rejected == rejected_before_) return;
+    rejection_told_ = true;
+    const std::string& root = options_.bridge.topic_root;
+    const std::string& board = bridge_.name();
+    if (announcement_taken_) {
+        log::warning("the broker refuses some of what this agent publishes; look at its access control",
+                     {{"board", board}, {"refused", bus_->counters().rejected - rejected_before_}});
+        return;
+    }
+    log::warning(
+        "the broker's access control denied announcing board " + board +
+            "; nobody will find it. Allow this agent's user to write " + root + "/servicebus, " + root +
+            "/servicebus/$probe, " + root + "/servicebus/" + board + "/# and " + root + "/" + board +
+            "/#; with the rules that ASIP ships, connect with a user named like the board: --user " + board,
+        {{"user", options_.mqtt.user}});
 }
 
 void Application::stop() {

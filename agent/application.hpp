@@ -37,6 +37,8 @@ class Application {
     void bus_failed(const bus::ConnectionFailure& failure, bool was_connected);
     void board_silent_at_start();
     void report_counters();
+    void note_taken(const std::string& topic);
+    void tell_rejections();
 
     AgentOptions options_;
     boost::asio::io_context io_{1};
@@ -52,6 +54,9 @@ class Application {
     std::optional<Time> armed_for_;
     std::uint64_t told_dropped_ = 0;
     std::uint64_t told_refused_ = 0;
+    std::uint64_t rejected_before_ = 0;  // by the broker, before this connection
+    bool announcement_taken_ = false;    // over this connection
+    bool rejection_told_ = false;        // of this connection
     bool ever_connected_ = false;
     bool bus_failure_told_ = false;
     bool board_ever_known_ = false;

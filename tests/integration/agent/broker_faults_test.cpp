@@ -3,6 +3,7 @@
 
 #include "tests/integration/agent/fake_port.hpp"
 #include "tests/integration/agent/rig.hpp"
+#include "tests/support/temp_dir.hpp"
 
 namespace asip::test {
 namespace {
@@ -22,6 +23,29 @@ TEST(AgentBroker, RightPassword_IsOnline) {
     BusProbe probe(broker.port(), {"#"}, {.user = "pi", .password = "right"});
     Agent agent(broker, port.path(), {"--user", "pi", "--password", "right"});
     EXPECT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+}
+
+TEST(AgentBroker, AnnouncingDenied_IsWarnedOfWithWhatToDo) {
+    TempDir folder;
+    const auto rules = folder.write("acl", "user pi\ntopic read #\ntopic write asip/uno1/#\n");
+    MosquittoBroker broker({.users = {{"pi", "right"}}, .extra_lines = {"acl_file " + rules}});
+    FakePort port;
+    Agent agent(broker, port.path(), {"--user", "pi", "--password", "right"});
+    ASSERT_TRUE(agent.process().wait_for_errors("access control denied announcing board uno1"))
+        << agent.process().errors();
+    EXPECT_THAT(agent.process().errors(), HasSubstr("--user uno1"));
+    EXPECT_TRUE(agent.process().running());
+}
+
+TEST(AgentBroker, EverythingAllowed_NoDenialIsWarnedOf) {
+    TempDir folder;
+    const auto rules = folder.write("acl", "user pi\ntopic readwrite #\n");
+    MosquittoBroker broker({.users = {{"pi", "right"}}, .extra_lines = {"acl_file " + rules}});
+    FakePort port;
+    BusProbe probe(broker.port(), {"#"}, {.user = "pi", .password = "right"});
+    Agent agent(broker, port.path(), {"--user", "pi", "--password", "right"});
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    EXPECT_THAT(agent.process().errors(), testing::Not(HasSubstr("access control")));
 }
 
 TEST(AgentBroker, ClientCertificateDemanded_IsOnlineWithItAndEndsWithout) {
