@@ -167,7 +167,9 @@ bool MqttConnection::tcp_established() {
     socklen_t size = sizeof problem;
     getsockopt(socket_.native_handle(), SOL_SOCKET, SO_ERROR, &problem, &size);
     if (problem != 0) {
-        end({unreachable(broker_, std::strerror(problem))});
+        // A refused connection is ECONNREFUSED: a reset one was taken, and closed before we looked.
+        end(problem == ECONNRESET ? closed_unanswered()
+                                  : ConnectionEvents::End{unreachable(broker_, std::strerror(problem))});
         return false;
     }
     sockaddr_storage peer{};
@@ -316,8 +318,13 @@ ConnectionEvents::End MqttConnection::why_closed(int error) const {
     if (!connecting) return {closed_by(broker_, disconnect_code_)};
     if (!tcp_connected_) {
         const bool known = error == MOSQ_ERR_ERRNO && errno != 0 && errno != EINPROGRESS;
+        if (known && errno == ECONNRESET) return closed_unanswered();
         return {unreachable(broker_, known ? std::strerror(errno) : mosquitto_strerror(error))};
     }
+    return closed_unanswered();
+}
+
+ConnectionEvents::End MqttConnection::closed_unanswered() const {
     const char* question =
         broker_.tls ? "does it demand a client certificate?" : "is it an MQTT broker, does it expect TLS?";
     return {{Kind::kNoAnswer, broker_, 0,

@@ -89,6 +89,7 @@ class MqttConnection : public std::enable_shared_from_this<MqttConnection> {
     void await_close();
     void end(const ConnectionEvents::End& reason);
     ConnectionEvents::End why_closed(int error) const;
+    ConnectionEvents::End closed_unanswered() const;
 
     void on_connect(int code, const mosquitto_property* properties);
     void on_disconnect(int code);
