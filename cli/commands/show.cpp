@@ -40,7 +40,7 @@ std::string link_text(const model::LinkInfo& link) {
     return text;
 }
 
-std::string seen_text(const bus::BoardItem& item) {
+std::string presence_text(const bus::BoardItem& item) {
     std::string text;
     if (item.age >= 0) text = duration_text(std::chrono::duration<double>(item.age)) + " ago";
     if (item.first_seen != bus::WallTime{}) text += ", first " + bus::format_time(item.first_seen);
@@ -195,7 +195,7 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
                              item.conflict->other + " (" + item.conflict->other_agent + ")",
                          colour, Colour::kRed);
     }
-    text += labelled("seen", seen_text(item), colour);
+    text += labelled("seen", presence_text(item), colour);
     if (!board.description) {
         text += labelled("known by", "its names only; it publishes no description", colour);
     } else {
