@@ -124,8 +124,10 @@ Latency direct(const std::string& port, int baud) {
     };
     for (const char* setup : {"\n", "I,A,0\n", "I,P,13,3\n", "I,P,12,1\n"}) {
         if (write(fd, setup, strlen(setup)) < 0) break;
-        while (!line(std::chrono::milliseconds(60)).empty()) {
-        }
+        // For a while, not until it is silent: it reports its analog inputs until told not to.
+        const auto settled = Clock::now() + std::chrono::milliseconds(100);
+        while (Clock::now() < settled)
+            line(std::chrono::milliseconds(10));
     }
     std::vector<double> samples;
     for (int round = 0; round < kRounds; ++round) {
