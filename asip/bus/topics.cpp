@@ -3,16 +3,12 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "asip/model/names.hpp"
+
 namespace asip::bus {
 namespace {
 
-constexpr std::size_t kMaxNameBytes = 64;
 constexpr std::size_t kMaxRootBytes = 128;
-
-bool is_name_character(char c) {
-    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' ||
-           c == '_' || c == '-';
-}
 
 /// The part of `rest` before the next slash; `rest` becomes what is behind it, or ends (data() == nullptr).
 std::string_view next_level(std::string_view& rest) {
@@ -62,12 +58,11 @@ std::optional<TopicRef> parse_board(std::string_view board, std::string_view sec
 }  // namespace
 
 bool legal_service_name(std::string_view name) {
-    return !name.empty() && name.size() <= kMaxNameBytes &&
-           std::all_of(name.begin(), name.end(), is_name_character);
+    return model::valid_name(name);
 }
 
 bool legal_board_name(std::string_view name) {
-    return legal_service_name(name) && name != "servicebus" && name != "registry";
+    return model::valid_board_name(name);
 }
 
 Topics::Topics(std::string root) : root_(std::move(root)) {
