@@ -106,7 +106,8 @@ namespace {
 
 Cycles to_cycles(SimTime time, std::uint32_t frequency) {
     const auto ns = static_cast<std::uint64_t>(std::max<std::int64_t>(time.count(), 0));
-    return ns / 1'000'000'000 * frequency + ns % 1'000'000'000 * frequency / 1'000'000'000;
+    // Rounded up: however short the time, it passes.
+    return ns / 1'000'000'000 * frequency + (ns % 1'000'000'000 * frequency + 999'999'999) / 1'000'000'000;
 }
 
 }  // namespace

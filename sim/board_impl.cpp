@@ -18,6 +18,7 @@ Board::Impl::Impl(BoardConfig config, const BoardKind& kind, Image image, std::u
       symbols_(std::move(image.symbols)),
       chip_(std::move(chip)),
       clock_(chip_->avr()),
+      eeprom_time_(clock_),
       wiring_(chip_->avr(), kind),
       line_(port, clock_, config_.frequency, [this](char byte) { received(byte); }),
       deadline_(clock_, [] {}),
@@ -63,6 +64,7 @@ void Board::Impl::was_reset() {
     if (cause_from_outside_) avr().data[kMcusr] = last_reset_ == ResetCause::power_on ? kPowerOn : kExternal;
     line_.after_reset();
     clock_.rearm();
+    eeprom_time_.after_reset();
     wiring_.after_reset();
     for (auto& part : parts_)
         part->after_reset();

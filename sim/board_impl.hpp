@@ -3,6 +3,7 @@
 
 #include "sim/board.hpp"
 #include "sim/chip.hpp"
+#include "sim/eeprom_time.hpp"
 #include "sim/part_context.hpp"
 #include "sim/serial_line.hpp"
 
@@ -27,6 +28,7 @@ struct Board::Impl {
     std::map<std::string, std::uint32_t, std::less<>> symbols_;
     std::unique_ptr<Chip> chip_;
     AlarmClock clock_;
+    EepromTime eeprom_time_;
     Wiring wiring_;
     SerialLine line_;
     Alarm deadline_;

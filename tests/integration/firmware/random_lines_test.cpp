@@ -53,6 +53,17 @@ std::string random_line(std::mt19937& random) {
     return is_of_the_line(line) ? std::string("#") : line;
 }
 
+// A board that stores names from the flood is busy for a tenth of a second with each: what comes then may be
+// lost, as on any board.
+bool answers(FirmwareBoard& board, const std::string& request, const std::string& answer) {
+    for (int attempt = 0; attempt < 30; ++attempt) {
+        board->send(request);
+        for (const auto& line : board.lines_within(milliseconds(60)))
+            if (line.starts_with(answer)) return true;
+    }
+    return false;
+}
+
 class RandomLinesTest : public testing::TestWithParam<std::tuple<std::string, unsigned>> {};
 
 TEST_P(RandomLinesTest, NeitherResetNorHang) {
@@ -70,13 +81,8 @@ TEST_P(RandomLinesTest, NeitherResetNorHang) {
         // The flood overflows what the board can hold: that too it must survive.
         board->send(recent);
         ASSERT_TRUE(board->run_until([&] { return board->sending() == 0; }, milliseconds(5000)));
-        board->run_for(milliseconds(60));
-        board->take_output();
-        board->send("\n#,R\n" + fence + "\n");
-        std::string line;
-        for (int lines = 0; lines < 200 && !line.starts_with(fenced); ++lines)
-            line = board.next_line();
-        ASSERT_TRUE(line.starts_with(fenced)) << "after line " << sent << ", in:\n" << recent;
+        ASSERT_TRUE(answers(board, "\n#,R\n" + fence + "\n", fenced)) << "after line " << sent << ", in:\n"
+                                                                      << recent;
         ASSERT_EQ(board->resets(), 0u);
         ASSERT_TRUE(board->alive());
     }

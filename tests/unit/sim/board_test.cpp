@@ -47,6 +47,33 @@ TEST(Board, RunFor_PassesExactlyThatMuchTime) {
     EXPECT_EQ(monitor->to_time(16'000'000), 1s);
 }
 
+TEST(Board, RunForLessThanACycle_StillPasses) {
+    Monitor monitor;
+    const auto end = monitor->now() + 1us;
+    for (int runs = 0; runs < 100 && monitor->now() < end; ++runs)
+        monitor->run_for(1ns);
+    EXPECT_GE(monitor->now(), end);
+}
+
+TEST(Board, EepromWrite_TakesItsTimeOnTheChip) {
+    constexpr unsigned kEecr = 0x3f, kEepe = 1 << 1;
+    Monitor monitor;
+    const std::string write{'e', '\x05', '\x00', 'x'};
+    monitor.tell(write);
+    EXPECT_EQ(monitor->peek(kEecr) & kEepe, kEepe);
+    EXPECT_EQ(monitor.read_register(kEecr) & kEepe, kEepe) << "a look at the register does not end it";
+    const bool done = monitor->run_until([&] { return (monitor->peek(kEecr) & kEepe) == 0; }, 10ms);
+    EXPECT_TRUE(done);
+    EXPECT_EQ(monitor->eeprom()[5], 'x');
+    const auto began = monitor->now();
+    monitor.tell(write);
+    monitor->run_until([&] { return (monitor->peek(kEecr) & kEepe) != 0; }, 10ms);
+    const auto busy = monitor->now();
+    monitor->run_until([&] { return (monitor->peek(kEecr) & kEepe) == 0; }, 10ms);
+    EXPECT_GE(monitor->now() - busy, 3300us);
+    EXPECT_LE(monitor->now() - began, 6ms);
+}
+
 TEST(Board, RunUntilNeverTrue_StopsAtItsLimit) {
     Monitor monitor;
     const auto before = monitor->now();

@@ -162,6 +162,12 @@ int main(void) {
             case 'E':
                 put(get());
                 break;
+            case 'e':  // address, value: begins to write a byte of the EEPROM
+                EEAR = get16();
+                EEDR = get();
+                EECR = 1 << EEMPE;
+                EECR |= 1 << EEPE;
+                break;
             case 'F': {  // the frame error flag of the next byte, then the byte
                 while (!(STATUS & (1 << BIT_RXC)))
                     ;
