@@ -15,7 +15,6 @@ target_compile_definitions(asip_asio INTERFACE BOOST_ASIO_NO_DEPRECATED)
 target_compile_options(asip_asio INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fcoroutines>)
 
 if(NOT ASIP_FUZZ)
-  find_package(spdlog REQUIRED)
   find_package(CLI11 REQUIRED)
   pkg_check_modules(mosquitto REQUIRED IMPORTED_TARGET libmosquitto)
   pkg_check_modules(sqlite3 REQUIRED IMPORTED_TARGET sqlite3)

@@ -1,10 +1,11 @@
 #include "asip/program/log.hpp"
 
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <cstdio>
 #include <ctime>
 #include <nlohmann/json.hpp>
 
@@ -17,14 +18,6 @@ struct State {
     Level level = Level::kInfo;
     Format format = Format::kText;
     std::string program;
-    std::shared_ptr<spdlog::logger> logger;
-
-    State() {
-        logger = std::make_shared<spdlog::logger>("asip", std::make_shared<spdlog::sinks::stderr_sink_st>());
-        logger->set_pattern("%v");
-        logger->set_level(spdlog::level::trace);
-        logger->flush_on(spdlog::level::trace);
-    }
 };
 
 State& state() {
@@ -123,9 +116,11 @@ void write(Level level, std::string_view text, Fields fields) {
 
 void write(Level level, std::string_view text, std::span<const Field> fields) {
     if (!enabled(level)) return;
-    const auto line =
+    auto line =
         state().format == Format::kJson ? json_line(level, text, fields) : text_line(level, text, fields);
-    state().logger->log(spdlog::level::info, spdlog::string_view_t(line.data(), line.size()));
+    line += '\n';
+    // One write: lines of several programs that share a terminal or a file stay whole.
+    std::fwrite(line.data(), 1, line.size(), stderr);
 }
 
 }  // namespace asip::program::log

@@ -61,14 +61,19 @@ class Settings {
 
     void add_broker_options(BrokerOptions& options);
     void add_log_options(LogOptions& options);
+    CLI::App& app();
 
-    /// Nothing: go on. Otherwise the exit status to end with; help, version or the error has been printed.
+    /// Nothing: continue. Otherwise the exit status to end with; help, version or the error has been printed.
+    /// An option or subcommand that does not exist is an error that names the nearest one.
     /// Applies the log options, where added, to the log.
     std::optional<int> parse(int argc, const char* const* argv);
 
     /// Same for tests: arguments without the program name, environment by function.
     using Environment = std::function<std::optional<std::string>(const std::string& name)>;
     std::optional<int> parse(std::vector<std::string> arguments, const Environment& environment);
+
+    /// Prints `PROGRAM: TEXT` and where to find help on standard error; returns kExitUsage.
+    int usage_error(const std::string& text) const;
 
   private:
     struct State;

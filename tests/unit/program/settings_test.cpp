@@ -153,10 +153,14 @@ TEST(Settings, Version_IsPrinted) {
     EXPECT_EQ(program.output, "asip-test " ASIP_VERSION "\n");
 }
 
-TEST(Settings, UnknownOption_IsUsage) {
+TEST(Settings, UnknownOption_IsUsageAndTheNearestIsNamed) {
     Program program;
-    EXPECT_EQ(program.parse({"--bogus"}), kExitUsage);
-    EXPECT_THAT(program.errors, HasSubstr("asip-test: "));
+    EXPECT_EQ(program.parse({"--seriall", "/dev/ttyACM0"}), kExitUsage);
+    EXPECT_THAT(program.errors,
+                HasSubstr("asip-test: there is no option \"--seriall\" (did you mean \"--serial\"?)"));
+    Program other;
+    EXPECT_EQ(other.parse({"--bogus"}), kExitUsage);
+    EXPECT_THAT(other.errors, HasSubstr("--bogus"));
 }
 
 TEST(MqttOptions, BrokerOptions_AreTranslated) {

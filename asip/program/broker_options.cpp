@@ -1,0 +1,120 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cctype>
+#include <fstream>
+
+#include "asip/bus/topics.hpp"
+#include "asip/program/command_words.hpp"
+#include "asip/program/options.hpp"
+#include "asip/random.hpp"
+
+namespace asip::program {
+
+namespace {
+
+Expected<std::string> read_password(const BrokerOptions& options) {
+    if (options.password_file.empty()) return options.password;
+    std::ifstream file(options.password_file);
+    std::string password;
+    if (!std::getline(file, password)) return fail("cannot read a password from " + options.password_file);
+    if (password.ends_with('\r')) password.pop_back();
+    return password;
+}
+
+Expected<void> check_tls_files(const BrokerOptions& options) {
+    for (const auto& path : {options.ca, options.cert, options.key}) {
+        if (!path.empty() && !std::ifstream(path)) return fail("cannot read " + path);
+    }
+    if (options.cert.empty() != options.key.empty()) return fail("--cert and --key are needed together");
+    return {};
+}
+
+std::string id_safe(std::string text) {
+    for (auto& c : text) {
+        if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '.' && c != '_') c = '-';
+    }
+    return text.substr(0, 40);
+}
+
+}  // namespace
+
+void Settings::add_broker_options(BrokerOptions& options) {
+    const char* group = "Broker";
+    auto& app = this->app();
+    setting(app.add_option("--broker", options.brokers,
+                           "Broker: HOST, HOST:PORT, mqtt://HOST or mqtts://HOST; several are tried in turn"))
+        ->delimiter(',')
+        ->type_name("ADDRESS")
+        ->default_str("127.0.0.1:1883")
+        ->group(group);
+    setting(app.add_option("--user", options.user, "User name for the broker"))
+        ->type_name("NAME")
+        ->group(group);
+    setting(app.add_option("--password", options.password,
+                           "Password (others on this machine can see it: prefer a file)"))
+        ->type_name("TEXT")
+        ->group(group);
+    setting(app.add_option("--password-file", options.password_file, "File whose first line is the password"))
+        ->type_name("FILE")
+        ->group(group);
+    setting(app.add_option("--ca", options.ca, "Certificates (PEM) that the broker's must be signed by"))
+        ->type_name("FILE")
+        ->group(group);
+    setting(app.add_option("--cert", options.cert, "Certificate (PEM) to show to the broker"))
+        ->type_name("FILE")
+        ->group(group);
+    setting(app.add_option("--key", options.key, "Its private key (PEM)"))->type_name("FILE")->group(group);
+    setting(app.add_flag("--insecure", options.insecure, "Accept any certificate of the broker"))
+        ->group(group);
+    one_of(setting(app.add_option("--mqtt-version", options.mqtt_version,
+                                  "Version of MQTT; best: 5, and 3.1.1 where the broker knows no 5")),
+           {"best", "5", "3.1.1"})
+        ->default_str("best")
+        ->group(group);
+    setting(app.add_option("--topic-root", options.topic_root, "What all topics begin with"))
+        ->type_name("TOPIC")
+        ->default_str("asip")
+        ->group(group);
+}
+
+std::string host_name() {
+    char name[256] = {};
+    return gethostname(name, sizeof name - 1) == 0 ? name : "localhost";
+}
+
+Expected<bus::MqttOptions> mqtt_options(const BrokerOptions& options, std::string_view program) {
+    bus::MqttOptions made;
+    made.brokers.clear();
+    const bool tls_files = !options.ca.empty() || !options.cert.empty();
+    for (const auto& text : options.brokers) {
+        auto address = bus::parse_broker(text);
+        if (!address) return fail(address.error());
+        // Whoever gives certificates means TLS, unless the address says otherwise.
+        if (tls_files && text.find("://") == std::string::npos) address->tls = true;
+        made.brokers.push_back(*address);
+    }
+    if (made.brokers.empty()) return fail("no broker given");
+    if (!bus::Topics::legal_root(options.topic_root)) {
+        return fail("--topic-root \"" + options.topic_root +
+                    "\": levels joined by /, without wildcards, spaces at most inside, not beginning with $");
+    }
+    auto password = read_password(options);
+    if (!password) return fail(password.error());
+    if (const auto files = check_tls_files(options); !files) return fail(files.error());
+    made.user = options.user;
+    made.password = *password;
+    if (made.user.empty() && !made.password.empty()) return fail("a password needs a --user");
+    made.ca_file = options.ca;
+    made.cert_file = options.cert;
+    made.key_file = options.key;
+    made.insecure = options.insecure;
+    made.version = options.mqtt_version == "5"       ? bus::MqttVersion::kV5
+                   : options.mqtt_version == "3.1.1" ? bus::MqttVersion::kV311
+                                                     : bus::MqttVersion::kBest;
+    made.random = system_random();
+    made.client_id = std::string(program) + "-" + id_safe(host_name()) + "-" + random_hex(made.random, 8);
+    return made;
+}
+
+}  // namespace asip::program

@@ -1,0 +1,189 @@
+#include "asip/program/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdlib>
+#include <iostream>
+
+#include "asip/program/command_words.hpp"
+#include "asip/program/config_file.hpp"
+#include "asip/program/exit_status.hpp"
+#include "asip/program/log.hpp"
+#include "asip/program/nearest.hpp"
+
+namespace asip::program {
+namespace {
+
+std::string environment_name(const std::string& option) {
+    std::string name = "ASIP_";
+    for (const char c : option)
+        name += c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    return name;
+}
+
+std::optional<std::string> system_environment(const std::string& name) {
+    const char* value = std::getenv(name.c_str());
+    return value == nullptr ? std::nullopt : std::optional<std::string>(value);
+}
+
+/// The value of `--config`, before anything else is parsed.
+std::optional<std::string> config_argument(const std::vector<std::string>& arguments) {
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+        if (arguments[i] == "--") break;
+        if (arguments[i] == "--config" && i + 1 < arguments.size()) return arguments[i + 1];
+        if (arguments[i].starts_with("--config=")) return arguments[i].substr(9);
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+struct Settings::State {
+    CLI::App& app;
+    std::string program;
+    std::string config;
+    std::vector<CLI::Option*> settings;
+    LogOptions* log = nullptr;
+
+    CLI::Option* named(const std::string& name) const {
+        for (auto* option : settings) {
+            if (option->check_lname(name)) return option;
+        }
+        return nullptr;
+    }
+
+    std::vector<std::string> names() const {
+        std::vector<std::string> all;
+        for (const auto* option : settings) {
+            for (const auto& name : option->get_lnames())
+                all.push_back(name);
+        }
+        return all;
+    }
+
+    /// Makes `value` the default of the option, checked and converted as on the command line. What --help
+    /// shows stays the built-in default: the value may be a password.
+    void apply(CLI::Option* option, const std::string& value, const std::string& source) const {
+        const auto shown = option->get_default_str();
+        try {
+            option->run_callback_for_default(true);
+            option->default_val(value);
+            option->default_str(shown);
+        } catch (const CLI::Error& error) {
+            throw CLI::ValidationError(source, error.what());
+        }
+    }
+
+    void apply_file(const std::string& path) const {
+        const auto lines = read_config_file(path, program);
+        if (!lines) throw CLI::FileError(lines.error(), CLI::ExitCodes::FileError);
+        for (const auto& line : *lines) {
+            const auto where = path + ":" + std::to_string(line.number);
+            auto* option = named(line.name);
+            if (option == nullptr) {
+                throw CLI::ValidationError(
+                    where, "there is no option \"" + line.name + "\"" + did_you_mean(line.name, names()));
+            }
+            apply_together(option, line, *lines, where);
+        }
+    }
+
+    /// An option that takes several values may have several lines.
+    void apply_together(CLI::Option* option, const ConfigLine& line, const std::vector<ConfigLine>& lines,
+                        const std::string& where) const {
+        std::string value = line.value;
+        if (option->get_items_expected_max() > 1) {
+            value.clear();
+            for (const auto& other : lines) {
+                if (other.name != line.name) continue;
+                if (!value.empty()) value += ',';
+                value += other.value;
+            }
+        }
+        apply(option, value, where);
+    }
+
+    void apply_environment(const Environment& environment) const {
+        for (auto* option : settings) {
+            const auto name = option->get_envname();
+            if (const auto value = environment(name); value && !value->empty()) apply(option, *value, name);
+        }
+    }
+};
+
+Settings::Settings(CLI::App& app, std::string program)
+    : state_(new State{app, std::move(program), {}, {}, nullptr}) {
+    app.set_version_flag("--version", state_->program + " " ASIP_VERSION);
+    app.add_option("--config", state_->config,
+                   "File with lines NAME = VALUE, named like these options [ASIP_CONFIG]")
+        ->type_name("FILE");
+}
+
+Settings::~Settings() = default;
+
+CLI::Option* Settings::setting(CLI::Option* option) {
+    if (option->get_lnames().empty()) throw std::logic_error("a setting needs a long name");
+    // For --help only: CLI11 itself would let the file win over the environment.
+    option->envname(environment_name(option->get_lnames().front()));
+    state_->settings.push_back(option);
+    return option;
+}
+
+void Settings::add_log_options(LogOptions& options) {
+    state_->log = &options;
+    setting(state_->app.add_option("--log-level", options.level, "From which level on something is logged"))
+        ->check([](const std::string& text) {
+            const auto level = log::parse_level(text);
+            return level ? std::string{} : level.error();
+        })
+        ->type_name("trace|debug|info|warning|error|off")
+        ->default_str(options.level)
+        ->group("Log");
+    one_of(setting(state_->app.add_option("--log-format", options.format, "Form of a log line")),
+           {"text", "json"})
+        ->default_str("text")
+        ->group("Log");
+}
+
+CLI::App& Settings::app() {
+    return state_->app;
+}
+
+int Settings::usage_error(const std::string& text) const {
+    std::cerr << state_->program << ": " << text << "\nTry " << state_->program << " --help\n";
+    return kExitUsage;
+}
+
+std::optional<int> Settings::parse(int argc, const char* const* argv) {
+    return parse(std::vector<std::string>(argv + std::min(argc, 1), argv + argc), system_environment);
+}
+
+std::optional<int> Settings::parse(std::vector<std::string> arguments, const Environment& environment) {
+    auto& app = state_->app;
+    if (app.get_name().empty()) app.name(state_->program);
+    if (const auto unknown = unknown_word(app, arguments)) return usage_error(*unknown);
+    try {
+        auto config = config_argument(arguments);
+        if (!config) config = environment("ASIP_CONFIG");
+        if (config && !config->empty()) state_->apply_file(*config);
+        state_->apply_environment(environment);
+        // The environment has had its turn; CLI11 must not look again, with its own precedence.
+        for (auto* option : state_->settings)
+            option->envname({});
+        std::reverse(arguments.begin(), arguments.end());
+        app.parse(std::move(arguments));
+    } catch (const CLI::Success& asked_for_help) {
+        for (auto* option : state_->settings)
+            option->envname(environment_name(option->get_lnames().front()));
+        return app.exit(asked_for_help);
+    } catch (const CLI::ParseError& error) {
+        return usage_error(error.what());
+    }
+    if (state_->log != nullptr) {
+        log::configure(*log::parse_level(state_->log->level), *log::parse_format(state_->log->format),
+                       state_->program);
+    }
+    return std::nullopt;
+}
+
+}  // namespace asip::program
