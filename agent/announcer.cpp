@@ -20,8 +20,8 @@ std::string make_session(std::uint64_t started_unix, const Random& random) {
     return time + random_hex(random, 6);
 }
 
-bus::Message retained(std::string topic, std::string payload) {
-    bus::Message message;
+mqtt::Message retained(std::string topic, std::string payload) {
+    mqtt::Message message;
     message.topic = std::move(topic);
     message.payload = std::move(payload);
     message.qos = 1;
@@ -29,8 +29,8 @@ bus::Message retained(std::string topic, std::string payload) {
     return message;
 }
 
-bus::Message plain(std::string topic, std::string payload) {
-    bus::Message message;
+mqtt::Message plain(std::string topic, std::string payload) {
+    mqtt::Message message;
     message.topic = std::move(topic);
     message.payload = std::move(payload);
     message.qos = 1;
@@ -49,7 +49,7 @@ Announcer::Announcer(const bus::Topics& topics, AnnouncerOptions options, Random
       random_(std::move(random)),
       session_(make_session(options_.started_unix, random_)) {}
 
-bus::Message Announcer::will() const {
+mqtt::Message Announcer::will() const {
     return retained(topics_.state(options_.board), std::string(to_text(model::BoardState::Lost)));
 }
 
@@ -70,14 +70,14 @@ void Announcer::set_state(model::BoardState state, Effects& out) {
 
 void Announcer::publish_state(Effects& out) {
     out.publish.push_back({retained(topics_.state(options_.board), std::string(to_text(state_))),
-                           bus::Priority::kAnnouncement});
+                           mqtt::Priority::kAnnouncement});
 }
 
 void Announcer::on_connected(Time now, Effects& out) {
     connected_ = true;
     if (established_) return announce(now, out);
     claim_ends_ = now + kClaimTime;
-    out.publish.push_back({plain(topics_.probe(), options_.board), bus::Priority::kAnnouncement});
+    out.publish.push_back({plain(topics_.probe(), options_.board), mqtt::Priority::kAnnouncement});
 }
 
 void Announcer::on_disconnected() {
@@ -95,13 +95,13 @@ void Announcer::announce(Time now, Effects& out) {
     publish_state(out);
     description_.session = session_;
     description_.seq = ++seq_;
-    bus::Message description = retained(topics_.description(options_.board), model::to_text(description_));
+    mqtt::Message description = retained(topics_.description(options_.board), model::to_text(description_));
     description.expiry_seconds = static_cast<std::uint32_t>(options_.lease_seconds);
-    out.publish.push_back({std::move(description), bus::Priority::kAnnouncement});
-    out.publish.push_back({plain(topics_.board_names(), options_.board), bus::Priority::kAnnouncement});
+    out.publish.push_back({std::move(description), mqtt::Priority::kAnnouncement});
+    out.publish.push_back({plain(topics_.board_names(), options_.board), mqtt::Priority::kAnnouncement});
     for (const auto& service : description_.services)
         out.publish.push_back(
-            {plain(topics_.service_names(options_.board), service.name), bus::Priority::kAnnouncement});
+            {plain(topics_.service_names(options_.board), service.name), mqtt::Priority::kAnnouncement});
 }
 
 void Announcer::schedule_renewal(Time now) {
@@ -114,7 +114,7 @@ void Announcer::announce_within(Duration limit, Time now) {
     if (!probe_answer_ || when < *probe_answer_) probe_answer_ = when;
 }
 
-void Announcer::on_message(const bus::Message& message, Time now, Effects& out) {
+void Announcer::on_message(const mqtt::Message& message, Time now, Effects& out) {
     const auto topic = topics_.parse(message.topic);
     if (!topic) return;
     if (topic->kind == bus::TopicKind::kProbe) {
@@ -132,7 +132,7 @@ void Announcer::on_message(const bus::Message& message, Time now, Effects& out) 
     publish_state(out);
 }
 
-void Announcer::on_foreign_description(const bus::Message& message, Time now, Effects& out) {
+void Announcer::on_foreign_description(const mqtt::Message& message, Time now, Effects& out) {
     if (message.retain || message.payload.empty()) return;  // what was stored tells of nobody living
     const auto other = model::parse_description(message.payload);
     if (!other || other->session == session_) return;

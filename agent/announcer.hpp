@@ -38,7 +38,7 @@ class Announcer {
     void on_connected(Time now, Effects& out);
     void on_disconnected();
     /// A message on our board's service-bus topics or on the probe topic.
-    void on_message(const bus::Message& message, Time now, Effects& out);
+    void on_message(const mqtt::Message& message, Time now, Effects& out);
     void tick(Time now, Effects& out);
     std::optional<Time> next_deadline() const;
 
@@ -50,12 +50,12 @@ class Announcer {
     /// And the bus is there.
     bool on_air() const { return established_ && connected_; }
     const std::string& session() const { return session_; }
-    bus::Message will() const;
+    mqtt::Message will() const;
 
   private:
     void announce(Time now, Effects& out);
     void publish_state(Effects& out);
-    void on_foreign_description(const bus::Message& message, Time now, Effects& out);
+    void on_foreign_description(const mqtt::Message& message, Time now, Effects& out);
     void schedule_renewal(Time now);
     void announce_within(Duration limit, Time now);
 

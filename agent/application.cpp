@@ -128,29 +128,29 @@ void Application::arm_timer() {
 }
 
 void Application::connect_bus() {
-    bus::MqttOptions options = options_.mqtt;
+    mqtt::Options options = options_.mqtt;
     options.will = bridge_.will();
     // 10,000 commands at once get as many answers at once; twice this many of them may wait.
     options.max_queued_messages = 16 * 1024;
-    bus_ = std::make_unique<bus::MqttClient>(
+    bus_ = std::make_unique<mqtt::Client>(
         io_, std::move(options),
-        bus::MqttClient::Handlers{
-            [this](const bus::Connected& connected) {
+        mqtt::Client::Handlers{
+            [this](const mqtt::Connected& connected) {
                 ever_connected_ = true;
                 bus_failure_told_ = announcement_taken_ = rejection_told_ = false;
                 rejected_before_ = bus_->counters().rejected;
                 log::info("broker connected",
                           {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
-                bus_->discard_queued(bus::Priority::kAnnouncement);
+                bus_->discard_queued(mqtt::Priority::kAnnouncement);
                 with_bridge(
                     [&](Time now, Effects& out) { bridge_.bus_connected(now, connected.client_id, out); });
             },
-            [this](const bus::ConnectionFailure& failure) {
+            [this](const mqtt::ConnectionFailure& failure) {
                 bridge_.bus_disconnected();
                 bus_failed(failure, true);
             },
-            [this](const bus::ConnectionFailure& failure) { bus_failed(failure, false); },
-            [this](const bus::Message& message) {
+            [this](const mqtt::ConnectionFailure& failure) { bus_failed(failure, false); },
+            [this](const mqtt::Message& message) {
                 with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, now, out); });
             },
             [this](const std::string& topic) { note_taken(topic); },
@@ -167,7 +167,7 @@ void Application::connect_bus() {
     bus_->start();
 }
 
-void Application::bus_failed(const bus::ConnectionFailure& failure, bool was_connected) {
+void Application::bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected) {
     if (stopping_) return;
     if (failure.fatal() && !ever_connected_) {
         log::error(failure.text, {{"broker", failure.broker.describe()}});

@@ -9,7 +9,7 @@
 #include "agent/options.hpp"
 #include "agent/outage.hpp"
 #include "agent/point_to_point.hpp"
-#include "asip/bus/mqtt_client.hpp"
+#include "asip/mqtt/client.hpp"
 #include "asip/program/stop_signal.hpp"
 
 namespace asip::agent {
@@ -34,7 +34,7 @@ class Application {
     void link_lost(const link::StreamError& error);
     void link_failed(const link::StreamError& error, bool first);
     void board_heard();
-    void bus_failed(const bus::ConnectionFailure& failure, bool was_connected);
+    void bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected);
     void board_silent_at_start();
     void report_counters();
     void note_taken(const std::string& topic);
@@ -45,7 +45,7 @@ class Application {
     Bridge bridge_;
     BoardLink link_;
     PointToPoint clients_;
-    std::unique_ptr<bus::MqttClient> bus_;
+    std::unique_ptr<mqtt::Client> bus_;
     program::StopSignal stop_signal_;
     boost::asio::steady_timer timer_;
     boost::asio::steady_timer reset_timer_;

@@ -252,7 +252,7 @@ void Bridge::bus_disconnected() {
     if (announcer_) announcer_->on_disconnected();
 }
 
-void Bridge::bus_message(const bus::Message& message, Time now, Effects& out) {
+void Bridge::bus_message(const mqtt::Message& message, Time now, Effects& out) {
     if (!announcer_) return;
     const auto topic = topics_.parse(message.topic);
     if (!topic) return;

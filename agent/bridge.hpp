@@ -44,7 +44,7 @@ class Bridge {
     // --- the bus's side
     void bus_connected(Time now, const std::string& client_id, Effects& out);
     void bus_disconnected();
-    void bus_message(const bus::Message& message, Time now, Effects& out);
+    void bus_message(const mqtt::Message& message, Time now, Effects& out);
 
     /// A line from a point-to-point client. False: it was refused.
     bool client_line(std::string_view line, Time now, Effects& out);
@@ -56,7 +56,7 @@ class Bridge {
 
     /// Empty until the board was identified.
     const std::string& name() const { return name_; }
-    bus::Message will() const { return announcer_->will(); }
+    mqtt::Message will() const { return announcer_->will(); }
     std::vector<std::string> subscriptions() const;
     /// To be added once the name is claimed: until then another agent may be meant.
     std::vector<std::string> control_subscriptions() const;

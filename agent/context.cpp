@@ -12,13 +12,13 @@ namespace asip::agent {
 
 void Context::on_line(const std::string& board, std::string_view line, const session::Identity& identity,
                       const ServiceTable& services, Effects& out) {
-    bus::Message raw;
+    mqtt::Message raw;
     raw.topic = topics_.board_out(board);
     raw.payload = std::string(line) + options_.terminator;
-    out.publish.push_back({std::move(raw), bus::Priority::kContext});
+    out.publish.push_back({std::move(raw), mqtt::Priority::kContext});
 
     const auto parsed = protocol::parse_line(line);
-    bus::Message message;
+    mqtt::Message message;
     if (const auto* event = std::get_if<protocol::Event>(&parsed)) {
         const auto* service = services.find(event->service);
         if (!service || !service->model) return;
@@ -40,7 +40,7 @@ void Context::on_line(const std::string& board, std::string_view line, const ses
     } else {
         return;
     }
-    out.publish.push_back({std::move(message), bus::Priority::kContext});
+    out.publish.push_back({std::move(message), mqtt::Priority::kContext});
 }
 
 }  // namespace asip::agent

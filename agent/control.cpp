@@ -44,7 +44,7 @@ std::string refusal_text(session::Refusal refusal) {
 
 }  // namespace
 
-void Control::on_message(const bus::Message& message, const ServiceTable& services,
+void Control::on_message(const mqtt::Message& message, const ServiceTable& services,
                          session::BoardSession& session, Time now, session::Actions& actions, Effects& out) {
     const auto topic = topics_.parse(message.topic);
     if (!topic || (topic->kind != bus::TopicKind::kBoardIn && topic->kind != bus::TopicKind::kServiceIn))
@@ -219,7 +219,7 @@ void Control::conclude(Command& command, Effects& out) {
 
 void Control::send(const bus::ReplyTo& to, const bus::Reply& reply, Effects& out) {
     if (auto message = bus::reply_message(to, reply))
-        out.publish.push_back({std::move(*message), bus::Priority::kReply});
+        out.publish.push_back({std::move(*message), mqtt::Priority::kReply});
 }
 
 }  // namespace asip::agent

@@ -30,8 +30,8 @@ class Control {
         : topics_(topics), session_(session) {}
 
     /// A message on one of the board's `/in` topics.
-    void on_message(const bus::Message& message, const ServiceTable& services, session::BoardSession& session,
-                    Time now, session::Actions& actions, Effects& out);
+    void on_message(const mqtt::Message& message, const ServiceTable& services,
+                    session::BoardSession& session, Time now, session::Actions& actions, Effects& out);
     /// True: the request was one of ours.
     bool on_finished(const session::Finished& end, Effects& out);
     /// A line that came by another way than the bus was refused: told on the error topic of its service.

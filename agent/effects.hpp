@@ -4,15 +4,15 @@
 #include <utility>
 #include <vector>
 
-#include "asip/bus/message.hpp"
+#include "asip/mqtt/message.hpp"
 #include "asip/program/log.hpp"
 #include "asip/session/action.hpp"
 
 namespace asip::agent {
 
 struct Publication {
-    bus::Message message;
-    bus::Priority priority = bus::Priority::kContext;
+    mqtt::Message message;
+    mqtt::Priority priority = mqtt::Priority::kContext;
 };
 using Publications = std::vector<Publication>;
 

@@ -18,10 +18,10 @@ std::string service_named(const ServiceTable& services, char letter) {
 
 void publish_error(const bus::Topics& topics, std::string_view board, std::string_view service,
                    const nlohmann::json& value, Effects& out) {
-    bus::Message message;
+    mqtt::Message message;
     message.topic = topics.service_error(board, service);
     message.payload = model::dump_json(value);
-    out.publish.push_back({std::move(message), bus::Priority::kContext});
+    out.publish.push_back({std::move(message), mqtt::Priority::kContext});
 }
 
 void report_failure(const bus::Topics& topics, std::string_view board, std::string_view service,

@@ -3,8 +3,8 @@
 #include <string>
 
 #include "agent/bridge.hpp"
-#include "asip/bus/mqtt_options.hpp"
 #include "asip/expected.hpp"
+#include "asip/mqtt/options.hpp"
 
 namespace asip::agent {
 
@@ -12,7 +12,7 @@ enum class ResetPolicy { kNever, kAlways, kIfSilent };
 
 struct AgentOptions {
     BridgeOptions bridge;
-    bus::MqttOptions mqtt;
+    mqtt::Options mqtt;
     model::ModelSet models;
     std::string serial;  ///< device; empty: `tcp`
     std::string tcp;     ///< HOST:PORT; empty: `serial`

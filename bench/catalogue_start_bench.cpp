@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "asip/bus/mqtt_client.hpp"
+#include "asip/mqtt/client.hpp"
 #include "bench/catalogue_load.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/mosquitto_broker.hpp"
@@ -33,16 +33,16 @@ double percentile(std::vector<double> values, std::size_t percent) {
     return values[values.size() * percent / 100];
 }
 
-bus::MqttOptions options_for(const test::MosquittoBroker& broker) {
-    bus::MqttOptions options;
-    options.brokers = {*bus::parse_broker(broker.address())};
+mqtt::Options options_for(const test::MosquittoBroker& broker) {
+    mqtt::Options options;
+    options.brokers = {*mqtt::parse_broker(broker.address())};
     options.max_queued_messages = 4 * kBoards;
     options.max_queued_bytes = 1u << 30;
     return options;
 }
 
-bus::Message description(std::uint32_t board, std::uint64_t seq) {
-    bus::Message message;
+mqtt::Message description(std::uint32_t board, std::uint64_t seq) {
+    mqtt::Message message;
     message.topic = "asip/servicebus/" + BoardTexts::name(board) + "/$description";
     message.payload = BoardTexts().description(board, seq, 3600);
     message.retain = true;
@@ -55,17 +55,17 @@ void load(const test::MosquittoBroker& broker) {
     boost::asio::io_context io;
     std::uint32_t sent = 0;
     std::uint32_t acknowledged = 0;
-    bus::MqttClient* client = nullptr;
-    bus::MqttClient::Handlers handlers;
-    handlers.on_connected = [&](const bus::Connected&) {
+    mqtt::Client* client = nullptr;
+    mqtt::Client::Handlers handlers;
+    handlers.on_connected = [&](const mqtt::Connected&) {
         while (sent < 1000)
-            client->publish(description(sent++, 1), bus::Priority::kAnnouncement);
+            client->publish(description(sent++, 1), mqtt::Priority::kAnnouncement);
     };
     handlers.on_published = [&](const std::string&) {
         if (++acknowledged == kBoards) return io.stop();
-        if (sent < kBoards) client->publish(description(sent++, 1), bus::Priority::kAnnouncement);
+        if (sent < kBoards) client->publish(description(sent++, 1), mqtt::Priority::kAnnouncement);
     };
-    bus::MqttClient loader(io, options_for(broker), handlers);
+    mqtt::Client loader(io, options_for(broker), handlers);
     client = &loader;
     loader.start();
     io.run();
@@ -95,25 +95,25 @@ double plain_subscriber(const test::MosquittoBroker& broker) {
 
 /// Publishes, one after the other, and times how long until `topic` answers.
 std::vector<double> round_trips(const test::MosquittoBroker& broker, const std::string& topic, int count,
-                                const std::function<bus::Message(int)>& next) {
+                                const std::function<mqtt::Message(int)>& next) {
     boost::asio::io_context io;
     std::vector<double> micros;
     Time sent;
     int number = 0;
-    bus::MqttClient* client = nullptr;
+    mqtt::Client* client = nullptr;
     const auto send = [&] {
         sent = Clock::now();
-        client->publish(next(++number), bus::Priority::kAnnouncement);
+        client->publish(next(++number), mqtt::Priority::kAnnouncement);
     };
-    bus::MqttClient::Handlers handlers;
-    handlers.on_connected = [&](const bus::Connected&) { send(); };
-    handlers.on_message = [&](const bus::Message& message) {
+    mqtt::Client::Handlers handlers;
+    handlers.on_connected = [&](const mqtt::Connected&) { send(); };
+    handlers.on_message = [&](const mqtt::Message& message) {
         if (message.topic != topic) return;
         micros.push_back(seconds_since(sent) * 1e6);
         if (number == count) return io.stop();
         send();
     };
-    bus::MqttClient round(io, options_for(broker), handlers);
+    mqtt::Client round(io, options_for(broker), handlers);
     client = &round;
     round.subscribe(topic);
     round.start();
@@ -141,14 +141,14 @@ void announcement_to_event() {
     ChildProcess registry({ASIP_REGISTRY_PROGRAM, "--broker", broker.address(), "--id", "bench"});
     if (!registry.wait_for_errors("catalogue is complete")) return;
     const auto change = round_trips(broker, "asip/registry/bench/events", kCount, [](int i) {
-        bus::Message message = description(1, static_cast<std::uint64_t>(i));
+        mqtt::Message message = description(1, static_cast<std::uint64_t>(i));
         message.qos = 0;
         const auto place = message.payload.find("\"Sketch");
         message.payload.replace(place, 7, "\"Sketch" + std::to_string(i) + "-");
         return message;
     });
     const auto echo = round_trips(broker, "bench/echo", kCount, [](int i) {
-        bus::Message message;
+        mqtt::Message message;
         message.topic = "bench/echo";
         message.payload = BoardTexts().description(1, static_cast<std::uint64_t>(i));
         return message;

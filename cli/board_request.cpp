@@ -73,7 +73,7 @@ Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const
     std::optional<Expected<bus::Reply>> reply;
     const auto id = session.ask(
         command.topic, command.payload,
-        [&reply](const bus::Message& message) { reply = bus::parse_reply(message.payload); }, 1);
+        [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); }, 1);
     session.run_until([&reply] { return reply.has_value(); }, Clock::now() + context.timeout);
     session.forget_request(id);
     if (session.stopped()) return failure(program::kExitFailure, "interrupted");

@@ -16,7 +16,7 @@ std::vector<std::string> KnownBoard::service_names() const {
 BoardSource::BoardSource(const Context& context, BusSession& session)
     : context_(context), session_(session), catalogue_(context.topics) {
     if (context.from_bus) return;
-    session_.subscribe(context.topics.registry_state("+"), [this](const bus::Message& message) {
+    session_.subscribe(context.topics.registry_state("+"), [this](const mqtt::Message& message) {
         const auto ref = context_.topics.parse(message.topic);
         if (ref && message.payload == "online") online_registries_.emplace_back(ref->board);
     });
@@ -27,7 +27,7 @@ Outcome<bus::Answer> BoardSource::ask(const bus::Query& query) {
         registry_.empty() ? context_.topics.any_registry_query() : context_.topics.registry_query(registry_);
     std::optional<Expected<bus::Answer>> answer;
     const auto id = session_.ask(topic, bus::encode(bus::RegistryRequest{query, {}, {}}),
-                                 [&answer](const bus::Message& message) {
+                                 [&answer](const mqtt::Message& message) {
                                      if (!answer) answer = bus::parse_answer(message.payload);
                                  });
     std::optional<Time> marked;
@@ -158,7 +158,7 @@ Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {
     return result;
 }
 
-void BoardSource::take(const bus::Message& message) {
+void BoardSource::take(const mqtt::Message& message) {
     const auto board = catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
     const auto* description = catalogue_.description(board);
     if (!announced_ || message.retain || description == nullptr ||
@@ -178,11 +178,11 @@ void BoardSource::read_bus(bool probe) {
     if (!bus_subscribed_) {
         bus_subscribed_ = true;
         session_.subscribe(context_.topics.board_names(),
-                           [this](const bus::Message& message) { take(message); });
+                           [this](const mqtt::Message& message) { take(message); });
         session_.subscribe(context_.topics.board_names() + "/+/+",
-                           [this](const bus::Message& message) { take(message); });
+                           [this](const mqtt::Message& message) { take(message); });
         session_.subscribe(context_.topics.service_names("+"),
-                           [this](const bus::Message& message) { take(message); });
+                           [this](const mqtt::Message& message) { take(message); });
         wait_retained([] { return false; });
     }
     if (!probe || session_.stopped()) return;
@@ -191,7 +191,7 @@ void BoardSource::read_bus(bool probe) {
 }
 
 std::optional<KnownBoard> BoardSource::retained_board(const std::string& name) {
-    const auto take_it = [this](const bus::Message& message) { take(message); };
+    const auto take_it = [this](const mqtt::Message& message) { take(message); };
     session_.subscribe(context_.topics.description(name), take_it);
     session_.subscribe(context_.topics.state(name), take_it);
     const auto here = [&] {
@@ -206,7 +206,7 @@ Outcome<KnownBoard> BoardSource::board(const std::string& name) {
     if (auto retained = retained_board(name)) return std::move(*retained);
     if (asks_registry() && !online_registries_.empty()) return board_in_full(name);
     session_.subscribe(context_.topics.service_names(name),
-                       [this](const bus::Message& message) { take(message); });
+                       [this](const mqtt::Message& message) { take(message); });
     session_.publish(context_.topics.probe(), name);
     session_.run_until([&] { return catalogue_.description(name) != nullptr; }, Clock::now() + kProbeWindow);
     if (auto item = catalogue_.board(name, Clock::now())) return known(std::move(*item));

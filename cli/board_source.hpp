@@ -69,7 +69,7 @@ class BoardSource {
     Outcome<bus::Answer> ask_all_pages(bus::Query query);
     bool asks_registry() const { return !context_.from_bus && !no_registry_; }
     void without_registry(const std::string& why);
-    void take(const bus::Message& message);
+    void take(const mqtt::Message& message);
     void wait_retained(const std::function<bool()>& enough);
     Outcome<KnownBoard> unknown(const std::string& name);
     KnownBoard known(bus::BoardItem item) const;

@@ -23,14 +23,14 @@ struct BusSession::State {
           signal(io, [this](int) { stopped = true; }),
           client(io, context.mqtt, handlers()) {}
 
-    bus::MqttClient::Handlers handlers() {
-        bus::MqttClient::Handlers result;
-        result.on_connected = [this](const bus::Connected&) { connected_again(); };
-        result.on_disconnected = [this](const bus::ConnectionFailure& why) {
+    mqtt::Client::Handlers handlers() {
+        mqtt::Client::Handlers result;
+        result.on_connected = [this](const mqtt::Connected&) { connected_again(); };
+        result.on_disconnected = [this](const mqtt::ConnectionFailure& why) {
             if (connection_changed) connection_changed(false, why.text);
         };
-        result.on_connect_failed = [this](const bus::ConnectionFailure& why) { failed = why; };
-        result.on_message = [this](const bus::Message& message) { dispatch(message); };
+        result.on_connect_failed = [this](const mqtt::ConnectionFailure& why) { failed = why; };
+        result.on_message = [this](const mqtt::Message& message) { dispatch(message); };
         result.on_published = [this](const std::string&) { ++acknowledged; };
         result.on_subscribe_refused = [this](const std::string& filter, const std::string& reason) {
             refused = filter + ": " + reason;
@@ -43,7 +43,7 @@ struct BusSession::State {
         if (!first && connection_changed) connection_changed(true, {});
     }
 
-    void dispatch(const bus::Message& message) {
+    void dispatch(const mqtt::Message& message) {
         if (message.topic == reply_topic) {
             answer(message);
             return;
@@ -56,7 +56,7 @@ struct BusSession::State {
             handler(message);
     }
 
-    void answer(const bus::Message& message) {
+    void answer(const mqtt::Message& message) {
         auto id = message.correlation;
         if (id.empty()) {
             const auto document =
@@ -84,7 +84,7 @@ struct BusSession::State {
     bool stopped = false;
     bool was_connected = false;
     std::size_t acknowledged = 0;
-    std::optional<bus::ConnectionFailure> failed;
+    std::optional<mqtt::ConnectionFailure> failed;
     std::string refused;
     std::function<void(bool, const std::string&)> connection_changed;
     std::vector<std::pair<std::string, OnMessage>> subscriptions;
@@ -92,7 +92,7 @@ struct BusSession::State {
     std::size_t next_request = 1;
     bool started = false;
     program::StopSignal signal;
-    bus::MqttClient client;
+    mqtt::Client client;
 };
 
 BusSession::BusSession(const Context& context) : state_(std::make_unique<State>(context)) {
@@ -107,7 +107,7 @@ BusSession::~BusSession() {
     }
 }
 
-void BusSession::subscribe(const std::string& filter, OnMessage on_message, bus::SubscribeOptions options) {
+void BusSession::subscribe(const std::string& filter, OnMessage on_message, mqtt::SubscribeOptions options) {
     state_->subscriptions.emplace_back(filter, std::move(on_message));
     state_->client.subscribe(filter, options);
 }
@@ -122,7 +122,7 @@ Outcome<void> BusSession::connect() {
     const auto settled = [this] {
         return state_->was_connected ||
                (state_->failed && (state_->failed->fatal() ||
-                                   state_->failed->kind == bus::ConnectionFailure::Kind::kUnreachable));
+                                   state_->failed->kind == mqtt::ConnectionFailure::Kind::kUnreachable));
     };
     run_until(settled, Clock::now() + state_->timeout);
     if (state_->was_connected) return {};
@@ -137,19 +137,19 @@ bool BusSession::v5() const {
 }
 
 void BusSession::publish(const std::string& topic, const std::string& payload, int qos, bool retain) {
-    bus::Message message;
+    mqtt::Message message;
     message.topic = topic;
     message.payload = payload;
     message.qos = qos;
     message.retain = retain;
-    state_->client.publish(std::move(message), bus::Priority::kReply);
+    state_->client.publish(std::move(message), mqtt::Priority::kReply);
 }
 
 std::size_t BusSession::ask(const std::string& topic, const std::string& payload, OnMessage on_reply,
                             int qos) {
     const auto id = state_->next_request++;
     state_->requests.emplace(id, std::move(on_reply));
-    bus::Message message;
+    mqtt::Message message;
     message.topic = topic;
     message.payload = payload;
     message.qos = qos;
@@ -159,7 +159,7 @@ std::size_t BusSession::ask(const std::string& topic, const std::string& payload
     } else {
         message.payload = with_reply_members(payload, state_->reply_topic, state_->request_id(id));
     }
-    state_->client.publish(std::move(message), bus::Priority::kReply);
+    state_->client.publish(std::move(message), mqtt::Priority::kReply);
     return id;
 }
 
@@ -169,7 +169,7 @@ void BusSession::forget_request(std::size_t id) {
 
 void BusSession::after_retained(std::function<void()> passed) {
     const auto topic = state_->reply_topic + "/mark" + std::to_string(state_->next_request++);
-    subscribe(topic, [this, topic, passed = std::move(passed)](const bus::Message&) {
+    subscribe(topic, [this, topic, passed = std::move(passed)](const mqtt::Message&) {
         const auto kept = passed;
         unsubscribe(topic);
         kept();

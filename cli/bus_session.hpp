@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "asip/bus/message.hpp"
-#include "asip/bus/mqtt_client.hpp"
+#include "asip/mqtt/client.hpp"
+#include "asip/mqtt/message.hpp"
 #include "asip/time.hpp"
 #include "cli/context.hpp"
 
@@ -16,7 +16,7 @@ namespace asip::cli {
 /// in the caller's thread, inside run_until. SIGINT and SIGTERM end every wait.
 class BusSession {
   public:
-    using OnMessage = std::function<void(const bus::Message&)>;
+    using OnMessage = std::function<void(const mqtt::Message&)>;
 
     explicit BusSession(const Context& context);
     ~BusSession();  ///< says goodbye to the broker
@@ -25,7 +25,7 @@ class BusSession {
 
     /// Calls `on_message` for what matches `filter`. Best before connect():
     /// then it costs no round trip.
-    void subscribe(const std::string& filter, OnMessage on_message, bus::SubscribeOptions options = {});
+    void subscribe(const std::string& filter, OnMessage on_message, mqtt::SubscribeOptions options = {});
     void unsubscribe(const std::string& filter);
 
     /// Waits for the connection. Fails with kExitBroker and what to check; refused credentials fail at once.

@@ -5,10 +5,10 @@
 #include <optional>
 #include <string>
 
-#include "asip/bus/mqtt_options.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/expected.hpp"
 #include "asip/model/model_set.hpp"
+#include "asip/mqtt/options.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/options.hpp"
 
@@ -36,7 +36,7 @@ struct Context {
     std::size_t width = 0;  ///< columns of the terminal that `out` is; 0: it is none
     bool colour = false;    ///< paint `out`
 
-    bus::MqttOptions mqtt{};
+    mqtt::Options mqtt{};
     bus::Topics topics{};
     std::optional<model::ModelSet> own_models{};  ///< standard ones and those of --services
     /// How long to wait for one answer: of the broker, a registry, a board.

@@ -61,7 +61,7 @@ std::vector<Retained> read_retained(const Context& context, BusSession& session,
                                     const std::vector<std::string>& filters) {
     std::map<std::string, std::string> found;
     for (const auto& filter : filters) {
-        session.subscribe(filter, [&found](const bus::Message& message) {
+        session.subscribe(filter, [&found](const mqtt::Message& message) {
             if (message.retain && !message.payload.empty()) found[message.topic] = message.payload;
         });
     }

@@ -76,7 +76,7 @@ Application::Application(RegistryOptions options)
     };
     tidier_ = std::make_unique<Tidier>(topics_, bus_port(), is_alive);
     listener_ = std::make_unique<TrafficListener>(topics_, bus_port());
-    client_ = std::make_unique<bus::MqttClient>(io_, mqtt_options(), handlers());
+    client_ = std::make_unique<mqtt::Client>(io_, mqtt_options(), handlers());
     stop_signal_ = std::make_unique<program::StopSignal>(io_, [this](int) { stop(); });
     catalogue_.suspend();
 }
@@ -113,11 +113,11 @@ QueryService::Dependencies Application::query_dependencies() {
 
 BusPort Application::bus_port() {
     BusPort port;
-    port.publish = [this](bus::Message message) {
-        client_->publish(std::move(message), bus::Priority::kAnnouncement);
+    port.publish = [this](mqtt::Message message) {
+        client_->publish(std::move(message), mqtt::Priority::kAnnouncement);
     };
     port.subscribe = [this](std::string filter, bool with_retained) {
-        bus::SubscribeOptions subscription;
+        mqtt::SubscribeOptions subscription;
         subscription.retained = with_retained;
         client_->subscribe(std::move(filter), subscription);
     };
@@ -125,9 +125,9 @@ BusPort Application::bus_port() {
     return port;
 }
 
-bus::MqttOptions Application::mqtt_options() const {
-    bus::MqttOptions mqtt = options_.mqtt;
-    bus::Message will;
+mqtt::Options Application::mqtt_options() const {
+    mqtt::Options mqtt = options_.mqtt;
+    mqtt::Message will;
     will.topic = topics_.registry_state(options_.id);
     will.payload = "lost";
     will.retain = true;
@@ -138,12 +138,12 @@ bus::MqttOptions Application::mqtt_options() const {
     return mqtt;
 }
 
-bus::MqttClient::Handlers Application::handlers() {
-    bus::MqttClient::Handlers result;
-    result.on_connected = [this](const bus::Connected& connected) { on_connected(connected); };
-    result.on_disconnected = [this](const bus::ConnectionFailure& failure) { on_disconnected(failure); };
-    result.on_connect_failed = [this](const bus::ConnectionFailure& failure) { on_connect_failed(failure); };
-    result.on_message = [this](const bus::Message& message) { on_message(message); };
+mqtt::Client::Handlers Application::handlers() {
+    mqtt::Client::Handlers result;
+    result.on_connected = [this](const mqtt::Connected& connected) { on_connected(connected); };
+    result.on_disconnected = [this](const mqtt::ConnectionFailure& failure) { on_disconnected(failure); };
+    result.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) { on_connect_failed(failure); };
+    result.on_message = [this](const mqtt::Message& message) { on_message(message); };
     result.on_subscribe_refused = [](const std::string& filter, const std::string& reason) {
         log::error("the broker refuses a subscription; check its access rules",
                    {{"filter", filter}, {"reason", reason}});
@@ -157,7 +157,7 @@ int Application::run() {
     // QoS 0 for announcements: they repeat, and brokers bound what they queue at QoS 1 below what they
     // retain.
     client_->subscribe(topics_.root() + "/servicebus/#");
-    bus::SubscribeOptions reliable;
+    mqtt::SubscribeOptions reliable;
     reliable.qos = 1;
     reliable.retained = false;
     client_->subscribe(topics_.any_registry_query(), reliable);
@@ -168,7 +168,7 @@ int Application::run() {
     return status_;
 }
 
-void Application::on_connected(const bus::Connected& connected) {
+void Application::on_connected(const mqtt::Connected& connected) {
     ever_connected_ = true;
     log::info("connected", {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
     const Time present = Clock::now();
@@ -185,22 +185,22 @@ void Application::on_connected(const bus::Connected& connected) {
     // What the broker retains comes before this, because it was asked for before; then the living answer the
     // probe.
     sync_token_ = random_hex(random_, 16);
-    bus::Message sync;
+    mqtt::Message sync;
     sync.topic = topics_.registry_query(options_.id);
     sync.payload = sync_token_;
-    client_->publish(std::move(sync), bus::Priority::kAnnouncement);
-    bus::Message probe;
+    client_->publish(std::move(sync), mqtt::Priority::kAnnouncement);
+    mqtt::Message probe;
     probe.topic = topics_.probe();
-    client_->publish(std::move(probe), bus::Priority::kAnnouncement);
+    client_->publish(std::move(probe), mqtt::Priority::kAnnouncement);
 }
 
-void Application::on_disconnected(const bus::ConnectionFailure& failure) {
+void Application::on_disconnected(const mqtt::ConnectionFailure& failure) {
     catalogue_.suspend();
     log::warning("connection lost; the catalogue is kept and checked when the broker is back",
                  {{"why", failure.text}, {"boards", catalogue_.size()}});
 }
 
-void Application::on_connect_failed(const bus::ConnectionFailure& failure) {
+void Application::on_connect_failed(const mqtt::ConnectionFailure& failure) {
     if (!ever_connected_ && failure.fatal()) {
         log::error("the broker does not take us",
                    {{"broker", failure.broker.describe()}, {"why", failure.text}});
@@ -212,7 +212,7 @@ void Application::on_connect_failed(const bus::ConnectionFailure& failure) {
                  {{"broker", failure.broker.describe()}, {"why", failure.text}});
 }
 
-void Application::on_message(const bus::Message& message) {
+void Application::on_message(const mqtt::Message& message) {
     ++messages_;
     const auto topic = topics_.parse(message.topic);
     if (!topic) {
@@ -230,7 +230,7 @@ void Application::on_message(const bus::Message& message) {
         case TopicKind::kAnyRegistryQuery:
             if (auto answer = queries_->answer(message)) {
                 ++queries_answered_;
-                client_->publish(std::move(*answer), bus::Priority::kReply);
+                client_->publish(std::move(*answer), mqtt::Priority::kReply);
             }
             return;
         case TopicKind::kProbe:
@@ -247,7 +247,7 @@ void Application::on_message(const bus::Message& message) {
     }
 }
 
-void Application::on_announcement(const bus::Message& message, const bus::TopicRef& topic) {
+void Application::on_announcement(const mqtt::Message& message, const bus::TopicRef& topic) {
     const Announcement announcement{topic.kind, topic.board, message.payload, message.retain,
                                     message.expiry_seconds};
     const Applied applied = catalogue_.apply(announcement, Clock::now());
@@ -255,7 +255,7 @@ void Application::on_announcement(const bus::Message& message, const bus::TopicR
     if (!applied.events.empty()) handle(applied.events, false);
 }
 
-void Application::note_refusal(const bus::Message& message, const bus::TopicRef& topic, Refusal refusal) {
+void Application::note_refusal(const mqtt::Message& message, const bus::TopicRef& topic, Refusal refusal) {
     if (complained_.size() >= kMostComplaints) return;
     const std::string source(topic.board.empty() ? std::string_view(message.topic) : topic.board);
     if (!complained_.insert(std::string(to_text(refusal)) + " " + source.substr(0, 100)).second) return;
@@ -338,10 +338,10 @@ void Application::tell(const Event& event) {
     change.board.state = model::to_text(event.state);
     for (auto& service : change.board.services)
         service.state = change.board.state;
-    bus::Message message;
+    mqtt::Message message;
     message.topic = topics_.registry_events(options_.id);
     message.payload = bus::encode(change);
-    client_->publish(std::move(message), bus::Priority::kAnnouncement);
+    client_->publish(std::move(message), mqtt::Priority::kAnnouncement);
     ++events_told_;
 }
 
@@ -353,19 +353,19 @@ void Application::tell_reset() {
     change.epoch = epoch_;
     change.seq = catalogue_.seq();
     change.at = now().wall;
-    bus::Message message;
+    mqtt::Message message;
     message.topic = topics_.registry_events(options_.id);
     message.payload = bus::encode(change);
-    client_->publish(std::move(message), bus::Priority::kAnnouncement);
+    client_->publish(std::move(message), mqtt::Priority::kAnnouncement);
 }
 
 void Application::publish_state(std::string_view word) {
-    bus::Message message;
+    mqtt::Message message;
     message.topic = topics_.registry_state(options_.id);
     message.payload = word;
     message.retain = true;
     message.qos = 1;
-    client_->publish(std::move(message), bus::Priority::kAnnouncement);
+    client_->publish(std::move(message), mqtt::Priority::kAnnouncement);
 }
 
 void Application::publish_stats() {
@@ -383,11 +383,11 @@ void Application::publish_stats() {
     input.messages_per_second = static_cast<double>(messages_ - messages_before_) / seconds;
     input.queries = queries_answered_;
     input.events = events_told_;
-    bus::Message message;
+    mqtt::Message message;
     message.topic = topics_.registry_stats(options_.id);
     message.payload = stats_text(catalogue_.stats(), catalogue_.services_by_kind(), input);
     message.retain = true;
-    client_->publish(std::move(message), bus::Priority::kAnnouncement);
+    client_->publish(std::move(message), mqtt::Priority::kAnnouncement);
     messages_before_ = messages_;
     next_stats_ = present + options_.stats_interval;
 }

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/mqtt_client.hpp"
 #include "asip/bus/topics.hpp"
+#include "asip/mqtt/client.hpp"
 #include "asip/program/stop_signal.hpp"
 #include "asip/random.hpp"
 #include "registry/catalogue/catalogue.hpp"
@@ -35,15 +35,15 @@ class Application {
     Catalogue::Options catalogue_options() const;
     QueryService::Dependencies query_dependencies();
     BusPort bus_port();
-    bus::MqttOptions mqtt_options() const;
-    bus::MqttClient::Handlers handlers();
+    mqtt::Options mqtt_options() const;
+    mqtt::Client::Handlers handlers();
 
-    void on_connected(const bus::Connected& connected);
-    void on_disconnected(const bus::ConnectionFailure& failure);
-    void on_connect_failed(const bus::ConnectionFailure& failure);
-    void on_message(const bus::Message& message);
-    void on_announcement(const bus::Message& message, const bus::TopicRef& topic);
-    void note_refusal(const bus::Message& message, const bus::TopicRef& topic, Refusal refusal);
+    void on_connected(const mqtt::Connected& connected);
+    void on_disconnected(const mqtt::ConnectionFailure& failure);
+    void on_connect_failed(const mqtt::ConnectionFailure& failure);
+    void on_message(const mqtt::Message& message);
+    void on_announcement(const mqtt::Message& message, const bus::TopicRef& topic);
+    void note_refusal(const mqtt::Message& message, const bus::TopicRef& topic, Refusal refusal);
 
     void settled();
     void handle(const std::vector<Event>& events, bool decided_here);
@@ -68,7 +68,7 @@ class Application {
     std::unique_ptr<program::StopSignal> stop_signal_;
     Catalogue catalogue_;
     std::unique_ptr<History> history_;
-    std::unique_ptr<bus::MqttClient> client_;
+    std::unique_ptr<mqtt::Client> client_;
     std::unique_ptr<Tidier> tidier_;
     std::unique_ptr<TrafficListener> listener_;
     std::unique_ptr<QueryService> queries_;

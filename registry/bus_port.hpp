@@ -2,13 +2,13 @@
 #include <functional>
 #include <string>
 
-#include "asip/bus/message.hpp"
+#include "asip/mqtt/message.hpp"
 
 namespace asip::registry {
 
 /// What the parts of a registry ask of the connection; tests take its place.
 struct BusPort {
-    std::function<void(bus::Message)> publish;
+    std::function<void(mqtt::Message)> publish;
     std::function<void(std::string filter, bool retained)>
         subscribe;  ///< `retained`: deliver stored ones, too
     std::function<void(const std::string& filter)> unsubscribe;

@@ -2,14 +2,14 @@
 #include <cstddef>
 #include <string>
 
-#include "asip/bus/mqtt_options.hpp"
 #include "asip/expected.hpp"
+#include "asip/mqtt/options.hpp"
 #include "asip/time.hpp"
 
 namespace asip::registry {
 
 struct RegistryOptions {
-    bus::MqttOptions mqtt;
+    mqtt::Options mqtt;
     std::string topic_root = "asip";
     std::string id;  ///< of this registry; legal as a service name
     Duration forget_after = std::chrono::hours(7 * 24);

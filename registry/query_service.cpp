@@ -21,7 +21,7 @@ bus::Answer QueryService::refused(std::string reason, std::string error) {
     return answer;
 }
 
-std::optional<bus::Message> QueryService::answer(const bus::Message& request) {
+std::optional<mqtt::Message> QueryService::answer(const mqtt::Message& request) {
     auto envelope = bus::open_envelope(request);
     const bus::ReplyTo& reply = envelope ? envelope->reply : envelope.error().reply;
     if (request.retain || !reply.wanted()) return std::nullopt;
@@ -37,7 +37,7 @@ std::optional<bus::Message> QueryService::answer(const bus::Message& request) {
     answer.registry = registry_;
     answer.epoch = epoch_;
     answer.settling = settling_;
-    bus::Message message;
+    mqtt::Message message;
     message.topic = reply.topic;
     message.correlation = reply.correlation;
     message.qos = 1;

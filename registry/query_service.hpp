@@ -3,8 +3,8 @@
 #include <optional>
 #include <string>
 
-#include "asip/bus/message.hpp"
 #include "asip/bus/query.hpp"
+#include "asip/mqtt/message.hpp"
 #include "registry/catalogue/catalogue.hpp"
 
 namespace asip::registry {
@@ -30,7 +30,7 @@ class QueryService {
     void set_max_bytes(std::size_t bytes) { max_bytes_ = bytes; }
 
     /// The message to publish as answer; nothing where the request says no place for one.
-    std::optional<bus::Message> answer(const bus::Message& request);
+    std::optional<mqtt::Message> answer(const mqtt::Message& request);
 
   private:
     bus::Answer answer_to(const std::string& body);

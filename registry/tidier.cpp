@@ -8,7 +8,7 @@ Tidier::Tidier(const bus::Topics& topics, BusPort bus, IsAlive is_alive)
     : topics_(topics), bus_(std::move(bus)), is_alive_(std::move(is_alive)) {}
 
 void Tidier::empty(std::string topic) {
-    bus::Message message;
+    mqtt::Message message;
     message.topic = std::move(topic);
     message.retain = true;
     message.qos = 1;

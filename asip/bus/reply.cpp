@@ -115,10 +115,10 @@ Expected<Reply> parse_reply(std::string_view text) {
     return reply;
 }
 
-std::optional<Message> reply_message(const ReplyTo& to, Reply reply) {
+std::optional<mqtt::Message> reply_message(const ReplyTo& to, Reply reply) {
     if (!to.wanted()) return std::nullopt;
     reply.id = to.id;
-    Message message;
+    mqtt::Message message;
     message.topic = to.topic;
     message.payload = to_json_text(reply);
     message.qos = 1;

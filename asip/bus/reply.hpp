@@ -3,8 +3,8 @@
 #include <string>
 #include <string_view>
 
-#include "asip/bus/message.hpp"
 #include "asip/expected.hpp"
+#include "asip/mqtt/message.hpp"
 
 namespace asip::bus {
 
@@ -67,6 +67,6 @@ Expected<Reply> parse_reply(std::string_view text);
 
 /// The message that carries `reply` (its id filled in from `to`) to whom asked, QoS 1; nothing when nobody
 /// did.
-std::optional<Message> reply_message(const ReplyTo& to, Reply reply);
+std::optional<mqtt::Message> reply_message(const ReplyTo& to, Reply reply);
 
 }  // namespace asip::bus

@@ -46,7 +46,7 @@ std::string take_reply_members(json& object, ReplyTo& reply) {
 
 }  // namespace
 
-Expected<RequestEnvelope, BadRequest> open_envelope(const Message& request) {
+Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request) {
     RequestEnvelope envelope;
     if (!request.response_topic.empty()) {
         if (!legal_reply_topic(request.response_topic))

@@ -3,9 +3,9 @@
 #include <string>
 #include <string_view>
 
-#include "asip/bus/message.hpp"
 #include "asip/bus/reply.hpp"
 #include "asip/expected.hpp"
+#include "asip/mqtt/message.hpp"
 
 namespace asip::bus {
 
@@ -37,7 +37,7 @@ struct BadRequest {
 /// object, any other is raw text. Refuses: too long, nested too deeply, broken JSON, an `id` that is neither
 /// a string nor a number or too long, a reply topic with wildcards, control characters, a leading `$` or too
 /// long. Any bytes may be given; whether the message was retained is the caller's to judge.
-Expected<RequestEnvelope, BadRequest> open_envelope(const Message& request);
+Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request);
 
 /// Whether `text` nests arrays and objects at most `limit` deep; brackets inside strings do not count. Cheap
 /// and without recursion, to be asked before a parser whose value would be walked recursively.

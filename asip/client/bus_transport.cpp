@@ -16,10 +16,9 @@ using Json = nlohmann::json;
 
 constexpr PendingCalls::Id kOpening = 0;
 
-Expected<bus::MqttOptions> mqtt_options(const Address& address, const Options& options,
-                                        std::string client_id) {
-    bus::MqttOptions mqtt;
-    mqtt.brokers = {bus::BrokerAddress{address.host, address.port, address.tls}};
+Expected<mqtt::Options> mqtt_options(const Address& address, const Options& options, std::string client_id) {
+    mqtt::Options mqtt;
+    mqtt.brokers = {mqtt::BrokerAddress{address.host, address.port, address.tls}};
     mqtt.client_id = std::move(client_id);
     mqtt.user = options.user.empty() ? address.user : options.user;
     if (!options.password_file.empty()) {
@@ -72,18 +71,18 @@ Awaitable<void> BusTransport::open(Listener& listener) {
     if (!mqtt) {
         co_return failure(Error::Kind::Invalid, mqtt.error());
     }
-    bus::MqttClient::Handlers handlers;
-    handlers.on_message = [this](const bus::Message& message) { take(message); };
-    handlers.on_connected = [this](const bus::Connected&) {
+    mqtt::Client::Handlers handlers;
+    handlers.on_message = [this](const mqtt::Message& message) { take(message); };
+    handlers.on_connected = [this](const mqtt::Connected&) {
         failure_.clear();
-        bus::Message probe;  // an agent whose retained description the broker lost announces again
+        mqtt::Message probe;  // an agent whose retained description the broker lost announces again
         probe.topic = topics_.probe();
         probe.payload = address_.board;
         client_->publish(std::move(probe));
     };
-    handlers.on_connect_failed = [this](const bus::ConnectionFailure& why) { failed(why); };
-    handlers.on_disconnected = [this](const bus::ConnectionFailure& why) { failed(why); };
-    client_ = std::make_unique<bus::MqttClient>(io_, std::move(*mqtt), std::move(handlers));
+    handlers.on_connect_failed = [this](const mqtt::ConnectionFailure& why) { failed(why); };
+    handlers.on_disconnected = [this](const mqtt::ConnectionFailure& why) { failed(why); };
+    client_ = std::make_unique<mqtt::Client>(io_, std::move(*mqtt), std::move(handlers));
     client_->subscribe(reply_topic_, {.qos = 1});
     client_->subscribe(topics_.state(address_.board), {.qos = 1});
     client_->subscribe(topics_.description(address_.board), {.qos = 1});
@@ -135,7 +134,7 @@ Awaitable<void> BusTransport::raw(std::string line) {
 /// any more. The answer is what tells that it arrived.
 Awaitable<Json> BusTransport::request(std::string topic, Json payload) {
     const PendingCalls::Id id = next_id_++;
-    bus::Message message;
+    mqtt::Message message;
     message.topic = std::move(topic);
     payload["id"] = std::to_string(id);
     payload["reply_to"] = reply_topic_;  // 3.1.1 has no response topic
@@ -143,7 +142,7 @@ Awaitable<Json> BusTransport::request(std::string topic, Json payload) {
     message.response_topic = reply_topic_;
     message.correlation = std::to_string(id);
     calls_.begin(id);
-    if (client_->publish(std::move(message), bus::Priority::kReply) == bus::PublishResult::kRefused) {
+    if (client_->publish(std::move(message), mqtt::Priority::kReply) == mqtt::PublishResult::kRefused) {
         calls_.finish(id, failure(Error::Kind::Refused, "the broker is slower than the commands come"));
     }
     co_return co_await calls_.wait(id, options_.command_timeout,
@@ -168,11 +167,11 @@ void BusTransport::close() {
     calls_.finish_all({Error::Kind::Closed, 0, "the board was closed"});
     if (client_) {
         // This may be called from one of the client's handlers, which must not destroy it.
-        boost::asio::post(io_, [client = std::shared_ptr<bus::MqttClient>(std::move(client_))] {});
+        boost::asio::post(io_, [client = std::shared_ptr<mqtt::Client>(std::move(client_))] {});
     }
 }
 
-void BusTransport::take(const bus::Message& message) {
+void BusTransport::take(const mqtt::Message& message) {
     if (closed_) {
         return;
     }
@@ -197,7 +196,7 @@ void BusTransport::take(const bus::Message& message) {
     }
 }
 
-void BusTransport::take_reply(const bus::Message& message) {
+void BusTransport::take_reply(const mqtt::Message& message) {
     const auto reply = bus::parse_reply(message.payload);
     if (!reply) {
         return;
@@ -216,7 +215,7 @@ void BusTransport::take_reply(const bus::Message& message) {
     calls_.finish(id, answer ? std::move(*answer) : Json());
 }
 
-void BusTransport::take_event(std::string_view service, const bus::Message& message) {
+void BusTransport::take_event(std::string_view service, const mqtt::Message& message) {
     const auto event = model::parse_json(message.payload);
     if (event && there_) {
         listener_->on_event(std::string(service), *event);
@@ -238,7 +237,7 @@ void BusTransport::look_again() {
     }
 }
 
-void BusTransport::failed(const bus::ConnectionFailure& why) {
+void BusTransport::failed(const mqtt::ConnectionFailure& why) {
     failure_ = why.text;
     if (why.fatal()) {
         calls_.finish(kOpening, failure(Error::Kind::Unreachable, why.text));

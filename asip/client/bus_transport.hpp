@@ -4,12 +4,12 @@
 #include <boost/asio/io_context.hpp>
 #include <memory>
 
-#include "asip/bus/mqtt_client.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/client/address.hpp"
 #include "asip/client/options.hpp"
 #include "asip/client/pending_calls.hpp"
 #include "asip/model/description.hpp"
+#include "asip/mqtt/client.hpp"
 
 namespace asip::client {
 
@@ -31,11 +31,11 @@ class BusTransport final : public Transport {
 
   private:
     Awaitable<nlohmann::json> request(std::string topic, nlohmann::json payload);
-    void take(const bus::Message& message);
-    void take_reply(const bus::Message& message);
-    void take_event(std::string_view service, const bus::Message& message);
+    void take(const mqtt::Message& message);
+    void take_reply(const mqtt::Message& message);
+    void take_event(std::string_view service, const mqtt::Message& message);
     void look_again();
-    void failed(const bus::ConnectionFailure& failure);
+    void failed(const mqtt::ConnectionFailure& failure);
     std::string why_not_there() const;
 
     boost::asio::io_context& io_;
@@ -44,7 +44,7 @@ class BusTransport final : public Transport {
     bus::Topics topics_;
     std::string reply_topic_;
     Listener* listener_ = nullptr;
-    std::unique_ptr<bus::MqttClient> client_;
+    std::unique_ptr<mqtt::Client> client_;
     PendingCalls calls_;
     PendingCalls::Id next_id_ = 1;
     std::string state_;

@@ -83,12 +83,12 @@ std::string host_name() {
     return gethostname(name, sizeof name - 1) == 0 ? name : "localhost";
 }
 
-Expected<bus::MqttOptions> mqtt_options(const BrokerOptions& options, std::string_view program) {
-    bus::MqttOptions made;
+Expected<mqtt::Options> mqtt_options(const BrokerOptions& options, std::string_view program) {
+    mqtt::Options made;
     made.brokers.clear();
     const bool tls_files = !options.ca.empty() || !options.cert.empty();
     for (const auto& text : options.brokers) {
-        auto address = bus::parse_broker(text);
+        auto address = mqtt::parse_broker(text);
         if (!address) return fail(address.error());
         // Whoever gives certificates means TLS, unless the address says otherwise.
         if (tls_files && text.find("://") == std::string::npos) address->tls = true;
@@ -109,9 +109,9 @@ Expected<bus::MqttOptions> mqtt_options(const BrokerOptions& options, std::strin
     made.cert_file = options.cert;
     made.key_file = options.key;
     made.insecure = options.insecure;
-    made.version = options.mqtt_version == "5"       ? bus::MqttVersion::kV5
-                   : options.mqtt_version == "3.1.1" ? bus::MqttVersion::kV311
-                                                     : bus::MqttVersion::kBest;
+    made.version = options.mqtt_version == "5"       ? mqtt::Version::kV5
+                   : options.mqtt_version == "3.1.1" ? mqtt::Version::kV311
+                                                     : mqtt::Version::kBest;
     made.random = system_random();
     made.client_id = std::string(program) + "-" + id_safe(host_name()) + "-" + random_hex(made.random, 8);
     return made;

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "asip/bus/mqtt_options.hpp"
 #include "asip/expected.hpp"
+#include "asip/mqtt/options.hpp"
 
 namespace CLI {
 class App;
@@ -82,7 +82,7 @@ class Settings {
 
 /// What the MQTT client needs, from the options: addresses parsed, password file read, files checked to be
 /// readable, topic root checked, a client id unique to this process: `PROGRAM-HOST-RANDOM`.
-Expected<bus::MqttOptions> mqtt_options(const BrokerOptions& options, std::string_view program);
+Expected<mqtt::Options> mqtt_options(const BrokerOptions& options, std::string_view program);
 
 /// This machine's name, for descriptions and client ids.
 std::string host_name();

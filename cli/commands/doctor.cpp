@@ -46,7 +46,7 @@ class Examination {
         bool back = false;
         // QoS 0 back: an acknowledgement of ours would carry the TCP acknowledgement that Nagle's algorithm
         // waits for.
-        session_.subscribe(topic, [&back](const bus::Message&) { back = true; },
+        session_.subscribe(topic, [&back](const mqtt::Message&) { back = true; },
                            {.qos = 0, .no_local = false, .retained = false});
         const auto end = Clock::now() + 2s;
         Samples seconds;  // without the first ones: a fresh connection acknowledges at once
@@ -92,7 +92,7 @@ class Examination {
             auto& result = seen_.pings[board.board];
             ids.push_back(session_.ask(
                 context_.topics.board_in(board.board), std::string(protocol::kAskInfo),
-                [&](const bus::Message& message) {
+                [&](const mqtt::Message& message) {
                     if (auto reply = bus::parse_reply(message.payload)) result.reply = std::move(*reply);
                     ++answers_;
                 },

@@ -26,7 +26,7 @@ Outcome<void> tell_registry(Context& context, BusSession& session, BoardSource& 
     bus::RegistryRequest request;
     request.what = bus::Forget{board, false};
     session.ask(context.topics.registry_query(registry), bus::encode(request),
-                [&answer](const bus::Message& message) { answer = bus::parse_answer(message.payload); });
+                [&answer](const mqtt::Message& message) { answer = bus::parse_answer(message.payload); });
     session.run_until([&answer] { return answer.has_value(); }, Clock::now() + context.timeout);
     if (!answer || !*answer)
         return failure(program::kExitNoAnswer, "registry " + registry + " did not answer");
@@ -39,7 +39,7 @@ Outcome<void> tell_registry(Context& context, BusSession& session, BoardSource& 
 /// Whether an agent (or the board itself) still speaks for it, whatever is retained.
 bool answers(Context& context, BusSession& session, const std::string& board) {
     bool heard = false;
-    const auto hear = [&heard](const bus::Message& message) { heard = heard || !message.retain; };
+    const auto hear = [&heard](const mqtt::Message& message) { heard = heard || !message.retain; };
     session.subscribe(context.topics.description(board), hear,
                       {.qos = 0, .no_local = false, .retained = false});
     session.subscribe(context.topics.board_out(board), hear,

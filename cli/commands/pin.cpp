@@ -64,7 +64,7 @@ class PinAccess {
     /// Values start to arrive; before the requests that cause them.
     void listen() {
         session_.subscribe(context_.topics.service_out(board_.item.board, service_),
-                           [this](const bus::Message& message) {
+                           [this](const mqtt::Message& message) {
                                if (message.retain) return;
                                auto document = model::parse_json(message.payload);
                                if (!document || !document->is_object()) return;

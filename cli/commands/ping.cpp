@@ -29,7 +29,7 @@ class Pinger {
     int run() {
         // A device with nothing but the published protocol answers on its context bus.
         session_.subscribe(context_.topics.board_out(options_.board),
-                           [this](const bus::Message& message) { take_line(message.payload); });
+                           [this](const mqtt::Message& message) { take_line(message.payload); });
         if (const auto connected = session_.connect(); !connected)
             return context_.fail_with(connected.error());
         const auto board = find_living_board(source_, options_.board);
@@ -58,7 +58,7 @@ class Pinger {
         returned_.reset();
         const auto begin = Clock::now();
         const auto id =
-            session_.ask(context_.topics.board_in(options_.board), line, [&](const bus::Message& message) {
+            session_.ask(context_.topics.board_in(options_.board), line, [&](const mqtt::Message& message) {
                 if (auto parsed = bus::parse_reply(message.payload)) reply = std::move(*parsed);
                 if (!returned_) returned_ = Clock::now();
             });

@@ -36,7 +36,7 @@ class Sender {
         BoardCommand command;
         std::size_t id = 0;
         Time sent;
-        std::optional<bus::Message> answer;
+        std::optional<mqtt::Message> answer;
     };
 
     int run_input() {
@@ -96,7 +96,7 @@ class Sender {
         auto& waiting = waiting_.emplace_back(Waiting{where, command, 0, Clock::now(), std::nullopt});
         waiting.id = session_.ask(
             command.topic, command.payload,
-            [&waiting](const bus::Message& message) { waiting.answer = message; }, 1);
+            [&waiting](const mqtt::Message& message) { waiting.answer = message; }, 1);
     }
 
     /// Waits until at most `most` commands are unanswered.

@@ -48,7 +48,7 @@ class Printer {
     Printer(const SubscribeOptions& options, const Plan& plan, Context& context)
         : options_(options), plan_(plan), context_(context) {}
 
-    void take(const bus::Message& message) {
+    void take(const mqtt::Message& message) {
         if (enough()) return;
         auto event = context_event(context_.topics, message.topic, message.payload);
         if (!event || !wanted(*event)) return;
@@ -120,7 +120,7 @@ int run_subscribe(const SubscribeOptions& options, Context& context) {
     BoardSource source(context, session);
     Printer printer(options, *checked, context);
     for (const auto& filter : context_filters(context.topics, checked->targets, options.raw)) {
-        session.subscribe(filter, [&printer](const bus::Message& message) { printer.take(message); });
+        session.subscribe(filter, [&printer](const mqtt::Message& message) { printer.take(message); });
     }
     session.on_connection_change([&context](bool connected, const std::string& why) {
         context.note(connected ? "connected again" : why);

@@ -29,9 +29,9 @@ class Top {
           model_(5s) {}
 
     int run() {
-        const auto announce = [this](const bus::Message& message) { take_announcement(message); };
+        const auto announce = [this](const mqtt::Message& message) { take_announcement(message); };
         session_.subscribe(context_.topics.board_names() + "/+/+", announce);
-        const auto report = [this](const bus::Message& message) { take_report(message); };
+        const auto report = [this](const mqtt::Message& message) { take_report(message); };
         session_.subscribe(context_.topics.service_out("+", "+"), report,
                            {.qos = 0, .no_local = false, .retained = false});
         session_.subscribe(context_.topics.service_error("+", "+"), report,
@@ -53,7 +53,7 @@ class Top {
   private:
     bool wanted(const std::string& board) const { return bus::matches_pattern(options_.pattern, board); }
 
-    void take_announcement(const bus::Message& message) {
+    void take_announcement(const mqtt::Message& message) {
         const auto now = Clock::now();
         const auto name = catalogue_.apply(message.topic, message.payload, message.retain, now);
         if (name.empty() || !wanted(name)) return;
@@ -64,7 +64,7 @@ class Top {
             model_.announced(name, service.name, service.period);
     }
 
-    void take_report(const bus::Message& message) {
+    void take_report(const mqtt::Message& message) {
         const auto event = context_event(context_.topics, message.topic, message.payload);
         if (!event || !wanted(event->board) || message.retain) return;
         if (event->kind == ContextEvent::Kind::kError) {
@@ -87,7 +87,7 @@ class Top {
             const auto begin = Clock::now();
             const auto name = board.board;
             pings_[name] = session_.ask(context_.topics.board_in(name), std::string(protocol::kAskInfo),
-                                        [this, name, begin](const bus::Message& message) {
+                                        [this, name, begin](const mqtt::Message& message) {
                                             const auto reply = bus::parse_reply(message.payload);
                                             pings_.erase(name);
                                             if (!reply || !reply->succeeded())

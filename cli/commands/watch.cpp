@@ -18,7 +18,7 @@ class RegistryWatch {
   public:
     RegistryWatch(Context& context, BusSession& session, bus::CatalogueView& view)
         : context_(context), session_(session), view_(view) {
-        session_.subscribe(context.topics.registry_events("+"), [this](const bus::Message& message) {
+        session_.subscribe(context.topics.registry_events("+"), [this](const mqtt::Message& message) {
             if (const auto event = bus::parse_change_event(message.payload)) view_.event(*event);
         });
         session_.on_connection_change([this](bool connected, const std::string& why) {
@@ -38,7 +38,7 @@ class RegistryWatch {
                                                     : context_.topics.registry_query(view_.registry());
         session_.forget_request(request_);
         request_ = session_.ask(topic, bus::encode(bus::RegistryRequest{*query, {}, {}}),
-                                [this](const bus::Message& message) {
+                                [this](const mqtt::Message& message) {
                                     const auto answer = bus::parse_answer(message.payload);
                                     session_.forget_request(request_);
                                     if (answer && !view_.page(*answer)) view_.restart();
@@ -86,7 +86,7 @@ int watch_bus(const ListOptions& options, Context& context, ChangePrinter& print
     BusSession session(context);
     BusCatalogue catalogue(context.topics);
     std::vector<std::string> changed;
-    const auto take = [&](const bus::Message& message) {
+    const auto take = [&](const mqtt::Message& message) {
         auto name = catalogue.apply(message.topic, message.payload, message.retain, Clock::now());
         if (!name.empty()) changed.push_back(std::move(name));
     };

@@ -13,7 +13,7 @@
 namespace asip::test {
 namespace {
 
-mosquitto_property* to_properties(const bus::Message& message) {
+mosquitto_property* to_properties(const mqtt::Message& message) {
     mosquitto_property* list = nullptr;
     if (!message.response_topic.empty()) {
         mosquitto_property_add_string(&list, MQTT_PROP_RESPONSE_TOPIC, message.response_topic.c_str());
@@ -28,7 +28,7 @@ mosquitto_property* to_properties(const bus::Message& message) {
     return list;
 }
 
-void from_properties(const mosquitto_property* list, bus::Message& message) {
+void from_properties(const mosquitto_property* list, mqtt::Message& message) {
     char* text = nullptr;
     if (mosquitto_property_read_string(list, MQTT_PROP_RESPONSE_TOPIC, &text, false) != nullptr) {
         message.response_topic = text;
@@ -55,7 +55,7 @@ struct BusProbe::State {
     std::atomic<int> connect_code{-1};
     std::atomic<bool> dropped{false};
     mutable std::mutex mutex;
-    std::vector<bus::Message> messages;
+    std::vector<mqtt::Message> messages;
     std::set<int> awaited;         ///< subscriptions and publications without an answer so far
     std::set<int> answered_early;  ///< answered before the call that sent it returned
     int requests = 0;
@@ -92,7 +92,7 @@ struct BusProbe::State {
         });
         mosquitto_message_v5_callback_set(client, [](mosquitto*, void* self, const mosquitto_message* got,
                                                      const mosquitto_property* properties) {
-            bus::Message message;
+            mqtt::Message message;
             message.topic = got->topic;
             message.payload.assign(static_cast<const char*>(got->payload),
                                    static_cast<std::size_t>(got->payloadlen));
@@ -159,7 +159,7 @@ void BusProbe::subscribe(const std::string& filter, int qos) {
         throw std::runtime_error("no answer to subscribing " + filter);
 }
 
-void BusProbe::publish(const bus::Message& message) {
+void BusProbe::publish(const mqtt::Message& message) {
     int id = 0;
     auto* properties = state_->v5 ? to_properties(message) : nullptr;
     const int error = mosquitto_publish_v5(state_->client, &id, message.topic.c_str(),
@@ -174,7 +174,7 @@ void BusProbe::publish(const bus::Message& message) {
 }
 
 void BusProbe::publish(const std::string& topic, const std::string& payload, bool retain, int qos) {
-    bus::Message message;
+    mqtt::Message message;
     message.topic = topic;
     message.payload = payload;
     message.retain = retain;
@@ -187,13 +187,13 @@ bool BusProbe::all_acknowledged() {
     return state_->awaited.empty();
 }
 
-std::vector<bus::Message> BusProbe::messages() const {
+std::vector<mqtt::Message> BusProbe::messages() const {
     const std::lock_guard lock(state_->mutex);
     return state_->messages;
 }
 
-std::vector<bus::Message> BusProbe::messages(const std::string& topic) const {
-    std::vector<bus::Message> found;
+std::vector<mqtt::Message> BusProbe::messages(const std::string& topic) const {
+    std::vector<mqtt::Message> found;
     for (auto& message : messages()) {
         if (message.topic == topic) found.push_back(std::move(message));
     }
@@ -218,8 +218,8 @@ void BusProbe::clear() {
     state_->messages.clear();
 }
 
-std::optional<bus::Message> BusProbe::wait_for(const Match& match, std::chrono::milliseconds limit) const {
-    std::optional<bus::Message> found;
+std::optional<mqtt::Message> BusProbe::wait_for(const Match& match, std::chrono::milliseconds limit) const {
+    std::optional<mqtt::Message> found;
     std::size_t looked_at = 0;
     wait_until(
         [&] {
@@ -234,22 +234,22 @@ std::optional<bus::Message> BusProbe::wait_for(const Match& match, std::chrono::
     return found;
 }
 
-std::optional<bus::Message> BusProbe::wait_for(const std::string& topic,
-                                               std::chrono::milliseconds limit) const {
-    return wait_for([&](const bus::Message& message) { return message.topic == topic; }, limit);
+std::optional<mqtt::Message> BusProbe::wait_for(const std::string& topic,
+                                                std::chrono::milliseconds limit) const {
+    return wait_for([&](const mqtt::Message& message) { return message.topic == topic; }, limit);
 }
 
-std::optional<bus::Message> BusProbe::wait_for(const std::string& topic, const std::string& payload,
-                                               std::chrono::milliseconds limit) const {
+std::optional<mqtt::Message> BusProbe::wait_for(const std::string& topic, const std::string& payload,
+                                                std::chrono::milliseconds limit) const {
     return wait_for(
-        [&](const bus::Message& message) { return message.topic == topic && message.payload == payload; },
+        [&](const mqtt::Message& message) { return message.topic == topic && message.payload == payload; },
         limit);
 }
 
 std::optional<std::string> BusProbe::request(const std::string& topic, const std::string& payload,
                                              std::chrono::milliseconds limit) {
     const auto id = "request-" + std::to_string(++state_->requests);
-    bus::Message message;
+    mqtt::Message message;
     message.topic = topic;
     message.payload = payload;
     message.qos = 1;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/message.hpp"
+#include "asip/mqtt/message.hpp"
 #include "tests/support/wait.hpp"
 
 namespace asip::test {
@@ -21,7 +21,7 @@ class BusProbe {
         std::string user{}, password{};
         std::string client_id{};  ///< empty: made up
         std::string ca{}, cert{}, key{};
-        std::optional<bus::Message> will{};
+        std::optional<mqtt::Message> will{};
     };
 
     /// Connects to 127.0.0.1 and subscribes to `filters` (QoS 1) before it returns. Throws std::runtime_error
@@ -33,27 +33,27 @@ class BusProbe {
 
     void subscribe(const std::string& filter, int qos = 1);
 
-    void publish(const bus::Message& message);
+    void publish(const mqtt::Message& message);
     void publish(const std::string& topic, const std::string& payload, bool retain = false, int qos = 1);
     /// Whether the broker has acknowledged everything published with QoS 1.
     bool all_acknowledged();
 
     /// What was received so far, in order.
-    std::vector<bus::Message> messages() const;
-    std::vector<bus::Message> messages(const std::string& topic) const;
+    std::vector<mqtt::Message> messages() const;
+    std::vector<mqtt::Message> messages(const std::string& topic) const;
     /// Payload of the newest message on this topic.
     std::optional<std::string> last(const std::string& topic) const;
     std::size_t count(const std::string& topic) const;
     void clear();
 
-    using Match = std::function<bool(const bus::Message&)>;
+    using Match = std::function<bool(const mqtt::Message&)>;
     /// The first message, already received or to come, that matches.
-    std::optional<bus::Message> wait_for(const Match& match,
-                                         std::chrono::milliseconds limit = kDeadline) const;
-    std::optional<bus::Message> wait_for(const std::string& topic,
-                                         std::chrono::milliseconds limit = kDeadline) const;
-    std::optional<bus::Message> wait_for(const std::string& topic, const std::string& payload,
-                                         std::chrono::milliseconds limit = kDeadline) const;
+    std::optional<mqtt::Message> wait_for(const Match& match,
+                                          std::chrono::milliseconds limit = kDeadline) const;
+    std::optional<mqtt::Message> wait_for(const std::string& topic,
+                                          std::chrono::milliseconds limit = kDeadline) const;
+    std::optional<mqtt::Message> wait_for(const std::string& topic, const std::string& payload,
+                                          std::chrono::milliseconds limit = kDeadline) const;
 
     /// Publishes a request with response topic and correlation data (MQTT 5) or `reply_to` and `id` (a JSON
     /// payload on 3.1.1) and returns the answer's payload.

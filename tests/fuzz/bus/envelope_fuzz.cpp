@@ -10,7 +10,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace asip::bus;
     const std::string text(reinterpret_cast<const char*>(data), size);
-    Message message;
+    asip::mqtt::Message message;
     message.payload = text;
     if (const auto envelope = open_envelope(message)) {
         if (envelope->reply.id.size() > kMaxRequestIdBytes) std::abort();

@@ -127,7 +127,7 @@ TEST_P(BrokerReturns, KilledAndRestarted_AnnouncedWithinThreeSeconds) {
     broker.start();
     BusProbe probe(broker.port());
     EXPECT_TRUE(probe.wait_for(
-        [](const bus::Message& m) { return !m.retain && m.topic == "asip/servicebus/uno1/$description"; },
+        [](const mqtt::Message& m) { return !m.retain && m.topic == "asip/servicebus/uno1/$description"; },
         3s))
         << agent.process().errors();
     EXPECT_TRUE(wait_state(probe, "online", 1s));

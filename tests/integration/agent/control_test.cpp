@@ -35,10 +35,10 @@ TEST_F(AgentControl, CommandsInEachForm_AreExecutedAndProven) {
     EXPECT_EQ(ask("asip/uno1/io/in", R"({"mode":[13,"output"]})")["status"], "ok");
     probe.clear();
     EXPECT_EQ(ask("asip/uno1/io/in", R"({"write":{"pin":13,"level":1}})")["proof"], "fence");
-    EXPECT_TRUE(probe.wait_for([](const bus::Message& m) {
+    EXPECT_TRUE(probe.wait_for([](const mqtt::Message& m) {
         return m.topic == "asip/uno1/io/out" && m.payload.find(R"("12":1)") != std::string::npos;
     })) << "the wire carries it to pin 12";
-    EXPECT_TRUE(probe.wait_for([](const bus::Message& m) {
+    EXPECT_TRUE(probe.wait_for([](const mqtt::Message& m) {
         return m.topic == "asip/uno1/out" && m.payload.starts_with("@I,d,2,") && m.payload.back() == '\n';
     }));
     EXPECT_EQ(ask("asip/uno1/servo/in", "W,0,90")["status"], "ok");

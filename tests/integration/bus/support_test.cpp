@@ -14,7 +14,7 @@ TEST(Support, ProbeDropped_LeavesItsWill) {
     MosquittoBroker broker;
     BusProbe watcher(broker.port());
     BusProbe::Options options;
-    options.will = bus::Message{.topic = "gone", .payload = "lost"};
+    options.will = mqtt::Message{.topic = "gone", .payload = "lost"};
     BusProbe probe(broker.port(), {}, options);
     probe.drop();
     EXPECT_TRUE(watcher.wait_for("gone", "lost"));

@@ -32,8 +32,8 @@ class BusTest : public ::testing::Test {
         ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
     }
 
-    void answer(const bus::Message& request, const std::string& reply) {
-        bus::Message message;
+    void answer(const mqtt::Message& request, const std::string& reply) {
+        mqtt::Message message;
         message.topic = request.response_topic;
         message.correlation = request.correlation;
         message.payload = reply;

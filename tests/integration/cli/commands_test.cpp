@@ -25,7 +25,7 @@ class SendTest : public BusTest {
         return {status, child.output(), child.errors()};
     }
 
-    std::optional<bus::Message> request_;
+    std::optional<mqtt::Message> request_;
 };
 
 TEST_F(SendTest, Acknowledged_PrintsOkAndEndsWith0) {

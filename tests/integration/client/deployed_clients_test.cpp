@@ -157,7 +157,7 @@ TEST_F(DeployedClients, MqttRequest_WorksWithNewlineAndWithout) {
 
 TEST_F(DeployedClients, MqttEvent_HasNoNewlineBecauseJavaParsesItsTailAsHexadecimal) {
     probe_.publish("asip/uno/in", "I,P,2,2");
-    const auto event = probe_.wait_for([](const bus::Message& message) {
+    const auto event = probe_.wait_for([](const mqtt::Message& message) {
         return message.topic == "asip/uno/out" && message.payload.starts_with("@I,d");
     });
     ASSERT_TRUE(event);
@@ -167,7 +167,7 @@ TEST_F(DeployedClients, MqttEvent_HasNoNewlineBecauseJavaParsesItsTailAsHexadeci
 
 TEST_F(DeployedClients, AnalogEvents_ComeOneToAMessage) {
     probe_.publish("asip/uno/in", "I,A,20");
-    const auto event = probe_.wait_for([](const bus::Message& message) {
+    const auto event = probe_.wait_for([](const mqtt::Message& message) {
         return message.topic == "asip/uno/out" && message.payload.starts_with("@I,a");
     });
     ASSERT_TRUE(event);
@@ -184,7 +184,7 @@ TEST(DeployedClientsWithNewline, PythonOverMqtt_GetsItWhereTheAgentIsToldTo) {
     ASSERT_TRUE(probe.wait_for("asip/servicebus/uno/$state", "online")) << agent.errors();
     probe.publish("asip/uno/in", "I,A,20\n");
     const auto event =
-        probe.wait_for([](const bus::Message& message) { return message.payload.starts_with("@I,a"); });
+        probe.wait_for([](const mqtt::Message& message) { return message.payload.starts_with("@I,a"); });
     ASSERT_TRUE(event);
     EXPECT_EQ(event->payload.back(), '\n');
 }

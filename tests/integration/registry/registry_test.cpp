@@ -61,7 +61,7 @@ TEST(Registry, WillOfADyingAgent_MakesItsBoardLost) {
     BusProbe probe(broker.port());
     BusProbe::Options options;
     options.will =
-        bus::Message{.topic = "asip/servicebus/uno1/$state", .payload = "lost", .qos = 1, .retain = true};
+        mqtt::Message{.topic = "asip/servicebus/uno1/$state", .payload = "lost", .qos = 1, .retain = true};
     BusProbe agent(broker.port(), {}, options);
     agent.publish(announcement("uno1", description_text("uno1", "a", 1), 60));
     ASSERT_TRUE(becomes(probe, "uno1", "online"));
@@ -141,7 +141,7 @@ TEST(Registry, HostileAnnouncements_AreRefusedCountedAndHarmNobody) {
     probe.publish("asip/registry/query", "not a query");
     probe.publish("asip/registry/query", R"({"find":"boards","reply_to":"a/#"})");
     probe.publish("asip/registry/r1/query", std::string(100'000, '{'));
-    EXPECT_TRUE(probe.wait_for([](const bus::Message& m) {
+    EXPECT_TRUE(probe.wait_for([](const mqtt::Message& m) {
         return m.topic == "asip/registry/r1/$stats" &&
                m.payload.find("\"wrong-board\":1") != std::string::npos &&
                m.payload.find("\"bad-state\":1") != std::string::npos;

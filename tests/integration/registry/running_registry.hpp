@@ -41,9 +41,9 @@ inline std::string description_text(const std::string& board, const std::string&
            kind + R"(","id":"D","model":")" + kind + R"(@1","title":"A thing"}]})";
 }
 
-inline bus::Message announcement(const std::string& board, const std::string& payload,
-                                 std::optional<std::uint32_t> expiry = std::nullopt) {
-    bus::Message message;
+inline mqtt::Message announcement(const std::string& board, const std::string& payload,
+                                  std::optional<std::uint32_t> expiry = std::nullopt) {
+    mqtt::Message message;
     message.topic = "asip/servicebus/" + board + "/$description";
     message.payload = payload;
     message.qos = 1;

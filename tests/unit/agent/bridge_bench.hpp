@@ -54,11 +54,11 @@ class BridgeBench {
     void say(std::string_view bytes) {
         run([&](Effects& out) { bridge.receive(bytes, now, out); });
     }
-    void hear(bus::Message message) {
+    void hear(mqtt::Message message) {
         run([&](Effects& out) { bridge.bus_message(message, now, out); });
     }
     void hear(const std::string& topic, const std::string& payload, bool retained = false) {
-        bus::Message message;
+        mqtt::Message message;
         message.topic = topic;
         message.payload = payload;
         message.retain = retained;

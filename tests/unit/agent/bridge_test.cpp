@@ -225,7 +225,7 @@ TEST_F(OnlineBridge, SameIdWithinAMinute_IsAnsweredAgainNotExecutedAgain) {
 }
 
 TEST_F(OnlineBridge, ResponseTopic_IsAnsweredWithTheCorrelationData) {
-    bus::Message command;
+    mqtt::Message command;
     command.topic = "asip/uno1/servo/in";
     command.payload = R"({"write":[0,90]})";
     command.response_topic = "me";
@@ -235,7 +235,7 @@ TEST_F(OnlineBridge, ResponseTopic_IsAnsweredWithTheCorrelationData) {
                                  [](const auto& p) { return p.message.topic == "me"; });
     ASSERT_NE(at, bench.published.end());
     EXPECT_EQ(at->message.correlation, command.correlation);
-    EXPECT_EQ(at->priority, bus::Priority::kReply);
+    EXPECT_EQ(at->priority, mqtt::Priority::kReply);
 }
 
 TEST_F(OnlineBridge, BoardNotThere_IsRefusedAndWhatWasSentTimesOut) {
@@ -314,7 +314,7 @@ TEST_F(SilentSender, TenThousandCommands_EachRefusalIsToldOnceAsContext) {
     EXPECT_EQ(error("servo")["request"], "W,0,90");
     EXPECT_EQ(error("servo")["reason"], "queue-full");
     for (const auto& publication : bench.published)
-        ASSERT_EQ(publication.priority, bus::Priority::kContext);
+        ASSERT_EQ(publication.priority, mqtt::Priority::kContext);
     bench.unplug();
     EXPECT_EQ(bench.on("asip/uno1/servo/error").size(), 10'000u) << "and those that waited, or were lost";
 }

@@ -5,7 +5,7 @@
 namespace asip::bus {
 namespace {
 
-Message request(std::string payload) {
+mqtt::Message request(std::string payload) {
     Message message;
     message.topic = "asip/uno1/servo/in";
     message.payload = std::move(payload);

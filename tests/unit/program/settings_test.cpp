@@ -172,8 +172,8 @@ TEST(MqttOptions, BrokerOptions_AreTranslated) {
     const auto made = mqtt_options(options, "asip-test");
     ASSERT_TRUE(made) << made.error();
     EXPECT_THAT(made->brokers,
-                ElementsAre(bus::BrokerAddress{"a", 1, false}, bus::BrokerAddress{"b", 8883, true}));
-    EXPECT_EQ(made->version, bus::MqttVersion::kV311);
+                ElementsAre(mqtt::BrokerAddress{"a", 1, false}, mqtt::BrokerAddress{"b", 8883, true}));
+    EXPECT_EQ(made->version, mqtt::Version::kV311);
     EXPECT_THAT(made->client_id, testing::StartsWith("asip-test-"));
     EXPECT_NE(made->client_id, mqtt_options(options, "asip-test")->client_id);
 }

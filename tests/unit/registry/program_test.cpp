@@ -148,7 +148,7 @@ class TidierTest : public testing::Test {
     std::vector<std::string> emptied, subscribed, unsubscribed;
     bool alive = false;
     Tidier tidier{topics,
-                  BusPort{[this](bus::Message message) {
+                  BusPort{[this](mqtt::Message message) {
                               EXPECT_TRUE(message.retain);
                               EXPECT_EQ(message.payload, "");
                               emptied.push_back(message.topic);

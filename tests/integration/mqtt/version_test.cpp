@@ -5,14 +5,14 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/write.hpp>
 
-#include "tests/integration/bus/recorder.hpp"
+#include "tests/integration/mqtt/recorder.hpp"
 
 namespace asip::test {
 namespace {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
-using Kind = bus::ConnectionFailure::Kind;
+using Kind = mqtt::ConnectionFailure::Kind;
 
 constexpr std::size_t kVersionOffset = 8;  // CONNECT: type, length, 0 4 M Q T T, version
 
@@ -73,8 +73,8 @@ const std::string kTakenOver5("\xe0\x02\x8e\x00", 4);
 class MqttVersion : public testing::Test {
   protected:
     bool connects(const std::string& to_v5, const std::string& to_v311,
-                  bus::MqttVersion version = bus::MqttVersion::kBest) {
-        bus::MqttOptions options;
+                  mqtt::Version version = mqtt::Version::kBest) {
+        mqtt::Options options;
         options.version = version;
         options.connect_timeout = 300ms;
         options.brokers.clear();
@@ -82,13 +82,13 @@ class MqttVersion : public testing::Test {
         asio::io_context io;
         ScriptedBroker broker(io, to_v5, to_v311);
         options.brokers[0].port = broker.port();
-        bus::MqttClient::Handlers handlers;
-        handlers.on_disconnected = [&](const bus::ConnectionFailure& f) { losses.push_back(f); };
-        handlers.on_connect_failed = [&](const bus::ConnectionFailure& f) { failures.push_back(f); };
+        mqtt::Client::Handlers handlers;
+        handlers.on_disconnected = [&](const mqtt::ConnectionFailure& f) { losses.push_back(f); };
+        handlers.on_connect_failed = [&](const mqtt::ConnectionFailure& f) { failures.push_back(f); };
         handlers.on_subscribe_refused = [&](const std::string& filter, const std::string& reason) {
             refused_filters.push_back(filter + ": " + reason);
         };
-        bus::MqttClient client(io, options, handlers);
+        mqtt::Client client(io, options, handlers);
         client.subscribe("secret/#");
         client.start();
         const bool connected = run_until(io, [&] {
@@ -100,8 +100,8 @@ class MqttVersion : public testing::Test {
     }
 
     std::vector<int> versions;
-    std::vector<bus::ConnectionFailure> failures;
-    std::vector<bus::ConnectionFailure> losses;
+    std::vector<mqtt::ConnectionFailure> failures;
+    std::vector<mqtt::ConnectionFailure> losses;
     std::vector<std::string> refused_filters;
 };
 
@@ -123,7 +123,7 @@ TEST_F(MqttVersion, ClosedWithoutAnAnswer_IsTried311AtTheSecondTime) {
 }
 
 TEST_F(MqttVersion, OnlyVersion5Allowed_DoesNotFallBack) {
-    EXPECT_FALSE(connects(kRefusedVersion5, kAccepted311, bus::MqttVersion::kV5));
+    EXPECT_FALSE(connects(kRefusedVersion5, kAccepted311, mqtt::Version::kV5));
     EXPECT_EQ(failures.at(0).kind, Kind::kRefused);
     for (const int version : versions)
         EXPECT_EQ(version, 5);

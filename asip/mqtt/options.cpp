@@ -1,8 +1,8 @@
-#include "asip/bus/mqtt_options.hpp"
+#include "asip/mqtt/options.hpp"
 
 #include <charconv>
 
-namespace asip::bus {
+namespace asip::mqtt {
 namespace {
 
 Expected<std::uint16_t> parse_port(std::string_view text) {
@@ -66,4 +66,4 @@ Expected<BrokerAddress> parse_broker(std::string_view text) {
     return address;
 }
 
-}  // namespace asip::bus
+}  // namespace asip::mqtt

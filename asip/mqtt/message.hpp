@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace asip::bus {
+namespace asip::mqtt {
 
 /// One message of the bus, to be published or as it arrived. The members from `response_topic` on travel as
 /// MQTT 5 properties and are left out, silently, on a 3.1.1 connection.
@@ -29,4 +29,4 @@ enum class Priority {
     kAnnouncement,
 };
 
-}  // namespace asip::bus
+}  // namespace asip::mqtt

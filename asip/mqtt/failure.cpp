@@ -1,9 +1,9 @@
-#include "asip/bus/mqtt_failure.hpp"
+#include "asip/mqtt/failure.hpp"
 
 #include <mosquitto.h>
 #include <mqtt_protocol.h>
 
-namespace asip::bus {
+namespace asip::mqtt {
 namespace {
 
 using Kind = ConnectionFailure::Kind;
@@ -64,7 +64,7 @@ bool is_version_refusal(int connack_code) {
     return connack_code == kV311BadVersion || connack_code == MQTT_RC_UNSUPPORTED_PROTOCOL_VERSION;
 }
 
-ConnectionFailure refused_by(const BrokerAddress& broker, int connack_code, const MqttOptions& options) {
+ConnectionFailure refused_by(const BrokerAddress& broker, int connack_code, const Options& options) {
     if (!is_credentials(connack_code)) {
         return {Kind::kRefused, broker, connack_code,
                 broker.describe() + " refused the connection: " + words(connack_code)};
@@ -103,4 +103,4 @@ ConnectionFailure unreachable(const BrokerAddress& broker, const std::string& de
             "cannot reach the broker " + broker.describe() + ": " + detail + "; is it running there?"};
 }
 
-}  // namespace asip::bus
+}  // namespace asip::mqtt

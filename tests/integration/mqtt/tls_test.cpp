@@ -1,15 +1,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/integration/bus/recorder.hpp"
+#include "tests/integration/mqtt/recorder.hpp"
 #include "tests/support/bus_probe.hpp"
 
 namespace asip::test {
 namespace {
 
-using Kind = bus::ConnectionFailure::Kind;
+using Kind = mqtt::ConnectionFailure::Kind;
 
-bus::MqttOptions tls_options(const MosquittoBroker& broker) {
+mqtt::Options tls_options(const MosquittoBroker& broker) {
     auto options = options_for(broker);
     options.ca_file = broker.certificates().ca;
     return options;

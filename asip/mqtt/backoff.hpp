@@ -4,7 +4,7 @@
 #include "asip/random.hpp"
 #include "asip/time.hpp"
 
-namespace asip::bus {
+namespace asip::mqtt {
 
 /// Waiting times between attempts: doubling from `first` up to `most`, each drawn from its upper half so that
 /// programs that lost the same broker do not return in step.
@@ -21,4 +21,4 @@ class Backoff {
     Duration next_;
 };
 
-}  // namespace asip::bus
+}  // namespace asip::mqtt

@@ -1,8 +1,8 @@
-#include "asip/bus/backoff.hpp"
+#include "asip/mqtt/backoff.hpp"
 
 #include <gtest/gtest.h>
 
-namespace asip::bus {
+namespace asip::mqtt {
 namespace {
 
 using namespace std::chrono_literals;
@@ -24,4 +24,4 @@ TEST(Backoff, HighestDraw_StaysWithinTheMost) {
 }
 
 }  // namespace
-}  // namespace asip::bus
+}  // namespace asip::mqtt

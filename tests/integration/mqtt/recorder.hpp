@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/mqtt_client.hpp"
+#include "asip/mqtt/client.hpp"
 #include "tests/support/loop.hpp"
 #include "tests/support/mosquitto_broker.hpp"
 
@@ -11,15 +11,15 @@ namespace asip::test {
 
 /// A client under test and everything it reported.
 struct Recorder {
-    explicit Recorder(bus::MqttOptions options) {
-        bus::MqttClient::Handlers handlers;
-        handlers.on_connected = [this](const bus::Connected& c) {
+    explicit Recorder(mqtt::Options options) {
+        mqtt::Client::Handlers handlers;
+        handlers.on_connected = [this](const mqtt::Connected& c) {
             connects.push_back(c);
             if (at_connect) at_connect();
         };
-        handlers.on_disconnected = [this](const bus::ConnectionFailure& f) { losses.push_back(f); };
-        handlers.on_connect_failed = [this](const bus::ConnectionFailure& f) { failures.push_back(f); };
-        handlers.on_message = [this](const bus::Message& m) {
+        handlers.on_disconnected = [this](const mqtt::ConnectionFailure& f) { losses.push_back(f); };
+        handlers.on_connect_failed = [this](const mqtt::ConnectionFailure& f) { failures.push_back(f); };
+        handlers.on_message = [this](const mqtt::Message& m) {
             messages.push_back(m);
             if (at_message) at_message(m);
         };
@@ -27,7 +27,7 @@ struct Recorder {
         handlers.on_subscribe_refused = [this](const std::string& filter, const std::string&) {
             refused_filters.push_back(filter);
         };
-        client = std::make_unique<bus::MqttClient>(io, std::move(options), std::move(handlers));
+        client = std::make_unique<mqtt::Client>(io, std::move(options), std::move(handlers));
     }
 
     bool connect() {
@@ -48,25 +48,25 @@ struct Recorder {
     }
 
     boost::asio::io_context io;
-    std::vector<bus::Connected> connects;
-    std::vector<bus::ConnectionFailure> losses;
-    std::vector<bus::ConnectionFailure> failures;
-    std::vector<bus::Message> messages;
+    std::vector<mqtt::Connected> connects;
+    std::vector<mqtt::ConnectionFailure> losses;
+    std::vector<mqtt::ConnectionFailure> failures;
+    std::vector<mqtt::Message> messages;
     std::vector<std::string> published;
     std::vector<std::string> refused_filters;
     std::function<void()> at_connect;
-    std::function<void(const bus::Message&)> at_message;
-    std::unique_ptr<bus::MqttClient> client;
+    std::function<void(const mqtt::Message&)> at_message;
+    std::unique_ptr<mqtt::Client> client;
 };
 
-inline bus::MqttOptions options_for(const MosquittoBroker& broker) {
-    bus::MqttOptions options;
-    options.brokers = {*bus::parse_broker(broker.url())};
+inline mqtt::Options options_for(const MosquittoBroker& broker) {
+    mqtt::Options options;
+    options.brokers = {*mqtt::parse_broker(broker.url())};
     return options;
 }
 
-inline bus::Message make_message(std::string topic, std::string payload, int qos = 0, bool retain = false) {
-    bus::Message message;
+inline mqtt::Message make_message(std::string topic, std::string payload, int qos = 0, bool retain = false) {
+    mqtt::Message message;
     message.topic = std::move(topic);
     message.payload = std::move(payload);
     message.qos = qos;

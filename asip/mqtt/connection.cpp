@@ -1,4 +1,4 @@
-#include "asip/bus/mqtt_connection.hpp"
+#include "asip/mqtt/connection.hpp"
 
 #include <fcntl.h>
 #include <mqtt_protocol.h>
@@ -11,10 +11,10 @@
 #include <cerrno>
 #include <cstring>
 
-#include "asip/bus/mqtt_failure.hpp"
-#include "asip/bus/mqtt_properties.hpp"
+#include "asip/mqtt/failure.hpp"
+#include "asip/mqtt/properties.hpp"
 
-namespace asip::bus {
+namespace asip::mqtt {
 namespace {
 
 namespace asio = boost::asio;
@@ -36,8 +36,8 @@ const char* or_null(const std::string& text) {
 
 }  // namespace
 
-MqttConnection::MqttConnection(asio::io_context& io, const MqttOptions& options, BrokerAddress broker,
-                               std::string host, bool v5, ConnectionEvents& events)
+Connection::Connection(asio::io_context& io, const Options& options, BrokerAddress broker, std::string host,
+                       bool v5, ConnectionEvents& events)
     : io_(io),
       options_(options),
       broker_(std::move(broker)),
@@ -51,9 +51,9 @@ MqttConnection::MqttConnection(asio::io_context& io, const MqttOptions& options,
     if (!mosquitto_) throw std::bad_alloc();
 }
 
-MqttConnection::~MqttConnection() = default;
+Connection::~Connection() = default;
 
-void MqttConnection::open() {
+void Connection::open() {
     opened_ = Clock::now();
     set_callbacks();
     int error = configure();
@@ -71,7 +71,7 @@ void MqttConnection::open() {
     asio::post(io_, [self = shared_from_this(), reason = std::move(reason)] { self->end(reason); });
 }
 
-int MqttConnection::configure() {
+int Connection::configure() {
     auto* m = mosquitto_.get();
     mosquitto_int_option(m, MOSQ_OPT_PROTOCOL_VERSION, v5_ ? MQTT_PROTOCOL_V5 : MQTT_PROTOCOL_V311);
     // Without it a QoS 1 round trip waits for a delayed acknowledgement: 44 ms instead of 0.09.
@@ -97,37 +97,37 @@ int MqttConnection::configure() {
     return mosquitto_tls_opts_set(m, options_.insecure ? 0 : 1, nullptr, nullptr);
 }
 
-void MqttConnection::set_callbacks() {
+void Connection::set_callbacks() {
     auto* m = mosquitto_.get();
     mosquitto_connect_v5_callback_set(
         m, [](mosquitto*, void* self, int code, int, const mosquitto_property* properties) {
-            static_cast<MqttConnection*>(self)->on_connect(code, properties);
+            static_cast<Connection*>(self)->on_connect(code, properties);
         });
     mosquitto_disconnect_v5_callback_set(m, [](mosquitto*, void* self, int code, const mosquitto_property*) {
-        static_cast<MqttConnection*>(self)->on_disconnect(code);
+        static_cast<Connection*>(self)->on_disconnect(code);
     });
     mosquitto_message_v5_callback_set(m, [](mosquitto*, void* self, const mosquitto_message* message,
                                             const mosquitto_property* properties) {
-        static_cast<MqttConnection*>(self)->on_message(*message, properties);
+        static_cast<Connection*>(self)->on_message(*message, properties);
     });
     mosquitto_publish_v5_callback_set(
         m, [](mosquitto*, void* self, int id, int code, const mosquitto_property*) {
-            auto& connection = *static_cast<MqttConnection*>(self);
+            auto& connection = *static_cast<Connection*>(self);
             ++connection.packets_seen_;
             connection.events_.publish_answered(id, code);
         });
     mosquitto_subscribe_v5_callback_set(
         m, [](mosquitto*, void* self, int id, int count, const int* granted, const mosquitto_property*) {
-            auto& connection = *static_cast<MqttConnection*>(self);
+            auto& connection = *static_cast<Connection*>(self);
             ++connection.packets_seen_;
             connection.events_.subscribe_answered(id, std::vector<int>(granted, granted + count));
         });
     mosquitto_log_callback_set(m, [](mosquitto*, void* self, int level, const char* line) {
-        static_cast<MqttConnection*>(self)->on_log(level, line);
+        static_cast<Connection*>(self)->on_log(level, line);
     });
 }
 
-void MqttConnection::watch() {
+void Connection::watch() {
     const int copy = fcntl(mosquitto_socket(mosquitto_.get()), F_DUPFD_CLOEXEC, 0);
     boost::system::error_code error;
     if (copy >= 0) socket_.assign(copy, error);
@@ -141,7 +141,7 @@ void MqttConnection::watch() {
     schedule_tick();
 }
 
-void MqttConnection::arm() {
+void Connection::arm() {
     if (phase_ == Phase::kDown || !socket_.is_open()) return;
     if (!read_armed_) {
         read_armed_ = true;
@@ -161,7 +161,7 @@ void MqttConnection::arm() {
     }
 }
 
-bool MqttConnection::tcp_established() {
+bool Connection::tcp_established() {
     if (tcp_connected_) return true;
     int problem = 0;
     socklen_t size = sizeof problem;
@@ -180,7 +180,7 @@ bool MqttConnection::tcp_established() {
 
 /// Whichever direction became ready, both are served: during a TLS handshake reading may need to write and
 /// the reverse.
-void MqttConnection::serve() {
+void Connection::serve() {
     if (phase_ == Phase::kDown || serving_) return;
     if (!tcp_established()) {
         arm();
@@ -198,7 +198,7 @@ void MqttConnection::serve() {
     if (still_open()) arm();
 }
 
-void MqttConnection::read_all() {
+void Connection::read_all() {
     for (int i = 0; i < kReadsPerTurn && phase_ != Phase::kDown; ++i) {
         const auto before = packets_seen_;
         const int error = mosquitto_loop_read(mosquitto_.get(), 1);
@@ -216,7 +216,7 @@ void MqttConnection::read_all() {
 }
 
 /// libmosquitto closes its socket as soon as it has received or sent a DISCONNECT, whatever call it is in.
-bool MqttConnection::still_open() {
+bool Connection::still_open() {
     if (phase_ == Phase::kDown || !socket_.is_open()) return false;
     if (mosquitto_socket(mosquitto_.get()) != kInvalidSocket) return true;
     if (phase_ == Phase::kLeaving)
@@ -226,7 +226,7 @@ bool MqttConnection::still_open() {
     return false;
 }
 
-void MqttConnection::schedule_tick() {
+void Connection::schedule_tick() {
     const auto period = up() ? std::chrono::milliseconds(1000) : std::chrono::milliseconds(200);
     timer_.expires_after(period);
     timer_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
@@ -234,7 +234,7 @@ void MqttConnection::schedule_tick() {
     });
 }
 
-void MqttConnection::tick() {
+void Connection::tick() {
     const auto now = Clock::now();
     if (phase_ == Phase::kConnecting && now - opened_ >= options_.connect_timeout) {
         if (!tcp_connected_) {
@@ -260,7 +260,7 @@ void MqttConnection::tick() {
     schedule_tick();
 }
 
-void MqttConnection::goodbye() {
+void Connection::goodbye() {
     if (phase_ != Phase::kUp) return;
     phase_ = Phase::kLeaving;
     mosquitto_disconnect_v5(mosquitto_.get(), MQTT_RC_NORMAL_DISCONNECTION, nullptr);
@@ -271,7 +271,7 @@ void MqttConnection::goodbye() {
 
 /// Closing a socket that still holds unread bytes resets it, and the broker may then lose our last messages
 /// and with them the goodbye. So the duplicate stays open until the broker has closed its side.
-void MqttConnection::await_close() {
+void Connection::await_close() {
     shutdown(socket_.native_handle(), SHUT_WR);
     auto scratch = std::make_shared<std::string>(4096, '\0');
     socket_.async_read_some(asio::buffer(*scratch), [self = shared_from_this(), scratch](
@@ -284,7 +284,7 @@ void MqttConnection::await_close() {
     });
 }
 
-void MqttConnection::abandon() {
+void Connection::abandon() {
     phase_ = Phase::kDown;
     boost::system::error_code ignored;
     timer_.cancel();
@@ -293,17 +293,17 @@ void MqttConnection::abandon() {
     asio::post(io_, [self = shared_from_this()] { self->mosquitto_.reset(); });
 }
 
-void MqttConnection::fail(ConnectionFailure failure) {
+void Connection::fail(ConnectionFailure failure) {
     asio::post(io_, [self = shared_from_this(), failure = std::move(failure)] { self->end({failure}); });
 }
 
-void MqttConnection::end(const ConnectionEvents::End& reason) {
+void Connection::end(const ConnectionEvents::End& reason) {
     if (phase_ == Phase::kDown) return;
     abandon();
     events_.connection_down(reason);
 }
 
-ConnectionEvents::End MqttConnection::why_closed(int error) const {
+ConnectionEvents::End Connection::why_closed(int error) const {
     if (connack_code_ != 0) {
         return {refused_by(broker_, connack_code_, options_), v5_ && is_version_refusal(connack_code_)};
     }
@@ -324,7 +324,7 @@ ConnectionEvents::End MqttConnection::why_closed(int error) const {
     return closed_unanswered();
 }
 
-ConnectionEvents::End MqttConnection::closed_unanswered() const {
+ConnectionEvents::End Connection::closed_unanswered() const {
     const char* question =
         broker_.tls ? "does it demand a client certificate?" : "is it an MQTT broker, does it expect TLS?";
     return {{Kind::kNoAnswer, broker_, 0,
@@ -333,7 +333,7 @@ ConnectionEvents::End MqttConnection::closed_unanswered() const {
             true};
 }
 
-int MqttConnection::publish(const Message& message, int& id) {
+int Connection::publish(const Message& message, int& id) {
     const auto properties = v5_ ? publish_properties(message) : Properties{};
     const int error = mosquitto_publish_v5(mosquitto_.get(), &id, message.topic.c_str(),
                                            static_cast<int>(message.payload.size()), message.payload.data(),
@@ -342,7 +342,7 @@ int MqttConnection::publish(const Message& message, int& id) {
     return error;
 }
 
-int MqttConnection::subscribe(const std::string& filter, const SubscribeOptions& options, int& id) {
+int Connection::subscribe(const std::string& filter, const SubscribeOptions& options, int& id) {
     int flags = 0;
     if (v5_ && options.no_local) flags |= MQTT_SUB_OPT_NO_LOCAL;
     if (v5_ && !options.retained) flags |= MQTT_SUB_OPT_SEND_RETAIN_NEVER;
@@ -352,13 +352,13 @@ int MqttConnection::subscribe(const std::string& filter, const SubscribeOptions&
     return error;
 }
 
-int MqttConnection::unsubscribe(const std::string& filter) {
+int Connection::unsubscribe(const std::string& filter) {
     const int error = mosquitto_unsubscribe_v5(mosquitto_.get(), nullptr, filter.c_str(), nullptr);
     if (!serving_) arm();
     return error;
 }
 
-void MqttConnection::on_connect(int code, const mosquitto_property* properties) {
+void Connection::on_connect(int code, const mosquitto_property* properties) {
     ++packets_seen_;
     if (code != 0) {
         connack_code_ = code;
@@ -373,12 +373,12 @@ void MqttConnection::on_connect(int code, const mosquitto_property* properties) 
     events_.connection_up(connected);
 }
 
-void MqttConnection::on_disconnect(int code) {
+void Connection::on_disconnect(int code) {
     ++packets_seen_;
     if (code >= 128) disconnect_code_ = code;
 }
 
-void MqttConnection::on_message(const mosquitto_message& received, const mosquitto_property* properties) {
+void Connection::on_message(const mosquitto_message& received, const mosquitto_property* properties) {
     ++packets_seen_;
     if (phase_ == Phase::kDown) return;
     Message message;
@@ -391,9 +391,9 @@ void MqttConnection::on_message(const mosquitto_message& received, const mosquit
     events_.message_received(std::move(message));
 }
 
-void MqttConnection::on_log(int level, const char* line) {
+void Connection::on_log(int level, const char* line) {
     if (level == MOSQ_LOG_ERR && std::strncmp(line, "OpenSSL Error", 13) == 0) tls_detail_ = line;
     if (phase_ != Phase::kDown) events_.debug_line(line);
 }
 
-}  // namespace asip::bus
+}  // namespace asip::mqtt

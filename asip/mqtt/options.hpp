@@ -7,12 +7,12 @@
 #include <string_view>
 #include <vector>
 
-#include "asip/bus/message.hpp"
 #include "asip/expected.hpp"
+#include "asip/mqtt/message.hpp"
 #include "asip/random.hpp"
 #include "asip/time.hpp"
 
-namespace asip::bus {
+namespace asip::mqtt {
 
 struct BrokerAddress {
     std::string host = "127.0.0.1";
@@ -26,13 +26,13 @@ struct BrokerAddress {
 /// Reads `HOST`, `HOST:PORT`, `[V6]:PORT`, `mqtt://HOST[:PORT]` (1883) or `mqtts://HOST[:PORT]` (TLS, 8883).
 Expected<BrokerAddress> parse_broker(std::string_view text);
 
-enum class MqttVersion {
+enum class Version {
     kBest,  ///< 5, and 3.1.1 with a broker that refuses it
     kV5,
     kV311,
 };
 
-struct MqttOptions {
+struct Options {
     std::vector<BrokerAddress> brokers{BrokerAddress{}};  ///< at least one; tried in turn
     /// Unique per process: a broker throws out the older of two connections with the same id. Empty: made up.
     std::string client_id;
@@ -44,7 +44,7 @@ struct MqttOptions {
     std::string key_file;
     bool insecure = false;  ///< TLS without checking the host name of the broker's certificate
 
-    MqttVersion version = MqttVersion::kBest;
+    Version version = Version::kBest;
     std::chrono::seconds keepalive{10};  ///< at least 5
     /// An attempt that has no CONNACK after this long is given up: a dead host, or a broker that hangs.
     Duration connect_timeout = std::chrono::seconds(5);
@@ -63,4 +63,4 @@ struct MqttOptions {
     Random random;  ///< empty: system_random()
 };
 
-}  // namespace asip::bus
+}  // namespace asip::mqtt

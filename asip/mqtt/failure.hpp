@@ -1,13 +1,13 @@
 #pragma once
 #include <string>
 
-#include "asip/bus/mqtt_client.hpp"
+#include "asip/mqtt/client.hpp"
 
 /// Telling apart the ways in which a connection fails, in words for a person.
-namespace asip::bus {
+namespace asip::mqtt {
 
 /// A CONNACK other than success. Codes below 128 are those of MQTT 3.1.1.
-ConnectionFailure refused_by(const BrokerAddress& broker, int connack_code, const MqttOptions& options);
+ConnectionFailure refused_by(const BrokerAddress& broker, int connack_code, const Options& options);
 
 /// A DISCONNECT from the broker, or a connection that ended without one (code 0).
 ConnectionFailure closed_by(const BrokerAddress& broker, int disconnect_code);
@@ -18,4 +18,4 @@ ConnectionFailure unreachable(const BrokerAddress& broker, const std::string& de
 /// CONNACK codes that say "not with this version of the protocol".
 bool is_version_refusal(int connack_code);
 
-}  // namespace asip::bus
+}  // namespace asip::mqtt

@@ -1,8 +1,8 @@
-#include "asip/bus/backoff.hpp"
+#include "asip/mqtt/backoff.hpp"
 
 #include <algorithm>
 
-namespace asip::bus {
+namespace asip::mqtt {
 
 Duration Backoff::next(const Random& random) {
     const double part = 0.5 + random_unit(random) / 2;
@@ -11,4 +11,4 @@ Duration Backoff::next(const Random& random) {
     return wait;
 }
 
-}  // namespace asip::bus
+}  // namespace asip::mqtt

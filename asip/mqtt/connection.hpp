@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/message.hpp"
-#include "asip/bus/mqtt_client.hpp"
+#include "asip/mqtt/client.hpp"
+#include "asip/mqtt/message.hpp"
 
-namespace asip::bus {
+namespace asip::mqtt {
 
 /// What one connection tells its owner. Called from the io_context only.
 class ConnectionEvents {
@@ -42,11 +42,11 @@ class ConnectionEvents {
 ///
 /// The io_context watches a duplicate of libmosquitto's socket: libmosquitto closes its own whenever it
 /// likes, inside almost any call, and the duplicate lets Asio find that out in its own time.
-class MqttConnection : public std::enable_shared_from_this<MqttConnection> {
+class Connection : public std::enable_shared_from_this<Connection> {
   public:
-    MqttConnection(boost::asio::io_context& io, const MqttOptions& options, BrokerAddress broker,
-                   std::string host, bool v5, ConnectionEvents& events);
-    ~MqttConnection();
+    Connection(boost::asio::io_context& io, const Options& options, BrokerAddress broker, std::string host,
+               bool v5, ConnectionEvents& events);
+    ~Connection();
 
     void open();
 
@@ -97,7 +97,7 @@ class MqttConnection : public std::enable_shared_from_this<MqttConnection> {
     void on_log(int level, const char* line);
 
     boost::asio::io_context& io_;
-    const MqttOptions& options_;
+    const Options& options_;
     const BrokerAddress broker_;
     const std::string host_;  ///< what is connected to: the broker's host, or one of its addresses
     const bool v5_;
@@ -118,4 +118,4 @@ class MqttConnection : public std::enable_shared_from_this<MqttConnection> {
     std::string tls_detail_;
 };
 
-}  // namespace asip::bus
+}  // namespace asip::mqtt

@@ -1,8 +1,8 @@
-#include "asip/bus/outbox.hpp"
+#include "asip/mqtt/outbox.hpp"
 
 #include <algorithm>
 
-namespace asip::bus {
+namespace asip::mqtt {
 namespace {
 
 std::size_t weight(const Message& message) {
@@ -82,4 +82,4 @@ void Outbox::discard(Priority priority) {
         erase(own, own.begin());
 }
 
-}  // namespace asip::bus
+}  // namespace asip::mqtt

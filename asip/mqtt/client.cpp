@@ -1,4 +1,4 @@
-#include "asip/bus/mqtt_client.hpp"
+#include "asip/mqtt/client.hpp"
 
 #include <mosquitto.h>
 #include <mqtt_protocol.h>
@@ -9,12 +9,12 @@
 #include <map>
 #include <unordered_map>
 
-#include "asip/bus/backoff.hpp"
-#include "asip/bus/mqtt_connection.hpp"
-#include "asip/bus/mqtt_failure.hpp"
-#include "asip/bus/outbox.hpp"
+#include "asip/mqtt/backoff.hpp"
+#include "asip/mqtt/connection.hpp"
+#include "asip/mqtt/failure.hpp"
+#include "asip/mqtt/outbox.hpp"
 
-namespace asip::bus {
+namespace asip::mqtt {
 namespace {
 
 namespace asio = boost::asio;
@@ -46,9 +46,9 @@ bool is_connection_error(int error) {
 
 }  // namespace
 
-class MqttClient::Impl final : public ConnectionEvents, public std::enable_shared_from_this<Impl> {
+class Client::Impl final : public ConnectionEvents, public std::enable_shared_from_this<Impl> {
   public:
-    Impl(asio::io_context& io, MqttOptions options, Handlers handlers);
+    Impl(asio::io_context& io, Options options, Handlers handlers);
 
     void start() { attempt(); }
     void stop(Duration limit, std::function<void()> done);
@@ -63,7 +63,7 @@ class MqttClient::Impl final : public ConnectionEvents, public std::enable_share
     bool connected() const { return connection_ && connection_->up(); }
     bool v5() const { return connected() && connection_->v5(); }
     const std::string& client_id() const { return options_.client_id; }
-    MqttCounters counters() const;
+    Counters counters() const;
 
   private:
     struct Broker {
@@ -105,7 +105,7 @@ class MqttClient::Impl final : public ConnectionEvents, public std::enable_share
     void finish();
 
     asio::io_context& io_;
-    MqttOptions options_;
+    Options options_;
     Handlers handlers_;
     std::vector<Broker> brokers_;
     std::size_t broker_ = 0;
@@ -114,7 +114,7 @@ class MqttClient::Impl final : public ConnectionEvents, public std::enable_share
     asio::steady_timer retry_timer_;
     asio::ip::tcp::resolver resolver_;
     std::vector<std::string> addresses_;  ///< of this attempt, those not yet tried; the next one last
-    std::shared_ptr<MqttConnection> connection_;
+    std::shared_ptr<Connection> connection_;
     bool was_up_ = false;
     Time up_since_{};
     bool tried_v5_ = false;
@@ -123,7 +123,7 @@ class MqttClient::Impl final : public ConnectionEvents, public std::enable_share
     std::unordered_map<int, std::string> awaited_subscriptions_;
     Outbox outbox_;
     std::map<int, Unacknowledged> unacknowledged_;
-    MqttCounters counters_;
+    Counters counters_;
 
     bool closed_ = false;
     bool leaving_ = false;
@@ -131,7 +131,7 @@ class MqttClient::Impl final : public ConnectionEvents, public std::enable_share
     asio::steady_timer stop_timer_;
 };
 
-MqttClient::Impl::Impl(asio::io_context& io, MqttOptions options, Handlers handlers)
+Client::Impl::Impl(asio::io_context& io, Options options, Handlers handlers)
     : io_(io),
       options_(std::move(options)),
       handlers_(std::move(handlers)),
@@ -147,7 +147,7 @@ MqttClient::Impl::Impl(asio::io_context& io, MqttOptions options, Handlers handl
     if (options_.client_id.empty()) options_.client_id = "asip-" + random_hex(options_.random, 12);
 }
 
-void MqttClient::Impl::attempt() {
+void Client::Impl::attempt() {
     if (silent()) return;
     addresses_.clear();
     boost::system::error_code not_numeric;
@@ -161,7 +161,7 @@ void MqttClient::Impl::attempt() {
     }
 }
 
-void MqttClient::Impl::resolve() {
+void Client::Impl::resolve() {
     resolver_.async_resolve(
         broker().address.host, std::to_string(broker().address.port),
         [self = shared_from_this()](const boost::system::error_code& error, const auto& results) {
@@ -177,19 +177,19 @@ void MqttClient::Impl::resolve() {
         });
 }
 
-void MqttClient::Impl::connect_next_address() {
+void Client::Impl::connect_next_address() {
     const auto host = addresses_.back();
     addresses_.pop_back();
-    const bool v5 = options_.version == MqttVersion::kV5 ||
-                    (options_.version == MqttVersion::kBest && broker().speaks_v5 &&
-                     broker().suspicions < kSuspicionsUntilFallback);
+    const bool v5 =
+        options_.version == Version::kV5 || (options_.version == Version::kBest && broker().speaks_v5 &&
+                                             broker().suspicions < kSuspicionsUntilFallback);
     was_up_ = false;
     tried_v5_ = v5;
-    connection_ = std::make_shared<MqttConnection>(io_, options_, broker().address, host, v5, *this);
+    connection_ = std::make_shared<Connection>(io_, options_, broker().address, host, v5, *this);
     connection_->open();
 }
 
-void MqttClient::Impl::connection_up(const Connected& connected) {
+void Client::Impl::connection_up(const Connected& connected) {
     was_up_ = true;
     up_since_ = Clock::now();
     ++counters_.connects;
@@ -201,7 +201,7 @@ void MqttClient::Impl::connection_up(const Connected& connected) {
     flush();
 }
 
-void MqttClient::Impl::connection_down(const End& end) {
+void Client::Impl::connection_down(const End& end) {
     connection_.reset();
     requeue_unacknowledged();
     if (stopped_) {
@@ -227,7 +227,7 @@ void MqttClient::Impl::connection_down(const End& end) {
     ++counters_.failures;
     retry(end.version_refused);
     // A version we can go below is no failure anyone should hear of.
-    if (end.version_refused && options_.version == MqttVersion::kBest) return;
+    if (end.version_refused && options_.version == Version::kBest) return;
     auto failure = end.failure;
     // A broker that misses our certificate says so in an alert, which its closing of the socket often
     // overtakes.
@@ -235,16 +235,16 @@ void MqttClient::Impl::connection_down(const End& end) {
     if (!silent() && handlers_.on_connect_failed) handlers_.on_connect_failed(failure);
 }
 
-void MqttClient::Impl::learn(const End& end) {
+void Client::Impl::learn(const End& end) {
     broker().unanswered = end.closed_unanswered ? broker().unanswered + 1 : 0;
     if (end.version_refused) broker().speaks_v5 = false;
     // When 3.1.1 fares no better the suspicion was wrong.
     broker().suspicions = end.closed_unanswered && tried_v5_ ? broker().suspicions + 1 : 0;
 }
 
-void MqttClient::Impl::retry(bool same_broker_at_once) {
+void Client::Impl::retry(bool same_broker_at_once) {
     Duration wait{};
-    const bool suspected = options_.version == MqttVersion::kBest && broker().suspicions > 0;
+    const bool suspected = options_.version == Version::kBest && broker().suspicions > 0;
     if (!same_broker_at_once && !suspected) broker_ = (broker_ + 1) % brokers_.size();
     // The whole list is tried without waiting, then there is a pause.
     if (++failures_this_round_ >= brokers_.size()) {
@@ -257,31 +257,31 @@ void MqttClient::Impl::retry(bool same_broker_at_once) {
     });
 }
 
-void MqttClient::Impl::message_received(Message message) {
+void Client::Impl::message_received(Message message) {
     ++counters_.received;
     if (!silent() && handlers_.on_message) handlers_.on_message(message);
 }
 
-void MqttClient::Impl::debug_line(const std::string& line) {
+void Client::Impl::debug_line(const std::string& line) {
     if (!silent() && handlers_.on_debug) handlers_.on_debug(line);
 }
 
-void MqttClient::Impl::subscribe(std::string filter, SubscribeOptions options) {
+void Client::Impl::subscribe(std::string filter, SubscribeOptions options) {
     const auto place = subscriptions_.insert_or_assign(std::move(filter), options).first;
     if (connected()) send_subscription(place->first, options);
 }
 
-void MqttClient::Impl::unsubscribe(const std::string& filter) {
+void Client::Impl::unsubscribe(const std::string& filter) {
     subscriptions_.erase(filter);
     if (connected()) connection_->unsubscribe(filter);
 }
 
-void MqttClient::Impl::send_subscription(const std::string& filter, const SubscribeOptions& options) {
+void Client::Impl::send_subscription(const std::string& filter, const SubscribeOptions& options) {
     int id = 0;
     if (connection_->subscribe(filter, options, id) == MOSQ_ERR_SUCCESS) awaited_subscriptions_[id] = filter;
 }
 
-void MqttClient::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
+void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
     const auto awaited = awaited_subscriptions_.find(id);
     if (awaited == awaited_subscriptions_.end()) return;
     const auto filter = awaited->second;
@@ -292,7 +292,7 @@ void MqttClient::Impl::subscribe_answered(int id, const std::vector<int>& grante
     }
 }
 
-PublishResult MqttClient::Impl::publish(Message message, Priority priority) {
+PublishResult Client::Impl::publish(Message message, Priority priority) {
     if (closed_ || !can_be_published(message)) {
         ++counters_.refused;
         return PublishResult::kRefused;
@@ -307,7 +307,7 @@ PublishResult MqttClient::Impl::publish(Message message, Priority priority) {
 
 /// libmosquitto's own queue has no bound: it is given the next message only when it has written the one
 /// before.
-void MqttClient::Impl::flush() {
+void Client::Impl::flush() {
     while (!outbox_.empty() && connection_ && connection_->ready_to_write() &&
            window_open(outbox_.front().message)) {
         const int error = send(outbox_.pop());
@@ -319,7 +319,7 @@ void MqttClient::Impl::flush() {
     leave_when_sent();
 }
 
-int MqttClient::Impl::send(Outbox::Entry entry) {
+int Client::Impl::send(Outbox::Entry entry) {
     int id = 0;
     const int error = connection_->publish(entry.message, id);
     if (is_connection_error(error)) {
@@ -335,7 +335,7 @@ int MqttClient::Impl::send(Outbox::Entry entry) {
     return error;
 }
 
-void MqttClient::Impl::publish_answered(int id, int reason_code) {
+void Client::Impl::publish_answered(int id, int reason_code) {
     const auto sent = unacknowledged_.find(id);
     if (sent == unacknowledged_.end()) return;  // QoS 0: libmosquitto reports these as well
     const auto topic = std::move(sent->second.entry.message.topic);
@@ -351,13 +351,13 @@ void MqttClient::Impl::publish_answered(int id, int reason_code) {
     leave_when_sent();
 }
 
-void MqttClient::Impl::requeue_unacknowledged() {
+void Client::Impl::requeue_unacknowledged() {
     for (auto& [id, sent] : unacknowledged_)
         outbox_.put_back(std::move(sent.entry));
     unacknowledged_.clear();
 }
 
-void MqttClient::Impl::tick(Time now) {
+void Client::Impl::tick(Time now) {
     if (options_.ack_timeout == Duration::zero()) return;
     for (const auto& [id, sent] : unacknowledged_) {
         if (now - sent.sent < options_.ack_timeout) continue;
@@ -367,7 +367,7 @@ void MqttClient::Impl::tick(Time now) {
     }
 }
 
-void MqttClient::Impl::stop(Duration limit, std::function<void()> done) {
+void Client::Impl::stop(Duration limit, std::function<void()> done) {
     if (stopped_ || closed_) return;
     stopped_ = std::move(done);
     if (!stopped_) stopped_ = [] {};
@@ -391,20 +391,20 @@ void MqttClient::Impl::stop(Duration limit, std::function<void()> done) {
     flush();
 }
 
-void MqttClient::Impl::leave_when_sent() {
+void Client::Impl::leave_when_sent() {
     if (!stopped_ || leaving_ || !connected() || !outbox_.empty() || !unacknowledged_.empty()) return;
     leaving_ = true;
     connection_->goodbye();
 }
 
-void MqttClient::Impl::finish() {
+void Client::Impl::finish() {
     if (closed_) return;
     const auto done = std::move(stopped_);
     close();
     if (done) done();
 }
 
-void MqttClient::Impl::close() {
+void Client::Impl::close() {
     closed_ = true;
     retry_timer_.cancel();
     stop_timer_.cancel();
@@ -413,7 +413,7 @@ void MqttClient::Impl::close() {
     connection_.reset();
 }
 
-MqttCounters MqttClient::Impl::counters() const {
+Counters Client::Impl::counters() const {
     auto counters = counters_;
     counters.dropped_context = outbox_.dropped();
     counters.queued = outbox_.size();
@@ -422,43 +422,43 @@ MqttCounters MqttClient::Impl::counters() const {
     return counters;
 }
 
-MqttClient::MqttClient(asio::io_context& io, MqttOptions options, Handlers handlers)
+Client::Client(asio::io_context& io, Options options, Handlers handlers)
     : impl_(std::make_shared<Impl>(io, std::move(options), std::move(handlers))) {}
-MqttClient::~MqttClient() {
+Client::~Client() {
     impl_->close();
 }
-void MqttClient::start() {
+void Client::start() {
     impl_->start();
 }
-void MqttClient::stop(Duration limit, std::function<void()> done) {
+void Client::stop(Duration limit, std::function<void()> done) {
     impl_->stop(limit, std::move(done));
 }
-void MqttClient::set_will(Message will) {
+void Client::set_will(Message will) {
     impl_->set_will(std::move(will));
 }
-void MqttClient::subscribe(std::string filter, SubscribeOptions options) {
+void Client::subscribe(std::string filter, SubscribeOptions options) {
     impl_->subscribe(std::move(filter), options);
 }
-void MqttClient::unsubscribe(const std::string& filter) {
+void Client::unsubscribe(const std::string& filter) {
     impl_->unsubscribe(filter);
 }
-PublishResult MqttClient::publish(Message message, Priority priority) {
+PublishResult Client::publish(Message message, Priority priority) {
     return impl_->publish(std::move(message), priority);
 }
-void MqttClient::discard_queued(Priority priority) {
+void Client::discard_queued(Priority priority) {
     impl_->discard_queued(priority);
 }
-bool MqttClient::connected() const {
+bool Client::connected() const {
     return impl_->connected();
 }
-bool MqttClient::v5() const {
+bool Client::v5() const {
     return impl_->v5();
 }
-const std::string& MqttClient::client_id() const {
+const std::string& Client::client_id() const {
     return impl_->client_id();
 }
-MqttCounters MqttClient::counters() const {
+Counters Client::counters() const {
     return impl_->counters();
 }
 
-}  // namespace asip::bus
+}  // namespace asip::mqtt

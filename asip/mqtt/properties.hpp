@@ -3,10 +3,10 @@
 
 #include <memory>
 
-#include "asip/bus/message.hpp"
+#include "asip/mqtt/message.hpp"
 
 /// MQTT 5 properties between our messages and libmosquitto.
-namespace asip::bus {
+namespace asip::mqtt {
 
 struct FreeProperties {
     void operator()(mosquitto_property* list) const { mosquitto_property_free_all(&list); }
@@ -24,4 +24,4 @@ inline Properties will_properties(const Message& message) {
 /// Fills in the members of `message` that travel as properties. `list` may be null.
 void read_properties(const mosquitto_property* list, Message& message);
 
-}  // namespace asip::bus
+}  // namespace asip::mqtt

@@ -1,8 +1,8 @@
-#include "asip/bus/outbox.hpp"
+#include "asip/mqtt/outbox.hpp"
 
 #include <gtest/gtest.h>
 
-namespace asip::bus {
+namespace asip::mqtt {
 namespace {
 
 constexpr std::size_t kPlenty = 1000000;
@@ -116,4 +116,4 @@ TEST(Outbox, Discard_RemovesOnePriority) {
 }
 
 }  // namespace
-}  // namespace asip::bus
+}  // namespace asip::mqtt

@@ -5,15 +5,15 @@
 #include <memory>
 #include <string>
 
-#include "asip/bus/message.hpp"
-#include "asip/bus/mqtt_options.hpp"
+#include "asip/mqtt/message.hpp"
+#include "asip/mqtt/options.hpp"
 #include "asip/time.hpp"
 
 namespace boost::asio {
 class io_context;
 }
 
-namespace asip::bus {
+namespace asip::mqtt {
 
 /// Why there is no connection.
 struct ConnectionFailure {
@@ -61,7 +61,7 @@ enum class PublishResult {
     kRefused,  ///< queue full of what may not be dropped, or topic or payload that MQTT cannot carry
 };
 
-struct MqttCounters {
+struct Counters {
     std::uint64_t published = 0;  ///< QoS 0: handed over; QoS 1: acknowledged
     std::uint64_t received = 0;
     std::uint64_t dropped_context = 0;  ///< oldest context values that gave way
@@ -83,7 +83,7 @@ struct MqttCounters {
 /// not destroy the client. Host names are looked up without blocking for plain connections; for TLS the
 /// system's resolver is called by the TLS library's owner, so a slow DNS server delays the loop: give numeric
 /// addresses or a local resolver there.
-class MqttClient {
+class Client {
   public:
     struct Handlers {
         /// Subscriptions have been sent: what is published from here on reaches us, too. Announce and probe
@@ -102,11 +102,11 @@ class MqttClient {
         std::function<void(const std::string& line)> on_debug;
     };
 
-    MqttClient(boost::asio::io_context& io, MqttOptions options, Handlers handlers);
+    Client(boost::asio::io_context& io, Options options, Handlers handlers);
     /// Drops the connection without a goodbye: the broker publishes the will.
-    ~MqttClient();
-    MqttClient(const MqttClient&) = delete;
-    MqttClient& operator=(const MqttClient&) = delete;
+    ~Client();
+    Client(const Client&) = delete;
+    Client& operator=(const Client&) = delete;
 
     /// Begins to connect. Call once.
     void start();
@@ -132,7 +132,7 @@ class MqttClient {
     bool connected() const;
     bool v5() const;
     const std::string& client_id() const;
-    MqttCounters counters() const;
+    Counters counters() const;
 
     class Impl;
 
@@ -140,4 +140,4 @@ class MqttClient {
     std::shared_ptr<Impl> impl_;
 };
 
-}  // namespace asip::bus
+}  // namespace asip::mqtt

@@ -1,17 +1,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/integration/bus/recorder.hpp"
+#include "tests/integration/mqtt/recorder.hpp"
 #include "tests/support/bus_probe.hpp"
 
 namespace asip::test {
 namespace {
 
-using bus::ConnectionFailure;
-using bus::Priority;
+using mqtt::ConnectionFailure;
+using mqtt::Priority;
 using Kind = ConnectionFailure::Kind;
 
-TEST(MqttClient, BrokerRunning_ConnectsWithVersion5) {
+TEST(Client, BrokerRunning_ConnectsWithVersion5) {
     MosquittoBroker broker;
     Recorder bus(options_for(broker));
     ASSERT_TRUE(bus.connect());
@@ -21,7 +21,7 @@ TEST(MqttClient, BrokerRunning_ConnectsWithVersion5) {
     EXPECT_TRUE(bus.failures.empty());
 }
 
-TEST(MqttClient, HostGivenByName_IsLookedUpAndConnects) {
+TEST(Client, HostGivenByName_IsLookedUpAndConnects) {
     MosquittoBroker broker;
     auto options = options_for(broker);
     options.brokers[0].host = "localhost";
@@ -30,7 +30,7 @@ TEST(MqttClient, HostGivenByName_IsLookedUpAndConnects) {
     EXPECT_TRUE(bus.failures.empty());
 }
 
-TEST(MqttClient, PropertiesOnVersion5_ArriveAndReturn) {
+TEST(Client, PropertiesOnVersion5_ArriveAndReturn) {
     MosquittoBroker broker;
     BusProbe probe(broker.port());
     Recorder bus(options_for(broker));
@@ -55,22 +55,22 @@ TEST(MqttClient, PropertiesOnVersion5_ArriveAndReturn) {
     EXPECT_THAT(bus.published, testing::ElementsAre("out"));
 }
 
-TEST(MqttClient, Forced311_ConnectsAndLeavesPropertiesOut) {
+TEST(Client, Forced311_ConnectsAndLeavesPropertiesOut) {
     MosquittoBroker broker;
     BusProbe probe(broker.port());
     auto options = options_for(broker);
-    options.version = bus::MqttVersion::kV311;
+    options.version = mqtt::Version::kV311;
     Recorder bus(options);
     ASSERT_TRUE(bus.connect());
     EXPECT_FALSE(bus.client->v5());
     auto message = make_message("out", "x", 1);
     message.response_topic = "answer";
-    EXPECT_NE(bus.client->publish(message), bus::PublishResult::kRefused);
+    EXPECT_NE(bus.client->publish(message), mqtt::PublishResult::kRefused);
     ASSERT_TRUE(bus.until([&] { return probe.count("out") == 1; }));
     EXPECT_EQ(probe.messages("out").at(0).response_topic, "");
 }
 
-TEST(MqttClient, SubscribedBeforeConnecting_HearsWhatOnConnectedPublishes) {
+TEST(Client, SubscribedBeforeConnecting_HearsWhatOnConnectedPublishes) {
     MosquittoBroker broker;
     Recorder bus(options_for(broker));
     bus.client->subscribe("echo");
@@ -79,7 +79,7 @@ TEST(MqttClient, SubscribedBeforeConnecting_HearsWhatOnConnectedPublishes) {
     EXPECT_TRUE(bus.received("echo", "first"));
 }
 
-TEST(MqttClient, NoLocal_DoesNotHearItself) {
+TEST(Client, NoLocal_DoesNotHearItself) {
     MosquittoBroker broker;
     BusProbe probe(broker.port(), {});
     Recorder bus(options_for(broker));
@@ -92,12 +92,12 @@ TEST(MqttClient, NoLocal_DoesNotHearItself) {
     EXPECT_EQ(bus.messages.size(), 1u);
 }
 
-TEST(MqttClient, RetainedNotWanted_IsNotDeliveredOnVersion5AndMarkedOn311) {
+TEST(Client, RetainedNotWanted_IsNotDeliveredOnVersion5AndMarkedOn311) {
     MosquittoBroker broker;
     BusProbe probe(broker.port());
     probe.publish("t", "old", true);
     ASSERT_TRUE(probe.wait_for("t", "old"));
-    const auto first_heard = [&](bus::MqttVersion version) {
+    const auto first_heard = [&](mqtt::Version version) {
         auto options = options_for(broker);
         options.version = version;
         Recorder bus(options);
@@ -107,13 +107,13 @@ TEST(MqttClient, RetainedNotWanted_IsNotDeliveredOnVersion5AndMarkedOn311) {
         EXPECT_TRUE(bus.received("t", "new"));
         return bus.messages.at(0);
     };
-    EXPECT_EQ(first_heard(bus::MqttVersion::kV5).payload, "new");
-    const auto replayed = first_heard(bus::MqttVersion::kV311);
+    EXPECT_EQ(first_heard(mqtt::Version::kV5).payload, "new");
+    const auto replayed = first_heard(mqtt::Version::kV311);
     EXPECT_EQ(replayed.payload, "old");
     EXPECT_TRUE(replayed.retain);
 }
 
-TEST(MqttClient, RetainedWithExpiry_IsForgottenByTheBroker) {
+TEST(Client, RetainedWithExpiry_IsForgottenByTheBroker) {
     MosquittoBroker broker;
     Recorder bus(options_for(broker));
     ASSERT_TRUE(bus.connect());
@@ -128,7 +128,7 @@ TEST(MqttClient, RetainedWithExpiry_IsForgottenByTheBroker) {
     }));
 }
 
-TEST(MqttClient, Destroyed_BrokerPublishesTheWill) {
+TEST(Client, Destroyed_BrokerPublishesTheWill) {
     MosquittoBroker broker;
     BusProbe probe(broker.port());
     auto options = options_for(broker);
@@ -140,7 +140,7 @@ TEST(MqttClient, Destroyed_BrokerPublishesTheWill) {
     EXPECT_TRUE(probe.wait_for("asip/servicebus/uno1/$state", "lost"));
 }
 
-TEST(MqttClient, Stopped_SendsWhatIsQueuedAndNoWill) {
+TEST(Client, Stopped_SendsWhatIsQueuedAndNoWill) {
     MosquittoBroker broker;
     BusProbe probe(broker.port());
     auto options = options_for(broker);
@@ -159,7 +159,7 @@ TEST(MqttClient, Stopped_SendsWhatIsQueuedAndNoWill) {
     EXPECT_EQ(probe.last("state"), "offline");
 }
 
-TEST(MqttClient, StoppedInsideItsOwnHandler_Ends) {
+TEST(Client, StoppedInsideItsOwnHandler_Ends) {
     MosquittoBroker broker;
     Recorder bus(options_for(broker));
     bool stopped = false;
@@ -168,8 +168,8 @@ TEST(MqttClient, StoppedInsideItsOwnHandler_Ends) {
     EXPECT_TRUE(bus.until([&] { return stopped; }));
 }
 
-TEST(MqttClient, StoppedWithoutConnection_EndsAtOnce) {
-    bus::MqttOptions options;
+TEST(Client, StoppedWithoutConnection_EndsAtOnce) {
+    mqtt::Options options;
     options.brokers = {{"127.0.0.1", free_port(), false}};
     Recorder bus(options);
     bus.client->start();
@@ -179,7 +179,7 @@ TEST(MqttClient, StoppedWithoutConnection_EndsAtOnce) {
     EXPECT_TRUE(bus.until([&] { return stopped; }, 1s));
 }
 
-TEST(MqttClient, StoppedWhileTheBrokerHangs_EndsWithinTheLimit) {
+TEST(Client, StoppedWhileTheBrokerHangs_EndsWithinTheLimit) {
     MosquittoBroker broker;
     Recorder bus(options_for(broker));
     ASSERT_TRUE(bus.connect());
@@ -192,7 +192,7 @@ TEST(MqttClient, StoppedWhileTheBrokerHangs_EndsWithinTheLimit) {
     EXPECT_LT(std::chrono::steady_clock::now() - begin, 2s);
 }
 
-TEST(MqttClient, NothingListens_ReportsUnreachableAndConnectsWhenItDoes) {
+TEST(Client, NothingListens_ReportsUnreachableAndConnectsWhenItDoes) {
     MosquittoBroker broker;
     broker.stop();
     Recorder bus(options_for(broker));
@@ -204,7 +204,7 @@ TEST(MqttClient, NothingListens_ReportsUnreachableAndConnectsWhenItDoes) {
     EXPECT_TRUE(bus.until([&] { return bus.client->connected(); }, 4s));
 }
 
-TEST(MqttClient, BrokerKilledAndBack_ReconnectsSubscribesAndLosesNoQos1) {
+TEST(Client, BrokerKilledAndBack_ReconnectsSubscribesAndLosesNoQos1) {
     MosquittoBroker broker;
     Recorder bus(options_for(broker));
     bus.client->subscribe("commands");
@@ -223,7 +223,7 @@ TEST(MqttClient, BrokerKilledAndBack_ReconnectsSubscribesAndLosesNoQos1) {
     EXPECT_TRUE(bus.client->v5());
 }
 
-TEST(MqttClient, BrokerFrozen_IsReportedAsStalledAndTheNewestStateArrivesAfterwards) {
+TEST(Client, BrokerFrozen_IsReportedAsStalledAndTheNewestStateArrivesAfterwards) {
     MosquittoBroker broker;
     BusProbe probe(broker.port());
     auto options = options_for(broker);
@@ -243,20 +243,20 @@ TEST(MqttClient, BrokerFrozen_IsReportedAsStalledAndTheNewestStateArrivesAfterwa
     EXPECT_TRUE(bus.until([&] { return probe.last("state") == "2"; }));
 }
 
-TEST(MqttClient, FirstBrokerOfTheListDead_UsesTheNext) {
+TEST(Client, FirstBrokerOfTheListDead_UsesTheNext) {
     MosquittoBroker broker;
     auto options = options_for(broker);
-    options.brokers.insert(options.brokers.begin(), bus::BrokerAddress{"127.0.0.1", free_port(), false});
+    options.brokers.insert(options.brokers.begin(), mqtt::BrokerAddress{"127.0.0.1", free_port(), false});
     Recorder bus(options);
     ASSERT_TRUE(bus.connect());
     EXPECT_EQ(bus.connects[0].broker.port, broker.port());
     EXPECT_EQ(bus.failures.size(), 1u);
 }
 
-TEST(MqttClient, BrokerOfTheListDies_MovesToTheOther) {
+TEST(Client, BrokerOfTheListDies_MovesToTheOther) {
     MosquittoBroker first, second;
     auto options = options_for(first);
-    options.brokers.push_back(*bus::parse_broker(second.url()));
+    options.brokers.push_back(*mqtt::parse_broker(second.url()));
     Recorder bus(options);
     ASSERT_TRUE(bus.connect());
     first.kill();
@@ -264,7 +264,7 @@ TEST(MqttClient, BrokerOfTheListDies_MovesToTheOther) {
     EXPECT_EQ(bus.connects[1].broker.port, second.port());
 }
 
-TEST(MqttClient, FloodWhileTheBrokerHangs_DropsOldestContextAndKeepsReplies) {
+TEST(Client, FloodWhileTheBrokerHangs_DropsOldestContextAndKeepsReplies) {
     MosquittoBroker broker;
     auto options = options_for(broker);
     options.max_queued_messages = 100;
@@ -287,9 +287,9 @@ TEST(MqttClient, FloodWhileTheBrokerHangs_DropsOldestContextAndKeepsReplies) {
     EXPECT_TRUE(probe.wait_for("context", std::to_string(kFlood - 1) + big));
 }
 
-TEST(MqttClient, WrongPassword_IsFatalAndSaysSo) {
+TEST(Client, WrongPassword_IsFatalAndSaysSo) {
     MosquittoBroker broker({.users = {{"ada", "right"}}});
-    for (const auto version : {bus::MqttVersion::kBest, bus::MqttVersion::kV311}) {
+    for (const auto version : {mqtt::Version::kBest, mqtt::Version::kV311}) {
         auto options = options_for(broker);
         options.user = "ada";
         options.password = "wrong";
@@ -303,7 +303,7 @@ TEST(MqttClient, WrongPassword_IsFatalAndSaysSo) {
     }
 }
 
-TEST(MqttClient, RightPassword_Connects) {
+TEST(Client, RightPassword_Connects) {
     MosquittoBroker broker({.users = {{"ada", "right"}}});
     auto options = options_for(broker);
     options.user = "ada";
@@ -312,13 +312,13 @@ TEST(MqttClient, RightPassword_Connects) {
     EXPECT_TRUE(bus.connect());
 }
 
-TEST(MqttClient, TopicWithWildcardOrZero_IsRefused) {
+TEST(Client, TopicWithWildcardOrZero_IsRefused) {
     MosquittoBroker broker;
     Recorder bus(options_for(broker));
     ASSERT_TRUE(bus.connect());
     for (const auto& topic : {std::string("a/+"), std::string("#"), std::string(), std::string("a\0b", 3),
                               std::string("\xff\xfe")}) {
-        EXPECT_EQ(bus.client->publish(make_message(topic, "x")), bus::PublishResult::kRefused);
+        EXPECT_EQ(bus.client->publish(make_message(topic, "x")), mqtt::PublishResult::kRefused);
     }
     EXPECT_EQ(bus.client->counters().refused, 5u);
     BusProbe probe(broker.port());
@@ -326,7 +326,7 @@ TEST(MqttClient, TopicWithWildcardOrZero_IsRefused) {
     EXPECT_TRUE(bus.until([&] { return probe.count("good") == 1; }));
 }
 
-TEST(MqttClient, MegabyteAndThousandsInbound_AllArriveInOrder) {
+TEST(Client, MegabyteAndThousandsInbound_AllArriveInOrder) {
     MosquittoBroker broker;
     BusProbe probe(broker.port(), {});
     Recorder bus(options_for(broker));

@@ -1,10 +1,10 @@
-#include "asip/bus/mqtt_properties.hpp"
+#include "asip/mqtt/properties.hpp"
 
 #include <mqtt_protocol.h>
 
 #include <cstdlib>
 
-namespace asip::bus {
+namespace asip::mqtt {
 namespace {
 
 std::string take(char* text) {
@@ -65,4 +65,4 @@ void read_properties(const mosquitto_property* list, Message& message) {
     read_user_properties(list, message);
 }
 
-}  // namespace asip::bus
+}  // namespace asip::mqtt

@@ -6,9 +6,9 @@
 #include <string>
 #include <unordered_map>
 
-#include "asip/bus/message.hpp"
+#include "asip/mqtt/message.hpp"
 
-namespace asip::bus {
+namespace asip::mqtt {
 
 /// What waits to be published: bounded, in order, dropping what matters least.
 ///
@@ -72,4 +72,4 @@ class Outbox {
     std::uint64_t dropped_ = 0;
 };
 
-}  // namespace asip::bus
+}  // namespace asip::mqtt

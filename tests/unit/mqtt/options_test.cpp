@@ -1,8 +1,8 @@
-#include "asip/bus/mqtt_options.hpp"
+#include "asip/mqtt/options.hpp"
 
 #include <gtest/gtest.h>
 
-namespace asip::bus {
+namespace asip::mqtt {
 namespace {
 
 TEST(ParseBroker, EachForm_IsRead) {
@@ -34,4 +34,4 @@ TEST(ParseBroker, Malformed_SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace asip::bus
+}  // namespace asip::mqtt
