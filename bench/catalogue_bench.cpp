@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "asip/text/wall_time.hpp"
 #include "bench/catalogue_load.hpp"
 #include "registry/catalogue/catalogue.hpp"
 #include "registry/catalogue/lease_wheel.hpp"
@@ -120,7 +121,7 @@ void queries() {
     bus::Query query;
     query.find = bus::Find::kServices;
     query.state = {"online"};
-    const Instant instant{now, bus::WallTime{}};
+    const Instant instant{now, text::WallTime{}};
     static_cast<void>(catalogue.find(query, instant));
     for (int i = 0; i < 20'000; ++i) {
         toggle(random() % kBoards, random() % 2 == 0 ? "offline" : "online");

@@ -10,11 +10,11 @@
 #include <set>
 
 #include "asip/program/options.hpp"
+#include "asip/text/duration.hpp"
 #include "cli/command.hpp"
 #include "cli/commands/completion.hpp"
 #include "cli/context.hpp"
 #include "cli/terminal.hpp"
-#include "cli/text/duration.hpp"
 
 namespace asip::cli {
 namespace {
@@ -58,7 +58,7 @@ Outcome<void> apply(const CommonOptions& options, Context& context) {
     if (!mqtt) return failure(program::kExitUsage, mqtt.error());
     context.mqtt = std::move(*mqtt);
     context.topics = bus::Topics(options.broker.topic_root);
-    const auto timeout = parse_duration(options.timeout);
+    const auto timeout = text::parse_duration(options.timeout);
     if (!timeout) return failure(program::kExitUsage, "--timeout: " + timeout.error());
     context.timeout = *timeout;
     context.mqtt.connect_timeout = *timeout;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "asip/program/nearest.hpp"
+#include "asip/text/nearest.hpp"
 
 namespace asip::cli {
 
@@ -254,10 +254,10 @@ std::vector<std::string> BoardSource::names() {
 
 Outcome<KnownBoard> BoardSource::unknown(const std::string& name) {
     const auto all = names();
-    auto text = "no board '" + name + "' on this bus" + program::did_you_mean(name, all);
+    auto text = "no board '" + name + "' on this bus" + text::did_you_mean(name, all);
     if (all.empty()) {
         text += "; there is no board at all: is its asip-agent running?";
-    } else if (program::did_you_mean(name, all).empty()) {
+    } else if (text::did_you_mean(name, all).empty()) {
         text += "; see asipctl list";
     }
     return failure(program::kExitNoAnswer, std::move(text));

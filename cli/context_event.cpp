@@ -8,10 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/model/json.hpp"
-#include "asip/program/nearest.hpp"
 #include "asip/protocol/body.hpp"
+#include "asip/text/duration.hpp"
+#include "asip/text/nearest.hpp"
+#include "asip/text/wall_time.hpp"
 #include "cli/bus_session.hpp"
-#include "cli/text/duration.hpp"
 #include "cli/text/table.hpp"
 #include "cli/text/width.hpp"
 
@@ -60,7 +61,7 @@ std::string data_at(const std::string& payload, std::string_view path) {
 }
 
 std::string age_text(const ContextEvent& event) {
-    return event.age ? "+" + duration_text(*event.age) : event.retained ? "retained" : "first";
+    return event.age ? "+" + text::duration_text(*event.age) : event.retained ? "retained" : "first";
 }
 
 }  // namespace
@@ -118,7 +119,7 @@ std::vector<std::string> context_filters(const bus::Topics& topics, const std::v
 
 std::string event_text(const ContextEvent& event, bool with_time, bool with_age, bool colour) {
     std::string text;
-    if (with_time) text += painted(iso_time(event.time), Colour::kDim, colour) + "  ";
+    if (with_time) text += painted(text::iso_time(event.time), Colour::kDim, colour) + "  ";
     text += painted(event.where(), Colour::kCyan, colour) + "  ";
     if (with_age) text += painted(fmt::format("{:>8}", age_text(event)), Colour::kDim, colour) + "  ";
     const bool error = event.kind == ContextEvent::Kind::kError;
@@ -127,7 +128,7 @@ std::string event_text(const ContextEvent& event, bool with_time, bool with_age,
 }
 
 std::string event_json(const ContextEvent& event) {
-    nlohmann::json object{{"time", iso_time(event.time)}, {"board", event.board}};
+    nlohmann::json object{{"time", text::iso_time(event.time)}, {"board", event.board}};
     if (!event.service.empty()) object["service"] = event.service;
     auto payload = event.kind == ContextEvent::Kind::kRaw ? tl::unexpected<std::string>("")
                                                           : model::parse_json(event.payload);
@@ -139,7 +140,7 @@ std::string event_json(const ContextEvent& event) {
 }
 
 std::string event_value(const ContextEvent& event, std::string_view name) {
-    if (name == "time") return iso_time(event.time);
+    if (name == "time") return text::iso_time(event.time);
     if (name == "board") return event.board;
     if (name == "service") return event.service;
     if (name == "where") return event.where();
@@ -160,7 +161,7 @@ Expected<void> check_event_template(const LineTemplate& line) {
         std::string all;
         for (const auto& one : known)
             all += one + ", ";
-        return fail("format: no {" + name + "}" + program::did_you_mean(name, known) + "; there are " + all +
+        return fail("format: no {" + name + "}" + text::did_you_mean(name, known) + "; there are " + all +
                     "data.PATH");
     }
     return {};

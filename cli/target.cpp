@@ -4,7 +4,7 @@
 
 #include "asip/bus/query.hpp"
 #include "asip/model/names.hpp"
-#include "asip/program/nearest.hpp"
+#include "asip/text/nearest.hpp"
 
 namespace asip::cli {
 namespace {
@@ -73,7 +73,7 @@ Outcome<model::ServiceInfo> find_service(const KnownBoard& board, const std::str
     for (const auto& one : names)
         all += (all.empty() ? "" : ", ") + one;
     return failure(program::kExitFailure, board.item.board + " has no service '" + name + "'" +
-                                              program::did_you_mean(name, names) + "; it has " +
+                                              text::did_you_mean(name, names) + "; it has " +
                                               (all.empty() ? "none" : all));
 }
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "asip/text/duration.hpp"
 #include "cli/commands/list.hpp"
-#include "cli/text/duration.hpp"
 
 namespace asip::cli {
 namespace {
@@ -14,7 +14,7 @@ Cell age_cell(const std::optional<Time>& last, const std::optional<int>& period,
     if (!last) return Cell("-", Colour::kDim);
     const auto age = now - *last;
     const bool stale = period && *period > 0 && age > std::chrono::milliseconds(3 * *period);
-    return Cell(duration_text(age), stale ? Colour::kRed : Colour::kNone);
+    return Cell(text::duration_text(age), stale ? Colour::kRed : Colour::kNone);
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ Table TopModel::table(Time now) {
     for (auto& [name, board] : boards_) {
         bool first = true;
         const auto trip = !board.round_trip   ? Cell("")
-                          : *board.round_trip ? Cell(duration_text(**board.round_trip))
+                          : *board.round_trip ? Cell(text::duration_text(**board.round_trip))
                                               : Cell("none", Colour::kRed);
         if (board.services.empty()) table.add({name, Cell(board.state, state_colour(board.state)), trip});
         for (auto& [service_name, service] : board.services) {

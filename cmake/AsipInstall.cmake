@@ -3,7 +3,7 @@
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
-set(layers protocol model session mqtt bus link client)
+set(layers text protocol model session mqtt bus link client)
 foreach(layer ${layers} options asio)
   set_target_properties(asip_${layer} PROPERTIES EXPORT_NAME ${layer})
 endforeach()

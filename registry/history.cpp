@@ -1,4 +1,5 @@
 #include "registry/history.hpp"
+#include "asip/text/wall_time.hpp"
 
 #include <sqlite3.h>
 
@@ -9,7 +10,7 @@
 namespace asip::registry {
 namespace {
 
-using bus::WallTime;
+using text::WallTime;
 
 constexpr std::size_t kBatch = 10'000;
 constexpr Duration kWriteInterval = std::chrono::seconds(1);
@@ -237,7 +238,7 @@ class History::Impl {
 
 History::History(Options options) : impl_(std::make_unique<Impl>(std::move(options))) {}
 History::~History() = default;
-void History::add(const Event& event, bus::WallTime at) {
+void History::add(const Event& event, text::WallTime at) {
     impl_->add(event, at);
 }
 void History::tick(Time now) {

@@ -4,6 +4,7 @@
 
 #include "asip/bus/query.hpp"
 #include "asip/expected.hpp"
+#include "asip/text/wall_time.hpp"
 #include "asip/time.hpp"
 #include "registry/catalogue/catalogue.hpp"
 
@@ -26,7 +27,7 @@ class History {
     History(const History&) = delete;
     History& operator=(const History&) = delete;
 
-    void add(const Event& event, bus::WallTime at);
+    void add(const Event& event, text::WallTime at);
     /// Call now and then: writes what waits, and drops what is too old or too much.
     void tick(Time now);
 
@@ -35,8 +36,8 @@ class History {
     Expected<bus::Answer> find(const bus::Query& query);
 
     struct Seen {
-        bus::WallTime first{};
-        bus::WallTime last{};
+        text::WallTime first{};
+        text::WallTime last{};
     };
     /// When a board was first known, and when something last changed, over all runs of the registry.
     std::optional<Seen> seen(const std::string& board);

@@ -9,6 +9,7 @@
 #include "asip/model/names.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/options.hpp"
+#include "asip/text/duration.hpp"
 
 namespace asip::registry {
 namespace {
@@ -89,21 +90,11 @@ bool split(const std::string& text, std::uint64_t& number, std::string& unit) {
 
 }  // namespace
 
-Expected<Duration> parse_duration(const std::string& text) {
-    std::uint64_t number = 0;
-    std::string unit;
-    const auto wrong = fail("\"" + text + "\" is no time; write for example 90s, 15m, 12h or 7d");
-    if (!split(text, number, unit)) return wrong;
-    std::uint64_t seconds = 0;
-    if (unit.empty() || unit == "s") seconds = 1;
-    if (unit == "m") seconds = 60;
-    if (unit == "h") seconds = 3600;
-    if (unit == "d") seconds = 86400;
-    constexpr std::uint64_t kMostSeconds = 100ull * 366 * 86400;
-    if (seconds == 0) return wrong;
-    if (number == 0 || number > kMostSeconds / seconds)
-        return fail("\"" + text + "\" is outside 1 second to 100 years");
-    return std::chrono::seconds(number * seconds);
+Expected<Duration> parse_period(const std::string& text) {
+    const auto period = text::parse_duration(text);
+    if (!period) return Unexpected<std::string>(period.error());
+    if (*period < std::chrono::seconds(1)) return fail("'" + text + "' is less than a second");
+    return *period;
 }
 
 Expected<std::size_t> parse_size(const std::string& text) {
@@ -135,9 +126,9 @@ Expected<RegistryOptions, int> read_options(int argc, const char* const* argv) {
 
     const Unexpected<int> usage(program::kExitUsage);
     RegistryOptions options;
-    if (!convert("--forget-after", raw.forget_after, parse_duration, options.forget_after) ||
-        !convert("--stats-interval", raw.stats_interval, parse_duration, options.stats_interval) ||
-        !convert("--history-age", raw.history_age, parse_duration, options.history_age) ||
+    if (!convert("--forget-after", raw.forget_after, parse_period, options.forget_after) ||
+        !convert("--stats-interval", raw.stats_interval, parse_period, options.stats_interval) ||
+        !convert("--history-age", raw.history_age, parse_period, options.history_age) ||
         !convert("--history-size", raw.history_size, parse_size, options.history_bytes)) {
         return usage;
     }

@@ -25,8 +25,8 @@ struct RegistryOptions {
 /// there was to say has been printed.
 Expected<RegistryOptions, int> read_options(int argc, const char* const* argv);
 
-/// "90", "90s", "15m", "12h", "7d"
-Expected<Duration> parse_duration(const std::string& text);
+/// A duration of at least a second: "90", "90s", "15m", "12h", "7d".
+Expected<Duration> parse_period(const std::string& text);
 /// "1048576", "512k", "256M", "2G"
 Expected<std::size_t> parse_size(const std::string& text);
 

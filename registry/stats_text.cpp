@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/model/json.hpp"
+#include "asip/text/wall_time.hpp"
 
 namespace asip::registry {
 
@@ -28,7 +29,7 @@ std::string stats_text(const CatalogueStats& stats,
     const json document{{"version", input.version},
                         {"epoch", input.epoch},
                         {"seq", input.seq},
-                        {"at", bus::format_time(input.at)},
+                        {"at", text::iso_time(input.at)},
                         {"uptime", std::round(input.uptime_seconds)},
                         {"boards", std::move(boards)},
                         {"services", std::move(kinds)},

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "asip/bus/query.hpp"
+#include "asip/text/wall_time.hpp"
 #include "registry/catalogue/catalogue.hpp"
 
 namespace asip::registry {
@@ -14,7 +15,7 @@ struct StatsInput {
     std::string version;
     std::string epoch;
     std::uint64_t seq = 0;
-    bus::WallTime at{};
+    text::WallTime at{};
     double uptime_seconds = 0;
     std::uint64_t connections = 0;
     std::uint64_t messages = 0;

@@ -39,8 +39,8 @@ bool flag_of(const json& object, const char* key) {
     const auto found = object.find(key);
     return found != object.end() && found->is_boolean() && found->get<bool>();
 }
-WallTime time_of(const json& object, const char* key) {
-    return parse_time(text_of(object, key)).value_or(WallTime{});
+text::WallTime time_of(const json& object, const char* key) {
+    return text::parse_iso_time(text_of(object, key)).value_or(text::WallTime{});
 }
 std::optional<int> int_of(const json& object, const char* key) {
     const auto found = object.find(key);
@@ -53,8 +53,8 @@ std::optional<int> int_of(const json& object, const char* key) {
 void put(json& object, const char* key, const std::string& value) {
     if (!value.empty()) object[key] = value;
 }
-void put(json& object, const char* key, WallTime value) {
-    if (value != WallTime{}) object[key] = format_time(value);
+void put(json& object, const char* key, text::WallTime value) {
+    if (value != text::WallTime{}) object[key] = text::iso_time(value);
 }
 
 // Strict readers for requests: what is there must be right.
@@ -243,52 +243,7 @@ std::string encode_brief(json& envelope, const std::vector<BriefBoard>& boards) 
     return text;
 }
 
-int digits(std::string_view text, std::size_t at, std::size_t count) {
-    int value = 0;
-    for (std::size_t i = at; i < at + count; ++i) {
-        if (text[i] < '0' || text[i] > '9') return -1;
-        value = value * 10 + (text[i] - '0');
-    }
-    return value;
-}
-
 }  // namespace
-
-std::string format_time(WallTime time) {
-    const auto day = std::chrono::floor<std::chrono::days>(time);
-    const std::chrono::year_month_day date(day);
-    const std::chrono::hh_mm_ss clock(time - day);
-    char text[64];
-    std::snprintf(text, sizeof text, "%04d-%02u-%02uT%02d:%02d:%02d.%03dZ", static_cast<int>(date.year()),
-                  static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
-                  static_cast<int>(clock.hours().count()), static_cast<int>(clock.minutes().count()),
-                  static_cast<int>(clock.seconds().count()), static_cast<int>(clock.subseconds().count()));
-    return text;
-}
-
-std::optional<WallTime> parse_time(std::string_view text) {
-    if (text.size() != 24 || text[4] != '-' || text[7] != '-' || text[10] != 'T' || text[13] != ':' ||
-        text[16] != ':' || text[19] != '.' || text[23] != 'Z') {
-        return std::nullopt;
-    }
-    const int year = digits(text, 0, 4);
-    const int month = digits(text, 5, 2);
-    const int day = digits(text, 8, 2);
-    const int hour = digits(text, 11, 2);
-    const int minute = digits(text, 14, 2);
-    const int second = digits(text, 17, 2);
-    const int millisecond = digits(text, 20, 3);
-    if (year < 0 || month < 0 || day < 0 || hour < 0 || hour > 23 || minute < 0 || minute > 59 ||
-        second < 0 || second > 60 || millisecond < 0) {
-        return std::nullopt;
-    }
-    const std::chrono::year_month_day date{std::chrono::year(year),
-                                           std::chrono::month(static_cast<unsigned>(month)),
-                                           std::chrono::day(static_cast<unsigned>(day))};
-    if (!date.ok()) return std::nullopt;
-    return WallTime(std::chrono::sys_days(date)) + std::chrono::hours(hour) + std::chrono::minutes(minute) +
-           std::chrono::seconds(second) + std::chrono::milliseconds(millisecond);
-}
 
 std::string encode(const RegistryRequest& request) {
     json object;
@@ -351,7 +306,7 @@ json to_json(const BoardItem& item) {
     if (item.lease > 0) object["lease"] = static_cast<std::int64_t>(item.lease);
     put(object, "first_seen", item.first_seen);
     put(object, "since", item.since);
-    if (item.last_seen != WallTime{}) {
+    if (item.last_seen != text::WallTime{}) {
         put(object, "last_seen", item.last_seen);
         object["age"] = static_cast<double>(static_cast<std::int64_t>(item.age * 1000)) / 1000;
     }

@@ -1,5 +1,4 @@
 #pragma once
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
@@ -11,6 +10,7 @@
 
 #include "asip/bus/brief.hpp"
 #include "asip/expected.hpp"
+#include "asip/text/wall_time.hpp"
 
 /// What is said between a registry and those who ask it: queries, their answers and change events. Pure: JSON
 /// in and out, no connection. A query goes to ROOT/registry/query (any registry) or ROOT/registry/ID/query;
@@ -20,12 +20,6 @@
 /// Board states on this wire are the words of the service bus: "online", "offline", "lost", "sleeping",
 /// "updating". They are effective states: what was said AND the lease not run out.
 namespace asip::bus {
-
-/// Wall-clock time, in UTC on the wire ("2026-03-01T12:00:00.250Z").
-using WallTime = std::chrono::sys_time<std::chrono::milliseconds>;
-
-std::string format_time(WallTime time);
-std::optional<WallTime> parse_time(std::string_view text);
 
 enum class Find { kBoards, kServices, kHistory };
 
@@ -109,9 +103,9 @@ struct BoardItem {
     std::uint64_t seq = 0;
     double lease = 0;  ///< seconds
     double age = 0;    ///< seconds since anything was heard from it, when this was written
-    WallTime first_seen{};
-    WallTime last_seen{};
-    WallTime since{};  ///< when it came into `state`
+    text::WallTime first_seen{};
+    text::WallTime last_seen{};
+    text::WallTime since{};  ///< when it came into `state`
     std::string chip;
     std::string sketch;
     std::string protocol;  ///< "0.4"
@@ -129,7 +123,7 @@ struct BoardItem {
 /// One change of state that a registry with a history has kept.
 struct HistoryItem {
     std::string board;
-    WallTime at{};
+    text::WallTime at{};
     std::string what;    ///< "added", "state", "description", "conflict", "resolved", "forgotten"
     std::string state;   ///< effective state after it
     std::string was;     ///< before it; empty for other than "state"
@@ -181,7 +175,7 @@ struct ChangeEvent {
     std::string registry;
     std::string epoch;
     std::uint64_t seq = 0;
-    WallTime at{};
+    text::WallTime at{};
     BoardItem board;  ///< as it is after the change (without description)
     std::string was;  ///< kState: effective state before
     std::string

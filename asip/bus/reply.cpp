@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/request_envelope.hpp"
+#include "asip/model/json.hpp"
 
 namespace asip::bus {
 namespace {
@@ -84,7 +85,7 @@ std::string to_json_text(const Reply& reply) {
     object["status"] = name_of(reply.status);
     if (!reply.proof.empty()) object["proof"] = reply.proof;
     if (!reply.answer.empty()) {
-        auto answer = json_depth_within(reply.answer, kMaxJsonDepth)
+        auto answer = model::json_depth_within(reply.answer, kMaxJsonDepth)
                           ? json::parse(reply.answer, nullptr, false)
                           : json(json::value_t::discarded);
         object["answer"] = answer.is_discarded() ? json(reply.answer) : std::move(answer);
@@ -96,7 +97,7 @@ std::string to_json_text(const Reply& reply) {
 }
 
 Expected<Reply> parse_reply(std::string_view text) {
-    if (!json_depth_within(text, kMaxJsonDepth + 1)) return fail("reply is nested too deeply");
+    if (!model::json_depth_within(text, kMaxJsonDepth + 1)) return fail("reply is nested too deeply");
     const auto object = json::parse(text, nullptr, false);
     if (!object.is_object()) return fail("reply is not a JSON object");
     const auto status = status_named(text_member(object, "status"));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "asip/model/json.hpp"
+
 namespace asip::bus {
 namespace {
 
@@ -64,7 +66,7 @@ Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request
         envelope.body = request.payload;
         return envelope;
     }
-    if (!json_depth_within(request.payload, kMaxJsonDepth)) {
+    if (!model::json_depth_within(request.payload, kMaxJsonDepth)) {
         return bad(std::move(envelope.reply), "the JSON is nested too deeply");
     }
     auto object = json::parse(request.payload, nullptr, false);
@@ -80,27 +82,6 @@ Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request
     envelope.form = RequestEnvelope::Form::kJson;
     envelope.body = object.dump();
     return envelope;
-}
-
-bool json_depth_within(std::string_view text, int limit) {
-    int depth = 0;
-    bool in_string = false;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const char c = text[i];
-        if (in_string) {
-            if (c == '\\')
-                ++i;
-            else if (c == '"')
-                in_string = false;
-        } else if (c == '"') {
-            in_string = true;
-        } else if (c == '{' || c == '[') {
-            if (++depth > limit) return false;
-        } else if (c == '}' || c == ']') {
-            --depth;
-        }
-    }
-    return true;
 }
 
 }  // namespace asip::bus

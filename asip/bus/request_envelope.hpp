@@ -39,8 +39,4 @@ struct BadRequest {
 /// long. Any bytes may be given; whether the message was retained is the caller's to judge.
 Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request);
 
-/// Whether `text` nests arrays and objects at most `limit` deep; brackets inside strings do not count. Cheap
-/// and without recursion, to be asked before a parser whose value would be walked recursively.
-bool json_depth_within(std::string_view text, int limit);
-
 }  // namespace asip::bus

@@ -2,7 +2,6 @@
 
 #include <boost/asio/post.hpp>
 #include <charconv>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/reply.hpp"
@@ -22,10 +21,9 @@ Expected<mqtt::Options> mqtt_options(const Address& address, const Options& opti
     mqtt.client_id = std::move(client_id);
     mqtt.user = options.user.empty() ? address.user : options.user;
     if (!options.password_file.empty()) {
-        std::ifstream file(options.password_file);
-        if (!std::getline(file, mqtt.password)) {
-            return fail("the password file " + options.password_file + " cannot be read, or is empty");
-        }
+        auto password = mqtt::read_password_file(options.password_file);
+        if (!password) return fail(password.error());
+        mqtt.password = std::move(*password);
     }
     mqtt.ca_file = options.ca;
     mqtt.cert_file = options.certificate;

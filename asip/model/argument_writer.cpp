@@ -11,6 +11,7 @@
 #include "asip/model/names.hpp"
 #include "asip/protocol/body.hpp"
 #include "asip/protocol/limits.hpp"
+#include "asip/text/nearest.hpp"
 
 namespace asip::model {
 namespace {
@@ -74,9 +75,8 @@ std::string wrong_kind(const Field& field, const json& value) {
     std::vector<std::string> names;
     for (const auto& [name, number] : field.names)
         names.push_back(name);
-    const auto near = nearest(value.get_ref<const std::string&>(), names);
-    return shown(value) + " is no integer and no name" +
-           (near.empty() ? "" : "; did you mean \"" + near + "\"?");
+    const auto near = text::nearest(value.get_ref<const std::string&>(), names);
+    return shown(value) + " is no integer and no name" + (!near ? "" : "; did you mean \"" + *near + "\"?");
 }
 
 Text write_number(const Field& field, const json& value, Strictness strictness, const std::string& place) {

@@ -10,6 +10,8 @@
 #include "asip/protocol/body.hpp"
 #include "asip/protocol/limits.hpp"
 #include "asip/protocol/request.hpp"
+#include "asip/text/nearest.hpp"
+#include "asip/text/printable.hpp"
 
 namespace asip::model {
 namespace {
@@ -62,9 +64,9 @@ Unexpected<std::string> unknown_command(const ServiceModel& model, std::string_v
         names.push_back(command.name);
         all += (all.empty() ? "" : ", ") + command.name;
     }
-    const auto shown = printable(name, kMaxNameBytes);
-    const auto near = nearest(shown, names);
-    if (!near.empty()) return fail("no command '" + shown + "'; did you mean '" + near + "'?");
+    const auto shown = text::printable(name, kMaxNameBytes);
+    const auto near = text::nearest(shown, names);
+    if (near) return fail("no command '" + shown + "'; did you mean '" + *near + "'?");
     if (all.empty()) return fail("no command '" + shown + "'; " + model.name + " takes none");
     return fail("no command '" + shown + "'; " + model.name + " has " + all);
 }
@@ -87,10 +89,10 @@ Expected<json> order_members(const CommandModel& command, const json& members) {
         names.push_back(argument->name);
     for (auto it = members.begin(); it != members.end(); ++it) {
         if (std::find(names.begin(), names.end(), it.key()) != names.end()) continue;
-        const auto shown = printable(it.key(), kMaxNameBytes);
-        const auto near = nearest(shown, names);
+        const auto shown = text::printable(it.key(), kMaxNameBytes);
+        const auto near = text::nearest(shown, names);
         return fail(command.name + " has no argument '" + shown + "'" +
-                    (near.empty() ? "" : "; did you mean '" + near + "'?"));
+                    (!near ? "" : "; did you mean '" + *near + "'?"));
     }
     json values = json::array();
     for (const auto& name : names) {
@@ -175,8 +177,8 @@ Expected<EncodedCommand> encode_json_command(const ServiceModel& model, const nl
     for (auto it = command.begin(); it != command.end(); ++it) {
         if (it.key() == "id" || it.key() == "reply_to") continue;
         if (name != nullptr)
-            return fail("one command at a time: '" + printable(*name, kMaxNameBytes) + "' or '" +
-                        printable(it.key(), kMaxNameBytes) + "'");
+            return fail("one command at a time: '" + text::printable(*name, kMaxNameBytes) + "' or '" +
+                        text::printable(it.key(), kMaxNameBytes) + "'");
         name = &it.key();
         given = &it.value();
     }

@@ -6,6 +6,7 @@
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
 #include "asip/protocol/limits.hpp"
+#include "asip/text/printable.hpp"
 
 namespace asip::model {
 namespace {
@@ -114,7 +115,7 @@ class Reader {
             set_fault(place + "/" + key, "is longer than 256 bytes");
             return {};
         }
-        if (!is_showable(text)) set_fault(place + "/" + key, "holds control characters");
+        if (!text::is_showable(text)) set_fault(place + "/" + key, "holds control characters");
         return text;
     }
 

@@ -3,11 +3,7 @@
 #include <nlohmann/json.hpp>
 
 namespace asip::model {
-namespace {
-
-/// Whether brackets outside strings nest deeper than the limit. Exact for JSON; what is no JSON the parser
-/// refuses.
-bool nests_deeper(std::string_view text, int max_depth) {
+bool json_depth_within(std::string_view text, int limit) {
     int depth = 0;
     bool in_string = false;
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -18,22 +14,20 @@ bool nests_deeper(std::string_view text, int max_depth) {
         } else if (c == '"') {
             in_string = true;
         } else if (c == '[' || c == '{') {
-            if (++depth > max_depth) return true;
+            if (++depth > limit) return false;
         } else if (c == ']' || c == '}') {
             --depth;
         }
     }
-    return false;
+    return true;
 }
-
-}  // namespace
 
 Expected<nlohmann::json> parse_json(std::string_view text, JsonLimits limits) {
     if (text.size() > limits.max_bytes) {
         return fail("JSON is " + std::to_string(text.size()) + " bytes long, above " +
                     std::to_string(limits.max_bytes));
     }
-    if (nests_deeper(text, limits.max_depth)) {
+    if (!json_depth_within(text, limits.max_depth)) {
         return fail("JSON nests deeper than " + std::to_string(limits.max_depth));
     }
     auto value = nlohmann::json::parse(text.begin(), text.end(), nullptr, false);

@@ -13,6 +13,10 @@ struct JsonLimits {
     int max_depth = 16;
 };
 
+/// Whether `text` nests arrays and objects at most `limit` deep; brackets inside strings do not count. Cheap
+/// and without recursion: to be asked before a parser whose value would be walked recursively.
+bool json_depth_within(std::string_view text, int limit);
+
 /// Parses text that anyone may have written. Never throws and never recurses deeper than the limit; fails
 /// with a reason when the text is too long, too deep, or no JSON (strings must be UTF-8). Duplicate keys: the
 /// last one counts.

@@ -7,6 +7,7 @@
 #include "asip/model/embedded.hpp"
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
+#include "asip/text/printable.hpp"
 
 namespace asip::model {
 namespace {
@@ -37,7 +38,7 @@ class Checker {
 };
 
 Unexpected<std::string> fault(const std::string& place, const std::string& reason) {
-    return fail((place.empty() ? "/" : printable(place, 256)) + ": " + reason);
+    return fail((place.empty() ? "/" : text::printable(place, 256)) + ": " + reason);
 }
 
 std::string shown(const json& value) {

@@ -6,6 +6,7 @@
 #include "asip/model/names.hpp"
 #include "asip/model/schema.hpp"
 #include "asip/model/service_model.hpp"
+#include "asip/text/printable.hpp"
 
 namespace asip::model {
 namespace {
@@ -148,7 +149,7 @@ std::string model_fault(const ServiceModel& model) {
 
 /// The place of the first text that is not fit to be shown; examples are not shown and may hold anything.
 std::string unshowable_place(const json& value, const std::string& place) {
-    if (value.is_string() && !is_showable(value.get_ref<const std::string&>())) return place;
+    if (value.is_string() && !text::is_showable(value.get_ref<const std::string&>())) return place;
     if (!value.is_structured()) return {};
     for (const auto& [key, inner] : value.items()) {
         if (place.empty() && key == "examples") continue;

@@ -1,6 +1,7 @@
 #include "asip/mqtt/options.hpp"
 
 #include <charconv>
+#include <fstream>
 
 namespace asip::mqtt {
 namespace {
@@ -64,6 +65,15 @@ Expected<BrokerAddress> parse_broker(std::string_view text) {
         address.port = *number;
     }
     return address;
+}
+
+Expected<std::string> read_password_file(const std::string& path) {
+    std::ifstream file(path);
+    std::string password;
+    if (!std::getline(file, password))
+        return fail("the password file " + path + " cannot be read, or is empty");
+    if (password.ends_with('\r')) password.pop_back();
+    return password;
 }
 
 }  // namespace asip::mqtt

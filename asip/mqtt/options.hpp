@@ -63,4 +63,8 @@ struct Options {
     Random random;  ///< empty: system_random()
 };
 
+/// The first line of a file, without its line end: where passwords are kept. Error: the file cannot be read,
+/// or is empty.
+Expected<std::string> read_password_file(const std::string& path);
+
 }  // namespace asip::mqtt

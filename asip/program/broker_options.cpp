@@ -13,15 +13,6 @@ namespace asip::program {
 
 namespace {
 
-Expected<std::string> read_password(const BrokerOptions& options) {
-    if (options.password_file.empty()) return options.password;
-    std::ifstream file(options.password_file);
-    std::string password;
-    if (!std::getline(file, password)) return fail("cannot read a password from " + options.password_file);
-    if (password.ends_with('\r')) password.pop_back();
-    return password;
-}
-
 Expected<void> check_tls_files(const BrokerOptions& options) {
     for (const auto& path : {options.ca, options.cert, options.key}) {
         if (!path.empty() && !std::ifstream(path)) return fail("cannot read " + path);
@@ -99,11 +90,14 @@ Expected<mqtt::Options> mqtt_options(const BrokerOptions& options, std::string_v
         return fail("--topic-root \"" + options.topic_root +
                     "\": levels joined by /, without wildcards, spaces at most inside, not beginning with $");
     }
-    auto password = read_password(options);
-    if (!password) return fail(password.error());
+    made.password = options.password;
+    if (!options.password_file.empty()) {
+        auto password = mqtt::read_password_file(options.password_file);
+        if (!password) return fail(password.error());
+        made.password = std::move(*password);
+    }
     if (const auto files = check_tls_files(options); !files) return fail(files.error());
     made.user = options.user;
-    made.password = *password;
     if (made.user.empty() && !made.password.empty()) return fail("a password needs a --user");
     made.ca_file = options.ca;
     made.cert_file = options.cert;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "asip/program/nearest.hpp"
+#include "asip/text/nearest.hpp"
 
 namespace asip::program {
 namespace {
@@ -157,11 +157,12 @@ std::optional<std::string> unknown_word(const CLI::App& app, const std::vector<s
     for (std::size_t i = 0; i < words.size(); ++i) {
         if (read[i].kind == Kind::kUnknownOption) {
             const auto name = name_part(words[i]);
-            return "there is no option \"" + name + "\"" + did_you_mean(name, option_names(read[i].app));
+            return "there is no option \"" + name + "\"" +
+                   text::did_you_mean(name, option_names(read[i].app));
         }
         if (read[i].kind == Kind::kUnknownSubcommand) {
             const auto names = subcommand_names(read[i].app);
-            const auto near = did_you_mean(words[i], names);
+            const auto near = text::did_you_mean(words[i], names);
             return "there is no command \"" + words[i] + "\"" +
                    (near.empty() ? "; there are " + joined(names, ", ") : near);
         }
@@ -173,7 +174,7 @@ CLI::Option* one_of(CLI::Option* option, std::vector<std::string> words) {
     option->type_name(joined(words, "|"));
     return option->check([words = std::move(words)](const std::string& word) {
         if (std::find(words.begin(), words.end(), word) != words.end()) return std::string();
-        return "\"" + word + "\" is none of " + joined(words, ", ") + did_you_mean(word, words);
+        return "\"" + word + "\" is none of " + joined(words, ", ") + text::did_you_mean(word, words);
     });
 }
 

@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <nlohmann/json.hpp>
+
+#include "asip/text/printable.hpp"
+#include "asip/text/wall_time.hpp"
 
 namespace asip::program::log {
 namespace {
@@ -26,34 +27,14 @@ State& state() {
 }
 
 std::string utc_now() {
-    const auto now = std::chrono::system_clock::now();
-    const auto seconds = std::chrono::system_clock::to_time_t(now);
-    const auto millis =
-        std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count() % 1000;
-    std::tm parts{};
-    gmtime_r(&seconds, &parts);
-    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", parts.tm_year + 1900, parts.tm_mon + 1,
-                       parts.tm_mday, parts.tm_hour, parts.tm_min, parts.tm_sec, millis);
-}
-
-/// A line stays a line, whatever a board or a stranger on the bus put into a text.
-std::string printable(std::string_view text) {
-    std::string shown;
-    for (const char c : text) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (byte < 0x20 || byte == 0x7f)
-            shown += fmt::format("\\x{:02x}", byte);
-        else
-            shown += c;
-    }
-    return shown;
+    return text::iso_time(text::wall_now());
 }
 
 std::string field_text(std::string_view value) {
     const bool plain = !value.empty() && value.find_first_of(" \"=\t\r\n") == std::string_view::npos;
-    if (plain) return printable(value);
+    if (plain) return text::escape_controls(value);
     std::string quoted = "\"";
-    for (const char c : printable(value)) {
+    for (const char c : text::escape_controls(value)) {
         if (c == '"') quoted += '\\';
         quoted += c;
     }
@@ -61,8 +42,8 @@ std::string field_text(std::string_view value) {
 }
 
 std::string text_line(Level level, std::string_view text, std::span<const Field> fields) {
-    auto line =
-        fmt::format("{} {:<7} {}", utc_now(), kLevelNames[static_cast<std::size_t>(level)], printable(text));
+    auto line = fmt::format("{} {:<7} {}", utc_now(), kLevelNames[static_cast<std::size_t>(level)],
+                            text::escape_controls(text));
     const char* separator = "  ";
     for (const auto& field : fields) {
         line += fmt::format("{}{}={}", separator, field.name, field_text(field.value));

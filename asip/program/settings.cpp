@@ -9,7 +9,7 @@
 #include "asip/program/config_file.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
-#include "asip/program/nearest.hpp"
+#include "asip/text/nearest.hpp"
 
 namespace asip::program {
 namespace {
@@ -81,8 +81,8 @@ struct Settings::State {
             const auto where = path + ":" + std::to_string(line.number);
             auto* option = named(line.name);
             if (option == nullptr) {
-                throw CLI::ValidationError(
-                    where, "there is no option \"" + line.name + "\"" + did_you_mean(line.name, names()));
+                throw CLI::ValidationError(where, "there is no option \"" + line.name + "\"" +
+                                                      text::did_you_mean(line.name, names()));
             }
             apply_together(option, line, *lines, where);
         }

@@ -6,17 +6,17 @@
 
 #include "asip/model/board_state.hpp"
 #include "asip/model/json.hpp"
-#include "asip/program/nearest.hpp"
+#include "asip/text/duration.hpp"
+#include "asip/text/nearest.hpp"
 #include "cli/board_source.hpp"
 #include "cli/command.hpp"
 #include "cli/commands/watch.hpp"
-#include "cli/text/duration.hpp"
 
 namespace asip::cli {
 namespace {
 
 std::string seen_text(double age) {
-    return age < 0 ? std::string("-") : duration_text(std::chrono::duration<double>(age)) + " ago";
+    return age < 0 ? std::string("-") : text::duration_text(std::chrono::duration<double>(age)) + " ago";
 }
 
 template <class Item>
@@ -99,7 +99,7 @@ std::vector<Cell> board_row(const bus::BoardItem& board, bool wide) {
     auto row = brief_row(bus::brief_of(board));
     if (!wide) return row;
     const auto lease =
-        board.lease > 0 ? duration_text(std::chrono::duration<double>(board.lease)) : std::string();
+        board.lease > 0 ? text::duration_text(std::chrono::duration<double>(board.lease)) : std::string();
     for (const auto& text : {board.protocol, lease, board.link, board.agent, board.session})
         row.emplace_back(text);
     return row;

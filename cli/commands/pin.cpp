@@ -5,8 +5,8 @@
 #include <ostream>
 
 #include "asip/model/json.hpp"
-#include "asip/program/nearest.hpp"
 #include "asip/protocol/body.hpp"
+#include "asip/text/nearest.hpp"
 #include "cli/app.hpp"
 #include "cli/board_request.hpp"
 #include "cli/command.hpp"
@@ -214,7 +214,7 @@ Outcome<PinAction> parse_pin_word(std::string_view word) {
     if (mode && protocol::is_settable(*mode)) return PinAction{PinAction::Kind::kMode, *mode, 0};
     const std::vector<std::string> words{"high",   "low",    "on",     "off", "input",
                                          "pullup", "output", "analog", "pwm"};
-    return failure(program::kExitUsage, "'" + std::string(word) + "'" + program::did_you_mean(word, words) +
+    return failure(program::kExitUsage, "'" + std::string(word) + "'" + text::did_you_mean(word, words) +
                                             ": say high, low, input, pullup, output, analog, pwm or 0..255");
 }
 

@@ -8,9 +8,9 @@
 
 #include "asip/model/json.hpp"
 #include "asip/protocol/request.hpp"
+#include "asip/text/duration.hpp"
 #include "cli/board_request.hpp"
 #include "cli/command.hpp"
-#include "cli/text/duration.hpp"
 
 namespace asip::cli {
 namespace {
@@ -78,7 +78,7 @@ class Pinger {
 
     void tell(std::optional<Duration> took, const std::optional<bus::Reply>& reply) {
         const bool answered = took && (!reply || reply->succeeded());
-        std::string problem = took ? "" : "no answer within " + duration_text(context_.timeout);
+        std::string problem = took ? "" : "no answer within " + text::duration_text(context_.timeout);
         if (took && !answered) {
             problem = explain(*reply);
             ++summary_.failed;
@@ -145,7 +145,7 @@ int run_ping(const PingOptions& options, Context& context) {
     if (!target) return context.fail_with(target.error());
     if (!target->service.empty())
         return context.fail_with({program::kExitUsage, "ping takes a board, not a service"});
-    const auto interval = parse_duration(options.interval);
+    const auto interval = text::parse_duration(options.interval);
     if (!interval) return context.fail_with({program::kExitUsage, "-i: " + interval.error()});
     return Pinger(options, context, *interval).run();
 }

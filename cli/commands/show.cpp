@@ -7,10 +7,11 @@
 
 #include "asip/model/json.hpp"
 #include "asip/protocol/pin.hpp"
+#include "asip/text/duration.hpp"
+#include "asip/text/wall_time.hpp"
 #include "cli/command.hpp"
 #include "cli/commands/list.hpp"
 #include "cli/target.hpp"
-#include "cli/text/duration.hpp"
 #include "cli/text/width.hpp"
 
 namespace asip::cli {
@@ -42,9 +43,9 @@ std::string link_text(const model::LinkInfo& link) {
 
 std::string presence_text(const bus::BoardItem& item) {
     std::string text;
-    if (item.age >= 0) text = duration_text(std::chrono::duration<double>(item.age)) + " ago";
-    if (item.first_seen != bus::WallTime{}) text += ", first " + bus::format_time(item.first_seen);
-    if (item.since != bus::WallTime{}) text += ", " + item.state + " since " + bus::format_time(item.since);
+    if (item.age >= 0) text = text::duration_text(std::chrono::duration<double>(item.age)) + " ago";
+    if (item.first_seen != text::WallTime{}) text += ", first " + text::iso_time(item.first_seen);
+    if (item.since != text::WallTime{}) text += ", " + item.state + " since " + text::iso_time(item.since);
     return text;
 }
 

@@ -4,9 +4,9 @@
 #include <map>
 #include <ostream>
 
+#include "asip/text/duration.hpp"
 #include "cli/command.hpp"
 #include "cli/context_event.hpp"
-#include "cli/text/duration.hpp"
 
 namespace asip::cli {
 namespace {
@@ -36,7 +36,7 @@ Outcome<Plan> plan(const SubscribeOptions& options) {
         result.format = std::move(*format);
     }
     if (!options.seconds.empty()) {
-        const auto limit = parse_duration(options.seconds);
+        const auto limit = text::parse_duration(options.seconds);
         if (!limit) return failure(program::kExitUsage, "-W: " + limit.error());
         result.limit = *limit;
     }

@@ -5,10 +5,10 @@
 
 #include "asip/bus/reply.hpp"
 #include "asip/protocol/request.hpp"
+#include "asip/text/duration.hpp"
 #include "cli/board_source.hpp"
 #include "cli/command.hpp"
 #include "cli/context_event.hpp"
-#include "cli/text/duration.hpp"
 #include "cli/top_model.hpp"
 
 namespace asip::cli {
@@ -119,7 +119,7 @@ class Top {
 }  // namespace
 
 int run_top(const TopOptions& options, Context& context) {
-    const auto interval = parse_duration(options.interval);
+    const auto interval = text::parse_duration(options.interval);
     if (!interval || *interval < 50ms) {
         return context.fail_with(
             {program::kExitUsage, "-i: " + (interval ? "at least 50ms" : interval.error())});

@@ -6,7 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/model/json.hpp"
-#include "cli/text/duration.hpp"
+#include "asip/text/duration.hpp"
+#include "asip/text/wall_time.hpp"
 #include "cli/text/table.hpp"
 #include "cli/text/width.hpp"
 
@@ -87,12 +88,12 @@ Findings check_broker(const Observations& seen) {
                     "do the access rules let us subscribe below " + seen.topics.root() + "/reply/ ?"));
     } else if (*seen.acknowledged > kSlowAcknowledgement) {
         result.push_back(
-            problem("a QoS 1 message takes " + duration_text(*seen.acknowledged) +
+            problem("a QoS 1 message takes " + text::duration_text(*seen.acknowledged) +
                         " out and back; a slow network, or TCP_NODELAY is missing on the broker",
                     "Mosquitto: add the line  set_tcp_nodelay true  to its configuration and restart it"));
     } else {
         result.push_back(
-            fine("a QoS 1 message takes " + duration_text(*seen.acknowledged) + " out and back"));
+            fine("a QoS 1 message takes " + text::duration_text(*seen.acknowledged) + " out and back"));
     }
     return result;
 }
@@ -205,15 +206,15 @@ Findings check_conflicts(const Observations& seen) {
 
 Findings check_clocks(const Observations& seen) {
     for (const auto& board : seen.boards) {
-        if (board.age < 0 || board.last_seen == bus::WallTime{}) continue;
+        if (board.age < 0 || board.last_seen == text::WallTime{}) continue;
         const auto registry_now = board.last_seen + std::chrono::duration_cast<std::chrono::milliseconds>(
                                                         std::chrono::duration<double>(board.age));
         const std::chrono::duration<double> skew = seen.now - registry_now;
         if (skew < kClockTolerance && skew > -kClockTolerance)
             return {fine("our clock and the registry's agree")};
         const auto size = std::chrono::duration<double>(std::abs(skew.count()));
-        return {problem("our clock is " + duration_text(size) + (skew.count() > 0 ? " ahead of" : " behind") +
-                            " the registry's",
+        return {problem("our clock is " + text::duration_text(size) +
+                            (skew.count() > 0 ? " ahead of" : " behind") + " the registry's",
                         "let both machines keep time: timedatectl set-ntp true")};
     }
     return {};

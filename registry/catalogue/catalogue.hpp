@@ -10,6 +10,7 @@
 #include "asip/bus/topics.hpp"
 #include "asip/expected.hpp"
 #include "asip/model/board_state.hpp"
+#include "asip/text/wall_time.hpp"
 #include "asip/time.hpp"
 #include "registry/catalogue/parts.hpp"
 
@@ -88,7 +89,7 @@ struct CatalogueStats {
 /// The two clocks at one instant, for turning the times of the catalogue into times of day.
 struct Instant {
     Time time;
-    bus::WallTime wall;
+    text::WallTime wall;
 };
 
 /// The live catalogue of boards and services: a function of the messages seen and the time. No socket, clock

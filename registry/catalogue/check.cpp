@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <set>
 
+#include "asip/text/wall_time.hpp"
 #include "registry/catalogue/catalogue_impl.hpp"
 
 namespace asip::registry {
@@ -88,7 +89,7 @@ std::string Catalogue::Impl::check() const {
 
 std::string Catalogue::Impl::fingerprint() const {
     std::vector<std::string> lines;
-    const Instant now{Time{}, bus::WallTime{}};
+    const Instant now{Time{}, text::WallTime{}};
     for (std::uint32_t slot = 0; slot < slots_; ++slot) {
         const Board& b = board(slot);
         if (!b.in_use) continue;

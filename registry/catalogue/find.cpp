@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "asip/text/wall_time.hpp"
 #include "registry/catalogue/catalogue_impl.hpp"
 
 namespace asip::registry {
@@ -36,7 +37,7 @@ std::string_view literal_front(std::string_view pattern) {
     return pattern.substr(0, pattern.find_first_of("*?"));
 }
 
-bus::WallTime wall(Time time, Instant now) {
+text::WallTime wall(Time time, Instant now) {
     return now.wall - std::chrono::duration_cast<std::chrono::milliseconds>(now.time - time);
 }
 

@@ -6,6 +6,7 @@
 
 #include "asip/bus/reply.hpp"
 #include "asip/bus/request_envelope.hpp"
+#include "asip/model/json.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace asip::bus;
@@ -15,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (const auto envelope = open_envelope(message)) {
         if (envelope->reply.id.size() > kMaxRequestIdBytes) std::abort();
         if (envelope->form == RequestEnvelope::Form::kJson &&
-            !json_depth_within(envelope->body, kMaxJsonDepth)) {
+            !asip::model::json_depth_within(envelope->body, kMaxJsonDepth)) {
             std::abort();
         }
     } else if (envelope.error().error.empty()) {

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "asip/text/wall_time.hpp"
 #include "registry/catalogue/catalogue.hpp"
 
 namespace {
@@ -51,7 +52,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     bus::Query query;
     query.full = true;
-    const auto answer = catalogue.find(query, {now, bus::WallTime{}});
+    const auto answer = catalogue.find(query, {now, text::WallTime{}});
     require(answer.has_value());
     const auto again = bus::parse_answer(bus::encode(*answer));
     require(again.has_value() && again->boards.size() == catalogue.size());

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cli/text/duration.hpp"
+#include "asip/text/wall_time.hpp"
 #include "cli/text/line_template.hpp"
 #include "cli/text/samples.hpp"
 #include "cli/text/width.hpp"
@@ -9,9 +9,7 @@
 namespace asip::cli {
 namespace {
 
-using namespace std::chrono_literals;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 TEST(DisplayWidth, AsciiAndUmlauts_CountOneEach) {
     EXPECT_EQ(display_width("uno1"), 4U);
@@ -39,36 +37,6 @@ TEST(Printable, EscapeSequences_LoseTheirPower) {
     EXPECT_EQ(printable("\x1b[31mred\a"), "?[31mred?");
     EXPECT_EQ(printable("\u202Etxt"), "?txt");
     EXPECT_EQ(printable("gr\u00fcn"), "grün");
-}
-
-TEST(DurationText, GrowsCoarserWithLength) {
-    EXPECT_EQ(duration_text(420us), "0.42 ms");
-    EXPECT_EQ(duration_text(120ms), "120 ms");
-    EXPECT_EQ(duration_text(3100ms), "3.1 s");
-    EXPECT_EQ(duration_text(61s), "61 s");
-    EXPECT_EQ(duration_text(59min), "59 min");
-    EXPECT_EQ(duration_text(47h), "47 h");
-    EXPECT_EQ(duration_text(240h), "10 d");
-}
-
-TEST(IsoTime, KnownInstant_IsWrittenInUtcWithMilliseconds) {
-    EXPECT_EQ(iso_time(std::chrono::system_clock::time_point(1'700'000'000'042ms)),
-              "2023-11-14T22:13:20.042Z");
-}
-
-TEST(ParseDuration, UnitsAndPlainSeconds_AreRead) {
-    EXPECT_EQ(parse_duration("500ms"), 500ms);
-    EXPECT_EQ(parse_duration("1.5"), 1500ms);
-    EXPECT_EQ(parse_duration("2m"), 120s);
-    EXPECT_EQ(parse_duration("0"), 0ms);
-}
-
-TEST(ParseDuration, NoNumberOrStrangeUnit_IsRefusedWithTheForms) {
-    for (const auto* text : {"", "s", "5 parsec", "-1", "nan", "inf"}) {
-        const auto result = parse_duration(text);
-        ASSERT_FALSE(result) << text;
-        EXPECT_THAT(result.error(), HasSubstr("500ms"));
-    }
 }
 
 TEST(Samples, Percentiles_AreNearestRank) {

@@ -40,5 +40,13 @@ TEST(DumpJson, TextThatIsNoUtf8_DoesNotThrow) {
     EXPECT_EQ(dump_json(nlohmann::json("a\xff")), "\"a\xef\xbf\xbd\"");
 }
 
+TEST(JsonDepth, BracketsInStrings_DoNotCount) {
+    EXPECT_TRUE(json_depth_within(R"({"a":"[[[[[[\"[[[["})", 1));
+    EXPECT_TRUE(json_depth_within("[[]]", 2));
+    EXPECT_FALSE(json_depth_within("[[[]]]", 2));
+    EXPECT_TRUE(json_depth_within("", 0));
+    EXPECT_TRUE(json_depth_within("\"\\", 0));
+}
+
 }  // namespace
 }  // namespace asip::model

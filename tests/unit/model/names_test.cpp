@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
-
 #include "asip/model/board_state.hpp"
 
 namespace asip::model {
@@ -38,23 +36,6 @@ TEST(ExplainBoardName, EachFault_HasItsSentence) {
     EXPECT_LT(explain_board_name(std::string(100000, 'x')).size(), 200u);
 }
 
-TEST(Printable, ControlAndForeignBytes_AreEscaped) {
-    EXPECT_EQ(printable("a b~"), "a b~");
-    EXPECT_EQ(printable("\x1b[2J\xc3\\"), "\\x1b[2J\\xc3\\x5c");
-    EXPECT_EQ(printable("abcdef", 3), "abc...");
-}
-
-TEST(IsShowable, ControlCharacters_AreNot) {
-    EXPECT_TRUE(
-        is_showable("Gr\xc3\xb6\xc3\x9f"
-                    "e \xe2\x82\xac"));
-    for (const std::string_view text : {"\x1b[2J", "a\nb", "\x7f",
-                                        "\xc2\x9b"
-                                        "2J"})
-        EXPECT_FALSE(is_showable(text));
-    EXPECT_FALSE(is_showable(std::string_view("a\0", 2)));
-}
-
 TEST(SuggestName, AnyText_GivesAValidName) {
     EXPECT_EQ(suggest_name("My Uno (left)"), "My-Uno-left");
     EXPECT_EQ(suggest_name("/dev/ttyACM0"), "dev-ttyACM0");
@@ -64,15 +45,6 @@ TEST(SuggestName, AnyText_GivesAValidName) {
                              std::string("servicebus/"), std::string(63, 'a') + " b"}) {
         EXPECT_TRUE(valid_board_name(suggest_name(text))) << text;
     }
-}
-
-TEST(Nearest, Slip_IsFoundAndStrangerIsNot) {
-    const std::array<std::string, 3> names = {"write", "remap", "measure"};
-    EXPECT_EQ(nearest("wirte", names), "write");
-    EXPECT_EQ(nearest("WRITE", names), "write");
-    EXPECT_EQ(nearest("mesure", names), "measure");
-    EXPECT_EQ(nearest("explode", names), "");
-    EXPECT_EQ(nearest("", names), "");
 }
 
 TEST(BoardState, EachState_IsFoundByItsText) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "asip/text/wall_time.hpp"
 #include "registry/catalogue/catalogue.hpp"
 
 namespace asip::registry {
@@ -13,7 +14,7 @@ inline Time at(Duration since_start) {
     return Time{} + 1h + since_start;
 }
 inline Instant instant(Time time) {
-    return {time, bus::WallTime(std::chrono::milliseconds(1'700'000'000'000))};
+    return {time, text::WallTime(std::chrono::milliseconds(1'700'000'000'000))};
 }
 
 /// A message that owns its texts.

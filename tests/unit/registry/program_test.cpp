@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "asip/text/wall_time.hpp"
 #include "registry/history.hpp"
 #include "registry/options.hpp"
 #include "registry/tidier.hpp"
@@ -19,17 +20,18 @@ using testing::IsEmpty;
 Time at(Duration since_start) {
     return Time{} + 1h + since_start;
 }
-bus::WallTime wall(std::int64_t milliseconds) {
-    return bus::WallTime(std::chrono::milliseconds(milliseconds));
+text::WallTime wall(std::int64_t milliseconds) {
+    return text::WallTime(std::chrono::milliseconds(milliseconds));
 }
 
 TEST(RegistryOptions, TimesAndSizes) {
-    EXPECT_EQ(parse_duration("90"), Duration(90s));
-    EXPECT_EQ(parse_duration("15m"), Duration(15min));
-    EXPECT_EQ(parse_duration("7d"), Duration(7 * 24h));
+    EXPECT_EQ(parse_period("90"), Duration(90s));
+    EXPECT_EQ(parse_period("15m"), Duration(15min));
+    EXPECT_EQ(parse_period("7d"), Duration(7 * 24h));
+    EXPECT_EQ(parse_period("1500ms"), Duration(1500ms));
     EXPECT_EQ(parse_size("512k"), 512u * 1024);
-    for (const char* bad : {"", "h", "0s", "1w", "-1s", "1.5h", "99999999999999999999d", "40000d"}) {
-        EXPECT_FALSE(parse_duration(bad)) << bad;
+    for (const char* bad : {"", "h", "0s", "500ms", "1w", "-1s", "99999999999999999999d", "40000d"}) {
+        EXPECT_FALSE(parse_period(bad)) << bad;
     }
     for (const char* bad : {"", "k", "1", "-1M", "1T", "99999999999999G"})
         EXPECT_FALSE(parse_size(bad)) << bad;

@@ -1,0 +1,57 @@
+#include "asip/text/duration.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+#include "asip/text/printable.hpp"
+
+namespace asip::text {
+namespace {
+
+struct Unit {
+    std::string_view name;
+    double milliseconds;
+};
+
+constexpr std::array<Unit, 6> kUnits{
+    {{"", 1e3}, {"ms", 1}, {"s", 1e3}, {"m", 6e4}, {"h", 3.6e6}, {"d", 8.64e7}}};
+constexpr double kMaxMilliseconds = 100.0 * 366 * 8.64e7;
+
+std::string number_with(const char* format, double number) {
+    char text[64];
+    std::snprintf(text, sizeof text, format, number);
+    return text;
+}
+
+}  // namespace
+
+Expected<std::chrono::milliseconds> parse_duration(std::string_view text) {
+    double number = 0;
+    const char* const end = text.data() + text.size();
+    const auto parsed = std::from_chars(text.data(), end, number, std::chars_format::fixed);
+    const std::string_view unit(parsed.ptr, static_cast<std::size_t>(end - parsed.ptr));
+    const std::string shown = "'" + printable(text, 32) + "'";
+    for (const auto& known : kUnits) {
+        if (parsed.ec != std::errc{} || unit != known.name || !std::isfinite(number)) continue;
+        const double milliseconds = number * known.milliseconds;
+        if (std::signbit(number) || milliseconds > kMaxMilliseconds)
+            return fail(shown + " is outside 0 to 100 years");
+        return std::chrono::milliseconds(std::llround(milliseconds));
+    }
+    return fail(shown + " is not a duration; write 500ms, 10s, 15m, 12h, 7d or a number of seconds");
+}
+
+std::string duration_text(std::chrono::duration<double> duration) {
+    const double seconds = duration.count();
+    if (seconds < 0.01) return number_with("%.2f ms", seconds * 1e3);
+    if (seconds < 1) return number_with("%.0f ms", seconds * 1e3);
+    if (seconds < 9.95) return number_with("%.1f s", seconds);
+    if (seconds < 120) return number_with("%.0f s", seconds);
+    if (seconds < 7200) return number_with("%.0f min", std::floor(seconds / 60));
+    if (seconds < 172800) return number_with("%.0f h", std::floor(seconds / 3600));
+    return number_with("%.0f d", std::floor(seconds / 86400));
+}
+
+}  // namespace asip::text

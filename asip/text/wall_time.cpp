@@ -1,0 +1,57 @@
+#include "asip/text/wall_time.hpp"
+
+#include <cstdio>
+
+namespace asip::text {
+namespace {
+
+constexpr std::string_view kShape = "0000-00-00T00:00:00.000Z";
+
+bool has_shape(std::string_view text) {
+    if (text.size() != kShape.size()) return false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const bool digit = text[i] >= '0' && text[i] <= '9';
+        if (kShape[i] == '0' ? !digit : text[i] != kShape[i]) return false;
+    }
+    return true;
+}
+
+int number_at(std::string_view text, std::size_t at, std::size_t count) {
+    int value = 0;
+    for (std::size_t i = at; i < at + count; ++i)
+        value = value * 10 + (text[i] - '0');
+    return value;
+}
+
+}  // namespace
+
+WallTime wall_now() {
+    return std::chrono::floor<std::chrono::milliseconds>(std::chrono::system_clock::now());
+}
+
+std::string iso_time(WallTime time) {
+    const auto day = std::chrono::floor<std::chrono::days>(time);
+    const std::chrono::year_month_day date(day);
+    const std::chrono::hh_mm_ss clock(time - day);
+    char text[64];
+    std::snprintf(text, sizeof text, "%04d-%02u-%02uT%02d:%02d:%02d.%03dZ", static_cast<int>(date.year()),
+                  static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                  static_cast<int>(clock.hours().count()), static_cast<int>(clock.minutes().count()),
+                  static_cast<int>(clock.seconds().count()), static_cast<int>(clock.subseconds().count()));
+    return text;
+}
+
+std::optional<WallTime> parse_iso_time(std::string_view text) {
+    if (!has_shape(text)) return std::nullopt;
+    const std::chrono::year_month_day date{std::chrono::year(number_at(text, 0, 4)),
+                                           std::chrono::month(static_cast<unsigned>(number_at(text, 5, 2))),
+                                           std::chrono::day(static_cast<unsigned>(number_at(text, 8, 2)))};
+    const int hour = number_at(text, 11, 2);
+    const int minute = number_at(text, 14, 2);
+    const int second = number_at(text, 17, 2);
+    if (!date.ok() || hour > 23 || minute > 59 || second > 60) return std::nullopt;
+    return WallTime(std::chrono::sys_days(date)) + std::chrono::hours(hour) + std::chrono::minutes(minute) +
+           std::chrono::seconds(second) + std::chrono::milliseconds(number_at(text, 20, 3));
+}
+
+}  // namespace asip::text

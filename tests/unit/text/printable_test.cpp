@@ -1,0 +1,37 @@
+#include "asip/text/printable.hpp"
+
+#include <gtest/gtest.h>
+
+namespace asip::text {
+namespace {
+
+TEST(Printable, ControlAndForeignBytes_AreEscaped) {
+    EXPECT_EQ(printable("a b~"), "a b~");
+    EXPECT_EQ(printable("\x1b[2J\xc3\\"), "\\x1b[2J\\xc3\\x5c");
+    EXPECT_EQ(printable("abcdef", 3), "abc...");
+}
+
+TEST(EscapeControls, Utf8_IsKeptAndControlsAreEscaped) {
+    EXPECT_EQ(escape_controls("gr\u00fcn \u20ac"), "gr\u00fcn \u20ac");
+    EXPECT_EQ(escape_controls("a\nb\x7f"), "a\\x0ab\\x7f");
+    EXPECT_EQ(escape_controls("\u009b2J"), "\\xc2\\x9b2J");
+}
+
+TEST(EscapeControls, AnyPairOfBytes_BecomesShowable) {
+    for (int first = 0; first < 256; ++first) {
+        for (int second = 0; second < 256; ++second) {
+            const std::string pair{static_cast<char>(first), static_cast<char>(second)};
+            ASSERT_TRUE(is_showable(escape_controls(pair))) << first << " " << second;
+        }
+    }
+}
+
+TEST(IsShowable, ControlCharacters_AreNot) {
+    EXPECT_TRUE(is_showable("Gr\u00f6\u00dfe \u20ac"));
+    for (const std::string_view text : {"\x1b[2J", "a\nb", "\x7f", "\u009b2J"})
+        EXPECT_FALSE(is_showable(text));
+    EXPECT_FALSE(is_showable(std::string_view("a\0", 2)));
+}
+
+}  // namespace
+}  // namespace asip::text
