@@ -55,7 +55,7 @@ void Control::on_message(const mqtt::Message& message, const ServiceTable& servi
     command->reply = envelope ? envelope->reply : envelope.error().reply;
     command->board = topic->board;
     command->service = topic->service;
-    const std::string_view request = envelope ? envelope->body : message.payload;
+    const std::string request = envelope ? envelope->shown() : message.payload;
     if (message.retain)
         return refuse(
             *command, request, bus::kRefusedRetained,
@@ -96,16 +96,19 @@ Expected<std::vector<Control::Line>> Control::read(const bus::RequestEnvelope& e
             return fail(
                 "ASIP request lines are expected here, or {\"raw\":\"...\"}; JSON commands go to "
                 "BOARD/SERVICE/in");
-        const auto lines = protocol::split_requests(envelope.body);
+        const auto lines = protocol::split_requests(envelope.text);
         if (!lines) return Unexpected<std::string>(lines.error());
         if (lines->empty()) return fail("no request");
         for (auto line : *lines)
             result.push_back({std::string(line), answer_of_question(line)});
         return result;
     }
-    const auto request = model::read_control(service->model.get(), service->letter, envelope.body);
-    if (!request.command) return Unexpected<std::string>(request.command.error());
-    result.push_back({request.command->line, request.command->answer});
+    const auto* model = service->model.get();
+    const auto command = envelope.form == bus::RequestEnvelope::Form::kJson
+                             ? model::encode_control_json(model, service->letter, envelope.object)
+                             : model::encode_control_text(model, service->letter, envelope.text);
+    if (!command) return Unexpected<std::string>(command.error());
+    result.push_back({command->line, command->answer});
     return result;
 }
 

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "asip/bus/answer.hpp"
+#include "asip/bus/items.hpp"
 #include "asip/bus/query.hpp"
 #include "asip/model/description.hpp"
 #include "cli/bus_catalogue.hpp"

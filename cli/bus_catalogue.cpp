@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "asip/bus/pattern.hpp"
 #include "asip/model/board_state.hpp"
 #include "asip/model/names.hpp"
 #include "asip/protocol/pin.hpp"

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "asip/bus/items.hpp"
 #include "asip/bus/query.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/model/description.hpp"

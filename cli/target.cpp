@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "asip/bus/query.hpp"
+#include "asip/bus/pattern.hpp"
 #include "asip/model/names.hpp"
 #include "asip/text/nearest.hpp"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "asip/bus/change_event.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"

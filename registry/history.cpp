@@ -1,4 +1,6 @@
 #include "registry/history.hpp"
+#include "asip/bus/change_event.hpp"
+#include "asip/bus/pattern.hpp"
 #include "asip/text/wall_time.hpp"
 
 #include <sqlite3.h>

@@ -2,6 +2,7 @@
 #include <memory>
 #include <string>
 
+#include "asip/bus/answer.hpp"
 #include "asip/bus/query.hpp"
 #include "asip/expected.hpp"
 #include "asip/text/wall_time.hpp"

@@ -31,7 +31,7 @@ std::optional<mqtt::Message> QueryService::answer(const mqtt::Message& request) 
     } else if (envelope->form != bus::RequestEnvelope::Form::kJson) {
         answer = refused("invalid", "a query is a JSON object, such as {\"find\":\"boards\"}");
     } else {
-        answer = answer_to(envelope->body);
+        answer = answer_to(envelope->object);
     }
     answer.id = reply.id;
     answer.registry = registry_;
@@ -45,11 +45,11 @@ std::optional<mqtt::Message> QueryService::answer(const mqtt::Message& request) 
     return message;
 }
 
-bus::Answer QueryService::answer_to(const std::string& body) {
-    auto request = bus::parse_registry_request(body);
+bus::Answer QueryService::answer_to(const nlohmann::json& object) {
+    auto request = bus::read_registry_request(object);
     if (!request) return refused("invalid", request.error());
-    if (auto* query = std::get_if<bus::Query>(&request->what)) return find(std::move(*query));
-    return forget(std::get<bus::Forget>(request->what));
+    if (auto* query = std::get_if<bus::Query>(&*request)) return find(std::move(*query));
+    return forget(std::get<bus::Forget>(*request));
 }
 
 bus::Answer QueryService::find(bus::Query query) {

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "asip/bus/answer.hpp"
 #include "asip/bus/query.hpp"
 #include "asip/mqtt/message.hpp"
 #include "registry/catalogue/catalogue.hpp"
@@ -33,7 +34,7 @@ class QueryService {
     std::optional<mqtt::Message> answer(const mqtt::Message& request);
 
   private:
-    bus::Answer answer_to(const std::string& body);
+    bus::Answer answer_to(const nlohmann::json& object);
     bus::Answer find(bus::Query query);
     bus::Answer forget(const bus::Forget& forget);
     static bus::Answer refused(std::string reason, std::string error);

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "asip/bus/query.hpp"
+
 #include "asip/text/wall_time.hpp"
 #include "registry/catalogue/catalogue.hpp"
 

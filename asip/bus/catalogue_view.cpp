@@ -1,4 +1,5 @@
 #include "asip/bus/catalogue_view.hpp"
+#include "asip/bus/pattern.hpp"
 
 #include <utility>
 

@@ -4,6 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "asip/bus/answer.hpp"
+#include "asip/bus/change_event.hpp"
+#include "asip/bus/items.hpp"
 #include "asip/bus/query.hpp"
 
 namespace asip::bus {

@@ -1,7 +1,6 @@
 #include "asip/bus/request_envelope.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "asip/model/json.hpp"
 
@@ -10,7 +9,7 @@ namespace {
 
 using nlohmann::json;
 
-bool legal_reply_topic(std::string_view topic) {
+bool valid_reply_topic(std::string_view topic) {
     if (topic.empty() || topic.size() > kMaxReplyTopicBytes || topic.front() == '$') return false;
     return std::none_of(topic.begin(), topic.end(), [](char c) {
         const auto byte = static_cast<unsigned char>(c);
@@ -37,7 +36,7 @@ std::string take_reply_members(json& object, ReplyTo& reply) {
         object.erase(id);
     }
     if (const auto topic = object.find("reply_to"); topic != object.end()) {
-        if (!topic->is_string() || !legal_reply_topic(topic->get_ref<const std::string&>())) {
+        if (!topic->is_string() || !valid_reply_topic(topic->get_ref<const std::string&>())) {
             return "\"reply_to\" is not a topic to publish on";
         }
         if (!reply.wanted()) reply.topic = topic->get<std::string>();
@@ -48,10 +47,14 @@ std::string take_reply_members(json& object, ReplyTo& reply) {
 
 }  // namespace
 
+std::string RequestEnvelope::shown() const {
+    return form == Form::kRaw ? text : model::dump_json(object);
+}
+
 Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request) {
     RequestEnvelope envelope;
     if (!request.response_topic.empty()) {
-        if (!legal_reply_topic(request.response_topic))
+        if (!valid_reply_topic(request.response_topic))
             return bad({}, "the response topic cannot be published on");
         if (request.correlation.size() > kMaxCorrelationBytes)
             return bad({}, "the correlation data is too long");
@@ -63,7 +66,7 @@ Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request
                    "the request is longer than " + std::to_string(kMaxRequestBytes) + " bytes");
     }
     if (!looks_like_json(request.payload)) {
-        envelope.body = request.payload;
+        envelope.text = request.payload;
         return envelope;
     }
     if (!model::json_depth_within(request.payload, kMaxJsonDepth)) {
@@ -76,11 +79,11 @@ Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request
     }
     if (const auto raw = object.find("raw"); raw != object.end()) {
         if (!raw->is_string()) return bad(std::move(envelope.reply), "\"raw\" must be a string");
-        envelope.body = raw->get<std::string>();
+        envelope.text = raw->get<std::string>();
         return envelope;
     }
     envelope.form = RequestEnvelope::Form::kJson;
-    envelope.body = object.dump();
+    envelope.object = std::move(object);
     return envelope;
 }
 

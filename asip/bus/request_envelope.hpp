@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
@@ -9,7 +10,8 @@
 
 namespace asip::bus {
 
-/// Bounds of what is accepted from strangers; anything beyond is refused before it is parsed.
+/// Limits of a request on the bus, for commands and registry queries alike; the only place where they stand.
+/// What is beyond them is refused before it is parsed.
 inline constexpr std::size_t kMaxRequestBytes = 16384;
 inline constexpr int kMaxJsonDepth = 16;
 inline constexpr std::size_t kMaxRequestIdBytes = 128;
@@ -18,12 +20,17 @@ inline constexpr std::size_t kMaxReplyTopicBytes = 512;
 
 /// A request without what says where its answer goes.
 struct RequestEnvelope {
-    /// kJson: `body` is the JSON object without `reply_to` and `id`. kRaw: `body` is ASIP text, either the
-    /// payload as it came or the `raw` member of `{"raw":"#,?","reply_to":"...","id":"..."}`.
-    enum class Form { kJson, kRaw };
+    enum class Form {
+        kJson,  ///< `object` is the request
+        kRaw,   ///< `text` is the request: the payload, or the member of `{"raw":"#,?","id":"..."}`
+    };
     Form form = Form::kRaw;
-    std::string body;
+    nlohmann::json object;  ///< kJson: the object without `reply_to` and `id`
+    std::string text;       ///< kRaw: ASIP text
     ReplyTo reply;
+
+    /// The request in words, for reports about it: the text, or the object's JSON text.
+    std::string shown() const;
 };
 
 /// A request that cannot be read, and where to say so: `reply.wanted()` where that much could be made out.

@@ -98,11 +98,11 @@ Awaitable<Json> DirectTransport::command(std::string service, Json command) {
     if (known == nullptr) {
         co_return failure(Error::Kind::Invalid, "the board has no service \"" + service + "\"");
     }
-    auto control = model::read_control(known->model.get(), known->info.id, model::dump_json(command));
-    if (!control.command) {
-        co_return failure(Error::Kind::Invalid, control.command.error());
+    auto encoded = model::encode_control_json(known->model.get(), known->info.id, command);
+    if (!encoded) {
+        co_return failure(Error::Kind::Invalid, encoded.error());
     }
-    co_return co_await request(std::move(control.command->line), control.command->answer, known->model);
+    co_return co_await request(std::move(encoded->line), encoded->answer, known->model);
 }
 
 Awaitable<void> DirectTransport::raw(std::string line) {

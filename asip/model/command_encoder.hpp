@@ -32,25 +32,12 @@ Expected<EncodedCommand> encode_text_command(const ServiceModel& model, std::str
 /// tag.
 Expected<EncodedCommand> encode_word_command(const ServiceModel& model, std::span<const std::string> words);
 
-/// What arrived on BOARD/SERVICE/in, JSON or text. id and reply_to are read even when the command is refused,
-/// so that the refusal can be answered; both are bounded (64 and 256 bytes) and empty where absent.
-struct ControlRequest {
-    std::string id;
-    std::string reply_to;
-    Expected<EncodedCommand> command;
-};
-/// `model` may be null: then only ASIP text, or {"raw":"W,0,90"}, for the service `letter` is taken.
-/// {"raw":...} also works with a model and is checked by it.
-ControlRequest read_control(const ServiceModel* model, char letter, std::string_view payload);
-
-/// What arrived on BOARD/in: request lines, or {"raw":"#,?","reply_to":"...","id":"..."} (raw may hold
-/// several lines or be an array of lines).
-struct RawControl {
-    std::string id;
-    std::string reply_to;
-    Expected<std::vector<std::string>> lines;
-};
-RawControl read_raw_control(std::string_view payload);
+/// A command for the service `letter` as its control topic carries it: ASIP text without the service
+/// ("W,0,90", a line end is allowed), or an object as for encode_json_command() or {"raw":"W,0,90"}. `model`
+/// may be null: then only ASIP text is taken, and only its form is checked.
+Expected<EncodedCommand> encode_control_text(const ServiceModel* model, char letter, std::string_view text);
+Expected<EncodedCommand> encode_control_json(const ServiceModel* model, char letter,
+                                             const nlohmann::json& object);
 
 /// A field or argument with its type, range and unit, for help texts: "angle 0..180 degrees".
 std::string describe(const Field& field);

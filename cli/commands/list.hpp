@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "asip/bus/items.hpp"
 #include "asip/bus/query.hpp"
 #include "cli/context.hpp"
 #include "cli/output.hpp"

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <ostream>
 
+#include "asip/bus/pattern.hpp"
 #include "asip/bus/reply.hpp"
 #include "asip/protocol/request.hpp"
 #include "asip/text/duration.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/query.hpp"
+#include "asip/bus/items.hpp"
 #include "asip/bus/reply.hpp"
 #include "asip/bus/topics.hpp"
 #include "cli/doctor/machine.hpp"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "asip/bus/pattern.hpp"
 #include "registry/catalogue/catalogue_impl.hpp"
 
 namespace asip::registry {

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "asip/bus/answer.hpp"
+#include "asip/bus/items.hpp"
 #include "asip/bus/query.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/expected.hpp"

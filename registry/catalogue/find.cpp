@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/pattern.hpp"
 #include "asip/text/wall_time.hpp"
 #include "registry/catalogue/catalogue_impl.hpp"
 

@@ -16,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (const auto envelope = open_envelope(message)) {
         if (envelope->reply.id.size() > kMaxRequestIdBytes) std::abort();
         if (envelope->form == RequestEnvelope::Form::kJson &&
-            !asip::model::json_depth_within(envelope->body, kMaxJsonDepth)) {
+            !asip::model::json_depth_within(envelope->shown(), kMaxJsonDepth)) {
             std::abort();
         }
     } else if (envelope.error().error.empty()) {

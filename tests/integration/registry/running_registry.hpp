@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/query.hpp"
+#include "asip/bus/answer.hpp"
+#include "asip/bus/change_event.hpp"
 #include "tests/support/bus_probe.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/mosquitto_broker.hpp"

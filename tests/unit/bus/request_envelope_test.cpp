@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "asip/bus/query.hpp"
+#include "asip/model/command_encoder.hpp"
+
 namespace asip::bus {
 namespace {
 
@@ -16,7 +19,8 @@ TEST(Envelope, JsonWithReplyToAndId_IsTakenApart) {
     const auto envelope = open_envelope(request(R"( {"write":[0,90],"reply_to":"me/answers","id":"7"})"));
     ASSERT_TRUE(envelope) << envelope.error().error;
     EXPECT_EQ(envelope->form, RequestEnvelope::Form::kJson);
-    EXPECT_EQ(envelope->body, R"({"write":[0,90]})");
+    EXPECT_EQ(envelope->object, nlohmann::json::parse(R"({"write":[0,90]})"));
+    EXPECT_EQ(envelope->shown(), R"({"write":[0,90]})");
     EXPECT_EQ(envelope->reply, (ReplyTo{"me/answers", "", "7"}));
 }
 
@@ -35,7 +39,7 @@ TEST(Envelope, AsipText_IsPassedAsItCame) {
     const auto envelope = open_envelope(message);
     ASSERT_TRUE(envelope);
     EXPECT_EQ(envelope->form, RequestEnvelope::Form::kRaw);
-    EXPECT_EQ(envelope->body, "W,0,90\n");
+    EXPECT_EQ(envelope->text, "W,0,90\n");
     EXPECT_EQ(envelope->reply.topic, "mine");
 }
 
@@ -43,14 +47,14 @@ TEST(Envelope, RawMember_IsAsipText) {
     const auto envelope = open_envelope(request(R"({"raw":"#,?","reply_to":"me","id":"1"})"));
     ASSERT_TRUE(envelope);
     EXPECT_EQ(envelope->form, RequestEnvelope::Form::kRaw);
-    EXPECT_EQ(envelope->body, "#,?");
+    EXPECT_EQ(envelope->text, "#,?");
     EXPECT_EQ(envelope->reply.topic, "me");
 }
 
 TEST(Envelope, Empty_IsRawAndEmpty) {
     const auto envelope = open_envelope(request(""));
     ASSERT_TRUE(envelope);
-    EXPECT_EQ(envelope->body, "");
+    EXPECT_EQ(envelope->text, "");
     EXPECT_FALSE(envelope->reply.wanted());
 }
 
@@ -69,6 +73,35 @@ TEST(Envelope, Unusable_IsRefusedAndTheRequesterIsStillKnown) {
         EXPECT_EQ(envelope.error().reply.topic, "mine");
         EXPECT_FALSE(envelope.error().error.empty());
     }
+}
+
+TEST(Envelope, AtEachLimit_IsAcceptedAndOneBeyondIsRefused) {
+    const auto nested = [](int depth) {
+        const auto inner = static_cast<std::size_t>(depth - 1);
+        return R"({"x":)" + std::string(inner, '[') + std::string(inner, ']') + "}";
+    };
+    const auto with_id = [](std::size_t bytes) { return R"({"id":")" + std::string(bytes, 'i') + "\"}"; };
+    const auto of_size = [](std::size_t bytes) {
+        const std::string around = R"({"x":""})";
+        return R"({"x":")" + std::string(bytes - around.size(), 'x') + "\"}";
+    };
+    EXPECT_TRUE(open_envelope(request(nested(16))));
+    EXPECT_FALSE(open_envelope(request(nested(17))));
+    EXPECT_TRUE(open_envelope(request(with_id(128))));
+    EXPECT_FALSE(open_envelope(request(with_id(129))));
+    EXPECT_TRUE(open_envelope(request(of_size(16384))));
+    EXPECT_FALSE(open_envelope(request(of_size(16385))));
+}
+
+TEST(Envelope, LargestRequest_ReachesEncoderAndQueryReaderWhole) {
+    const auto padding = R"(,"note":")" + std::string(16000, 'x') + "\"}";
+    const auto query = open_envelope(request(R"({"find":"boards","deep":[[[[[[[[[[]]]]]]]]]])" + padding));
+    ASSERT_TRUE(query) << query.error().error;
+    EXPECT_TRUE(read_registry_request(query->object));
+    const auto command =
+        open_envelope(request(R"({"raw":"q,1","id":")" + std::string(100, 'i') + '"' + padding));
+    ASSERT_TRUE(command) << command.error().error;
+    EXPECT_EQ(model::encode_control_text(nullptr, 'X', command->text)->line, "X,q,1");
 }
 
 TEST(Envelope, ResponseTopicWithWildcard_IsRefusedWithoutAnswer) {

@@ -6,6 +6,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/answer.hpp"
+#include "asip/bus/items.hpp"
 #include "asip/bus/query.hpp"
 #include "tests/unit/registry/bus_messages.hpp"
 
@@ -116,13 +118,14 @@ TEST(BriefAnswer, CutAnywhere_IsRefused) {
 TEST(BriefQuery, OnlyForBoardsAndNotWithFull) {
     bus::Query query;
     query.brief = true;
-    const auto parsed = bus::parse_registry_request(encode(bus::RegistryRequest{query, "", ""}));
+    const auto parsed =
+        bus::read_registry_request(nlohmann::json::parse(encode(bus::RegistryRequest{query, "", ""})));
     ASSERT_TRUE(parsed) << parsed.error();
-    EXPECT_EQ(std::get<bus::Query>(parsed->what), query);
+    EXPECT_EQ(std::get<bus::Query>(*parsed), query);
     for (const char* bad :
          {R"({"find":"services","brief":true})", R"({"find":"boards","brief":true,"full":true})",
           R"({"find":"boards","brief":1})"}) {
-        const auto refused = bus::parse_registry_request(bad);
+        const auto refused = bus::read_registry_request(nlohmann::json::parse(bad));
         ASSERT_FALSE(refused) << bad;
         EXPECT_THAT(refused.error(), HasSubstr("brief")) << bad;
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <random>
 
+#include "asip/bus/pattern.hpp"
 #include "bus_messages.hpp"
 #include "registry/catalogue/catalogue.hpp"
 

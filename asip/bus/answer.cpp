@@ -1,0 +1,104 @@
+#include "asip/bus/answer.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "asip/bus/members.hpp"
+#include "asip/model/json.hpp"
+
+namespace asip::bus {
+namespace {
+
+using namespace members;
+using nlohmann::json;
+
+// The rows of a large catalogue are written and read straight from and into text; a JSON tree costs ten times
+// as much.
+std::string encode_brief(json& envelope, const std::vector<BriefBoard>& boards) {
+    envelope["brief"] = true;
+    std::string text = model::dump_json(envelope);
+    text.pop_back();
+    text += ",\"items\":";
+    append_brief_rows(text, boards);
+    text += '}';
+    return text;
+}
+
+}  // namespace
+
+std::string encode(const Answer& answer) {
+    json object;
+    put(object, "id", answer.id);
+    put(object, "registry", answer.registry);
+    if (!answer.refused.empty()) {
+        object["refused"] = answer.refused;
+        put(object, "error", answer.error);
+        return model::dump_json(object);
+    }
+    put(object, "epoch", answer.epoch);
+    object["seq"] = answer.seq;
+    if (answer.settling) object["settling"] = true;
+    if (answer.total) object["total"] = *answer.total;
+    json items = json::array();
+    const char* what = "boards";
+    if (!answer.services.empty()) what = "services";
+    if (!answer.history.empty()) what = "history";
+    for (const BoardItem& item : answer.boards)
+        items.push_back(to_json(item));
+    for (const ServiceItem& item : answer.services)
+        items.push_back(to_json(item));
+    for (const HistoryItem& item : answer.history)
+        items.push_back(to_json(item));
+    if (!answer.forgotten.empty()) object["forgotten"] = answer.forgotten;
+    object["find"] = what;
+    put(object, "cursor", answer.cursor);
+    if (answer.brief) return encode_brief(object, *answer.brief);
+    object["items"] = std::move(items);
+    return model::dump_json(object);
+}
+
+Expected<Answer> parse_answer(std::string_view payload) {
+    const auto split = split_brief(payload);
+    const auto document = object_from(split ? split->envelope : payload);
+    if (!document) return Unexpected<std::string>(document.error());
+    const json& object = *document;
+    Answer answer;
+    answer.id = text_of(object, "id");
+    answer.registry = text_of(object, "registry");
+    answer.epoch = text_of(object, "epoch");
+    answer.seq = number_of(object, "seq");
+    answer.settling = flag_of(object, "settling");
+    answer.cursor = text_of(object, "cursor");
+    answer.refused = text_of(object, "refused");
+    answer.error = text_of(object, "error");
+    if (object.contains("total")) answer.total = number_of(object, "total");
+    if (const auto found = object.find("forgotten"); found != object.end() && found->is_array()) {
+        for (const json& name : *found) {
+            if (name.is_string()) answer.forgotten.push_back(name.get<std::string>());
+        }
+    }
+    if (split) {
+        auto rows = read_brief_rows(split->rows);
+        if (!rows) return Unexpected<std::string>(rows.error());
+        answer.brief = std::move(*rows);
+        return answer;
+    }
+    const auto items = object.find("items");
+    if (items == object.end() || !items->is_array()) {
+        if (answer.refused.empty()) return fail("neither items nor a refusal");
+        return answer;
+    }
+    const std::string find = text_of(object, "find");
+    for (const json& item : *items) {
+        if (!item.is_object()) return fail("items: must be objects");
+        if (find == "services") {
+            answer.services.push_back(read_service_item(item));
+        } else if (find == "history") {
+            answer.history.push_back(read_history_item(item));
+        } else {
+            answer.boards.push_back(read_board_item(item));
+        }
+    }
+    return answer;
+}
+
+}  // namespace asip::bus

@@ -1,0 +1,89 @@
+#pragma once
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "asip/bus/brief.hpp"
+#include "asip/text/wall_time.hpp"
+
+/// What answers and change events are made of: one board, service or change. Their `state` is effective: what
+/// was reported AND the lease not run out.
+namespace asip::bus {
+
+struct ServiceItem {
+    std::string board;
+    std::string state;  ///< effective state of the board
+    std::string name;   ///< on the bus
+    std::string kind;   ///< model name, or the letter where there is no model
+    std::string model;  ///< as the description refers to it ("distance@1"); empty: none, or carried in full
+    std::string id;     ///< the letter; empty for a service announced by name only
+    std::string title;
+    std::optional<int> count;   ///< elements
+    std::optional<int> period;  ///< of its auto-event, milliseconds
+
+    bool operator==(const ServiceItem&) const = default;
+};
+
+/// Two agents that both live claim one board name.
+struct Conflict {
+    std::string holder;       ///< session whose description is the catalogue's
+    std::string other;        ///< session that is refused
+    std::string other_agent;  ///< what is known of the other's agent: host and client, for a person
+
+    bool operator==(const Conflict&) const = default;
+};
+
+struct BoardItem {
+    std::string board;
+    std::string state;     ///< effective
+    std::string said;      ///< what was last said, by the agent or its will
+    bool by_name = false;  ///< takes part with the published names only: no description
+    std::string session;
+    std::uint64_t seq = 0;
+    double lease = 0;  ///< seconds
+    double age = 0;    ///< seconds since anything was heard from it, when this was written
+    text::WallTime first_seen{};
+    text::WallTime last_seen{};
+    text::WallTime since{};  ///< when it came into `state`
+    std::string chip;
+    std::string sketch;
+    std::string protocol;  ///< "0.4"
+    std::string agent;     ///< host and client of its agent, for a person
+    std::string link;      ///< kind and path of the link, for a person
+    std::optional<Conflict> conflict;
+    std::vector<ServiceItem>
+        services;  ///< their `board` and `state` are left out on the wire and filled when parsed
+    /// JSON text of the whole $description as last received, where the query asked for it; else empty.
+    std::string description;
+
+    bool operator==(const BoardItem&) const = default;
+};
+
+/// One change of state that a registry with a history has kept.
+struct HistoryItem {
+    std::string board;
+    text::WallTime at{};
+    std::string what;    ///< "added", "state", "description", "conflict", "resolved", "forgotten"
+    std::string state;   ///< effective state after it
+    std::string was;     ///< before it; empty for other than "state"
+    std::string reason;  ///< as ChangeEvent::reason
+
+    bool operator==(const HistoryItem&) const = default;
+};
+
+/// As a row of a brief answer.
+BriefBoard brief_of(const BoardItem& board);
+
+/// What stands in "items" of an answer.
+nlohmann::json to_json(const BoardItem& item);
+nlohmann::json to_json(const ServiceItem& item, bool with_board = true);
+nlohmann::json to_json(const HistoryItem& item);
+
+/// Reads what registries write: a member that is missing or of another type is read as empty.
+BoardItem read_board_item(const nlohmann::json& object);
+ServiceItem read_service_item(const nlohmann::json& object);
+HistoryItem read_history_item(const nlohmann::json& object);
+
+}  // namespace asip::bus

@@ -1,0 +1,28 @@
+#pragma once
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "asip/expected.hpp"
+#include "asip/text/wall_time.hpp"
+
+/// Members of JSON objects that registries write. Reading is lenient: a member that is missing or of another
+/// type is read as empty. Writing leaves out what is empty.
+namespace asip::bus::members {
+
+std::string text_of(const nlohmann::json& object, const char* key);
+std::uint64_t number_of(const nlohmann::json& object, const char* key);
+double real_of(const nlohmann::json& object, const char* key);
+bool flag_of(const nlohmann::json& object, const char* key);
+std::optional<int> int_of(const nlohmann::json& object, const char* key);
+text::WallTime time_of(const nlohmann::json& object, const char* key);
+
+void put(nlohmann::json& object, const char* key, const std::string& value);
+void put(nlohmann::json& object, const char* key, text::WallTime value);
+
+/// The object that an answer or event is. Error: what it is instead.
+Expected<nlohmann::json> object_from(std::string_view payload);
+
+}  // namespace asip::bus::members
