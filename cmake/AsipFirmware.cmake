@@ -31,11 +31,14 @@ set(asip_library_sources
   asip/Extensions.cpp
   asip/IoService.cpp
   asip/Out.cpp
+  asip/PinInterrupts.cpp
   asip/Request.cpp
   asip/Service.cpp
   asip/ServoPulses.cpp
   asip/Sizes.cpp
-  asip/System.cpp)
+  asip/System.cpp
+  asip/Timers.cpp
+  asip/ToneTimer.cpp)
 
 function(asip_board_flags board out_flags out_variant)
   set(${out_variant} ${board})

@@ -5,7 +5,7 @@
 namespace asip {
 
 FlashText Bump::name() const {
-    return F("Bump");
+    return F("Bump Sensors");
 }
 
 void Bump::begin() {
@@ -19,8 +19,9 @@ Error Bump::processRequest(Request&) {
 }
 
 void Bump::reportValue(uint8_t index) {
-    const bool touched = board.ownsPin(pins_[index], *this) && digitalRead(pins_[index]) == LOW;
-    out.number(touched);
+    // One whose pin was not to be had is never touched.
+    const bool free = !board.ownsPin(pins_[index], *this) || digitalRead(pins_[index]) == HIGH;
+    out.number(free);
 }
 
 }  // namespace asip

@@ -1,4 +1,5 @@
-// Bump sensors, switches to ground: B,A,ms reports @B,e,2,{0,1}, 1 while something is touched.
+// Bump sensors, switches to ground: B,A,ms reports @B,e,2,{0,1}, 0 while something is touched, 1 while the
+// sensor is free.
 #pragma once
 
 #include "Asip.h"

@@ -2,46 +2,83 @@
 
 #ifdef ARDUINO
 
+#include "asip/PinInterrupts.h"
+
 namespace asip {
+
+static Encoders* counting;
 
 FlashText Encoders::name() const {
     return F("Encoders");
 }
 
 void Encoders::begin() {
-    for (uint8_t i = 0; i < 2 * count(); ++i) {
-        if (board.claimPin(pins_[i], *this) == Error::kNone) pinMode(pins_[i], INPUT_PULLUP);
-    }
-    for (uint8_t i = 0; i < count(); ++i)
+    noInterrupts();
+    counting = this;
+    needsPolling_ = false;
+    for (uint8_t i = 0; i < count(); ++i) {
         wheels_[i] = Wheel();
+        connect(i);
+    }
+    interrupts();
+}
+
+// An encoder of which a pin is not to be had stands still.
+void Encoders::connect(uint8_t encoder) {
+    const uint8_t* const pins = &pins_[2 * encoder];
+    for (uint8_t i = 0; i < 2; ++i) {
+        if (board.claimPin(pins[i], *this) != Error::kNone) return;
+        pinMode(pins[i], INPUT_PULLUP);
+    }
+    Wheel& wheel = wheels_[encoder];
+    wheel.first = portInputRegister(digitalPinToPort(pins[0]));
+    wheel.second = portInputRegister(digitalPinToPort(pins[1]));
+    wheel.secondMask = digitalPinToBitMask(pins[1]);
+    wheel.firstMask = digitalPinToBitMask(pins[0]);
+    wheel.wasHigh = *wheel.first & wheel.firstMask;
+    if (!PinInterrupts::enable(pins[0], PinInterrupts::kEncoders, onPinChange)) needsPolling_ = true;
 }
 
 Error Encoders::processRequest(Request&) {
     return Error::kUnknownRequest;
 }
 
+void Encoders::onPinChange() {
+    for (uint8_t i = 0; i < counting->count(); ++i) {
+        Wheel& wheel = counting->wheels_[i];
+        if (wheel.firstMask != 0) look(wheel);
+    }
+}
+
+void Encoders::look(Wheel& wheel) {
+    const bool high = *wheel.first & wheel.firstMask;
+    if (high == wheel.wasHigh) return;
+    wheel.wasHigh = high;
+    const bool other = *wheel.second & wheel.secondMask;
+    wheel.steps += high != other ? 1 : -1;
+    if (!high) return;
+    const uint32_t now = micros() | 1;
+    if (wheel.rose != 0) wheel.cycle = now - wheel.rose;
+    wheel.rose = now;
+}
+
 void Encoders::reportValue(uint8_t index) {
     Wheel& wheel = wheels_[index];
-    out.number(wheel.width);
-    out.character(':');
-    out.signedNumber(wheel.steps);
-    wheel.width = 0;
+    noInterrupts();
+    const int32_t steps = wheel.steps;
+    const uint32_t cycle = wheel.cycle;
     wheel.steps = 0;
+    interrupts();
+    out.longNumber(cycle);
+    out.character(':');
+    out.signedLongNumber(steps);
 }
 
 void Encoders::poll() {
-    for (uint8_t i = 0; i < count(); ++i) {
-        Wheel& wheel = wheels_[i];
-        const bool high = digitalRead(pins_[2 * i]);
-        if (high && !wheel.wasHigh) {
-            wheel.steps += digitalRead(pins_[2 * i + 1]) ? -1 : 1;
-            const uint32_t now = micros();
-            const uint32_t width = now - wheel.lastStep;
-            wheel.width = width > 65535 ? 65535 : static_cast<uint16_t>(width);
-            wheel.lastStep = now;
-        }
-        wheel.wasHigh = high;
-    }
+    if (!needsPolling_) return;
+    noInterrupts();
+    onPinChange();
+    interrupts();
 }
 
 }  // namespace asip

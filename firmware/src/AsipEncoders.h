@@ -2,22 +2,28 @@
 //
 //   asip::Encoders encoders(2, 4,  3, 12);      // encoder 0, encoder 1
 //
-// E,A,ms reports @E,e,2,{3000:11,3100:-12}: microseconds between the last two steps, and steps since the last
-// event, negative backwards. A step is a rising edge of the first pin; the loop looks for it, so it must be
-// high and low for longer than one pass: 0.2 ms are enough.
+// E,A,ms reports @E,e,2,{3000:11,3100:-12}: microseconds that the last whole cycle of the first pin took, and
+// steps since the last event, negative backwards. A step is an edge of the first pin: two in each cycle.
+// Steps are counted by interrupts, whatever the board is doing: up to 8,000 cycles a second in all. On a pin
+// without one (on a Mega all but 0, 2, 3, 10 to 15, 18 to 21, 50 to 53 and A8 to A15; on a Leonardo all but 0
+// to 3, 7 to 11 and 14 to 17) the loop looks for them: 1,000 a second.
 #pragma once
 
 #include "Asip.h"
 
 namespace asip {
 
+// At most one on a board.
 class Encoders : public Service {
   public:
     static constexpr uint8_t kMaxEncoders = 4;
 
     template <typename... Pins>
     constexpr explicit Encoders(Pins... pins)
-        : Service('E', sizeof...(Pins) / 2), pins_{static_cast<uint8_t>(pins)...}, wheels_() {
+        : Service('E', sizeof...(Pins) / 2),
+          pins_{static_cast<uint8_t>(pins)...},
+          wheels_(),
+          needsPolling_(false) {
         static_assert(sizeof...(Pins) % 2 == 0, "an encoder has two pins");
         static_assert(sizeof...(Pins) <= 2 * kMaxEncoders, "too many encoders");
     }
@@ -30,14 +36,23 @@ class Encoders : public Service {
 
   private:
     struct Wheel {
-        int16_t steps;
-        uint16_t width;
-        uint32_t lastStep;
+        volatile uint8_t* first;
+        volatile uint8_t* second;
+        uint8_t firstMask;
+        uint8_t secondMask;
         bool wasHigh;
+        int32_t steps;
+        uint32_t cycle;  // microseconds
+        uint32_t rose;   // when; 0: not yet
     };
+
+    static void onPinChange();
+    void connect(uint8_t encoder);
+    static void look(Wheel& wheel);
 
     uint8_t pins_[2 * kMaxEncoders];
     Wheel wheels_[kMaxEncoders];
+    bool needsPolling_;  // a pin has no interrupt
 };
 
 }  // namespace asip

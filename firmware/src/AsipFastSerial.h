@@ -9,6 +9,7 @@
 
 #include "asip/Config.h"
 #include "asip/Line.h"
+#include "asip/Rates.h"
 
 #if defined(UDR0)
 #define ASIP_UART(name) name##0
@@ -124,18 +125,25 @@ bool idle() {
     return true;
 }
 
-// 57600 without double speed, 2.1 % fast, as the USB chips of Arduino boards do it; the others are exact or
-// (115200) as close.
+// Divisor at double speed, 0 for a rate that is not to be had. A byte has to leave 160 cycles for its
+// interrupt.
+template <uint32_t kBaud>
+constexpr uint8_t fastDivisor() {
+    return kBaud <= F_CPU / 16 && canDivideTo(F_CPU / 8, kBaud)
+               ? static_cast<uint8_t>(divisorFor(F_CPU / 8, kBaud) - 1)
+               : 0;
+}
+
 static uint8_t divisor(uint16_t hundreds) {
     switch (hundreds) {
         case 1152:
-            return F_CPU / 8 / 115200 - 1;
+            return fastDivisor<115200>();
         case 2500:
-            return F_CPU / 8 / 250000 - 1;
+            return fastDivisor<250000>();
         case 5000:
-            return F_CPU / 8 / 500000 - 1;
+            return fastDivisor<500000>();
         case 10000:
-            return F_CPU / 8 / 1000000 - 1;
+            return fastDivisor<1000000>();
         default:
             return 0;
     }
@@ -145,15 +153,28 @@ bool isRate(uint16_t hundreds) {
     return hundreds == kDefaultRate || divisor(hundreds) != 0;
 }
 
+// The default rate without double speed where that comes close enough: 2.1 % fast at 16 MHz, as the USB chips
+// of Arduino boards do it. At 8 MHz it takes double speed.
+static constexpr bool kDefaultIsFast = !canDivideTo(F_CPU / 16, kDefaultRate * 100UL);
+static constexpr uint8_t kDefaultDivisor =
+    divisorFor(kDefaultIsFast ? F_CPU / 8 : F_CPU / 16, kDefaultRate * 100UL) - 1;
+static_assert(canDivideTo(kDefaultIsFast ? F_CPU / 8 : F_CPU / 16, kDefaultRate * 100UL),
+              "57600 baud cannot be made from this clock");
+
 void setRate(uint16_t hundreds) {
     rxTail = rxHead;
     const uint8_t fast = divisor(hundreds);
-    ASIP_UCSRA = fast != 0 ? kDoubleSpeed : 0;
-    ASIP_UBRR = fast != 0 ? fast : F_CPU / 1600 / kDefaultRate - 1;
+    ASIP_UCSRA = kDefaultIsFast || fast != 0 ? kDoubleSpeed : 0;
+    ASIP_UBRR = fast != 0 ? fast : kDefaultDivisor;
 }
 
 bool usesPin(uint8_t pin) {
+#if defined(__AVR_ATmega1284P__) || defined(__AVR_ATmega1284__) || defined(__AVR_ATmega644P__) || \
+    defined(__AVR_ATmega644__)
+    return digitalPinToPort(pin) == PD && digitalPinToBitMask(pin) <= 2;  // wherever the core numbers them
+#else
     return pin < 2;
+#endif
 }
 
 }  // namespace line

@@ -2,6 +2,8 @@
 
 #ifdef ARDUINO
 
+#include "asip/Hardware.h"
+
 namespace asip {
 
 FlashText Motors::name() const {
@@ -13,11 +15,18 @@ void Motors::begin() {
     for (uint8_t i = 0; i < 3 * used_; ++i) {
         if (board.claimPin(pins_[i], *this) != Error::kNone) available_ = false;
     }
-    if (!available_) return;
+    if (!isAvailable()) return;
     for (uint8_t i = 0; i < 3 * used_; ++i)
         pinMode(pins_[i], OUTPUT);
     for (uint8_t motor = 0; motor < used_; ++motor)
         setPower(motor, 0);
+}
+
+// Looked at anew each time: the service that takes a timer may begin after this one.
+bool Motors::isAvailable() const {
+    for (uint8_t motor = 0; motor < used_; ++motor)
+        if (hw::losesPwm(pins_[3 * motor + 2])) return false;
+    return available_;
 }
 
 void Motors::setPower(uint8_t motor, int16_t power) {
@@ -32,12 +41,12 @@ Error Motors::processRequest(Request& request) {
     uint16_t motor = 0;
     int16_t powers[2] = {0, 0};
     if (tag == 'm' || tag == 's') motor = request.number();
-    if (tag == 'm' || tag == 'M') powers[0] = request.signedNumber(255);
-    if (tag == 'M') powers[1] = request.signedNumber(255);
+    if (tag == 'm' || tag == 'M') powers[0] = request.clampedSignedNumber(255);
+    if (tag == 'M') powers[1] = request.clampedSignedNumber(255);
     if (tag != 'm' && tag != 's' && tag != 'M' && tag != 'S') return Error::kUnknownRequest;
     if (!request.complete()) return Error::kBadArgument;
     if (motor >= used_ || (tag == 'M' && used_ < 2)) return Error::kInvalidDeviceNumber;
-    if (!available_) return Error::kDeviceNotAvailable;
+    if (!isAvailable()) return Error::kDeviceNotAvailable;
     if (tag == 'm' || tag == 's') {
         setPower(static_cast<uint8_t>(motor), powers[0]);
         return Error::kNone;

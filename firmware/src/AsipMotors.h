@@ -2,7 +2,9 @@
 //
 //   asip::Motors motors(7, 8, 5,  12, 13, 6);      // motor 0, motor 1
 //
-// M,m,motor,power (-255 to 255), M,M,power0,power1, M,s,motor stops one, M,S stops all.
+// M,m,motor,power (-255 to 255), M,M,power0,power1, M,s,motor stops one, M,S stops all. They are not
+// available if a pin was not to be had, or if the PWM of a power pin comes from a timer that another service
+// uses (servos, tone).
 #pragma once
 
 #include "Asip.h"
@@ -26,6 +28,7 @@ class Motors : public Service {
 
   private:
     void setPower(uint8_t motor, int16_t power);
+    bool isAvailable() const;
 
     uint8_t pins_[3 * kMaxMotors];
     uint8_t used_;

@@ -7,22 +7,24 @@ namespace asip {
 static constexpr uint16_t kWarmMicroseconds = 200;  // until the sensors show the light
 
 FlashText Reflectance::name() const {
-    return F("Reflectance");
+    return F("IR Sensors");
 }
 
 void Reflectance::begin() {
     warming_ = false;
-    if (board.claimPin(emitter_, *this) == Error::kNone) pinMode(emitter_, OUTPUT);
-    for (uint8_t i = 0; i < count(); ++i)
+    // Without emitters there is nothing to report.
+    const bool available = board.claimPin(emitter_, *this) == Error::kNone;
+    setCount(available ? sensors_ : 0);
+    if (available) pinMode(emitter_, OUTPUT);
+    for (uint8_t i = 0; i < sensors_; ++i)
         board.claimPin(pins_[i], *this);
 }
 
-Error Reflectance::processRequest(Request&) {
-    return Error::kUnknownRequest;
+Error Reflectance::processRequest(Request& request) {
+    return request.tag() == 'A' ? Error::kDeviceNotAvailable : Error::kUnknownRequest;
 }
 
 void Reflectance::reportValues() {
-    if (!board.ownsPin(emitter_, *this)) return;
     digitalWrite(emitter_, HIGH);
     warming_ = true;
     since_ = static_cast<uint16_t>(micros());

@@ -3,7 +3,7 @@
 //
 //   asip::Reflectance reflectance(4, A0, A1, A2);      // emitters on pin 4
 //
-// R,A,ms reports @R,e,3,{100,200,300}, 0 to 1023.
+// R,A,ms reports @R,e,3,{100,200,300}, 0 to 1023. If the emitters' pin was not to be had, R,A is refused.
 #pragma once
 
 #include "Asip.h"
@@ -19,6 +19,7 @@ class Reflectance : public Service {
         : Service('R', sizeof...(Pins)),
           pins_{static_cast<uint8_t>(pins)...},
           emitter_(emitter),
+          sensors_(sizeof...(Pins)),
           warming_(false),
           since_(0) {
         static_assert(sizeof...(Pins) <= kMaxSensors, "too many sensors");
@@ -34,6 +35,7 @@ class Reflectance : public Service {
   private:
     uint8_t pins_[kMaxSensors];
     uint8_t emitter_;
+    uint8_t sensors_;
     bool warming_;
     uint16_t since_;
 };

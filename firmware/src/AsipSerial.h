@@ -12,6 +12,7 @@
 
 #include "asip/Config.h"
 #include "asip/Line.h"
+#include "asip/Rates.h"
 
 #ifndef ASIP_SERIAL
 #define ASIP_SERIAL Serial
@@ -37,8 +38,13 @@ bool idle() {
 }  // setRate() waits
 
 bool isRate(uint16_t hundreds) {
-    return hundreds == kDefaultRate || hundreds == 1152 || hundreds == 2500 || hundreds == 5000 ||
-           hundreds == 10000;
+    const bool known = hundreds == 1152 || hundreds == 2500 || hundreds == 5000 || hundreds == 10000;
+#if defined(__AVR__) && !defined(USBCON)
+    return hundreds == kDefaultRate ||
+           (known && hundreds * 100UL <= F_CPU / 16 && canDivideTo(F_CPU / 8, hundreds * 100UL));
+#else
+    return hundreds == kDefaultRate || known;
+#endif
 }
 
 void setRate(uint16_t hundreds) {
@@ -52,6 +58,9 @@ bool usesPin(uint8_t pin) {
 #if defined(USBCON)
     (void)pin;
     return false;
+#elif defined(__AVR_ATmega1284P__) || defined(__AVR_ATmega1284__) || defined(__AVR_ATmega644P__) || \
+    defined(__AVR_ATmega644__)
+    return digitalPinToPort(pin) == PD && digitalPinToBitMask(pin) <= 2;
 #else
     return pin < 2;
 #endif

@@ -1,6 +1,13 @@
 #include "AsipServos.h"
 
+#include "asip/Hardware.h"
+
 namespace asip {
+
+// In half microseconds: 1088, and 3712 more over 180 degrees.
+static uint16_t pulseWidth(uint8_t angle) {
+    return static_cast<uint16_t>(1088 + angle * 20 + angle * 28 / 45);
+}
 
 FlashText Servos::name() const {
     return F("Servos");
@@ -8,12 +15,15 @@ FlashText Servos::name() const {
 
 void Servos::begin() {
     ServoPulses::stop();
+    hw::takeTimer(hw::kTimer1);
     available_ = true;
     for (uint8_t i = 0; i < used_; ++i) {
         if (board.claimPin(pins_[i], *this) != Error::kNone) available_ = false;
     }
-    for (uint8_t i = 0; available_ && i < used_; ++i)
+    for (uint8_t i = 0; available_ && i < used_; ++i) {
         ServoPulses::add(pins_[i]);
+        ServoPulses::setWidth(i, pulseWidth(90));
+    }
 }
 
 Error Servos::processRequest(Request& request) {
@@ -24,12 +34,11 @@ Error Servos::processRequest(Request& request) {
 
 Error Servos::write(Request& request) {
     const uint16_t servo = request.number();
-    const uint16_t angle = request.number(180);
+    const uint16_t angle = request.clampedNumber(180);
     if (!request.complete()) return Error::kBadArgument;
     if (servo >= used_) return Error::kInvalidDeviceNumber;
     if (!available_) return Error::kDeviceNotAvailable;
-    // In half microseconds: 1088, and 3712 more over 180 degrees.
-    ServoPulses::setWidth(static_cast<uint8_t>(servo), 1088 + angle * 20 + angle * 28 / 45);
+    ServoPulses::setWidth(static_cast<uint8_t>(servo), pulseWidth(static_cast<uint8_t>(angle)));
     return Error::kNone;
 }
 

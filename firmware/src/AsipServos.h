@@ -1,10 +1,11 @@
 // Servos on any pins: S,W,servo,angle turns one to 0..180 degrees (pulses of 544 to 2400 microseconds, every
-// 20 ms); S,M,count,pin,... puts the servos on other pins. A servo gets no pulses, and stays where it is,
-// until its first S,W.
+// 20 ms); S,M,count,pin,... puts the servos on other pins. At start, and on other pins, they turn to the
+// middle.
 //
 //   asip::Servos servos(9, 10);
 //
-// Timer 1 makes the pulses: with servos, its pins (Uno and Leonardo 9 and 10, Mega 11 and 12) have no PWM.
+// Timer 1 makes the pulses: with servos, its pins (Uno 9 and 10, Leonardo 9 to 11, Mega 11 to 13) have no PWM
+// but where another timer makes it (Leonardo 10 and 11, Mega 13).
 #pragma once
 
 #include "Asip.h"

@@ -2,6 +2,9 @@
 
 #ifdef ARDUINO
 
+#include "asip/Hardware.h"
+#include "asip/ToneTimer.h"
+
 namespace asip {
 
 static constexpr uint16_t kLowestHertz = 31;  // what the timer can do
@@ -11,7 +14,8 @@ FlashText Tone::name() const {
 }
 
 void Tone::begin() {
-    noTone(pin_);
+    hw::takeTimer(ToneTimer::kTimer);
+    ToneTimer::stop(pin_);
     board.claimPin(pin_, *this);
 }
 
@@ -21,11 +25,10 @@ Error Tone::processRequest(Request& request) {
     const uint16_t milliseconds = request.number();
     if (!request.complete() || (hertz != 0 && hertz < kLowestHertz)) return Error::kBadArgument;
     if (!board.ownsPin(pin_, *this)) return Error::kDeviceNotAvailable;
-    // To tone() a duration of 0 is for ever.
     if (hertz == 0 || milliseconds == 0) {
-        noTone(pin_);
+        ToneTimer::stop(pin_);
     } else {
-        tone(pin_, hertz, milliseconds);
+        ToneTimer::start(pin_, hertz, milliseconds);
     }
     return Error::kNone;
 }

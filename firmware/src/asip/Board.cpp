@@ -8,9 +8,14 @@ Board board;
 
 void Board::add(Service& service) {
     Service* last = &io_;
-    while (last->next_ != nullptr)
+    for (uint8_t number = 1; number <= kMaxServices; ++number) {
+        if (last->next_ == nullptr) {
+            last->next_ = &service;
+            return;
+        }
         last = last->next_;
-    last->next_ = &service;
+        if (last == &service) return;
+    }
 }
 
 void Board::begin(FlashText sketch) {
@@ -39,11 +44,7 @@ void Board::restart() {
 }
 
 void Board::run() {
-    if (job_ == Job::kNone) {
-        receive();
-    } else {
-        continueJob();
-    }
+    work();
     io_.pollInputs();
     const uint8_t now = hw::milliseconds();
     const uint8_t elapsed = static_cast<uint8_t>(now - lastMs_);
@@ -53,13 +54,31 @@ void Board::run() {
         service->poll();
 }
 
+// No request is executed before the line can take its answer: a flood of requests holds up nothing else.
+void Board::work() {
+    if (!out.hasRoomForPiece()) return;
+    if (out.isHeld() && job_ != kSwitchRate) return continueList();
+    if (kExtensions && job_ != kNoJob) return continueExtension();
+    receive();
+}
+
 void Board::tick(uint8_t elapsedMs) {
-    for (Service* service = &io_; service != nullptr; service = service->next_) {
-        if (!service->countDown(elapsedMs) || !out.hasRoom()) continue;
-        service->reload();
-        service->reportValues();
-    }
+    for (Service* service = &io_; service != nullptr; service = service->next_)
+        service->countDown(elapsedMs);
+    reportWhatIsDue();
     if (kExtensions) countRateTrial(elapsedMs);
+}
+
+// Begins behind the service that reported last: one with a short period must not silence the others.
+void Board::reportWhatIsDue() {
+    Service* const last = listService_ == nullptr ? &io_ : listService_;
+    Service* service = last;
+    do {
+        service = service->next_ == nullptr ? &io_ : service->next_;
+        if (!service->isDue() || !out.hasRoom()) continue;
+        service->setDue(false);
+        service->reportValues();
+    } while (service != last);
 }
 
 // Reads until a request is complete: what follows it waits, in the line's own buffer, for the next pass.
@@ -100,7 +119,8 @@ void Board::execute() {
     if (io_.executePrepared()) return;
     const bool spoiled = length & kSpoiled;
     length &= static_cast<uint8_t>(~kSpoiled);
-    if (length != 0 && line_[length - 1] == '\r') --length;
+    while (length != 0 && (line_[length - 1] == '\r' || line_[length - 1] == ' '))
+        --length;
     line_[length] = '\0';
     if (line_[0] == '!' || (length == 0 && !spoiled)) return;
     if (kExtensions && out.usesChecksum() && !acceptChecksum(length)) {
@@ -109,7 +129,8 @@ void Board::execute() {
     const Error error = spoiled ? Error::kBadArgument : process(length);
     if (error == Error::kNone) return;
     const char id = line_[0];
-    if (id != '#' && find(id) == nullptr) return out.error('Q', '?', Error::kInvalidService);
+    if (id != '#' && find(id) == nullptr)
+        return out.error(id >= 'A' && id <= 'Z' ? id : 'Q', '?', Error::kInvalidService);
     out.error(id, length < 3 ? '?' : printable(line_[2]), error);
 }
 
@@ -167,19 +188,11 @@ void Board::releasePins(const Service& service) {
 }
 
 void Board::info(FlashText text) {
-    while (job_ == Job::kList)
-        continueList();
+    while (out.isHeld())
+        work();
     out.character('!');
     out.text(text);
     out.end();
-}
-
-void Board::continueJob() {
-    if (job_ == Job::kList) {
-        continueList();
-    } else if (kExtensions) {
-        continueExtension();
-    }
 }
 
 void Board::sendList(Service& service, char tag, uint8_t count) {
@@ -192,23 +205,19 @@ void Board::startList(Service* service, char id, char tag, uint8_t count) {
     out.number(count);
     out.character(',');
     out.character('{');
-    out.setInList(true);
+    out.hold(true);
     listService_ = service;
     listTag_ = tag;
     listIndex_ = 0;
     listCount_ = count;
-    job_ = Job::kList;
 }
 
 // One element a pass: those of an analog event take a conversion each, 110 microseconds.
 void Board::continueList() {
-    if (!out.hasRoomForElement()) return;
     if (listIndex_ == listCount_) {
         out.character('}');
         out.end();
-        out.setInList(false);
-        job_ = Job::kNone;
-        return;
+        return out.hold(false);
     }
     if (listIndex_ != 0) out.character(',');
     if (listService_ != nullptr) {

@@ -9,7 +9,8 @@ namespace asip {
 
 class Board {
   public:
-    // Adds a service, which must outlive the board; before start. At most 15.
+    // Adds a service, which must outlive the board; before start. One that is there already, and a sixteenth,
+    // is not added.
     void add(Service& service);
 
     // Strict mode: begin() leaves every free pin unallocated and sends no analog events.
@@ -46,16 +47,20 @@ class Board {
 
   private:
     static constexpr uint8_t kSpoiled = 128;
+    static constexpr uint8_t kMaxServices = 15;  // and I: a pin's owner is kept in four bits
 
-    // What keeps the next request waiting.
-    enum class Job : uint8_t { kNone, kList, kStoreName, kSwitchRate };
+    // What keeps the next request waiting when its answer is not a list. From kStoreName on it counts the
+    // bytes that have been stored.
+    enum : uint8_t { kNoJob, kSwitchRate, kStoreName };
 
+    void work();
     void receive();
     bool collect(char c);
     void execute();
     Error process(uint8_t length);
     Error dispatch(Service& service, Request& request);
     void tick(uint8_t elapsedMs);
+    void reportWhatIsDue();
     void restart();
 
     Service* find(char id);
@@ -63,7 +68,6 @@ class Board {
     uint8_t numberOf(const Service& service) const;
     uint8_t countServices() const;
 
-    void continueJob();
     void startList(Service* service, char id, char tag, uint8_t count);
     void continueList();
 
@@ -89,11 +93,11 @@ class Board {
     char line_[kMaxRequestLength + 1];
     uint8_t length_;  // collected so far; with kSpoiled if it cannot be executed
     uint8_t lastMs_;
-    Job job_;
+    uint8_t job_;
     char listTag_;
-    uint8_t listIndex_;  // also counts through the name being stored
+    uint8_t listIndex_;
     uint8_t listCount_;
-    Service* listService_;  // null: the system
+    Service* listService_;  // of the last list; null: the system
     uint16_t rateTrialMs_;  // left to hear a fence at a new rate; 0 when none is on trial
 };
 

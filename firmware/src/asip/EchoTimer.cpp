@@ -3,6 +3,8 @@
 #ifdef ARDUINO
 #include <Arduino.h>
 
+#include "PinInterrupts.h"
+
 namespace asip {
 
 static constexpr uint16_t kTimeoutMicroseconds = 25000;  // 4 m there and back, and a margin
@@ -19,17 +21,6 @@ static bool isHigh() {
     return *portInputRegister(echoPort) & echoMask;
 }
 
-static void useInterrupt(bool on) {
-    if (digitalPinToPCICR(echoPin) == nullptr) return;
-    const uint8_t bit = _BV(digitalPinToPCMSKbit(echoPin));
-    if (on) {
-        *digitalPinToPCMSK(echoPin) |= bit;
-        *digitalPinToPCICR(echoPin) |= _BV(digitalPinToPCICRbit(echoPin));
-    } else {
-        *digitalPinToPCMSK(echoPin) &= static_cast<uint8_t>(~bit);
-    }
-}
-
 static void trigger() {
     pinMode(echoPin, OUTPUT);
     digitalWrite(echoPin, HIGH);
@@ -38,7 +29,7 @@ static void trigger() {
     pinMode(echoPin, INPUT);
     since = now();
     phase = kBeforeEcho;
-    useInterrupt(true);
+    PinInterrupts::enable(echoPin, PinInterrupts::kEcho, EchoTimer::onPinChange);
 }
 
 void EchoTimer::start(uint8_t pin) {
@@ -50,7 +41,7 @@ void EchoTimer::start(uint8_t pin) {
 }
 
 void EchoTimer::stop() {
-    if (phase != kStopped) useInterrupt(false);
+    if (phase != kStopped) PinInterrupts::disable(echoPin);
     phase = kStopped;
 }
 
@@ -80,15 +71,5 @@ void EchoTimer::onPinChange() {
 }
 
 }  // namespace asip
-
-ISR(PCINT0_vect) {
-    asip::EchoTimer::onPinChange();
-}
-#if defined(PCINT1_vect)
-ISR(PCINT1_vect, ISR_ALIASOF(PCINT0_vect));
-#endif
-#if defined(PCINT2_vect)
-ISR(PCINT2_vect, ISR_ALIASOF(PCINT0_vect));
-#endif
 
 #endif

@@ -103,9 +103,7 @@ Error Board::identity(Request& request) {
     if (length == 0 || length > kMaxNameLength) return Error::kBadArgument;
     // What these mean in the topics of the bus no board may be called.
     if (equals(name, F("servicebus")) || equals(name, F("registry"))) return Error::kBadArgument;
-    listIndex_ = 0;
-    listCount_ = length;
-    job_ = Job::kStoreName;
+    job_ = kStoreName;
     return Error::kNone;
 }
 
@@ -113,20 +111,15 @@ Error Board::identity(Request& request) {
 void Board::storeName() {
     if (!hw::eepromReady()) return;
     const char* const name = line_ + kArgument;
-    const uint8_t index = listIndex_++;
-    if (index < listCount_) return hw::writeEeprom(kNameAddress + index, static_cast<uint8_t>(name[index]));
-    if (index == listCount_) {
-        uint8_t check = static_cast<uint8_t>(0x5A ^ listCount_);
-        for (uint8_t i = 0; i < listCount_; ++i)
-            check ^= static_cast<uint8_t>(name[i]);
-        return hw::writeEeprom(kCheckAddress, check);
-    }
-    if (index == listCount_ + 1) return hw::writeEeprom(kLengthAddress, listCount_);
-    if (!out.hasRoom()) {
-        --listIndex_;
-        return;
-    }
-    job_ = Job::kNone;
+    const uint8_t index = static_cast<uint8_t>(job_++ - kStoreName);
+    uint8_t length = 0;
+    uint8_t check = 0x5A;
+    for (; name[length] != '\0'; ++length)
+        check ^= static_cast<uint8_t>(name[length]);
+    if (index < length) return hw::writeEeprom(kNameAddress + index, static_cast<uint8_t>(name[index]));
+    if (index == length) return hw::writeEeprom(kCheckAddress, check ^ length);
+    if (index == length + 1) return hw::writeEeprom(kLengthAddress, length);
+    job_ = kNoJob;
     sendName();
 }
 
@@ -148,18 +141,20 @@ Error Board::lineRate(Request& request) {
     out.character(',');
     out.text(text);
     out.end();
-    job_ = Job::kSwitchRate;
+    job_ = kSwitchRate;
+    out.hold(true);  // what came now would keep the line from falling idle
     return Error::kNone;
 }
 
 void Board::continueExtension() {
-    if (job_ == Job::kStoreName) return storeName();
+    if (job_ != kSwitchRate) return storeName();
     if (!line::idle()) return;
     // The request is still in its line, where no other is collected meanwhile.
     const uint16_t hundreds = parseRate(line_ + kArgument);
     line::setRate(hundreds);
     rateTrialMs_ = hundreds == kDefaultRate ? 0 : kRateTrialMs;
-    job_ = Job::kNone;
+    job_ = kNoJob;
+    out.hold(false);
 }
 
 void Board::countRateTrial(uint8_t elapsedMs) {

@@ -11,8 +11,6 @@ FlashText IoService::name() const {
 
 void IoService::begin() {
     preparedPin_ = kNoPin;
-    for (uint8_t port = 0; port < kPorts; ++port)
-        inputs_[port] = 0;
     for (uint8_t pin = 0; pin < hw::kPins; ++pin) {
         if (line::usesPin(pin)) {
             modes_[pin] = static_cast<uint8_t>(PinMode::kReserved);
@@ -44,20 +42,18 @@ Error IoService::claim(uint8_t pin, uint8_t owner) {
 }
 
 uint8_t IoService::capabilities(uint8_t pin) {
-    uint8_t bits = 1;
-    if (hw::isAnalog(pin)) bits |= 2;
-    if (hw::hasPwm(pin)) bits |= 4;
+    uint8_t bits = hw::isAnalogOnly(pin) ? 0 : kDigital;
+    if (hw::isAnalog(pin)) bits |= kAnalogInput;
+    if (hw::hasPwm(pin)) bits |= kPwmOutput;
     return bits;
 }
 
 Error IoService::processRequest(Request& request) {
     switch (request.tag()) {
         case 'd':
-            return digitalRequest(request);
         case 'a':
-            return pwmRequest(request);
         case 'P':
-            return modeRequest(request);
+            return pinRequest(request);
         case 'M':
         case 'p':
         case 'c':
@@ -67,6 +63,17 @@ Error IoService::processRequest(Request& request) {
         default:
             return Error::kUnknownRequest;
     }
+}
+
+Error IoService::pinRequest(Request& request) {
+    const uint16_t pin = request.number();
+    const uint8_t value = static_cast<uint8_t>(request.number(255));
+    if (!request.complete()) return Error::kBadArgument;
+    if (pin >= hw::kPins) return Error::kInvalidPin;
+    if (request.tag() == 'd') return writeDigital(static_cast<uint8_t>(pin), value);
+    if (request.tag() == 'a') return writePwm(static_cast<uint8_t>(pin), value);
+    if (value > static_cast<uint8_t>(PinMode::kPwm)) return Error::kInvalidMode;
+    return setMode(static_cast<uint8_t>(pin), static_cast<PinMode>(value));
 }
 
 Error IoService::listRequest(Request& request, uint8_t count) {
@@ -80,13 +87,9 @@ bool IoService::canWrite(uint8_t pin) const {
     return now >= PinMode::kInput && now <= PinMode::kOutput;
 }
 
-Error IoService::digitalRequest(Request& request) {
-    const uint16_t pin = request.number();
-    const uint16_t high = request.number(1);
-    if (!request.complete()) return Error::kBadArgument;
-    if (pin >= hw::kPins) return Error::kInvalidPin;
-    if (!canWrite(static_cast<uint8_t>(pin))) return Error::kWrongMode;
-    hw::writePin(static_cast<uint8_t>(pin), high != 0);
+Error IoService::writeDigital(uint8_t pin, uint8_t high) {
+    if (!canWrite(pin)) return Error::kWrongMode;
+    hw::writePin(pin, high != 0);
     return Error::kNone;
 }
 
@@ -115,32 +118,21 @@ bool IoService::executePrepared() {
     return true;
 }
 
-Error IoService::pwmRequest(Request& request) {
-    const uint16_t pin = request.number();
-    const uint16_t duty = request.number(255);
-    if (!request.complete()) return Error::kBadArgument;
-    if (pin >= hw::kPins) return Error::kInvalidPin;
-    if (mode(static_cast<uint8_t>(pin)) != PinMode::kPwm) return Error::kWrongMode;
-    hw::writePwm(static_cast<uint8_t>(pin), static_cast<uint8_t>(duty));
+// As 0.4 does: the pin need not be in PWM mode before, only free.
+Error IoService::writePwm(uint8_t pin, uint8_t duty) {
+    if (setMode(pin, PinMode::kPwm) != Error::kNone) return Error::kInvalidPin;
+    hw::writePwm(pin, duty);
     return Error::kNone;
 }
 
-Error IoService::modeRequest(Request& request) {
-    const uint16_t pin = request.number();
-    const uint16_t mode = request.number(255);
-    if (!request.complete()) return Error::kBadArgument;
-    if (pin >= hw::kPins) return Error::kInvalidPin;
-    return setMode(static_cast<uint8_t>(pin), static_cast<uint8_t>(mode));
-}
-
-Error IoService::setMode(uint8_t pin, uint8_t mode) {
-    if (mode > static_cast<uint8_t>(PinMode::kPwm)) return Error::kInvalidMode;
-    if (!isFree(pin)) return Error::kModeUnavailable;
-    const PinMode wanted = static_cast<PinMode>(mode);
+Error IoService::setMode(uint8_t pin, PinMode wanted) {
     const uint8_t has = capabilities(pin);
-    if (wanted == PinMode::kAnalog && !(has & 2)) return Error::kModeUnavailable;
-    if (wanted == PinMode::kPwm && !(has & 4)) return Error::kModeUnavailable;
-    if (this->mode(pin) == PinMode::kPwm) hw::writePin(pin, false);
+    if (!isFree(pin) || (wanted == PinMode::kAnalog && !(has & kAnalogInput)) ||
+        (wanted == PinMode::kPwm && !(has & kPwmOutput)))
+        return Error::kModeUnavailable;
+    if (hw::kHasAnalogOnlyPins && wanted >= PinMode::kInput && wanted <= PinMode::kOutput &&
+        !(has & kDigital))
+        return Error::kModeUnavailable;
     apply(pin, wanted);
     if (wanted == PinMode::kInput || wanted == PinMode::kPullUp) {
         const uint8_t port = static_cast<uint8_t>(hw::portOf(pin) - hw::kFirstPort);
@@ -150,9 +142,12 @@ Error IoService::setMode(uint8_t pin, uint8_t mode) {
 }
 
 void IoService::apply(uint8_t pin, PinMode mode) {
+    // Ends a PWM that is on, whoever takes the pin now.
+    if (this->mode(pin) == PinMode::kPwm && mode != PinMode::kPwm) hw::writePin(pin, false);
+    modes_[pin] = static_cast<uint8_t>(mode);
+    if (hw::isAnalogOnly(pin)) return;
     const uint8_t port = static_cast<uint8_t>(hw::portOf(pin) - hw::kFirstPort);
     const uint8_t mask = hw::maskOf(pin);
-    modes_[pin] = static_cast<uint8_t>(mode);
     const bool isInput = mode == PinMode::kInput || mode == PinMode::kPullUp;
     if (mode == PinMode::kPullUp) {
         hw::setPullUp(pin);
@@ -161,10 +156,9 @@ void IoService::apply(uint8_t pin, PinMode mode) {
     } else {
         hw::setInput(pin);
     }
-    // A pin's level counts as reported when it becomes an input; what it does later is an event.
+    // A pin counts as reported low when it becomes an input: one that is high is an event.
     inputs_[port] = static_cast<uint8_t>(isInput ? inputs_[port] | mask : inputs_[port] & ~mask);
-    const uint8_t level = static_cast<uint8_t>(isInput ? hw::readPort(hw::portOf(pin)) & mask : 0);
-    levels_[port] = static_cast<uint8_t>((levels_[port] & ~mask) | level);
+    levels_[port] = static_cast<uint8_t>(levels_[port] & ~mask);
 }
 
 void IoService::pollInputs() {

@@ -19,14 +19,9 @@ enum class PinMode : uint8_t {
 
 class IoService : public Service {
   public:
-    constexpr IoService()
-        : Service('I', 1),
-          modes_(),
-          inputs_(),
-          levels_(),
-          preparedPin_(kNoPin),
-          preparedLevel_(0),
-          strict_(false) {}
+    // Part of the one board, whose memory is zero before: writing the zeros again would take 60 bytes of
+    // flash.
+    IoService() : Service('I', 1) {}
 
     FlashText name() const override;
     void begin() override;
@@ -59,16 +54,16 @@ class IoService : public Service {
     Error claim(uint8_t pin, uint8_t owner);
     void release(uint8_t owner);
 
-    // Bit 1 digital, 2 analog input, 4 PWM.
+    static constexpr uint8_t kDigital = 1, kAnalogInput = 2, kPwmOutput = 4;
     static uint8_t capabilities(uint8_t pin);
 
   private:
     // Kept apart from one another: in one function they would each pay for the registers of all.
-    Error digitalRequest(Request& request) __attribute__((noinline));
-    Error pwmRequest(Request& request) __attribute__((noinline));
-    Error modeRequest(Request& request) __attribute__((noinline));
+    Error pinRequest(Request& request) __attribute__((noinline));
+    Error writeDigital(uint8_t pin, uint8_t high);
+    Error writePwm(uint8_t pin, uint8_t duty) __attribute__((noinline));
     Error listRequest(Request& request, uint8_t count);
-    Error setMode(uint8_t pin, uint8_t mode);
+    Error setMode(uint8_t pin, PinMode wanted);
     void free(uint8_t pin);
     bool canWrite(uint8_t pin) const;
     void apply(uint8_t pin, PinMode mode);

@@ -6,8 +6,6 @@ namespace asip {
 
 Out out;
 
-static constexpr uint8_t kShortLine = 15;  // @I,d,11,FF*HH and its line end
-
 void Out::character(char c) {
     if (kExtensions) checksum_ ^= static_cast<uint8_t>(c);
     line::write(static_cast<uint8_t>(c));
@@ -48,6 +46,26 @@ void Out::signedNumber(int16_t value) {
         magnitude = static_cast<uint16_t>(-magnitude);
     }
     number(magnitude);
+}
+
+void Out::longNumber(uint32_t value) {
+    char digits[10];
+    uint8_t count = 0;
+    do {
+        digits[count++] = static_cast<char>('0' + value % 10);
+        value /= 10;
+    } while (value != 0);
+    while (count != 0)
+        character(digits[--count]);
+}
+
+void Out::signedLongNumber(int32_t value) {
+    uint32_t magnitude = static_cast<uint32_t>(value);
+    if (value < 0) {
+        character('-');
+        magnitude = 0 - magnitude;
+    }
+    longNumber(magnitude);
 }
 
 void Out::hexDigit(uint8_t value) {
@@ -91,8 +109,8 @@ void Out::end() {
     checksum_ = 0;
 }
 
-bool Out::hasRoomForElement() const {
-    return line::room() >= kShortLine;
+bool Out::hasRoomForPiece() const {
+    return line::room() >= kLongestPiece;
 }
 
 }  // namespace asip

@@ -20,6 +20,8 @@ class Out {
     void text(const char* text);
     void number(uint16_t value);
     void signedNumber(int16_t value);
+    void longNumber(uint32_t value);
+    void signedLongNumber(int32_t value);
     void hexByte(uint8_t value);  // without leading zero
 
     // Begins an event or an answer: @S,t
@@ -34,12 +36,20 @@ class Out {
     void useChecksum(bool on) { checksumOn_ = on; }
     bool usesChecksum() const { return checksumOn_; }
 
-    // True if a line can begin and its first characters be written without waiting: ask before sending an
-    // event. Not while a list (Board::sendList) is under way.
-    bool hasRoom() const { return !inList_ && hasRoomForElement(); }
+    // The longest line that is sent in one piece, @#,I,NAME*HH, with its line end.
+    static constexpr uint8_t kLongestPiece = 42;
 
-    bool hasRoomForElement() const;
-    void setInList(bool on) { inList_ = on; }
+    // True if a line of up to kLongestPiece characters can be written without waiting: ask before sending an
+    // event. Not while the line is held.
+    bool hasRoom() const { return !held_ && hasRoomForPiece(); }
+
+    // The same for what may be sent while the line is held.
+    bool hasRoomForPiece() const;
+
+    // Held for a list (Board::sendList) that is under way, or because the rate is about to change: no line
+    // may begin.
+    void hold(bool on) { held_ = on; }
+    bool isHeld() const { return held_; }
 
   private:
     void head(char kind, char service, char tag);
@@ -47,7 +57,7 @@ class Out {
 
     uint8_t checksum_;
     bool checksumOn_;
-    bool inList_;
+    bool held_;
 };
 
 extern Out out;

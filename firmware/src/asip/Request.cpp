@@ -2,33 +2,53 @@
 
 namespace asip {
 
-// Reads digits from `next` on.
-uint16_t Request::digits(const char* next, uint16_t max) {
-    uint8_t digit = static_cast<uint8_t>(*next - '0');
-    bool good = digit <= 9;
-    uint16_t value = digit;
-    while (digit <= 9) {
-        digit = static_cast<uint8_t>(*++next - '0');
-        if (digit > 9) break;
-        if (value >= 6553 && (value > 6553 || digit > 5)) good = false;
-        value = static_cast<uint16_t>(value * 10 + digit);
+void Request::begin() {
+    if (!skip(',')) good_ = false;
+    while (skip(' ')) {
     }
+}
+
+uint16_t Request::digits(uint16_t max, bool clamp) {
+    const char* next = next_;
+    uint8_t digit = static_cast<uint8_t>(*next - '0');
+    if (digit > 9) good_ = false;
+    bool fits = true;
+    uint16_t value = 0;
+    while (digit <= 9) {
+        if (value >= 6553 && (value > 6553 || digit > 5)) fits = false;
+        value = static_cast<uint16_t>(value * 10 + digit);
+        digit = static_cast<uint8_t>(*++next - '0');
+    }
+    if (*next == '.') {
+        while (static_cast<uint8_t>(*++next - '0') <= 9) {
+        }
+    }
+    while (*next == ' ')
+        ++next;
     next_ = next;
-    if (good && value <= max) return value;
+    if (fits && value <= max) return value;
+    if (clamp) return max;
     good_ = false;
     return 0;
 }
 
-uint16_t Request::number(uint16_t max) {
-    const char* const next = next_;
-    if (*next == ',') return digits(next + 1, max);
-    good_ = false;
-    return 0;
+uint16_t Request::argument(uint16_t max, bool clamp) {
+    begin();
+    return digits(max, clamp);
 }
 
-int16_t Request::signedNumber(int16_t max) {
-    if (next_[0] != ',' || next_[1] != '-') return static_cast<int16_t>(number(static_cast<uint16_t>(max)));
-    return static_cast<int16_t>(-static_cast<int16_t>(digits(next_ + 2, static_cast<uint16_t>(max))));
+uint16_t Request::clampedNumber(uint16_t max) {
+    begin();
+    const bool negative = skip('-');
+    const uint16_t value = digits(max, true);
+    return negative ? 0 : value;
+}
+
+int16_t Request::signedArgument(int16_t max, bool clamp) {
+    begin();
+    const bool negative = skip('-');
+    const int16_t value = static_cast<int16_t>(digits(static_cast<uint16_t>(max), clamp));
+    return negative ? static_cast<int16_t>(-value) : value;
 }
 
 bool Request::skip(char expected) {

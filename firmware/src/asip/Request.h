@@ -17,12 +17,16 @@ class Request {
 
     char tag() const { return tag_; }
 
-    // The next argument: a comma and digits. A missing or malformed one, or one above `max`, spoils the
-    // request and reads as 0.
-    uint16_t number(uint16_t max = 65535);
+    // The next argument: a comma and digits. Blanks before and after it, and what follows a decimal point,
+    // do not count. A missing or malformed one, or one above `max`, spoils the request and reads as 0.
+    uint16_t number(uint16_t max = 65535) { return argument(max, false); }
 
     // The same with an optional minus; the magnitude is at most `max`.
-    int16_t signedNumber(int16_t max = 32767);
+    int16_t signedNumber(int16_t max = 32767) { return signedArgument(max, false); }
+
+    // The same, but one beyond the bounds (0 and `max`, -`max` and `max`) reads as the bound.
+    uint16_t clampedNumber(uint16_t max);
+    int16_t clampedSignedNumber(int16_t max) { return signedArgument(max, true); }
 
     // True if there is another argument.
     bool more() const { return good_ && *next_ == ','; }
@@ -37,7 +41,10 @@ class Request {
     bool skip(char expected);
 
   private:
-    uint16_t digits(const char* next, uint16_t max);
+    void begin();
+    uint16_t digits(uint16_t max, bool clamp);
+    uint16_t argument(uint16_t max, bool clamp);
+    int16_t signedArgument(int16_t max, bool clamp);
 
     char tag_;
     const char* next_;

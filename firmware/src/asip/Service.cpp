@@ -7,16 +7,23 @@ namespace asip {
 void Service::reportValue(uint8_t) {}
 
 void Service::reportValues() {
-    board.sendList(*this, 'e', count_);
+    board.sendList(*this, 'e', count());
 }
 
 void Service::poll() {}
 
-// True when due, and then until reloaded: a report that finds the line busy comes a little later.
-bool Service::countDown(uint8_t elapsedMs) {
-    if (period_ == 0) return false;
-    remaining_ = remaining_ > elapsedMs ? static_cast<uint16_t>(remaining_ - elapsedMs) : 0;
-    return remaining_ == 0;
+// Counts on from the moment when a report was due, not from when it came out: it keeps its pace.
+void Service::countDown(uint8_t elapsedMs) {
+    const uint16_t period = period_;
+    if (period == 0) return;
+    uint16_t remaining = remaining_;
+    if (remaining <= elapsedMs) {
+        setDue(true);
+        const uint8_t late = static_cast<uint8_t>(elapsedMs - remaining);
+        remaining = late < period ? period : static_cast<uint16_t>(late + 1);
+        elapsedMs = late;
+    }
+    remaining_ = static_cast<uint16_t>(remaining - elapsedMs);
 }
 
 }  // namespace asip

@@ -38,28 +38,37 @@ class Service {
     virtual void poll();
 
     // Milliseconds between auto-events, 0 for none.
-    void setPeriod(uint16_t ms) { period_ = remaining_ = ms; }
+    void setPeriod(uint16_t ms) {
+        period_ = remaining_ = ms;
+        setDue(false);
+    }
     uint16_t period() const { return period_; }
 
   protected:
-    // `count` values are reported; a service that reports none has no auto-event request either.
+    // `count` values are reported, at most 127; a service that reports none has no auto-event request either.
     constexpr explicit Service(char id, uint8_t count = 0)
-        : next_(nullptr), period_(0), remaining_(0), id_(id), count_(count) {}
+        : next_(nullptr), period_(0), remaining_(0), id_(id), countAndDue_(count) {}
 
-    uint8_t count() const { return count_; }
-    void setCount(uint8_t count) { count_ = count; }
+    uint8_t count() const { return countAndDue_ & static_cast<uint8_t>(~kDue); }
+    void setCount(uint8_t count) { countAndDue_ = count; }
 
   private:
     friend class Board;
-    bool countDown(uint8_t elapsedMs);
-    void reload() { remaining_ = period_; }
+    void countDown(uint8_t elapsedMs);
+
+    // A report that finds the line busy stays due. In the top bit of the count: a byte less for each service.
+    static constexpr uint8_t kDue = 128;
+    bool isDue() const { return countAndDue_ & kDue; }
+    void setDue(bool due) {
+        countAndDue_ = static_cast<uint8_t>(due ? countAndDue_ | kDue : countAndDue_ & ~kDue);
+    }
 
     Service* next_;
     // Counted down, not compared with a clock: a 16-bit clock misfires when it wraps.
     uint16_t period_;
     uint16_t remaining_;
     char id_;
-    uint8_t count_;
+    uint8_t countAndDue_;
 };
 
 }  // namespace asip

@@ -5,8 +5,14 @@
 
 namespace asip {
 
-// The timer counts half microseconds and is never stopped. Eight of the longest pulses fit into a frame.
-static constexpr uint16_t kFrameTicks = 40000;
+// The timer counts eighths of the clock (half microseconds at 16 MHz) and is never stopped. Eight of the
+// longest pulses fit into a frame of 20 ms.
+static constexpr uint16_t kFrameTicks = F_CPU / 8 / 50;
+static constexpr uint16_t kSoon = F_CPU / 8 / 20000;  // 50 microseconds
+
+static uint16_t toTicks(uint16_t halfMicroseconds) {
+    return static_cast<uint16_t>(static_cast<uint32_t>(halfMicroseconds) * (F_CPU / 1000000) / 16);
+}
 
 struct Pulse {
     volatile uint8_t* port;
@@ -18,7 +24,7 @@ static uint8_t pulseCount, current;
 static uint16_t frameStart;
 
 void ServoPulses::stop() {
-    TIMSK1 = 0;
+    TIMSK1 &= static_cast<uint8_t>(~_BV(OCIE1A));
     for (uint8_t i = 0; i < pulseCount; ++i)
         *pulses[i].port &= static_cast<uint8_t>(~pulses[i].mask);
     pulseCount = current = 0;
@@ -34,16 +40,17 @@ void ServoPulses::add(uint8_t pin) {
     if (pulseCount == 1) {
         TCCR1A = 0;
         TCCR1B = _BV(CS11);
-        OCR1A = TCNT1 + 100;
+        OCR1A = TCNT1 + kSoon;
         TIFR1 = _BV(OCF1A);
-        TIMSK1 = _BV(OCIE1A);
+        TIMSK1 |= _BV(OCIE1A);
     }
     interrupts();
 }
 
 void ServoPulses::setWidth(uint8_t servo, uint16_t halfMicroseconds) {
+    const uint16_t ticks = toTicks(halfMicroseconds);
     noInterrupts();
-    pulses[servo].ticks = halfMicroseconds;
+    pulses[servo].ticks = ticks;
     interrupts();
 }
 

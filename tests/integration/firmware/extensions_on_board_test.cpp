@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "firmware_board.hpp"
 
 namespace asip::firmware {
@@ -84,6 +86,42 @@ TEST(IdentityTest, Name_SurvivesAResetAndLivesAtTheEndOfTheEeprom) {
     const auto eeprom = board->eeprom();
     for (std::size_t i = 0; i < eeprom.size() - 34; ++i)
         ASSERT_EQ(eeprom[i], 0xFF) << i;
+}
+
+TEST(IdentityTest, NameWhileReportsAreOn_IsStoredAndAnswered) {
+    FirmwareBoard board("asip_uno");
+    board.ask("I,A,50");
+    for (int i = 0; i < 8; ++i) {
+        const std::string name = "living-room-number-" + std::to_string(i);
+        board->run_for(std::chrono::microseconds(7'310 * i));
+        board->take_output();
+        board->send("#,I," + name + "\n");
+        const auto lines = board.lines_within(milliseconds(250));
+        EXPECT_EQ(std::count(lines.begin(), lines.end(), "@#,I," + name), 1);
+        EXPECT_GE(lines.size(), 5u) << "reports go on meanwhile";
+    }
+    board.ask("I,A,0");
+    EXPECT_EQ(board.ask("#,I"), "@#,I,living-room-number-7");
+}
+
+// What every agent does first, while the sensors report.
+TEST(RateSwitchTest, RateAskedForWhileReportsAreOn_IsSwitchedTo) {
+    for (const char* image : {"asip_uno", "asip_uno_robot"}) {
+        for (int i = 0; i < 12; ++i) {
+            FirmwareBoard board(image);
+            for (const char* request : {"I,A,25", "E,A,25", "B,A,25", "R,A,25"})
+                board.ask(request);
+            board->run_for(std::chrono::microseconds(1'170 * i));
+            board->send("#,B,500000\n");
+            ASSERT_TRUE(board->run_until([&] { return board->board_baud() == 500000; }, milliseconds(60)))
+                << image << i;
+            board->take_output();
+            EXPECT_EQ(board->line_errors().cut_by_rate_change, 0u);
+            board->send("#,E,up\n");
+            const auto lines = board.lines_within(milliseconds(20));
+            EXPECT_EQ(std::count(lines.begin(), lines.end(), "@#,E,up"), 1) << image << i;
+        }
+    }
 }
 
 TEST(ChecksumTest, DamagedRequest_IsRefusedAndTheNextOneWorks) {

@@ -6,11 +6,13 @@ namespace asip::firmware {
 
 using std::chrono::milliseconds;
 
-FirmwareBoard::FirmwareBoard(const std::string& image, std::string kind, std::vector<sim::PartConfig> parts) {
+FirmwareBoard::FirmwareBoard(const std::string& image, std::string kind, std::vector<sim::PartConfig> parts,
+                             std::uint32_t frequency) {
     sim::BoardConfig config;
     config.board = std::move(kind);
     config.image = std::string(ASIP_IMAGES) + "/" + image + ".elf";
     config.parts = std::move(parts);
+    config.frequency = frequency;
     auto board = sim::Board::create(config);
     if (!board) throw std::runtime_error(board.error());
     board_ = std::move(*board);

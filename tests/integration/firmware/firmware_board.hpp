@@ -15,7 +15,7 @@ class FirmwareBoard {
     /// `image` is a name as given to asip_add_image. Boots, takes the banner and turns analog events off.
     /// Throws std::runtime_error where the image cannot be run.
     explicit FirmwareBoard(const std::string& image, std::string board = "uno",
-                           std::vector<sim::PartConfig> parts = {});
+                           std::vector<sim::PartConfig> parts = {}, std::uint32_t frequency = 16'000'000);
 
     /// Sends a request and gives all lines that come until a fence behind it (#,? on a 0.4 board), joined by
     /// '|'; the fence's own answer is left out.

@@ -32,7 +32,7 @@ TEST(LegacyTest, RequestsOf04_AreAnsweredAsEver) {
     EXPECT_EQ(board.banner(), "!AsipServices running on ATmega328P with Services: I D S ");
     EXPECT_EQ(board.ask("#,N"), "@#,N,3,{I:ASIP core IO,D:Distance,S:Servos}");
     EXPECT_EQ(board.ask("I,P,2,2"), "@I,d,4,4");
-    EXPECT_EQ(board.ask("Z,z"), "~Q,?,1{INVALID_SERVICE}");
+    EXPECT_EQ(board.ask("Z,z"), "~Z,?,1{INVALID_SERVICE}");
     EXPECT_EQ(board.ask("S,W,9,9"), "~S,W,7{INVALID_DEVICE_NUMBER}");
 }
 

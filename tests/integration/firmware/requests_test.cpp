@@ -33,7 +33,7 @@ TEST(RequestsTest, SystemRequests) {
                                 {"#,q", "~#,q,2{UNKNOWN_REQUEST}"},
                                 {"#", "~#,?,2{UNKNOWN_REQUEST}"},
                                 {"#,?,1", "~#,?,11{BAD_ARGUMENT}"},
-                                {"Z,a", "~Q,?,1{INVALID_SERVICE}"},
+                                {"Z,a", "~Z,?,1{INVALID_SERVICE}"},
                                 {"", ""},
                                 {"!I,d,13,1", ""},
                             });
@@ -47,39 +47,32 @@ TEST(RequestsTest, IoLists) {
                                  "3:2,3:4,3:8,3:10,3:20}"},
                                 {"I,m", "@I,m,6,{14:0,15:1,16:2,17:3,18:4,19:5}"},
                                 {"I,p", "@I,p,20,{6,6,1,1,1,1,1,7,7,7,7,1,1,1,4,4,4,4,4,4}"},
-                                {"I,c", "@I,c,20,{1,1,1,5,1,5,5,1,1,5,5,5,1,1,3,3,3,3,3,3}"},
+                                {"I,c", "@I,c,20,{1,1,1,5,1,5,5,1,1,1,1,5,1,1,3,3,3,3,3,3}"},
                             });
 }
 
 TEST(RequestsTest, IoErrors) {
     FirmwareBoard board("asip_uno_services");
-    expect_exchanges(board, {
-                                {"I", "~I,?,2{UNKNOWN_REQUEST}"},
-                                {"I,z", "~I,z,2{UNKNOWN_REQUEST}"},
-                                {"I,P,20,1", "~I,P,3{INVALID_PIN}"},
-                                {"I,P,2,4", "~I,P,4{MODE_UNAVAILABLE}"},
-                                {"I,P,7,1", "~I,P,4{MODE_UNAVAILABLE}"},
-                                {"I,P,2,7", "~I,P,5{INVALID_MODE}"},
-                                {"I,P,2", "~I,P,11{BAD_ARGUMENT}"},
-                                {"I,d,20,1", "~I,d,3{INVALID_PIN}"},
-                                {"I,d,7,1", "~I,d,6{WRONG_MODE}"},
-                                {"I,d,14,0", "~I,d,6{WRONG_MODE}"},
-                                {"I,d,2", "~I,d,11{BAD_ARGUMENT}"},
-                                {"I,d,2,x", "~I,d,11{BAD_ARGUMENT}"},
-                                {"I,d,2,2", "~I,d,11{BAD_ARGUMENT}"},
-                                {"I,a,20,1", "~I,a,3{INVALID_PIN}"},
-                                {"I,a,3,1", "~I,a,6{WRONG_MODE}"},
-                                {"I,a,3,256", "~I,a,11{BAD_ARGUMENT}"},
-                                {"I,A,65536", "~I,A,11{BAD_ARGUMENT}"},
-                                {"I,A", "~I,A,11{BAD_ARGUMENT}"},
-                            });
+    expect_exchanges(board,
+                     {
+                         {"I", "~I,?,2{UNKNOWN_REQUEST}"},        {"I,z", "~I,z,2{UNKNOWN_REQUEST}"},
+                         {"I,P,20,1", "~I,P,3{INVALID_PIN}"},     {"I,P,2,4", "~I,P,4{MODE_UNAVAILABLE}"},
+                         {"I,P,7,1", "~I,P,4{MODE_UNAVAILABLE}"}, {"I,P,2,7", "~I,P,5{INVALID_MODE}"},
+                         {"I,P,2", "~I,P,11{BAD_ARGUMENT}"},      {"I,d,20,1", "~I,d,3{INVALID_PIN}"},
+                         {"I,d,7,1", "~I,d,6{WRONG_MODE}"},       {"I,d,14,0", "~I,d,6{WRONG_MODE}"},
+                         {"I,d,2", "~I,d,11{BAD_ARGUMENT}"},      {"I,d,2,x", "~I,d,11{BAD_ARGUMENT}"},
+                         {"I,d,2,256", "~I,d,11{BAD_ARGUMENT}"},  {"I,a,20,1", "~I,a,3{INVALID_PIN}"},
+                         {"I,a,2,1", "~I,a,3{INVALID_PIN}"},      {"I,a,7,1", "~I,a,3{INVALID_PIN}"},
+                         {"I,a,3,256", "~I,a,11{BAD_ARGUMENT}"},  {"I,A,65536", "~I,A,11{BAD_ARGUMENT}"},
+                         {"I,A", "~I,A,11{BAD_ARGUMENT}"},
+                     });
 }
 
 TEST(RequestsTest, ServiceErrors) {
     FirmwareBoard board("asip_uno_services");
     expect_exchanges(board, {
                                 {"S,W,2,90", "~S,W,7{INVALID_DEVICE_NUMBER}"},
-                                {"S,W,0,181", "~S,W,11{BAD_ARGUMENT}"},
+                                {"S,W,0,x", "~S,W,11{BAD_ARGUMENT}"},
                                 {"S,W,0", "~S,W,11{BAD_ARGUMENT}"},
                                 {"S,M,2,3,1", "~S,M,3{INVALID_PIN}"},
                                 {"S,M,2,3,7", "~S,M,3{INVALID_PIN}"},
@@ -97,7 +90,7 @@ TEST(RequestsTest, ServiceErrors) {
 TEST(RequestsTest, ServoWhosePinIsTaken_IsNotAvailable) {
     FirmwareBoard board("asip_uno_conflict");
     EXPECT_EQ(board.ask("S,W,0,90"), "~S,W,8{DEVICE_NOT_AVAILABLE}");
-    EXPECT_EQ(board.ask("S,M,1,9"), "");
+    EXPECT_EQ(board.ask("S,M,1,10"), "");
     EXPECT_EQ(board.ask("S,W,0,90"), "");
 }
 

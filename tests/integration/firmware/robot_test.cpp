@@ -14,7 +14,8 @@ constexpr std::uint16_t kOcr0a = 0x47, kOcr0b = 0x48;  // powers of motor 1 (pin
 TEST(RobotTest, Banner_NamesAllServices) {
     FirmwareBoard board(kImage);
     EXPECT_EQ(board.banner(), "!AsipRobot running on ATmega328P with Services: I M E B R T ");
-    EXPECT_EQ(board.ask("#,N"), "@#,N,6,{I:ASIP core IO,M:Motors,E:Encoders,B:Bump,R:Reflectance,T:Tone}");
+    EXPECT_EQ(board.ask("#,N"),
+              "@#,N,6,{I:ASIP core IO,M:Motors,E:Encoders,B:Bump Sensors,R:IR Sensors,T:Tone}");
     EXPECT_EQ(board.ask("#,S"), "@#,S,20,{@,@,E,E,E,M,M,M,M,E,B,B,M,M,R,R,R,R,T,I}");
 }
 
@@ -37,10 +38,21 @@ TEST(MotorsTest, Power_SetsDirectionAndPwm) {
     EXPECT_EQ(board->pin(12), sim::Level::low);
 }
 
+TEST(MotorsTest, PowerBeyondItsBounds_IsTheBound) {
+    FirmwareBoard board(kImage);
+    EXPECT_EQ(board.ask("M,m,0,12.5"), "");
+    EXPECT_EQ(board->peek(kOcr0b), 12);
+    EXPECT_EQ(board.ask("M,M,-300, 254.9"), "");
+    EXPECT_EQ(board->pin(8), sim::Level::high);
+    EXPECT_EQ(board->peek(kOcr0b), 12) << "full power needs no timer";
+    EXPECT_EQ(board->pin(5), sim::Level::high);
+    EXPECT_EQ(board->peek(kOcr0a), 254);
+}
+
 TEST(MotorsTest, Errors_ChangeNothing) {
     FirmwareBoard board(kImage);
     EXPECT_EQ(board.ask("M,m,2,1"), "~M,m,7{INVALID_DEVICE_NUMBER}");
-    EXPECT_EQ(board.ask("M,m,0,256"), "~M,m,11{BAD_ARGUMENT}");
+    EXPECT_EQ(board.ask("M,m,0,x"), "~M,m,11{BAD_ARGUMENT}");
     EXPECT_EQ(board.ask("M,M,1"), "~M,M,11{BAD_ARGUMENT}");
     EXPECT_EQ(board.ask("M,S,0"), "~M,S,11{BAD_ARGUMENT}");
     EXPECT_EQ(board.ask("M,x"), "~M,x,2{UNKNOWN_REQUEST}");
@@ -48,33 +60,13 @@ TEST(MotorsTest, Errors_ChangeNothing) {
     EXPECT_EQ(board->pin(7), sim::Level::low);
 }
 
-TEST(EncodersTest, Steps_AreCountedWithTheirDirectionAndWidth) {
-    FirmwareBoard board(kImage, "uno", {{"wheel", sim::SquareWaveSpec{2, 500}}});
-    board->drive(4, sim::Level::low);
-    board.ask("E,A,100");
-    board.next_line();
-    for (int event = 0; event < 5; ++event) {
-        const auto line = board.next_line();
-        int width = 0, steps = 0, width1 = 0, steps1 = 0;
-        ASSERT_EQ(std::sscanf(line.c_str(), "@E,e,2,{%d:%d,%d:%d}", &width, &steps, &width1, &steps1), 4)
-            << line;
-        EXPECT_NEAR(width, 2000, 60);
-        EXPECT_NEAR(steps, 50, 1);
-        EXPECT_EQ(steps1, 0);
-    }
-    board->drive(4, sim::Level::high);
-    board.next_line();
-    const auto line = board.next_line();
-    EXPECT_NE(line.find(":-"), std::string::npos) << line;
-}
-
-TEST(BumpTest, Touched_IsOne) {
+TEST(BumpTest, Touched_IsZeroAndFreeIsOne) {
     FirmwareBoard board(kImage, "uno", {{"left", sim::ButtonSpec{10}}, {"right", sim::ButtonSpec{11}}});
     board.ask("B,A,20");
-    EXPECT_EQ(board.next_line(), "@B,e,2,{0,0}");
+    EXPECT_EQ(board.next_line(), "@B,e,2,{1,1}");
     ASSERT_TRUE(board->part("right").command("press", ""));
     board.next_line();
-    EXPECT_EQ(board.next_line(), "@B,e,2,{0,1}");
+    EXPECT_EQ(board.next_line(), "@B,e,2,{1,0}");
     EXPECT_EQ(board.ask("B,M").substr(0, 7), "~B,M,2{");
 }
 

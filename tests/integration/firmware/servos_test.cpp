@@ -1,36 +1,33 @@
 #include <gtest/gtest.h>
 
-#include <map>
-
 #include "firmware_board.hpp"
+#include "pulses.hpp"
 
 namespace asip::firmware {
 namespace {
 
 using std::chrono::milliseconds;
 
-// Widths and distances of the pulses on a pin, in microseconds.
-struct Pulses {
-    explicit Pulses(FirmwareBoard& board, int pin) {
-        board->on_pin(pin, [this, &board](sim::Level level) {
-            const double now = static_cast<double>(board->cycles()) / 16;
-            if (level == sim::Level::high) {
-                if (rose != 0) periods.push_back(now - rose);
-                rose = now;
-            } else if (rose != 0) {
-                widths.push_back(now - rose);
-            }
-        });
-    }
-    double rose = 0;
-    std::vector<double> widths, periods;
-};
-
-TEST(ServosTest, BeforeTheFirstWrite_NoPulse) {
+TEST(ServosTest, AtStart_ServosTurnToTheMiddle) {
     FirmwareBoard board("asip_uno_services");
     Pulses pulses(board, 9);
     board->run_for(milliseconds(200));
-    EXPECT_TRUE(pulses.widths.empty());
+    ASSERT_FALSE(pulses.widths.empty());
+    for (double width : pulses.widths)
+        EXPECT_NEAR(width, 1472, 12);
+}
+
+TEST(ServosTest, AngleBeyondItsBounds_IsTheBound) {
+    FirmwareBoard board("asip_uno_services", "uno", {{"pan", sim::ServoSpec{9}}});
+    EXPECT_EQ(board.ask("S,W,0,200"), "");
+    board->run_for(milliseconds(50));
+    EXPECT_EQ(board->part("pan").state(), "180");
+    EXPECT_EQ(board.ask("S,W,0, -20"), "");
+    board->run_for(milliseconds(50));
+    EXPECT_EQ(board->part("pan").state(), "0");
+    EXPECT_EQ(board.ask("S,W,0,45.9"), "");
+    board->run_for(milliseconds(50));
+    EXPECT_NEAR(std::stod(board->part("pan").state()), 45, 1.1);
 }
 
 TEST(ServosTest, Angles_BecomePulsesOf544To2400MicrosecondsEach20Milliseconds) {
@@ -81,17 +78,15 @@ TEST(ServosTest, EightServosAtFullWidth_ShareOneFrame) {
     EXPECT_NEAR(pulses.widths.back(), 2400, 12);
 }
 
-TEST(ServosTest, Restart_EndsThePulses) {
+TEST(ServosTest, Restart_TurnsThemToTheMiddle) {
     FirmwareBoard board("asip_uno_services");
-    board.ask("S,W,0,90");
+    board.ask("S,W,0,180");
     board.ask("#,R");
     board->run_for(milliseconds(30));
     Pulses pulses(board, 9);
     board->run_for(milliseconds(200));
-    EXPECT_TRUE(pulses.widths.empty());
-    EXPECT_EQ(board.ask("S,W,0,90"), "");
-    board->run_for(milliseconds(100));
-    EXPECT_FALSE(pulses.widths.empty());
+    ASSERT_FALSE(pulses.widths.empty());
+    EXPECT_NEAR(pulses.widths.back(), 1472, 12);
 }
 
 }  // namespace

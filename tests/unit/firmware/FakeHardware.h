@@ -14,6 +14,7 @@ namespace hw {
 constexpr std::uint8_t kPins = 20;
 constexpr std::uint8_t kAnalogChannels = 6;
 constexpr std::uint8_t kFirstAnalogPin = 14;
+constexpr bool kHasAnalogOnlyPins = false;
 constexpr std::uint8_t kFirstPort = 2, kLastPort = 4;
 constexpr std::uint16_t kEepromEnd = 1023;
 
@@ -48,6 +49,9 @@ std::uint8_t readPort(std::uint8_t port);
 bool hasPwm(std::uint8_t pin);
 bool isAnalog(std::uint8_t pin);
 bool isAlias(std::uint8_t pin);
+inline bool isAnalogOnly(std::uint8_t) {
+    return false;
+}
 void setInput(std::uint8_t pin);
 void setPullUp(std::uint8_t pin);
 void setOutput(std::uint8_t pin);

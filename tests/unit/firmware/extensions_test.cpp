@@ -134,6 +134,47 @@ TEST(ExtensionsTest, FenceSentBeforeTheSwitch_DoesNotKeepTheNewRate) {
     EXPECT_EQ(board.hardware().baud, 57600u);
 }
 
+TEST(ExtensionsTest, NameThatIsStoredWhileReportsAreDue_IsStoredAndAnswered) {
+    FakeBoard board;
+    board.ask("I,A,1");
+    board.hardware().to_board = "#,I,living-room\n";
+    std::string all;
+    for (int ms = 0; ms < 200; ++ms) {
+        board.hardware().eeprom_ready = ms % 4 == 0;
+        all += board.pass_time(1);
+    }
+    EXPECT_NE(all.find("@#,I,living-room\n"), std::string::npos);
+    EXPECT_NE(all.find("@I,a,6,{0:0,"), std::string::npos);
+    board.hardware().eeprom_ready = true;
+    board.ask("I,A,0");
+    EXPECT_EQ(board.ask("#,I"), "@#,I,living-room\n");
+}
+
+TEST(ExtensionsTest, NewRateWhileReportsAreDue_IsSwitchedToWithNothingInBetween) {
+    FakeBoard board;
+    board.ask("I,A,1");
+    board.pass_time(3);
+    board.hardware().idle = false;
+    board.hardware().to_board = "#,B,500000\n";
+    board.hardware().levels[2] = true;
+    const auto before = board.pass_time(20);
+    EXPECT_EQ(before.substr(before.size() - 12), "@#,B,500000\n") << before;
+    EXPECT_EQ(board.hardware().baud, 57600u);
+    board.hardware().idle = true;
+    const auto after = board.pass_time(2);
+    EXPECT_EQ(board.hardware().baud, 500000u);
+    EXPECT_NE(after.find("@I,d,4,4\n"), std::string::npos) << after;
+}
+
+TEST(ExtensionsTest, InfoWhileTheRateChanges_ComesAtTheNewRate) {
+    FakeBoard board;
+    board.hardware().to_board = "#,B,500000\n";
+    asip::board.run();
+    asip::board.info(F("hello"));
+    EXPECT_EQ(board.hardware().baud, 500000u);
+    EXPECT_EQ(board.settle(), "@#,B,500000\n!hello\n");
+}
+
 TEST(ExtensionsTest, RateThatIsNotAllowed_IsRefused) {
     FakeBoard board;
     for (const char* bad : {"#,B", "#,B,", "#,B,0", "#,B,57601", "#,B,2000000", "#,B,-57600", "#,B,500000x",

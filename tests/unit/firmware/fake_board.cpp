@@ -1,13 +1,21 @@
 #include "fake_board.hpp"
 
+#include <cstring>
+#include <new>
 #include <utility>
 
 namespace asip {
 
+void FakeBoard::switch_on() {
+    // Memory is zero before the constructors run, as the start-up code of a chip leaves it.
+    std::memset(static_cast<void*>(&board), 0, sizeof board);
+    new (&board) Board;
+    out = Out();
+}
+
 FakeBoard::FakeBoard(std::vector<Service*> services, bool strict) {
     hw::reset_fake();
-    board = Board();
-    out = Out();
+    switch_on();
     for (Service* service : services)
         board.add(*service);
     if (strict) board.useStrictMode();

@@ -13,6 +13,9 @@ class FakeBoard {
     /// `services` are added before it starts. The banner is dropped and analog events are off.
     explicit FakeBoard(std::vector<Service*> services = {}, bool strict = false);
 
+    /// The board as it is before begin().
+    static void switch_on();
+
     /// Sends a request and runs the board until it is still: all that it sent, or "".
     std::string ask(const std::string& line) { return send(line + "\n"); }
     std::string send(const std::string& bytes);

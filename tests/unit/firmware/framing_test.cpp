@@ -34,7 +34,7 @@ TEST(FramingTest, EmptyLinesAndDebugText_AreIgnored) {
 
 TEST(FramingTest, UnknownService_IsReportedAsTheProtocolSays) {
     FakeBoard board;
-    EXPECT_EQ(board.ask("Z,x,1"), "~Q,?,1{INVALID_SERVICE}\n");
+    EXPECT_EQ(board.ask("Z,x,1"), "~Z,?,1{INVALID_SERVICE}\n");
     EXPECT_EQ(board.ask("hello"), "~Q,?,1{INVALID_SERVICE}\n");
     EXPECT_EQ(board.ask("\x80\xFF"), "~Q,?,1{INVALID_SERVICE}\n");
     EXPECT_EQ(board.ask("#,E,ok"), kFence);

@@ -38,6 +38,25 @@ TEST(IoServiceTest, ChangeOfAnInput_IsSentOnceForItsPort) {
     EXPECT_EQ(board.settle(), "");
 }
 
+TEST(IoServiceTest, PinsThatAreHighAtStart_AreAnEventForTheirPort) {
+    FakeBoard board;
+    FakeBoard::switch_on();
+    board.hardware().levels[4] = true;
+    board.hardware().levels[6] = true;
+    asip::board.begin(F("Test"));
+    asip::board.io().setPeriod(0);
+    EXPECT_EQ(board.settle(), "!Test running on ATmega328P with Services: I \n@I,d,4,50\n");
+}
+
+TEST(IoServiceTest, AnyNumberButZero_IsHigh) {
+    FakeBoard board;
+    board.ask("I,P,13,3");
+    EXPECT_EQ(board.ask("I,d,13,7"), "");
+    EXPECT_TRUE(board.hardware().levels[13]);
+    EXPECT_EQ(board.ask("I,d,13,00"), "");
+    EXPECT_FALSE(board.hardware().levels[13]);
+}
+
 TEST(IoServiceTest, ChangeOfAnOutput_IsNotAnEvent) {
     FakeBoard board;
     board.ask("I,P,13,3");
@@ -81,7 +100,7 @@ TEST(IoServiceTest, DigitalWriteThatGoesOn_IsNotTakenForTheShorterOne) {
     FakeBoard board;
     board.ask("I,P,13,3");
     board.send("I,d,13,1");
-    EXPECT_EQ(board.send("0\n"), "~I,d,11{BAD_ARGUMENT}\n");
+    EXPECT_EQ(board.send("000\n"), "~I,d,11{BAD_ARGUMENT}\n");
     board.send("I,d,13,1");
     EXPECT_EQ(board.send(",5\n"), "~I,d,11{BAD_ARGUMENT}\n");
     board.send("I,d,13,1");
@@ -107,18 +126,20 @@ TEST(IoServiceTest, DigitalWriteErrors) {
     EXPECT_EQ(board.ask("I,d,14,1"), "~I,d,6{WRONG_MODE}\n");
     EXPECT_EQ(board.ask("I,d,0,1"), "~I,d,6{WRONG_MODE}\n");
     EXPECT_EQ(board.ask("I,d,13"), "~I,d,11{BAD_ARGUMENT}\n");
-    EXPECT_EQ(board.ask("I,d,13,2"), "~I,d,11{BAD_ARGUMENT}\n");
+    EXPECT_EQ(board.ask("I,d,13,256"), "~I,d,11{BAD_ARGUMENT}\n");
     EXPECT_EQ(board.ask("I,d,,1"), "~I,d,11{BAD_ARGUMENT}\n");
     EXPECT_EQ(board.ask("I,d,x,1"), "~I,d,11{BAD_ARGUMENT}\n");
     EXPECT_EQ(board.ask("I,d,1:,1"), "~I,d,11{BAD_ARGUMENT}\n");
 }
 
-TEST(IoServiceTest, Pwm_NeedsItsModeAndEndsWithIt) {
+TEST(IoServiceTest, PwmWriteInAnotherMode_SetsItsModeAndPwmEndsWithIt) {
     FakeBoard board;
-    EXPECT_EQ(board.ask("I,a,3,5"), "~I,a,6{WRONG_MODE}\n");
-    EXPECT_EQ(board.ask("I,P,3,5"), "");
     EXPECT_EQ(board.ask("I,a,3,200"), "");
     EXPECT_EQ(board.hardware().duty[3], 200);
+    EXPECT_EQ(board.hardware().modes[3], hw::FakeMode::kOutput);
+    EXPECT_EQ(board.ask("I,a,3, 64"), "");
+    EXPECT_EQ(board.hardware().duty[3], 64);
+    EXPECT_EQ(board.ask("I,p"), "@I,p,20,{6,6,1,5,1,1,1,1,1,1,1,1,1,1,4,4,4,4,4,4}\n");
     EXPECT_EQ(board.ask("I,d,3,1"), "~I,d,6{WRONG_MODE}\n");
     EXPECT_EQ(board.ask("I,P,3,3"), "");
     EXPECT_EQ(board.hardware().duty[3], -1);
@@ -127,6 +148,8 @@ TEST(IoServiceTest, Pwm_NeedsItsModeAndEndsWithIt) {
 TEST(IoServiceTest, PwmErrors) {
     FakeBoard board;
     EXPECT_EQ(board.ask("I,a,20,5"), "~I,a,3{INVALID_PIN}\n");
+    EXPECT_EQ(board.ask("I,a,2,5"), "~I,a,3{INVALID_PIN}\n");
+    EXPECT_EQ(board.ask("I,a,1,5"), "~I,a,3{INVALID_PIN}\n");
     EXPECT_EQ(board.ask("I,a,3,256"), "~I,a,11{BAD_ARGUMENT}\n");
     EXPECT_EQ(board.ask("I,a,3"), "~I,a,11{BAD_ARGUMENT}\n");
 }
@@ -165,7 +188,7 @@ TEST(IoServiceTest, NoAnalogPin_NoAnalogEvent) {
 
 TEST(IoServiceTest, AnalogPeriodAfterStart_Is50Milliseconds) {
     FakeBoard fresh;
-    board = Board();
+    FakeBoard::switch_on();
     board.begin(F("Test"));
     fresh.settle();
     EXPECT_EQ(fresh.pass_time(100), "@I,a,6,{0:0,1:0,2:0,3:0,4:0,5:0}\n@I,a,6,{0:0,1:0,2:0,3:0,4:0,5:0}\n");

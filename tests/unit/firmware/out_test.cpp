@@ -67,13 +67,29 @@ TEST_F(OutTest, Checksum_CoversWhatIsBeforeTheStarAndStartsAnewWithEachLine) {
     }
 }
 
-TEST_F(OutTest, Room_IsNoneWhileAListIsUnderWay) {
+TEST_F(OutTest, Room_IsNoneWhileTheLineIsHeldOrTakesNoWholePiece) {
     EXPECT_TRUE(out.hasRoom());
-    out.setInList(true);
+    out.hold(true);
     EXPECT_FALSE(out.hasRoom());
-    out.setInList(false);
-    hw::fake.room = 10;
+    EXPECT_TRUE(out.hasRoomForPiece());
+    out.hold(false);
+    hw::fake.room = Out::kLongestPiece - 1;
     EXPECT_FALSE(out.hasRoom());
+    hw::fake.room = Out::kLongestPiece;
+    EXPECT_TRUE(out.hasRoom());
+}
+
+TEST_F(OutTest, LongNumbers_AreWrittenInFull) {
+    out.longNumber(0);
+    out.character(',');
+    out.longNumber(65536);
+    out.character(',');
+    out.longNumber(4294967295u);
+    out.character(',');
+    out.signedLongNumber(-2147483647 - 1);
+    out.character(',');
+    out.signedLongNumber(2147483647);
+    EXPECT_EQ(take(), "0,65536,4294967295,-2147483648,2147483647");
 }
 
 }  // namespace

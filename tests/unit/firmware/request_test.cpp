@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 namespace asip {
 namespace {
 
@@ -21,7 +23,7 @@ TEST(RequestTest, MissingNumber_SpoilsTheRequest) {
 }
 
 TEST(RequestTest, NumberWithoutDigits_SpoilsTheRequest) {
-    for (const char* line : {"I,d,", "I,d,x", "I,d,-1", "I,d, 1", "I,d,+1"}) {
+    for (const char* line : {"I,d,", "I,d,x", "I,d,-1", "I,d, ", "I,d,+1", "I,d,.5"}) {
         Request request(line);
         EXPECT_EQ(request.number(), 0) << line;
         EXPECT_FALSE(request.complete()) << line;
@@ -29,9 +31,62 @@ TEST(RequestTest, NumberWithoutDigits_SpoilsTheRequest) {
 }
 
 TEST(RequestTest, SomethingAfterTheNumber_SpoilsTheRequest) {
-    for (const char* line : {"I,A,1x", "I,A,1 ", "I,A,1,", "I,A,1,2", "I,A,1.5"}) {
+    for (const char* line : {"I,A,1x", "I,A,1 2", "I,A,1,", "I,A,1,2", "I,A,1.5.2", "I,A,1.x"}) {
         Request request(line);
         request.number();
+        EXPECT_FALSE(request.complete()) << line;
+    }
+}
+
+TEST(RequestTest, BlanksAroundANumber_DoNotCount) {
+    Request request("I,a,9, 64");
+    EXPECT_EQ(request.number(), 9);
+    EXPECT_EQ(request.number(255), 64);
+    EXPECT_TRUE(request.complete());
+    Request spacious("M,M,  -5 ,  7  ");
+    EXPECT_EQ(spacious.signedNumber(255), -5);
+    EXPECT_EQ(spacious.signedNumber(255), 7);
+    EXPECT_TRUE(spacious.complete());
+}
+
+TEST(RequestTest, WhatFollowsADecimalPoint_DoesNotCount) {
+    Request request("M,M,12.5,-3.999");
+    EXPECT_EQ(request.signedNumber(255), 12);
+    EXPECT_EQ(request.signedNumber(255), -3);
+    EXPECT_TRUE(request.complete());
+    Request point("M,m,1.,2");
+    EXPECT_EQ(point.number(), 1);
+    EXPECT_EQ(point.number(), 2);
+    EXPECT_TRUE(point.complete());
+}
+
+TEST(RequestTest, ClampedNumberBeyondItsBounds_ReadsAsTheBound) {
+    for (const auto& [line, value] : {std::pair{"S,W,200", 180},
+                                      {"S,W,181", 180},
+                                      {"S,W,180", 180},
+                                      {"S,W,-5", 0},
+                                      {"S,W,70000", 180},
+                                      {"S,W,99999999999", 180},
+                                      {"S,W,0", 0}}) {
+        Request request(line);
+        EXPECT_EQ(request.clampedNumber(180), value) << line;
+        EXPECT_TRUE(request.complete()) << line;
+    }
+    for (const auto& [line, value] : {std::pair{"M,m,300", 255},
+                                      {"M,m,-300", -255},
+                                      {"M,m,-70000", -255},
+                                      {"M,m,-255", -255},
+                                      {"M,m,1000000", 255}}) {
+        Request request(line);
+        EXPECT_EQ(request.clampedSignedNumber(255), value) << line;
+        EXPECT_TRUE(request.complete()) << line;
+    }
+}
+
+TEST(RequestTest, ClampedNumberThatIsMalformed_SpoilsTheRequest) {
+    for (const char* line : {"S,W", "S,W,", "S,W,x", "S,W,-", "S,W,1x", "S,W,--1"}) {
+        Request request(line);
+        request.clampedNumber(180);
         EXPECT_FALSE(request.complete()) << line;
     }
 }

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "fake_board.hpp"
 
@@ -100,6 +102,96 @@ TEST(ServiceTest, InfoInTheMiddleOfAList_ComesAfterIt) {
     asip::board.run();
     asip::board.info(F("hello"));
     EXPECT_EQ(board.settle(), "@C,e,2,{40,41}\n!hello\n");
+}
+
+// With another letter.
+class Other : public Service {
+  public:
+    Other() : Service('O', 1) {}
+    FlashText name() const override { return F("Other"); }
+    void begin() override {}
+    Error processRequest(Request&) override { return Error::kUnknownRequest; }
+    void reportValue(std::uint8_t) override { out.number(7); }
+};
+
+// 3 bytes leave the line in each millisecond.
+std::string pass_time_on_a_slow_line(FakeBoard& board, unsigned milliseconds) {
+    std::string all;
+    auto& fake = board.hardware();
+    for (unsigned ms = 0; ms < milliseconds; ++ms) {
+        ++fake.milliseconds;
+        for (int pass = 0; pass < 10; ++pass)
+            asip::board.run();
+        fake.room = std::min<std::size_t>(63, fake.room + 3);
+        all += std::exchange(fake.from_board, {});
+    }
+    return all;
+}
+
+TEST(ServiceTest, ServiceThatIsAlwaysDue_DoesNotSilenceTheOthers) {
+    Counter counter;
+    Other other;
+    FakeBoard board({&counter, &other});
+    board.ask("C,A,1");
+    board.ask("O,A,25");
+    const auto sent = pass_time_on_a_slow_line(board, 1000);
+    std::size_t others = 0;
+    for (auto at = sent.find("@O"); at != std::string::npos; at = sent.find("@O", at + 1))
+        ++others;
+    EXPECT_GE(others, 35u);
+    EXPECT_EQ(board.hardware().waits, 0u);
+}
+
+TEST(ServiceTest, FloodOfBadRequests_NeverWaitsForTheLine) {
+    FakeBoard board;
+    for (int i = 0; i < 100; ++i)
+        board.hardware().to_board += "Z,x\n";
+    const auto sent = pass_time_on_a_slow_line(board, 1000);
+    EXPECT_EQ(lines(sent), 100u);
+    EXPECT_EQ(board.hardware().waits, 0u);
+}
+
+TEST(ServiceTest, ReportThatWasLate_IsFollowedByTheNextInItsPace) {
+    Counter counter;
+    FakeBoard board({&counter});
+    board.ask("C,A,10");
+    board.pass_time(9);
+    for (int ms = 0; ms < 6; ++ms) {
+        board.hardware().room = 0;
+        ++board.hardware().milliseconds;
+        asip::board.run();
+    }
+    board.hardware().room = 63;
+    EXPECT_EQ(lines(board.pass_time(1)), 1u) << "due at 10, sent at 16";
+    EXPECT_EQ(lines(board.pass_time(3)), 0u);
+    EXPECT_EQ(lines(board.pass_time(1)), 1u) << "due at 20";
+}
+
+TEST(ServiceTest, PeriodShorterThanThePasses_ReportsInEachOfThem) {
+    Counter counter;
+    FakeBoard board({&counter});
+    board.ask("C,A,2");
+    for (int pass = 0; pass < 5; ++pass) {
+        board.hardware().milliseconds = static_cast<std::uint8_t>(board.hardware().milliseconds + 7);
+        EXPECT_EQ(lines(board.settle()), 1u);
+    }
+}
+
+TEST(ServiceTest, ServiceAddedTwice_IsThereOnce) {
+    Counter counter, other;
+    FakeBoard board({&counter, &counter, &other, &counter});
+    EXPECT_EQ(board.ask("#,N"), "@#,N,3,{I:ASIP core IO,C:Counter,C:Counter}\n");
+}
+
+TEST(ServiceTest, SixteenthService_IsNotAdded) {
+    std::array<Counter, 17> counters;
+    std::vector<Service*> services;
+    for (auto& counter : counters)
+        services.push_back(&counter);
+    FakeBoard board(services);
+    EXPECT_EQ(board.ask("#,N").substr(0, 7), "@#,N,16");
+    EXPECT_EQ(counters[14].resets, 1);
+    EXPECT_EQ(counters[15].resets, 0);
 }
 
 }  // namespace

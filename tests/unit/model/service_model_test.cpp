@@ -90,6 +90,7 @@ TEST(Matches, NamesOfDeployedBoards_FindTheirModel) {
                                          {'D', "HC-SR04 distance sensor", "distance"},
                                          {'S', "Servos", "servo"},
                                          {'R', "IR Reflectance", "reflectance"},
+                                         {'R', "IR Sensors", "reflectance"},
                                          {'B', "Bump Sensors", "bump"},
                                          {'M', "Motors", "motors"},
                                          {'E', "Encoders", "encoders"},

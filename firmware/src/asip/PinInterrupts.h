@@ -1,0 +1,22 @@
+// Calls functions whenever the level of one of their pins may have changed, from an interrupt: by the
+// pin-change interrupts of the chip, and on a Mega or Leonardo by the external interrupts of the pins that
+// have no such.
+#pragma once
+
+#include <stdint.h>
+
+namespace asip {
+
+class PinInterrupts {
+  public:
+    typedef void (*Handler)();
+
+    // Who is called. Each is called for the pins of the other too.
+    enum Slot : uint8_t { kEcho, kEncoders };
+
+    // From now on `handler` is called for changes of `pin`. False if the pin has no interrupt.
+    static bool enable(uint8_t pin, Slot slot, Handler handler);
+    static void disable(uint8_t pin);
+};
+
+}  // namespace asip
