@@ -14,23 +14,28 @@ constexpr Duration kGoodbye = std::chrono::milliseconds(700);
 constexpr Duration kSilentAtStart = std::chrono::milliseconds(3500);
 constexpr auto kCountersEvery = std::chrono::seconds(10);
 
+link::StreamTarget stream_target(const AgentOptions& options) {
+    if (options.serial.empty()) return *link::parse_tcp_address(options.tcp);
+    const auto dtr =
+        options.reset == ResetPolicy::kAlways ? link::DtrAtOpen::kPulse : link::DtrAtOpen::kLeave;
+    return link::SerialTarget{options.serial, options.baud, dtr};
+}
+
 }  // namespace
 
 Application::Application(AgentOptions options)
     : options_(std::move(options)),
       bridge_(options_.bridge, options_.models, system_random()),
-      link_(io_, options_,
-            {[this](const session::LinkTraits& traits, model::LinkInfo info) {
-                 with_bridge(
-                     [&](Time now, Effects& out) { bridge_.link_up(traits, std::move(info), now, out); });
-                 if (!traits.restarting && options_.reset == ResetPolicy::kIfSilent) board_silent_at_start();
-             },
+      link_(io_, stream_target(options_),
+            {[this](const link::StreamOpened& opened) { link_opened(opened); },
              [this](const link::StreamError& error) { link_lost(error); },
              [this](std::string_view bytes) {
                  board_heard();
                  with_bridge([&](Time now, Effects& out) { bridge_.receive(bytes, now, out); });
              },
-             [this](const link::StreamError& error, bool first) { link_failed(error, first); }}),
+             [this](const link::StreamError& error) {
+                 link_failed(error, !std::exchange(link_tried_, true));
+             }}),
       clients_(io_,
                [this](std::string_view line) {
                    with_bridge([&](Time now, Effects& out) {
@@ -178,6 +183,16 @@ void Application::bus_failed(const mqtt::ConnectionFailure& failure, bool was_co
     log::write(level, was_connected ? "broker lost; connecting again" : "broker not reachable; trying on",
                {{"broker", failure.broker.describe()}, {"why", failure.text}});
     bus_failure_told_ = true;
+}
+
+void Application::link_opened(const link::StreamOpened& opened) {
+    link_tried_ = true;
+    model::LinkInfo info{options_.serial.empty() ? "tcp" : "serial", opened.name,
+                         static_cast<int>(opened.baud)};
+    with_bridge([&](Time now, Effects& out) {
+        bridge_.link_up({opened.baud, opened.restarting}, std::move(info), now, out);
+    });
+    if (!opened.restarting && options_.reset == ResetPolicy::kIfSilent) board_silent_at_start();
 }
 
 void Application::link_failed(const link::StreamError& error, bool first) {

@@ -4,11 +4,11 @@
 #include <memory>
 #include <optional>
 
-#include "agent/board_link.hpp"
 #include "agent/bridge.hpp"
 #include "agent/options.hpp"
 #include "agent/outage.hpp"
 #include "agent/point_to_point.hpp"
+#include "asip/link/kept_stream.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/program/stop_signal.hpp"
 
@@ -31,6 +31,7 @@ class Application {
     void arm_timer();
     void stop();
     void finish(int status);
+    void link_opened(const link::StreamOpened& opened);
     void link_lost(const link::StreamError& error);
     void link_failed(const link::StreamError& error, bool first);
     void board_heard();
@@ -43,7 +44,7 @@ class Application {
     AgentOptions options_;
     boost::asio::io_context io_{1};
     Bridge bridge_;
-    BoardLink link_;
+    link::KeptStream link_;
     PointToPoint clients_;
     std::unique_ptr<mqtt::Client> bus_;
     program::StopSignal stop_signal_;
@@ -60,6 +61,7 @@ class Application {
     bool ever_connected_ = false;
     bool bus_failure_told_ = false;
     bool board_ever_known_ = false;
+    bool link_tried_ = false;
     bool stopping_ = false;
     int status_ = 0;
 };

@@ -1,10 +1,7 @@
 #include "asip/client/direct_transport.hpp"
 
-#include <boost/asio/post.hpp>
 #include <nlohmann/json.hpp>
 
-#include "asip/link/serial_port.hpp"
-#include "asip/link/tcp_stream.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/event_decoder.hpp"
 #include "asip/model/json.hpp"
@@ -16,13 +13,19 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr auto kReopenAfter = std::chrono::milliseconds(300);
 constexpr PendingCalls::Id kOpening = ~PendingCalls::Id{0};  // no request id of a session
 
 session::SessionOptions session_options(const Options& options) {
     session::SessionOptions session;
     session.max_baud = options.max_baud;
     return session;
+}
+
+link::StreamTarget stream_target(const Address& address, const Options& options) {
+    if (address.kind == Address::Kind::Tcp) {
+        return link::TcpAddress{address.host, address.port};
+    }
+    return link::SerialTarget{address.path, options.baud, link::DtrAtOpen::kRaise};
 }
 
 /// A decoded event; of a service without a model, or one that its model does not cover, what is on the wire.
@@ -70,8 +73,7 @@ DirectTransport::DirectTransport(boost::asio::io_context& io, Address address, O
       options_(std::move(options)),
       session_(session_options(options_)),
       calls_(io.get_executor()),
-      deadline_(io),
-      again_(io) {}
+      deadline_(io) {}
 
 DirectTransport::~DirectTransport() {
     alive_.reset();
@@ -80,11 +82,19 @@ DirectTransport::~DirectTransport() {
 
 Awaitable<void> DirectTransport::open(Listener& listener) {
     listener_ = &listener;
-    if (address_.kind == Address::Kind::Serial) {
-        address_.path = link::stable_path(address_.path);
-    }
     calls_.begin(kOpening);
-    connect();
+    link_ = std::make_unique<link::KeptStream>(io_, stream_target(address_, options_),
+                                               link::KeptStream::Handlers{
+                                                   [this](const link::StreamOpened& link) { opened(link); },
+                                                   [this](const link::StreamError& error) { lost(error); },
+                                                   [this](std::string_view bytes) {
+                                                       session::Actions actions;
+                                                       session_.receive(bytes, Clock::now(), actions);
+                                                       perform(actions);
+                                                   },
+                                                   [this](const link::StreamError& error) { failed(error); },
+                                               });
+    link_->start();
     const auto done = co_await calls_.wait(kOpening, options_.open_timeout, "no ASIP board answered in time");
     if (!done) {
         co_return Unexpected<Error>(done.error());
@@ -151,93 +161,48 @@ void DirectTransport::close() {
         return;
     }
     closed_ = true;
-    connecting_.reset();
     deadline_.cancel();
-    again_.cancel();
     calls_.finish_all({Error::Kind::Closed, 0, "the board was closed"});
-    if (stream_) {
-        stream_->close();
-        // This may be called from a handler of the stream: it goes when that has returned.
-        boost::asio::post(io_, [stream = std::shared_ptr<link::ByteStream>(std::move(stream_))] {});
+    if (link_) {
+        link_->stop();
     }
 }
 
 // --- the link
 
-void DirectTransport::connect() {
-    if (address_.kind == Address::Kind::Tcp) {
-        connecting_ = link::connect_tcp(io_, {address_.host, address_.port}, options_.open_timeout,
-                                        [this](Streamed stream) { connected(std::move(stream)); });
-        return;
-    }
-    auto port = link::open_serial(io_, address_.path, static_cast<int>(options_.baud));
-    connected(port ? Streamed(std::move(*port)) : Streamed(Unexpected<link::StreamError>(port.error())));
-}
-
-void DirectTransport::connected(Streamed stream) {
-    if (!stream) {
-        if (opened_) {
-            disconnected(stream.error().text);
-        } else {
-            calls_.finish(kOpening, failure(Error::Kind::Unreachable, stream.error().text));
-        }
-        return;
-    }
-    stream_ = std::move(*stream);
-    session::LinkTraits traits;
-    if (auto* const port = dynamic_cast<link::SerialPort*>(stream_.get())) {
-        traits.baud = static_cast<unsigned>(port->baud());
-        traits.restarting = port->set_dtr(true);  // opening the port raised it: most boards restart at that
-    }
-    link::ByteStream::Handlers handlers;
-    handlers.on_bytes = [this](std::string_view bytes) {
-        session::Actions actions;
-        session_.receive(bytes, Clock::now(), actions);
-        perform(actions);
-    };
-    handlers.on_closed = [this](const link::StreamError& error) { disconnected(error.text); };
-    stream_->start(std::move(handlers));
+void DirectTransport::opened(const link::StreamOpened& link) {
     session::Actions actions;
-    session_.link_up(traits, Clock::now(), actions);
+    session_.link_up({link.baud, link.restarting}, Clock::now(), actions);
     perform(actions);
 }
 
-void DirectTransport::disconnected(const std::string& why) {
-    if (stream_) {
-        stream_.reset();
-        session::Actions actions;
-        session_.link_down(Clock::now(), actions);
-        perform(actions);
-    }
-    if (!opened_) {
-        calls_.finish(kOpening, failure(Error::Kind::Unreachable, why));
+void DirectTransport::lost(const link::StreamError& error) {
+    const std::weak_ptr<bool> alive = alive_;  // a handler of the application may destroy this
+    session::Actions actions;
+    session_.link_down(Clock::now(), actions);
+    perform(actions);
+    if (alive.expired() || closed_) {
         return;
     }
-    again_.expires_after(kReopenAfter);
-    again_.async_wait(
-        [this, alive = std::weak_ptr<bool>(alive_)](const boost::system::error_code& cancelled) {
-            if (!cancelled && alive.lock() && !closed_) {
-                connect();
-            }
-        });
+    failed(error);
     set_presence(false);
 }
 
-void DirectTransport::set_line_rate(unsigned baud) {
-    auto* const port = dynamic_cast<link::SerialPort*>(stream_.get());
-    if (port != nullptr && port->unsent_bytes() > 0) {
-        const auto retry = std::make_shared<boost::asio::steady_timer>(io_, std::chrono::milliseconds(1));
-        retry->async_wait([this, baud, retry, alive = std::weak_ptr<bool>(alive_)](const auto&) {
-            if (alive.lock() && stream_) {
-                set_line_rate(baud);
-            }
-        });
-        return;
+void DirectTransport::failed(const link::StreamError& error) {
+    if (!opened_) {
+        calls_.finish(kOpening, failure(Error::Kind::Unreachable, error.text));
     }
-    session::Actions actions;
-    const bool set = port != nullptr && port->set_baud(static_cast<int>(baud)).has_value();
-    session_.line_rate_set(set, Clock::now(), actions);
-    perform(actions);
+}
+
+void DirectTransport::set_line_rate(unsigned baud) {
+    link_->set_rate(baud, [this, alive = std::weak_ptr<bool>(alive_)](bool ok) {
+        if (alive.expired() || closed_) {
+            return;
+        }
+        session::Actions actions;
+        session_.line_rate_set(ok, Clock::now(), actions);
+        perform(actions);
+    });
 }
 
 // --- what the session says
@@ -255,9 +220,7 @@ void DirectTransport::perform(const session::Actions& actions) {
 
 void DirectTransport::perform_one(const session::Action& action) {
     if (const auto* write = std::get_if<session::Write>(&action)) {
-        if (stream_) {
-            stream_->write(write->bytes);
-        }
+        link_->write(write->bytes);
     } else if (const auto* rate = std::get_if<session::SetLineRate>(&action)) {
         set_line_rate(rate->baud);
     } else if (const auto* line = std::get_if<session::BoardLine>(&action)) {

@@ -8,7 +8,7 @@
 #include "asip/client/address.hpp"
 #include "asip/client/options.hpp"
 #include "asip/client/pending_calls.hpp"
-#include "asip/link/byte_stream.hpp"
+#include "asip/link/kept_stream.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/session/board_session.hpp"
 
@@ -36,12 +36,11 @@ class DirectTransport final : public Transport {
         ServiceInfo info;
         model::ModelPtr model;  // null: nobody described it
     };
-    using Streamed = Expected<std::unique_ptr<link::ByteStream>, link::StreamError>;
 
     Awaitable<nlohmann::json> request(std::string line, char answer_tag, model::ModelPtr model);
-    void connect();
-    void connected(Streamed stream);
-    void disconnected(const std::string& why);
+    void opened(const link::StreamOpened& link);
+    void lost(const link::StreamError& error);
+    void failed(const link::StreamError& error);
     void perform(const session::Actions& actions);
     void perform_one(const session::Action& action);
     void set_line_rate(unsigned baud);
@@ -57,13 +56,11 @@ class DirectTransport final : public Transport {
     Address address_;
     Options options_;
     Listener* listener_ = nullptr;
-    std::unique_ptr<link::ByteStream> stream_;
-    std::shared_ptr<void> connecting_;
+    std::unique_ptr<link::KeptStream> link_;
     session::BoardSession session_;
     PendingCalls calls_;
     std::vector<KnownService> services_;
     boost::asio::steady_timer deadline_;
-    boost::asio::steady_timer again_;
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // handlers that come too late see it gone
     bool there_ = false;
     bool opened_ = false;

@@ -41,8 +41,12 @@ class ByteStream {
     /// left.
     virtual void write(std::string_view bytes) = 0;
 
-    /// Bytes that were written but not yet taken by the operating system.
+    /// Bytes that were written but not yet accepted by the operating system.
     virtual std::size_t unsent_bytes() const = 0;
+
+    /// Calls `done` once, from the loop, when the operating system has accepted all that was written so far.
+    /// Never from inside this call; never after close(). A later call replaces an earlier `done`.
+    virtual void when_sent(std::function<void()> done) = 0;
 
     virtual void close() = 0;
 

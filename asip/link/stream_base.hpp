@@ -2,9 +2,11 @@
 #include <array>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/error.hpp>
+#include <boost/asio/post.hpp>
 #include <deque>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "asip/link/byte_stream.hpp"
 
@@ -42,8 +44,14 @@ class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
         if (queue_.size() == 1) write_next();
     }
 
+    void when_sent(std::function<void()> done) {
+        sent_ = std::move(done);
+        if (queue_.empty()) notify_sent();
+    }
+
     void close() {
         closed_ = true;
+        sent_ = nullptr;
         boost::system::error_code ignored;
         socket_.close(ignored);
     }
@@ -78,8 +86,15 @@ class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
                 auto& first = self->queue_.front();
                 first.erase(0, size);
                 if (first.empty()) self->queue_.pop_front();
-                if (!self->queue_.empty()) self->write_next();
+                if (!self->queue_.empty()) return self->write_next();
+                if (self->sent_) self->notify_sent();
             });
+    }
+
+    void notify_sent() {
+        boost::asio::post(socket_.get_executor(), [self = this->shared_from_this()] {
+            if (self->queue_.empty() && self->sent_) std::exchange(self->sent_, nullptr)();
+        });
     }
 
     void ended(const boost::system::error_code& error) {
@@ -96,6 +111,7 @@ class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
     ByteStream::Handlers handlers_;
     std::array<char, 4096> buffer_;
     std::deque<std::string> queue_;
+    std::function<void()> sent_;
     std::size_t unsent_ = 0;
     bool closed_ = false;
 };
@@ -111,6 +127,7 @@ class CoreStream : public Base {
     void start(ByteStream::Handlers handlers) override { core_->start(std::move(handlers)); }
     void write(std::string_view bytes) override { core_->write(bytes); }
     std::size_t unsent_bytes() const override { return core_->unsent_bytes(); }
+    void when_sent(std::function<void()> done) override { core_->when_sent(std::move(done)); }
     void close() override { core_->close(); }
     std::string describe() const override { return core_->name(); }
 

@@ -1,5 +1,9 @@
 #include "asip/link/tcp_stream.hpp"
 
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -20,9 +24,24 @@ std::string url(const TcpAddress& address) {
     return "tcp://" + (v6 ? "[" + address.host + "]" : address.host) + ":" + std::to_string(address.port);
 }
 
+/// The kernel asks a silent peer after 4 s, then each 2 s, and gives up after three questions (RFC 1122,
+/// 4.2.3.6); bytes that nobody acknowledges for 10 s end the connection, too (RFC 5482).
+void notice_vanished_peer(tcp::socket& socket) {
+    const int fd = socket.native_handle();
+    const auto set = [fd](int level, int option, int value) {
+        (void)setsockopt(fd, level, option, &value, sizeof value);
+    };
+    set(SOL_SOCKET, SO_KEEPALIVE, 1);
+    set(IPPROTO_TCP, TCP_KEEPIDLE, 4);
+    set(IPPROTO_TCP, TCP_KEEPINTVL, 2);
+    set(IPPROTO_TCP, TCP_KEEPCNT, 3);
+    set(IPPROTO_TCP, TCP_USER_TIMEOUT, 10'000);
+}
+
 std::unique_ptr<ByteStream> make_stream(tcp::socket socket, std::string name) {
     boost::system::error_code ignored;
     socket.set_option(tcp::no_delay(true), ignored);
+    notice_vanished_peer(socket);
     socket.non_blocking(true, ignored);
     return std::make_unique<CoreStream<tcp::socket>>(std::move(socket), std::move(name));
 }

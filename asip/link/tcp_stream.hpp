@@ -25,8 +25,10 @@ Expected<TcpAddress> parse_tcp_address(std::string_view text, std::string_view d
 
 using TcpConnectHandler = std::function<void(Expected<std::unique_ptr<ByteStream>, StreamError>)>;
 
-/// Connects with TCP_NODELAY; calls `done` exactly once, from the io_context, after at most `timeout`. The
-/// attempt is abandoned, and `done` never called, when the returned handle is destroyed first.
+/// Connects with TCP_NODELAY and keep-alive, so that a peer that vanished without a word (power cut, cable
+/// pulled) ends the stream within about ten seconds; calls `done` exactly once, from the io_context, after at
+/// most `timeout`. The attempt is abandoned, and `done` never called, when the returned handle is destroyed
+/// first.
 std::shared_ptr<void> connect_tcp(boost::asio::io_context& io, const TcpAddress& address, Duration timeout,
                                   TcpConnectHandler done);
 
