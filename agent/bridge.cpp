@@ -17,7 +17,7 @@ namespace {
 constexpr Duration kGarbageQuiet = std::chrono::seconds(10);
 constexpr std::size_t kMostHeld = 64;
 
-std::string letters(const ServiceTable& services) {
+std::string letters(const session::ServiceTable& services) {
     std::string text;
     for (const auto& entry : services.entries())
         text += (text.empty() ? "" : ",") + entry.name;
@@ -31,7 +31,7 @@ Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
       topics_(options_.topic_root),
       models_(std::move(models)),
       random_(std::move(random)),
-      session_(options_.session),
+      session_(options_.session, random_),
       control_(topics_, session_),
       context_(topics_, options_.context) {}
 
@@ -85,21 +85,20 @@ void Bridge::perform(session::Actions& actions, Time now, Effects& out) {
 }
 
 void Bridge::on_action(const session::BoardLine& line, Time, Effects& out) {
-    out.lines.push_back(line.line);
+    out.lines.push_back(line.line.text());
     if (name_.empty()) return;
     note_facts(line.line);
     publish_or_hold(line.line, out);
 }
 
 // Without a bus the newest value of each kind waits; what it replaces would be stale when the bus is back.
-void Bridge::publish_or_hold(std::string_view line, Effects& out) {
+void Bridge::publish_or_hold(const protocol::ParsedLine& line, Effects& out) {
     if (announcer_->on_air()) return context_.on_line(name_, line, session_.identity(), services_, out);
-    const auto parsed = protocol::parse_line(line);
-    const auto* event = std::get_if<protocol::Event>(&parsed);
-    if (!event) return;
-    std::string kind{event->service, event->tag};
+    if (!line.is_event()) return;
+    const auto event = line.event();
+    std::string kind{event.service, event.tag};
     // Each port's state is a value of its own.
-    if (kind == "Id") kind += event->body.substr(0, event->body.find(','));
+    if (kind == "Id") kind += event.body.substr(0, event.body.find(','));
     if (held_.contains(kind) || held_.size() >= kMostHeld) ++superseded_;
     if (held_.contains(kind) || held_.size() < kMostHeld) held_[kind] = line;
 }
@@ -118,7 +117,7 @@ void Bridge::go_on_air(Effects& out) {
 
 void Bridge::on_action(const session::Identified& identified, Time, Effects& out) {
     const auto& board = session_.identity();
-    services_ = ServiceTable(board, models_);
+    services_ = session::ServiceTable(board, models_);
     if (identified.changed) facts_.counts.clear();
     facts_.periods = current_periods();
     if (name_.empty()) {
@@ -205,20 +204,20 @@ std::map<char, int> Bridge::current_periods() const {
 }
 
 // What a description says besides the board's own words: how many elements a service has, and its period.
-void Bridge::note_facts(std::string_view line) {
-    const auto parsed = protocol::parse_line(line);
-    const auto* event = std::get_if<protocol::Event>(&parsed);
-    if (!event || event->service == 'I' || event->service == '#') return;
-    const auto* service = services_.find(event->service);
+void Bridge::note_facts(const protocol::ParsedLine& line) {
+    if (!line.is_event()) return;
+    const auto event = line.event();
+    if (event.service == 'I' || event.service == '#') return;
+    const auto* service = services_.find(event.service);
     if (!service || !service->model) return;
-    const auto* event_model = service->model->event(event->tag);
+    const auto* event_model = service->model->event(event.tag);
     if (!event_model || event_model->shape != model::EventShape::PerElement) return;
-    const auto body = protocol::parse_body(event->body);
+    const auto body = protocol::parse_body(event.body);
     if (!body) return;
     const int count = static_cast<int>(body->items.size());
-    const auto known = facts_.counts.find(event->service);
+    const auto known = facts_.counts.find(event.service);
     if (known != facts_.counts.end() && known->second == count) return;
-    facts_.counts[event->service] = count;
+    facts_.counts[event.service] = count;
     describe_again();
 }
 

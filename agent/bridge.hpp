@@ -12,9 +12,9 @@
 #include "agent/control.hpp"
 #include "agent/describe.hpp"
 #include "agent/effects.hpp"
-#include "agent/service_table.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/session/board_session.hpp"
+#include "asip/session/service_table.hpp"
 
 namespace asip::agent {
 
@@ -61,7 +61,6 @@ class Bridge {
     /// To be added once the name is claimed: until then another agent may be meant.
     std::vector<std::string> control_subscriptions() const;
     const session::BoardSession& session() const { return session_; }
-    const ControlCounters& control_counters() const { return control_.counters(); }
 
   private:
     void perform(session::Actions& actions, Time now, Effects& out);
@@ -74,9 +73,9 @@ class Bridge {
     void on_action(const session::Garbage& garbage, Time now, Effects& out);
     void on_action(const session::Finished& end, Time now, Effects& out);
     void describe_again();
-    void note_facts(std::string_view line);
+    void note_facts(const protocol::ParsedLine& line);
     void note_settings();
-    void publish_or_hold(std::string_view line, Effects& out);
+    void publish_or_hold(const protocol::ParsedLine& line, Effects& out);
     void go_on_air(Effects& out);
     std::map<char, int> current_periods() const;
 
@@ -88,12 +87,12 @@ class Bridge {
     Control control_;
     Context context_;
     std::unique_ptr<Announcer> announcer_;  // once there is a name
-    ServiceTable services_;
+    session::ServiceTable services_;
     BoardFacts facts_;
     std::vector<protocol::PinMode> described_modes_;
     std::string name_;
     bool claim_told_ = false;
-    std::map<std::string, std::string> held_;  // newest line of each kind while there is no bus
+    std::map<std::string, protocol::ParsedLine> held_;  // newest line of each kind while there is no bus
     std::uint64_t superseded_ = 0;
     std::optional<Time> garbage_quiet_until_;
 };

@@ -1,12 +1,12 @@
 #pragma once
-#include <cstdint>
 #include <string>
 #include <string_view>
 
 #include "agent/effects.hpp"
-#include "agent/service_table.hpp"
 #include "asip/bus/topics.hpp"
+#include "asip/protocol/parsed_line.hpp"
 #include "asip/session/identity.hpp"
+#include "asip/session/service_table.hpp"
 
 namespace asip::agent {
 
@@ -21,16 +21,12 @@ class Context {
     Context(const bus::Topics& topics, ContextOptions options)
         : topics_(topics), options_(std::move(options)) {}
 
-    void on_line(const std::string& board, std::string_view line, const session::Identity& identity,
-                 const ServiceTable& services, Effects& out);
-
-    /// Events their model could not decode.
-    std::uint64_t undecoded() const { return undecoded_; }
+    void on_line(const std::string& board, const protocol::ParsedLine& line,
+                 const session::Identity& identity, const session::ServiceTable& services, Effects& out);
 
   private:
     bus::Topics topics_;
     ContextOptions options_;
-    std::uint64_t undecoded_ = 0;
 };
 
 }  // namespace asip::agent

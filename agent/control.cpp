@@ -21,7 +21,7 @@ char answer_of_question(std::string_view line) {
     return tags.find(request->tag) == std::string_view::npos ? '\0' : request->tag;
 }
 
-std::string service_of_line(const ServiceTable& services, std::string_view line) {
+std::string service_of_line(const session::ServiceTable& services, std::string_view line) {
     return service_named(services, line.size() > 1 && line[1] == ',' ? line[0] : '#');
 }
 
@@ -44,7 +44,7 @@ std::string refusal_text(session::Refusal refusal) {
 
 }  // namespace
 
-void Control::on_message(const mqtt::Message& message, const ServiceTable& services,
+void Control::on_message(const mqtt::Message& message, const session::ServiceTable& services,
                          session::BoardSession& session, Time now, session::Actions& actions, Effects& out) {
     const auto topic = topics_.parse(message.topic);
     if (!topic || (topic->kind != bus::TopicKind::kBoardIn && topic->kind != bus::TopicKind::kServiceIn))
@@ -64,7 +64,7 @@ void Control::on_message(const mqtt::Message& message, const ServiceTable& servi
             out);
     if (!envelope) return refuse(*command, request, bus::kRefusedInvalid, envelope.error().error, out);
 
-    const ServiceTable::Entry* service = nullptr;
+    const session::ServiceTable::Entry* service = nullptr;
     if (topic->kind == bus::TopicKind::kServiceIn) {
         service = services.find(topic->service);
         if (!service)
@@ -89,7 +89,7 @@ void Control::on_message(const mqtt::Message& message, const ServiceTable& servi
 }
 
 Expected<std::vector<Control::Line>> Control::read(const bus::RequestEnvelope& envelope,
-                                                   const ServiceTable::Entry* service) const {
+                                                   const session::ServiceTable::Entry* service) const {
     std::vector<Line> result;
     if (!service) {
         if (envelope.form != bus::RequestEnvelope::Form::kRaw)
@@ -113,7 +113,7 @@ Expected<std::vector<Control::Line>> Control::read(const bus::RequestEnvelope& e
 }
 
 void Control::execute(std::shared_ptr<Command> command, const std::vector<Line>& lines,
-                      const ServiceTable& services, session::BoardSession& session, Time now,
+                      const session::ServiceTable& services, session::BoardSession& session, Time now,
                       session::Actions& actions, Effects& out) {
     std::size_t number = 0;
     for (const Line& line : lines) {
@@ -158,7 +158,7 @@ bool Control::on_finished(const session::Finished& end, Effects& out) {
     };
     bus::Reply& outcome = command->outcome;
     // The board's own errors are on the error topic already, in the board's words.
-    if (end.ending == session::Ending::kTimeout)
+    if (end.ending == session::Ending::kTimeout || end.ending == session::Ending::kDoubt)
         tell("timeout", "no sign that the board executed it; it may have, or not");
     if (end.ending == session::Ending::kNotSent)
         tell(bus::kRefusedBoardNotThere, refusal_text(session::Refusal::kNoBoard));
@@ -167,6 +167,12 @@ bool Control::on_finished(const session::Finished& end, Effects& out) {
             case session::Ending::kBoardError:
                 outcome = bus::Reply::board_error(
                     end.code, end.text.empty() ? std::string(protocol::error_name(end.code)) : end.text);
+                break;
+            case session::Ending::kDoubt:
+                outcome = bus::Reply::timeout(bus::kTimeoutDoubt);
+                break;
+            case session::Ending::kNoValue:
+                outcome = bus::Reply::timeout(bus::kTimeoutNoValue);
                 break;
             case session::Ending::kTimeout:
                 outcome = bus::Reply::timeout();
@@ -185,16 +191,14 @@ bool Control::on_finished(const session::Finished& end, Effects& out) {
     return true;
 }
 
-std::string Control::answer_json(const Command& command, const std::string& line) const {
-    const auto parsed = protocol::parse_line(line);
-    const auto* event = std::get_if<protocol::Event>(&parsed);
-    if (event && command.model) {
+std::string Control::answer_json(const Command& command, const protocol::ParsedLine& line) const {
+    if (command.model) {
         const auto& identity = session_.identity();
         const auto value =
-            model::decode_event(*command.model, *event, {&identity.port_map, identity.pin_modes});
+            model::decode_event(*command.model, line.event(), {&identity.port_map, identity.pin_modes});
         if (value) return model::dump_json(*value);
     }
-    return model::dump_json(nlohmann::json(line));
+    return model::dump_json(nlohmann::json(line.text()));
 }
 
 void Control::refuse(Command& command, std::string_view request, std::string_view reason, std::string text,
@@ -210,7 +214,7 @@ void Control::refuse(Command& command, std::string_view request, std::string_vie
 }
 
 void Control::tell_refused(const std::string& board, std::string_view line, session::Refusal why,
-                           const ServiceTable& services, Effects& out) const {
+                           const session::ServiceTable& services, Effects& out) const {
     report_failure(topics_, board, service_of_line(services, line), request_of_line(line),
                    session::to_string(why), refusal_text(why), out);
 }

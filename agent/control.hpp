@@ -7,10 +7,10 @@
 
 #include "agent/effects.hpp"
 #include "agent/recent_answers.hpp"
-#include "agent/service_table.hpp"
 #include "asip/bus/request_envelope.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/session/board_session.hpp"
+#include "asip/session/service_table.hpp"
 #include "asip/time.hpp"
 
 namespace asip::agent {
@@ -30,13 +30,13 @@ class Control {
         : topics_(topics), session_(session) {}
 
     /// A message on one of the board's `/in` topics.
-    void on_message(const mqtt::Message& message, const ServiceTable& services,
+    void on_message(const mqtt::Message& message, const session::ServiceTable& services,
                     session::BoardSession& session, Time now, session::Actions& actions, Effects& out);
     /// True: the request was one of ours.
     bool on_finished(const session::Finished& end, Effects& out);
     /// A line that came by another way than the bus was refused: told on the error topic of its service.
     void tell_refused(const std::string& board, std::string_view line, session::Refusal why,
-                      const ServiceTable& services, Effects& out) const;
+                      const session::ServiceTable& services, Effects& out) const;
 
     const ControlCounters& counters() const { return counters_; }
 
@@ -64,15 +64,15 @@ class Control {
     };
 
     void execute(std::shared_ptr<Command> command, const std::vector<Line>& lines,
-                 const ServiceTable& services, session::BoardSession& session, Time now,
+                 const session::ServiceTable& services, session::BoardSession& session, Time now,
                  session::Actions& actions, Effects& out);
     void refuse(Command& command, std::string_view request, std::string_view reason, std::string text,
                 Effects& out);
     void conclude(Command& command, Effects& out);
     void send(const bus::ReplyTo& to, const bus::Reply& reply, Effects& out);
     Expected<std::vector<Line>> read(const bus::RequestEnvelope& envelope,
-                                     const ServiceTable::Entry* service) const;
-    std::string answer_json(const Command& command, const std::string& line) const;
+                                     const session::ServiceTable::Entry* service) const;
+    std::string answer_json(const Command& command, const protocol::ParsedLine& line) const;
 
     bus::Topics topics_;
     const session::BoardSession& session_;

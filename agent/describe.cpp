@@ -25,7 +25,7 @@ model::PinsInfo describe_pins(const session::Identity& board) {
 
 }  // namespace
 
-model::Description describe(const session::Identity& board, const ServiceTable& services,
+model::Description describe(const session::Identity& board, const session::ServiceTable& services,
                             const model::ModelSet& models, const BoardFacts& facts) {
     model::Description description;
     description.firmware = {board.info.protocol(), board.info.chip, board.info.sketch, board.extensions};

@@ -3,9 +3,9 @@
 #include <optional>
 #include <string>
 
-#include "agent/service_table.hpp"
 #include "asip/model/description.hpp"
 #include "asip/session/identity.hpp"
+#include "asip/session/service_table.hpp"
 
 namespace asip::agent {
 
@@ -18,7 +18,7 @@ struct BoardFacts {
 };
 
 /// Everything of the description but board name, session, seq and lease, which whoever announces it fills in.
-model::Description describe(const session::Identity& board, const ServiceTable& services,
+model::Description describe(const session::Identity& board, const session::ServiceTable& services,
                             const model::ModelSet& models, const BoardFacts& facts);
 
 /// The name for a board that has none and was given none: from the port or address it is at.

@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kMostOfRequest = 128;
 }
 
-std::string service_named(const ServiceTable& services, char letter) {
+std::string service_named(const session::ServiceTable& services, char letter) {
     if (const auto* service = services.find(letter)) return service->name;
     std::string name(1, letter);
     return bus::legal_service_name(name) && letter != 'I' ? name : "io";

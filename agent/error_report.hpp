@@ -4,14 +4,14 @@
 #include <string_view>
 
 #include "agent/effects.hpp"
-#include "agent/service_table.hpp"
 #include "asip/bus/topics.hpp"
+#include "asip/session/service_table.hpp"
 
 namespace asip::agent {
 
 /// Name on the bus of the service that `letter` stands for: its model's, else the letter. What belongs to no
 /// service (`#`) belongs to `io`, the core's.
-std::string service_named(const ServiceTable& services, char letter);
+std::string service_named(const session::ServiceTable& services, char letter);
 
 /// `{"request":...}` on the service's error topic. As context: of a flood the oldest give way.
 void publish_error(const bus::Topics& topics, std::string_view board, std::string_view service,

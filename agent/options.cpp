@@ -75,7 +75,10 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
     settings.setting(
         app.add_flag("--no-step-up", raw.no_step_up, "Leave the rate of the line alone")->group("Board"));
     settings.setting(
-        app.add_flag("--checksum", raw.checksum, "Put a checksum on each line, where the board can")
+        app.add_flag(
+               "--checksum", raw.checksum,
+               "Put a checksum on each line from the start, where the board can; default: on fast lines, "
+               "and once the line is damaged")
             ->group("Board"));
     settings.setting(app.add_option("--patience", raw.patience,
                                     "Seconds without any answer after which this is no ASIP board")
@@ -152,7 +155,7 @@ Expected<AgentOptions, int> read_options(int argc, const char* const* argv) {
     options.bridge.takeover = raw.takeover;
     options.bridge.started_unix = static_cast<std::uint64_t>(std::time(nullptr));
     options.bridge.session.max_baud = raw.no_step_up ? 0 : raw.max_baud;
-    options.bridge.session.checksum = raw.checksum;
+    if (raw.checksum) options.bridge.session.checksum = session::ChecksumPolicy::kAlways;
     options.bridge.session.patience =
         std::chrono::duration_cast<Duration>(std::chrono::duration<double>(raw.patience));
     options.bridge.context.terminator = raw.terminator == "lf"     ? "\n"

@@ -65,9 +65,10 @@ Reply Reply::board_error(int code, std::string error) {
     return reply;
 }
 
-Reply Reply::timeout() {
+Reply Reply::timeout(std::string_view reason) {
     Reply reply;
     reply.status = Status::kTimeout;
+    reply.reason = reason;
     return reply;
 }
 

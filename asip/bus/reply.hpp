@@ -29,7 +29,7 @@ struct Reply {
         kOk,       ///< executed; `proof` says how that is known, `answer` holds what the board answered, if
                    ///< anything
         kError,    ///< the board refused: `code` and `error` are its words
-        kTimeout,  ///< no evidence within the time limit
+        kTimeout,  ///< no evidence within the time limit; `reason` may say why
         kRefused,  ///< never sent to the board: `reason` is a word for programs, `error` a sentence for a
                    ///< person
     };
@@ -44,7 +44,8 @@ struct Reply {
 
     static Reply ok(std::string proof, std::string answer = {});
     static Reply board_error(int code, std::string error);
-    static Reply timeout();
+    /// `reason`: kTimeoutDoubt, kTimeoutNoValue, or none.
+    static Reply timeout(std::string_view reason = {});
     static Reply refused(std::string reason, std::string error);
 
     bool succeeded() const { return status == Status::kOk; }
@@ -56,6 +57,12 @@ inline constexpr std::string_view kRefusedQueueFull = "queue-full";
 inline constexpr std::string_view kRefusedInvalid = "invalid";
 inline constexpr std::string_view kRefusedBoardNotThere = "board-not-there";
 inline constexpr std::string_view kRefusedRetained = "retained";
+
+/// Reasons of Reply::kTimeout: something on the line to the board was lost or damaged, so that it may or may
+/// not have executed the command; and: it executed the command, but the value that was asked for did not
+/// come.
+inline constexpr std::string_view kTimeoutDoubt = "doubt";
+inline constexpr std::string_view kTimeoutNoValue = "no-value";
 
 /// The JSON text of a reply, `{"id":"7","status":"ok","proof":"fence"}`. Bytes of id, error and reason that
 /// are not UTF-8 are replaced; an `answer` that is not JSON becomes a JSON string.

@@ -36,10 +36,7 @@ Json decoded(const protocol::Event& event, const model::ServiceModel* model, con
             return std::move(*json);
         }
     }
-    Json raw = Json::object();
-    raw["tag"] = std::string(1, event.tag);
-    raw["body"] = std::string(event.body);
-    return raw;
+    return model::raw_event(event);
 }
 
 Error error_of(const session::Finished& end) {
@@ -48,7 +45,13 @@ Error error_of(const session::Finished& end) {
         case Ending::kBoardError:
             return {Error::Kind::Board, end.code, end.text};
         case Ending::kNotSent:
-            return {Error::Kind::Unreachable, 0, "the board went away before it was sent"};
+            return {Error::Kind::Unreachable, 0,
+                    end.not_sent == session::NotSent::kDeadline ? "the board was busy until it was too late"
+                                                                : "the board went away before it was sent"};
+        case Ending::kDoubt:
+            return {Error::Kind::Timeout, 0, "the line was disturbed: the board may have executed it or not"};
+        case Ending::kNoValue:
+            return {Error::Kind::Timeout, 0, "the board executed it, but did not send the value"};
         default:
             return {Error::Kind::Timeout, 0, "the board did not acknowledge it"};
     }
@@ -104,11 +107,11 @@ Awaitable<void> DirectTransport::open(Listener& listener) {
 }
 
 Awaitable<Json> DirectTransport::command(std::string service, Json command) {
-    const KnownService* known = find(service);
+    const auto* known = services_.find(service);
     if (known == nullptr) {
         co_return failure(Error::Kind::Invalid, "the board has no service \"" + service + "\"");
     }
-    auto encoded = model::encode_control_json(known->model.get(), known->info.id, command);
+    auto encoded = model::encode_control_json(known->model.get(), known->letter, command);
     if (!encoded) {
         co_return failure(Error::Kind::Invalid, encoded.error());
     }
@@ -122,8 +125,10 @@ Awaitable<void> DirectTransport::raw(std::string line) {
 
 Awaitable<Json> DirectTransport::request(std::string line, char answer_tag, model::ModelPtr model) {
     session::Actions actions;
-    const session::RequestOptions options{.prove = true, .answer_tag = answer_tag};
-    const auto id = session_.submit(line, options, Clock::now(), actions);
+    const Time now = Clock::now();
+    const session::RequestOptions options{
+        .deadline = now + options_.command_timeout, .prove = true, .answer_tag = answer_tag};
+    const auto id = session_.submit(line, options, now, actions);
     if (!id) {
         co_return Unexpected<Error>(error_of(id.error()));
     }
@@ -150,8 +155,8 @@ std::string DirectTransport::board_name() const {
 
 std::vector<ServiceInfo> DirectTransport::services() const {
     std::vector<ServiceInfo> infos;
-    for (const KnownService& each : services_) {
-        infos.push_back(each.info);
+    for (const auto& each : services_.entries()) {
+        infos.push_back({each.name, each.letter, each.title});
     }
     return infos;
 }
@@ -243,24 +248,18 @@ void DirectTransport::perform_one(const session::Action& action) {
     }
 }
 
-void DirectTransport::deliver(const std::string& line) {
-    const auto message = protocol::parse_line(line);
-    const auto* const event = std::get_if<protocol::Event>(&message);
-    if (event == nullptr || !there_) {
+void DirectTransport::deliver(const protocol::ParsedLine& line) {
+    if (!line.is_event() || !there_) {
         return;
     }
-    if (const KnownService* known = find(event->service)) {
-        listener_->on_event(known->info.name, decoded(*event, known->model.get(), session_.identity()));
+    const protocol::Event event = line.event();
+    if (const auto* known = services_.find(event.service)) {
+        listener_->on_event(known->name, decoded(event, known->model.get(), session_.identity()));
     }
 }
 
 void DirectTransport::identified() {
-    services_.clear();
-    for (const auto& service : session_.identity().services) {
-        auto model = model::ModelSet::standard().match(service.id, service.name);
-        std::string name = model ? model->name : std::string(1, service.id);
-        services_.push_back({{std::move(name), service.id, service.name}, std::move(model)});
-    }
+    services_ = session::ServiceTable(session_.identity(), model::ModelSet::standard());
     calls_.finish(kOpening, Json());
     set_presence(true);
 }
@@ -270,7 +269,7 @@ void DirectTransport::finished(const session::Finished& end) {
     if (!done) {
         calls_.finish(end.id, Unexpected<Error>(error_of(end)));
     } else {
-        calls_.finish(end.id, end.answer.empty() ? Json() : Json(end.answer));
+        calls_.finish(end.id, end.answer.empty() ? Json() : Json(end.answer.text()));
     }
 }
 
@@ -300,24 +299,6 @@ void DirectTransport::arm() {
             session_.tick(Clock::now(), actions);
             perform(actions);
         });
-}
-
-const DirectTransport::KnownService* DirectTransport::find(char letter) const {
-    for (const KnownService& each : services_) {
-        if (each.info.id == letter) {
-            return &each;
-        }
-    }
-    return nullptr;
-}
-
-const DirectTransport::KnownService* DirectTransport::find(const std::string& name) const {
-    for (const KnownService& each : services_) {
-        if (each.info.name == name) {
-            return &each;
-        }
-    }
-    return nullptr;
 }
 
 }  // namespace asip::client

@@ -11,6 +11,7 @@
 #include "asip/link/kept_stream.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/session/board_session.hpp"
+#include "asip/session/service_table.hpp"
 
 namespace asip::client {
 
@@ -32,10 +33,6 @@ class DirectTransport final : public Transport {
     void close() override;
 
   private:
-    struct KnownService {
-        ServiceInfo info;
-        model::ModelPtr model;  // null: nobody described it
-    };
 
     Awaitable<nlohmann::json> request(std::string line, char answer_tag, model::ModelPtr model);
     void opened(const link::StreamOpened& link);
@@ -44,13 +41,11 @@ class DirectTransport final : public Transport {
     void perform(const session::Actions& actions);
     void perform_one(const session::Action& action);
     void set_line_rate(unsigned baud);
-    void deliver(const std::string& line);
+    void deliver(const protocol::ParsedLine& line);
     void identified();
     void finished(const session::Finished& end);
     void set_presence(bool there);
     void arm();
-    const KnownService* find(char letter) const;
-    const KnownService* find(const std::string& name) const;
 
     boost::asio::io_context& io_;
     Address address_;
@@ -59,7 +54,7 @@ class DirectTransport final : public Transport {
     std::unique_ptr<link::KeptStream> link_;
     session::BoardSession session_;
     PendingCalls calls_;
-    std::vector<KnownService> services_;
+    session::ServiceTable services_;
     boost::asio::steady_timer deadline_;
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // handlers that come too late see it gone
     bool there_ = false;

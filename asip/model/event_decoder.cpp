@@ -161,4 +161,11 @@ Expected<nlohmann::json> decode_event(const ServiceModel& model, const protocol:
     return object;
 }
 
+json raw_event(const protocol::Event& event) {
+    json object = json::object();
+    object["tag"] = std::string(1, event.tag);
+    object["body"] = std::string(event.body);
+    return object;
+}
+
 }  // namespace asip::model

@@ -23,4 +23,7 @@ struct DecodeContext {
 Expected<nlohmann::json> decode_event(const ServiceModel& model, const protocol::Event& event,
                                       const DecodeContext& context = {});
 
+/// What stands for an event that no model describes: {"tag":"e","body":"2,{42,118}"}.
+nlohmann::json raw_event(const protocol::Event& event);
+
 }  // namespace asip::model

@@ -1,56 +1,63 @@
 #include "asip/session/board_session.hpp"
 
-#include "asip/session/board_session_impl.hpp"
+#include "asip/session/machine.hpp"
 
 namespace asip::session {
 
-BoardSession::BoardSession(SessionOptions options) : impl_(std::make_unique<Impl>(options)) {}
+BoardSession::BoardSession(SessionOptions options, const Random& random)
+    : machine_(std::make_unique<Machine>(options, random)) {}
 BoardSession::~BoardSession() = default;
 BoardSession::BoardSession(BoardSession&&) noexcept = default;
 BoardSession& BoardSession::operator=(BoardSession&&) noexcept = default;
 
 void BoardSession::link_up(const LinkTraits& traits, Time now, Actions& out) {
-    impl_->link_up(traits, now, out);
+    machine_->link_up(traits, now, out);
 }
-void BoardSession::link_down(Time, Actions& out) {
-    impl_->link_down(out);
+void BoardSession::link_down(Time now, Actions& out) {
+    machine_->link_down(now, out);
 }
 void BoardSession::receive(std::string_view bytes, Time now, Actions& out) {
-    impl_->receive(bytes, now, out);
+    machine_->receive(bytes, now, out);
 }
 void BoardSession::tick(Time now, Actions& out) {
-    impl_->tick(now, out);
+    machine_->tick(now, out);
 }
 void BoardSession::line_rate_set(bool ok, Time now, Actions& out) {
-    impl_->line_rate_set(ok, now, out);
+    machine_->line_rate_set(ok, now, out);
 }
 Expected<RequestId, Refusal> BoardSession::submit(std::string_view line, const RequestOptions& request,
                                                   Time now, Actions& out) {
-    return impl_->submit(line, request, now, out);
+    return machine_->submit(line, request, now, out);
 }
 std::optional<Time> BoardSession::next_deadline() const {
-    return impl_->next_deadline();
+    return machine_->next_deadline();
+}
+std::size_t BoardSession::room(ClientId client) const {
+    return machine_->room(client);
 }
 BoardSession::State BoardSession::state() const {
-    return impl_->state_;
+    return machine_->state();
 }
 const Identity& BoardSession::identity() const {
-    return impl_->identity_;
+    return machine_->identity();
 }
 unsigned BoardSession::baud() const {
-    return impl_->baud_;
+    return machine_->wire().baud();
 }
 std::size_t BoardSession::bytes_in_flight() const {
-    return impl_->queue_.bytes_in_flight();
+    return machine_->requests().bytes_in_flight();
 }
 std::size_t BoardSession::queued() const {
-    return impl_->queue_.waiting();
+    return machine_->requests().waiting().size();
+}
+bool BoardSession::checksums() const {
+    return machine_->wire().writes_checksums();
 }
 const SessionCounters& BoardSession::counters() const {
-    return impl_->counters_;
+    return machine_->counters();
 }
 std::optional<unsigned> BoardSession::period(char service) const {
-    return impl_->settings_.period(service);
+    return machine_->settings().period(service);
 }
 
 const char* to_string(BoardSession::State state) {
@@ -89,6 +96,10 @@ const char* to_string(Ending ending) {
             return "unproven";
         case Ending::kBoardError:
             return "error";
+        case Ending::kDoubt:
+            return "doubt";
+        case Ending::kNoValue:
+            return "no value";
         case Ending::kTimeout:
             return "timeout";
         case Ending::kNotSent:

@@ -6,47 +6,69 @@
 #include <string_view>
 
 #include "asip/expected.hpp"
+#include "asip/random.hpp"
 #include "asip/session/action.hpp"
 #include "asip/session/identity.hpp"
 #include "asip/time.hpp"
 
 namespace asip::session {
 
+/// When lines carry a checksum, on boards that have that extension.
+enum class ChecksumPolicy {
+    kAuto,    ///< where it costs less than 0.1 ms a line, and from the first sign of damage at any rate
+    kAlways,  ///< from the interview on
+    kNever,
+};
+
 struct SessionOptions {
     /// Highest line rate to step up to; 0 leaves the rate alone.
     unsigned max_baud = 1'000'000;
-    /// Turn the checksum extension on where the board has it. Costs 3 bytes a line and one request in flight
-    /// at a time.
-    bool checksum = false;
+    ChecksumPolicy checksum = ChecksumPolicy::kAuto;
     /// Probe a board that said nothing for this long.
     Duration silence = std::chrono::seconds(2);
-    /// A fence or an answer not back after this long is lost. A 0.4 board waits up to a second inside a
+    /// A fence or an answer not back after this long is overdue. A 0.4 board waits up to a second inside a
     /// cut-off message.
     Duration answer_timeout = std::chrono::milliseconds(1500);
-    /// How long after link_up without any answer until NoAnswer is said. An Uno's boot loader takes two
-    /// seconds.
+    /// A board that was asked something and sent no byte for this long is gone.
+    Duration gone_after = std::chrono::seconds(4);
+    /// How long after link_up without any answer until NoAnswer is reported. An Uno's boot loader takes two
+    /// seconds. Also how long a board that is there may answer nothing that can be understood until it is
+    /// gone.
     Duration patience = std::chrono::seconds(8);
 };
 
-/// What the link can do, said with link_up.
+/// What the link can do, given with link_up.
 struct LinkTraits {
     unsigned baud = 0;  ///< the line's rate now; 0 where there is none (TCP)
     /// The board just restarted (the port's DTR line was pulsed): do not write before the banner or 2.5 s.
     bool restarting = false;
 };
 
+/// Deadline of a request whose sender gives none.
+inline constexpr Duration kDefaultDeadline = std::chrono::seconds(5);
+/// How long after its execution the value that a request asks for may come, unless the sender knows better.
+inline constexpr Duration kDefaultAnswerTime = std::chrono::seconds(1);
+
 struct RequestOptions {
+    /// Who sends it. Clients are served in turn; of one client each request comes after the one before.
+    ClientId client = 0;
+    /// It ends at this time at the latest, and is not sent later. None: kDefaultDeadline from now.
+    std::optional<Time> deadline{};
     /// Whether the end must say what it proves. Requests without cost no fence of their own.
     bool prove = true;
-    /// Tag of the event that answers this request, of the same service; 0 if none is expected.
+    /// Tag of the event that answers this request, of the same service; 0 if none is expected. The request
+    /// then ends when that event has come, even where the board executes it sooner. While the board also
+    /// sends such events by itself, the second one after the request counts.
     char answer_tag = 0;
+    /// How long after its execution that event may come.
+    Duration answer_time = kDefaultAnswerTime;
 };
 
 enum class Refusal {
-    kInvalid,  ///< not a request line: `S,t[,...]`, printable characters, at most 62 bytes, and neither `#,B`
-               ///< nor `#,C`
-    kQueueFull,  ///< BoardSession::kMaxQueued requests wait already
-    kNoBoard,    ///< link down, silent, or nobody identified yet
+    kInvalid,    ///< not a request line: `S,t[,...]`, printable characters, at most 62 bytes, and neither
+                 ///< `#,B` nor `#,C`
+    kQueueFull,  ///< kMaxQueuedPerClient requests of this client wait already, or kMaxQueued of all
+    kNoBoard,    ///< link down, board silent, or not identified since link_up
 };
 
 struct SessionCounters {
@@ -57,31 +79,37 @@ struct SessionCounters {
     std::uint64_t resets = 0;
     std::uint64_t fence_timeouts = 0;
     std::uint64_t checksum_errors = 0;
+    std::uint64_t unexplained_errors = 0;  ///< errors of the board that belong to no request
 };
+
+class Machine;
 
 /// One ASIP board behind a byte stream, of either firmware generation: finds out what it is, paces requests
 /// so that its 64-byte receive buffer cannot overrun, proves their execution with fences, steps the line up,
-/// notices restarts and restores what clients had set (pin modes and periods, never output values), notices
-/// silence.
+/// notices restarts, damage and silence, and restores what clients had set (pin modes and periods, never
+/// output values).
 ///
 /// Pure: it reads no clock and does no input or output. Each call appends what the caller has to do, in
 /// order. The caller calls tick() when next_deadline() has come, and each call with a time not before the one
-/// of the call before.
+/// of the call before. Randomness is drawn while constructing only.
 class BoardSession {
   public:
-    static constexpr std::size_t kMaxInFlightBytes = 48;
-    static constexpr std::size_t kMaxQueued = 512;
+    /// Never more than this is on its way to the board and not proven to be read.
+    static constexpr std::size_t kReceiveBufferBytes = 63;
+    static constexpr std::size_t kMaxQueuedPerClient = 64;
+    static constexpr std::size_t kMaxQueued = 4096;
 
+    /// kSilent: the board was gone, and is looked for.
     enum class State { kDown, kSearching, kIdentifying, kReady, kSilent };
 
-    explicit BoardSession(SessionOptions options = {});
+    explicit BoardSession(SessionOptions options = {}, const Random& random = system_random());
     ~BoardSession();
     BoardSession(BoardSession&&) noexcept;
     BoardSession& operator=(BoardSession&&) noexcept;
 
     void link_up(const LinkTraits& traits, Time now, Actions& out);
-    /// Everything in flight times out, everything queued is not sent. What clients had set is kept for the
-    /// next link_up.
+    /// Everything in flight times out, everything that waits is not sent. What clients had set is kept for
+    /// the next link_up.
     void link_down(Time now, Actions& out);
     void receive(std::string_view bytes, Time now, Actions& out);
     void tick(Time now, Actions& out);
@@ -89,29 +117,31 @@ class BoardSession {
     void line_rate_set(bool ok, Time now, Actions& out);
 
     /// Queues one request line (line end optional). While the board restarts or is identified again, requests
-    /// wait.
+    /// wait, each until its deadline. The Finished of the request may already be among `out`.
     Expected<RequestId, Refusal> submit(std::string_view line, const RequestOptions& request, Time now,
                                         Actions& out);
+    /// How many more requests of this client may be queued now.
+    std::size_t room(ClientId client) const;
 
     /// When tick() wants to be called; none while the link is down.
     std::optional<Time> next_deadline() const;
 
     State state() const;
-    /// Valid since the first Identified; kept while the board is away.
+    /// Valid from the first Identified on; kept while the board is away.
     const Identity& identity() const;
     /// The line's rate now; 0 on TCP.
     unsigned baud() const;
-    /// What was sent and not yet proven, in bytes; never above kMaxInFlightBytes but for one longer request
-    /// alone.
+    /// What may be in the board's receive buffer; never above kReceiveBufferBytes.
     std::size_t bytes_in_flight() const;
     std::size_t queued() const;
+    /// Whether lines carry checksums now.
+    bool checksums() const;
     const SessionCounters& counters() const;
     /// Auto-event period in ms that a client set for a service and that is in force; none if unknown.
     std::optional<unsigned> period(char service) const;
 
   private:
-    class Impl;
-    std::unique_ptr<Impl> impl_;
+    std::unique_ptr<Machine> machine_;
 };
 
 /// For logs.

@@ -28,10 +28,8 @@ bool keep(Expected<T> parsed, T& place) {
 
 }  // namespace
 
-void Interview::start(std::string services, Time now, std::vector<std::string>& lines) {
-    *this = Interview{};
-    progress_ = Progress::kAsking;
-    banner_services_ = std::move(services);
+Interview::Interview(std::string services, bool with_checksums, Time now, std::vector<std::string>& lines)
+    : turn_checksums_on_(with_checksums), banner_services_(std::move(services)) {
     ask(now, lines);
 }
 
@@ -41,12 +39,43 @@ void Interview::ask(Time now, std::vector<std::string>& lines) {
     lines.emplace_back(kQuestions[step_]);
 }
 
+void Interview::repeat(Time now, std::vector<std::string>& lines) {
+    if (progress_ != Progress::kAsking) return;
+    tries_ = 0;
+    ask(now, lines);
+}
+
+void Interview::ask_again_or_pass(Time now, std::vector<std::string>& lines) {
+    if (tries_ < kTries) {
+        ask(now, lines);
+    } else {
+        pass(now, lines);
+    }
+}
+
+// Leaves the question unanswered.
+void Interview::pass(Time now, std::vector<std::string>& lines) {
+    if (step_ == 0) {
+        progress_ = Progress::kFailed;
+    } else {
+        next(now, lines);
+    }
+}
+
 bool Interview::skip_step() const {
     return kQuestions[step_] == protocol::kAskIdentity && !identity_.extensions.has(protocol::kIdentity);
 }
 
 void Interview::next(Time now, std::vector<std::string>& lines) {
     tries_ = 0;
+    const auto& extensions = identity_.extensions;
+    if (turn_checksums_on_ && extensions.has(protocol::kChecksum) && extensions.has(protocol::kEcho)) {
+        turn_checksums_on_ = false;
+        lines.push_back(protocol::set_checksum(true));
+        identity_ = Identity{};
+        step_ = 0;
+        return ask(now, lines);
+    }
     do {
         if (++step_ == kQuestions.size()) return finish();
     } while (skip_step());
@@ -61,21 +90,23 @@ void Interview::finish() {
     progress_ = Progress::kDone;
 }
 
-bool Interview::take(const protocol::Event& event) {
-    if (event.service == 'I') {
-        switch (event.tag) {
-            case 'M':
-                return keep(protocol::PortMap::parse(event.body), identity_.port_map);
-            case 'm':
-                return keep(protocol::parse_analog_map(event.body), identity_.analog_pins);
-            case 'p':
-                return keep(protocol::parse_pin_modes(event.body), identity_.pin_modes);
-            case 'c':
-                return keep(protocol::parse_pin_capabilities(event.body), identity_.pin_capabilities);
-            default:
-                return false;
-        }
+bool Interview::take_of_core(const protocol::Event& event) {
+    switch (event.tag) {
+        case 'M':
+            return keep(protocol::PortMap::parse(event.body), identity_.port_map);
+        case 'm':
+            return keep(protocol::parse_analog_map(event.body), identity_.analog_pins);
+        case 'p':
+            return keep(protocol::parse_pin_modes(event.body), identity_.pin_modes);
+        case 'c':
+            return keep(protocol::parse_pin_capabilities(event.body), identity_.pin_capabilities);
+        default:
+            return false;
     }
+}
+
+bool Interview::take(const protocol::Event& event) {
+    if (event.service == 'I') return take_of_core(event);
     switch (event.tag) {
         case '?':
             return keep(protocol::parse_board_info(event.body), identity_.info);
@@ -103,44 +134,33 @@ bool Interview::on_event(const protocol::Event& event, Time now, std::vector<std
     const std::string_view question = kQuestions[step_];
     if (event.service != question[0] || event.tag != question[2]) return false;
     // A damaged answer is asked for again at once, while tries are left.
-    if (take(event)) {
-        next(now, lines);
-    } else if (tries_ < kTries) {
-        ask(now, lines);
-    } else if (step_ == 0) {
-        progress_ = Progress::kFailed;
-    } else {
-        next(now, lines);
+    if (!take(event)) {
+        ask_again_or_pass(now, lines);
+        return true;
     }
+    if (question == protocol::kAskServiceNames || (step_ > 0 && other_question_.empty()))
+        other_question_ = question;
+    next(now, lines);
     return true;
 }
 
 bool Interview::on_error(const protocol::ErrorReply& error, Time now, std::vector<std::string>& lines) {
     if (progress_ != Progress::kAsking) return false;
     const std::string_view question = kQuestions[step_];
-    const bool ours = (error.service == question[0] && error.tag == question[2]) || error.service == 'Q' ||
-                      error.tag == '?';
-    if (!ours) return false;
-    const bool damaged = error.code == static_cast<int>(protocol::ErrorCode::BadArgument);
-    if (damaged && tries_ < kTries) {
-        ask(now, lines);
-    } else if (step_ == 0) {
-        progress_ = Progress::kFailed;
-    } else {
-        next(now, lines);
-    }
+    const bool named = error.service == question[0] && error.tag == question[2];
+    if (!named && error.service != '#' && error.service != 'Q' && error.tag != '?') return false;
+    // An error that names something else was caused by a damaged question.
+    const bool damaged = !named || error.code == static_cast<int>(protocol::ErrorCode::BadArgument);
+    damaged ? ask_again_or_pass(now, lines) : pass(now, lines);
     return true;
 }
 
 void Interview::on_deadline(Time now, Duration answer_timeout, std::vector<std::string>& lines) {
-    if (progress_ != Progress::kAsking || now < asked_ + answer_timeout) return;
-    if (tries_ < kTries) {
-        ask(now, lines);
-    } else if (step_ == 0) {
-        progress_ = Progress::kFailed;
-    } else {
-        next(now, lines);
-    }
+    if (progress_ == Progress::kAsking && now >= asked_ + answer_timeout) ask_again_or_pass(now, lines);
+}
+
+std::string Interview::other_question() const {
+    return other_question_.empty() ? std::string(protocol::kAskServiceNames) : other_question_;
 }
 
 }  // namespace asip::session

@@ -9,36 +9,47 @@
 
 namespace asip::session {
 
-/// The fold that asks a board what it is: one question at a time, each up to three times. Only `#,?` must be
-/// answered; what a board refuses or does not answer stays empty.
+/// The state machine that asks a board what it is: one question at a time, each up to three times. Only `#,?`
+/// must be answered; what a board refuses or does not answer stays empty.
 class Interview {
   public:
     enum class Progress { kAsking, kDone, kFailed };
 
-    /// `services` as a banner named them, for boards that do not answer `#,N`. The question goes to `lines`.
-    void start(std::string services, Time now, std::vector<std::string>& lines);
+    /// `services` as a banner named them, for boards that do not answer `#,N`. `with_checksums`: turn them on
+    /// as soon as the board is known to have them, and ask everything again. The question goes to `lines`.
+    Interview(std::string services, bool with_checksums, Time now, std::vector<std::string>& lines);
+
     /// True: the line was the answer to our question.
     bool on_event(const protocol::Event& event, Time now, std::vector<std::string>& lines);
     bool on_error(const protocol::ErrorReply& error, Time now, std::vector<std::string>& lines);
     void on_deadline(Time now, Duration answer_timeout, std::vector<std::string>& lines);
+    /// Asks the same again, as if it had not been asked.
+    void repeat(Time now, std::vector<std::string>& lines);
 
     Progress progress() const { return progress_; }
     Time next_deadline(Duration answer_timeout) const { return asked_ + answer_timeout; }
     /// When done.
     Identity& identity() { return identity_; }
+    /// When done: a question besides `#,?` that the board answered, `#,N` if it can be.
+    std::string other_question() const;
 
   private:
     void ask(Time now, std::vector<std::string>& lines);
+    void ask_again_or_pass(Time now, std::vector<std::string>& lines);
+    void pass(Time now, std::vector<std::string>& lines);
     void next(Time now, std::vector<std::string>& lines);
     bool skip_step() const;
     bool take(const protocol::Event& event);
+    bool take_of_core(const protocol::Event& event);
     void finish();
 
-    Progress progress_ = Progress::kDone;
+    Progress progress_ = Progress::kAsking;
     std::size_t step_ = 0;
     int tries_ = 0;
     Time asked_{};
+    bool turn_checksums_on_;
     std::string banner_services_;
+    std::string other_question_;
     Identity identity_;
 };
 

@@ -16,31 +16,17 @@ constexpr Duration kBurstTime = std::chrono::milliseconds(500);
 constexpr unsigned kBurst = 30;
 constexpr unsigned kWindow = 3;
 
-std::string burst_token(unsigned number) {
-    return "burst" + std::to_string(100 + number);
-}
-
 }  // namespace
 
-unsigned RateChange::best(unsigned max_baud) const {
+unsigned Rates::best(unsigned max_baud) const {
     for (unsigned rate : kFastRates)
         if (rate <= max_baud && !bad_.contains(rate)) return rate;
     return protocol::kDefaultBaud;
 }
 
-void RateChange::start(unsigned baud, Time now, std::vector<std::string>& lines) {
-    step_ = Step::kAsked;
-    baud_ = baud;
-    refused_ = false;
-    tries_ = 0;
-    sent_ = received_ = 0;
-    deadline_ = now + kAnswer;
+RateChange::RateChange(unsigned baud, std::string token_start, Time now, std::vector<std::string>& lines)
+    : baud_(baud), token_start_(std::move(token_start)), deadline_(now + kAnswer) {
     lines.push_back(protocol::set_line_rate(static_cast<int>(baud)));
-}
-
-void RateChange::fail() {
-    mark_bad(baud_);
-    step_ = Step::kFailed;
 }
 
 bool RateChange::on_event(const protocol::Event& event, Time now, std::vector<std::string>& lines) {
@@ -49,12 +35,12 @@ bool RateChange::on_event(const protocol::Event& event, Time now, std::vector<st
         if (event.body == std::to_string(baud_)) {
             step_ = Step::kSwitching;
         } else {
-            fail();
+            step_ = Step::kFailed;
         }
         return true;
     }
     if (event.tag != 'E') return false;
-    if (step_ == Step::kFirst && event.body == "first") {
+    if (step_ == Step::kFirst && event.body == first_token()) {
         step_ = Step::kBurst;
         deadline_ = now + kBurstTime;
         while (sent_ < kWindow)
@@ -62,9 +48,9 @@ bool RateChange::on_event(const protocol::Event& event, Time now, std::vector<st
         return true;
     }
     if (step_ != Step::kBurst) return false;
-    if (event.body == "first") return true;
+    if (event.body == first_token()) return true;
     if (event.body != burst_token(received_)) {
-        fail();
+        step_ = Step::kFailed;
         return true;
     }
     if (++received_ == kBurst) step_ = Step::kDone;
@@ -78,39 +64,41 @@ void RateChange::fence(std::vector<std::string>& lines) {
 
 bool RateChange::on_error(const protocol::ErrorReply& error) {
     if (step_ == Step::kAsked && error.service == '#' && error.tag == 'B') {
-        fail();
-        refused_ = true;
+        step_ = Step::kRefused;
         return true;
     }
     if (step_ != Step::kBurst) return step_ == Step::kFirst;
-    fail();
+    step_ = Step::kFailed;
     return true;
 }
 
 void RateChange::on_garbage() {
-    if (step_ == Step::kBurst) fail();
+    if (step_ == Step::kBurst) step_ = Step::kFailed;
 }
 
 void RateChange::on_rate_set(bool ok, Time now, std::vector<std::string>& lines) {
     if (step_ != Step::kSwitching) return;
-    if (!ok) return fail();
+    if (!ok) {
+        step_ = Step::kFailed;
+        return;
+    }
     step_ = Step::kFirst;
     tries_ = 1;
     deadline_ = now + kFirstFence;
-    lines.push_back(protocol::echo("first"));
+    lines.push_back(protocol::echo(first_token()));
 }
 
 void RateChange::on_deadline(Time now, std::vector<std::string>& lines) {
-    if (!busy() || now < deadline_) return;
+    if (now < deadline_) return;
     if (step_ == Step::kFirst && tries_ < kFirstFenceTries) {
         ++tries_;
         deadline_ = now + kFirstFence;
         // Ends whatever the change of rate left in the board's line.
         lines.emplace_back();
-        lines.push_back(protocol::echo("first"));
+        lines.push_back(protocol::echo(first_token()));
         return;
     }
-    fail();
+    step_ = Step::kFailed;
 }
 
 }  // namespace asip::session

@@ -10,33 +10,38 @@
 
 namespace asip::session {
 
-/// The fold that moves a board with the line-rate extension to the fastest rate that survives a burst test.
-/// It never goes back by itself: when a rate fails, the session searches the board anew (it returns to its
-/// start rate, or stays and is found there) and asks again; the failed rate is not tried any more.
+/// The rates that a board with the line-rate extension may be moved to.
+class Rates {
+  public:
+    /// The fastest rate allowed that has not failed.
+    unsigned best(unsigned max_baud) const;
+    void mark_bad(unsigned baud) { bad_.insert(baud); }
+    void forget_bad() { bad_.clear(); }
+
+  private:
+    std::set<unsigned> bad_;
+};
+
+/// The state machine that moves a board to a faster rate and tries that with a burst of fences. It never goes
+/// back by itself: when a rate fails, the session searches the board anew (it returns to its start rate, or
+/// stays and is found there).
 class RateChange {
   public:
     enum class Step {
-        kIdle,
         kAsked,      ///< `#,B,baud` is out
         kSwitching,  ///< the shell sets the rate
         kFirst,      ///< fences at the new rate until one comes back
         kBurst,      ///< many fences, all of which must
         kDone,
+        kRefused,  ///< the board is still at the old rate, and nothing was switched
         kFailed,
     };
 
-    /// The fastest rate allowed that has not failed.
-    unsigned best(unsigned max_baud) const;
-    void mark_bad(unsigned baud) { bad_.insert(baud); }
-    bool is_bad(unsigned baud) const { return bad_.contains(baud); }
-    void forget_bad() { bad_.clear(); }
-
-    void start(unsigned baud, Time now, std::vector<std::string>& lines);
-    void cancel() { step_ = Step::kIdle; }
+    /// `token_start`: two letters or digits that begin every token; answers to another change have others.
+    RateChange(unsigned baud, std::string token_start, Time now, std::vector<std::string>& lines);
 
     Step step() const { return step_; }
     unsigned baud() const { return baud_; }
-    bool busy() const { return step_ != Step::kIdle && step_ != Step::kDone && step_ != Step::kFailed; }
 
     /// True: the line was meant for us. In kSwitching the shell has to set the rate.
     bool on_event(const protocol::Event& event, Time now, std::vector<std::string>& lines);
@@ -46,21 +51,20 @@ class RateChange {
     void on_deadline(Time now, std::vector<std::string>& lines);
     Time next_deadline() const { return deadline_; }
 
-    /// Whether the board refused: it is still at the old rate, and nothing was switched.
-    bool refused() const { return refused_; }
-
   private:
+    std::string first_token() const { return token_start_ + "first"; }
+    std::string burst_token(unsigned number) const {
+        return token_start_ + "bur" + std::to_string(100 + number);
+    }
     void fence(std::vector<std::string>& lines);
-    void fail();
 
-    Step step_ = Step::kIdle;
-    unsigned baud_ = 0;
-    bool refused_ = false;
+    Step step_ = Step::kAsked;
+    unsigned baud_;
+    std::string token_start_;
     int tries_ = 0;
     unsigned sent_ = 0;
     unsigned received_ = 0;
-    Time deadline_{};
-    std::set<unsigned> bad_;
+    Time deadline_;
 };
 
 /// Rates a board may be found at and moved to, fastest first.

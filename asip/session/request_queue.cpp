@@ -1,6 +1,7 @@
 #include "asip/session/request_queue.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "asip/protocol/request.hpp"
 
@@ -14,221 +15,134 @@ constexpr Duration kLazyFence = std::chrono::milliseconds(100);
 
 // Half of what may be in flight: the fence is then back before the other half is used up, and nobody waits
 // for it.
-constexpr std::size_t kEarlyFence = 24;
+constexpr std::size_t kEarlyFence = 32;
 
-constexpr std::string_view kInfoFence = "?";
+// A board that writes a long report reads nothing meanwhile.
+constexpr Duration kReadsAgainWithin = std::chrono::milliseconds(30);
 
 }  // namespace
 
-bool RequestQueue::Batch::wants_proof() const {
-    return items.empty() ||
-           std::any_of(items.begin(), items.end(), [](const Item& i) { return i.request.prove; });
-}
-
-RequestQueue::Batch* RequestQueue::open_batch() {
-    return batches_.empty() || !batches_.back().token.empty() ? nullptr : &batches_.back();
-}
-
-bool RequestQueue::conflicts(const Batch& batch, const Request& next) const {
-    if (batch.items.empty()) return false;
-    if (overhead_ > 0 || next.alone || batch.items.front().request.alone) return true;
-    return std::any_of(batch.items.begin(), batch.items.end(), [&](const Item& item) {
-        return item.service == next.line[0] && item.tag == next.line[2] && (item.request.prove || next.prove);
-    });
-}
-
-bool RequestQueue::may_fence() const {
-    if (echo_ && overhead_ == 0) return true;
-    return std::none_of(batches_.begin(), batches_.end(), [](const Batch& b) { return !b.token.empty(); });
-}
-
 std::size_t RequestQueue::fence_bytes() const {
-    return (echo_ ? 7 : 4) + overhead_;
+    const std::size_t line =
+        fences_.echo() ? protocol::kAskInfo.size() + Fences::kTokenBytes + 1 : protocol::kAskInfo.size();
+    return line + 1 + checksum_bytes_;
 }
 
-std::string RequestQueue::next_token() {
-    if (!echo_) return std::string(kInfoFence);
-    constexpr std::string_view kDigits = "0123456789abcdefghijklmnopqrstuvwxyz";
-    token_counter_ = (token_counter_ + 1) % (36 * 36);
-    return {kDigits[token_counter_ / 36], kDigits[token_counter_ % 36]};
+bool RequestQueue::next_is_too_long_for(std::size_t checksum_bytes) const {
+    return !waiting_.empty() && waiting_.front().line.size() + 1 + checksum_bytes > kReceiveBufferBytes;
 }
 
-void RequestQueue::close(Batch& batch, Time now, std::vector<std::string>& lines) {
-    batch.token = next_token();
-    lines.push_back(echo_ ? protocol::echo(batch.token) : std::string(protocol::kAskInfo));
-    batch.bytes += fence_bytes();
-    in_flight_ += fence_bytes();
-    batch.last_sent = now;
+bool RequestQueue::switching_line() const {
+    return in_flight_.is_barrier() || (!waiting_.empty() && waiting_.front().changes_line());
 }
 
-void RequestQueue::send(Request request, Time now, std::vector<std::string>& lines) {
-    if (!open_batch()) batches_.emplace_back();
-    Batch& batch = batches_.back();
-    const std::size_t bytes = request.line.size() + 1 + overhead_;
-    batch.bytes += bytes;
-    in_flight_ += bytes;
-    batch.last_sent = now;
-    lines.push_back(request.line);
-    const char service = request.line[0];
-    const char tag = request.line[2];
-    batch.items.push_back(Item{std::move(request), service, tag, false, false, {}});
+bool RequestQueue::may_fence(Time now) const {
+    if (in_flight_.has_open_batch() && !in_flight_.may_close(now)) return false;
+    return fences_.echo() || !in_flight_.fence_out();
 }
 
-std::vector<std::string> RequestQueue::pump(Time now) {
-    std::vector<std::string> lines;
-    if (stalled_ || probe_wanted_) {
-        if (batches_.empty()) {
-            batches_.emplace_back();
-            close(batches_.back(), now, lines);
-        }
+void RequestQueue::close(Time now, std::vector<std::string>& lines) {
+    Fence fence = fences_.next();
+    if (!fences_.echo() && in_flight_.holds_question(fence.line)) fence = fences_.next_but(fence.line);
+    lines.push_back(fence.line);
+    in_flight_.close(std::move(fence), fence_bytes(), now);
+}
+
+void RequestQueue::send_probe(Time now, std::vector<std::string>& lines) {
+    if (!stalled_ && !probe_wanted_) return;
+    if (in_flight_.has_open_batch() ? may_fence(now) : !in_flight_.fence_out()) {
+        close(now, lines);
         probe_wanted_ = false;
-        if (stalled_) return lines;
-    }
-    while (!waiting_.empty()) {
-        const Request& next = waiting_.front();
-        Batch* const open = open_batch();
-        if (open && conflicts(*open, next)) {
-            if (!may_fence()) return lines;
-            close(*open, now, lines);
-            continue;
-        }
-        if (overhead_ > 0 && !batches_.empty()) return lines;
-        const std::size_t bytes = next.line.size() + 1 + overhead_;
-        if (in_flight_ + bytes + fence_bytes() > kMaxInFlightBytes && in_flight_ > 0) {
-            if (open && may_fence()) close(*open, now, lines);
-            return lines;
-        }
-        Request request = std::move(waiting_.front());
-        waiting_.pop_front();
-        send(std::move(request), now, lines);
-    }
-    Batch* const open = open_batch();
-    if (!open || !may_fence()) return lines;
-    if (open->wants_proof() || in_flight_ >= kEarlyFence || now >= open->last_sent + kLazyFence)
-        close(*open, now, lines);
-    return lines;
-}
-
-void RequestQueue::probe() {
-    if (batches_.empty() && waiting_.empty()) probe_wanted_ = true;
-}
-
-bool RequestQueue::is_own_question(const protocol::Event& event) {
-    // A client may ask `#,?` or `#,E,token` itself; those stand before our fence, and so do their answers.
-    for (Batch& batch : batches_) {
-        for (Item& item : batch.items) {
-            if (item.answered || item.service != '#' || item.tag != event.tag) continue;
-            if (event.tag == 'E' && protocol::echo(event.body) != item.request.line) continue;
-            item.answered = true;
-            return false;
-        }
-        if (event.tag == '?' ? batch.token == kInfoFence : batch.token == event.body)
-            return !batch.token.empty();
-    }
-    return false;
-}
-
-bool RequestQueue::on_event(const protocol::Event& event, std::string_view line, std::vector<End>& ended) {
-    const bool fence_like = event.service == '#' && (event.tag == (echo_ ? 'E' : '?'));
-    if (fence_like && is_own_question(event)) return on_fence(echo_ ? event.body : kInfoFence, ended);
-    if (note_answer(event, line)) return false;
-    if (fence_like && !echo_ && stray_ > 0) {
-        --stray_;
-        return true;
-    }
-    return false;
-}
-
-bool RequestQueue::note_answer(const protocol::Event& event, std::string_view line) {
-    for (Batch& batch : batches_) {
-        for (Item& item : batch.items) {
-            if (item.service != event.service || item.request.answer_tag != event.tag || !item.answer.empty())
-                continue;
-            item.answer = line;
-            return true;
-        }
-    }
-    return false;
-}
-
-bool RequestQueue::on_fence(std::string_view token, std::vector<End>& ended) {
-    lost_fences_ = 0;
-    stalled_ = false;
-    while (!batches_.empty()) {
-        const bool proven = batches_.front().token == token;
-        finish_front(ended, proven);
-        if (proven) return true;
-    }
-    return true;
-}
-
-void RequestQueue::finish_front(std::vector<End>& ended, bool proven) {
-    Batch batch = std::move(batches_.front());
-    batches_.pop_front();
-    in_flight_ -= batch.bytes;
-    for (Item& item : batch.items) {
-        if (item.refused) continue;
-        Ending ending = Ending::kTimeout;
-        if (proven) ending = item.request.prove ? Ending::kExecuted : Ending::kUnproven;
-        ended.push_back(End{std::move(item.request), ending, 0, {}, std::move(item.answer)});
     }
 }
 
-void RequestQueue::on_error(const protocol::ErrorReply& error, std::vector<End>& ended) {
-    if (batches_.empty()) return;
-    auto& items = batches_.front().items;
-    auto it = std::find_if(items.begin(), items.end(), [&](const Item& item) {
-        return !item.refused && item.service == error.service && item.tag == error.tag;
-    });
-    const bool nameless =
-        error.tag == '?' || error.service == 'Q' || (error.service == '#' && error.tag == 'C');
-    if (it == items.end() && nameless && items.size() == 1 && !items.front().refused) it = items.begin();
-    if (it == items.end()) return;
-    it->refused = true;
-    ended.push_back(End{it->request, Ending::kBoardError, error.code, std::string(error.text), {}});
+bool RequestQueue::next_may_go(Time now, std::vector<std::string>& lines) {
+    if (stalled_ || waiting_.empty() || next_is_too_long_for(checksum_bytes_)) return false;
+    const Request& next = waiting_.front();
+    if (in_flight_.has_open_batch() && in_flight_.conflicts(next)) {
+        if (!may_fence(now)) return false;
+        close(now, lines);
+    }
+    if (in_flight_.empty()) return true;
+    // What has to be proven goes with its fence: an outage between them would go unnoticed.
+    if (!fences_.echo() && next.prove && in_flight_.fence_out()) return false;
+    const bool joins = !next.changes_line() && !in_flight_.is_barrier() &&
+                       !fences_.is_fence_question(next.line) &&
+                       in_flight_.bytes() + wire_bytes(next) + fence_bytes() <= room();
+    if (!joins && in_flight_.has_open_batch() && may_fence(now)) close(now, lines);
+    return joins;
 }
 
-void RequestQueue::on_deadline(Time now, Duration answer_timeout, std::vector<End>& ended) {
-    if (batches_.empty() || batches_.front().token.empty() ||
-        now < batches_.front().last_sent + answer_timeout)
-        return;
-    ++lost_fences_;
-    ++fence_timeouts_;
+void RequestQueue::send(Request request, bool reports, Time now, std::vector<std::string>& lines) {
+    const std::size_t bytes = wire_bytes(request);
+    Time close_after{};
+    if (in_flight_.bytes() + bytes + fence_bytes() > room())
+        close_after = now + byte_time_ * static_cast<Duration::rep>(bytes) + kReadsAgainWithin;
+    lines.push_back(request.line);
+    in_flight_.add(std::move(request), bytes, reports, close_after, now);
+}
+
+void RequestQueue::send_last_fence(Time now, std::vector<std::string>& lines) {
+    if (!in_flight_.has_open_batch() || !may_fence(now)) return;
+    if (in_flight_.open_batch_wants_proof() || in_flight_.bytes() >= kEarlyFence ||
+        now >= in_flight_.last_sent() + kLazyFence)
+        close(now, lines);
+}
+
+InFlight::Meaning RequestQueue::on_event(const protocol::Event& event, const protocol::ParsedLine& line,
+                                         Time now, std::vector<RequestEnd>& ended) {
+    const auto batches = in_flight_.batches();
+    auto meaning = in_flight_.on_event(event, line, now, ended);
+    if (in_flight_.batches() < batches) {
+        lost_fences_ = 0;
+        stalled_ = in_flight_.overdue();
+    }
+    return meaning;
+}
+
+InFlight::Meaning RequestQueue::on_error(const protocol::ErrorReply& error) {
+    return in_flight_.on_error(error);
+}
+
+void RequestQueue::on_time(Time now, Duration answer_timeout, std::vector<RequestEnd>& ended) {
+    if (now >= waiting_.earliest_deadline())
+        for (Request& request : waiting_.take_expired(now))
+            ended.push_back({std::move(request), Ending::kNotSent, NotSent::kDeadline});
+    in_flight_.expire(now, ended);
+    const unsigned lost = in_flight_.mark_overdue(now, answer_timeout);
+    if (lost == 0) return;
+    lost_fences_ += 1;
+    fence_timeouts_ += lost;
     stalled_ = true;
-    abandon_in_flight(ended);
 }
 
-void RequestQueue::abandon_in_flight(std::vector<End>& ended) {
-    while (!batches_.empty()) {
-        if (batches_.front().token == kInfoFence) ++stray_;
-        finish_front(ended, false);
-    }
-    in_flight_ = 0;
+void RequestQueue::abandon_in_flight(Ending ending, std::vector<RequestEnd>& ended) {
+    in_flight_.end_all(ending, ended);
     probe_wanted_ = false;
 }
 
-void RequestQueue::abandon_waiting(std::vector<End>& ended) {
-    for (Request& request : waiting_)
-        ended.push_back(End{std::move(request), Ending::kNotSent, 0, {}, {}});
-    waiting_.clear();
+void RequestQueue::abandon_waiting(std::vector<RequestEnd>& ended) {
+    for (Request& request : waiting_.take_all())
+        ended.push_back({std::move(request), Ending::kNotSent, NotSent::kBoardGone});
 }
 
 void RequestQueue::restart() {
+    waiting_.forget_own();
     stalled_ = false;
     probe_wanted_ = false;
-    stray_ = 0;
     lost_fences_ = 0;
 }
 
-std::optional<Time> RequestQueue::next_deadline(Duration answer_timeout) const {
-    std::optional<Time> deadline;
-    if (!batches_.empty() && !batches_.front().token.empty())
-        deadline = batches_.front().last_sent + answer_timeout;
-    if (!batches_.empty() && batches_.back().token.empty() && may_fence()) {
-        const Time lazy = batches_.back().last_sent + kLazyFence;
-        if (!deadline || lazy < *deadline) deadline = lazy;
-    }
-    return deadline;
+void RequestQueue::probe() {
+    if (in_flight_.empty() && waiting_.empty()) probe_wanted_ = true;
+}
+
+Time RequestQueue::next_deadline(Duration answer_timeout) const {
+    Time deadline = std::min(waiting_.earliest_deadline(), in_flight_.next_deadline(answer_timeout));
+    if (!in_flight_.has_open_batch() || !(fences_.echo() || !in_flight_.fence_out())) return deadline;
+    const Time fence =
+        in_flight_.close_after() != Time{} ? in_flight_.close_after() : in_flight_.last_sent() + kLazyFence;
+    return std::min(deadline, fence);
 }
 
 }  // namespace asip::session

@@ -1,118 +1,108 @@
 #pragma once
-#include <cstdint>
-#include <deque>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "asip/protocol/message.hpp"
-#include "asip/session/action.hpp"
-#include "asip/time.hpp"
+#include "asip/session/fences.hpp"
+#include "asip/session/in_flight.hpp"
+#include "asip/session/waiting_requests.hpp"
 
 namespace asip::session {
 
-/// The fold that paces requests and proves them. At most kMaxInFlightBytes are out that no fence has proven
-/// executed; the requests between two fences are told apart by service and tag, so that an error belongs to
-/// one of them; where two would look alike, a fence goes between. A 0.4 board has no tokens in its fences
-/// (`#,?`): one is out at a time.
+/// The state machine that paces requests and proves them. Requests and fences together never take more than
+/// the board's receive buffer holds. A fence that is not back in time is overdue: until some fence is back,
+/// nothing but fences is sent. A 0.4 board has no tokens in its fences: one is out at a time.
 class RequestQueue {
   public:
-    static constexpr std::size_t kMaxInFlightBytes = 48;
+    /// What the receive buffer of an Arduino holds: 64 bytes less one.
+    static constexpr std::size_t kReceiveBufferBytes = 63;
+    /// How much of it is used while the board reports by itself.
+    static constexpr std::size_t kWhileReporting = 48;
 
-    struct Request {
-        RequestId id = 0;  ///< 0: the session's own, its end is not told
-        std::string line;
-        bool prove = true;
-        char answer_tag = 0;
-        bool alone = false;  ///< nothing else between its fences: its error would not name it
-    };
-    /// How a request ended, its own included.
-    struct End {
-        Request request;
-        Ending ending;
-        int code = 0;
-        std::string text;
-        std::string answer;
-    };
+    explicit RequestQueue(const Random& random) : fences_(random) {}
 
-    /// Whether the board has the echo extension; said after identification.
-    void use_echo(bool echo) { echo_ = echo; }
-    /// Bytes each line gets more on the wire (checksum). Then one request is out at a time.
-    void set_line_overhead(std::size_t bytes) { overhead_ = bytes; }
+    // --- what is known of the board and the line
+    void use_echo() { fences_.use_echo(); }
+    void use_questions(std::string second) { fences_.use_questions(std::move(second)); }
+    /// Bytes each line gets more on the wire.
+    void set_checksum_bytes(std::size_t bytes) { checksum_bytes_ = bytes; }
+    /// Time one byte takes on the line; zero where it has no rate.
+    void set_byte_time(Duration time) { byte_time_ = time; }
+    /// The board sends events by itself, at least now and then.
+    void set_reporting(bool on) { reporting_ = on; }
 
-    void push(Request request) { waiting_.push_back(std::move(request)); }
-    void push_front(Request request) { waiting_.push_front(std::move(request)); }
+    WaitingRequests& waiting() { return waiting_; }
+    const WaitingRequests& waiting() const { return waiting_; }
 
-    /// Lines to write now, without line end, in order.
-    std::vector<std::string> pump(Time now);
+    /// The next request of a client does not fit the board's buffer with so many bytes behind it.
+    bool next_is_too_long_for(std::size_t checksum_bytes) const;
+    /// Checksums are being turned on or off.
+    bool switching_line() const;
 
-    /// An event line. True: it was our fence, nobody else's business. `ended` is appended to.
-    bool on_event(const protocol::Event& event, std::string_view line, std::vector<End>& ended);
-    /// An error line. Whether or not it belongs to a request, others may want to see it.
-    void on_error(const protocol::ErrorReply& error, std::vector<End>& ended);
-    /// A fence that did not come back: everything in flight times out, and nothing but fences is sent until
-    /// one is back.
-    void on_deadline(Time now, Duration answer_timeout, std::vector<End>& ended);
+    /// Lines to write now, without line end and checksum, in order. `reports(request)`: whether the value
+    /// that it asks for also comes by itself.
+    template <class Reports>
+    std::vector<std::string> pump(Time now, Reports&& reports) {
+        std::vector<std::string> lines;
+        send_probe(now, lines);
+        while (next_may_go(now, lines)) {
+            Request next = waiting_.pop();
+            const bool by_itself = reports(next);
+            send(std::move(next), by_itself, now, lines);
+        }
+        send_last_fence(now, lines);
+        return lines;
+    }
 
-    /// The link or the board went: what is in flight times out. The rest stays.
-    void abandon_in_flight(std::vector<End>& ended);
-    /// The board was found again: no fence of before is owed any more.
+    InFlight::Meaning on_event(const protocol::Event& event, const protocol::ParsedLine& line, Time now,
+                               std::vector<RequestEnd>& ended);
+    InFlight::Meaning on_error(const protocol::ErrorReply& error);
+    void doubt() { in_flight_.doubt(); }
+    /// Ends what has reached its deadline, notices overdue fences.
+    void on_time(Time now, Duration answer_timeout, std::vector<RequestEnd>& ended);
+
+    /// The link or the board went, or the board restarted. What waits stays.
+    void abandon_in_flight(Ending ending, std::vector<RequestEnd>& ended);
+    void abandon_waiting(std::vector<RequestEnd>& ended);
+    /// The board was found again: no fence of before is missing any more.
     void restart();
-    /// And what waits is not sent.
-    void abandon_waiting(std::vector<End>& ended);
 
     /// A fence with nothing before it, to see whether the board lives. Nothing when one is out already.
     void probe();
 
-    std::optional<Time> next_deadline(Duration answer_timeout) const;
-    std::size_t bytes_in_flight() const { return in_flight_; }
-    std::size_t waiting() const { return waiting_.size(); }
-    bool idle() const { return waiting_.empty() && batches_.empty(); }
+    Time next_deadline(Duration answer_timeout) const;
+    std::size_t bytes_in_flight() const { return in_flight_.bytes(); }
+    bool in_flight() const { return !in_flight_.empty(); }
+    bool idle() const { return waiting_.empty() && in_flight_.empty(); }
+    /// Nothing but fences is sent.
+    bool stalled() const { return stalled_; }
+    /// The next lines begin with a fence that shows whether the board still executes requests.
+    bool will_resynchronise() const { return stalled_ && !in_flight_.fence_out(); }
     /// Fences lost in a row.
     unsigned lost_fences() const { return lost_fences_; }
     std::uint64_t fence_timeouts() const { return fence_timeouts_; }
 
   private:
-    struct Item {
-        Request request;
-        char service;
-        char tag;
-        bool answered = false;
-        bool refused = false;
-        std::string answer;
-    };
-    struct Batch {
-        std::vector<Item> items;
-        std::string token;  // empty: no fence sent yet
-        std::size_t bytes = 0;
-        Time last_sent{};
-        bool wants_proof() const;
-    };
-
-    Batch* open_batch();
-    bool conflicts(const Batch& batch, const Request& next) const;
-    bool may_fence() const;
+    void send_probe(Time now, std::vector<std::string>& lines);
+    bool next_may_go(Time now, std::vector<std::string>& lines);
+    void send(Request request, bool reports, Time now, std::vector<std::string>& lines);
+    void send_last_fence(Time now, std::vector<std::string>& lines);
+    bool may_fence(Time now) const;
+    void close(Time now, std::vector<std::string>& lines);
+    std::size_t wire_bytes(const Request& request) const { return request.line.size() + 1 + checksum_bytes_; }
     std::size_t fence_bytes() const;
-    void close(Batch& batch, Time now, std::vector<std::string>& lines);
-    void send(Request request, Time now, std::vector<std::string>& lines);
-    std::string next_token();
-    bool on_fence(std::string_view token, std::vector<End>& ended);
-    void finish_front(std::vector<End>& ended, bool proven);
-    bool note_answer(const protocol::Event& event, std::string_view line);
-    bool is_own_question(const protocol::Event& event);
+    std::size_t room() const { return reporting_ ? kWhileReporting : kReceiveBufferBytes; }
 
-    bool echo_ = false;
-    std::size_t overhead_ = 0;
-    bool stalled_ = false;  // a fence was lost; only fences go out until one is back
+    WaitingRequests waiting_;
+    InFlight in_flight_;
+    Fences fences_;
+    std::size_t checksum_bytes_ = 0;
+    Duration byte_time_{};
+    bool reporting_ = false;
+    bool stalled_ = false;  // a fence is overdue
     bool probe_wanted_ = false;
-    unsigned stray_ = 0;  // `#,?` fences given up whose answers may still come
-    unsigned token_counter_ = 0;
     unsigned lost_fences_ = 0;
     std::uint64_t fence_timeouts_ = 0;
-    std::size_t in_flight_ = 0;
-    std::deque<Request> waiting_;
-    std::deque<Batch> batches_;
 };
 
 }  // namespace asip::session

@@ -6,8 +6,9 @@
 
 namespace asip::session {
 
-/// The fold that looks for a board on a line whose rate may not be the one it was left at: asks `#,?` at the
-/// start rate, then at each rate that boards step up to, round and round. On TCP there is only one.
+/// The state machine that looks for a board on a line whose rate may not be the one it was left at: asks
+/// `#,?` at the start rate, then at each rate that boards step up to, round and round. On TCP there is only
+/// one.
 class Search {
   public:
     struct Step {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <random>
 #include <set>
 #include <string_view>
 
@@ -15,7 +16,8 @@ using namespace asip::session;
 
 class Run {
   public:
-    explicit Run(std::uint8_t flags) : session_(options(flags)) {}
+    explicit Run(std::uint8_t flags)
+        : session_(options(flags), [engine = std::mt19937_64(flags)]() mutable { return engine(); }) {}
 
     void step(std::uint8_t operation, std::string_view data) {
         Actions actions;
@@ -58,7 +60,9 @@ class Run {
   private:
     static SessionOptions options(std::uint8_t flags) {
         SessionOptions options;
-        options.checksum = flags & 1;
+        options.checksum = flags & 1   ? ChecksumPolicy::kAlways
+                           : flags & 4 ? ChecksumPolicy::kNever
+                                       : ChecksumPolicy::kAuto;
         if (flags & 2) options.max_baud = 0;
         return options;
     }
@@ -72,7 +76,7 @@ class Run {
             if (const auto* write = std::get_if<Write>(&action))
                 REQUIRE(!write->bytes.empty() && write->bytes.back() == '\n');
         }
-        REQUIRE(session_.bytes_in_flight() <= BoardSession::kMaxInFlightBytes + 32);
+        REQUIRE(session_.bytes_in_flight() <= BoardSession::kReceiveBufferBytes);
         REQUIRE(session_.queued() <= BoardSession::kMaxQueued + 512);
     }
 

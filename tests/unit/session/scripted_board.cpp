@@ -1,6 +1,9 @@
 #include "tests/unit/session/scripted_board.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <random>
 
 #include "asip/protocol/checksum.hpp"
 
@@ -65,17 +68,33 @@ std::string ScriptedBoard::hear(std::string_view bytes, unsigned host_baud, Time
     return said;
 }
 
+// What real firmware does not execute: lines that are no request, and services it does not have.
+std::optional<std::string> ScriptedBoard::refusal(const std::string& line) const {
+    const bool known = std::string_view("#ISD").find(line[0]) != std::string_view::npos;
+    if (!known) return "~Q,?,1{INVALID_SERVICE}";
+    const std::string start{'~', line[0], ','};
+    if (line.size() < 3) return start + "?,2{UNKNOWN_REQUEST}";
+    const char tag = line[2] > ' ' && line[2] < 127 ? line[2] : '?';
+    if (line[1] != ',' || (line.size() > 3 && line[3] != ',')) return start + tag + ",2{UNKNOWN_REQUEST}";
+    if (line[0] != 'S' || !servo_numbers_twice) return std::nullopt;
+    const std::string_view numbers = std::string_view(line).substr(std::min<std::size_t>(line.size(), 4));
+    const auto comma = numbers.find(',');
+    if (tag == 'W' && comma != 0 && comma != numbers.npos &&
+        numbers.substr(0, comma) == numbers.substr(comma + 1))
+        return std::nullopt;
+    return start + tag + ",11{BAD_ARGUMENT}";
+}
+
 std::string ScriptedBoard::answer(const std::string& received, Time) {
     std::string line = received;
-    const auto say = [this](const std::string& text) {
-        return (checksum ? protocol::append_checksum(text) : text) + "\r\n";
-    };
+    const auto say = [this](const std::string& text) { return framed(text); };
     if (checksum) {
         const auto checked = protocol::verify_checksum(line);
         if (!checked) return say("~#,C,10{BAD_CHECKSUM}");
         line = std::string(*checked);
     }
     heard.push_back(line);
+    if (const auto error = refusal(line)) return say(*error);
     if (const auto reply = replies.find(line); reply != replies.end()) {
         if (line[0] != '#') executed.push_back(line);
         return reply->second.empty() ? "" : say(reply->second);
@@ -86,32 +105,39 @@ std::string ScriptedBoard::answer(const std::string& received, Time) {
         return say("@#,?,0,4," + chip + ",6," + sketch);
     }
     if (const auto known = kAnswers.find(line); known != kAnswers.end()) return say(known->second);
-    if (line.find_first_not_of("\x80") != 0) return say("~Q,?,1{INVALID_SERVICE}");
     if (line[0] == '#' && extensions) {
         const std::string rest = line.size() > 4 ? line.substr(4) : "";
         if (line == "#,X") return say("@#,X,4,{E:1,I:1,B:1,C:1}");
         if (line == "#,I") return say("@#,I," + stored_name);
         if (line[2] == 'E') {
+            const bool token =
+                !rest.empty() && rest.size() <= 8 &&
+                std::all_of(rest.begin(), rest.end(), [](unsigned char c) { return std::isalnum(c); });
+            if (!token) return say("~#,E,11{BAD_ARGUMENT}");
             if (swallow_fences > 0) return --swallow_fences, std::string();
             trial_ends_.reset();
             return say("@#,E," + rest);
         }
         if (line[2] == 'B') {
-            const unsigned wanted = static_cast<unsigned>(std::stoul(rest));
-            if (wanted > fastest_allowed) return say("~#,B,11{BAD_ARGUMENT}");
+            const unsigned wanted = static_cast<unsigned>(std::strtoul(rest.c_str(), nullptr, 10));
+            if (wanted < 57600 || wanted % 100 != 0 || wanted > fastest_allowed)
+                return say("~#,B,11{BAD_ARGUMENT}");
             next_baud_ = wanted;
             return say("@#,B," + rest);
         }
         if (line[2] == 'C') {
+            if (rest != "0" && rest != "1") return say("~#,C,11{BAD_ARGUMENT}");
             checksum = rest == "1";
             return {};
         }
     }
-    if (line != "#,X") executed.push_back(line);
+    if (line[0] != '#' || line == "#,R") executed.push_back(line);
     if (line[0] == '#' && line != "#,R") return say(std::string("~#,") + line[2] + ",2{UNKNOWN_REQUEST}");
-    if (line[0] != 'I' && line[0] != 'S' && line[0] != 'D' && line[0] != '#')
-        return say("~Q,?,1{INVALID_SERVICE}");
     return {};
+}
+
+BoardSession Bench::make_session(SessionOptions options, std::uint64_t seed) {
+    return BoardSession(options, [engine = std::mt19937_64(seed)]() mutable { return engine(); });
 }
 
 void Bench::plug(LinkTraits traits) {
@@ -125,6 +151,10 @@ void Bench::unplug() {
     Actions actions;
     session.link_down(now, actions);
     perform(actions);
+}
+
+void Bench::say_line(const std::string& line) {
+    say(board.framed(line));
 }
 
 void Bench::say(std::string_view bytes) {
@@ -166,7 +196,8 @@ void Bench::perform_all(Actions& actions) {
             session.line_rate_set(rate_works, now, more);
             perform_all(more);
         } else if (auto* line = std::get_if<BoardLine>(&action)) {
-            lines.push_back(line->line);
+            lines.push_back(line->line.text());
+            owned_lines.emplace_back(line->line.text(), line->owner);
         } else if (auto* end = std::get_if<Finished>(&action)) {
             finished.push_back(*end);
         } else if (std::holds_alternative<Identified>(action)) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "asip/protocol/checksum.hpp"
 #include "asip/session/board_session.hpp"
 
 namespace asip::session {
@@ -27,6 +28,8 @@ class ScriptedBoard {
     unsigned fastest_allowed = 1'000'000;  ///< rates above are refused
     int swallow_fences = 0;                ///< so many fences from now on are lost
     bool checksum = false;
+    /// Servo requests are `S,W,N,N`, the same number twice: what the line makes of one is refused.
+    bool servo_numbers_twice = false;
     std::map<std::string, std::string> replies;  ///< request line to answer line, before everything else
 
     std::vector<std::string> executed;  ///< every line that is no question of an interview and no fence
@@ -37,10 +40,15 @@ class ScriptedBoard {
     void tick(Time now);
     /// As after power-on: the banner's bytes.
     std::string reboot();
+    /// A line as the board sends it.
+    std::string framed(const std::string& line) const {
+        return (checksum ? protocol::append_checksum(line) : line) + "\r\n";
+    }
     std::string banner() const { return "!" + sketch + " running on " + chip + " with Services: I S D \r\n"; }
 
   private:
     std::string answer(const std::string& line, Time now);
+    std::optional<std::string> refusal(const std::string& line) const;
 
     std::string partial_;
     std::optional<unsigned> next_baud_;
@@ -50,7 +58,8 @@ class ScriptedBoard {
 /// The session with a board, and time.
 class Bench {
   public:
-    explicit Bench(SessionOptions options = {}) : session(options) {}
+    explicit Bench(SessionOptions options = {}) : session(make_session(options)) {}
+    static BoardSession make_session(SessionOptions options, std::uint64_t seed = 1);
 
     ScriptedBoard board;
     BoardSession session;
@@ -59,6 +68,7 @@ class Bench {
     bool rate_works = true;  ///< what the port says to a change of rate
 
     std::vector<std::string> lines;  ///< BoardLine
+    std::vector<std::pair<std::string, std::optional<ClientId>>> owned_lines;
     std::vector<Finished> finished;
     std::vector<std::string> facts;  ///< "identified", "reset", "silent", "no-answer", "baud N", "garbage"
     std::vector<unsigned> rates;     ///< SetLineRate
@@ -69,8 +79,10 @@ class Bench {
     /// Until the session is ready, at most for `limit` of its time.
     bool ready_within(Duration limit = 10s);
     void pass(Duration time);
-    /// The board says this by itself.
+    /// The board sends this by itself.
     void say(std::string_view bytes);
+    /// The same for one line, with a checksum where the board has them on.
+    void say_line(const std::string& line);
     RequestId request(std::string_view line, RequestOptions options = {});
     std::optional<Refusal> refused(std::string_view line);
     const Finished* end_of(RequestId id) const;

@@ -6,20 +6,21 @@
 #include "asip/model/model_set.hpp"
 #include "asip/session/identity.hpp"
 
-namespace asip::agent {
+namespace asip::session {
 
-/// The services of one board with their names on the bus and their models.
+/// The services of one board with their models and with the names by which commands and events reach them:
+/// the model's name, and the letter of a service that has no model or is not the first of its kind.
 class ServiceTable {
   public:
     struct Entry {
         char letter = 0;
-        std::string name;       ///< the model's, else the letter
+        std::string name;       ///< unique on the board
         std::string title;      ///< as the board says it
-        model::ModelPtr model;  ///< null: nobody described it
+        model::ModelPtr model;  ///< null: there is no model for it
     };
 
     ServiceTable() = default;
-    ServiceTable(const session::Identity& board, const model::ModelSet& models);
+    ServiceTable(const Identity& board, const model::ModelSet& models);
 
     const Entry* find(char letter) const;
     const Entry* find(std::string_view name) const;
@@ -29,4 +30,4 @@ class ServiceTable {
     std::vector<Entry> entries_;
 };
 
-}  // namespace asip::agent
+}  // namespace asip::session

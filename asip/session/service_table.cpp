@@ -1,15 +1,14 @@
-#include "agent/service_table.hpp"
+#include "asip/session/service_table.hpp"
 
 #include <algorithm>
 
-namespace asip::agent {
+namespace asip::session {
 
-ServiceTable::ServiceTable(const session::Identity& board, const model::ModelSet& models) {
+ServiceTable::ServiceTable(const Identity& board, const model::ModelSet& models) {
     for (const auto& service : board.services) {
         Entry entry{service.id, std::string(1, service.id), service.name,
                     models.match(service.id, service.name)};
-        // Two services of one kind: the second keeps its letter, for names are addresses.
-        if (entry.model && !find(entry.model->name)) entry.name = entry.model->name;
+        if (entry.model && find(entry.model->name) == nullptr) entry.name = entry.model->name;
         entries_.push_back(std::move(entry));
     }
 }
@@ -25,4 +24,4 @@ const ServiceTable::Entry* ServiceTable::find(std::string_view name) const {
     return it == entries_.end() ? nullptr : &*it;
 }
 
-}  // namespace asip::agent
+}  // namespace asip::session

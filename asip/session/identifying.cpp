@@ -1,0 +1,59 @@
+#include <utility>
+
+#include "asip/protocol/error_code.hpp"
+#include "asip/session/machine.hpp"
+
+namespace asip::session {
+
+void Machine::on_event(Identifying& state, const protocol::Event& event, std::string_view line, Time now,
+                       Actions& out) {
+    std::vector<std::string> lines;
+    if (state.interview.on_event(event, now, lines)) {
+        write(lines, now, out);
+        return follow(state, now, out);
+    }
+    // Answers to questions that were asked twice are nobody's.
+    if (event.service != '#') out.emplace_back(BoardLine{protocol::ParsedLine(line, event), std::nullopt});
+}
+
+void Machine::on_error(Identifying& state, const protocol::ErrorReply& error, std::string_view, Time now,
+                       Actions& out) {
+    std::vector<std::string> lines;
+    if (error.code == static_cast<int>(protocol::ErrorCode::BadChecksum) && !wire_.writes_checksums()) {
+        // It still has them on, or has them on again.
+        checksums_seen_ = true;
+        lines = wire_.switching_lines(false);
+        state.interview.repeat(now, lines);
+        return write(lines, now, out);
+    }
+    if (!state.interview.on_error(error, now, lines)) return;
+    write(lines, now, out);
+    follow(state, now, out);
+}
+
+void Machine::on_time(Identifying& state, Time now, Actions& out) {
+    std::vector<std::string> lines;
+    state.interview.on_deadline(now, options_.answer_timeout, lines);
+    if (!lines.empty() && (wire_.writes_checksums() || checksums_seen_))
+        write(wire_.switching_lines(wire_.writes_checksums()), now, out);
+    write(lines, now, out);
+    follow(state, now, out);
+}
+
+Time Machine::deadline(const Identifying& state) const {
+    return state.interview.next_deadline(options_.answer_timeout);
+}
+
+void Machine::follow(Identifying& state, Time now, Actions& out) {
+    Interview& interview = state.interview;
+    if (interview.progress() == Interview::Progress::kFailed) return search(now, now, out);
+    if (interview.progress() != Interview::Progress::kDone) return;
+    if (interview.identity().extensions.has(protocol::kEcho)) {
+        queue_.use_echo();
+    } else {
+        queue_.use_questions(interview.other_question());
+    }
+    set_up_line(std::move(interview.identity()), now, out);
+}
+
+}  // namespace asip::session

@@ -1,0 +1,290 @@
+#include "asip/session/in_flight.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "asip/protocol/error_code.hpp"
+#include "asip/protocol/request.hpp"
+
+namespace asip::session {
+
+namespace {
+
+constexpr std::size_t kMaxLostTokens = 64;
+
+bool answers_question(const protocol::Event& event, const Request& request) {
+    if (event.service != request.service() || event.tag != request.tag()) return false;
+    return event.service != '#' || event.tag != 'E' || protocol::echo(event.body) == request.line;
+}
+
+bool names(const protocol::ErrorReply& error, const Request& request) {
+    if (error.service == request.service() && error.tag == request.tag()) return true;
+    // A service that the board does not have: the error names no tag, and on some boards not even the letter.
+    return request.alone && error.code == static_cast<int>(protocol::ErrorCode::InvalidService) &&
+           error.tag == '?' && (error.service == 'Q' || error.service == request.service());
+}
+
+}  // namespace
+
+bool InFlight::open_batch_wants_proof() const {
+    const auto& items = batches_.back().items;
+    return items.empty() || std::any_of(items.begin(), items.end(), [](const Item& item) {
+               return item.request.prove || item.wants_value();
+           });
+}
+
+bool InFlight::fence_out() const {
+    return std::any_of(batches_.begin(), batches_.end(),
+                       [](const Batch& batch) { return batch.fence.sent() && !batch.overdue; });
+}
+
+bool InFlight::conflicts(const Request& next) const {
+    const auto& items = batches_.back().items;
+    if (items.empty()) return false;
+    if (next.alone || items.front().request.alone) return true;
+    return std::any_of(items.begin(), items.end(), [&](const Item& item) {
+        return item.request.service() == next.service() && item.request.tag() == next.tag() &&
+               (item.request.prove || next.prove);
+    });
+}
+
+bool InFlight::holds_question(std::string_view line) const {
+    return std::any_of(batches_.begin(), batches_.end(), [&](const Batch& batch) {
+        return batch.fence.line == line ||
+               std::any_of(batch.items.begin(), batch.items.end(),
+                           [&](const Item& item) { return item.asked && item.request.line == line; });
+    });
+}
+
+bool InFlight::is_barrier() const {
+    return !batches_.empty() && !batches_.back().items.empty() &&
+           batches_.back().items.front().request.changes_line();
+}
+
+void InFlight::add(Request request, std::size_t bytes, bool reports, Time close_after, Time now) {
+    if (!has_open_batch()) batches_.emplace_back();
+    Batch& batch = batches_.back();
+    batch.bytes += bytes;
+    bytes_ += bytes;
+    batch.last_sent = now;
+    batch.close_after = close_after;
+    earliest_ = std::min(earliest_, request.deadline);
+    Item item;
+    item.asked = request.is_question();
+    item.reports = reports;
+    item.request = std::move(request);
+    batch.items.push_back(std::move(item));
+}
+
+void InFlight::close(Fence fence, std::size_t bytes, Time now) {
+    if (!has_open_batch()) batches_.emplace_back();
+    Batch& batch = batches_.back();
+    if (batch.close_after != Time{}) {
+        // That long ago that the board has read it.
+        bytes_ -= batch.bytes;
+        batch.bytes = 0;
+    }
+    batch.fence = std::move(fence);
+    batch.bytes += bytes;
+    bytes_ += bytes;
+    batch.last_sent = now;
+}
+
+InFlight::Item* InFlight::find_question(const protocol::Event& event) {
+    for (Batch& batch : batches_)
+        for (Item& item : batch.items)
+            if (item.asked && answers_question(event, item.request)) return &item;
+    return nullptr;
+}
+
+InFlight::Meaning InFlight::on_event(const protocol::Event& event, const protocol::ParsedLine& line, Time now,
+                                     std::vector<RequestEnd>& ended) {
+    Meaning meaning;
+    if (Item* const item = is_question(event.service, event.tag) ? find_question(event) : nullptr) {
+        item->asked = false;
+        if (item->request.answer_tag == event.tag) {
+            item->answer = line;
+            item->answers = 2;
+        }
+        if (item->request.id != 0) meaning.owner = item->request.client;
+        return meaning;
+    }
+    std::optional<std::size_t> found;
+    std::size_t matches = 0;
+    for (std::size_t i = 0; i < batches_.size(); ++i) {
+        if (!batches_[i].fence.is_answered_by(event)) continue;
+        if (!found) found = i;
+        ++matches;
+    }
+    if (found) {
+        meaning.is_fence = true;
+        fences_back(*found, matches > 1, now, ended);
+        return meaning;
+    }
+    meaning.is_fence = is_late(event);
+    if (!meaning.is_fence) meaning.is_value = note_value(event, line, ended);
+    return meaning;
+}
+
+void InFlight::fences_back(std::size_t number, bool ambiguous, Time now, std::vector<RequestEnd>& ended) {
+    for (std::size_t i = 0; i < number; ++i) {
+        remember_lost(batches_.front().fence);
+        Batch lost = std::move(batches_.front());
+        batches_.pop_front();
+        finish(std::move(lost), true, now, ended);
+    }
+    Batch batch = std::move(batches_.front());
+    batches_.pop_front();
+    finish(std::move(batch), number > 0 || ambiguous, now, ended);
+}
+
+void InFlight::finish(Batch batch, bool missing, Time now, std::vector<RequestEnd>& ended) {
+    bytes_ -= batch.bytes;
+    for (Item& item : batch.items) {
+        if (item.ended) continue;
+        if (missing || (item.doubted && !item.error)) {
+            end(item, Ending::kDoubt, ended);
+        } else if (item.error) {
+            end(item, Ending::kBoardError, ended);
+        } else if (item.wants_value() && !item.has_value()) {
+            const Time until = std::min(item.request.deadline, now + item.request.answer_time);
+            awaiting_.push_back({std::move(item), until});
+        } else {
+            end(item, item.request.prove ? Ending::kExecuted : Ending::kUnproven, ended);
+        }
+    }
+}
+
+void InFlight::end(Item& item, Ending ending, std::vector<RequestEnd>& ended) {
+    item.ended = true;
+    RequestEnd end{std::move(item.request), ending};
+    // What is left of it is still compared with what the board answers.
+    item.request.line = end.request.line;
+    if (ending == Ending::kBoardError) {
+        end.code = item.error->first;
+        end.text = item.error->second;
+    }
+    if (ending == Ending::kExecuted) end.answer = std::move(item.answer);
+    ended.push_back(std::move(end));
+}
+
+bool InFlight::note_value(const protocol::Event& event, const protocol::ParsedLine& line,
+                          std::vector<RequestEnd>& ended) {
+    const auto answers = [&](const Item& item) {
+        return item.request.answer_tag == event.tag && item.request.service() == event.service;
+    };
+    const auto count = [&](Item& item) {
+        ++item.answers;
+        item.answer = line;
+    };
+    bool taken = false;
+    for (Awaiting& awaiting : awaiting_) {
+        if (!answers(awaiting.item)) continue;
+        taken = true;
+        count(awaiting.item);
+        if (awaiting.item.has_value()) end(awaiting.item, Ending::kExecuted, ended);
+    }
+    std::erase_if(awaiting_, [](const Awaiting& awaiting) { return awaiting.item.ended; });
+    if (taken) return true;
+    for (Batch& batch : batches_) {
+        for (Item& item : batch.items) {
+            if (item.ended || !answers(item) || item.has_value()) continue;
+            count(item);
+            return true;
+        }
+    }
+    return false;
+}
+
+InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error) {
+    Meaning meaning;
+    meaning.unexplained = true;
+    if (batches_.empty()) return meaning;
+    for (Item& item : batches_.front().items) {
+        if (item.error || !names(error, item.request)) continue;
+        item.error.emplace(error.code, std::string(error.text));
+        meaning.unexplained = false;
+        if (item.request.id != 0) meaning.owner = item.request.client;
+        break;
+    }
+    return meaning;
+}
+
+void InFlight::doubt() {
+    for (Batch& batch : batches_)
+        for (Item& item : batch.items)
+            item.doubted = true;
+}
+
+void InFlight::expire(Time now, std::vector<RequestEnd>& ended) {
+    for (Awaiting& awaiting : awaiting_)
+        if (now >= awaiting.until)
+            end(awaiting.item, awaiting.item.answers > 0 ? Ending::kExecuted : Ending::kNoValue, ended);
+    std::erase_if(awaiting_, [](const Awaiting& awaiting) { return awaiting.item.ended; });
+    if (now < earliest_) return;
+    earliest_ = Time::max();
+    for (Batch& batch : batches_) {
+        for (Item& item : batch.items) {
+            if (item.ended) continue;
+            if (now < item.request.deadline) {
+                earliest_ = std::min(earliest_, item.request.deadline);
+                continue;
+            }
+            end(item,
+                item.error     ? Ending::kBoardError
+                : item.doubted ? Ending::kDoubt
+                               : Ending::kTimeout,
+                ended);
+        }
+    }
+}
+
+unsigned InFlight::mark_overdue(Time now, Duration answer_timeout) {
+    unsigned count = 0;
+    for (Batch& batch : batches_) {
+        if (batch.overdue || !batch.fence.sent() || now < batch.last_sent + answer_timeout) continue;
+        batch.overdue = true;
+        bytes_ -= std::exchange(batch.bytes, 0u);
+        ++count;
+    }
+    return count;
+}
+
+void InFlight::end_all(Ending ending, std::vector<RequestEnd>& ended) {
+    for (Batch& batch : batches_) {
+        if (batch.fence.sent()) remember_lost(batch.fence);
+        for (Item& item : batch.items)
+            if (!item.ended) end(item, ending, ended);
+    }
+    for (Awaiting& awaiting : awaiting_)
+        end(awaiting.item, Ending::kNoValue, ended);
+    batches_.clear();
+    awaiting_.clear();
+    bytes_ = 0;
+    earliest_ = Time::max();
+}
+
+bool InFlight::is_late(const protocol::Event& event) const {
+    return event.service == '#' && event.tag == 'E' &&
+           std::find(lost_tokens_.begin(), lost_tokens_.end(), event.body) != lost_tokens_.end();
+}
+
+void InFlight::remember_lost(const Fence& fence) {
+    if (fence.token.empty()) return;
+    lost_tokens_.push_back(fence.token);
+    if (lost_tokens_.size() > kMaxLostTokens) lost_tokens_.pop_front();
+}
+
+Time InFlight::next_deadline(Duration answer_timeout) const {
+    Time deadline = earliest_;
+    for (const Awaiting& awaiting : awaiting_)
+        deadline = std::min(deadline, awaiting.until);
+    for (const Batch& batch : batches_)
+        if (batch.fence.sent() && !batch.overdue) {
+            deadline = std::min(deadline, batch.last_sent + answer_timeout);
+            break;
+        }
+    return deadline;
+}
+
+}  // namespace asip::session

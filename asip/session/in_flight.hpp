@@ -1,0 +1,113 @@
+#pragma once
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "asip/protocol/parsed_line.hpp"
+#include "asip/session/fences.hpp"
+#include "asip/session/request.hpp"
+
+namespace asip::session {
+
+/// What was sent and has not ended: batches of requests, each closed by a fence, and requests that were
+/// executed and wait for their value. Decides how each ends.
+///
+/// The requests of a batch differ in service or tag, so that an error of the board names one of them.
+class InFlight {
+  public:
+    /// What a line from the board meant to us.
+    struct Meaning {
+        bool is_fence = false;          ///< the answer to a fence of ours, of now or of before
+        std::optional<ClientId> owner;  ///< the answer to this client's question, or its error
+        bool is_value = false;          ///< a request waits for such an event
+        bool unexplained = false;       ///< an error that belongs to no request
+    };
+
+    bool empty() const { return batches_.empty(); }
+    /// Bytes that may be in the board's receive buffer.
+    std::size_t bytes() const { return bytes_; }
+    bool has_open_batch() const { return !batches_.empty() && !batches_.back().fence.sent(); }
+    bool open_batch_wants_proof() const;
+    Time last_sent() const { return batches_.back().last_sent; }
+    /// Whether the open batch may be closed now: not while the board may not have read a long request yet.
+    bool may_close(Time now) const { return now >= batches_.back().close_after; }
+    Time close_after() const { return batches_.back().close_after; }
+    /// Whether a fence is out that is not overdue.
+    bool fence_out() const;
+    bool overdue() const { return !batches_.empty() && batches_.front().overdue; }
+    std::size_t batches() const { return batches_.size(); }
+    /// Nothing may follow before its fence is back.
+    bool is_barrier() const;
+
+    /// Whether `next` cannot join the open batch.
+    bool conflicts(const Request& next) const;
+    /// Whether some batch holds a request with this line, or was closed with it.
+    bool holds_question(std::string_view line) const;
+
+    /// `bytes`: on the wire, with line end and checksum.
+    void add(Request request, std::size_t bytes, bool reports, Time close_after, Time now);
+    /// Closes the open batch, or sends a fence with nothing before it.
+    void close(Fence fence, std::size_t bytes, Time now);
+
+    Meaning on_event(const protocol::Event& event, const protocol::ParsedLine& line, Time now,
+                     std::vector<RequestEnd>& ended);
+    Meaning on_error(const protocol::ErrorReply& error);
+    /// Something was lost or damaged, or the board restarted: nothing that is in flight can be proven now.
+    void doubt();
+
+    /// Ends what has reached its deadline.
+    void expire(Time now, std::vector<RequestEnd>& ended);
+    /// Fences that are not back after `answer_timeout` are overdue: what they closed is no longer taken to be
+    /// in the board's buffer. The number of those that became so now.
+    unsigned mark_overdue(Time now, Duration answer_timeout);
+
+    /// Ends everything: in doubt, or as timed out.
+    void end_all(Ending ending, std::vector<RequestEnd>& ended);
+
+    /// Not after the moment when one of the above changes something.
+    Time next_deadline(Duration answer_timeout) const;
+
+  private:
+    struct Item {
+        Request request;
+        bool ended = false;
+        bool asked = false;  // a question whose answer has not come
+        bool doubted = false;
+        bool reports = false;  // reports of the same tag come by themselves: one of two events is the answer
+        unsigned answers = 0;
+        protocol::ParsedLine answer;
+        std::optional<std::pair<int, std::string>> error;
+        bool wants_value() const { return request.answer_tag != 0; }
+        bool has_value() const { return answers >= (reports ? 2u : 1u); }
+    };
+    struct Batch {
+        std::vector<Item> items;
+        Fence fence;
+        std::size_t bytes = 0;
+        Time last_sent{};
+        Time close_after{};
+        bool overdue = false;
+    };
+    struct Awaiting {
+        Item item;
+        Time until;
+    };
+
+    Item* find_question(const protocol::Event& event);
+    void fences_back(std::size_t batch, bool ambiguous, Time now, std::vector<RequestEnd>& ended);
+    void finish(Batch batch, bool missing, Time now, std::vector<RequestEnd>& ended);
+    void end(Item& item, Ending ending, std::vector<RequestEnd>& ended);
+    bool note_value(const protocol::Event& event, const protocol::ParsedLine& line,
+                    std::vector<RequestEnd>& ended);
+    bool is_late(const protocol::Event& event) const;
+    void remember_lost(const Fence& fence);
+
+    std::deque<Batch> batches_;
+    std::vector<Awaiting> awaiting_;
+    std::deque<std::string> lost_tokens_;  // whose answers may still come
+    std::size_t bytes_ = 0;
+    Time earliest_ = Time::max();  // not after the first deadline of an item
+};
+
+}  // namespace asip::session

@@ -1,0 +1,254 @@
+#include "asip/session/machine.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "asip/protocol/request.hpp"
+
+namespace asip::session {
+
+namespace {
+
+constexpr Duration kBootTime = std::chrono::milliseconds(2500);
+
+std::string two_letters(const Random& random) {
+    constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz";
+    const auto drawn = random();
+    return {kLetters[drawn % 26], kLetters[drawn / 26 % 26]};
+}
+
+}  // namespace
+
+Machine::Machine(SessionOptions options, const Random& random)
+    : options_(options), queue_(random), token_start_(two_letters(random)) {}
+
+// --- link
+
+void Machine::link_up(const LinkTraits& traits, Time now, Actions& out) {
+    wire_.open(traits.baud);
+    there_ = was_silent_ = no_answer_said_ = false;
+    counters_.bytes_in = 0;
+    suspect_baud_ = 0;
+    ready_baud_ = traits.baud;
+    link_up_at_ = last_byte_ = now;
+    banner_services_.clear();
+    rates_.forget_bad();
+    restore_ = known_;
+    search(traits.restarting ? now + kBootTime : now, now, out);
+}
+
+void Machine::link_down(Time, Actions& out) {
+    state_ = Down{};
+    there_ = false;
+    std::vector<RequestEnd> ended;
+    queue_.abandon_in_flight(Ending::kTimeout, ended);
+    queue_.abandon_waiting(ended);
+    report(ended, out);
+}
+
+void Machine::line_rate_set(bool ok, Time now, Actions& out) {
+    auto* const stepping = std::get_if<SteppingUp>(&state_);
+    if (stepping == nullptr) return;
+    std::vector<std::string> lines;
+    stepping->change.on_rate_set(ok, now, lines);
+    write(lines, now, out);
+    follow(*stepping, now, out);
+}
+
+// --- from state to state
+
+void Machine::search(Time quiet_until, Time now, Actions& out) {
+    wire_.reader().reset();
+    abandon_in_flight(Ending::kDoubt, out);
+    Search search;
+    search.start(wire_.start_baud(), wire_.has_rates(), quiet_until, now);
+    asked_at_.reset();
+    state_ = Searching{search, now};
+    ask(std::get<Searching>(state_), now, out);
+}
+
+void Machine::identify(Time now, Actions& out) {
+    wire_.forget_checksums();
+    if (suspect_baud_ != 0 && suspect_baud_ == wire_.baud()) rates_.mark_bad(wire_.baud());
+    suspect_baud_ = 0;
+    if (wire_.at_start_rate() && std::exchange(ready_baud_, wire_.baud()) != wire_.baud()) {
+        ++counters_.resets;
+        out.emplace_back(BoardReset{"it is at its start rate again"});
+    }
+    const bool protect = options_.checksum == ChecksumPolicy::kAlways ||
+                         (options_.checksum == ChecksumPolicy::kAuto && damage_seen_);
+    std::vector<std::string> lines;
+    Interview interview(banner_services_, protect, now, lines);
+    state_ = Identifying{std::move(interview)};
+    write(lines, now, out);
+}
+
+void Machine::set_up_line(Identity found, Time now, Actions& out) {
+    const bool can_step = wire_.has_rates() && options_.max_baud != 0 &&
+                          found.extensions.has(protocol::kLineRate) && found.extensions.has(protocol::kEcho);
+    const bool changed = !known_ || !same_board(identity_, found);
+    changed_ = changed_ || changed;
+    identity_ = std::move(found);
+    known_ = true;
+    const unsigned best = can_step ? rates_.best(options_.max_baud) : wire_.baud();
+    if (best == wire_.baud()) return become_ready(now, out);
+    std::vector<std::string> lines;
+    RateChange change(best, token_start_, now, lines);
+    state_ = SteppingUp{std::move(change)};
+    write(lines, now, out);
+}
+
+void Machine::become_ready(Time now, Actions& out) {
+    there_ = no_answer_said_ = true;
+    was_silent_ = false;
+    ready_baud_ = wire_.baud();
+    state_ = Ready{now, 0};
+    reporting_.clear();
+    queue_.restart();
+    queue_.set_byte_time(wire_.byte_time());
+    queue_.set_checksum_bytes(wire_.writes_checksums() ? Wire::kChecksumBytes : 0);
+    if (restore_) {
+        for (std::string& line : settings_.restore()) {
+            Request request;
+            request.line = std::move(line);
+            queue_.waiting().push_own(std::move(request));
+        }
+    }
+    restore_ = true;
+    out.emplace_back(Identified{std::exchange(changed_, false)});
+    pump(now, out);
+}
+
+void Machine::board_restarted(std::string why, Time now, Actions& out) {
+    ++counters_.resets;
+    out.emplace_back(BoardReset{std::move(why)});
+    abandon_in_flight(Ending::kDoubt, out);
+    identify(now, out);
+}
+
+void Machine::fall_silent(Time now, Actions& out) {
+    there_ = false;
+    was_silent_ = true;
+    out.emplace_back(BecameSilent{});
+    std::vector<RequestEnd> ended;
+    queue_.abandon_in_flight(Ending::kTimeout, ended);
+    queue_.abandon_waiting(ended);
+    report(ended, out);
+    search(now, now, out);
+}
+
+// --- requests
+
+Expected<RequestId, Refusal> Machine::submit(std::string_view line, const RequestOptions& wanted, Time now,
+                                             Actions& out) {
+    while (!line.empty() && (line.back() == '\n' || line.back() == '\r'))
+        line.remove_suffix(1);
+    const auto parsed = protocol::parse_request(line);
+    // The line rate and checksums are between the board and us.
+    if (!parsed || (parsed->service == '#' && (parsed->tag == 'B' || parsed->tag == 'C')))
+        return Unexpected<Refusal>(Refusal::kInvalid);
+    if (!there_) return Unexpected<Refusal>(Refusal::kNoBoard);
+    if (room(wanted.client) == 0) return Unexpected<Refusal>(Refusal::kQueueFull);
+    Request request;
+    request.id = next_id_++;
+    request.client = wanted.client;
+    request.line = std::string(line);
+    request.deadline = wanted.deadline.value_or(now + kDefaultDeadline);
+    request.prove = wanted.prove;
+    request.answer_tag = wanted.answer_tag;
+    request.answer_time = wanted.answer_time;
+    request.alone = parsed->service != '#' && identity_.find_service(parsed->service) == nullptr;
+    const RequestId id = request.id;
+    queue_.waiting().push(std::move(request));
+    if (std::holds_alternative<Ready>(state_)) on_time(std::get<Ready>(state_), now, out);
+    return id;
+}
+
+std::size_t Machine::room(ClientId client) const {
+    const auto& waiting = queue_.waiting();
+    const std::size_t all = BoardSession::kMaxQueued - std::min(waiting.size(), BoardSession::kMaxQueued);
+    const std::size_t own = BoardSession::kMaxQueuedPerClient -
+                            std::min(waiting.size_of(client), BoardSession::kMaxQueuedPerClient);
+    return std::min(all, own);
+}
+
+void Machine::write(const std::vector<std::string>& lines, Time now, Actions& out) {
+    if (lines.empty()) return;
+    wire_.write(lines, out);
+    counters_.bytes_out = wire_.bytes_out();
+    if (!asked_at_) asked_at_ = now;
+}
+
+void Machine::abandon_in_flight(Ending ending, Actions& out) {
+    std::vector<RequestEnd> ended;
+    queue_.abandon_in_flight(ending, ended);
+    report(ended, out);
+}
+
+void Machine::report(std::vector<RequestEnd>& ended, Actions& out) {
+    for (RequestEnd& end : ended) {
+        if (end.ending == Ending::kExecuted || end.ending == Ending::kUnproven ||
+            end.ending == Ending::kNoValue) {
+            settings_.executed(end.request.line);
+            const auto mode = parse_mode_request(end.request.line);
+            if (mode && static_cast<std::size_t>(mode->pin) < identity_.pin_modes.size())
+                identity_.pin_modes[static_cast<std::size_t>(mode->pin)] =
+                    static_cast<protocol::PinMode>(mode->mode);
+        }
+        if (end.ending == Ending::kBoardError) settings_.refused(end.request.line);
+        if (end.request.id == 0) continue;
+        out.emplace_back(Finished{end.request.id, end.ending, end.not_sent, end.code, std::move(end.text),
+                                  std::move(end.answer)});
+    }
+    ended.clear();
+}
+
+// --- time
+
+void Machine::tick(Time now, Actions& out) {
+    if (std::holds_alternative<Down>(state_)) return;
+    if (const auto gone = gone_at(); gone && now >= *gone) return fall_silent(now, out);
+    if (!no_answer_said_ && now >= link_up_at_ + options_.patience) {
+        no_answer_said_ = true;
+        out.emplace_back(NoAnswer{counters_.bytes_in > 0});
+    }
+    std::vector<RequestEnd> ended;
+    queue_.on_time(now, options_.answer_timeout, ended);
+    counters_.fence_timeouts = queue_.fence_timeouts();
+    report(ended, out);
+    std::visit([&](auto& state) { on_time(state, now, out); }, state_);
+}
+
+std::optional<Time> Machine::next_deadline() const {
+    if (std::holds_alternative<Down>(state_)) return std::nullopt;
+    Time deadline = queue_.next_deadline(options_.answer_timeout);
+    if (const auto gone = gone_at()) deadline = std::min(deadline, *gone);
+    if (!no_answer_said_) deadline = std::min(deadline, link_up_at_ + options_.patience);
+    return std::min(deadline, std::visit([&](const auto& state) { return this->deadline(state); }, state_));
+}
+
+// A board that was never there, or is known to be gone, cannot go.
+std::optional<Time> Machine::gone_at() const {
+    if (!there_ || !asked_at_) return std::nullopt;
+    Time gone = std::max(last_byte_ + options_.gone_after, *asked_at_ + options_.answer_timeout);
+    return gone;
+}
+
+BoardSession::State Machine::state() const {
+    using Public = BoardSession::State;
+    if (std::holds_alternative<Down>(state_)) return Public::kDown;
+    if (std::holds_alternative<Ready>(state_)) return Public::kReady;
+    if (std::holds_alternative<Searching>(state_)) return was_silent_ ? Public::kSilent : Public::kSearching;
+    return Public::kIdentifying;
+}
+
+bool Machine::has_checksums() const {
+    return identity_.extensions.has(protocol::kChecksum) && identity_.extensions.has(protocol::kEcho);
+}
+
+bool Machine::wants_checksums() const {
+    if (!has_checksums() || options_.checksum == ChecksumPolicy::kNever) return false;
+    return options_.checksum == ChecksumPolicy::kAlways || damage_seen_ || wire_.is_fast();
+}
+
+}  // namespace asip::session

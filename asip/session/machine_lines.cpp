@@ -1,0 +1,91 @@
+#include <algorithm>
+
+#include "asip/protocol/board_info.hpp"
+#include "asip/session/machine.hpp"
+
+namespace asip::session {
+
+namespace {
+
+constexpr std::size_t kSampleBytes = 32;
+constexpr std::string_view kEndOfBanner = " with Services:";
+
+std::string printable_sample(std::string_view text) {
+    std::string sample(text.substr(0, kSampleBytes));
+    for (char& c : sample)
+        if (c < 0x20 || c > 0x7e) c = '?';
+    return sample;
+}
+
+bool is_text(std::string_view text) {
+    return std::all_of(text.begin(), text.end(),
+                       [](char c) { return (c >= 0x20 && c <= 0x7e) || c == '\r' || c == '\t'; });
+}
+
+}  // namespace
+
+void Machine::receive(std::string_view bytes, Time now, Actions& out) {
+    if (std::holds_alternative<Down>(state_) || bytes.empty()) return;
+    counters_.bytes_in += bytes.size();
+    last_byte_ = now;
+    asked_at_.reset();
+    auto& reader = wire_.reader();
+    reader.push(bytes, [&](std::string_view line) { on_line(line, now, out); });
+    if (std::holds_alternative<Ready>(state_) && !wire_.at_start_rate() && !is_text(reader.partial())) {
+        // At a wrong rate a line end may never come.
+        const std::string noise(reader.partial());
+        reader.reset();
+        garbage("not text", noise, now, out);
+    }
+    if (reader.overlong_lines() != overlong_seen_) {
+        overlong_seen_ = reader.overlong_lines();
+        garbage("line too long", {}, now, out);
+    }
+    // What is still unanswered was asked before these bytes; from now on it counts anew.
+    if (!std::holds_alternative<Ready>(state_) || queue_.in_flight()) asked_at_ = asked_at_.value_or(now);
+}
+
+void Machine::on_line(std::string_view line, Time now, Actions& out) {
+    ++counters_.lines_in;
+    const Wire::Received received = wire_.unpack(line);
+    if (received.damaged) {
+        ++counters_.checksum_errors;
+        return garbage("checksum missing or wrong", line, now, out);
+    }
+    if (received.had_checksum && !wire_.writes_checksums()) checksums_seen_ = true;
+    line = received.text;
+    const auto message = protocol::parse_line(line);
+    if (const auto* event = std::get_if<protocol::Event>(&message))
+        return std::visit([&](auto& state) { on_event(state, *event, line, now, out); }, state_);
+    if (const auto* error = std::get_if<protocol::ErrorReply>(&message))
+        return std::visit([&](auto& state) { on_error(state, *error, line, now, out); }, state_);
+    if (const auto* info = std::get_if<protocol::Info>(&message)) return on_info(*info, line, now, out);
+    on_malformed(std::get<protocol::Malformed>(message).reason, line, now, out);
+}
+
+void Machine::on_info(const protocol::Info& info, std::string_view line, Time now, Actions& out) {
+    const auto banner = protocol::parse_banner(info.text);
+    // Half a banner is one, too: its end cannot come from anything else.
+    const bool half = !banner && info.text.find(kEndOfBanner) != std::string_view::npos;
+    out.emplace_back(BoardLine{protocol::ParsedLine(line, info), std::nullopt});
+    if (!banner && !half) return;
+    if (banner) banner_services_ = banner->services;
+    if (there_ && !std::holds_alternative<Searching>(state_))
+        return board_restarted("it sent its banner", now, out);
+    identify(now, out);
+}
+
+void Machine::on_malformed(std::string_view reason, std::string_view line, Time now, Actions& out) {
+    if (line.find(kEndOfBanner) != std::string_view::npos && std::holds_alternative<Ready>(state_))
+        return board_restarted("it sent its banner, of which the beginning is lost", now, out);
+    garbage(std::string(reason), line, now, out);
+}
+
+void Machine::garbage(std::string reason, std::string_view line, Time now, Actions& out) {
+    ++counters_.garbage;
+    out.emplace_back(Garbage{std::move(reason), printable_sample(line)});
+    queue_.doubt();
+    std::visit([&](auto& state) { on_garbage(state, now, out); }, state_);
+}
+
+}  // namespace asip::session

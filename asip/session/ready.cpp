@@ -1,0 +1,111 @@
+#include <algorithm>
+
+#include "asip/protocol/request.hpp"
+#include "asip/session/machine.hpp"
+
+namespace asip::session {
+
+namespace {
+
+constexpr Duration kGarbageWindow = std::chrono::seconds(10);
+constexpr unsigned kGarbageLimit = 3;
+// Fences lost in a row after which the board is asked anew what it is.
+constexpr unsigned kLostFenceLimit = 3;
+// The board reports by itself as long as the last report is not older.
+constexpr Duration kReportsLast = std::chrono::seconds(1);
+
+}  // namespace
+
+void Machine::on_event(Ready&, const protocol::Event& event, std::string_view line, Time now, Actions& out) {
+    std::vector<RequestEnd> ended;
+    protocol::ParsedLine parsed(line, event);
+    const auto meaning = queue_.on_event(event, parsed, now, ended);
+    if (!meaning.is_fence) {
+        if (!meaning.owner && !meaning.is_value) note_report(event, now);
+        out.emplace_back(BoardLine{std::move(parsed), meaning.owner});
+    }
+    report(ended, out);
+    pump(now, out);
+}
+
+void Machine::on_error(Ready& state, const protocol::ErrorReply& error, std::string_view line, Time now,
+                       Actions& out) {
+    const auto meaning = queue_.on_error(error);
+    out.emplace_back(BoardLine{protocol::ParsedLine(line, error), meaning.owner});
+    if (!meaning.unexplained) return;
+    ++counters_.unexplained_errors;
+    queue_.doubt();
+    damaged();
+    on_time(state, now, out);
+}
+
+void Machine::damaged() {
+    damage_seen_ = true;
+}
+
+void Machine::on_garbage(Ready& state, Time now, Actions& out) {
+    damaged();
+    if (wire_.at_start_rate()) return pump(now, out);
+    // At a fast rate, garbage means that the board restarted and talks at its start rate, or that the rate is
+    // too fast.
+    if (now > state.garbage_since + kGarbageWindow) {
+        state.garbage_since = now;
+        state.garbage = 0;
+    }
+    if (++state.garbage < kGarbageLimit) {
+        queue_.probe();
+        return pump(now, out);
+    }
+    suspect_baud_ = wire_.baud();
+    search(now, now, out);
+}
+
+void Machine::on_time(Ready&, Time now, Actions& out) {
+    if (queue_.stalled()) damaged();
+    if (queue_.lost_fences() >= kLostFenceLimit) return search(now, now, out);
+    if (now >= last_byte_ + options_.silence) queue_.probe();
+    pump(now, out);
+}
+
+Time Machine::deadline(const Ready&) const {
+    return queue_.idle() ? last_byte_ + options_.silence : Time::max();
+}
+
+void Machine::pump(Time now, Actions& out) {
+    switch_checksums();
+    queue_.set_reporting(!reporting_.empty() && now < last_report_ + kReportsLast);
+    if (queue_.will_resynchronise() && has_checksums() && (wire_.writes_checksums() || wants_checksums()))
+        write(wire_.switching_lines(wants_checksums()), now, out);
+    write(queue_.pump(now, [&](const Request& request) { return reports_by_itself(request); }), now, out);
+    queue_.set_checksum_bytes(wire_.writes_checksums() ? Wire::kChecksumBytes : 0);
+}
+
+void Machine::switch_checksums() {
+    if (queue_.switching_line()) return;
+    const bool wanted = wants_checksums() && !queue_.next_is_too_long_for(Wire::kChecksumBytes);
+    if (wanted == wire_.writes_checksums()) return;
+    Request request;
+    request.line = protocol::set_checksum(wanted);
+    request.alone = true;
+    queue_.waiting().push_own(std::move(request));
+}
+
+bool Machine::reports_by_itself(const Request& request) const {
+    if (request.answer_tag == 0 || request.is_question()) return false;
+    if (const auto period = settings_.period(request.service())) return *period > 0;
+    for (std::size_t i = 0; i + 1 < reporting_.size(); i += 2)
+        if (reporting_[i] == request.service() && reporting_[i + 1] == request.answer_tag) return true;
+    return false;
+}
+
+// Of what nobody asked for.
+void Machine::note_report(const protocol::Event& event, Time now) {
+    if (event.service == '#') return;
+    last_report_ = now;
+    for (std::size_t i = 0; i + 1 < reporting_.size(); i += 2)
+        if (reporting_[i] == event.service && reporting_[i + 1] == event.tag) return;
+    reporting_ += event.service;
+    reporting_ += event.tag;
+}
+
+}  // namespace asip::session

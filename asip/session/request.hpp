@@ -1,0 +1,43 @@
+#pragma once
+#include <string>
+
+#include "asip/session/action.hpp"
+#include "asip/time.hpp"
+
+namespace asip::session {
+
+/// A request line on its way to the board.
+struct Request {
+    RequestId id = 0;  ///< 0: the session's own, whose end is not reported
+    ClientId client = 0;
+    std::string line;  ///< without line end
+    Time deadline = Time::max();
+    bool prove = true;
+    char answer_tag = 0;     ///< tag of the event that answers it, of the same service; 0: none
+    Duration answer_time{};  ///< how long after its fence that event may come
+    /// Nothing else between its fences: an error of it would not name it, or it changes how the line works.
+    bool alone = false;
+
+    char service() const { return line[0]; }
+    char tag() const { return line[2]; }
+    /// Its answer has its own service and tag (`#,?`, `I,M`): nothing but the answer looks like that.
+    bool is_question() const;
+    /// It turns checksums on or off: what follows it has another form.
+    bool changes_line() const { return service() == '#' && tag() == 'C'; }
+};
+
+/// How a request ended.
+struct RequestEnd {
+    Request request;
+    Ending ending = Ending::kTimeout;
+    NotSent not_sent = NotSent::kBoardGone;
+    int code = 0;
+    std::string text{};
+    protocol::ParsedLine answer{};
+};
+
+/// Whether `service` and `tag` are those of a question that the board answers with an event of the same
+/// service and tag.
+bool is_question(char service, char tag);
+
+}  // namespace asip::session

@@ -1,0 +1,64 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/protocol/line_reader.hpp"
+#include "asip/session/action.hpp"
+#include "asip/time.hpp"
+
+namespace asip::session {
+
+/// The line as bytes: cuts what arrives into lines, puts checksums on what is sent and takes them off what
+/// arrives, and knows the rate.
+class Wire {
+  public:
+    enum class Checksums {
+        kOff,
+        kTurningOn,  ///< sent with, received with or without: the board has not answered yet
+        kOn,
+    };
+    static constexpr std::size_t kChecksumBytes = 3;
+
+    /// `baud`: 0 where the link has no rate.
+    void open(unsigned baud);
+
+    unsigned baud() const { return baud_; }
+    unsigned start_baud() const { return start_baud_; }
+    bool has_rates() const { return start_baud_ != 0; }
+    bool at_start_rate() const { return baud_ == start_baud_; }
+    void set_rate(unsigned baud, std::string why, Actions& out);
+    /// Time of one byte on the line; zero where the link has no rate.
+    Duration byte_time() const;
+    /// Whether a checksum costs less than 0.1 ms a line.
+    bool is_fast() const;
+
+    /// Writes the lines, each with a line end. `#,C,1` and `#,C,0` change the form of what follows them.
+    void write(const std::vector<std::string>& lines, Actions& out);
+    Checksums checksums() const { return checksums_; }
+    bool writes_checksums() const { return checksums_ != Checksums::kOff; }
+    void forget_checksums() { checksums_ = Checksums::kOff; }
+    /// Lines that bring a board to the wanted form, whichever it has now.
+    std::vector<std::string> switching_lines(bool on);
+
+    protocol::LineReader& reader() { return reader_; }
+    /// What one received line is without its checksum. `damaged`: it should have had one, or has a wrong one.
+    struct Received {
+        std::string_view text;
+        bool damaged = false;
+        bool had_checksum = false;
+    };
+    Received unpack(std::string_view line);
+
+    std::uint64_t bytes_out() const { return bytes_out_; }
+
+  private:
+    protocol::LineReader reader_;
+    Checksums checksums_ = Checksums::kOff;
+    unsigned start_baud_ = 0;
+    unsigned baud_ = 0;
+    std::uint64_t bytes_out_ = 0;
+};
+
+}  // namespace asip::session
