@@ -99,7 +99,7 @@ void Application::perform(Effects& effects) {
     }
     if (bus_ && effects.name_claimed) {
         for (const auto& filter : bridge_.control_subscriptions())
-            bus_->subscribe(filter, {.qos = 1, .no_local = false, .retained = true});
+            bus_->subscribe(filter, {.qos = 1, .required = true});
     }
     if (bus_)
         for (auto& publication : effects.publish)
@@ -137,52 +137,55 @@ void Application::connect_bus() {
     options.will = bridge_.will();
     // 10,000 commands at once get as many answers at once; twice this many of them may wait.
     options.max_queued_messages = 16 * 1024;
-    bus_ = std::make_unique<mqtt::Client>(
-        io_, std::move(options),
-        mqtt::Client::Handlers{
-            [this](const mqtt::Connected& connected) {
-                ever_connected_ = true;
-                bus_failure_told_ = announcement_taken_ = rejection_told_ = false;
-                rejected_before_ = bus_->counters().rejected;
-                log::info("broker connected",
-                          {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
-                bus_->discard_queued(mqtt::Priority::kAnnouncement);
-                with_bridge(
-                    [&](Time now, Effects& out) { bridge_.bus_connected(now, connected.client_id, out); });
-            },
-            [this](const mqtt::ConnectionFailure& failure) {
-                bridge_.bus_disconnected();
-                bus_failed(failure, true);
-            },
-            [this](const mqtt::ConnectionFailure& failure) { bus_failed(failure, false); },
-            [this](const mqtt::Message& message) {
-                with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, now, out); });
-            },
-            [this](const std::string& topic) { note_taken(topic); },
-            [](const std::string& filter, const std::string& reason) {
-                log::error("the broker refuses a subscription", {{"topic", filter}, {"why", reason}});
-            },
-            [this](const std::string& line) {
-                log::trace(line);
-                tell_rejections();  // each has its line
-            },
-        });
+    bus_ = std::make_unique<mqtt::Client>(io_, std::move(options), bus_handlers());
     for (const auto& filter : bridge_.subscriptions())
         bus_->subscribe(filter, {.qos = 1, .no_local = false, .retained = true});
     bus_->start();
 }
 
+mqtt::Client::Handlers Application::bus_handlers() {
+    mqtt::Client::Handlers handlers;
+    handlers.on_connected = [this](const mqtt::Connected& connected) {
+        bus_outage_.over();
+        announcement_taken_ = rejection_told_ = false;
+        rejected_before_ = bus_->counters().rejected;
+        log::info("broker connected",
+                  {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
+        bus_->discard_queued(mqtt::Priority::kAnnouncement);
+        with_bridge([&](Time now, Effects& out) { bridge_.bus_connected(now, connected.client_id, out); });
+    };
+    handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
+        bridge_.bus_disconnected();
+        bus_failed(failure, true);
+    };
+    handlers.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) {
+        bus_failed(failure, false);
+    };
+    handlers.on_message = [this](const mqtt::Message& message) {
+        with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, now, out); });
+    };
+    handlers.on_published = [this](const std::string& topic) { note_taken(topic); };
+    handlers.on_subscribe_refused = [](const std::string& filter, const std::string& reason) {
+        log::error("the broker refuses a subscription; asking again", {{"topic", filter}, {"why", reason}});
+    };
+    handlers.on_debug = [this](const std::string& line) {
+        log::trace(line);
+        tell_rejections();  // each has its line
+    };
+    return handlers;
+}
+
 void Application::bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected) {
     if (stopping_) return;
-    if (failure.fatal() && !ever_connected_) {
+    if (failure.hopeless) {
         log::error(failure.text, {{"broker", failure.broker.describe()}});
         return finish(program::kExitBroker);
     }
     // Each attempt may fail the same way; once is enough for a person, the rest is for debugging.
-    const auto level = was_connected || !bus_failure_told_ ? log::Level::kWarning : log::Level::kDebug;
+    const auto level =
+        was_connected || bus_outage_.is_news(failure) ? log::Level::kWarning : log::Level::kDebug;
     log::write(level, was_connected ? "broker lost; connecting again" : "broker not reachable; trying on",
                {{"broker", failure.broker.describe()}, {"why", failure.text}});
-    bus_failure_told_ = true;
 }
 
 void Application::link_opened(const link::StreamOpened& opened) {

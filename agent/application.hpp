@@ -10,6 +10,7 @@
 #include "agent/point_to_point.hpp"
 #include "asip/link/kept_stream.hpp"
 #include "asip/mqtt/client.hpp"
+#include "asip/mqtt/outage.hpp"
 #include "asip/program/stop_signal.hpp"
 
 namespace asip::agent {
@@ -35,6 +36,7 @@ class Application {
     void link_lost(const link::StreamError& error);
     void link_failed(const link::StreamError& error, bool first);
     void board_heard();
+    mqtt::Client::Handlers bus_handlers();
     void bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected);
     void board_silent_at_start();
     void report_counters();
@@ -58,8 +60,7 @@ class Application {
     std::uint64_t rejected_before_ = 0;  // by the broker, before this connection
     bool announcement_taken_ = false;    // over this connection
     bool rejection_told_ = false;        // of this connection
-    bool ever_connected_ = false;
-    bool bus_failure_told_ = false;
+    mqtt::Outage bus_outage_;
     bool board_ever_known_ = false;
     bool link_tried_ = false;
     bool stopping_ = false;

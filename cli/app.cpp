@@ -20,6 +20,8 @@ namespace asip::cli {
 namespace {
 
 constexpr char kMark = '\x01';
+/// A registry's answer may hold a thousand boards with their descriptions.
+constexpr std::uint32_t kMaxAnswerBytes = 64u << 20;
 
 struct CommonOptions {
     program::BrokerOptions broker;
@@ -57,6 +59,7 @@ Outcome<void> apply(const CommonOptions& options, Context& context) {
     auto mqtt = program::mqtt_options(options.broker, "asipctl");
     if (!mqtt) return failure(program::kExitUsage, mqtt.error());
     context.mqtt = std::move(*mqtt);
+    context.mqtt.max_packet_bytes = kMaxAnswerBytes;
     context.topics = bus::Topics(options.broker.topic_root);
     const auto timeout = text::parse_duration(options.timeout);
     if (!timeout) return failure(program::kExitUsage, "--timeout: " + timeout.error());

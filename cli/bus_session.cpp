@@ -1,9 +1,10 @@
 #include "cli/bus_session.hpp"
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -19,9 +20,12 @@ struct BusSession::State {
     explicit State(const Context& context)
         : timeout(context.timeout),
           name(random_hex(system_random(), 12)),
-          reply_topic(context.topics.root() + "/reply/" + name),
+          reply_topic(context.topics.reply(context.mqtt.user, name)),
           signal(io, [this](int) { stopped = true; }),
-          client(io, context.mqtt, handlers()) {}
+          client(io, context.mqtt, handlers()) {
+        for (const auto& broker : context.mqtt.brokers)
+            brokers.insert(broker.describe());
+    }
 
     mqtt::Client::Handlers handlers() {
         mqtt::Client::Handlers result;
@@ -29,7 +33,9 @@ struct BusSession::State {
         result.on_disconnected = [this](const mqtt::ConnectionFailure& why) {
             if (connection_changed) connection_changed(false, why.text);
         };
-        result.on_connect_failed = [this](const mqtt::ConnectionFailure& why) { failed = why; };
+        result.on_connect_failed = [this](const mqtt::ConnectionFailure& why) {
+            failed[why.broker.describe()] = why;
+        };
         result.on_message = [this](const mqtt::Message& message) { dispatch(message); };
         result.on_published = [this](const std::string&) { ++acknowledged; };
         result.on_subscribe_refused = [this](const std::string& filter, const std::string& reason) {
@@ -41,6 +47,22 @@ struct BusSession::State {
     void connected_again() {
         const bool first = !std::exchange(was_connected, true);
         if (!first && connection_changed) connection_changed(true, {});
+    }
+
+    /// Each broker of the list is out of reach or has refused: waiting for another attempt is no use.
+    bool no_broker_left() const {
+        return failed.size() == brokers.size() &&
+               std::all_of(failed.begin(), failed.end(), [](const auto& one) {
+                   const auto& why = one.second;
+                   return why.fatal() || why.kind == mqtt::ConnectionFailure::Kind::kUnreachable;
+               });
+    }
+
+    std::string why_not_connected() const {
+        std::string text;
+        for (const auto& [broker, why] : failed)
+            text += (text.empty() ? "" : "; ") + why.text;
+        return text;
     }
 
     void dispatch(const mqtt::Message& message) {
@@ -84,7 +106,8 @@ struct BusSession::State {
     bool stopped = false;
     bool was_connected = false;
     std::size_t acknowledged = 0;
-    std::optional<mqtt::ConnectionFailure> failed;
+    std::set<std::string> brokers;
+    std::map<std::string, mqtt::ConnectionFailure> failed;  // the last failure of each broker
     std::string refused;
     std::function<void(bool, const std::string&)> connection_changed;
     std::vector<std::pair<std::string, OnMessage>> subscriptions;
@@ -119,15 +142,11 @@ void BusSession::unsubscribe(const std::string& filter) {
 
 Outcome<void> BusSession::connect() {
     if (!std::exchange(state_->started, true)) state_->client.start();
-    const auto settled = [this] {
-        return state_->was_connected ||
-               (state_->failed && (state_->failed->fatal() ||
-                                   state_->failed->kind == mqtt::ConnectionFailure::Kind::kUnreachable));
-    };
-    run_until(settled, Clock::now() + state_->timeout);
+    run_until([this] { return state_->was_connected || state_->no_broker_left(); },
+              Clock::now() + state_->timeout);
     if (state_->was_connected) return {};
     if (state_->stopped) return failure(program::kExitFailure, "interrupted");
-    if (state_->failed) return failure(program::kExitBroker, state_->failed->text);
+    if (!state_->failed.empty()) return failure(program::kExitBroker, state_->why_not_connected());
     return failure(program::kExitBroker,
                    "the broker does not answer; is --broker right? Try: asipctl doctor");
 }

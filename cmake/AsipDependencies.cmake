@@ -16,6 +16,7 @@ target_compile_options(asip_asio INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fcoroutines
 
 if(NOT ASIP_FUZZ)
   find_package(CLI11 REQUIRED)
+  find_package(OpenSSL REQUIRED)
   pkg_check_modules(mosquitto REQUIRED IMPORTED_TARGET libmosquitto)
   pkg_check_modules(sqlite3 REQUIRED IMPORTED_TARGET sqlite3)
 

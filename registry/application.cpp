@@ -170,7 +170,7 @@ int Application::run() {
 }
 
 void Application::on_connected(const mqtt::Connected& connected) {
-    ever_connected_ = true;
+    outage_.over();
     log::info("connected", {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
     const Time present = Clock::now();
     catalogue_.resume(present);
@@ -202,15 +202,16 @@ void Application::on_disconnected(const mqtt::ConnectionFailure& failure) {
 }
 
 void Application::on_connect_failed(const mqtt::ConnectionFailure& failure) {
-    if (!ever_connected_ && failure.fatal()) {
-        log::error("the broker does not take us",
+    if (failure.hopeless) {
+        log::error("no broker accepts the connection",
                    {{"broker", failure.broker.describe()}, {"why", failure.text}});
         status_ = program::kExitBroker;
         stop();
         return;
     }
-    log::warning("no connection; trying again",
-                 {{"broker", failure.broker.describe()}, {"why", failure.text}});
+    const auto level = outage_.is_news(failure) ? log::Level::kWarning : log::Level::kDebug;
+    log::write(level, "no connection; trying again",
+               {{"broker", failure.broker.describe()}, {"why", failure.text}});
 }
 
 void Application::on_message(const mqtt::Message& message) {

@@ -9,6 +9,7 @@
 
 #include "asip/bus/topics.hpp"
 #include "asip/mqtt/client.hpp"
+#include "asip/mqtt/outage.hpp"
 #include "asip/program/stop_signal.hpp"
 #include "asip/random.hpp"
 #include "registry/catalogue/catalogue.hpp"
@@ -80,7 +81,7 @@ class Application {
     Time next_stats_{};
     Time started_{};
     bool settling_ = true;
-    bool ever_connected_ = false;
+    mqtt::Outage outage_;
     bool reset_due_ = false;  // events were held back: a reset has to be told
     std::uint64_t connections_ = 0;
     std::uint64_t messages_ = 0;

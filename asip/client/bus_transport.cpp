@@ -63,12 +63,25 @@ BusTransport::~BusTransport() {
 
 Awaitable<void> BusTransport::open(Listener& listener) {
     listener_ = &listener;
-    const std::string client_id = "asip-client-" + random_hex(system_random(), 16);
-    reply_topic_ = topics_.root() + "/reply/" + client_id;
-    auto mqtt = mqtt_options(address_, options_, client_id);
-    if (!mqtt) {
-        co_return failure(Error::Kind::Invalid, mqtt.error());
+    if (const auto made = make_client(); !made) {
+        co_return failure(Error::Kind::Invalid, made.error());
     }
+    calls_.begin(kOpening);
+    client_->start();
+    const auto done = co_await calls_.wait(kOpening, options_.open_timeout, "");
+    if (!done) {
+        const bool late = done.error().kind == Error::Kind::Timeout;
+        co_return failure(late ? Error::Kind::Unreachable : done.error().kind,
+                          late ? why_not_there() : done.error().text);
+    }
+    co_return Result<void>();
+}
+
+Expected<void> BusTransport::make_client() {
+    const std::string client_id = "asip-client-" + random_hex(system_random(), 16);
+    auto mqtt = mqtt_options(address_, options_, client_id);
+    if (!mqtt) return fail(mqtt.error());
+    reply_topic_ = topics_.reply(mqtt->user, client_id);
     mqtt::Client::Handlers handlers;
     handlers.on_message = [this](const mqtt::Message& message) { take(message); };
     handlers.on_connected = [this](const mqtt::Connected&) {
@@ -86,15 +99,7 @@ Awaitable<void> BusTransport::open(Listener& listener) {
     client_->subscribe(topics_.description(address_.board), {.qos = 1});
     client_->subscribe(topics_.service_out(address_.board, "+"),
                        {.qos = 0, .no_local = false, .retained = false});
-    calls_.begin(kOpening);
-    client_->start();
-    const auto done = co_await calls_.wait(kOpening, options_.open_timeout, "");
-    if (!done) {
-        const bool late = done.error().kind == Error::Kind::Timeout;
-        co_return failure(late ? Error::Kind::Unreachable : done.error().kind,
-                          late ? why_not_there() : done.error().text);
-    }
-    co_return Result<void>();
+    return {};
 }
 
 std::string BusTransport::why_not_there() const {
@@ -237,7 +242,7 @@ void BusTransport::look_again() {
 
 void BusTransport::failed(const mqtt::ConnectionFailure& why) {
     failure_ = why.text;
-    if (why.fatal()) {
+    if (why.hopeless) {
         calls_.finish(kOpening, failure(Error::Kind::Unreachable, why.text));
     }
     // What is retained comes again with the next connection; a board that went meanwhile must not seem to be

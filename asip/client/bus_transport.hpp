@@ -31,6 +31,7 @@ class BusTransport final : public Transport {
 
   private:
     Awaitable<nlohmann::json> request(std::string topic, nlohmann::json payload);
+    Expected<void> make_client();
     void take(const mqtt::Message& message);
     void take_reply(const mqtt::Message& message);
     void take_event(std::string_view service, const mqtt::Message& message);

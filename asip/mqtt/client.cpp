@@ -3,11 +3,11 @@
 #include <mosquitto.h>
 #include <mqtt_protocol.h>
 
+#include <algorithm>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <map>
-#include <unordered_map>
 
 #include "asip/mqtt/backoff.hpp"
 #include "asip/mqtt/connection.hpp"
@@ -27,6 +27,7 @@ constexpr std::size_t kMaxPropertyBytes = 65535;
 /// taken as "does not know MQTT 5".
 constexpr int kSuspicionsUntilFallback = 2;
 constexpr int kUnansweredUntilTls = 3;
+constexpr int kFirstErrorCode = 128;
 constexpr auto kHeldLongEnough = std::chrono::seconds(5);
 
 bool can_be_published(const Message& message) {
@@ -61,6 +62,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     void discard_queued(Priority priority) { outbox_.discard(priority); }
 
     bool connected() const { return connection_ && connection_->up(); }
+    bool subscribed() const { return connected() && subscriptions_.all_granted(); }
     bool v5() const { return connected() && connection_->v5(); }
     const std::string& client_id() const { return options_.client_id; }
     Counters counters() const;
@@ -71,6 +73,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
         bool speaks_v5 = true;
         int suspicions = 0;  ///< attempts with MQTT 5 in a row that were closed without an answer
         int unanswered = 0;  ///< attempts in a row, with any version, that had no answer
+        bool failed_fatally = false;  ///< the last time
     };
     struct Unacknowledged {
         Outbox::Entry entry;
@@ -92,7 +95,10 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     void connect_next_address();
     void learn(const End& end);
     void retry(bool same_broker_at_once);
-    void send_subscription(const std::string& filter, const SubscribeOptions& options);
+    void look_up_took_too_long();
+    void send_subscriptions();
+    void fail_if_stalled(Time now);
+    bool hopeless() const;
     bool window_open(const Message& message) const {
         return message.qos == 0 || unacknowledged_.size() < kMaxUnacknowledged;
     }
@@ -115,12 +121,15 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     asio::ip::tcp::resolver resolver_;
     std::vector<std::string> addresses_;  ///< of this attempt, those not yet tried; the next one last
     std::shared_ptr<Connection> connection_;
+    asio::steady_timer lookup_timer_;
+    unsigned lookups_ = 0;
     bool was_up_ = false;
+    bool ever_up_ = false;
     Time up_since_{};
     bool tried_v5_ = false;
 
-    std::map<std::string, SubscribeOptions> subscriptions_;
-    std::unordered_map<int, std::string> awaited_subscriptions_;
+    Subscriptions subscriptions_;
+    Time last_granted_{};  ///< or refused: when the broker was last busy with a subscription
     Outbox outbox_;
     std::map<int, Unacknowledged> unacknowledged_;
     Counters counters_;
@@ -138,6 +147,7 @@ Client::Impl::Impl(asio::io_context& io, Options options, Handlers handlers)
       backoff_(options_.retry_first, options_.retry_most),
       retry_timer_(io),
       resolver_(io),
+      lookup_timer_(io),
       outbox_({options_.max_queued_messages, options_.max_queued_bytes}),
       stop_timer_(io) {
     if (options_.brokers.empty()) options_.brokers.emplace_back();
@@ -152,20 +162,25 @@ void Client::Impl::attempt() {
     addresses_.clear();
     boost::system::error_code not_numeric;
     asio::ip::make_address(broker().address.host, not_numeric);
-    // With TLS the name itself must reach libmosquitto: the certificate is checked against it.
-    if (!not_numeric || broker().address.tls) {
-        addresses_ = {broker().address.host};
-        connect_next_address();
-    } else {
+    if (not_numeric) {
         resolve();
+        return;
     }
+    addresses_ = {broker().address.host};
+    connect_next_address();
 }
 
 void Client::Impl::resolve() {
+    const auto lookup = ++lookups_;
+    lookup_timer_.expires_after(options_.connect_timeout);
+    lookup_timer_.async_wait([self = shared_from_this(), lookup](const boost::system::error_code& error) {
+        if (!error && lookup == self->lookups_) self->look_up_took_too_long();
+    });
     resolver_.async_resolve(
         broker().address.host, std::to_string(broker().address.port),
-        [self = shared_from_this()](const boost::system::error_code& error, const auto& results) {
-            if (self->silent()) return;
+        [self = shared_from_this(), lookup](const boost::system::error_code& error, const auto& results) {
+            if (self->silent() || lookup != self->lookups_) return;
+            self->lookup_timer_.cancel();
             if (error) {
                 self->connection_down({unreachable(self->broker().address, "unknown host")});
                 return;
@@ -175,6 +190,13 @@ void Client::Impl::resolve() {
             }
             self->connect_next_address();
         });
+}
+
+void Client::Impl::look_up_took_too_long() {
+    if (silent()) return;
+    ++lookups_;  // its result comes too late
+    resolver_.cancel();
+    connection_down({unreachable(broker().address, "the name server does not answer")});
 }
 
 void Client::Impl::connect_next_address() {
@@ -190,13 +212,13 @@ void Client::Impl::connect_next_address() {
 }
 
 void Client::Impl::connection_up(const Connected& connected) {
-    was_up_ = true;
-    up_since_ = Clock::now();
+    was_up_ = ever_up_ = true;
+    up_since_ = last_granted_ = Clock::now();
     ++counters_.connects;
     broker().suspicions = broker().unanswered = 0;
-    awaited_subscriptions_.clear();
-    for (const auto& [filter, options] : subscriptions_)
-        send_subscription(filter, options);
+    broker().failed_fatally = false;
+    subscriptions_.restart();
+    send_subscriptions();
     if (!silent() && handlers_.on_connected) handlers_.on_connected(connected);
     flush();
 }
@@ -214,7 +236,7 @@ void Client::Impl::connection_down(const End& end) {
         // A broker that takes us and throws us out again is not hammered: only a connection that held counts.
         if (Clock::now() - up_since_ >= kHeldLongEnough) backoff_.reset();
         failures_this_round_ = brokers_.size();
-        retry(end.failure.kind != Kind::kStalled);
+        retry(end.failure.kind != Kind::kStalled && end.failure.kind != Kind::kRefused);
         if (handlers_.on_disconnected) handlers_.on_disconnected(end.failure);
         return;
     }
@@ -232,6 +254,8 @@ void Client::Impl::connection_down(const End& end) {
     // A broker that misses our certificate says so in an alert, which its closing of the socket often
     // overtakes.
     if (failure.broker.tls && brokers_[failed].unanswered >= kUnansweredUntilTls) failure.kind = Kind::kTls;
+    brokers_[failed].failed_fatally = failure.fatal();
+    failure.hopeless = hopeless();
     if (!silent() && handlers_.on_connect_failed) handlers_.on_connect_failed(failure);
 }
 
@@ -266,29 +290,47 @@ void Client::Impl::debug_line(const std::string& line) {
     if (!silent() && handlers_.on_debug) handlers_.on_debug(line);
 }
 
+bool Client::Impl::hopeless() const {
+    return !ever_up_ && std::all_of(brokers_.begin(), brokers_.end(),
+                                    [](const Broker& each) { return each.failed_fatally; });
+}
+
 void Client::Impl::subscribe(std::string filter, SubscribeOptions options) {
-    const auto place = subscriptions_.insert_or_assign(std::move(filter), options).first;
-    if (connected()) send_subscription(place->first, options);
+    subscriptions_.add(filter, options);
+    if (connected()) send_subscriptions();
 }
 
 void Client::Impl::unsubscribe(const std::string& filter) {
-    subscriptions_.erase(filter);
+    subscriptions_.remove(filter);
     if (connected()) connection_->unsubscribe(filter);
 }
 
-void Client::Impl::send_subscription(const std::string& filter, const SubscribeOptions& options) {
-    int id = 0;
-    if (connection_->subscribe(filter, options, id) == MOSQ_ERR_SUCCESS) awaited_subscriptions_[id] = filter;
+void Client::Impl::send_subscriptions() {
+    const auto now = Clock::now();
+    for (const auto& [filter, options] : subscriptions_.due(now)) {
+        int id = 0;
+        if (connection_->subscribe(filter, options, id) == MOSQ_ERR_SUCCESS)
+            subscriptions_.sent(id, filter, now);
+    }
 }
 
 void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
-    const auto awaited = awaited_subscriptions_.find(id);
-    if (awaited == awaited_subscriptions_.end()) return;
-    const auto filter = awaited->second;
-    awaited_subscriptions_.erase(awaited);
-    const bool refused = !granted.empty() && granted.front() >= 128;
-    if (refused && !silent() && handlers_.on_subscribe_refused) {
-        handlers_.on_subscribe_refused(filter, mosquitto_reason_string(granted.front()));
+    const auto now = Clock::now();
+    last_granted_ = now;
+    const int code = granted.empty() ? 0 : granted.front();
+    const bool complete_before = subscriptions_.all_granted();
+    const auto refusal = subscriptions_.answered(id, code < kFirstErrorCode, now, options_.random);
+    if (silent()) return;
+    if (!complete_before && subscriptions_.all_granted() && handlers_.on_subscribed)
+        handlers_.on_subscribed();
+    if (!refusal) return;
+    const std::string reason = mosquitto_reason_string(code);
+    if (refusal->first && handlers_.on_subscribe_refused)
+        handlers_.on_subscribe_refused(refusal->filter, reason);
+    if (refusal->give_up && brokers_.size() > 1 && connection_) {
+        connection_->fail({Kind::kRefused, broker().address, code,
+                           broker().address.describe() + " refuses the subscription to " + refusal->filter +
+                               ": " + reason});
     }
 }
 
@@ -340,7 +382,7 @@ void Client::Impl::publish_answered(int id, int reason_code) {
     if (sent == unacknowledged_.end()) return;  // QoS 0: libmosquitto reports these as well
     const auto topic = std::move(sent->second.entry.message.topic);
     unacknowledged_.erase(sent);
-    if (reason_code >= 128) {
+    if (reason_code >= kFirstErrorCode) {
         ++counters_.rejected;
         debug_line("broker rejected what was published on " + topic + ": " +
                    mosquitto_reason_string(reason_code));
@@ -358,11 +400,22 @@ void Client::Impl::requeue_unacknowledged() {
 }
 
 void Client::Impl::tick(Time now) {
+    fail_if_stalled(now);
+    if (connected()) send_subscriptions();
+}
+
+void Client::Impl::fail_if_stalled(Time now) {
     if (options_.ack_timeout == Duration::zero()) return;
+    const auto stalled = [&](const char* what) {
+        connection_->fail({Kind::kStalled, broker().address, 0, broker().address.describe() + what});
+    };
+    if (const auto since = subscriptions_.waiting_since()) {
+        if (now - *since >= options_.subscribe_timeout) stalled(" does not answer a subscription");
+        return;
+    }
     for (const auto& [id, sent] : unacknowledged_) {
-        if (now - sent.sent < options_.ack_timeout) continue;
-        connection_->fail({Kind::kStalled, broker().address, 0,
-                           broker().address.describe() + " acknowledges nothing any more"});
+        if (now - std::max(sent.sent, last_granted_) < options_.ack_timeout) continue;
+        stalled(" acknowledges nothing any more");
         return;
     }
 }
@@ -373,6 +426,7 @@ void Client::Impl::stop(Duration limit, std::function<void()> done) {
     if (!stopped_) stopped_ = [] {};
     retry_timer_.cancel();
     resolver_.cancel();
+    lookup_timer_.cancel();
     if (!connected()) {
         asio::post(io_, [self = shared_from_this()] { self->finish(); });
         return;
@@ -409,6 +463,7 @@ void Client::Impl::close() {
     retry_timer_.cancel();
     stop_timer_.cancel();
     resolver_.cancel();
+    lookup_timer_.cancel();
     if (connection_) connection_->abandon();
     connection_.reset();
 }
@@ -450,6 +505,9 @@ void Client::discard_queued(Priority priority) {
 }
 bool Client::connected() const {
     return impl_->connected();
+}
+bool Client::subscribed() const {
+    return impl_->subscribed();
 }
 bool Client::v5() const {
     return impl_->v5();

@@ -7,6 +7,7 @@
 
 #include "asip/mqtt/message.hpp"
 #include "asip/mqtt/options.hpp"
+#include "asip/mqtt/subscriptions.hpp"
 #include "asip/time.hpp"
 
 namespace boost::asio {
@@ -31,9 +32,14 @@ struct ConnectionFailure {
     BrokerAddress broker{};
     int code = 0;        ///< reason code of CONNACK or DISCONNECT, where there was one
     std::string text{};  ///< one line for a person, says what to check
+    /// The time may come without anybody changing anything: a certificate that is not valid yet by our clock.
+    bool may_pass = false;
+    /// Every broker of the list has failed fatally, and none has ever accepted the connection: a program
+    /// should stop and report it. The client itself tries on.
+    bool hopeless = false;
 
-    /// Whether trying again cannot help until somebody changes something (kTls, kBadCredentials, kTakenOver).
-    /// The client tries again all the same; a program that has never been connected should stop and say so.
+    /// Whether trying this broker again cannot help until somebody changes something: kTls, kBadCredentials
+    /// or kTakenOver, unless it may pass.
     bool fatal() const;
 };
 
@@ -44,14 +50,6 @@ struct Connected {
     bool v5 = false;                   ///< false: 3.1.1, and properties are not carried
     std::string client_id;             ///< ours, or as assigned by the broker
     std::size_t max_packet_bytes = 0;  ///< the broker's limit; 0: none told
-};
-
-struct SubscribeOptions {
-    int qos = 0;
-    bool no_local = false;  ///< MQTT 5: not what this client itself publishes
-    /// MQTT 5: whether retained messages are delivered when we subscribe. On 3.1.1 they always are, marked as
-    /// retained.
-    bool retained = true;
 };
 
 /// What publish() did. `kQueued` and `kSent` end in on_published for QoS 1 or in a dropped count.
@@ -80,9 +78,8 @@ struct Counters {
 ///
 /// Runs on the io_context it is given, on the one thread that runs it; every handler is called from there,
 /// never from inside a call of one of the member functions. Handlers may call any member function, but must
-/// not destroy the client. Host names are looked up without blocking for plain connections; for TLS the
-/// system's resolver is called by the TLS library's owner, so a slow DNS server delays the loop: give numeric
-/// addresses or a local resolver there.
+/// not destroy the client. Host names are looked up without blocking; a lookup that takes longer than
+/// Options::connect_timeout counts as unreachable.
 class Client {
   public:
     struct Handlers {
@@ -96,10 +93,15 @@ class Client {
         std::function<void(const Message&)> on_message;
         /// The broker took this QoS 1 message.
         std::function<void(const std::string& topic)> on_published;
-        /// The broker will not deliver this subscription (access rules).
+        /// The broker does not deliver this subscription: access rules, or a broker in trouble. Called for
+        /// the first refusal on a connection; the subscription is tried again (1 s to 30 s apart), and a
+        /// required one that is refused three times makes the client try the next broker of the list.
         std::function<void(const std::string& filter, const std::string& reason)> on_subscribe_refused;
         /// What libmosquitto has to say, for debug logs.
         std::function<void(const std::string& line)> on_debug;
+        /// Every subscription is granted: what is published from here on reaches us. Called after
+        /// on_connected, and again whenever the last missing one is granted.
+        std::function<void()> on_subscribed;
     };
 
     Client(boost::asio::io_context& io, Options options, Handlers handlers);
@@ -130,6 +132,8 @@ class Client {
     void discard_queued(Priority priority);
 
     bool connected() const;
+    /// Connected, and the broker has granted every subscription.
+    bool subscribed() const;
     bool v5() const;
     const std::string& client_id() const;
     Counters counters() const;

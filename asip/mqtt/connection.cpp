@@ -24,6 +24,7 @@ using Kind = ConnectionFailure::Kind;
 /// turn.
 constexpr int kReadsPerTurn = 64;
 constexpr int kInvalidSocket = -1;
+constexpr int kMinKeepalive = 5;  // of libmosquitto
 
 struct Library {
     Library() { mosquitto_lib_init(); }
@@ -58,8 +59,7 @@ void Connection::open() {
     set_callbacks();
     int error = configure();
     if (error == MOSQ_ERR_SUCCESS) {
-        const auto keepalive =
-            static_cast<int>(std::max<std::chrono::seconds::rep>(5, options_.keepalive.count()));
+        const auto keepalive = std::max(kMinKeepalive, static_cast<int>(options_.keepalive.count()));
         errno = 0;
         error = mosquitto_connect_async(mosquitto_.get(), host_.c_str(), broker_.port, keepalive);
     }
@@ -87,14 +87,29 @@ int Connection::configure() {
         if (error != MOSQ_ERR_SUCCESS) return error;
         static_cast<void>(properties.release());  // taken over by libmosquitto, on success only
     }
-    if (!broker_.tls) return MOSQ_ERR_SUCCESS;
-    if (options_.ca_file.empty()) mosquitto_int_option(m, MOSQ_OPT_TLS_USE_OS_CERTS, 1);
-    const int error = mosquitto_tls_set(m, or_null(options_.ca_file), nullptr, or_null(options_.cert_file),
-                                        or_null(options_.key_file), nullptr);
-    if (error != MOSQ_ERR_SUCCESS) return MOSQ_ERR_TLS;
-    mosquitto_tls_insecure_set(m, options_.insecure);
-    // "Insecure" must also accept a certificate that no CA of ours signed.
-    return mosquitto_tls_opts_set(m, options_.insecure ? 0 : 1, nullptr, nullptr);
+    if (v5_ && options_.max_packet_bytes != 0) limit_packets();
+    return broker_.tls ? configure_tls() : MOSQ_ERR_SUCCESS;
+}
+
+/// libmosquitto takes properties of CONNECT only in its blocking call. With a port that is none, that call
+/// keeps the properties and ends before it connects.
+void Connection::limit_packets() {
+    mosquitto_property* list = nullptr;
+    mosquitto_property_add_int32(&list, MQTT_PROP_MAXIMUM_PACKET_SIZE, options_.max_packet_bytes);
+    mosquitto_connect_bind_v5(mosquitto_.get(), host_.c_str(), -1, kMinKeepalive, nullptr, list);
+    mosquitto_property_free_all(&list);
+}
+
+int Connection::configure_tls() {
+    auto made = Tls::make(options_, broker_.host);
+    if (!made) {
+        tls_detail_ = made.error();
+        return MOSQ_ERR_TLS;
+    }
+    tls_ = std::move(*made);
+    auto* m = mosquitto_.get();
+    mosquitto_int_option(m, MOSQ_OPT_SSL_CTX_WITH_DEFAULTS, 0);
+    return mosquitto_void_option(m, MOSQ_OPT_SSL_CTX, tls_->context());
 }
 
 void Connection::set_callbacks() {
@@ -309,7 +324,8 @@ ConnectionEvents::End Connection::why_closed(int error) const {
     }
     const bool connecting = phase_ == Phase::kConnecting;
     if (error == MOSQ_ERR_TLS || error == MOSQ_ERR_TLS_HANDSHAKE || (connecting && !tls_detail_.empty())) {
-        return {tls_failed(broker_, tls_detail_)};
+        return {tls_failed(broker_, tls_ && !tls_->refusal().empty() ? tls_->refusal() : tls_detail_,
+                           tls_ && tls_->may_pass())};
     }
     if (error == MOSQ_ERR_EAI || error == MOSQ_ERR_LOOKUP) return {unreachable(broker_, "unknown host")};
     if (error == MOSQ_ERR_KEEPALIVE) {

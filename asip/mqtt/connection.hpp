@@ -10,6 +10,7 @@
 
 #include "asip/mqtt/client.hpp"
 #include "asip/mqtt/message.hpp"
+#include "asip/mqtt/tls.hpp"
 
 namespace asip::mqtt {
 
@@ -77,6 +78,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     };
 
     int configure();
+    int configure_tls();
+    void limit_packets();
     void set_callbacks();
     void watch();
     void arm();
@@ -99,10 +102,11 @@ class Connection : public std::enable_shared_from_this<Connection> {
     boost::asio::io_context& io_;
     const Options& options_;
     const BrokerAddress broker_;
-    const std::string host_;  ///< what is connected to: the broker's host, or one of its addresses
+    const std::string host_;  ///< the address that is connected to
     const bool v5_;
     ConnectionEvents& events_;
 
+    std::unique_ptr<Tls> tls_;  ///< outlives mosquitto_, which uses its context
     std::unique_ptr<mosquitto, Destroy> mosquitto_;
     boost::asio::posix::stream_descriptor socket_;
     boost::asio::steady_timer timer_;

@@ -35,7 +35,7 @@ std::string words(int code) {
 }  // namespace
 
 bool ConnectionFailure::fatal() const {
-    return kind == Kind::kTls || kind == Kind::kBadCredentials || kind == Kind::kTakenOver;
+    return !may_pass && (kind == Kind::kTls || kind == Kind::kBadCredentials || kind == Kind::kTakenOver);
 }
 
 std::string_view name_of(ConnectionFailure::Kind kind) {
@@ -92,10 +92,12 @@ ConnectionFailure closed_by(const BrokerAddress& broker, int disconnect_code) {
     }
 }
 
-ConnectionFailure tls_failed(const BrokerAddress& broker, const std::string& detail) {
-    return {Kind::kTls, broker, 0,
-            broker.describe() + ": no TLS connection; check the CA, certificate and key" +
-                (detail.empty() ? "" : " (" + detail + ")")};
+ConnectionFailure tls_failed(const BrokerAddress& broker, const std::string& detail, bool may_pass) {
+    ConnectionFailure failure{Kind::kTls, broker, 0,
+                              broker.describe() + ": no TLS connection; check the CA, certificate and key" +
+                                  (detail.empty() ? "" : " (" + detail + ")")};
+    failure.may_pass = may_pass;
+    return failure;
 }
 
 ConnectionFailure unreachable(const BrokerAddress& broker, const std::string& detail) {

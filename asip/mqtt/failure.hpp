@@ -12,7 +12,8 @@ ConnectionFailure refused_by(const BrokerAddress& broker, int connack_code, cons
 /// A DISCONNECT from the broker, or a connection that ended without one (code 0).
 ConnectionFailure closed_by(const BrokerAddress& broker, int disconnect_code);
 
-ConnectionFailure tls_failed(const BrokerAddress& broker, const std::string& detail);
+/// `may_pass`: for a reason that time may change.
+ConnectionFailure tls_failed(const BrokerAddress& broker, const std::string& detail, bool may_pass = false);
 ConnectionFailure unreachable(const BrokerAddress& broker, const std::string& detail);
 
 /// CONNACK codes that say "not with this version of the protocol".

@@ -39,10 +39,10 @@ struct Options {
     std::string user;
     std::string password;
 
-    std::string ca_file;    ///< PEM; empty: the system's certificates
+    std::string ca_file;    ///< PEM; empty: the system's certificates (see Tls)
     std::string cert_file;  ///< PEM; empty: no client certificate
     std::string key_file;
-    bool insecure = false;  ///< TLS without checking the host name of the broker's certificate
+    bool insecure = false;  ///< TLS that accepts any certificate of the broker
 
     Version version = Version::kBest;
     std::chrono::seconds keepalive{10};  ///< at least 5
@@ -51,6 +51,12 @@ struct Options {
     /// A QoS 1 message that is not acknowledged for this long means that the broker stalls: the connection is
     /// dropped and the next broker tried. Zero: left to the keep-alive.
     Duration ack_timeout = std::chrono::seconds(8);
+    /// A subscription without an answer for this long, likewise. While one has none, the broker is busy with
+    /// it and ack_timeout does not run.
+    Duration subscribe_timeout = std::chrono::seconds(30);
+    /// Larger packets than this are not delivered to us (MQTT 5; on 3.1.1 only the broker's own limit holds).
+    /// It bounds our memory against anyone who may publish. 0: no limit.
+    std::uint32_t max_packet_bytes = 1u << 20;
     Duration retry_first = std::chrono::milliseconds(100);
     Duration retry_most = std::chrono::seconds(2);
 

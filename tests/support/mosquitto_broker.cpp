@@ -41,33 +41,49 @@ std::string make_ca(const TempDir& folder, const std::string& name) {
     return folder.file(name + ".crt");
 }
 
+// "openssl ca", because "openssl x509" of Debian 12 cannot say from when a certificate is valid.
 std::string make_signed(const TempDir& folder, const std::string& name, const std::string& common_name,
-                        const std::string& ca) {
+                        const ServerCertificate& content) {
     make_key(folder.file(name + ".key"));
     must_succeed({"openssl", "req", "-new", "-key", folder.file(name + ".key"), "-subj", "/CN=" + common_name,
                   "-out", folder.file(name + ".csr")});
-    const auto extensions = folder.write(name + ".ext", "subjectAltName=DNS:localhost,IP:127.0.0.1\n");
-    must_succeed({"openssl", "x509", "-req", "-in", folder.file(name + ".csr"), "-CA",
-                  folder.file(ca + ".crt"), "-CAkey", folder.file(ca + ".key"), "-CAcreateserial", "-days",
-                  "2", "-extfile", extensions, "-out", folder.file(name + ".crt")});
+    const auto extensions = folder.write(name + ".ext", "subjectAltName=" + content.names + "\n");
+    const auto settings =
+        folder.write("ca.cnf", "[ca]\ndefault_ca=only\n[only]\ndatabase=" + folder.write("ca.index", "") +
+                                   "\nnew_certs_dir=" + folder.path().string() +
+                                   "\ndefault_md=sha256\npolicy=any\nrand_serial=yes\n"
+                                   "[any]\ncommonName=supplied\n");
+    std::vector<std::string> command{"openssl", "ca",       "-batch",
+                                     "-notext", "-config",  settings,
+                                     "-cert",   folder.file("ca.crt"), "-keyfile",
+                                     folder.file("ca.key"), "-in", folder.file(name + ".csr"),
+                                     "-out",    folder.file(name + ".crt"), "-extfile",
+                                     extensions};
+    if (!content.from.empty()) command.insert(command.end(), {"-startdate", content.from});
+    if (content.until.empty()) {
+        command.insert(command.end(), {"-days", "2"});
+    } else {
+        command.insert(command.end(), {"-enddate", content.until});
+    }
+    must_succeed(std::move(command));
     return folder.file(name + ".crt");
 }
 
 }  // namespace
 
-Certificates make_certificates(const TempDir& folder) {
+Certificates make_certificates(const TempDir& folder, const ServerCertificate& server) {
     Certificates made;
     made.ca = make_ca(folder, "ca");
     made.other_ca = make_ca(folder, "other-ca");
-    made.server_cert = make_signed(folder, "server", "localhost", "ca");
+    made.server_cert = make_signed(folder, "server", "localhost", server);
     made.server_key = folder.file("server.key");
-    made.client_cert = make_signed(folder, "client", "test-client", "ca");
+    made.client_cert = make_signed(folder, "client", "test-client", {});
     made.client_key = folder.file("client.key");
     return made;
 }
 
 MosquittoBroker::MosquittoBroker(Options options) : options_(std::move(options)), port_(free_port()) {
-    if (options_.tls) certificates_ = make_certificates(folder_);
+    if (options_.tls) certificates_ = make_certificates(folder_, options_.certificate);
     write_configuration();
     start();
 }

@@ -14,7 +14,13 @@ namespace asip::test {
 struct Certificates {
     std::string ca, server_cert, server_key, client_cert, client_key, other_ca;
 };
-Certificates make_certificates(const TempDir& folder);
+/// What the server certificate says.
+struct ServerCertificate {
+    std::string names = "DNS:localhost,IP:127.0.0.1";  ///< subjectAltName
+    std::string from{};                                ///< YYYYMMDDHHMMSSZ; empty: now
+    std::string until{};                               ///< empty: in two days
+};
+Certificates make_certificates(const TempDir& folder, const ServerCertificate& server = {});
 
 /// A real Mosquitto on a free port of 127.0.0.1.
 class MosquittoBroker {
@@ -25,6 +31,7 @@ class MosquittoBroker {
             users{};  ///< user, password; none: anonymous is allowed
         bool tls = false;
         bool require_client_certificate = false;
+        ServerCertificate certificate{};
         std::vector<std::string> extra_lines{};  ///< of the configuration file
     };
 

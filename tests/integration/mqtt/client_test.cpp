@@ -329,7 +329,9 @@ TEST(Client, TopicWithWildcardOrZero_IsRefused) {
 TEST(Client, MegabyteAndThousandsInbound_AllArriveInOrder) {
     MosquittoBroker broker;
     BusProbe probe(broker.port(), {});
-    Recorder bus(options_for(broker));
+    auto options = options_for(broker);
+    options.max_packet_bytes = 0;
+    Recorder bus(options);
     bus.client->subscribe("in", {.qos = 1});
     ASSERT_TRUE(bus.connect());
     probe.publish("in", std::string(1 << 20, 'm'));

@@ -1,7 +1,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <filesystem>
+
 #include "tests/integration/mqtt/recorder.hpp"
+#include "tests/integration/mqtt/slow_lookups.hpp"
 #include "tests/support/bus_probe.hpp"
 
 namespace asip::test {
@@ -13,6 +17,148 @@ mqtt::Options tls_options(const MosquittoBroker& broker) {
     auto options = options_for(broker);
     options.ca_file = broker.certificates().ca;
     return options;
+}
+
+mqtt::ConnectionFailure first_failure(mqtt::Options options) {
+    Recorder bus(std::move(options));
+    bus.client->start();
+    if (!bus.until([&] { return !bus.failures.empty() || bus.client->connected(); }))
+        return {Kind::kUnreachable, {}, 0, "neither connected nor failed in time"};
+    return bus.failures.empty() ? mqtt::ConnectionFailure{Kind::kClosed, {}, 0, "connected"} : bus.failures[0];
+}
+
+/// A variable of the environment for a test; OpenSSL reads it when a connection is opened.
+class EnvironmentVariable {
+  public:
+    EnvironmentVariable(const char* name, const std::string& value) : name_(name) {
+        setenv(name, value.c_str(), 1);
+    }
+    ~EnvironmentVariable() { unsetenv(name_); }
+
+  private:
+    const char* name_;
+};
+
+TEST(MqttTls, SystemCertificateFile_IsTrustedWithoutCaOption) {
+    MosquittoBroker broker({.tls = true});
+    const EnvironmentVariable file("SSL_CERT_FILE", broker.certificates().ca);
+    Recorder bus(options_for(broker));
+    EXPECT_TRUE(bus.connect()) << (bus.failures.empty() ? "" : bus.failures[0].text);
+}
+
+TEST(MqttTls, SystemCertificateFolder_IsTrustedAlsoWithAClientCertificate) {
+    MosquittoBroker broker({.tls = true, .require_client_certificate = true});
+    TempDir folder;
+    std::filesystem::copy(broker.certificates().ca, folder.file("ca.pem"));
+    ASSERT_EQ(run({"openssl", "rehash", folder.path().string()}, {}, 10s).status, 0);
+    const EnvironmentVariable none("SSL_CERT_FILE", folder.file("none"));
+    const EnvironmentVariable certificates("SSL_CERT_DIR", folder.path().string());
+    auto options = options_for(broker);
+    options.cert_file = broker.certificates().client_cert;
+    options.key_file = broker.certificates().client_key;
+    Recorder bus(options);
+    EXPECT_TRUE(bus.connect()) << (bus.failures.empty() ? "" : bus.failures[0].text);
+}
+
+TEST(MqttTls, UnknownToTheSystem_IsATlsFailureThatSaysSo) {
+    MosquittoBroker broker({.tls = true});
+    const auto failure = first_failure(options_for(broker));
+    EXPECT_EQ(failure.kind, Kind::kTls) << failure.text;
+    EXPECT_TRUE(failure.fatal());
+    EXPECT_TRUE(failure.hopeless);
+    EXPECT_THAT(failure.text, testing::HasSubstr("self-signed certificate"));
+}
+
+TEST(MqttTls, CertificateForAnotherName_IsRefusedByNameAndByAddress) {
+    MosquittoBroker broker({.tls = true, .certificate = {.names = "DNS:broker.example"}});
+    for (const char* host : {"127.0.0.1", "localhost"}) {
+        auto options = tls_options(broker);
+        options.brokers[0].host = host;
+        const auto failure = first_failure(options);
+        EXPECT_EQ(failure.kind, Kind::kTls) << failure.text;
+        EXPECT_THAT(failure.text, testing::HasSubstr("the certificate is not for " + std::string(host)));
+    }
+}
+
+TEST(MqttTls, CertificateExpired_IsFatalAndSaysSo) {
+    MosquittoBroker broker(
+        {.tls = true, .certificate = {.from = "20200101000000Z", .until = "20210101000000Z"}});
+    const auto failure = first_failure(tls_options(broker));
+    EXPECT_TRUE(failure.fatal()) << failure.text;
+    EXPECT_THAT(failure.text, testing::HasSubstr("certificate has expired"));
+}
+
+TEST(MqttTls, CertificateNotYetValid_MayPassAndAsksForTheClock) {
+    MosquittoBroker broker(
+        {.tls = true, .certificate = {.from = "20450101000000Z", .until = "20460101000000Z"}});
+    const auto failure = first_failure(tls_options(broker));
+    EXPECT_EQ(failure.kind, Kind::kTls) << failure.text;
+    EXPECT_FALSE(failure.fatal());
+    EXPECT_FALSE(failure.hopeless);
+    EXPECT_THAT(failure.text, testing::HasSubstr("not yet valid; is the clock right?"));
+}
+
+TEST(MqttTls, AnyCertificateButInsecure_Connects) {
+    MosquittoBroker broker({.tls = true,
+                            .certificate = {.names = "DNS:broker.example",
+                                            .from = "20200101000000Z",
+                                            .until = "20210101000000Z"}});
+    auto options = options_for(broker);
+    options.insecure = true;
+    Recorder bus(options);
+    EXPECT_TRUE(bus.connect());
+}
+
+TEST(MqttTls, CaFileIsNoCertificate_FailsNamingTheFile) {
+    MosquittoBroker broker({.tls = true});
+    TempDir folder;
+    auto options = tls_options(broker);
+    options.ca_file = folder.write("ca.pem", "not a certificate");
+    const auto failure = first_failure(options);
+    EXPECT_EQ(failure.kind, Kind::kTls);
+    EXPECT_THAT(failure.text, testing::HasSubstr(options.ca_file));
+}
+
+TEST(MqttTls, BadBrokerFirstInTheList_UsesTheNextAndIsNotHopeless) {
+    MosquittoBroker bad({.tls = true, .certificate = {.names = "DNS:broker.example"}});
+    MosquittoBroker good({.tls = true});
+    auto options = tls_options(good);
+    options.brokers.insert(options.brokers.begin(), *mqtt::parse_broker(bad.url()));
+    Recorder bus(options);
+    ASSERT_TRUE(bus.connect());
+    ASSERT_EQ(bus.failures.size(), 1u);
+    EXPECT_TRUE(bus.failures[0].fatal());
+    EXPECT_FALSE(bus.failures[0].hopeless);
+}
+
+TEST(MqttTls, SlowNameServer_DoesNotStopTheLoopAndTheNameIsVerified) {
+    MosquittoBroker broker({.tls = true});
+    const SlowLookups slow(1500ms);
+    auto options = tls_options(broker);
+    options.brokers[0].host = "localhost";
+    Recorder bus(options);
+    Clock::duration longest{};
+    auto last = Clock::now();
+    bus.client->start();
+    ASSERT_TRUE(bus.until([&] {
+        longest = std::max(longest, Clock::now() - last);
+        last = Clock::now();
+        return bus.client->connected();
+    }));
+    EXPECT_LT(longest, 1000ms);
+    EXPECT_TRUE(bus.failures.empty());
+}
+
+TEST(MqttTls, NameServerThatDoesNotAnswer_IsUnreachableWithinTheTimeOfAnAttempt) {
+    const SlowLookups slow(1500ms);
+    mqtt::Options options;
+    options.brokers = {{"localhost", 1, true}, {"127.0.0.1", free_port(), false}};
+    options.connect_timeout = 300ms;
+    Recorder bus(options);
+    bus.client->start();
+    ASSERT_TRUE(bus.until([&] { return bus.failures.size() >= 2; }, 1200ms));
+    EXPECT_EQ(bus.failures[0].kind, Kind::kUnreachable);
+    EXPECT_THAT(bus.failures[0].text, testing::HasSubstr("name server"));
 }
 
 TEST(MqttTls, BrokerSignedByOurCa_ConnectsByAddressAndByName) {

@@ -17,9 +17,9 @@ using Kind = mqtt::ConnectionFailure::Kind;
 constexpr std::size_t kVersionOffset = 8;  // CONNECT: type, length, 0 4 M Q T T, version
 
 /// Answers each CONNECT by its version, with the bytes it was told; no bytes: closes.
-class ScriptedBroker {
+class VersionBroker {
   public:
-    ScriptedBroker(asio::io_context& io, std::string to_v5, std::string to_v311)
+    VersionBroker(asio::io_context& io, std::string to_v5, std::string to_v311)
         : acceptor_(io, tcp::endpoint(asio::ip::address_v4::loopback(), 0)),
           to_v5_(std::move(to_v5)),
           to_v311_(std::move(to_v311)) {
@@ -80,7 +80,7 @@ class MqttVersion : public testing::Test {
         options.brokers.clear();
         options.brokers.push_back({"127.0.0.1", 1, false});
         asio::io_context io;
-        ScriptedBroker broker(io, to_v5, to_v311);
+        VersionBroker broker(io, to_v5, to_v311);
         options.brokers[0].port = broker.port();
         mqtt::Client::Handlers handlers;
         handlers.on_disconnected = [&](const mqtt::ConnectionFailure& f) { losses.push_back(f); };

@@ -1,0 +1,74 @@
+#pragma once
+#include <map>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "asip/mqtt/backoff.hpp"
+#include "asip/random.hpp"
+#include "asip/time.hpp"
+
+namespace asip::mqtt {
+
+struct SubscribeOptions {
+    int qos = 0;
+    bool no_local = false;  ///< MQTT 5: not what this client itself publishes
+    /// MQTT 5: whether retained messages are delivered when we subscribe. On 3.1.1 they always are, marked as
+    /// retained.
+    bool retained = true;
+    /// The connection is of no use without it: a broker that refuses it kMaxRefusals times in a row is left
+    /// for the next one of the list.
+    bool required = false;
+};
+
+/// Which subscriptions are wanted and how far the broker has granted them. A refused one is due again after a
+/// growing pause (1 s to 30 s). Pure: the caller sends what is due and reports what the broker answered.
+class Subscriptions {
+  public:
+    static constexpr int kMaxRefusals = 3;
+
+    using Sending = std::pair<std::string, SubscribeOptions>;
+    struct Refusal {
+        std::string filter;
+        bool first = false;      ///< the first of this connection
+        bool give_up = false;    ///< required, and refused kMaxRefusals times in a row
+    };
+
+    void add(const std::string& filter, SubscribeOptions options);
+    void remove(const std::string& filter) { wanted_.erase(filter); }
+
+    /// A new connection: nothing is granted, everything is due.
+    void restart();
+
+    /// What is to be sent now; each is to be followed by sent() unless it could not be sent.
+    std::vector<Sending> due(Time now) const;
+    void sent(int id, const std::string& filter, Time now);
+
+    /// The broker's answer to the packet `id`.
+    std::optional<Refusal> answered(int id, bool granted, Time now, const Random& random);
+
+    bool all_granted() const;
+    /// When the oldest packet without an answer was sent.
+    std::optional<Time> waiting_since() const;
+
+  private:
+    enum class State { kDue, kSent, kGranted, kRefused };
+    struct Wanted {
+        SubscribeOptions options;
+        State state = State::kDue;
+        int refusals = 0;
+        Time again{};
+        Backoff backoff{std::chrono::seconds(1), std::chrono::seconds(30)};
+    };
+    struct Sent {
+        std::string filter;
+        Time at;
+    };
+
+    std::map<std::string, Wanted> wanted_;
+    std::unordered_map<int, Sent> unanswered_;
+};
+
+}  // namespace asip::mqtt

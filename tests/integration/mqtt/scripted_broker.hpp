@@ -1,0 +1,112 @@
+#pragma once
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/write.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace asip::test {
+
+/// Speaks just enough of MQTT 5 to accept a connection and to answer SUBSCRIBE, QoS 1 PUBLISH and PINGREQ as
+/// it is told: what Mosquitto never does with its own rules. One io_context of its own, run by run().
+class ScriptedBroker {
+  public:
+    ScriptedBroker() : acceptor_(io_, {boost::asio::ip::address_v4::loopback(), 0}) { accept(); }
+
+    std::uint16_t port() const { return acceptor_.local_endpoint().port(); }
+    void run() { io_.restart(), io_.poll(); }
+
+    void refuse_subscriptions(int count) { refusals_ = count; }
+    void answer_nothing_after_connect() { silent_ = true; }
+    /// What was held back first, in order.
+    void answer_all() {
+        silent_ = false;
+        for (const auto& [peer, bytes] : held_)
+            send(*peer, bytes);
+        held_.clear();
+    }
+
+    int subscriptions = 0;
+    std::string connect_packet{};
+
+  private:
+    using Socket = boost::asio::ip::tcp::socket;
+    struct Peer {
+        explicit Peer(Socket s) : socket(std::move(s)) {}
+        Socket socket;
+        std::string buffer = std::string(65536, '\0');
+        std::string received;
+    };
+
+    void accept() {
+        acceptor_.async_accept([this](const boost::system::error_code& error, Socket socket) {
+            if (error) return;
+            read(std::make_shared<Peer>(std::move(socket)));
+            accept();
+        });
+    }
+
+    void read(const std::shared_ptr<Peer>& peer) {
+        peer->socket.async_read_some(boost::asio::buffer(peer->buffer),
+                                     [this, peer](const boost::system::error_code& error, std::size_t n) {
+                                         if (error) return;
+                                         peer->received.append(peer->buffer, 0, n);
+                                         while (take_packet(peer)) {
+                                         }
+                                         read(peer);
+                                     });
+    }
+
+    /// Only packets below 128 bytes of content, one length byte, are sent by these tests (CONNECT: two).
+    bool take_packet(const std::shared_ptr<Peer>& peer) {
+        auto& in = peer->received;
+        if (in.size() < 2) return false;
+        const std::size_t size = static_cast<unsigned char>(in[1]) + std::size_t{2};
+        if (in.size() < size) return false;
+        const std::string packet = in.substr(0, size);
+        in.erase(0, size);
+        answer(peer, packet);
+        return true;
+    }
+
+    void answer(const std::shared_ptr<Peer>& peer, const std::string& packet) {
+        const auto type = static_cast<unsigned char>(packet[0]) & 0xf0;
+        if (type == 0x10) {
+            connect_packet = packet;
+            send(*peer, std::string("\x20\x03\x00\x00\x00", 5));
+        } else if (type == 0x80) {
+            ++subscriptions;
+            const bool refused = refusals_ > 0;
+            if (refused) --refusals_;
+            reply(peer, std::string("\x90\x04", 2) + packet.substr(2, 2) + std::string(1, '\0') +
+                            (refused ? '\x87' : '\x01'));
+        } else if (type == 0x30 && (packet[0] & 0x06) != 0) {
+            const std::size_t topic = static_cast<unsigned char>(packet[3]);
+            reply(peer, std::string("\x40\x02", 2) + packet.substr(4 + topic, 2));
+        } else if (type == 0xc0) {
+            send(*peer, std::string("\xd0\x00", 2));
+        }
+    }
+
+    void reply(const std::shared_ptr<Peer>& peer, const std::string& bytes) {
+        if (silent_) {
+            held_.emplace_back(peer, bytes);
+        } else {
+            send(*peer, bytes);
+        }
+    }
+    static void send(Peer& peer, const std::string& bytes) {
+        boost::system::error_code ignored;
+        boost::asio::write(peer.socket, boost::asio::buffer(bytes), ignored);
+    }
+
+    boost::asio::io_context io_;
+    boost::asio::ip::tcp::acceptor acceptor_;
+    int refusals_ = 0;
+    bool silent_ = false;
+    std::vector<std::pair<std::shared_ptr<Peer>, std::string>> held_;
+};
+
+}  // namespace asip::test

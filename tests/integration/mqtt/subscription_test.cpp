@@ -1,0 +1,124 @@
+// A scripted broker that refuses subscriptions, or takes its time over them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/integration/mqtt/recorder.hpp"
+#include "tests/integration/mqtt/scripted_broker.hpp"
+
+namespace asip::test {
+namespace {
+
+using Kind = mqtt::ConnectionFailure::Kind;
+using testing::ElementsAre;
+
+class SubscriptionTest : public testing::Test {
+  protected:
+    mqtt::Options options() {
+        mqtt::Options made;
+        made.brokers = {{"127.0.0.1", broker.port(), false}};
+        made.version = mqtt::Version::kV5;
+        return made;
+    }
+    template <class Condition>
+    bool until(Recorder& bus, Condition condition, std::chrono::milliseconds limit = kDeadline) {
+        return wait_until(
+            [&] {
+                run_for(bus.io, 5ms);
+                broker.run();
+                return condition();
+            },
+            limit);
+    }
+
+    ScriptedBroker broker;
+};
+
+TEST_F(SubscriptionTest, RefusedTwiceThenGranted_IsTriedAgainAndReported) {
+    broker.refuse_subscriptions(2);
+    Recorder bus(options());
+    bus.client->subscribe("asip/uno1/+/in", {.qos = 1});
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] { return !bus.refused_filters.empty(); }));
+    EXPECT_TRUE(bus.client->connected());
+    EXPECT_FALSE(bus.client->subscribed());
+    ASSERT_TRUE(until(bus, [&] { return bus.client->subscribed(); }));
+    EXPECT_EQ(broker.subscriptions, 3);
+    EXPECT_THAT(bus.refused_filters, ElementsAre("asip/uno1/+/in")) << "once for each connection";
+    EXPECT_EQ(bus.subscribed_calls, 1);
+    EXPECT_TRUE(bus.losses.empty());
+}
+
+TEST_F(SubscriptionTest, RequiredAndRefusedThreeTimes_TriesTheNextBroker) {
+    MosquittoBroker next;
+    broker.refuse_subscriptions(1000);
+    auto both = options();
+    both.brokers.push_back(*mqtt::parse_broker(next.url()));
+    Recorder bus(both);
+    bus.client->subscribe("in", {.qos = 1, .required = true});
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] { return bus.client->subscribed(); }));
+    EXPECT_EQ(broker.subscriptions, 3);
+    ASSERT_EQ(bus.losses.size(), 1u);
+    EXPECT_EQ(bus.losses[0].kind, Kind::kRefused);
+    EXPECT_THAT(bus.losses[0].text, testing::HasSubstr("refuses the subscription to in"));
+    EXPECT_EQ(bus.connects.back().broker.port, next.port());
+}
+
+TEST_F(SubscriptionTest, AnswerToASubscriptionTakesLongerThanAckTimeout_KeepsTheConnection) {
+    broker.answer_nothing_after_connect();
+    auto patient = options();
+    patient.ack_timeout = 1s;
+    patient.subscribe_timeout = 20s;
+    Recorder bus(patient);
+    bus.client->subscribe("in", {.qos = 1});
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] { return bus.client->connected() && broker.subscriptions == 1; }));
+    bus.client->publish(make_message("state", "online", 1));
+    until(
+        bus, [&] { return !bus.losses.empty(); }, 3500ms);
+    EXPECT_TRUE(bus.losses.empty()) << bus.losses[0].text;
+    broker.answer_all();
+    ASSERT_TRUE(until(bus, [&] { return bus.client->subscribed() && !bus.published.empty(); }));
+}
+
+TEST_F(SubscriptionTest, SubscriptionNeverAnswered_IsStalledAfterItsOwnTime) {
+    broker.answer_nothing_after_connect();
+    auto patient = options();
+    patient.ack_timeout = 1s;
+    patient.subscribe_timeout = 2s;
+    Recorder bus(patient);
+    bus.client->subscribe("in", {.qos = 1});
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] { return !bus.losses.empty(); }));
+    EXPECT_EQ(bus.losses[0].kind, Kind::kStalled);
+    EXPECT_THAT(bus.losses[0].text, testing::HasSubstr("does not answer a subscription"));
+}
+
+TEST_F(SubscriptionTest, Connect_SaysHowLargeAPacketMayBe) {
+    auto bounded = options();
+    bounded.max_packet_bytes = 0x00012345;
+    Recorder bus(bounded);
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] { return bus.client->connected(); }));
+    EXPECT_THAT(broker.connect_packet, testing::HasSubstr(std::string("\x27\x00\x01\x23\x45", 5)));
+}
+
+TEST(PacketLimit, LargerMessage_IsNotDeliveredAndTheNextOneIs) {
+    MosquittoBroker broker;
+    auto options = options_for(broker);
+    options.max_packet_bytes = 4096;
+    Recorder bus(options);
+    bus.client->subscribe("in", {.qos = 1});
+    ASSERT_TRUE(bus.connect());
+    Recorder sender(options_for(broker));
+    ASSERT_TRUE(sender.connect());
+    sender.client->publish(make_message("in", std::string(1 << 20, 'x'), 1));
+    sender.client->publish(make_message("in", "small", 1));
+    ASSERT_TRUE(sender.until([&] { return sender.published.size() == 2; }));
+    ASSERT_TRUE(bus.received("in", "small"));
+    EXPECT_EQ(bus.messages.size(), 1u);
+    EXPECT_TRUE(bus.losses.empty());
+}
+
+}  // namespace
+}  // namespace asip::test

@@ -1,0 +1,109 @@
+#include "asip/mqtt/subscriptions.hpp"
+
+#include <gmock/gmock.h>
+
+namespace asip::mqtt {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::IsEmpty;
+
+std::vector<std::string> filters(const std::vector<Subscriptions::Sending>& sendings) {
+    std::vector<std::string> result;
+    for (const auto& [filter, options] : sendings)
+        result.push_back(filter);
+    return result;
+}
+
+class SubscriptionsTest : public testing::Test {
+  protected:
+    void send_due() {
+        for (const auto& [filter, options] : subscriptions.due(now))
+            subscriptions.sent(++last_id, filter, now);
+    }
+    std::optional<Subscriptions::Refusal> answer(bool granted) {
+        return subscriptions.answered(last_id, granted, now, random);
+    }
+
+    Subscriptions subscriptions;
+    Time now = Time{} + 1h;
+    int last_id = 0;
+    Random random = [] { return ~std::uint64_t{0}; };
+};
+
+TEST_F(SubscriptionsTest, Granted_IsCompleteAndNotDueAgain) {
+    subscriptions.add("a", {});
+    EXPECT_FALSE(subscriptions.all_granted());
+    send_due();
+    EXPECT_THAT(subscriptions.due(now), IsEmpty());
+    EXPECT_EQ(answer(true), std::nullopt);
+    EXPECT_TRUE(subscriptions.all_granted());
+    now += 1h;
+    EXPECT_THAT(subscriptions.due(now), IsEmpty());
+}
+
+TEST_F(SubscriptionsTest, Refused_IsDueAgainAfterAGrowingPause) {
+    subscriptions.add("a", {});
+    Duration last{};
+    for (int i = 0; i < 8; ++i) {
+        send_due();
+        const auto refusal = answer(false);
+        ASSERT_TRUE(refusal);
+        EXPECT_EQ(refusal->first, i == 0);
+        EXPECT_FALSE(refusal->give_up) << "it is not required";
+        EXPECT_FALSE(subscriptions.all_granted());
+        EXPECT_THAT(subscriptions.due(now), IsEmpty());
+        const auto begin = now;
+        while (subscriptions.due(now).empty() && now - begin < 1min)
+            now += 100ms;
+        EXPECT_GE(now - begin, last);
+        EXPECT_LE(now - begin, 30s);
+        last = now - begin;
+    }
+    EXPECT_GE(last, 15s);
+    send_due();
+    answer(true);
+    EXPECT_TRUE(subscriptions.all_granted());
+}
+
+TEST_F(SubscriptionsTest, RequiredAndRefusedThreeTimes_GivesTheBrokerUp) {
+    subscriptions.add("a", {.required = true});
+    for (int i = 1; i <= 3; ++i) {
+        send_due();
+        EXPECT_EQ(answer(false)->give_up, i == 3);
+        now += 1min;
+    }
+}
+
+TEST_F(SubscriptionsTest, NewConnection_MakesEverythingDueAndForgetsOldAnswers) {
+    subscriptions.add("a", {});
+    subscriptions.add("b", {});
+    send_due();
+    const int old = last_id;
+    subscriptions.restart();
+    EXPECT_EQ(subscriptions.answered(old, true, now, random), std::nullopt);
+    EXPECT_FALSE(subscriptions.all_granted());
+    EXPECT_THAT(filters(subscriptions.due(now)), testing::ElementsAre("a", "b"));
+    EXPECT_EQ(subscriptions.waiting_since(), std::nullopt);
+}
+
+TEST_F(SubscriptionsTest, Removed_IsNeitherMissedNorRefused) {
+    subscriptions.add("a", {});
+    send_due();
+    subscriptions.remove("a");
+    EXPECT_TRUE(subscriptions.all_granted());
+    EXPECT_EQ(answer(false), std::nullopt);
+}
+
+TEST_F(SubscriptionsTest, WithoutAnAnswer_SaysSinceWhen) {
+    subscriptions.add("a", {});
+    const auto first = now;
+    send_due();
+    now += 5s;
+    subscriptions.add("b", {});
+    send_due();
+    EXPECT_EQ(subscriptions.waiting_since(), first);
+}
+
+}  // namespace
+}  // namespace asip::mqtt
