@@ -1,6 +1,7 @@
 #include "asip/session/in_flight.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "asip/protocol/error_code.hpp"
@@ -11,6 +12,7 @@ namespace asip::session {
 namespace {
 
 constexpr std::size_t kMaxLostTokens = 64;
+constexpr std::size_t kMaxOwed = 16;
 
 bool answers_question(const protocol::Event& event, const Request& request) {
     if (event.service != request.service() || event.tag != request.tag()) return false;
@@ -71,7 +73,11 @@ void InFlight::add(Request request, std::size_t bytes, bool reports, Time close_
     earliest_ = std::min(earliest_, request.deadline);
     Item item;
     item.asked = request.is_question();
-    item.reports = reports;
+    item.number = next_number_++;
+    item.needed += (reports ? 1 : 0) +
+                   static_cast<unsigned>(std::count_if(owed_.begin(), owed_.end(), [&](const Owed& owed) {
+                       return owed.service == request.service() && owed.tag == request.answer_tag;
+                   }));
     item.request = std::move(request);
     batch.items.push_back(std::move(item));
 }
@@ -104,7 +110,7 @@ InFlight::Meaning InFlight::on_event(const protocol::Event& event, const protoco
         item->asked = false;
         if (item->request.answer_tag == event.tag) {
             item->answer = line;
-            item->answers = 2;
+            item->answers = item->needed;
         }
         if (item->request.id != 0) meaning.owner = item->request.client;
         return meaning;
@@ -132,6 +138,8 @@ void InFlight::fences_back(std::size_t number, bool ambiguous, Time now, std::ve
         Batch lost = std::move(batches_.front());
         batches_.pop_front();
         finish(std::move(lost), true, now, ended);
+        for (Awaiting& awaiting : awaiting_)
+            awaiting.item.doubted = true;
     }
     Batch batch = std::move(batches_.front());
     batches_.pop_front();
@@ -157,6 +165,7 @@ void InFlight::finish(Batch batch, bool missing, Time now, std::vector<RequestEn
 
 void InFlight::end(Item& item, Ending ending, std::vector<RequestEnd>& ended) {
     item.ended = true;
+    note_owed(item, ending);
     RequestEnd end{std::move(item.request), ending};
     // What is left of it is still compared with what the board answers.
     item.request.line = end.request.line;
@@ -168,45 +177,69 @@ void InFlight::end(Item& item, Ending ending, std::vector<RequestEnd>& ended) {
     ended.push_back(std::move(end));
 }
 
+// An event that comes late must not be taken for the answer to a younger request.
+void InFlight::note_owed(const Item& item, Ending ending) {
+    if (!item.wants_value() || item.has_value() || item.request.is_question()) return;
+    if (ending == Ending::kExecuted || ending == Ending::kBoardError || owed_.size() >= kMaxOwed) return;
+    owed_.push_back({item.number, item.request.service(), item.request.answer_tag});
+}
+
+// An event answers the oldest request for it, or one that ended before it came.
+void InFlight::settle_owed(const protocol::Event& event, std::uint64_t oldest_taker) {
+    const auto owed = std::find_if(owed_.begin(), owed_.end(), [&](const Owed& one) {
+        return one.service == event.service && one.tag == event.tag && one.number < oldest_taker;
+    });
+    if (owed != owed_.end()) owed_.erase(owed);
+}
+
 bool InFlight::note_value(const protocol::Event& event, const protocol::ParsedLine& line,
                           std::vector<RequestEnd>& ended) {
     const auto answers = [&](const Item& item) {
         return item.request.answer_tag == event.tag && item.request.service() == event.service;
     };
+    std::uint64_t oldest_taker = std::numeric_limits<std::uint64_t>::max();
     const auto count = [&](Item& item) {
         ++item.answers;
         item.answer = line;
+        oldest_taker = std::min(oldest_taker, item.number);
     };
-    bool taken = false;
     for (Awaiting& awaiting : awaiting_) {
         if (!answers(awaiting.item)) continue;
-        taken = true;
         count(awaiting.item);
-        if (awaiting.item.has_value()) end(awaiting.item, Ending::kExecuted, ended);
+        awaiting.item.answered_late = true;
+        if (awaiting.item.has_value())
+            end(awaiting.item, awaiting.item.doubted ? Ending::kDoubt : Ending::kExecuted, ended);
     }
     std::erase_if(awaiting_, [](const Awaiting& awaiting) { return awaiting.item.ended; });
-    if (taken) return true;
-    for (Batch& batch : batches_) {
-        for (Item& item : batch.items) {
-            if (item.ended || !answers(item) || item.has_value()) continue;
-            count(item);
-            return true;
-        }
-    }
-    return false;
+    const auto none = std::numeric_limits<std::uint64_t>::max();
+    for (Batch& batch : batches_)
+        for (Item& item : batch.items)
+            if (oldest_taker == none && !item.ended && answers(item) && !item.has_value()) count(item);
+    settle_owed(event, oldest_taker);
+    return oldest_taker != none;
 }
 
 InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error) {
     Meaning meaning;
     meaning.unexplained = true;
     if (batches_.empty()) return meaning;
-    for (Item& item : batches_.front().items) {
-        if (item.error || !names(error, item.request)) continue;
-        item.error.emplace(error.code, std::string(error.text));
-        meaning.unexplained = false;
-        if (item.request.id != 0) meaning.owner = item.request.client;
-        break;
+    std::vector<Item*> named;
+    for (Item& item : batches_.front().items)
+        if (!item.error && names(error, item.request)) named.push_back(&item);
+    if (named.empty()) return meaning;
+    meaning.unexplained = false;
+    const Request& first = named.front()->request;
+    const bool one_client = std::all_of(named.begin(), named.end(), [&](const Item* item) {
+        return item->request.id != 0 && item->request.client == first.client;
+    });
+    if (one_client) meaning.owner = first.client;
+    if (named.size() == 1) {
+        named.front()->error.emplace(error.code, std::string(error.text));
+        return meaning;
     }
+    // Requests without proof that look alike: one of them failed.
+    for (Item* const item : named)
+        item->doubted = true;
     return meaning;
 }
 
@@ -214,12 +247,18 @@ void InFlight::doubt() {
     for (Batch& batch : batches_)
         for (Item& item : batch.items)
             item.doubted = true;
+    for (Awaiting& awaiting : awaiting_)
+        awaiting.item.doubted = true;
 }
 
 void InFlight::expire(Time now, std::vector<RequestEnd>& ended) {
     for (Awaiting& awaiting : awaiting_)
         if (now >= awaiting.until)
-            end(awaiting.item, awaiting.item.answers > 0 ? Ending::kExecuted : Ending::kNoValue, ended);
+            end(awaiting.item,
+                !awaiting.item.answered_late ? Ending::kNoValue
+                : awaiting.item.doubted      ? Ending::kDoubt
+                                             : Ending::kExecuted,
+                ended);
     std::erase_if(awaiting_, [](const Awaiting& awaiting) { return awaiting.item.ended; });
     if (now < earliest_) return;
     earliest_ = Time::max();

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <deque>
 #include <optional>
 #include <string>
@@ -74,12 +75,20 @@ class InFlight {
         bool ended = false;
         bool asked = false;  // a question whose answer has not come
         bool doubted = false;
-        bool reports = false;  // reports of the same tag come by themselves: one of two events is the answer
-        unsigned answers = 0;
+        std::uint64_t number = 0;    // in the order of sending
+        unsigned needed = 1;         // so many events of that tag; the last of them is the answer
+        unsigned answers = 0;        // of them, came
+        bool answered_late = false;  // the last one came behind the fence: the board sent it after executing
         protocol::ParsedLine answer;
         std::optional<std::pair<int, std::string>> error;
         bool wants_value() const { return request.answer_tag != 0; }
-        bool has_value() const { return answers >= (reports ? 2u : 1u); }
+        bool has_value() const { return answers >= needed; }
+    };
+    /// A request that ended without its value, which may still come.
+    struct Owed {
+        std::uint64_t number;
+        char service;
+        char tag;
     };
     struct Batch {
         std::vector<Item> items;
@@ -100,12 +109,16 @@ class InFlight {
     void end(Item& item, Ending ending, std::vector<RequestEnd>& ended);
     bool note_value(const protocol::Event& event, const protocol::ParsedLine& line,
                     std::vector<RequestEnd>& ended);
+    void note_owed(const Item& item, Ending ending);
+    void settle_owed(const protocol::Event& event, std::uint64_t oldest_taker);
     bool is_late(const protocol::Event& event) const;
     void remember_lost(const Fence& fence);
 
     std::deque<Batch> batches_;
     std::vector<Awaiting> awaiting_;
     std::deque<std::string> lost_tokens_;  // whose answers may still come
+    std::vector<Owed> owed_;
+    std::uint64_t next_number_ = 1;
     std::size_t bytes_ = 0;
     Time earliest_ = Time::max();  // not after the first deadline of an item
 };

@@ -103,7 +103,7 @@ void Machine::become_ready(Time now, Actions& out) {
     was_silent_ = false;
     ready_baud_ = wire_.baud();
     state_ = Ready{now, 0};
-    reporting_.clear();
+    reports_.clear();
     queue_.restart();
     queue_.set_byte_time(wire_.byte_time());
     queue_.set_checksum_bytes(wire_.writes_checksums() ? Wire::kChecksumBytes : 0);
@@ -185,6 +185,14 @@ void Machine::abandon_in_flight(Ending ending, Actions& out) {
     report(ended, out);
 }
 
+void Machine::note_period(const RequestEnd& end) {
+    const char service = end.request.service();
+    if (end.ending == Ending::kNotSent || end.ending == Ending::kBoardError) return;
+    std::erase_if(new_periods_, [&](const NewPeriod& period) { return period.service == service; });
+    const bool in_doubt = end.ending == Ending::kDoubt || end.ending == Ending::kTimeout;
+    new_periods_.push_back({service, in_doubt, last_byte_});
+}
+
 void Machine::report(std::vector<RequestEnd>& ended, Actions& out) {
     for (RequestEnd& end : ended) {
         if (end.ending == Ending::kExecuted || end.ending == Ending::kUnproven ||
@@ -196,6 +204,7 @@ void Machine::report(std::vector<RequestEnd>& ended, Actions& out) {
                     static_cast<protocol::PinMode>(mode->mode);
         }
         if (end.ending == Ending::kBoardError) settings_.refused(end.request.line);
+        if (end.request.tag() == 'A') note_period(end);
         if (end.request.id == 0) continue;
         out.emplace_back(Finished{end.request.id, end.ending, end.not_sent, end.code, std::move(end.text),
                                   std::move(end.answer)});

@@ -107,7 +107,7 @@ class Machine {
     Time deadline(const Ready& state) const;
     void pump(Time now, Actions& out);
     void switch_checksums();
-    bool reports_by_itself(const Request& request) const;
+    bool reports_by_itself(const Request& request, Time now) const;
     void note_report(const protocol::Event& event, Time now);
 
     void on_event(Down&, const protocol::Event&, std::string_view, Time, Actions&) {}
@@ -124,6 +124,7 @@ class Machine {
     void damaged();
 
     void write(const std::vector<std::string>& lines, Time now, Actions& out);
+    void note_period(const RequestEnd& end);
     void report(std::vector<RequestEnd>& ended, Actions& out);
     void abandon_in_flight(Ending ending, Actions& out);
     bool has_checksums() const;
@@ -152,7 +153,18 @@ class Machine {
     std::string banner_services_;
     unsigned suspect_baud_ = 0;  // rate at which there was too much garbage
     unsigned ready_baud_ = 0;    // rate at which the board was last ready
-    std::string reporting_;      // service and tag, in turn, of what the board sends by itself
+    struct Report {
+        char service;
+        char tag;
+        Time last;
+    };
+    std::vector<Report> reports_;  // what the board sends by itself
+    struct NewPeriod {
+        char service;
+        bool in_doubt;  // nobody knows whether it is in force
+        Time at;
+    };
+    std::vector<NewPeriod> new_periods_;  // the last one of each service
     Time last_report_{};
     Time link_up_at_{};
     Time last_byte_{};

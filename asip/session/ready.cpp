@@ -73,10 +73,11 @@ Time Machine::deadline(const Ready&) const {
 
 void Machine::pump(Time now, Actions& out) {
     switch_checksums();
-    queue_.set_reporting(!reporting_.empty() && now < last_report_ + kReportsLast);
+    queue_.set_reporting(!reports_.empty() && now < last_report_ + kReportsLast);
     if (queue_.will_resynchronise() && has_checksums() && (wire_.writes_checksums() || wants_checksums()))
         write(wire_.switching_lines(wants_checksums()), now, out);
-    write(queue_.pump(now, [&](const Request& request) { return reports_by_itself(request); }), now, out);
+    write(queue_.pump(now, [&](const Request& request) { return reports_by_itself(request, now); }), now,
+          out);
     queue_.set_checksum_bytes(wire_.writes_checksums() ? Wire::kChecksumBytes : 0);
 }
 
@@ -90,22 +91,31 @@ void Machine::switch_checksums() {
     queue_.waiting().push_own(std::move(request));
 }
 
-bool Machine::reports_by_itself(const Request& request) const {
+bool Machine::reports_by_itself(const Request& request, Time now) const {
     if (request.answer_tag == 0 || request.is_question()) return false;
-    if (const auto period = settings_.period(request.service())) return *period > 0;
-    for (std::size_t i = 0; i + 1 < reporting_.size(); i += 2)
-        if (reporting_[i] == request.service() && reporting_[i + 1] == request.answer_tag) return true;
-    return false;
+    const auto known = std::find_if(reports_.begin(), reports_.end(), [&](const Report& report) {
+        return report.service == request.service() && report.tag == request.answer_tag;
+    });
+    const bool lately = known != reports_.end() && now < known->last + kReportsLast;
+    for (const NewPeriod& period : new_periods_)
+        if (period.service == request.service() && (period.in_doubt || now < period.at + kReportsLast))
+            return true;
+    if (const auto period = settings_.period(request.service())) return *period > 0 || lately;
+    return known != reports_.end();
 }
 
 // Of what nobody asked for.
 void Machine::note_report(const protocol::Event& event, Time now) {
     if (event.service == '#') return;
     last_report_ = now;
-    for (std::size_t i = 0; i + 1 < reporting_.size(); i += 2)
-        if (reporting_[i] == event.service && reporting_[i + 1] == event.tag) return;
-    reporting_ += event.service;
-    reporting_ += event.tag;
+    const auto known = std::find_if(reports_.begin(), reports_.end(), [&](const Report& report) {
+        return report.service == event.service && report.tag == event.tag;
+    });
+    if (known == reports_.end()) {
+        reports_.push_back({event.service, event.tag, now});
+    } else {
+        known->last = now;
+    }
 }
 
 }  // namespace asip::session

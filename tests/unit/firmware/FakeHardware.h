@@ -36,6 +36,10 @@ struct Fake {
     unsigned waits = 0;      // bytes written beyond the room
     bool idle = true;        // all that was sent is on the wire
     std::uint32_t baud = 0;
+
+    // Called for each pin that the board sets, whatever it was before.
+    enum class Set : std::uint8_t { kMode, kLevel, kDuty };
+    void (*on_set)(std::uint8_t pin, Set what, int value) = nullptr;
 };
 
 // As after power-up: EEPROM erased, pins low.

@@ -21,6 +21,15 @@ static std::uint8_t checked(std::uint8_t pin) {
     return pin;
 }
 
+static void report(std::uint8_t pin, Fake::Set what, int value) {
+    if (fake.on_set) fake.on_set(pin, what, value);
+}
+
+static void set_mode(std::uint8_t pin, FakeMode mode) {
+    fake.modes[checked(pin)] = mode;
+    report(pin, Fake::Set::kMode, static_cast<int>(mode));
+}
+
 FlashText chipName() {
     return F("ATmega328P");
 }
@@ -54,23 +63,25 @@ bool isAlias(std::uint8_t) {
     return false;
 }
 void setInput(std::uint8_t pin) {
-    fake.modes[checked(pin)] = FakeMode::kInput;
+    set_mode(pin, FakeMode::kInput);
 }
 void setPullUp(std::uint8_t pin) {
-    fake.modes[checked(pin)] = FakeMode::kPullUp;
+    set_mode(pin, FakeMode::kPullUp);
     fake.levels[pin] = true;
 }
 void setOutput(std::uint8_t pin) {
-    fake.modes[checked(pin)] = FakeMode::kOutput;
+    set_mode(pin, FakeMode::kOutput);
 }
 
 void writePin(std::uint8_t pin, bool high) {
     fake.duty[checked(pin)] = -1;
     if (fake.modes[pin] == FakeMode::kOutput) fake.levels[pin] = high;
+    report(pin, Fake::Set::kLevel, high);
 }
 
 void writePwm(std::uint8_t pin, std::uint8_t duty) {
     fake.duty[checked(pin)] = duty;
+    report(pin, Fake::Set::kDuty, duty);
 }
 std::uint16_t readAnalog(std::uint8_t channel) {
     return fake.analog.at(channel);

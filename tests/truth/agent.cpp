@@ -1,0 +1,202 @@
+#include "tests/truth/agent.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace truth {
+
+namespace session = asip::session;
+
+namespace {
+
+constexpr unsigned kStartBaud = 57'600;
+
+asip::Time at(Micros now) {
+    return asip::Time{} + std::chrono::hours(1) + std::chrono::microseconds(now);
+}
+
+Outcome outcome(session::Ending ending) {
+    switch (ending) {
+        case session::Ending::kExecuted:
+            return Outcome::kExecuted;
+        case session::Ending::kUnproven:
+            return Outcome::kUnproven;
+        case session::Ending::kBoardError:
+            return Outcome::kBoardError;
+        case session::Ending::kDoubt:
+            return Outcome::kDoubt;
+        case session::Ending::kNoValue:
+            return Outcome::kNoValue;
+        case session::Ending::kTimeout:
+            return Outcome::kTimeout;
+        case session::Ending::kNotSent:
+            return Outcome::kNotSent;
+    }
+    return Outcome::kTimeout;
+}
+
+}  // namespace
+
+Agent::Agent(const Plan& plan, Dice& dice, Ledger& ledger, Wire& to_board, Ledger::Note note)
+    : plan_(plan),
+      dice_(dice),
+      ledger_(ledger),
+      to_board_(to_board),
+      note_(std::move(note)),
+      baud_(kStartBaud) {
+    new_session();
+}
+
+void Agent::new_session() {
+    session_.emplace(options(), [this] { return dice_.draw(); });
+}
+
+session::SessionOptions Agent::options() const {
+    session::SessionOptions options;
+    options.max_baud = plan_.max_baud;
+    using Policy = session::ChecksumPolicy;
+    options.checksum = plan_.checksum == Plan::Checksum::kAlways  ? Policy::kAlways
+                       : plan_.checksum == Plan::Checksum::kNever ? Policy::kNever
+                                                                  : Policy::kAuto;
+    return options;
+}
+
+void Agent::link_up(bool restarting, Micros now) {
+    note_(fmt::format("link up{}", restarting ? ", the board restarts" : ""));
+    session::Actions actions;
+    baud_ = kStartBaud;
+    rate_set_at_ = kNever;
+    session_->link_up({plan_.tcp ? 0 : baud_, restarting}, at(now), actions);
+    perform(actions, now);
+}
+
+void Agent::link_down(Micros now) {
+    note_("link down");
+    session::Actions actions;
+    session_->link_down(at(now), actions);
+    rate_set_at_ = kNever;
+    ledger_.delivery_cut();
+    perform(actions, now);
+}
+
+void Agent::restart(Micros now) {
+    ledger_.session_ended(now);
+    commands_.clear();
+    new_session();
+    ledger_.delivery_cut();
+    link_up(false, now);
+}
+
+// Line by line, so that the ledger knows what the session knew at each of its decisions.
+void Agent::receive(std::string_view bytes, Micros now) {
+    while (!bytes.empty()) {
+        const auto end = std::min(bytes.find('\n'), bytes.size() - 1) + 1;
+        ledger_.delivered(bytes.substr(0, end), now);
+        session::Actions actions;
+        session_->receive(bytes.substr(0, end), at(now), actions);
+        perform(actions, now);
+        bytes.remove_prefix(end);
+    }
+}
+
+void Agent::submit(Command command, Micros now) {
+    session::RequestOptions wanted;
+    wanted.client = command.client;
+    wanted.deadline = at(now + command.lasts);
+    wanted.prove = command.prove;
+    wanted.answer_tag = command.answer_tag;
+    session::Actions actions;
+    const std::size_t index = ledger_.submitted(command, now);
+    const auto id = session_->submit(command.line, wanted, at(now), actions);
+    note_(fmt::format("client {} #{} `{}`{}{}", command.client, index, command.line,
+                      command.prove ? "" : " (no proof)",
+                      id ? "" : std::string(", refused: ") + session::to_string(id.error())));
+    if (id) {
+        commands_[*id] = index;
+    } else {
+        ledger_.refused(index, now);
+    }
+    perform(actions, now);
+}
+
+void Agent::tick(Micros now) {
+    if (rate_set_at_ <= now) {
+        rate_set_at_ = kNever;
+        const bool fails = dice_.chance(plan_.rate_fails);
+        if (!fails) baud_ = wanted_baud_;
+        if (!fails) ledger_.delivery_cut();
+        note_(fmt::format("rate {} {}", wanted_baud_, fails ? "could not be set" : "set"));
+        session::Actions actions;
+        session_->line_rate_set(!fails, at(now), actions);
+        perform(actions, now);
+    }
+    const auto deadline = session_->next_deadline();
+    if (!deadline || *deadline > at(now)) return;
+    ticks_at_once_ = now == last_tick_ ? ticks_at_once_ + 1 : 0;
+    last_tick_ = now;
+    if (ticks_at_once_ > 100) return ledger_.fail("the session wants to be called again and again");
+    session::Actions actions;
+    session_->tick(at(now), actions);
+    perform(actions, now);
+}
+
+Micros Agent::next() const {
+    Micros next = rate_set_at_;
+    if (const auto deadline = session_->next_deadline()) {
+        const auto since = std::chrono::ceil<std::chrono::microseconds>(*deadline - at(0)).count();
+        next = std::min(next, std::max<Micros>(since, last_tick_));
+    }
+    return next;
+}
+
+void Agent::perform(session::Actions& actions, Micros now) {
+    for (const auto& action : actions) {
+        if (const auto* bytes = std::get_if<session::Write>(&action)) {
+            write(bytes->bytes, now);
+        } else if (const auto* rate = std::get_if<session::SetLineRate>(&action)) {
+            wanted_baud_ = rate->baud;
+            rate_set_at_ = std::max(now, to_board_.free_at()) + 200;
+        } else if (const auto* end = std::get_if<session::Finished>(&action)) {
+            finished(*end, now);
+        } else if (const auto* garbage = std::get_if<session::Garbage>(&action)) {
+            note_(fmt::format("session: garbage, {}: `{}`", garbage->reason, garbage->sample));
+        } else if (const auto* reset = std::get_if<session::BoardReset>(&action)) {
+            note_("session: board reset: " + reset->why);
+        } else if (const auto* changed = std::get_if<session::LineRateChanged>(&action)) {
+            note_(fmt::format("session: rate {}: {}", changed->baud, changed->why));
+        }
+    }
+    note_state();
+}
+
+void Agent::note_state() {
+    if (session_->state() == noted_) return;
+    noted_ = session_->state();
+    note_(std::string("session: ") + session::to_string(noted_));
+}
+
+void Agent::write(const std::string& bytes, Micros now) {
+    std::size_t begin = 0;
+    while (begin < bytes.size()) {
+        std::size_t end = bytes.find('\n', begin);
+        if (end == std::string::npos) return ledger_.fail("the session wrote half a line");
+        const std::string line = bytes.substr(begin, end - begin);
+        note_("> " + line);
+        const auto number = ledger_.wrote(line, now);
+        for (const char c : bytes.substr(begin, end + 1 - begin))
+            to_board_.send(c, number, baud_, now);
+        begin = end + 1;
+    }
+}
+
+void Agent::finished(const session::Finished& end, Micros now) {
+    const auto known = commands_.find(end.id);
+    if (known == commands_.end()) return ledger_.fail("a request ended that is not open");
+    note_(fmt::format("#{} {} {} {} {}", known->second, session::to_string(end.ending), end.code, end.text,
+                      end.answer.text()));
+    ledger_.answered(known->second, {outcome(end.ending), end.code, end.answer.text()}, now);
+    commands_.erase(known);
+}
+
+}  // namespace truth

@@ -1,0 +1,78 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tests/truth/dice.hpp"
+
+namespace truth {
+
+struct Span {
+    Micros from = 0;
+    Micros until = 0;
+    bool covers(Micros time) const { return time >= from && time < until; }
+};
+
+/// What is wrong with one direction of a line.
+struct WirePlan {
+    Span damaged;  ///< when the following happen, each with so much probability per byte
+    double lose = 0;
+    double lose_several = 0;  ///< up to 30 bytes in a row
+    double twice = 0;
+    double change = 0;
+    double insert = 0;
+    Micros latency = 0;
+    Micros bunch = 1;  ///< bytes come together at multiples of this, as from a USB serial chip
+    std::vector<Span> stalls;
+
+    bool damages() const { return lose + lose_several + twice + change + insert > 0; }
+};
+
+/// What befalls board, link or agent at some time.
+struct Incident {
+    enum class Kind : std::uint8_t {
+        kBoardReset,    ///< its reset button; the link stays open
+        kUnplug,        ///< no power and no link for `lasts`
+        kHang,          ///< the board stops for `lasts`, then goes on where it was
+        kDie,           ///< the board stops for `lasts`, then starts anew
+        kReopen,        ///< the port is closed and opened, which restarts the board
+        kAgentRestart,  ///< another session takes the place of this one, at the line's start rate
+    };
+    Kind kind;
+    Micros at;
+    Micros lasts;
+};
+
+/// How a client behaves.
+struct ClientPlan {
+    Micros pause = 0;  ///< between two commands, about
+    double bad = 0;    ///< how many of its commands are
+    double longs = 0;
+    double burst = 0;  ///< chance that several commands come at once
+    bool settings = false;
+};
+
+/// Everything about a history that is decided before it begins.
+struct Plan {
+    std::uint64_t seed = 0;
+    bool extensions = true;
+    enum class Checksum : std::uint8_t { kAuto, kAlways, kNever } checksum = Checksum::kAuto;
+    bool tcp = false;  ///< the session knows of no line rate
+    unsigned max_baud = 0;
+    Micros board_pass = 0;  ///< time that one pass of the board's loop takes
+    Micros boot = 0;        ///< until the board's banner
+    WirePlan to_board, to_host;
+    double rate_fails = 0;
+    std::vector<ClientPlan> clients;
+    std::vector<Incident> incidents;
+    Micros active = 0;  ///< commands come until then
+
+    /// Nothing goes wrong: no byte is damaged or late, and nothing restarts.
+    bool calm() const;
+};
+
+Plan draw_plan(std::uint64_t seed, Dice& dice);
+std::string describe(const Plan& plan);
+const char* to_string(Incident::Kind kind);
+
+}  // namespace truth
