@@ -39,7 +39,8 @@ std::string how_to_use(const model::ServiceModel& model, const std::string& word
 Outcome<BoardCommand> make_command(const Context& context, const KnownBoard& board,
                                    const model::ServiceInfo& service, std::span<const std::string> words) {
     const auto topic = context.topics.service_in(board.item.board, service.name);
-    const auto where = board.item.board + "/" + service.name + ": ";
+    const auto target = board.item.board + "/" + service.name;
+    const auto where = target + ": ";
     const auto model = model_of(service, context.models());
     if (words.empty()) {
         return failure(program::kExitUsage, where + "which command?" + (model ? how_to_use(*model, "") : ""));
@@ -49,14 +50,14 @@ Outcome<BoardCommand> make_command(const Context& context, const KnownBoard& boa
         if (text.empty() || text.find_first_of("\r\n") != std::string::npos) {
             return failure(program::kExitUsage, where + "a tag and its parameters, as in: W 0 90");
         }
-        return BoardCommand{topic, text, service.name + "," + text};
+        return BoardCommand{topic, text, service.name + "," + text, target};
     }
     auto encoded = encode(*model, words);
     if (!encoded)
         return failure(program::kExitUsage, where + encoded.error() + how_to_use(*model, words.front()));
     // Without its service, as the service's own topic wants it.
     return BoardCommand{topic, encoded->line.substr(std::min<std::size_t>(2, encoded->line.size())),
-                        encoded->line};
+                        encoded->line, target};
 }
 
 Outcome<BoardCommand> make_raw_command(const Context& context, const std::string& board,
@@ -66,7 +67,7 @@ Outcome<BoardCommand> make_raw_command(const Context& context, const std::string
         return failure(program::kExitUsage,
                        "'" + line + "': " + request.error() + "; a request looks like S,W,0,90");
     }
-    return BoardCommand{context.topics.board_in(board), line, line};
+    return BoardCommand{context.topics.board_in(board), line, line, board};
 }
 
 Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const BoardCommand& command) {
@@ -100,7 +101,7 @@ int exit_status(const bus::Reply& reply) {
 std::string answer_text(const bus::Reply& reply) {
     if (reply.answer.empty()) return "ok";
     const auto document = model::parse_json(reply.answer);
-    return document && document->is_string() ? printable(document->get<std::string>()) : reply.answer;
+    return document && document->is_string() ? for_terminal(document->get<std::string>()) : reply.answer;
 }
 
 std::string explain(const bus::Reply& reply) {

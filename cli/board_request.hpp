@@ -14,7 +14,8 @@ namespace asip::cli {
 struct BoardCommand {
     std::string topic;
     std::string payload;
-    std::string line;  ///< the whole request, for people
+    std::string line;    ///< the whole request, for people
+    std::string target;  ///< BOARD or BOARD/SERVICE
 };
 
 /// `words` as typed (a name and its arguments, or one JSON object) against the service's model. A service

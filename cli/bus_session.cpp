@@ -17,8 +17,9 @@ namespace asip::cli {
 using namespace std::chrono_literals;
 
 struct BusSession::State {
-    explicit State(const Context& context)
-        : timeout(context.timeout),
+    explicit State(const Context& its_context)
+        : context(its_context),
+          timeout(context.timeout),
           name(random_hex(system_random(), 12)),
           reply_topic(context.topics.reply(context.mqtt.user, name)),
           signal(io, [this](int) { stopped = true; }),
@@ -99,6 +100,7 @@ struct BusSession::State {
     // Whoever answers tells repeated requests by it: never the same from two processes.
     std::string request_id(std::size_t number) const { return name + "-" + std::to_string(number); }
 
+    const Context& context;
     std::chrono::milliseconds timeout;
     std::string name;
     std::string reply_topic;
@@ -198,6 +200,7 @@ void BusSession::after_retained(std::function<void()> passed) {
 
 bool BusSession::run_until(const std::function<bool()>& done, Time deadline) {
     while (!done()) {
+        if (state_->context.output_ended()) state_->stopped = true;
         if (state_->stopped) return false;
         const auto left = deadline - Clock::now();
         if (left <= Duration::zero()) return false;

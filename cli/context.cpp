@@ -1,14 +1,26 @@
 #include "cli/context.hpp"
 
+#include <poll.h>
+
 #include <ostream>
 
 #include "cli/text/width.hpp"
 
 namespace asip::cli {
 
+bool Context::reader_gone() const {
+    if (out_descriptor < 0) return false;
+    pollfd watched{out_descriptor, 0, 0};
+    return ::poll(&watched, 1, 0) == 1 && (watched.revents & (POLLERR | POLLHUP)) != 0;
+}
+
+bool Context::output_ended() const {
+    return !out || reader_gone();
+}
+
 void Context::note(const std::string& text) const {
     out.flush();
-    err << "asipctl: " << printable(text) << std::endl;
+    err << "asipctl: " << for_terminal(text) << std::endl;
 }
 
 int Context::fail_with(const Failure& failure) const {

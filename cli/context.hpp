@@ -1,6 +1,7 @@
 #pragma once
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <iosfwd>
 #include <optional>
 #include <string>
@@ -33,8 +34,9 @@ struct Context {
     std::ostream& out;  ///< data
     std::ostream& err;  ///< diagnostics
 
-    std::size_t width = 0;  ///< columns of the terminal that `out` is; 0: it is none
-    bool colour = false;    ///< paint `out`
+    std::size_t width = 0;    ///< columns of the terminal that `out` is; 0: it is none
+    bool colour = false;      ///< use colours on `out`
+    int out_descriptor = -1;  ///< file descriptor behind `out`; -1: none
 
     mqtt::Options mqtt{};
     bus::Topics topics{};
@@ -45,7 +47,14 @@ struct Context {
 
     /// Service models; the standard ones are read when first asked for, which `asipctl list` never does.
     const model::ModelSet& models() const { return own_models ? *own_models : model::ModelSet::standard(); }
+    /// What `asipctl VERB --help` prints (without a verb: `asipctl --help`), or the nearest verb.
+    std::function<Outcome<std::string>(const std::string& verb)> help{};
+
     bool terminal() const { return width != 0; }
+    /// Whether the reader of the pipe that `out` is has gone.
+    bool reader_gone() const;
+    /// Whether printing more is of no use: the reader has gone, or writing failed.
+    bool output_ended() const;
     /// `asipctl: TEXT` on standard error.
     void note(const std::string& text) const;
     /// The same, and the status to end with.

@@ -3,24 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/pattern.hpp"
 #include "asip/model/json.hpp"
-#include "asip/protocol/body.hpp"
 #include "asip/text/duration.hpp"
-#include "asip/text/nearest.hpp"
 #include "asip/text/wall_time.hpp"
 #include "cli/bus_session.hpp"
+#include "cli/output.hpp"
 #include "cli/text/table.hpp"
 #include "cli/text/width.hpp"
 
 namespace asip::cli {
 namespace {
-
-constexpr std::array<std::string_view, 8> kNames{"time",  "board", "service", "where",
-                                                 "topic", "kind",  "payload", "age"};
 
 std::string_view kind_text(ContextEvent::Kind kind) {
     switch (kind) {
@@ -39,25 +35,28 @@ std::string level(const std::string& name) {
     return pattern ? "+" : name;
 }
 
-std::string data_at(const std::string& payload, std::string_view path) {
-    const auto document = model::parse_json(payload);
-    if (!document) return {};
-    const nlohmann::json* value = &*document;
-    while (!path.empty()) {
-        const auto end = std::min(path.find('.'), path.size());
-        const std::string key(path.substr(0, end));
-        const auto index = protocol::parse_integer(key);
-        if (value->is_object() && value->contains(key)) {
-            value = &(*value)[key];
-        } else if (value->is_array() && index && *index >= 0 &&
-                   static_cast<std::size_t>(*index) < value->size()) {
-            value = &(*value)[static_cast<std::size_t>(*index)];
-        } else {
-            return {};
-        }
-        path.remove_prefix(std::min(end + 1, path.size()));
+bool is_letter(const std::string& service) {
+    return service.size() == 1 && service != "*" && service != "?";
+}
+
+/// Letter of the service that a line is of; 0 for lines of the board itself.
+char letter_of(const std::string& line) {
+    const bool tagged = line.size() > 1 && (line[0] == '@' || line[0] == '~');
+    return tagged && line[1] != '#' ? line[1] : '\0';
+}
+
+bool of_service(const ContextEvent& event, const std::string& wanted, const model::Description* description) {
+    const auto letter = event.kind == ContextEvent::Kind::kRaw ? letter_of(event.payload) : '\0';
+    if (letter != '\0' && wanted == std::string(1, letter)) return true;
+    if (event.kind != ContextEvent::Kind::kRaw && bus::matches_pattern(wanted, event.service)) return true;
+    if (description == nullptr) return false;
+    for (const auto& service : description->services) {
+        const bool meant =
+            bus::matches_pattern(wanted, service.name) || (is_letter(wanted) && service.id == wanted.front());
+        const bool sent = letter != '\0' ? service.id == letter : service.name == event.service;
+        if (meant && sent) return true;
     }
-    return value->is_string() ? value->get<std::string>() : model::dump_json(*value);
+    return false;
 }
 
 std::string age_text(const ContextEvent& event) {
@@ -99,8 +98,10 @@ std::vector<std::string> context_filters(const bus::Topics& topics, const std::v
         if (raw) {
             all.push_back(topics.board_out(board));
         } else {
-            all.push_back(topics.service_out(board, level(target.service)));
-            all.push_back(topics.service_error(board, level(target.service)));
+            // A letter stands for a service whose name its description says.
+            const auto service = is_letter(target.service) ? "+" : level(target.service);
+            all.push_back(topics.service_out(board, service));
+            all.push_back(topics.service_error(board, service));
         }
     }
     std::vector<std::string> result;
@@ -117,17 +118,35 @@ std::vector<std::string> context_filters(const bus::Topics& topics, const std::v
     return result;
 }
 
+std::vector<std::string> description_filters(const bus::Topics& topics, const std::vector<Target>& targets,
+                                             bool raw) {
+    std::vector<std::string> result;
+    for (const auto& target : targets) {
+        if (!target.service.empty() && (raw || is_letter(target.service)))
+            result.push_back(topics.description(level(target.board)));
+    }
+    return result;
+}
+
+bool is_wanted(const ContextEvent& event, const std::vector<Target>& targets,
+               const model::Description* description) {
+    return std::any_of(targets.begin(), targets.end(), [&](const Target& target) {
+        if (!bus::matches_pattern(target.board, event.board)) return false;
+        return target.service.empty() || of_service(event, target.service, description);
+    });
+}
+
 std::string event_text(const ContextEvent& event, bool with_time, bool with_age, bool colour) {
     std::string text;
     if (with_time) text += painted(text::iso_time(event.time), Colour::kDim, colour) + "  ";
     text += painted(event.where(), Colour::kCyan, colour) + "  ";
     if (with_age) text += painted(fmt::format("{:>8}", age_text(event)), Colour::kDim, colour) + "  ";
     const bool error = event.kind == ContextEvent::Kind::kError;
-    return text + painted((error ? "error " : "") + printable(event.payload),
+    return text + painted((error ? "error " : "") + for_terminal(event.payload),
                           error ? Colour::kRed : Colour::kNone, colour);
 }
 
-std::string event_json(const ContextEvent& event) {
+nlohmann::json event_json(const ContextEvent& event) {
     nlohmann::json object{{"time", text::iso_time(event.time)}, {"board", event.board}};
     if (!event.service.empty()) object["service"] = event.service;
     auto payload = event.kind == ContextEvent::Kind::kRaw ? tl::unexpected<std::string>("")
@@ -136,7 +155,7 @@ std::string event_json(const ContextEvent& event) {
         payload ? std::move(*payload) : nlohmann::json(event.payload);
     if (event.age) object["age"] = std::round(event.age->count() * 1e6) / 1e6;
     if (event.retained) object["retained"] = true;
-    return model::dump_json(object);
+    return object;
 }
 
 std::string event_value(const ContextEvent& event, std::string_view name) {
@@ -149,22 +168,13 @@ std::string event_value(const ContextEvent& event, std::string_view name) {
     if (name == "payload") return event.payload;
     if (name == "age") return event.age ? fmt::format("{:.6f}", event.age->count()) : "";
     if (name == "data") return event.payload;
-    return name.starts_with("data.") ? data_at(event.payload, name.substr(5)) : std::string();
+    if (!name.starts_with("data.")) return {};
+    const auto document = model::parse_json(event.payload);
+    return document ? value_at(*document, name.substr(5)) : std::string();
 }
 
-Expected<void> check_event_template(const LineTemplate& line) {
-    std::vector<std::string> known(kNames.begin(), kNames.end());
-    for (const auto& name : line.names()) {
-        if (name == "data" || name.starts_with("data.") ||
-            std::find(known.begin(), known.end(), name) != known.end())
-            continue;
-        std::string all;
-        for (const auto& one : known)
-            all += one + ", ";
-        return fail("format: no {" + name + "}" + text::did_you_mean(name, known) + "; there are " + all +
-                    "data.PATH");
-    }
-    return {};
+std::vector<std::string> event_fields() {
+    return {"time", "board", "service", "where", "topic", "kind", "payload", "age", "data"};
 }
 
 }  // namespace asip::cli

@@ -1,17 +1,18 @@
 #pragma once
 #include <chrono>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "asip/bus/topics.hpp"
+#include "asip/model/description.hpp"
 #include "cli/target.hpp"
-#include "cli/text/line_template.hpp"
 
 namespace asip::cli {
 
-/// One message of the context bus, as `asipctl subscribe` tells of it.
+/// One message of the context bus, as `asipctl subscribe` prints it.
 struct ContextEvent {
     enum class Kind { kValue, kError, kRaw };
     Kind kind = Kind::kValue;
@@ -35,15 +36,23 @@ std::optional<ContextEvent> context_event(const bus::Topics& topics, const std::
 std::vector<std::string> context_filters(const bus::Topics& topics, const std::vector<Target>& targets,
                                          bool raw);
 
+/// Filters for the descriptions that attribute events to services where the topic alone does not: raw lines
+/// of one service, and a service given by its letter.
+std::vector<std::string> description_filters(const bus::Topics& topics, const std::vector<Target>& targets,
+                                             bool raw);
+
+/// Whether one of `targets` asks for the event. A raw line is of the service whose letter it begins with
+/// (`@D,`); `description` is the board's, null where it is not known: then a letter stands for itself.
+bool is_wanted(const ContextEvent& event, const std::vector<Target>& targets,
+               const model::Description* description);
+
 /// `uno1/distance  {"distance":[42,118]}`, with time and age where asked for.
 std::string event_text(const ContextEvent& event, bool with_time, bool with_age, bool colour);
-/// One JSON object: time, board, service, event or error or line, age.
-std::string event_json(const ContextEvent& event);
-/// Value of a `--format` place: time, board, service, where, topic, kind, payload, age, or data.PATH into the
-/// payload
-/// (`data.distance.0`); empty where there is none.
+/// Members time, board, service; event, error or line; and age (seconds) where known.
+nlohmann::json event_json(const ContextEvent& event);
+/// Names that a template may use: of ContextEvent, and `data`, which is the payload.
+std::vector<std::string> event_fields();
+/// The value of one; `data.distance.0` leads into the payload. Empty where there is none.
 std::string event_value(const ContextEvent& event, std::string_view name);
-/// Fails with the names that there are when a template uses another.
-Expected<void> check_event_template(const LineTemplate& line);
 
 }  // namespace asip::cli

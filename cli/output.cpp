@@ -1,13 +1,22 @@
 #include "cli/output.hpp"
 
-#include <CLI/CLI.hpp>
-#include <map>
-#include <string>
+#include <algorithm>
+#include <ostream>
+
+#include "asip/model/json.hpp"
+#include "asip/protocol/body.hpp"
+#include "asip/text/nearest.hpp"
 
 namespace asip::cli {
 namespace {
 
-const char* name_of(Output output) {
+std::string_view first_part(std::string_view path) {
+    return path.substr(0, path.find('.'));
+}
+
+}  // namespace
+
+std::string_view name_of(Output output) {
     switch (output) {
         case Output::kTable:
             return "table";
@@ -15,35 +24,72 @@ const char* name_of(Output output) {
             return "wide";
         case Output::kText:
             return "text";
+        case Output::kName:
+            return "name";
         case Output::kJson:
             return "json";
         case Output::kJsonLines:
-            return "jsonl";
-        case Output::kName:
-            return "name";
+            break;
     }
-    return "";
+    return "jsonl";
 }
 
-}  // namespace
-
-void add_output_option(CLI::App& command, Output& output, const std::vector<Output>& forms) {
-    std::map<std::string, Output> names;
-    std::string list;
-    for (const auto form : forms) {
-        names.emplace(name_of(form), form);
-        list += (list.empty() ? "" : "|") + std::string(name_of(form));
+Expected<void> check_template(const std::string& text, const std::vector<std::string>& fields) {
+    const auto line = LineTemplate::parse(text);
+    if (!line) return fail(line.error());
+    for (const auto& name : line->names()) {
+        const std::string first(first_part(name));
+        if (std::find(fields.begin(), fields.end(), first) != fields.end()) continue;
+        std::string all;
+        for (const auto& one : fields)
+            all += (all.empty() ? "" : ", ") + one;
+        return fail("format: there is no {" + name + "}" + text::did_you_mean(first, fields) +
+                    "; there are " + all);
     }
-    const auto take = [&output, names, list](const std::vector<std::string>& words) {
-        const auto found = names.find(words.front());
-        if (found == names.end())
-            throw CLI::ValidationError("--output", words.front() + " is none of " + list);
-        output = found->second;
-        return true;
-    };
-    command.add_option("-o,--output", take, "Form of the output, by default " + std::string(name_of(output)))
-        ->type_name(list)
-        ->expected(1);
+    return {};
+}
+
+std::string value_at(const nlohmann::json& value, std::string_view path) {
+    const auto* at = &value;
+    while (!path.empty()) {
+        const std::string key(first_part(path));
+        const auto index = protocol::parse_integer(key);
+        if (at->is_object() && at->contains(key)) {
+            at = &(*at)[key];
+        } else if (at->is_array() && index && *index >= 0 && static_cast<std::size_t>(*index) < at->size()) {
+            at = &(*at)[static_cast<std::size_t>(*index)];
+        } else {
+            return {};
+        }
+        path.remove_prefix(std::min(key.size() + 1, path.size()));
+    }
+    return at->is_string() ? at->get<std::string>() : model::dump_json(*at);
+}
+
+RecordPrinter::RecordPrinter(const OutputOptions& options, Count count, std::ostream& out)
+    : options_(options), count_(count), out_(out) {
+    if (options_.format.empty()) return;
+    if (auto line = LineTemplate::parse(options_.format)) template_ = std::move(*line);
+}
+
+void RecordPrinter::print(const nlohmann::json& record) {
+    if (template_) {
+        out_ << template_->fill([&record](std::string_view name) { return value_at(record, name); }) << '\n';
+    } else if (options_.form != Output::kJson) {
+        out_ << model::dump_json(record) << '\n';
+    } else if (count_ == Count::kList) {
+        all_.push_back(record);
+        return;
+    } else {
+        out_ << model::dump_json_pretty(record) << '\n';
+    }
+    if (count_ != Count::kList) out_ << std::flush;
+}
+
+void RecordPrinter::finish() {
+    const bool array = !template_ && options_.form == Output::kJson && count_ == Count::kList;
+    if (array) out_ << model::dump_json_pretty(all_) << '\n';
+    out_ << std::flush;
 }
 
 }  // namespace asip::cli

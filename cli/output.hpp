@@ -1,16 +1,62 @@
 #pragma once
+#include <iosfwd>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
-namespace CLI {
-class App;
-}
+#include "asip/expected.hpp"
+#include "cli/text/line_template.hpp"
 
 namespace asip::cli {
 
-/// Forms of output: for people, and for programs.
-enum class Output { kTable, kWide, kText, kJson, kJsonLines, kName };
+/// Forms of output. kTable, kWide, kText and kName are for people; each verb that prints data knows kJson and
+/// kJsonLines too.
+enum class Output { kTable, kWide, kText, kName, kJson, kJsonLines };
 
-/// Adds `-o,--output` to a command that knows these forms; the default is what `output` holds.
-void add_output_option(CLI::App& command, Output& output, const std::vector<Output>& forms);
+/// `table`, `wide`, `text`, `name`, `json`, `jsonl`.
+std::string_view name_of(Output output);
+
+/// How the user wants to see the data.
+struct OutputOptions {
+    Output form = Output::kText;
+    std::string format;  ///< a template that each record is printed by, instead of `form`; empty: none
+
+    /// Whether the verb prints text of its own instead of records.
+    bool for_people() const { return format.empty() && form != Output::kJson && form != Output::kJsonLines; }
+};
+
+/// Fails with the nearest name when a template cannot be parsed or uses another name than `fields`; of a name
+/// such as `data.distance.0` the part before the first dot counts.
+Expected<void> check_template(const std::string& text, const std::vector<std::string>& fields);
+
+/// The member of `value` that `path` leads to: `services.0.name`. A string as it is, anything else as JSON;
+/// empty when there is none.
+std::string value_at(const nlohmann::json& value, std::string_view path);
+
+/// Prints records for programs: JSON objects, in the form that the user chose. Use it where
+/// OutputOptions::for_people() does not hold.
+class RecordPrinter {
+  public:
+    enum class Count {
+        kOne,    ///< exactly one record: `json` prints it alone
+        kList,   ///< `json` prints an array, at the end
+        kStream  ///< nobody knows how many: `json` prints one after the other, indented
+    };
+    /// The options must have been checked. Flushes after each record unless `count` is kList.
+    RecordPrinter(const OutputOptions& options, Count count, std::ostream& out);
+
+    void print(const nlohmann::json& record);
+    /// After the last one. Without it, a list in the form `json` is not printed.
+    void finish();
+
+  private:
+    OutputOptions options_;
+    Count count_;
+    std::ostream& out_;
+    std::optional<LineTemplate> template_;
+    nlohmann::json all_ = nlohmann::json::array();
+};
 
 }  // namespace asip::cli

@@ -4,6 +4,8 @@
 #include <map>
 #include <set>
 
+#include "asip/model/board_state.hpp"
+#include "asip/model/description.hpp"
 #include "cli/board_source.hpp"
 
 namespace asip::cli {
@@ -49,6 +51,16 @@ bool is_command(bus::TopicKind kind) {
 bool is_of_registry(bus::TopicKind kind) {
     return kind == bus::TopicKind::kRegistryState || kind == bus::TopicKind::kRegistryStats ||
            kind == bus::TopicKind::kRegistryEvents;
+}
+
+/// Empty for what can be read.
+std::string why_unreadable(const bus::TopicRef& ref, const Retained& message) {
+    if (ref.kind == bus::TopicKind::kState && !model::board_state_from_text(message.payload))
+        return "unknown state: " + message.payload;
+    if (ref.kind != bus::TopicKind::kDescription) return {};
+    const auto description = model::parse_description(message.payload);
+    if (!description) return description.error();
+    return description->board == ref.board ? std::string() : "describes another board: " + description->board;
 }
 
 bool looks_like_command(std::string_view topic) {
@@ -99,8 +111,10 @@ std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vect
             if (looks_like_command(message.topic)) {
                 result.push_back({Lingering::Kind::kCommand, message.topic, {}, "a retained command"});
             } else if (message.topic.starts_with(topics.board_names() + "/")) {
-                result.push_back(
-                    {Lingering::Kind::kIllegal, message.topic, {}, "announced under an illegal name"});
+                result.push_back({Lingering::Kind::kInvalidName,
+                                  message.topic,
+                                  {},
+                                  "announced under a name that is not valid"});
             }
             continue;
         }
@@ -113,6 +127,8 @@ std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vect
             if (!alive)
                 result.push_back(
                     {Lingering::Kind::kGoneRegistry, message.topic, {}, "registry " + name + " is gone"});
+        } else if (auto fault = why_unreadable(*ref, message); !fault.empty()) {
+            result.push_back({Lingering::Kind::kUnreadable, message.topic, name, std::move(fault)});
         } else if (name.empty()) {
             result.push_back(
                 {Lingering::Kind::kOrphan, message.topic, {}, "an announcement is not to be retained"});

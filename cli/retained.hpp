@@ -24,16 +24,21 @@ Outcome<void> clear_retained(const Context& context, BusSession& session,
 
 /// Something retained that nobody needs any more, and why.
 struct Lingering {
-    enum class Kind { kGoneBoard, kCommand, kOrphan, kIllegal, kGoneRegistry };
+    enum class Kind {
+        kGoneBoard,     ///< of a board that said goodbye, was lost, or whose lease ran out
+        kCommand,       ///< would be executed again at each reconnection of a careless client
+        kOrphan,        ///< a value of a board that nobody announces
+        kInvalidName,   ///< announced under a name that is not valid
+        kUnreadable,    ///< a description that cannot be parsed or describes another board, an unknown state
+        kGoneRegistry,  ///< of a registry that is not online
+    };
     Kind kind = Kind::kGoneBoard;
     std::string topic;
     std::string board;  ///< empty where none is concerned
     std::string why;    ///< for a person
 };
 
-/// What of `all` lingers: everything of boards that said goodbye, were lost, or whose lease ran out; commands
-/// (they would be executed again at each reconnection of a careless client); values of boards that nobody
-/// announces; names that are not legal; registries that are gone. Pure. Sorted by topic.
+/// What of `all` nobody needs any more. Pure. Sorted by topic.
 std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vector<Retained>& all);
 
 /// Every retained topic of one board.

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
+#include "asip/model/json.hpp"
 #include "asip/text/duration.hpp"
 #include "cli/commands/list.hpp"
 
@@ -54,6 +57,27 @@ double TopModel::rate(Service& service, Time now) const {
         if (slot + window_ > now) count += arrivals;
     }
     return static_cast<double>(count) / std::chrono::duration<double>(window_).count();
+}
+
+std::vector<nlohmann::json> TopModel::records(Time now) {
+    std::vector<nlohmann::json> result;
+    for (auto& [name, board] : boards_) {
+        nlohmann::json record{{"board", name}, {"state", board.state}};
+        if (board.round_trip && *board.round_trip)
+            record["round_trip_ms"] = (*board.round_trip)->count() * 1e3;
+        if (board.services.empty()) result.push_back(record);
+        for (auto& [service_name, service] : board.services) {
+            auto one = record;
+            one["service"] = service_name;
+            one["rate"] = rate(service, now);
+            one["errors"] = service.errors;
+            if (service.last) one["age"] = std::chrono::duration<double>(now - *service.last).count();
+            if (!service.payload.empty())
+                one["last"] = model::parse_json(service.payload).value_or(nlohmann::json(service.payload));
+            result.push_back(std::move(one));
+        }
+    }
+    return result;
 }
 
 Table TopModel::table(Time now) {

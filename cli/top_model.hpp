@@ -2,8 +2,10 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "asip/time.hpp"
 #include "cli/text/table.hpp"
@@ -26,6 +28,9 @@ class TopModel {
     void round_trip(const std::string& board, std::optional<std::chrono::duration<double>> took);
 
     Table table(Time now);
+    /// One object a service: board, state, round_trip_ms, service, rate (a second), age (seconds), errors,
+    /// last. What is not known is left out.
+    std::vector<nlohmann::json> records(Time now);
 
   private:
     struct Service {

@@ -18,6 +18,7 @@ if(NOT ASIP_FUZZ)
   find_package(CLI11 REQUIRED)
   find_package(OpenSSL REQUIRED)
   pkg_check_modules(mosquitto REQUIRED IMPORTED_TARGET libmosquitto)
+  pkg_check_modules(utf8proc REQUIRED IMPORTED_TARGET libutf8proc)
   pkg_check_modules(sqlite3 REQUIRED IMPORTED_TARGET sqlite3)
 
   # simavr's own .pc file adds include paths of its build machine; the library and libelf are all it needs.

@@ -67,6 +67,8 @@ class Settings {
     /// An option or subcommand that does not exist is an error that names the nearest one.
     /// Applies the log options, where added, to the log.
     std::optional<int> parse(int argc, const char* const* argv);
+    /// Same, without the program's name.
+    std::optional<int> parse(std::vector<std::string> arguments);
 
     /// Same for tests: arguments without the program name, environment by function.
     using Environment = std::function<std::optional<std::string>(const std::string& name)>;

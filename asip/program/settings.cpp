@@ -155,7 +155,11 @@ int Settings::usage_error(const std::string& text) const {
 }
 
 std::optional<int> Settings::parse(int argc, const char* const* argv) {
-    return parse(std::vector<std::string>(argv + std::min(argc, 1), argv + argc), system_environment);
+    return parse(std::vector<std::string>(argv + std::min(argc, 1), argv + argc));
+}
+
+std::optional<int> Settings::parse(std::vector<std::string> arguments) {
+    return parse(std::move(arguments), system_environment);
 }
 
 std::optional<int> Settings::parse(std::vector<std::string> arguments, const Environment& environment) {

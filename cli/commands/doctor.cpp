@@ -1,11 +1,10 @@
 #include "cli/commands/doctor.hpp"
 
-#include <CLI/CLI.hpp>
 #include <ostream>
 
 #include "asip/protocol/request.hpp"
 #include "cli/board_source.hpp"
-#include "cli/command.hpp"
+#include "cli/declaration.hpp"
 #include "cli/doctor/findings.hpp"
 #include "cli/text/samples.hpp"
 
@@ -110,10 +109,15 @@ class Examination {
     std::size_t answers_ = 0;
 };
 
-int tell(const Findings& findings, const DoctorOptions& options, Context& context) {
-    context.out << (options.output == Output::kText ? findings_text(findings, context.colour)
-                                                    : findings_json(findings))
-                << std::flush;
+int print(const Findings& findings, const DoctorOptions& options, Context& context) {
+    if (options.output.for_people()) {
+        context.out << findings_text(findings, context.colour) << std::flush;
+    } else {
+        RecordPrinter records(options.output, RecordPrinter::Count::kList, context.out);
+        for (const auto& finding : findings)
+            records.print(finding_json(finding));
+        records.finish();
+    }
     return has_problem(findings) ? program::kExitFailure : program::kExitOk;
 }
 
@@ -135,26 +139,31 @@ int run_doctor(const DoctorOptions& options, Context& context) {
                            broker_advice(context.mqtt.brokers.front().describe())}};
         auto local = check_machine(look_at_machine());
         std::move(local.begin(), local.end(), std::back_inserter(findings));
-        tell(findings, options, context);
+        print(findings, options, context);
         return connected.error().status;
     }
     const auto seen = Examination(context, session, source).look();
     if (session.stopped()) return context.fail_with({program::kExitFailure, "interrupted"});
-    return tell(check_all(seen), options, context);
+    return print(check_all(seen), options, context);
 }
 
-void setup_doctor(CLI::App& app, Chosen& chosen) {
-    auto* command =
-        app.add_subcommand("doctor", "Find what is wrong with broker, registry, boards and this machine");
-    command->fallthrough();
+namespace {
+
+Run declare_doctor(Declaration& verb) {
     auto options = std::make_shared<DoctorOptions>();
-    add_output_option(*command, options->output, {Output::kText, Output::kJsonLines});
-    command->footer(
+    verb.output(options->output, {Output::kText}, {"level", "what", "advice"});
+    return [options](Context& context) { return run_doctor(*options, context); };
+}
+
+}  // namespace
+
+Verb doctor_verb() {
+    return {
+        "doctor", "Find what is wrong with broker, registry, boards and this machine",
         "Each finding says what to do. Exit status: 0 nothing is wrong, 1 something is, 3 the broker is.\n"
-        "Example:\n  asipctl doctor --broker pi.local");
-    command->callback([&chosen, options] {
-        chosen = [options](Context& context) { return run_doctor(*options, context); };
-    });
+        "Example:\n"
+        "  asipctl doctor --broker pi.local",
+        declare_doctor};
 }
 
 }  // namespace asip::cli

@@ -5,7 +5,7 @@
 namespace asip::cli {
 
 struct DoctorOptions {
-    Output output = Output::kText;
+    OutputOptions output{};
 };
 
 /// `asipctl doctor`: looks at broker, registry, boards and this machine. kExitFailure when something is

@@ -1,40 +1,19 @@
 #include "cli/commands/forget.hpp"
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <ostream>
-#include <set>
 
-#include "asip/model/json.hpp"
 #include "asip/protocol/request.hpp"
+#include "asip/text/nearest.hpp"
 #include "cli/board_source.hpp"
-#include "cli/command.hpp"
+#include "cli/declaration.hpp"
+#include "cli/forget_request.hpp"
 #include "cli/retained.hpp"
 #include "cli/target.hpp"
-#include "cli/text/table.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
-
-/// Asks the registry to forget; true when it did or knew nothing of the board, and where there is none.
-Outcome<void> tell_registry(Context& context, BusSession& session, BoardSource& source,
-                            const std::string& board) {
-    const auto registry = source.registry().empty() ? source.find_registry() : source.registry();
-    if (registry.empty()) return {};
-    std::optional<Expected<bus::Answer>> answer;
-    bus::RegistryRequest request;
-    request.what = bus::Forget{board, false};
-    session.ask(context.topics.registry_query(registry), bus::encode(request),
-                [&answer](const mqtt::Message& message) { answer = bus::parse_answer(message.payload); });
-    session.run_until([&answer] { return answer.has_value(); }, Clock::now() + context.timeout);
-    if (!answer || !*answer)
-        return failure(program::kExitNoAnswer, "registry " + registry + " did not answer");
-    if (!(*answer)->refused.empty() && (*answer)->refused != "unknown-board") {
-        return failure(program::kExitFailure, "registry " + registry + ": " + (*answer)->error);
-    }
-    return {};
-}
 
 /// Whether an agent (or the board itself) still speaks for it, whatever is retained.
 bool answers(Context& context, BusSession& session, const std::string& board) {
@@ -51,69 +30,22 @@ bool answers(Context& context, BusSession& session, const std::string& board) {
     return heard;
 }
 
-void print_topics(const std::vector<std::string>& topics, Output output, Context& context) {
+void print_topics(const std::vector<std::string>& topics, const OutputOptions& output, Context& context) {
+    RecordPrinter records(output, RecordPrinter::Count::kList, context.out);
     for (const auto& topic : topics) {
-        context.out << (output == Output::kText ? topic : model::dump_json(nlohmann::json{{"topic", topic}}))
-                    << '\n';
-    }
-    context.out << std::flush;
-}
-
-std::string kind_name(Lingering::Kind kind) {
-    switch (kind) {
-        case Lingering::Kind::kGoneBoard:
-            return "boards";
-        case Lingering::Kind::kCommand:
-            return "commands";
-        case Lingering::Kind::kOrphan:
-            return "orphans";
-        case Lingering::Kind::kIllegal:
-            return "names";
-        case Lingering::Kind::kGoneRegistry:
-            break;
-    }
-    return "registries";
-}
-
-void print_lingering(const std::vector<Lingering>& all, Output output, Context& context) {
-    Table table({{"TOPIC", false, 20}, {"KIND"}, {"WHY", false, 10}});
-    for (const auto& one : all) {
-        if (output == Output::kTable) {
-            table.add({one.topic, kind_name(one.kind), one.why});
-        } else if (output == Output::kName) {
-            context.out << one.topic << '\n';
+        if (output.for_people()) {
+            context.out << topic << '\n';
         } else {
-            context.out << model::dump_json(nlohmann::json{{"topic", one.topic},
-                                                           {"kind", kind_name(one.kind)},
-                                                           {"board", one.board},
-                                                           {"why", one.why}})
-                        << '\n';
+            records.print({{"topic", topic}});
         }
     }
-    if (!table.empty()) context.out << table.render(context.width, context.colour);
-    context.out << std::flush;
+    records.finish();
 }
 
-std::string counted(std::size_t count, const std::string& noun) {
-    return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
-
-/// Boards that a registry will not forget (they just came back, for one) are taken out of `lingering`.
-int tell_registry_of_all(Context& context, BusSession& session, BoardSource& source,
-                         std::vector<Lingering>& lingering) {
-    std::set<std::string> boards;
-    for (const auto& one : lingering) {
-        if (one.kind == Lingering::Kind::kGoneBoard) boards.insert(one.board);
-    }
-    int status = program::kExitOk;
-    for (const auto& board : boards) {
-        if (const auto told = tell_registry(context, session, source, board); !told) {
-            status = context.fail_with(told.error());
-            std::erase_if(lingering, [&board](const Lingering& one) { return one.board == board; });
-        }
-        if (source.registry().empty()) break;
-    }
-    return status;
+int nobody_knows(Context& context, BoardSource& source, const std::string& board) {
+    return context.fail_with({program::kExitFailure, "nobody knows a board \"" + board + "\"" +
+                                                         text::did_you_mean(board, source.names()) +
+                                                         ": nothing is retained of it; see asipctl list"});
 }
 
 }  // namespace
@@ -137,18 +69,18 @@ int run_forget(const ForgetOptions& options, Context& context) {
                                             "same, and its agent will announce it anew)"});
     }
     if (options.dry_run) {
+        if (topics.empty()) return nobody_knows(context, source, board);
         print_topics(topics, options.output, context);
         context.note("would clear " + counted(topics.size(), "retained topic"));
         return program::kExitOk;
     }
+    auto registry = Forgotten::kNoRegistry;
     if (!options.force) {
-        if (const auto told = tell_registry(context, session, source, board); !told)
-            return context.fail_with(told.error());
+        const auto asked = ask_to_forget(context, session, source, board);
+        if (!asked) return context.fail_with(asked.error());
+        registry = *asked;
     }
-    if (topics.empty() && source.registry().empty()) {
-        return context.fail_with(
-            {program::kExitFailure, "nothing is retained of a board '" + board + "'; see asipctl list"});
-    }
+    if (topics.empty() && registry != Forgotten::kYes) return nobody_knows(context, source, board);
     if (const auto cleared = clear_retained(context, session, topics); !cleared)
         return context.fail_with(cleared.error());
     print_topics(topics, options.output, context);
@@ -156,62 +88,22 @@ int run_forget(const ForgetOptions& options, Context& context) {
     return program::kExitOk;
 }
 
-int run_prune(const PruneOptions& options, Context& context) {
-    BusSession session(context);
-    BoardSource source(context, session);
-    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
-    auto lingering =
-        find_lingering(context.topics, read_retained(context, session, {context.topics.root() + "/#"}));
-    std::erase_if(lingering, [&](const Lingering& one) {
-        const auto& kinds = options.kinds;
-        return !kinds.empty() && std::find(kinds.begin(), kinds.end(), kind_name(one.kind)) == kinds.end();
-    });
-    print_lingering(lingering, options.output, context);
-    if (options.dry_run || lingering.empty()) {
-        context.note(lingering.empty() ? "nothing lingers"
-                                       : "would clear " + counted(lingering.size(), "retained topic"));
-        return program::kExitOk;
-    }
-    const int status = tell_registry_of_all(context, session, source, lingering);
-    std::vector<std::string> topics;
-    for (const auto& one : lingering)
-        topics.push_back(one.topic);
-    if (const auto cleared = clear_retained(context, session, topics); !cleared)
-        return context.fail_with(cleared.error());
-    context.note("cleared " + counted(topics.size(), "retained topic"));
-    return status;
-}
+namespace {
 
-void setup_forget(CLI::App& app, Chosen& chosen) {
-    auto* command = app.add_subcommand("forget", "Clear everything that is kept of a board that is gone");
-    command->fallthrough();
+Run declare_forget(Declaration& verb) {
     auto options = std::make_shared<ForgetOptions>();
-    command->add_option("board", options->board, "Name of the board")->required()->type_name("");
-    command->add_flag("--dry-run", options->dry_run, "Only show what would be cleared");
-    command->add_flag("--force", options->force, "Also a board that seems alive");
-    add_output_option(*command, options->output, {Output::kText, Output::kJsonLines});
-    command->footer("Prints the topics that are cleared.\nExample:\n  asipctl forget uno7");
-    command->callback([&chosen, options] {
-        chosen = [options](Context& context) { return run_forget(*options, context); };
-    });
+    verb.argument("BOARD", options->board, "Name of the board");
+    verb.flag("--dry-run", options->dry_run, "Only show what would be cleared");
+    verb.flag("--force", options->force, "Also a board that seems alive");
+    verb.output(options->output, {Output::kText}, {"topic"});
+    return [options](Context& context) { return run_forget(*options, context); };
 }
 
-void setup_prune(CLI::App& app, Chosen& chosen) {
-    auto* command = app.add_subcommand("prune", "Clear everything retained that nobody needs any more");
-    command->fallthrough();
-    auto options = std::make_shared<PruneOptions>();
-    command->add_flag("--dry-run", options->dry_run, "Only show what would be cleared");
-    command
-        ->add_option("--only", options->kinds,
-                     "boards (gone), commands (retained), orphans, names (illegal), registries (gone)")
-        ->delimiter(',')
-        ->check(CLI::IsMember({"boards", "commands", "orphans", "names", "registries"}))
-        ->type_name("KIND");
-    add_output_option(*command, options->output, {Output::kTable, Output::kJsonLines, Output::kName});
-    command->footer("Examples:\n  asipctl prune --dry-run\n  asipctl prune --only commands");
-    command->callback([&chosen, options] {
-        chosen = [options](Context& context) { return run_prune(*options, context); };
-    });
+}  // namespace
+
+Verb forget_verb() {
+    return {"forget", "Clear everything that is kept of a board that is gone",
+            "Prints the topics that are cleared.\nExample:\n  asipctl forget uno7", declare_forget};
 }
 
 }  // namespace asip::cli

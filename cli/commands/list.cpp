@@ -1,63 +1,101 @@
 #include "cli/commands/list.hpp"
 
-#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "asip/model/board_state.hpp"
-#include "asip/model/json.hpp"
 #include "asip/text/duration.hpp"
-#include "asip/text/nearest.hpp"
 #include "cli/board_source.hpp"
-#include "cli/command.hpp"
 #include "cli/commands/watch.hpp"
+#include "cli/declaration.hpp"
 
 namespace asip::cli {
 namespace {
 
-std::string seen_text(double age) {
+std::string ago_text(double age) {
     return age < 0 ? std::string("-") : text::duration_text(std::chrono::duration<double>(age)) + " ago";
 }
 
 template <class Item>
-std::string json_text(const std::vector<Item>& items, Output output) {
-    if (output == Output::kJsonLines) {
-        std::string text;
-        for (const auto& item : items)
-            text += model::dump_json(bus::to_json(item)) + "\n";
-        return text;
-    }
-    auto array = nlohmann::json::array();
+void print_records(const std::vector<Item>& items, const OutputOptions& output, Context& context) {
+    RecordPrinter records(output, RecordPrinter::Count::kList, context.out);
     for (const auto& item : items)
-        array.push_back(bus::to_json(item));
-    return model::dump_json_pretty(array) + "\n";
+        records.print(bus::to_json(item));
+    records.finish();
 }
 
 std::string number_text(const std::optional<int>& number) {
     return number ? std::to_string(*number) : "";
 }
 
-int show_all(const ListOptions& options, Context& context, BoardSource& source) {
-    const bool table = options.output == Output::kTable || options.output == Output::kWide;
-    if (options.services) {
-        const auto found = source.services(options.query);
-        if (!found) return context.fail_with(found.error());
-        if (found->empty() && table) context.note("no service matches");
-        context.out << services_text(*found, options.output, context.width, context.colour) << std::flush;
-        return program::kExitOk;
-    }
-    if (options.output == Output::kTable || options.output == Output::kName) {
-        const auto found = source.brief_boards(options.query);
-        if (!found) return context.fail_with(found.error());
-        if (found->empty() && table) context.note("no board matches");
-        context.out << brief_text(*found, options.output, context.width, context.colour) << std::flush;
-        return program::kExitOk;
-    }
-    const auto found = source.boards(options.query);
+using SortKey = std::pair<double, std::string>;
+
+template <class Board>
+SortKey board_key(const Board& board, const std::string& by) {
+    if (by == "announced") return {board.age < 0 ? std::numeric_limits<double>::max() : board.age, {}};
+    return {0, by == "state"    ? board.state
+               : by == "chip"   ? board.chip
+               : by == "sketch" ? board.sketch
+                                : std::string()};
+}
+
+SortKey sort_key(const bus::BriefBoard& board, const std::string& by) {
+    return board_key(board, by);
+}
+SortKey sort_key(const bus::BoardItem& board, const std::string& by) {
+    return board_key(board, by);
+}
+SortKey sort_key(const bus::ServiceItem& service, const std::string& by) {
+    return {0, by == "state" ? service.state : by == "kind" ? service.kind : std::string()};
+}
+
+std::string name_key(const bus::BriefBoard& board) {
+    return board.board;
+}
+std::string name_key(const bus::BoardItem& board) {
+    return board.board;
+}
+std::string name_key(const bus::ServiceItem& service) {
+    return service.board + "/" + service.name;
+}
+
+template <class Item>
+void sort_items(std::vector<Item>& items, const std::string& by, bool reverse) {
+    std::stable_sort(items.begin(), items.end(), [&](const Item& a, const Item& b) {
+        const auto left = std::make_pair(sort_key(a, by), name_key(a));
+        const auto right = std::make_pair(sort_key(b, by), name_key(b));
+        return reverse ? right < left : left < right;
+    });
+}
+
+template <class Item, class Text>
+int print_list(Outcome<std::vector<Item>> found, const ListOptions& options, Context& context,
+               const char* nothing, Text text) {
+    const auto& output = options.output;
     if (!found) return context.fail_with(found.error());
-    if (found->empty() && table) context.note("no board matches");
-    context.out << boards_text(*found, options.output, context.width, context.colour) << std::flush;
+    // By name they come.
+    if (options.sort != "name" || options.reverse) sort_list(*found, options.sort, options.reverse);
+    // Brief rows are for tables only.
+    if constexpr (!std::is_same_v<Item, bus::BriefBoard>) {
+        if (!output.for_people()) {
+            print_records(*found, output, context);
+            return program::kExitOk;
+        }
+    }
+    if (found->empty() && output.for_people() && output.form != Output::kName) context.note(nothing);
+    context.out << text(*found, output.form, context.width, context.colour) << std::flush;
     return program::kExitOk;
+}
+
+int show_all(const ListOptions& options, Context& context, BoardSource& source) {
+    const auto& output = options.output;
+    if (options.services())
+        return print_list(source.services(options.query), options, context, "no service matches",
+                          services_text);
+    if (output.form == Output::kWide || !output.for_people())
+        return print_list(source.boards(options.query), options, context, "no board matches", boards_text);
+    return print_list(source.brief_boards(options.query), options, context, "no board matches", brief_text);
 }
 
 }  // namespace
@@ -71,7 +109,8 @@ Colour state_colour(const std::string& state) {
 
 Table board_table(bool wide) {
     std::vector<Column> columns{
-        {"BOARD"}, {"STATE"}, {"CHIP", false, 6}, {"SKETCH", false, 6}, {"SERVICES", false, 10}, {"SEEN"}};
+        {"BOARD"},    {"STATE"}, {"CHIP", false, 6}, {"SKETCH", false, 6}, {"SERVICES", false, 10},
+        {"ANNOUNCED"}};
     if (wide) {
         columns.insert(columns.end(),
                        {{"PROTOCOL"}, {"LEASE", true}, {"LINK", false, 8}, {"AGENT", false, 8}, {"SESSION"}});
@@ -91,7 +130,7 @@ std::vector<Cell> brief_row(const bus::BriefBoard& board) {
     row.emplace_back(board.chip);
     row.emplace_back(board.sketch);
     row.emplace_back(board.services);
-    row.emplace_back(seen_text(board.age));
+    row.emplace_back(ago_text(board.age));
     return row;
 }
 
@@ -127,7 +166,6 @@ std::vector<Cell> service_row(const bus::ServiceItem& service, bool wide) {
 
 std::string boards_text(const std::vector<bus::BoardItem>& boards, Output output, std::size_t width,
                         bool colour) {
-    if (output == Output::kJson || output == Output::kJsonLines) return json_text(boards, output);
     const bool wide = output == Output::kWide;
     if (!wide) {
         std::vector<bus::BriefBoard> rows;
@@ -159,7 +197,6 @@ std::string brief_text(const std::vector<bus::BriefBoard>& boards, Output output
 
 std::string services_text(const std::vector<bus::ServiceItem>& services, Output output, std::size_t width,
                           bool colour) {
-    if (output == Output::kJson || output == Output::kJsonLines) return json_text(services, output);
     if (output == Output::kName) {
         std::string text;
         for (const auto& service : services)
@@ -174,6 +211,16 @@ std::string services_text(const std::vector<bus::ServiceItem>& services, Output 
     return table.render(wide ? 0 : width, colour);
 }
 
+void sort_list(std::vector<bus::BriefBoard>& boards, const std::string& by, bool reverse) {
+    sort_items(boards, by, reverse);
+}
+void sort_list(std::vector<bus::BoardItem>& boards, const std::string& by, bool reverse) {
+    sort_items(boards, by, reverse);
+}
+void sort_list(std::vector<bus::ServiceItem>& services, const std::string& by, bool reverse) {
+    sort_items(services, by, reverse);
+}
+
 int run_list(const ListOptions& options, Context& context) {
     if (options.watch) return run_watch(options, context);
     BusSession session(context);
@@ -182,50 +229,43 @@ int run_list(const ListOptions& options, Context& context) {
     return show_all(options, context, source);
 }
 
-void setup_list(CLI::App& app, Chosen& chosen) {
-    auto* command = app.add_subcommand("list", "Boards or services on the bus");
-    command->fallthrough();
+namespace {
+
+Run declare_list(Declaration& verb) {
     auto options = std::make_shared<ListOptions>();
-    auto what = std::make_shared<std::string>("boards");
-    command->add_option("what", *what, "boards (the default) or services")
-        ->check(CLI::IsMember({"boards", "services"}))
-        ->type_name("");
-    command->add_option("--board", options->query.board, "Only boards of this name; * and ? as in a shell")
-        ->type_name("PATTERN");
-    command->add_option("--kind", options->query.kind, "Only with such a service: distance, servo, ...")
-        ->delimiter(',')
-        ->type_name("KIND");
-    command->add_option("--state", options->query.state, "online, offline, lost, sleeping or updating")
-        ->delimiter(',')
-        ->check(CLI::IsMember({"online", "offline", "lost", "sleeping", "updating"}))
-        ->type_name("STATE");
-    command
-        ->add_option("--unit", options->query.unit,
-                     "Only with a service that measures or takes this unit: cm, ms, ...")
-        ->type_name("UNIT");
-    command->add_option("--chip", options->query.chip, "Only with this micro-controller")
-        ->type_name("PATTERN");
-    command->add_option("--sketch", options->query.sketch, "Only with this sketch")->type_name("PATTERN");
-    command
-        ->add_option("--capability", options->query.capability,
-                     "Only with a pin that can do this: digital, analog, pwm")
-        ->check(CLI::IsMember({"digital", "analog", "pwm"}))
-        ->type_name("WORD");
-    command->add_flag("-w,--watch", options->watch, "Go on and show what changes, until Ctrl-C");
-    add_output_option(*command, options->output,
-                      {Output::kTable, Output::kWide, Output::kJson, Output::kJsonLines, Output::kName});
-    command->footer(
-        "Examples:\n"
-        "  asipctl list\n"
-        "  asipctl list services --kind distance,servo\n"
-        "  asipctl list --state lost -o name\n"
-        "  asipctl list -w -o jsonl | jq .board");
-    command->callback([&chosen, options, what] {
-        chosen = [options, what](Context& context) {
-            options->services = *what == "services";
-            return run_list(*options, context);
-        };
-    });
+    auto& query = options->query;
+    verb.argument("boards|services", options->what, "Which list; default boards", Declaration::Needed::kNo);
+    verb.option("--board", "PATTERN", query.board, "Only boards of this name; * and ? as in a shell");
+    verb.option("--kind", "KIND", query.kind, "Only with such a service: distance, servo, ...");
+    verb.option("--state", "online|offline|lost|sleeping|updating", query.state,
+                "Only in one of these states");
+    verb.option("--unit", "UNIT", query.unit, "Only with a service that measures or takes this unit");
+    verb.option("--chip", "CHIP", query.chip, "Only with this micro-controller; * and ? as in a shell");
+    verb.option("--sketch", "SKETCH", query.sketch, "Only with this sketch; * and ? as in a shell");
+    verb.option("--capability", "digital|analog|pwm", query.capability, "Only with a pin that can do this");
+    verb.option("--sort", "name|state|chip|sketch|kind|announced", options->sort,
+                "What the list is sorted by");
+    verb.flag("-r,--reverse", options->reverse, "Sort the other way round");
+    verb.flag("-w,--watch", options->watch, "Continue and show what changes, until Ctrl-C");
+    verb.output(options->output, {Output::kTable, Output::kWide, Output::kName},
+                {"board", "state", "said", "chip", "sketch", "protocol", "lease", "age", "link", "agent",
+                 "session", "services", "name", "kind", "title", "count", "period", "id", "model"});
+    return [options](Context& context) { return run_list(*options, context); };
+}
+
+}  // namespace
+
+Verb list_verb() {
+    return {"list", "Boards or services on the bus",
+            "ANNOUNCED is how long ago the board's agent last announced it (about each third of the lease).\n"
+            "Examples:\n"
+            "  asipctl list\n"
+            "  asipctl list services --kind distance,servo\n"
+            "  asipctl list --state lost -o name\n"
+            "  asipctl list --sort announced\n"
+            "  asipctl list --format '{board} {chip}'\n"
+            "  asipctl list -w -o jsonl | jq .board",
+            declare_list};
 }
 
 }  // namespace asip::cli

@@ -11,10 +11,14 @@
 namespace asip::cli {
 
 struct ListOptions {
-    bool services = false;
+    std::string what = "boards";  ///< or `services`
     bus::Query query{};
+    std::string sort = "name";  ///< name, state, chip, sketch, kind or announced
+    bool reverse = false;
     bool watch = false;
-    Output output = Output::kTable;
+    OutputOptions output{Output::kTable, {}};
+
+    bool services() const { return what == "services"; }
 };
 
 /// `asipctl list`: boards or services, once or until Ctrl-C.
@@ -27,7 +31,7 @@ std::vector<Cell> brief_row(const bus::BriefBoard& board);
 Table service_table(bool wide);
 std::vector<Cell> service_row(const bus::ServiceItem& service, bool wide);
 
-/// A whole list as text, ended by a newline unless it is empty.
+/// A whole list in one of the forms for people, ended by a newline unless it is empty.
 std::string boards_text(const std::vector<bus::BoardItem>& boards, Output output, std::size_t width,
                         bool colour);
 /// The same, for the forms that brief rows suffice for: kTable and kName.
@@ -35,6 +39,11 @@ std::string brief_text(const std::vector<bus::BriefBoard>& boards, Output output
                        bool colour);
 std::string services_text(const std::vector<bus::ServiceItem>& services, Output output, std::size_t width,
                           bool colour);
+
+/// Sorts by a word of ListOptions::sort; what has no such member, or the same, stays by name.
+void sort_list(std::vector<bus::BriefBoard>& boards, const std::string& by, bool reverse);
+void sort_list(std::vector<bus::BoardItem>& boards, const std::string& by, bool reverse);
+void sort_list(std::vector<bus::ServiceItem>& services, const std::string& by, bool reverse);
 
 Colour state_colour(const std::string& state);
 

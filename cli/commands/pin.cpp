@@ -1,16 +1,14 @@
 #include "cli/commands/pin.hpp"
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "asip/model/json.hpp"
 #include "asip/protocol/body.hpp"
 #include "asip/text/nearest.hpp"
-#include "cli/app.hpp"
 #include "cli/board_request.hpp"
-#include "cli/command.hpp"
 #include "cli/commands/show.hpp"
+#include "cli/declaration.hpp"
 
 namespace asip::cli {
 namespace {
@@ -46,8 +44,10 @@ class PinAccess {
     }
 
     Outcome<bus::Reply> request(const std::string& text) {
-        auto reply = ask_board(context_, session_,
-                               {context_.topics.service_in(board_.item.board, service_), text, "I," + text});
+        const auto& name = board_.item.board;
+        auto reply =
+            ask_board(context_, session_,
+                      {context_.topics.service_in(name, service_), text, "I," + text, name + "/" + service_});
         if (!reply) return reply;
         if (!reply->succeeded()) return failure(exit_status(*reply), "I," + text + ": " + explain(*reply));
         return reply;
@@ -129,10 +129,10 @@ class PinAccess {
 
 void print(const PinOptions& options, Context& context, int pin, const Reading& reading) {
     const auto mode = protocol::to_text(reading.mode);
-    if (options.output != Output::kText) {
-        nlohmann::json object{{"board", options.board}, {"pin", pin}, {"mode", mode}};
-        if (reading.value) object["value"] = *reading.value;
-        context.out << model::dump_json(object) << std::endl;
+    if (!options.output.for_people()) {
+        nlohmann::json record{{"board", options.board}, {"pin", pin}, {"mode", mode}};
+        if (reading.value) record["value"] = *reading.value;
+        RecordPrinter(options.output, RecordPrinter::Count::kOne, context.out).print(record);
         return;
     }
     context.out << pin << ' ' << mode;
@@ -166,14 +166,18 @@ Outcome<void> act(const PinOptions& options, Context& context, PinAccess& access
     const auto action = parse_pin_word(options.word);
     if (!action) return tl::unexpected(action.error());
     for (const auto& request : pin_requests(*pin, *action, mode)) {
-        if (const auto done = access.request(request); !done) return tl::unexpected(done.error());
+        if (auto done = access.request(request); !done) {
+            if (access.board().description) done.error().text += why_taken(*access.board().description, *pin);
+            return tl::unexpected(std::move(done.error()));
+        }
     }
     const bool level = action->kind == PinAction::Kind::kWrite;
     print(options, context, *pin, {action->mode, level ? std::optional<int>(action->value) : std::nullopt});
     return {};
 }
 
-Outcome<void> show_pins(Context& context, const KnownBoard& board, PinAccess& access) {
+Outcome<void> show_pins(const PinOptions& options, Context& context, const KnownBoard& board,
+                        PinAccess& access) {
     if (!board.description)
         return failure(program::kExitFailure, board.item.board + " publishes no description");
     auto description = *board.description;
@@ -182,7 +186,14 @@ Outcome<void> show_pins(Context& context, const KnownBoard& board, PinAccess& ac
         for (const auto mode : *modes)
             description.pins.modes += static_cast<char>('0' + static_cast<int>(mode));
     }
-    context.out << pins_text(description, context.width, context.colour) << std::flush;
+    if (options.output.for_people()) {
+        context.out << pins_text(description, context.width, context.colour) << std::flush;
+        return {};
+    }
+    RecordPrinter records(options.output, RecordPrinter::Count::kList, context.out);
+    for (const auto& record : pin_records(description))
+        records.print(record);
+    records.finish();
     return {};
 }
 
@@ -193,13 +204,26 @@ Outcome<int> parse_pin(std::string_view text, const model::PinsInfo& pins) {
     const bool digital = text.size() > 1 && (text[0] == 'D' || text[0] == 'd');
     const auto number = protocol::parse_integer(analog || digital ? text.substr(1) : text);
     if (!number || *number < 0 || *number > 255) {
-        return failure(program::kExitUsage, "'" + std::string(text) + "' is no pin; write 13, D13 or A0");
+        return failure(program::kExitUsage, "'" + std::string(text) + "' is not a pin; write 13, D13 or A0");
     }
     if (!analog) return static_cast<int>(*number);
     for (const auto& [pin, channel] : pins.analog) {
         if (channel == *number) return pin;
     }
     return failure(program::kExitUsage, "the board has no analog channel " + std::to_string(*number));
+}
+
+std::string why_taken(const model::Description& description, int pin) {
+    const auto index = static_cast<std::size_t>(pin);
+    const char owner = index < description.pins.owners.size() ? description.pins.owners[index] : '\0';
+    const auto where = "; pin " + std::to_string(pin);
+    if (owner == '@') return where + " belongs to the board itself, such as its serial line";
+    for (const auto& service : description.services) {
+        if (service.id != owner || owner == '\0' || service.name == "io") continue;
+        const auto name = description.board + "/" + service.name;
+        return where + " belongs to the service " + name + ": command that, see asipctl show " + name;
+    }
+    return {};
 }
 
 Outcome<PinAction> parse_pin_word(std::string_view word) {
@@ -214,8 +238,9 @@ Outcome<PinAction> parse_pin_word(std::string_view word) {
     if (mode && protocol::is_settable(*mode)) return PinAction{PinAction::Kind::kMode, *mode, 0};
     const std::vector<std::string> words{"high",   "low",    "on",     "off", "input",
                                          "pullup", "output", "analog", "pwm"};
-    return failure(program::kExitUsage, "'" + std::string(word) + "'" + text::did_you_mean(word, words) +
-                                            ": say high, low, input, pullup, output, analog, pwm or 0..255");
+    return failure(program::kExitUsage,
+                   "'" + std::string(word) + "'" + text::did_you_mean(word, words) +
+                       ": write high, low, input, pullup, output, analog, pwm or 0..255");
 }
 
 std::vector<std::string> pin_requests(int pin, const PinAction& action, std::optional<PinMode> mode) {
@@ -246,32 +271,36 @@ int run_pin(const PinOptions& options, Context& context) {
     PinAccess access(context, session, *board);
     access.listen();
     const auto done =
-        options.pin.empty() ? show_pins(context, *board, access) : act(options, context, access);
+        options.pin.empty() ? show_pins(options, context, *board, access) : act(options, context, access);
     return done ? program::kExitOk : context.fail_with(done.error());
 }
 
-void setup_pin(CLI::App& app, Chosen& chosen) {
-    auto* command = app.add_subcommand("pin", "Read or set a pin in words");
-    command->fallthrough();
+namespace {
+
+Run declare_pin(Declaration& verb) {
     auto options = std::make_shared<PinOptions>();
-    command->add_option("board", options->board, "Name of the board")->required()->type_name("");
-    command->add_option("pin", options->pin, "13, D13 or A0; without it all pins are shown")->type_name("");
-    command
-        ->add_option("word", options->word,
-                     "high, low, input, pullup, output, analog, pwm or 0..255; without it the pin is read")
-        ->type_name("");
-    add_output_option(*command, options->output, {Output::kText, Output::kJson, Output::kJsonLines});
-    command->footer(
-        "Sets the mode that the word needs: high and low make an output, 0..255 makes PWM.\n"
-        "Examples:\n  asipctl pin uno1 13 high\n  asipctl pin uno1 3 128\n  asipctl pin uno1 2 pullup\n  "
-        "asipctl pin uno1 2\n"
-        "  asipctl pin uno1 A0");
-    command->callback([&chosen, options] {
-        chosen = [options](Context& context) {
-            unmark(options->word);
-            return run_pin(*options, context);
-        };
-    });
+    verb.argument("BOARD", options->board, "Name of the board");
+    verb.argument("PIN", options->pin, "13, D13 or A0; without it all pins are shown",
+                  Declaration::Needed::kNo);
+    verb.argument("high|low|input|pullup|output|analog|pwm|...", options->word,
+                  "What to set, or 0..255 for PWM; without it the pin is read", Declaration::Needed::kNo);
+    verb.output(options->output, {Output::kText},
+                {"board", "pin", "mode", "value", "owner", "can", "channel"});
+    return [options](Context& context) { return run_pin(*options, context); };
+}
+
+}  // namespace
+
+Verb pin_verb() {
+    return {"pin", "Read or set a pin in words",
+            "Sets the mode that the word needs: high and low make an output, 0..255 makes PWM.\n"
+            "Examples:\n"
+            "  asipctl pin uno1 13 high\n"
+            "  asipctl pin uno1 3 128\n"
+            "  asipctl pin uno1 2 pullup\n"
+            "  asipctl pin uno1 2\n"
+            "  asipctl pin uno1 A0",
+            declare_pin};
 }
 
 }  // namespace asip::cli

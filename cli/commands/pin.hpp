@@ -15,7 +15,7 @@ struct PinOptions {
     std::string board;
     std::string pin;   ///< empty: all of them, as the board says
     std::string word;  ///< empty: read it
-    Output output = Output::kText;
+    OutputOptions output{};
 };
 
 /// `asipctl pin`: reads or sets one pin in words.
@@ -23,6 +23,10 @@ int run_pin(const PinOptions& options, Context& context);
 
 /// `13`, `D13`, or `A0` by the board's analog map. Fails with kExitUsage.
 Outcome<int> parse_pin(std::string_view text, const model::PinsInfo& pins);
+
+/// What to put behind the board's error when a pin belongs to another service than io: `; pin 9 belongs to
+/// the service desk/servo: ...`. Empty when it does not, or when the board does not report owners.
+std::string why_taken(const model::Description& description, int pin);
 
 /// What a word asks for.
 struct PinAction {

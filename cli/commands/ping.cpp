@@ -1,28 +1,27 @@
 #include "cli/commands/ping.hpp"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "asip/model/json.hpp"
 #include "asip/protocol/request.hpp"
 #include "asip/text/duration.hpp"
 #include "cli/board_request.hpp"
-#include "cli/command.hpp"
+#include "cli/declaration.hpp"
 
 namespace asip::cli {
 namespace {
 
 class Pinger {
   public:
-    Pinger(const PingOptions& options, Context& context, Duration interval)
+    Pinger(const PingOptions& options, Context& context)
         : options_(options),
           context_(context),
-          interval_(interval),
+          count_(options.count.value_or(context.terminal() ? 0 : kPingsInScripts)),
           session_(context),
-          source_(context, session_) {
+          source_(context, session_),
+          records_(options.output, RecordPrinter::Count::kStream, context.out) {
         summary_.board = options.board;
     }
 
@@ -36,14 +35,17 @@ class Pinger {
         if (!board) return context_.fail_with(board.error());
         echo_ = board->description && board->description->firmware.extensions.has(protocol::kEcho);
         by_name_ = !board->description;
-        while (!session_.stopped() && (options_.count == 0 || summary_.sent < options_.count)) {
-            const auto next = Clock::now() + interval_;
+        while (!session_.stopped() && (count_ == 0 || summary_.sent < count_)) {
+            const auto next = Clock::now() + options_.interval;
             once();
-            const bool last = options_.count != 0 && summary_.sent >= options_.count;
+            const bool last = count_ != 0 && summary_.sent >= count_;
             if (!last) session_.run_until([] { return false; }, next);
         }
-        context_.out << (options_.output == Output::kText ? summary_.text() : summary_.json() + "\n")
-                     << std::flush;
+        if (options_.output.for_people()) {
+            context_.out << summary_.text() << std::flush;
+        } else {
+            records_.print(summary_.json());
+        }
         if (!summary_.milliseconds.empty()) return program::kExitOk;
         return summary_.failed > 0 ? program::kExitFailure : program::kExitNoAnswer;
     }
@@ -68,7 +70,7 @@ class Pinger {
             --summary_.sent;
             return;
         }
-        tell(returned_ ? std::optional<Duration>(*returned_ - begin) : std::nullopt, reply);
+        print(returned_ ? std::optional<Duration>(*returned_ - begin) : std::nullopt, reply);
     }
 
     void take_line(const std::string& line) {
@@ -76,7 +78,7 @@ class Pinger {
         if (by_name_ && !returned_ && line.starts_with(expected_)) returned_ = Clock::now();
     }
 
-    void tell(std::optional<Duration> took, const std::optional<bus::Reply>& reply) {
+    void print(std::optional<Duration> took, const std::optional<bus::Reply>& reply) {
         const bool answered = took && (!reply || reply->succeeded());
         std::string problem = took ? "" : "no answer within " + text::duration_text(context_.timeout);
         if (took && !answered) {
@@ -86,22 +88,23 @@ class Pinger {
         const double milliseconds = took ? std::chrono::duration<double, std::milli>(*took).count() : 0;
         if (answered) summary_.milliseconds.add(milliseconds);
         if (options_.quiet) return;
-        if (options_.output == Output::kText) {
+        if (options_.output.for_people()) {
             context_.out << options_.board << ": seq=" << summary_.sent << ' '
                          << (answered ? fmt::format("time={:.2f} ms", milliseconds) : problem) << std::endl;
             return;
         }
         nlohmann::json object{{"board", options_.board}, {"seq", summary_.sent}};
         if (answered) object["ms"] = milliseconds;
-        if (!answered) object["error"] = problem;
-        context_.out << model::dump_json(object) << std::endl;
+        if (!answered) object["problem"] = problem;
+        records_.print(object);
     }
 
     const PingOptions& options_;
     Context& context_;
-    Duration interval_;
+    std::size_t count_;
     BusSession session_;
     BoardSource source_;
+    RecordPrinter records_;
     PingSummary summary_;
     bool echo_ = false;
     bool by_name_ = false;
@@ -121,23 +124,23 @@ std::string PingSummary::text() const {
     auto text = fmt::format("\n{}: {} sent, {} answered, {:.0f} % lost\n", board, sent, milliseconds.size(),
                             loss_percent());
     if (milliseconds.empty()) return text;
-    return text + fmt::format("round trip: least {:.2f}, p50 {:.2f}, p99 {:.2f}, greatest {:.2f} ms\n",
-                              milliseconds.least(), milliseconds.percentile(50), milliseconds.percentile(99),
-                              milliseconds.greatest());
+    return text + fmt::format("round trip: minimum {:.2f}, p50 {:.2f}, p99 {:.2f}, maximum {:.2f} ms\n",
+                              milliseconds.minimum(), milliseconds.percentile(50),
+                              milliseconds.percentile(99), milliseconds.maximum());
 }
 
-std::string PingSummary::json() const {
+nlohmann::json PingSummary::json() const {
     nlohmann::json object{{"board", board},
                           {"sent", sent},
                           {"answered", milliseconds.size()},
                           {"loss_percent", loss_percent()}};
     if (!milliseconds.empty()) {
-        object["ms"] = {{"least", milliseconds.least()},
+        object["ms"] = {{"minimum", milliseconds.minimum()},
                         {"p50", milliseconds.percentile(50)},
                         {"p99", milliseconds.percentile(99)},
-                        {"greatest", milliseconds.greatest()}};
+                        {"maximum", milliseconds.maximum()}};
     }
-    return model::dump_json(object);
+    return object;
 }
 
 int run_ping(const PingOptions& options, Context& context) {
@@ -145,27 +148,33 @@ int run_ping(const PingOptions& options, Context& context) {
     if (!target) return context.fail_with(target.error());
     if (!target->service.empty())
         return context.fail_with({program::kExitUsage, "ping takes a board, not a service"});
-    const auto interval = text::parse_duration(options.interval);
-    if (!interval) return context.fail_with({program::kExitUsage, "-i: " + interval.error()});
-    return Pinger(options, context, *interval).run();
+    return Pinger(options, context).run();
 }
 
-void setup_ping(CLI::App& app, Chosen& chosen) {
-    auto* command =
-        app.add_subcommand("ping", "Round trip to the board itself, through broker, agent and link");
-    command->fallthrough();
+namespace {
+
+Run declare_ping(Declaration& verb) {
     auto options = std::make_shared<PingOptions>();
-    command->add_option("board", options->board, "Name of the board")->required()->type_name("");
-    command->add_option("-c,--count", options->count, "How many; without it until Ctrl-C")
-        ->type_name("COUNT");
-    command->add_option("-i,--interval", options->interval, "From one to the next")
-        ->capture_default_str()
-        ->type_name("DURATION");
-    command->add_flag("-q,--quiet", options->quiet, "Only the summary");
-    add_output_option(*command, options->output, {Output::kText, Output::kJsonLines});
-    command->footer("Examples:\n  asipctl ping uno1 -c 5\n  asipctl ping uno1 -c 1000 -i 0 -q");
-    command->callback(
-        [&chosen, options] { chosen = [options](Context& context) { return run_ping(*options, context); }; });
+    verb.argument("BOARD", options->board, "Name of the board");
+    verb.option(
+        "-n,-c,--count", "COUNT", options->count,
+        "End after so many; 0: until Ctrl-C, which is the default on a terminal; else the default is 5");
+    verb.option("-i,--interval", options->interval, "From one to the next");
+    verb.flag("-q,--quiet", options->quiet, "Only the summary");
+    verb.output(options->output, {Output::kText},
+                {"board", "seq", "ms", "problem", "sent", "answered", "loss_percent"});
+    return [options](Context& context) { return run_ping(*options, context); };
+}
+
+}  // namespace
+
+Verb ping_verb() {
+    return {"ping", "Round trip to the board itself, through broker, agent and link",
+            "Exit status: 0 when at least one was answered, 4 when none was.\n"
+            "Examples:\n"
+            "  asipctl ping uno1 -n 5\n"
+            "  asipctl ping uno1 -n 1000 -i 0 -q",
+            declare_ping};
 }
 
 }  // namespace asip::cli

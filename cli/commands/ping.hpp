@@ -1,5 +1,8 @@
 #pragma once
+#include <chrono>
 #include <cstddef>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "cli/context.hpp"
@@ -10,11 +13,14 @@ namespace asip::cli {
 
 struct PingOptions {
     std::string board;
-    std::size_t count = 0;  ///< 0: until Ctrl-C
-    std::string interval = "1s";
+    std::optional<std::size_t> count{};  ///< 0: until Ctrl-C; none: 0 on a terminal, else kPingsInScripts
+    std::chrono::milliseconds interval{1000};
     bool quiet = false;
-    Output output = Output::kText;
+    OutputOptions output{};
 };
+
+/// How many when nobody can press Ctrl-C.
+inline constexpr std::size_t kPingsInScripts = 5;
 
 /// `asipctl ping`: the time a request takes to the board and back. kExitNoAnswer when no answer came at all.
 int run_ping(const PingOptions& options, Context& context);
@@ -28,7 +34,7 @@ struct PingSummary {
 
     double loss_percent() const;
     std::string text() const;
-    std::string json() const;
+    nlohmann::json json() const;
 };
 
 }  // namespace asip::cli

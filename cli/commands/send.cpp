@@ -1,14 +1,14 @@
 #include "cli/commands/send.hpp"
 
-#include <CLI/CLI.hpp>
 #include <deque>
 #include <istream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "cli/app.hpp"
+#include "asip/model/json.hpp"
 #include "cli/board_request.hpp"
-#include "cli/command.hpp"
+#include "cli/declaration.hpp"
 
 namespace asip::cli {
 namespace {
@@ -17,7 +17,13 @@ namespace {
 class Sender {
   public:
     Sender(const SendOptions& options, Context& context)
-        : options_(options), context_(context), session_(context), source_(context, session_) {}
+        : options_(options),
+          context_(context),
+          session_(context),
+          source_(context, session_),
+          records_(options.output,
+                   options.from_input ? RecordPrinter::Count::kStream : RecordPrinter::Count::kOne,
+                   context.out) {}
 
     int run() {
         if (const auto connected = session_.connect(); !connected)
@@ -43,7 +49,8 @@ class Sender {
         std::string line;
         for (std::size_t number = 1; !session_.stopped() && std::getline(context_.in, line); ++number) {
             const auto where = "line " + std::to_string(number) + ": ";
-            if (line.find_first_not_of(" \t\r") == std::string::npos || line.front() == '#') continue;
+            const auto first = line.find_first_not_of(" \t\r");
+            if (first == std::string::npos || line[first] == '#') continue;
             const auto command = prepare_line(line);
             if (!command) {
                 drain(0);
@@ -89,7 +96,7 @@ class Sender {
     }
 
     void send(const BoardCommand& command, const std::string& where) {
-        if (!options_.wait) {
+        if (options_.no_wait) {
             session_.publish(command.topic, command.payload, 1);
             return;
         }
@@ -99,9 +106,9 @@ class Sender {
             [&waiting](const mqtt::Message& message) { waiting.answer = message; }, 1);
     }
 
-    /// Waits until at most `most` commands are unanswered.
-    void drain(std::size_t most) {
-        while (waiting_.size() > most) {
+    /// Waits until at most `maximum` commands are unanswered.
+    void drain(std::size_t maximum) {
+        while (waiting_.size() > maximum) {
             auto& oldest = waiting_.front();
             session_.run_until([&oldest] { return oldest.answer.has_value(); },
                                oldest.sent + context_.timeout);
@@ -113,12 +120,12 @@ class Sender {
 
     void report(const Waiting& done) {
         if (!done.answer) {
-            report_failure(
-                done.where,
-                {program::kExitNoAnswer,
-                 session_.stopped() ? "interrupted before " + done.command.line + " was answered"
-                                    : "nobody answered " + done.command.line + " on " + done.command.topic +
-                                          " within " + std::to_string(context_.timeout.count()) + " ms"});
+            const auto text = session_.stopped()
+                                  ? "interrupted before " + done.command.line + " was answered"
+                                  : "nobody answered " + done.command.line + " on " + done.command.topic +
+                                        " within " + std::to_string(context_.timeout.count()) + " ms";
+            print(done, {{"status", "timeout"}, {"reason", "no-answer"}, {"error", text}});
+            report_failure(done.where, {program::kExitNoAnswer, text});
             return;
         }
         const auto reply = bus::parse_reply(done.answer->payload);
@@ -127,13 +134,20 @@ class Sender {
                            {program::kExitNoAnswer, "the answer cannot be read: " + reply.error()});
             return;
         }
-        if (options_.output == Output::kText) {
+        if (options_.output.for_people()) {
             if (reply->succeeded()) context_.out << answer_text(*reply) << '\n' << std::flush;
         } else {
-            context_.out << bus::to_json_text(*reply) << '\n' << std::flush;
+            print(done, *model::parse_json(bus::to_json_text(*reply)));
         }
         if (!reply->succeeded())
             report_failure(done.where, {exit_status(*reply), done.command.line + ": " + explain(*reply)});
+    }
+
+    void print(const Waiting& done, nlohmann::json record) {
+        if (options_.output.for_people()) return;
+        record["target"] = done.command.target;
+        record["line"] = done.command.line;
+        records_.print(record);
     }
 
     void report_failure(const std::string& where, const Failure& failed) {
@@ -145,6 +159,7 @@ class Sender {
     Context& context_;
     BusSession session_;
     BoardSource source_;
+    RecordPrinter records_;
     std::map<std::string, KnownBoard> boards_;
     std::deque<Waiting> waiting_;
     int status_ = program::kExitOk;
@@ -167,44 +182,38 @@ int run_send(const SendOptions& options, Context& context) {
     return Sender(options, context).run();
 }
 
-void setup_send(CLI::App& app, Chosen& chosen) {
-    auto* command = app.add_subcommand("send", "Give a service a command and wait for its acknowledgement");
-    command->fallthrough();
+namespace {
+
+Run declare_send(Declaration& verb) {
     auto options = std::make_shared<SendOptions>();
-    auto no_wait = std::make_shared<bool>(false);
-    command->add_option("target", options->target, "BOARD/SERVICE, or BOARD for request lines")
-        ->type_name("");
-    command
-        ->add_option("command", options->words,
-                     "Command and arguments, or one JSON object; see asipctl show BOARD/SERVICE")
-        ->type_name("");
-    command->add_option("--raw", options->raw, "Send this ASIP request line to the board, as S,W,0,90")
-        ->type_name("LINE");
-    command->add_flag("--stdin", options->from_input,
-                      "Read commands from standard input, one a line: [BOARD/SERVICE] COMMAND [ARG...]");
-    command->add_flag("--no-wait", *no_wait, "Do not wait for the acknowledgement");
-    command
-        ->add_option("--in-flight", options->in_flight, "With --stdin: how many may be unanswered at a time")
-        ->check(CLI::Range(1, 256))
-        ->capture_default_str()
-        ->type_name("N");
-    add_output_option(*command, options->output, {Output::kText, Output::kJson, Output::kJsonLines});
-    command->footer(
-        "Prints ok, or what the board answered. Exit status: 0 executed by the board, 1 refused, 4 no "
-        "answer.\n"
-        "Examples:\n"
-        "  asipctl send uno1/servo write 0 90\n"
-        "  asipctl send uno1/servo '{\"write\":{\"servo\":0,\"angle\":90}}'\n"
-        "  asipctl send uno1 --raw S,W,0,90\n"
-        "  printf 'uno1/servo write 0 10\\nuno1/servo write 0 170\\n' | asipctl send --stdin");
-    command->callback([&chosen, options, no_wait] {
-        chosen = [options, no_wait](Context& context) {
-            options->wait = !*no_wait;
-            for (auto& word : options->words)
-                unmark(word);
-            return run_send(*options, context);
-        };
-    });
+    verb.argument("BOARD/SERVICE", options->target, "Whom; BOARD alone takes request lines",
+                  Declaration::Needed::kNo);
+    verb.arguments("COMMAND", options->words,
+                   "Command and arguments, or one JSON object; see asipctl show BOARD/SERVICE",
+                   Declaration::Needed::kNo);
+    verb.option("--raw", "LINE", options->raw, "Send this ASIP request line to the board, as S,W,0,90");
+    verb.flag("--stdin", options->from_input,
+              "Read commands from standard input, one a line: [BOARD/SERVICE] COMMAND [ARG...]");
+    verb.flag("--no-wait", options->no_wait, "Do not wait for the acknowledgement");
+    verb.option("--in-flight", "COUNT", options->in_flight,
+                "With --stdin: how many may be unanswered at a time", 1, 256);
+    verb.output(options->output, {Output::kText},
+                {"target", "line", "status", "proof", "answer", "code", "error", "reason"});
+    return [options](Context& context) { return run_send(*options, context); };
+}
+
+}  // namespace
+
+Verb send_verb() {
+    return {"send", "Give a service a command and wait for its acknowledgement",
+            "Prints ok, or what the board answered. Exit status: 0 executed by the board, 1 refused, 4 no "
+            "answer.\n"
+            "Examples:\n"
+            "  asipctl send uno1/servo write 0 90\n"
+            "  asipctl send uno1/servo '{\"write\":{\"servo\":0,\"angle\":90}}'\n"
+            "  asipctl send uno1 --raw S,W,0,90\n"
+            "  printf 'uno1/servo write 0 10\\nuno1/servo write 0 170\\n' | asipctl send --stdin",
+            declare_send};
 }
 
 }  // namespace asip::cli

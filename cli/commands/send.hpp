@@ -12,9 +12,9 @@ struct SendOptions {
     std::vector<std::string> words;  ///< command and arguments
     std::string raw;                 ///< a request line for the board itself, instead of words
     bool from_input = false;         ///< one command a line of standard input
-    bool wait = true;
-    std::size_t in_flight = 16;  ///< commands of standard input that may be unanswered at a time
-    Output output = Output::kText;
+    bool no_wait = false;            ///< do not wait for answers
+    std::size_t in_flight = 16;      ///< commands of standard input that may be unanswered at a time
+    OutputOptions output{};
 };
 
 /// `asipctl send`: one command, or those of standard input in order; the status is that of the first that

@@ -1,6 +1,5 @@
 #include "cli/commands/show.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -9,8 +8,8 @@
 #include "asip/protocol/pin.hpp"
 #include "asip/text/duration.hpp"
 #include "asip/text/wall_time.hpp"
-#include "cli/command.hpp"
 #include "cli/commands/list.hpp"
+#include "cli/declaration.hpp"
 #include "cli/target.hpp"
 #include "cli/text/width.hpp"
 
@@ -23,8 +22,8 @@ std::string labelled(const std::string& label, const std::string& value, bool co
                      Colour value_colour = Colour::kNone) {
     if (value.empty()) return {};
     const std::string blanks(kLabelColumns - std::min(kLabelColumns, label.size()), ' ');
-    return painted(label, Colour::kDim, colour) + blanks + painted(printable(value), value_colour, colour) +
-           "\n";
+    return painted(label, Colour::kDim, colour) + blanks +
+           painted(for_terminal(value), value_colour, colour) + "\n";
 }
 
 std::string extensions_text(const model::Description& description) {
@@ -49,13 +48,20 @@ std::string presence_text(const bus::BoardItem& item) {
     return text;
 }
 
-std::string capability_text(char digit) {
+std::vector<std::string> capabilities(char digit) {
     const int bits = digit >= '0' && digit <= '7' ? digit - '0' : 0;
+    std::vector<std::string> words;
+    if ((bits & protocol::kCapabilityDigital) != 0) words.emplace_back("digital");
+    if ((bits & protocol::kCapabilityAnalogIn) != 0) words.emplace_back("analog");
+    if ((bits & protocol::kCapabilityPwm) != 0) words.emplace_back("pwm");
+    return words;
+}
+
+std::string capability_text(char digit) {
     std::string text;
-    if ((bits & protocol::kCapabilityDigital) != 0) text += " digital";
-    if ((bits & protocol::kCapabilityAnalogIn) != 0) text += " analog";
-    if ((bits & protocol::kCapabilityPwm) != 0) text += " pwm";
-    return text.empty() ? text : text.substr(1);
+    for (const auto& word : capabilities(digit))
+        text += (text.empty() ? "" : " ") + word;
+    return text;
 }
 
 std::string mode_text(char digit) {
@@ -123,6 +129,24 @@ std::string field_text(const model::Field& field) {
     return field.unit.empty() ? text : text + " " + field.unit;
 }
 
+std::vector<nlohmann::json> pin_records(const model::Description& description) {
+    const auto& pins = description.pins;
+    const auto count = std::max({pins.capabilities.size(), pins.owners.size(), pins.modes.size()});
+    std::vector<nlohmann::json> records;
+    for (std::size_t pin = 0; pin < count; ++pin) {
+        nlohmann::json record{{"board", description.board}, {"pin", pin}};
+        if (const auto mode = mode_text(at(pins.modes, pin)); !mode.empty()) record["mode"] = mode;
+        if (const auto owner = owner_text(description, at(pins.owners, pin)); !owner.empty())
+            record["owner"] = owner;
+        record["can"] = capabilities(at(pins.capabilities, pin));
+        for (const auto& [digital, channel] : pins.analog) {
+            if (digital == pin) record["channel"] = channel;
+        }
+        records.push_back(std::move(record));
+    }
+    return records;
+}
+
 std::string pins_text(const model::Description& description, std::size_t width, bool colour) {
     const auto& pins = description.pins;
     const auto count = std::max({pins.capabilities.size(), pins.owners.size(), pins.modes.size()});
@@ -138,11 +162,38 @@ std::string pins_text(const model::Description& description, std::size_t width, 
     return table.render(width, colour);
 }
 
+std::string model_text(const model::ServiceModel& model, std::size_t width, bool colour) {
+    std::string text;
+    if (!model.events.empty()) {
+        Table events({{"REPORTS"}, {"FIELDS", false, 10}, {"", false, 10}});
+        for (const auto& event : model.events) {
+            std::string fields;
+            for (const auto& field : event.fields)
+                fields += (fields.empty() ? "" : ", ") + field_text(field);
+            events.add({event.name, fields, event.title});
+        }
+        text += "\n" + events.render(width, colour);
+    }
+    if (!model.commands.empty()) {
+        Table commands({{"COMMAND"}, {"ARGUMENTS", false, 10}, {"", false, 10}});
+        for (const auto& command : model.commands) {
+            std::string args;
+            for (const auto& field : command.args) {
+                if (field.type == model::ValueType::Count) continue;
+                args += (args.empty() ? "" : ", ") + field_text(field);
+            }
+            commands.add({command.name, args, command.title});
+        }
+        text += "\n" + commands.render(width, colour);
+    }
+    return text;
+}
+
 std::string service_text(const std::string& board, const model::ServiceInfo& service,
                          const model::ServiceModel* model, std::size_t width, bool colour) {
     auto text = painted(board + "/" + service.name, Colour::kBold, colour);
     const auto title = model != nullptr ? model->title : service.title;
-    if (!title.empty()) text += "  " + printable(title);
+    if (!title.empty()) text += "  " + for_terminal(title);
     text += "\n";
     const auto named = service.id == 0 ? std::string() : std::string(1, service.id) + " " + service.title;
     text += labelled("on board", named, colour);
@@ -154,34 +205,12 @@ std::string service_text(const std::string& board, const model::ServiceInfo& ser
     if (service.period) text += labelled("period", std::to_string(*service.period) + " ms", colour);
     if (model == nullptr) {
         return text + labelled("model",
-                               "none known: raw tags only, as in  asipctl send " + board + "/" +
-                                   service.name + " A 100",
+                               "none known: events come as tag and body, commands go as tag and parameters, "
+                               "as in  asipctl send " +
+                                   board + "/" + service.name + " A 100",
                                colour);
     }
-    text += labelled("model", model->ref(), colour);
-    if (!model->events.empty()) {
-        Table events({{"REPORTS"}, {"FIELDS", false, 10}, {"", false, 10}});
-        for (const auto& event : model->events) {
-            std::string fields;
-            for (const auto& field : event.fields)
-                fields += (fields.empty() ? "" : ", ") + field_text(field);
-            events.add({event.name, fields, event.title});
-        }
-        text += "\n" + events.render(width, colour);
-    }
-    if (!model->commands.empty()) {
-        Table commands({{"COMMAND"}, {"ARGUMENTS", false, 10}, {"", false, 10}});
-        for (const auto& command : model->commands) {
-            std::string args;
-            for (const auto& field : command.args) {
-                if (field.type == model::ValueType::Count) continue;
-                args += (args.empty() ? "" : ", ") + field_text(field);
-            }
-            commands.add({command.name, args, command.title});
-        }
-        text += "\n" + commands.render(width, colour);
-    }
-    return text;
+    return text + labelled("model", model->ref(), colour) + model_text(*model, width, colour);
 }
 
 std::string board_text(const KnownBoard& board, const model::ModelSet& models, std::size_t width,
@@ -196,7 +225,7 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
                              item.conflict->other + " (" + item.conflict->other_agent + ")",
                          colour, Colour::kRed);
     }
-    text += labelled("seen", presence_text(item), colour);
+    text += labelled("announced", presence_text(item), colour);
     if (!board.description) {
         text += labelled("known by", "its names only; it publishes no description", colour);
     } else {
@@ -232,36 +261,45 @@ int run_show(const ShowOptions& options, Context& context) {
     if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
     const auto board = source.board_in_full(target->board);
     if (!board) return context.fail_with(board.error());
-    const bool json = options.output != Output::kText;
-    const auto dump = [&options](const nlohmann::json& value) {
-        return options.output == Output::kJson ? model::dump_json_pretty(value) : model::dump_json(value);
-    };
+    const bool people = options.output.for_people();
+    RecordPrinter records(options.output, RecordPrinter::Count::kOne, context.out);
     if (target->service.empty()) {
-        context.out << (json ? dump(board_json(*board)) + "\n"
-                             : board_text(*board, context.models(), context.width, context.colour))
-                    << std::flush;
+        if (!people) records.print(board_json(*board));
+        if (people)
+            context.out << board_text(*board, context.models(), context.width, context.colour) << std::flush;
         return program::kExitOk;
     }
     const auto service = find_service(*board, target->service);
     if (!service) return context.fail_with(service.error());
     const auto model = model_of(*service, context.models());
-    context.out << (json ? dump(service_json(*board, *service, model.get())) + "\n"
-                         : service_text(target->board, *service, model.get(), context.width, context.colour))
-                << std::flush;
+    if (!people) records.print(service_json(*board, *service, model.get()));
+    if (people)
+        context.out << service_text(target->board, *service, model.get(), context.width, context.colour)
+                    << std::flush;
     return program::kExitOk;
 }
 
-void setup_show(CLI::App& app, Chosen& chosen) {
-    auto* command = app.add_subcommand("show", "Everything known of a board or of one of its services");
-    command->fallthrough();
+namespace {
+
+Run declare_show(Declaration& verb) {
     auto options = std::make_shared<ShowOptions>();
-    command->add_option("target", options->target, "BOARD or BOARD/SERVICE")->required()->type_name("");
-    add_output_option(*command, options->output, {Output::kText, Output::kJson, Output::kJsonLines});
-    command->footer(
-        "Examples:\n  asipctl show uno1\n  asipctl show uno1/servo\n  asipctl show uno1 -o json | jq "
-        ".description.pins");
-    command->callback(
-        [&chosen, options] { chosen = [options](Context& context) { return run_show(*options, context); }; });
+    verb.argument("BOARD[/SERVICE]", options->target, "Which");
+    verb.output(options->output, {Output::kText},
+                {"board", "state", "chip", "sketch", "protocol", "lease", "link", "agent", "services",
+                 "description", "name", "kind", "title", "count", "period", "definition"});
+    return [options](Context& context) { return run_show(*options, context); };
+}
+
+}  // namespace
+
+Verb show_verb() {
+    return {"show", "Everything known of a board or of one of its services",
+            "Examples:\n"
+            "  asipctl show uno1\n"
+            "  asipctl show uno1/servo\n"
+            "  asipctl show uno1 -o json | jq .description.pins\n"
+            "  asipctl show uno1 --format '{chip} {description.firmware.sketch}'",
+            declare_show};
 }
 
 }  // namespace asip::cli

@@ -1,5 +1,7 @@
 #pragma once
+#include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "asip/model/service_model.hpp"
 #include "cli/board_source.hpp"
@@ -10,7 +12,7 @@ namespace asip::cli {
 
 struct ShowOptions {
     std::string target;
-    Output output = Output::kText;
+    OutputOptions output{};
 };
 
 /// `asipctl show`: everything known of a board, or of one service of it.
@@ -20,8 +22,13 @@ int run_show(const ShowOptions& options, Context& context);
 std::string board_text(const KnownBoard& board, const model::ModelSet& models, std::size_t width,
                        bool colour);
 std::string pins_text(const model::Description& description, std::size_t width, bool colour);
+/// One object a pin: board, pin, and mode, owner, can (a list of digital, analog, pwm), channel where known.
+std::vector<nlohmann::json> pin_records(const model::Description& description);
 std::string service_text(const std::string& board, const model::ServiceInfo& service,
                          const model::ServiceModel* model, std::size_t width, bool colour);
+
+/// What a model says that its services report and take, as tables.
+std::string model_text(const model::ServiceModel& model, std::size_t width, bool colour);
 
 /// A field or argument in words: `angle 0..180 degrees`.
 std::string field_text(const model::Field& field);

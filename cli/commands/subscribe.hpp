@@ -1,5 +1,7 @@
 #pragma once
+#include <chrono>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,13 +12,12 @@ namespace asip::cli {
 
 struct SubscribeOptions {
     std::vector<std::string> targets;
-    bool raw = false;       ///< ASIP lines instead of decoded values
-    std::size_t count = 0;  ///< end after so many; 0: no limit
-    std::string seconds;    ///< end after this duration; empty: no limit
-    std::string format;     ///< template; empty: by `output`
+    bool raw = false;                                  ///< ASIP lines instead of decoded values
+    std::size_t count = 0;                             ///< end after so many; 0: no limit
+    std::optional<std::chrono::milliseconds> limit{};  ///< end after this time
     bool time = false;
     bool age = false;
-    Output output = Output::kText;
+    OutputOptions output{};
 };
 
 /// `asipctl subscribe`: what boards report, as it comes. kExitNoAnswer when the time is over and fewer than

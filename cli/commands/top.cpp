@@ -1,6 +1,6 @@
 #include "cli/commands/top.hpp"
 
-#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "asip/bus/pattern.hpp"
@@ -8,8 +8,8 @@
 #include "asip/protocol/request.hpp"
 #include "asip/text/duration.hpp"
 #include "cli/board_source.hpp"
-#include "cli/command.hpp"
 #include "cli/context_event.hpp"
+#include "cli/declaration.hpp"
 #include "cli/top_model.hpp"
 
 namespace asip::cli {
@@ -17,17 +17,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t kMaxPings = 50;
+constexpr std::size_t kMaxPingsAtOnce = 50;
 
 class Top {
   public:
-    Top(const TopOptions& options, Context& context, Duration interval)
-        : options_(options),
-          context_(context),
-          interval_(interval),
-          session_(context),
-          catalogue_(context.topics),
-          model_(5s) {}
+    Top(const TopOptions& options, Context& context)
+        : options_(options), context_(context), session_(context), catalogue_(context.topics), model_(5s) {}
 
     int run() {
         const auto announce = [this](const mqtt::Message& message) { take_announcement(message); };
@@ -44,8 +39,8 @@ class Top {
         session_.publish(context_.topics.probe(), "");
         for (std::size_t round = 0; !session_.stopped() && (options_.count == 0 || round < options_.count);
              ++round) {
-            if (options_.ping && lost_.empty()) ping_all();
-            session_.run_for(interval_);
+            if (!options_.no_ping && lost_.empty()) ping_all();
+            session_.run_for(options_.interval);
             draw();
         }
         return program::kExitOk;
@@ -83,7 +78,7 @@ class Top {
         }
         pings_.clear();
         for (const auto& board : catalogue_.boards(Clock::now())) {
-            if (!wanted(board.board) || board.state != "online" || board.by_name || ++count > kMaxPings)
+            if (!wanted(board.board) || board.state != "online" || board.by_name || ++count > kMaxPingsAtOnce)
                 continue;
             const auto begin = Clock::now();
             const auto name = board.board;
@@ -99,6 +94,13 @@ class Top {
     }
 
     void draw() {
+        if (!options_.output.for_people()) {
+            RecordPrinter records(options_.output, RecordPrinter::Count::kList, context_.out);
+            for (const auto& record : model_.records(Clock::now()))
+                records.print(record);
+            records.finish();
+            return;
+        }
         // Home and clear: the table is drawn over itself.
         if (context_.terminal()) context_.out << "\033[H\033[J";
         if (!lost_.empty()) context_.out << lost_ << '\n';
@@ -109,7 +111,6 @@ class Top {
 
     const TopOptions& options_;
     Context& context_;
-    Duration interval_;
     BusSession session_;
     BusCatalogue catalogue_;
     TopModel model_;
@@ -120,33 +121,32 @@ class Top {
 }  // namespace
 
 int run_top(const TopOptions& options, Context& context) {
-    const auto interval = text::parse_duration(options.interval);
-    if (!interval || *interval < 50ms) {
-        return context.fail_with(
-            {program::kExitUsage, "-i: " + (interval ? "at least 50ms" : interval.error())});
-    }
-    return Top(options, context, *interval).run();
+    return Top(options, context).run();
 }
 
-void setup_top(CLI::App& app, Chosen& chosen) {
-    auto* command = app.add_subcommand("top", "Live: rate, age, errors and round trip of each service");
-    command->fallthrough();
+namespace {
+
+Run declare_top(Declaration& verb) {
     auto options = std::make_shared<TopOptions>();
-    auto no_ping = std::make_shared<bool>(false);
-    command->add_option("boards", options->pattern, "Only boards of this name; * and ? as in a shell")
-        ->type_name("");
-    command->add_option("-i,--interval", options->interval, "Between refreshes")
-        ->capture_default_str()
-        ->type_name("DURATION");
-    command->add_option("-n,--count", options->count, "End after so many refreshes")->type_name("COUNT");
-    command->add_flag("--no-ping", *no_ping, "Do not measure round trips");
-    command->footer("Examples:\n  asipctl top\n  asipctl top 'uno*' -i 200ms\n  asipctl top -n 1");
-    command->callback([&chosen, options, no_ping] {
-        chosen = [options, no_ping](Context& context) {
-            options->ping = !*no_ping;
-            return run_top(*options, context);
-        };
-    });
+    verb.argument("PATTERN", options->pattern, "Only boards of this name; * and ? as in a shell",
+                  Declaration::Needed::kNo);
+    verb.option("-i,--interval", options->interval, "Between refreshes", 50ms);
+    verb.option("-n,--count", "COUNT", options->count, "End after so many refreshes; 0: no limit");
+    verb.flag("--no-ping", options->no_ping, "Do not measure round trips");
+    verb.output(options->output, {Output::kTable},
+                {"board", "state", "round_trip_ms", "service", "rate", "age", "errors", "last"});
+    return [options](Context& context) { return run_top(*options, context); };
+}
+
+}  // namespace
+
+Verb top_verb() {
+    return {"top", "Live: rate, age, errors and round trip of each service",
+            "Examples:\n"
+            "  asipctl top\n"
+            "  asipctl top 'uno*' -i 200ms\n"
+            "  asipctl top -n 1 -o json",
+            declare_top};
 }
 
 }  // namespace asip::cli

@@ -1,16 +1,19 @@
 #pragma once
+#include <chrono>
 #include <cstddef>
 #include <string>
 
 #include "cli/context.hpp"
+#include "cli/output.hpp"
 
 namespace asip::cli {
 
 struct TopOptions {
     std::string pattern = "*";  ///< of boards
-    std::string interval = "1s";
+    std::chrono::milliseconds interval{1000};
     std::size_t count = 0;  ///< refreshes; 0: until Ctrl-C
-    bool ping = true;
+    bool no_ping = false;
+    OutputOptions output{Output::kTable, {}};
 };
 
 /// `asipctl top`: a table that is drawn anew each interval; on anything but a terminal, one below the other.

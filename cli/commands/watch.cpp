@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <ostream>
+#include <sstream>
 
 #include "asip/bus/catalogue_view.hpp"
 #include "asip/model/json.hpp"
@@ -128,22 +129,26 @@ std::string registry_here(Context& context, int& status) {
 
 ChangePrinter::ChangePrinter(const ListOptions& options, std::size_t width, bool colour)
     : options_(options),
-      width_(options.output == Output::kWide ? 0 : width),
+      width_(options.output.form == Output::kWide ? 0 : width),
       colour_(colour),
-      table_(options.services ? service_table(options.output == Output::kWide)
-                              : board_table(options.output == Output::kWide)) {}
+      table_(options.services() ? service_table(options.output.form == Output::kWide)
+                                : board_table(options.output.form == Output::kWide)) {}
 
-std::string ChangePrinter::json_lines(const bus::BoardItem& board) const {
-    if (!options_.services) return model::dump_json(bus::to_json(board)) + "\n";
-    std::string text;
-    for (const auto& service : board.services)
-        text += model::dump_json(bus::to_json(service)) + "\n";
-    return text;
+std::string ChangePrinter::records(const bus::BoardItem& board) const {
+    std::ostringstream text;
+    RecordPrinter printer(options_.output, RecordPrinter::Count::kStream, text);
+    if (!options_.services()) {
+        printer.print(bus::to_json(board));
+    } else {
+        for (const auto& service : board.services)
+            printer.print(bus::to_json(service));
+    }
+    return text.str();
 }
 
 std::string ChangePrinter::rows(const bus::BoardItem& board) {
-    const bool wide = options_.output == Output::kWide;
-    if (options_.services) {
+    const bool wide = options_.output.form == Output::kWide;
+    if (options_.services()) {
         for (const auto& service : board.services)
             table_.add(service_row(service, wide));
     } else {
@@ -151,6 +156,14 @@ std::string ChangePrinter::rows(const bus::BoardItem& board) {
     }
     return std::exchange(first_, false) ? table_.render(width_, colour_)
                                         : table_.render_more(width_, colour_);
+}
+
+std::string ChangePrinter::names(const bus::BoardItem& board) const {
+    if (!options_.services()) return board.board + "\n";
+    std::string text;
+    for (const auto& service : board.services)
+        text += board.board + "/" + service.name + "\n";
+    return text;
 }
 
 std::string ChangePrinter::changed(const bus::BoardItem& board) {
@@ -163,8 +176,8 @@ std::string ChangePrinter::changed(const bus::BoardItem& board) {
     auto& shown = shown_[board.board];
     if (shown == text) return {};
     shown = std::move(text);
-    if (options_.output == Output::kName) return board.board + "\n";
-    if (options_.output == Output::kJson || options_.output == Output::kJsonLines) return json_lines(board);
+    if (!options_.output.for_people()) return records(board);
+    if (options_.output.form == Output::kName) return names(board);
     return rows(board);
 }
 
@@ -174,11 +187,14 @@ std::string ChangePrinter::gone(const std::string& board) {
     item.board = board;
     item.state = "forgotten";
     item.age = -1;
-    if (options_.output == Output::kName) return board + "\n";
-    if (options_.output == Output::kJson || options_.output == Output::kJsonLines) {
-        return model::dump_json(nlohmann::json{{"board", board}, {"state", "forgotten"}}) + "\n";
+    if (!options_.output.for_people()) {
+        std::ostringstream text;
+        RecordPrinter(options_.output, RecordPrinter::Count::kStream, text)
+            .print({{"board", board}, {"state", "forgotten"}});
+        return text.str();
     }
-    return options_.services ? std::string() : rows(item);
+    if (options_.services()) return {};
+    return options_.output.form == Output::kName ? board + "\n" : rows(item);
 }
 
 int run_watch(const ListOptions& options, Context& context) {

@@ -22,7 +22,8 @@ class ChangePrinter {
 
   private:
     std::string rows(const bus::BoardItem& board);
-    std::string json_lines(const bus::BoardItem& board) const;
+    std::string records(const bus::BoardItem& board) const;
+    std::string names(const bus::BoardItem& board) const;
 
     const ListOptions& options_;
     std::size_t width_;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "asip/model/json.hpp"
 #include "asip/text/duration.hpp"
 #include "asip/text/wall_time.hpp"
 #include "cli/text/table.hpp"
@@ -77,7 +76,8 @@ Finding ping_finding(const std::string& board, const PingResult& ping) {
 
 Findings check_broker(const Observations& seen) {
     Findings result;
-    result.push_back(fine("broker " + seen.broker + " takes us (MQTT " + (seen.v5 ? "5" : "3.1.1") + ")"));
+    result.push_back(
+        fine("broker " + seen.broker + ": connection accepted (MQTT " + (seen.v5 ? "5" : "3.1.1") + ")"));
     if (!seen.v5) {
         result.push_back(note("the broker speaks MQTT 3.1.1 only: descriptions do not expire by themselves",
                               "run asip-registry, which clears them, or a broker with MQTT 5"));
@@ -155,7 +155,7 @@ Findings check_states(const Observations& seen) {
     for (const auto& [topic, reason] : seen.bad_documents) {
         if (!seen.topics.parse(topic)) continue;  // its name is the fault: check_names
         result.push_back(problem(topic + " cannot be read: " + reason,
-                                 "who publishes it? Clear it: asipctl prune --only names"));
+                                 "who publishes it? Clear it: asipctl prune --only documents"));
     }
     return result;
 }
@@ -183,11 +183,11 @@ Findings check_retained(const Observations& seen) {
 Findings check_names(const Observations& seen) {
     std::vector<std::string> bad;
     for (const auto& one : find_lingering(seen.topics, seen.retained)) {
-        if (one.kind == Lingering::Kind::kIllegal) bad.push_back(one.topic);
+        if (one.kind == Lingering::Kind::kInvalidName) bad.push_back(one.topic);
     }
     if (bad.empty()) return {};
     return {problem(
-        "announced under names that are not legal, so nobody sees them: " + some_of(bad),
+        "announced under names that are not valid, so that nobody sees them: " + some_of(bad),
         "names are 1 to 64 of A-Z a-z 0-9 . _ -; rename the board, then: asipctl prune --only names")};
 }
 
@@ -273,23 +273,19 @@ std::string findings_text(const Findings& findings, bool colour) {
                 text += painted("problem ", Colour::kRed, colour);
                 break;
         }
-        text += " " + printable(finding.what) + "\n";
-        if (!finding.advice.empty()) text += "         -> " + printable(finding.advice) + "\n";
+        text += " " + for_terminal(finding.what) + "\n";
+        if (!finding.advice.empty()) text += "         -> " + for_terminal(finding.advice) + "\n";
     }
     return text;
 }
 
-std::string findings_json(const Findings& findings) {
-    std::string text;
-    for (const auto& finding : findings) {
-        const auto* level = finding.level == Finding::Level::kFine   ? "ok"
-                            : finding.level == Finding::Level::kNote ? "note"
-                                                                     : "problem";
-        nlohmann::json object{{"level", level}, {"what", finding.what}};
-        if (!finding.advice.empty()) object["advice"] = finding.advice;
-        text += model::dump_json(object) + "\n";
-    }
-    return text;
+nlohmann::json finding_json(const Finding& finding) {
+    const auto* level = finding.level == Finding::Level::kFine   ? "ok"
+                        : finding.level == Finding::Level::kNote ? "note"
+                                                                 : "problem";
+    nlohmann::json object{{"level", level}, {"what", finding.what}};
+    if (!finding.advice.empty()) object["advice"] = finding.advice;
+    return object;
 }
 
 }  // namespace asip::cli

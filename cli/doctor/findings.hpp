@@ -1,6 +1,7 @@
 #pragma once
 #include <chrono>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <set>
 #include <string>
@@ -64,7 +65,7 @@ Findings check_all(const Observations& seen);
 bool has_problem(const Findings& findings);
 /// One line each, advice below it.
 std::string findings_text(const Findings& findings, bool colour);
-/// One JSON object a line.
-std::string findings_json(const Findings& findings);
+/// `level` (ok, note or problem), `what`, and `advice` where there is any.
+nlohmann::json finding_json(const Finding& finding);
 
 }  // namespace asip::cli

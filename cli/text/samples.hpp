@@ -14,8 +14,8 @@ class Samples {
     /// The smallest value that `percent` (0..100) of all values do not exceed (nearest rank); 0 when there
     /// are none.
     double percentile(double percent) const;
-    double least() const { return percentile(0); }
-    double greatest() const { return percentile(100); }
+    double minimum() const { return percentile(0); }
+    double maximum() const { return percentile(100); }
     double mean() const;
 
   private:

@@ -57,7 +57,7 @@ std::string painted(std::string_view text, Colour colour, bool on) {
 void Table::add(std::vector<Cell> row) {
     row.resize(columns_.size());
     for (auto& cell : row) {
-        if (!is_plain(cell.text)) cell.text = printable(cell.text);
+        if (!is_plain(cell.text)) cell.text = for_terminal(cell.text);
     }
     rows_.push_back(std::move(row));
 }

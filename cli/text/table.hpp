@@ -27,7 +27,7 @@ struct Column {
         0;  ///< columns this one keeps when the table is wider than the terminal; 0: never cut
 };
 
-/// Text in columns, for people. Cells are shown through printable().
+/// Text in columns, for people. Cells are shown through for_terminal().
 class Table {
   public:
     explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}

@@ -1,79 +1,59 @@
 #include "cli/text/width.hpp"
 
-#include <array>
-#include <cstdint>
+#include <utf8proc.h>
+
+#include <algorithm>
 
 namespace asip::cli {
 namespace {
 
 struct Character {
-    std::uint32_t code = 0;
+    utf8proc_int32_t code = 0;
     std::size_t bytes = 1;
     bool valid = true;
 };
 
 Character next_character(std::string_view text) {
-    const auto first = static_cast<unsigned char>(text[0]);
-    if (first < 0x80) return {first, 1, true};
-    const std::size_t bytes = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-    if (first < 0xC2 || first > 0xF4 || text.size() < bytes) return {first, 1, false};
-    std::uint32_t code = first & (0xFFU >> (bytes + 1));
-    for (std::size_t i = 1; i < bytes; ++i) {
-        const auto byte = static_cast<unsigned char>(text[i]);
-        if ((byte & 0xC0U) != 0x80U) return {first, 1, false};
-        code = code << 6U | (byte & 0x3FU);
-    }
-    return {code, bytes, true};
+    Character result;
+    const auto* bytes = reinterpret_cast<const utf8proc_uint8_t*>(text.data());
+    const auto read = utf8proc_iterate(bytes, static_cast<utf8proc_ssize_t>(text.size()), &result.code);
+    if (read <= 0) return {0, 1, false};
+    result.bytes = static_cast<std::size_t>(read);
+    return result;
 }
 
-struct Range {
-    std::uint32_t first;
-    std::uint32_t last;
-};
-
-constexpr std::array<Range, 6> kZeroWidth{{{0x0300, 0x036F},
-                                           {0x1AB0, 0x1AFF},
-                                           {0x200B, 0x200F},
-                                           {0x20D0, 0x20FF},
-                                           {0xFE00, 0xFE0F},
-                                           {0xFE20, 0xFE2F}}};
-constexpr std::array<Range, 9> kWide{{{0x1100, 0x115F},
-                                      {0x2E80, 0x303E},
-                                      {0x3041, 0xA4CF},
-                                      {0xAC00, 0xD7A3},
-                                      {0xF900, 0xFAFF},
-                                      {0xFE30, 0xFE6F},
-                                      {0xFF00, 0xFF60},
-                                      {0x1F300, 0x1FAFF},
-                                      {0x20000, 0x3FFFD}}};
-
-template <std::size_t N>
-bool within(const std::array<Range, N>& ranges, std::uint32_t code) {
-    for (const auto& range : ranges) {
-        if (code >= range.first && code <= range.last) return true;
+/// Turns the direction of what follows.
+bool changes_direction(utf8proc_int32_t code) {
+    switch (utf8proc_get_property(code)->bidi_class) {
+        case UTF8PROC_BIDI_CLASS_LRE:
+        case UTF8PROC_BIDI_CLASS_LRO:
+        case UTF8PROC_BIDI_CLASS_RLE:
+        case UTF8PROC_BIDI_CLASS_RLO:
+        case UTF8PROC_BIDI_CLASS_PDF:
+        case UTF8PROC_BIDI_CLASS_LRI:
+        case UTF8PROC_BIDI_CLASS_RLI:
+        case UTF8PROC_BIDI_CLASS_FSI:
+        case UTF8PROC_BIDI_CLASS_PDI:
+            return true;
+        default:
+            return false;
     }
-    return false;
 }
 
-bool is_control(const Character& character) {
-    return character.valid && (character.code < 0x20 || (character.code >= 0x7F && character.code < 0xA0) ||
-                               (character.code >= 0x202A && character.code <= 0x202E) ||
-                               (character.code >= 0x2066 && character.code <= 0x2069));
+bool is_harmless(const Character& character) {
+    return character.valid && utf8proc_category(character.code) != UTF8PROC_CATEGORY_CC &&
+           !changes_direction(character.code);
 }
 
 std::size_t width_of(const Character& character) {
     if (!character.valid) return 1;
-    if (is_control(character) || within(kZeroWidth, character.code)) return 0;
-    return within(kWide, character.code) ? 2 : 1;
+    return static_cast<std::size_t>(std::max(0, utf8proc_charwidth(character.code)));
 }
 
 }  // namespace
 
 bool is_plain(std::string_view text) {
-    for (const char c : text) {
-        if (c < 0x20 || c >= 0x7F) return false;
-    }
-    return true;
+    return std::all_of(text.begin(), text.end(), [](char c) { return c >= 0x20 && c < 0x7F; });
 }
 
 std::size_t display_width(std::string_view text) {
@@ -101,16 +81,12 @@ std::string fit(std::string_view text, std::size_t columns) {
     return std::string(text.substr(0, bytes)) + "…";
 }
 
-std::string printable(std::string_view text) {
+std::string for_terminal(std::string_view text) {
     std::string result;
     result.reserve(text.size());
     while (!text.empty()) {
         const auto character = next_character(text);
-        if (is_control(character) || !character.valid) {
-            result += '?';
-        } else {
-            result += text.substr(0, character.bytes);
-        }
+        result += is_harmless(character) ? text.substr(0, character.bytes) : std::string_view("?");
         text.remove_prefix(character.bytes);
     }
     return result;

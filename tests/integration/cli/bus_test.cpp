@@ -120,6 +120,16 @@ TEST_F(BusTest, ForgetABoardThatIsGone_EmptiesEveryTopicOfItAndNoOther) {
     EXPECT_EQ(asipctl({"forget", "dead"}).status, 1) << "nothing is left to forget";
 }
 
+TEST_F(BusTest, ForgetABoardThatNobodyKnows_FailsWithTheNearest) {
+    announce("kitchen", "lost");
+    ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1"}, environment());
+    ASSERT_TRUE(probe_.wait_for("asip/registry/r1/$state", "online"));
+    const auto forget = asipctl({"forget", "kitchne"});
+    EXPECT_EQ(forget.status, 1);
+    EXPECT_THAT(forget.errors, HasSubstr("did you mean \"kitchen\""));
+    EXPECT_THAT(forget.errors, Not(HasSubstr("forgot")));
+}
+
 TEST_F(BusTest, ForgetABoardThatAnswers_IsRefused) {
     announce("uno1");
     ChildProcess forget(program({"forget", "uno1"}), environment());
@@ -147,6 +157,18 @@ TEST_F(BusTest, Prune_ClearsWhatLingersAndNothingElse) {
     EXPECT_EQ(late.messages().size(), 3U);
 }
 
+TEST_F(BusTest, UnreadableDescription_IsClearedByWhatTheDoctorAdvises) {
+    announce("uno1");
+    probe_.publish("asip/servicebus/broken/$description", "{", true);
+    probe_.publish("asip/servicebus/broken/$state", "online", true);
+    const auto doctor = asipctl({"doctor", "--timeout", "1s"});
+    EXPECT_THAT(doctor.output, HasSubstr("asip/servicebus/broken/$description cannot be read"));
+    EXPECT_THAT(doctor.output, HasSubstr("asipctl prune --only documents"));
+    EXPECT_EQ(asipctl({"prune", "--only", "documents", "-o", "name"}).output,
+              "asip/servicebus/broken/$description\n");
+    EXPECT_THAT(asipctl({"doctor", "--timeout", "1s"}).output, Not(HasSubstr("cannot be read")));
+}
+
 TEST_F(BusTest, Doctor_NamesEachFaultAndWhatToDo) {
     announce("ghost");
     probe_.publish("asip/ghost/in", "#,R", true);
@@ -169,14 +191,97 @@ TEST(Doctor, BrokerWithoutTcpNodelay_IsNoticed) {
     EXPECT_THAT(doctor.output, HasSubstr("set_tcp_nodelay true"));
     MosquittoBroker good;
     EXPECT_THAT(run({ASIP_PROGRAMS "/asipctl", "doctor", "--broker", good.address()}).output,
-                HasSubstr("takes us (MQTT 5)"));
+                HasSubstr("connection accepted (MQTT 5)"));
+}
+
+/// Waits until a program that can print nothing more has ended.
+TEST_F(BusTest, ReaderThatHasGone_EndsWhateverRuns) {
+    announce("uno1");
+    for (const auto* command : {"subscribe uno1", "top", "list -w --from-bus", "ping uno1 -n 0"}) {
+        ChildProcess pipe(
+            {"bash", "-c", std::string(ASIP_PROGRAMS "/asipctl ") + command + " | head -c 1 > /dev/null"},
+            environment());
+        // Something to read for `head`; the board then says nothing more.
+        ASSERT_TRUE(wait_until([&] {
+            probe_.publish("asip/uno1/distance/out", "{}");
+            if (const auto request = probe_.wait_for("asip/uno1/in", std::chrono::milliseconds(10)))
+                answer(*request, R"({"status":"ok","proof":"fence"})");
+            return !pipe.running();
+        })) << command;
+    }
+}
+
+TEST_F(BusTest, DiskThatIsFull_IsAFailure) {
+    announce("uno1");
+    for (const auto* command :
+         {"list --from-bus", "show uno1", "list --from-bus -o json", "--help", "completion bash"}) {
+        const auto finished = run(
+            {"bash", "-c", std::string(ASIP_PROGRAMS "/asipctl ") + command + " > /dev/full"}, environment());
+        EXPECT_EQ(finished.status, 1) << command;
+        EXPECT_THAT(finished.errors, HasSubstr("cannot write the output")) << command;
+    }
+}
+
+TEST_F(BusTest, ServiceByItsLetter_IsSubscribedTo) {
+    announce("uno1");
+    ChildProcess subscribe(program({"subscribe", "uno1/D", "-n", "1"}), environment());
+    ASSERT_TRUE(wait_until([&] {
+        probe_.publish("asip/uno1/servo/out", "{}");
+        probe_.publish("asip/uno1/distance/out", R"({"distance":[42]})");
+        return !subscribe.running();
+    }));
+    EXPECT_EQ(subscribe.wait_exit(), 0);
+    EXPECT_EQ(subscribe.output(), "uno1/distance  {\"distance\":[42]}\n");
+}
+
+TEST_F(BusTest, RawLinesOfOneService_AreItsOwn) {
+    announce("uno1");
+    ChildProcess subscribe(program({"subscribe", "uno1/X", "--raw", "-n", "1"}), environment());
+    ASSERT_TRUE(wait_until([&] {
+        probe_.publish("asip/uno1/out", "@D,e,1,{42}");
+        probe_.publish("asip/uno1/out", "@X,k,7");
+        return !subscribe.running();
+    }));
+    EXPECT_EQ(subscribe.wait_exit(), 0);
+    EXPECT_EQ(subscribe.output(), "uno1  @X,k,7\n");
+}
+
+TEST_F(BusTest, EachForm_IsThereForPinsAndLists) {
+    announce("uno1");
+    announce("uno2", "lost");
+    EXPECT_EQ(asipctl({"list", "--from-bus", "--format", "{board}={state}"}).output,
+              "uno1=online\nuno2=lost\n");
+    EXPECT_EQ(asipctl({"show", "uno1", "--format", "{description.firmware.chip}"}).output, "ATmega328P\n");
+    EXPECT_EQ(nlohmann::json::parse(asipctl({"list", "--from-bus", "-o", "json"}).output).size(), 2U);
+    const auto unknown = asipctl({"list", "--format", "{borad}"});
+    EXPECT_EQ(unknown.status, 2);
+    EXPECT_THAT(unknown.errors, HasSubstr("did you mean \"board\""));
+}
+
+TEST(MistypedCommandLine, NearestIsNamed) {
+    const auto asipctl = [](std::vector<std::string> words) {
+        words.insert(words.begin(), ASIP_PROGRAMS "/asipctl");
+        return run(words);
+    };
+    EXPECT_THAT(asipctl({"lst"}).errors, HasSubstr("did you mean \"list\""));
+    const auto option = asipctl({"list", "--sate", "lost"});
+    EXPECT_EQ(option.status, 2);
+    EXPECT_THAT(option.errors, HasSubstr("there is no option \"--sate\" (did you mean \"--state\"?)"));
+    EXPECT_EQ(asipctl({"help", "send"}).output, asipctl({"send", "--help"}).output);
+    EXPECT_THAT(asipctl({"help"}).output, HasSubstr("subscribe"));
+    EXPECT_THAT(asipctl({"help", "sned"}).errors, HasSubstr("did you mean \"send\""));
 }
 
 TEST_F(BusTest, Completion_OffersLiveNames) {
     announce("uno1");
-    EXPECT_EQ(asipctl({"__complete", "1", "show", "u"}).output, "uno1\nuno1/\n");
-    EXPECT_EQ(asipctl({"__complete", "1", "send", "uno1/s"}).output, "uno1/servo\n");
-    EXPECT_EQ(asipctl({"__complete", "2", "send", "uno1/servo", ""}).output, "remap\nwrite\n");
+    const auto typed = [this](const std::string& line) {
+        return asipctl({"__complete", "bash", "asipctl " + line}).output;
+    };
+    EXPECT_EQ(typed("show u"), "uno1\nuno1/\n");
+    EXPECT_EQ(typed("--broker " + broker_.address() + " show u"), "uno1\nuno1/\n");
+    EXPECT_EQ(typed("send uno1/s"), "uno1/servo\n");
+    EXPECT_EQ(typed("send uno1/servo "), "remap\nwrite\n");
+    EXPECT_EQ(typed("list --state=lo"), "lost\n") << "bash replaces what follows the =";
 }
 
 TEST(CompletionScript, Bash_IsAccepted) {
@@ -184,8 +289,13 @@ TEST(CompletionScript, Bash_IsAccepted) {
     ASSERT_EQ(script.status, 0);
     EXPECT_EQ(run({"bash", "-n", "-c", script.output}).status, 0);
     const auto completed = run({"bash", "-c", script.output + R"(
-PATH=)" ASIP_PROGRAMS R"(:$PATH; COMP_WORDS=(asipctl sub); COMP_CWORD=1; _asipctl; echo "${COMPREPLY[@]}")"});
-    EXPECT_EQ(completed.output, "subscribe\n");
+PATH=)" ASIP_PROGRAMS R"(:$PATH
+complete_line() { COMP_LINE=$1; COMP_POINT=${#1}; _asipctl asipctl; echo "${COMPREPLY[@]}"; }
+complete_line 'asipctl sub'
+complete_line 'asipctl --broker 127.0.0.1:1 li'
+complete_line 'asipctl list --state o'
+complete_line 'asipctl list --state x')"});
+    EXPECT_EQ(completed.output, "subscribe\nlist\noffline online\n\n");
 }
 
 }  // namespace

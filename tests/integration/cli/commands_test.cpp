@@ -69,7 +69,8 @@ TEST_F(SendTest, OutOfRange_NeverReachesTheBus) {
     const auto sent = asipctl({"send", "uno1/servo", "write", "0", "181"});
     EXPECT_EQ(sent.status, 2);
     EXPECT_THAT(sent.errors, HasSubstr("angle: 181 is above 180"));
-    EXPECT_EQ(asipctl({"send", "uno1/servo", "write", "0", "-5"}).status, 2);
+    EXPECT_THAT(asipctl({"send", "uno1/servo", "write", "0", "-5"}).errors,
+                HasSubstr("angle: -5 is below 0"));
     probe_.publish("asip/sentinel", "1");
     ASSERT_TRUE(probe_.wait_for("asip/sentinel"));
     EXPECT_EQ(probe_.count("asip/uno1/servo/in"), 0U);
@@ -105,7 +106,9 @@ TEST_F(SendTest, RawLine_GoesToTheBoardAndItsAnswerIsPrinted) {
 
 TEST_F(SendTest, StandardInput_SendsAllAndEndsWithTheFirstFailure) {
     ChildProcess child(program({"send", "--stdin"}), environment());
-    child.write_input("# a comment\nuno1/servo write 0 10\nuno1/servo write 0 999\nuno1/servo write 0 20\n");
+    child.write_input(
+        "# a comment\n  \t# an indented one\nuno1/servo write 0 10\nuno1/servo write 0 999\nuno1/servo write "
+        "0 20\n");
     child.close_input();
     for (const auto* payload : {"W,0,10", "W,0,20"}) {
         const auto request = probe_.wait_for("asip/uno1/servo/in", payload);
@@ -114,7 +117,7 @@ TEST_F(SendTest, StandardInput_SendsAllAndEndsWithTheFirstFailure) {
     }
     EXPECT_EQ(child.wait_exit(), 2);
     EXPECT_EQ(child.output(), "ok\nok\n");
-    EXPECT_THAT(child.errors(), HasSubstr("line 3: uno1/servo: angle: 999 is above 180"));
+    EXPECT_THAT(child.errors(), HasSubstr("line 4: uno1/servo: angle: 999 is above 180"));
 }
 
 TEST_F(SendTest, NoWait_DeliversBeforeItEnds) {
@@ -131,6 +134,24 @@ TEST_F(SendTest, PingABoard_MeasuresItsAnswersAndCountsLosses) {
     EXPECT_THAT(child.output(), HasSubstr("uno1: seq=1 time="));
     EXPECT_THAT(child.output(), HasSubstr("uno1: seq=2 no answer within 400 ms"));
     EXPECT_THAT(child.output(), HasSubstr("2 sent, 1 answered, 50 % lost"));
+}
+
+TEST_F(SendTest, PingWithoutATerminal_EndsAfterFive) {
+    const auto ping = asipctl({"ping", "uno1", "-i", "0", "--timeout", "50ms"});
+    EXPECT_EQ(ping.status, 4);
+    EXPECT_THAT(ping.output, HasSubstr("5 sent, 0 answered"));
+}
+
+TEST_F(SendTest, AnswerAsJson_NamesTargetAndLine) {
+    const auto sent = answered({"send", "uno1/servo", "write", "0", "90", "-o", "jsonl"},
+                               "asip/uno1/servo/in", R"({"status":"ok","proof":"fence"})");
+    const auto record = nlohmann::json::parse(sent.output);
+    EXPECT_EQ(record["status"], "ok");
+    EXPECT_EQ(record["target"], "uno1/servo");
+    EXPECT_EQ(record["line"], "S,W,0,90");
+    const auto silent =
+        asipctl({"send", "uno1/servo", "write", "0", "9", "-o", "json", "--timeout", "100ms"});
+    EXPECT_EQ(nlohmann::json::parse(silent.output)["reason"], "no-answer");
 }
 
 TEST_F(SendTest, PingNobody_EndsWith4) {

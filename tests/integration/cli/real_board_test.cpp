@@ -1,6 +1,8 @@
 // The main job from end to end: firmware in a simulated Uno, asip-agent, asip-registry, asipctl.
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/integration/cli/bus_fixture.hpp"
 #include "tests/support/temp_dir.hpp"
 
@@ -76,6 +78,11 @@ TEST_P(RealBoardTest, PinsInWords_AreSetAndRead) {
     const auto taken = asipctl({"pin", "desk", "9", "high"});
     EXPECT_EQ(taken.status, 1);
     EXPECT_THAT(taken.errors, HasSubstr("MODE_UNAVAILABLE"));
+    EXPECT_THAT(taken.errors, HasSubstr("pin 9 belongs to the service desk/servo"));
+    const auto pins = nlohmann::json::parse(asipctl({"pin", "desk", "-o", "json"}).output);
+    ASSERT_EQ(pins.size(), 20U);
+    EXPECT_EQ(pins[9]["owner"], "servo");
+    EXPECT_EQ(pins[13]["mode"], "output");
 }
 
 TEST_P(RealBoardTest, Ping_ReachesTheBoardItself) {

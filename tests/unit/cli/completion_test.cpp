@@ -1,75 +1,169 @@
-#include "cli/commands/completion.hpp"
-
+// Completion of the real verbs: what each declares is what is offered.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "cli/complete.hpp"
 
 namespace asip::cli {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
+using ::testing::Not;
+using Words = std::vector<std::string>;
 
 class CompletionTest : public ::testing::Test {
   protected:
-    /// Completes the last of `words`.
-    std::vector<std::string> last(const std::vector<std::string>& words) {
-        return complete(words, words.size() - 1, commands_, names_);
+    /// Completes what follows the last blank of `line`.
+    Words after(const std::string& line) {
+        const auto typed = typed_line("asipctl " + line);
+        return complete(line_.app(), typed.words, typed.start, names_);
     }
 
-    std::vector<CommandShape> commands_{
-        {"list", {"--watch", "-w", "--state", "-o", "--output"}, {"--state", "-o", "--output"}},
-        {"send", {"--raw", "--no-wait"}, {"--raw"}},
-        {"show", {}, {}},
-        {"pin", {}, {}}};
+    CommandLine line_{all_verbs()};
     int asked_ = 0;
-    NameSources names_{
-        [this] {
-            ++asked_;
-            return std::vector<std::string>{"uno2", "uno1", "nano"};
-        },
-        [](const std::string& board) {
-            return board == "uno1" ? std::vector<std::string>{"servo", "io"} : std::vector<std::string>{};
-        },
-        [](const std::string& board, const std::string& service) {
-            return board == "uno1" && service == "servo" ? std::vector<std::string>{"write", "remap"}
-                                                         : std::vector<std::string>{};
-        }};
+    NameSources names_{[this] {
+                           ++asked_;
+                           return Words{"uno2", "uno1", "nano"};
+                       },
+                       [](const std::string& board) {
+                           return board == "uno1" ? Words{"servo", "io"} : Words{};
+                       },
+                       [](const std::string& board, const std::string& service) {
+                           return board == "uno1" && service == "servo" ? Words{"write", "remap"} : Words{};
+                       },
+                       [](const std::string&, const std::string& service) {
+                           return service == "servo" ? Words{"angle"} : Words{};
+                       },
+                       [] {
+                           return Words{"servo", "distance"};
+                       },
+                       [] {
+                           return Words{"cm", "ms"};
+                       }};
 };
 
-TEST_F(CompletionTest, FirstWord_IsASubcommand) {
-    EXPECT_THAT(last({"s"}), ElementsAre("send", "show"));
-    EXPECT_THAT(last({""}), ElementsAre("list", "pin", "send", "show"));
-    EXPECT_THAT(last({"x"}), IsEmpty());
+TEST_F(CompletionTest, FirstWord_IsAVerb) {
+    EXPECT_THAT(after("s"), ElementsAre("send", "show", "subscribe"));
+    EXPECT_THAT(after(""), IsSupersetOf({"help", "list", "pin", "send", "show"}));
+    EXPECT_THAT(after("x"), IsEmpty());
+    EXPECT_THAT(after("help su"), ElementsAre("subscribe"));
     EXPECT_EQ(asked_, 0) << "the bus is asked only for names";
 }
 
-TEST_F(CompletionTest, Options_AndTheirValues) {
-    EXPECT_THAT(last({"list", "--s"}), ElementsAre("--state"));
-    EXPECT_THAT(last({"list", "--state", "o"}), ElementsAre("offline", "online"));
-    EXPECT_THAT(last({"list", "-o", "json"}), ElementsAre("json", "jsonl"));
-    EXPECT_THAT(last({"list", "-o", "json", ""}), ElementsAre("boards", "services"));
+TEST_F(CompletionTest, EachDeclaredEnumeration_IsOfferedAndNoFiles) {
+    EXPECT_THAT(after("list --state o"), ElementsAre("offline", "online"));
+    EXPECT_THAT(after("list --state=o"), ElementsAre("--state=offline", "--state=online"));
+    EXPECT_THAT(after("list --state lost,o"), ElementsAre("lost,offline", "lost,online"));
+    EXPECT_THAT(after("list -o json"), ElementsAre("json", "jsonl"));
+    EXPECT_THAT(after("list -o json "), ElementsAre("boards", "services"));
+    EXPECT_THAT(after("prune --only r"), ElementsAre("registries"));
+    EXPECT_THAT(after("completion "), ElementsAre("bash", "zsh"));
+    EXPECT_THAT(after("pin nano 13 h"), ElementsAre("high"));
+    EXPECT_THAT(after("pin nano 13 ."), IsEmpty());
+    EXPECT_THAT(after("list --unit c"), ElementsAre("cm"));
+    EXPECT_THAT(after("list --kind "), ElementsAre("distance", "servo"));
+}
+
+TEST_F(CompletionTest, OptionsOfEveryCommand_AreOfferedWithTheirValues) {
+    EXPECT_THAT(after("list --color a"), ElementsAre("always", "auto"));
+    EXPECT_THAT(after("--log-level w"), ElementsAre("warning"));
+    EXPECT_THAT(after("--mqtt-version "), ElementsAre("3.1.1", "5", "best"));
+    EXPECT_THAT(after("list --s"), ElementsAre("--services", "--sketch", "--sort", "--state"));
+    EXPECT_THAT(after("--ca /etc/s"), ElementsAre(kOfferFiles));
+    EXPECT_THAT(after("--services "), ElementsAre(kOfferFolders));
+}
+
+TEST_F(CompletionTest, AfterTheBrokersAddress_TheVerbFollows) {
+    EXPECT_THAT(after("--broker 127.0.0.1:1884 li"), ElementsAre("list"));
+    EXPECT_THAT(after("--broker 127.0.0.1:1884 show n"), ElementsAre("nano", "nano/"));
+    EXPECT_THAT(after("show --broker=127.0.0.1:1884 n"), ElementsAre("nano", "nano/"));
+    EXPECT_THAT(after("--broker 127.0.0.1:18"), IsEmpty());
 }
 
 TEST_F(CompletionTest, BoardsServicesAndCommands_AreLive) {
-    EXPECT_THAT(last({"show", "u"}), ElementsAre("uno1", "uno1/", "uno2", "uno2/"));
-    EXPECT_THAT(last({"send", "u"}), ElementsAre("uno1/", "uno2/"));
-    EXPECT_THAT(last({"send", "uno1/"}), ElementsAre("uno1/io", "uno1/servo"));
-    EXPECT_THAT(last({"send", "--no-wait", "uno1/servo", "w"}), ElementsAre("write"));
-    EXPECT_THAT(last({"send", "uno1/servo", "write", ""}), IsEmpty());
-    EXPECT_THAT(last({"pin", "n"}), ElementsAre("nano"));
-    EXPECT_THAT(last({"pin", "nano", "13", "h"}), ElementsAre("high"));
+    EXPECT_THAT(after("show u"), ElementsAre("uno1", "uno1/", "uno2", "uno2/"));
+    EXPECT_THAT(after("subscribe nano u"), ElementsAre("uno1", "uno1/", "uno2", "uno2/"));
+    EXPECT_THAT(after("send u"), ElementsAre("uno1/", "uno2/"));
+    EXPECT_THAT(after("send uno1/"), ElementsAre("uno1/io", "uno1/servo"));
+    EXPECT_THAT(after("send --no-wait uno1/servo w"), ElementsAre("write"));
+    EXPECT_THAT(after("send uno1/servo write "), IsEmpty());
+    EXPECT_THAT(after("pin n"), ElementsAre("nano"));
+    EXPECT_THAT(after("ping "), ElementsAre("nano", "uno1", "uno2"));
+    EXPECT_THAT(after("top u"), ElementsAre("uno1", "uno2"));
 }
 
-TEST_F(CompletionTest, CursorBeyondTheWords_CompletesAnEmptyOne) {
-    EXPECT_THAT(complete({"pin"}, 1, commands_, names_), ElementsAre("nano", "uno1", "uno2"));
-    EXPECT_THAT(complete({}, 0, commands_, names_), ElementsAre("list", "pin", "send", "show"));
-    EXPECT_THAT(complete({}, 3, commands_, names_), IsEmpty());
+TEST_F(CompletionTest, WrongLine_OffersNothing) {
+    EXPECT_THAT(after("lst "), IsEmpty());
+    EXPECT_THAT(after("list boards extra "), IsEmpty());
+    EXPECT_THAT(after("list --sate=l"), IsEmpty());
 }
 
-TEST(CompletionScript, EachShell_HasItsOwn) {
-    EXPECT_THAT(completion_script("bash"), HasSubstr("complete -o default -F _asipctl asipctl"));
-    EXPECT_THAT(completion_script("zsh"), HasSubstr("#compdef asipctl"));
+TEST(TypedLine, WordsQuotesAndTheCursor_AreUnderstood) {
+    EXPECT_THAT(typed_line("asipctl send 'a b' c").words, ElementsAre("send", "a b"));
+    EXPECT_EQ(typed_line("asipctl send 'a b' c").start, "c");
+    EXPECT_EQ(typed_line("asipctl list ").start, "");
+    EXPECT_THAT(typed_line("asipctl list ").words, ElementsAre("list"));
+    EXPECT_EQ(typed_line("asipctl subscribe 'un").start, "un");
+    EXPECT_THAT(typed_line("").words, IsEmpty());
+}
+
+TEST(ForBash, OnlyWhatBashReplaces_IsPrinted) {
+    EXPECT_THAT(for_bash({"--state=lost"}, "--state=l"), ElementsAre("lost"));
+    EXPECT_THAT(for_bash({"uno1"}, "u"), ElementsAre("uno1"));
+    EXPECT_THAT(for_bash({kOfferFiles}, "--ca=/etc"), ElementsAre(kOfferFiles));
+}
+
+/// A new verb cannot be forgotten: whatever it declares is either offered or known to be free.
+TEST(Verbs, EachType_IsOneThatCompletionKnows) {
+    const CommandLine line(all_verbs());
+    const std::vector<std::string> known{"BOARD",
+                                         "PATTERN",
+                                         "BOARD[/SERVICE]",
+                                         "BOARD/SERVICE",
+                                         "BOARD/SERVICE[/FIELD]",
+                                         "COMMAND",
+                                         "KIND",
+                                         "UNIT",
+                                         "VERB",
+                                         "FILE",
+                                         "DIR",  // offered
+                                         "TEXT",
+                                         "DURATION",
+                                         "COUNT",
+                                         "TEMPLATE",
+                                         "LINE",
+                                         "CHIP",
+                                         "SKETCH",
+                                         "PIN",
+                                         "ADDRESS",
+                                         "NAME",
+                                         "TOPIC",
+                                         "CONDITION",
+                                         ""};
+    const auto check = [&known](const CLI::App& app) {
+        for (const auto* option : app.get_options()) {
+            const auto type = option->get_positional() ? option->get_name(true) : option->get_type_name();
+            if (type.find('|') == std::string::npos) EXPECT_THAT(known, Contains(type)) << option->get_name();
+        }
+    };
+    check(line.app());
+    for (const auto* verb : line.app().get_subcommands([](const CLI::App*) { return true; })) {
+        check(*verb);
+        EXPECT_THAT(verb->get_footer(), ::testing::HasSubstr("Example")) << verb->get_name();
+    }
+}
+
+TEST(Verbs, EachThatPrintsData_KnowsJsonLinesAndTemplates) {
+    const CommandLine line(all_verbs());
+    for (const auto* verb : line.app().get_subcommands([](const CLI::App*) { return true; })) {
+        if (verb->get_name() == "help" || verb->get_name() == "completion") continue;
+        ASSERT_NE(verb->get_option_no_throw("--output"), nullptr) << verb->get_name();
+        EXPECT_THAT(verb->get_option("--output")->get_type_name(), ::testing::HasSubstr("json|jsonl"));
+        EXPECT_NE(verb->get_option_no_throw("--format"), nullptr) << verb->get_name();
+    }
 }
 
 }  // namespace

@@ -143,7 +143,7 @@ TEST(Doctor, RetainedStateAgainstLease_IsTold) {
     EXPECT_THAT(complaints(check_states(seen)), ElementsAre(HasSubstr("late will")));
 }
 
-TEST(Doctor, RetainedCommandsAndIllegalNames_AreTold) {
+TEST(Doctor, RetainedCommandsAndInvalidNames_AreReported) {
     auto seen = healthy();
     seen.retained.push_back({"asip/uno1/servo/in", "W,0,90"});
     seen.retained.push_back({"asip/servicebus/a b/$state", "online"});

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "cli/bus_catalogue.hpp"
 #include "cli/commands/ping.hpp"
 #include "cli/commands/show.hpp"
@@ -24,18 +26,16 @@ bus::BoardItem uno1() {
 
 TEST(ListBoards, EachForm_SaysTheSame) {
     EXPECT_EQ(boards_text({uno1()}, Output::kTable, 0, false),
-              "BOARD  STATE   CHIP        SKETCH     SERVICES             SEEN\n"
+              "BOARD  STATE   CHIP        SKETCH     SERVICES             ANNOUNCED\n"
               "uno1   online  ATmega328P  AsipHello  io distance servo X  500 ms ago\n");
     EXPECT_THAT(boards_text({uno1()}, Output::kWide, 40, false), HasSubstr("serial /dev/ttyACM0"));
     EXPECT_EQ(boards_text({uno1()}, Output::kName, 0, false), "uno1\n");
-    EXPECT_THAT(boards_text({uno1()}, Output::kJsonLines, 0, false), HasSubstr("\"board\":\"uno1\""));
-    EXPECT_EQ(boards_text({}, Output::kJson, 0, false), "[]\n");
     EXPECT_EQ(boards_text({}, Output::kTable, 0, false), "");
 }
 
 TEST(ListBoards, NarrowTerminal_IsNotExceeded) {
     EXPECT_EQ(boards_text({uno1()}, Output::kTable, 58, false),
-              "BOARD  STATE   CHIP      SKETCH     SERVICES    SEEN\n"
+              "BOARD  STATE   CHIP      SKETCH     SERVICES    ANNOUNCED\n"
               "uno1   online  ATmega3…  AsipHello  io distan…  500 ms ago\n");
 }
 
@@ -53,11 +53,38 @@ TEST(ListBoards, BriefRows_SayWhatWholeItemsSay) {
     lost.conflict = bus::Conflict{"a", "b", "elsewhere"};
     const std::vector<bus::BriefBoard> rows{bus::brief_of(uno1()), bus::brief_of(lost)};
     EXPECT_EQ(brief_text(rows, Output::kTable, 0, false),
-              "BOARD       STATE   CHIP        SKETCH     SERVICES             SEEN\n"
+              "BOARD       STATE   CHIP        SKETCH     SERVICES             ANNOUNCED\n"
               "uno1        online  ATmega328P  AsipHello  io distance servo X  500 ms ago\n"
               "küche?[31m  lost!   ATmega328P  AsipHello  io distance servo X  -\n");
     EXPECT_EQ(brief_text({rows[0]}, Output::kName, 0, false), "uno1\n");
     EXPECT_EQ(brief_text({}, Output::kTable, 0, false), "");
+}
+
+TEST(SortList, EachKey_OrdersAndKeepsNamesWithin) {
+    auto boards = [] {
+        std::vector<bus::BriefBoard> rows(3, bus::brief_of(uno1()));
+        rows[0].board = "b";
+        rows[1].board = "a";
+        rows[2].board = "c";
+        rows[2].state = "lost";
+        rows[0].age = 9;
+        rows[1].age = -1;
+        return rows;
+    }();
+    const auto names = [&boards] {
+        std::string text;
+        for (const auto& board : boards)
+            text += board.board;
+        return text;
+    };
+    sort_list(boards, "state", false);
+    EXPECT_EQ(names(), "cab");
+    sort_list(boards, "announced", false);
+    EXPECT_EQ(names(), "cba") << "never announced comes last";
+    sort_list(boards, "name", true);
+    EXPECT_EQ(names(), "cba");
+    sort_list(boards, "name", false);
+    EXPECT_EQ(names(), "abc");
 }
 
 TEST(ListServices, CountPeriodAndNames_AreShown) {
@@ -91,7 +118,7 @@ TEST(ShowBoard, DescribedBoard_TellsChipPinsServicesAndUnits) {
     EXPECT_THAT(text, HasSubstr("write    servo 0..255, angle 0..180 degrees  Turn a servo to an angle"));
     EXPECT_THAT(text, HasSubstr("distance 0..400 cm"));
     EXPECT_THAT(text, HasSubstr("2 sensors"));
-    EXPECT_THAT(text, HasSubstr("none known: raw tags only"));
+    EXPECT_THAT(text, HasSubstr("none known: events come as tag and body"));
 }
 
 TEST(ShowBoard, NamesOnly_SaysSo) {
@@ -111,8 +138,17 @@ TEST(PingSummary, LossAndPercentiles_AreCounted) {
         summary.milliseconds.add(ms);
     EXPECT_EQ(summary.text(),
               "\nuno1: 4 sent, 3 answered, 25 % lost\n"
-              "round trip: least 1.00, p50 2.00, p99 3.00, greatest 3.00 ms\n");
-    EXPECT_THAT(summary.json(), HasSubstr("\"loss_percent\":25.0"));
+              "round trip: minimum 1.00, p50 2.00, p99 3.00, maximum 3.00 ms\n");
+    EXPECT_EQ(summary.json()["loss_percent"], 25.0);
+}
+
+TEST(PinRecords, OwnersAndCapabilities_AreWords) {
+    const auto records = pin_records(*model::parse_description(kUno1));
+    ASSERT_EQ(records.size(), 20U);
+    EXPECT_EQ(records[9]["owner"], "servo");
+    EXPECT_EQ(records[9]["mode"], "other-service");
+    EXPECT_EQ(records[14]["channel"], 0);
+    EXPECT_EQ(records[3]["can"].dump(), R"(["digital","pwm"])");
 }
 
 TEST(UseColour, TerminalNoColorAndChoice_Decide) {

@@ -3,7 +3,6 @@
 
 #include <sstream>
 
-#include "cli/app.hpp"
 #include "cli/board_request.hpp"
 #include "cli/commands/pin.hpp"
 #include "tests/unit/cli/boards.hpp"
@@ -78,14 +77,13 @@ TEST(AnswerText, RawLine_IsNotQuoted) {
     EXPECT_EQ(answer_text(bus::Reply::ok("answer", R"({"modes":[6]})")), R"({"modes":[6]})");
 }
 
-TEST(NegativeNumbers, AreMarkedAndUnmarked_OptionsAreNot) {
-    const char* argv[] = {"asipctl", "send", "uno1/motors", "motor", "0", "-100", "-o", "json", "--no-wait"};
-    auto marked = mark_negative_numbers(9, argv);
-    EXPECT_NE(marked[5], "-100");
-    EXPECT_NE(marked[5].front(), '-');
-    unmark(marked[5]);
-    EXPECT_THAT(marked, ElementsAre("asipctl", "send", "uno1/motors", "motor", "0", "-100", "-o", "json",
-                                    "--no-wait"));
+TEST(WhyTaken, PinOfAnotherService_NamesIt) {
+    const auto description = *model::parse_description(kUno1);
+    EXPECT_THAT(why_taken(description, 9), HasSubstr("pin 9 belongs to the service uno1/servo"));
+    EXPECT_THAT(why_taken(description, 0), HasSubstr("the board itself"));
+    EXPECT_EQ(why_taken(description, 3), "");
+    EXPECT_EQ(why_taken(description, 200), "");
+    EXPECT_EQ(why_taken(model::Description{}, 9), "");
 }
 
 TEST(ParsePin, NumbersAndArduinoNames_AreUnderstood) {

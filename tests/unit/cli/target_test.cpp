@@ -22,7 +22,7 @@ TEST(ParseTarget, BoardOrBoardAndService_AreTakenApart) {
     EXPECT_EQ(parse_target("uno1/servo")->service, "servo");
 }
 
-TEST(ParseTarget, IllegalNames_AreUsageErrorsThatSayWhy) {
+TEST(ParseTarget, InvalidNames_AreUsageErrorsThatSayWhy) {
     for (const auto* text :
          {"", "/servo", "uno1/", "uno 1", "uno1/a/b", "registry", "servicebus", "uno1/#", "+"}) {
         const auto target = parse_target(text);

@@ -21,7 +21,20 @@ TEST(DisplayWidth, WideAndCombining_CountTwoAndNone) {
     EXPECT_EQ(display_width("e\u0301"), 1U);
 }
 
-TEST(DisplayWidth, BytesThatAreNoUtf8_CountOneEach) {
+TEST(DisplayWidth, MarksOfHebrewArabicAndThai_CountNone) {
+    EXPECT_EQ(display_width("\u05E9\u05C1\u05B8\u05DC"), 2U);
+    EXPECT_EQ(display_width("\u0645\u064F\u062D\u064E"), 2U);
+    EXPECT_EQ(display_width("\u0E01\u0E35\u0E48"), 1U);
+}
+
+TEST(DisplayWidth, OverlongForms_AreNotUtf8) {
+    EXPECT_EQ(display_width("\xE0\x80\xAF"), 3U);
+    EXPECT_EQ(for_terminal("\xE0\x80\xAF"), "???");
+    EXPECT_EQ(for_terminal("\xC0\xAF"), "??");
+    EXPECT_EQ(for_terminal("\xED\xA0\x80"), "???") << "half of a surrogate pair";
+}
+
+TEST(DisplayWidth, BytesThatAreNotUtf8_CountOneEach) {
     EXPECT_EQ(display_width("\xff\xc3"), 2U);
     EXPECT_EQ(display_width("a\xe6\xb8"), 3U);
 }
@@ -33,10 +46,10 @@ TEST(Fit, LongerThanColumns_CutsWholeCharactersAndMarks) {
     EXPECT_EQ(fit("uno1", 0), "");
 }
 
-TEST(Printable, EscapeSequences_LoseTheirPower) {
-    EXPECT_EQ(printable("\x1b[31mred\a"), "?[31mred?");
-    EXPECT_EQ(printable("\u202Etxt"), "?txt");
-    EXPECT_EQ(printable("gr\u00fcn"), "grün");
+TEST(ForTerminal, EscapeSequences_LoseTheirPower) {
+    EXPECT_EQ(for_terminal("\x1b[31mred\a"), "?[31mred?");
+    EXPECT_EQ(for_terminal("\u202Etxt"), "?txt");
+    EXPECT_EQ(for_terminal("gr\u00fcn"), "grün");
 }
 
 TEST(Samples, Percentiles_AreNearestRank) {
@@ -45,8 +58,8 @@ TEST(Samples, Percentiles_AreNearestRank) {
         samples.add(i);
     EXPECT_EQ(samples.percentile(50), 50);
     EXPECT_EQ(samples.percentile(99), 99);
-    EXPECT_EQ(samples.least(), 1);
-    EXPECT_EQ(samples.greatest(), 100);
+    EXPECT_EQ(samples.minimum(), 1);
+    EXPECT_EQ(samples.maximum(), 100);
     EXPECT_DOUBLE_EQ(samples.mean(), 50.5);
 }
 

@@ -1,0 +1,103 @@
+#include "cli/command_line.hpp"
+
+#include "asip/program/command_words.hpp"
+#include "asip/text/duration.hpp"
+#include "asip/text/nearest.hpp"
+#include "cli/declaration.hpp"
+
+namespace asip::cli {
+namespace {
+
+constexpr const char* kAbout =
+    "Lists, watches, reads and commands boards on the ASIP service bus.\n"
+    "Data goes to standard output, everything else to standard error.";
+
+/// A registry's answer may hold a thousand boards with their descriptions.
+constexpr std::uint32_t kMaxAnswerBytes = 64u << 20;
+
+constexpr const char* kNotes =
+    "Exit status: 0 done; 1 it did not succeed; 2 wrong use; 3 the broker cannot be reached or refused the\n"
+    "connection; 4 nothing answered in time.\n"
+    "Examples:\n"
+    "  asipctl list\n"
+    "  asipctl show uno1/servo\n"
+    "  asipctl subscribe uno1/distance\n"
+    "  asipctl send uno1/servo write 0 90\n"
+    "  asipctl pin uno1 13 high\n"
+    "asipctl COMMAND --help, or asipctl help COMMAND, shows the options of one command.";
+
+}  // namespace
+
+CommandLine::CommandLine(const std::vector<Verb>& verbs)
+    : app_(kAbout, "asipctl"), settings_(app_, "asipctl") {
+    app_.require_subcommand(1);
+    app_.footer(kNotes);
+    app_.get_formatter()->label("SUBCOMMAND", "COMMAND");
+    app_.get_formatter()->label("Subcommands", "Commands");
+    add_common_options();
+    for (const auto& verb : verbs) {
+        auto* command = app_.add_subcommand(verb.name, verb.summary);
+        command->fallthrough();
+        command->footer(verb.notes + "\nOptions of every command: asipctl --help");
+        command->group("Commands");
+        Declaration declaration(*command);
+        command->callback([this, run = verb.declare(declaration)] { chosen_ = run; });
+    }
+}
+
+void CommandLine::add_common_options() {
+    settings_.add_broker_options(broker_);
+    settings_.add_log_options(log_);
+    settings_.setting(
+        app_.add_option("--services", services_, "Folder of service models besides the built-in ones")
+            ->check(CLI::ExistingDirectory.description(""))
+            ->type_name("DIR"));
+    settings_.setting(app_.add_option("--timeout", timeout_, "How long to wait for one answer")
+                          ->capture_default_str()
+                          ->type_name("DURATION"));
+    program::one_of(settings_.setting(app_.add_option("--color", colour_,
+                                                      "When to use colours; auto: on a terminal, unless "
+                                                      "NO_COLOR is set")),
+                    {"auto", "always", "never"})
+        ->capture_default_str();
+    settings_.setting(app_.add_flag("--from-bus", from_bus_, "Do not ask a registry, read the bus itself"));
+}
+
+std::optional<int> CommandLine::parse(std::vector<std::string> arguments) {
+    return settings_.parse(std::move(arguments));
+}
+
+Outcome<void> CommandLine::apply(Context& context) const {
+    auto mqtt = program::mqtt_options(broker_, "asipctl");
+    if (!mqtt) return failure(program::kExitUsage, mqtt.error());
+    context.mqtt = std::move(*mqtt);
+    context.mqtt.max_packet_bytes = kMaxAnswerBytes;
+    context.topics = bus::Topics(broker_.topic_root);
+    const auto timeout = text::parse_duration(timeout_);
+    if (!timeout) return failure(program::kExitUsage, "--timeout: " + timeout.error());
+    context.timeout = *timeout;
+    context.mqtt.connect_timeout = *timeout;
+    context.from_bus = from_bus_;
+    if (!services_.empty()) {
+        auto& models = context.own_models.emplace(model::ModelSet::standard());
+        if (const auto loaded = models.load_directory(services_); !loaded) {
+            return failure(program::kExitUsage, loaded.error());
+        }
+    }
+    return {};
+}
+
+ColourChoice CommandLine::colour() const {
+    if (colour_ == "always") return ColourChoice::kAlways;
+    return colour_ == "never" ? ColourChoice::kNever : ColourChoice::kAuto;
+}
+
+Outcome<std::string> CommandLine::help(const std::string& verb) const {
+    // App::help() would print the help of the verb that was given: of `help` itself.
+    if (verb.empty()) return app_.get_formatter()->make_help(&app_, "asipctl", CLI::AppFormatMode::Normal);
+    if (const auto unknown = program::unknown_word(app_, {verb}))
+        return failure(program::kExitUsage, *unknown);
+    return app_.get_subcommand(verb)->help("asipctl");
+}
+
+}  // namespace asip::cli

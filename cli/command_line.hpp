@@ -1,0 +1,52 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "asip/program/options.hpp"
+#include "cli/context.hpp"
+#include "cli/terminal.hpp"
+#include "cli/verb.hpp"
+
+namespace asip::cli {
+
+/// What a user may type: the options of every command, and the verbs with theirs.
+class CommandLine {
+  public:
+    explicit CommandLine(const std::vector<Verb>& verbs);
+    CommandLine(const CommandLine&) = delete;
+    CommandLine& operator=(const CommandLine&) = delete;
+
+    const CLI::App& app() const { return app_; }
+
+    /// Reads arguments (without the program's name), environment and configuration file. Nothing: continue
+    /// with apply() and run(). Otherwise the exit status to end with; help or the error has been printed.
+    std::optional<int> parse(std::vector<std::string> arguments);
+
+    /// Brings the options of every command into `context`. Fails with kExitUsage.
+    Outcome<void> apply(Context& context) const;
+    ColourChoice colour() const;
+
+    /// Runs the verb that was given.
+    int run(Context& context) const { return chosen_(context); }
+
+    /// What `asipctl VERB --help` prints; with an empty verb, `asipctl --help`. Fails with kExitUsage and the
+    /// nearest verb.
+    Outcome<std::string> help(const std::string& verb) const;
+
+  private:
+    void add_common_options();
+
+    CLI::App app_;
+    program::Settings settings_;
+    program::BrokerOptions broker_;
+    program::LogOptions log_{.level = "warning", .format = "text"};
+    std::string timeout_ = "5s";
+    std::string services_;
+    std::string colour_ = "auto";
+    bool from_bus_ = false;
+    Run chosen_;
+};
+
+}  // namespace asip::cli

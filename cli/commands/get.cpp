@@ -1,0 +1,207 @@
+#include "cli/commands/get.hpp"
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <ostream>
+
+#include "asip/model/json.hpp"
+#include "asip/text/wall_time.hpp"
+#include "cli/board_request.hpp"
+#include "cli/declaration.hpp"
+#include "cli/leaf_values.hpp"
+#include "cli/target.hpp"
+#include "cli/text/width.hpp"
+
+namespace asip::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// BOARD/SERVICE/FIELD taken apart; FIELD may hold more slashes.
+struct FieldTarget {
+    Target target;
+    std::string field;
+};
+
+Outcome<FieldTarget> parse_field_target(const std::string& text) {
+    const auto service = text.find('/');
+    const auto field = service == std::string::npos ? service : text.find('/', service + 1);
+    auto target = parse_target(text.substr(0, field));
+    if (!target) return tl::unexpected(target.error());
+    if (target->service.empty()) {
+        return failure(program::kExitUsage, "which service of " + target->board + "? Write " + target->board +
+                                                "/SERVICE or " + target->board + "/SERVICE/FIELD");
+    }
+    return FieldTarget{std::move(*target), field == std::string::npos ? "" : text.substr(field + 1)};
+}
+
+/// One value of one service, from the board.
+class Getter {
+  public:
+    Getter(const GetOptions& options, Context& context, FieldTarget what)
+        : options_(options),
+          context_(context),
+          what_(std::move(what)),
+          session_(context),
+          source_(context, session_),
+          records_(options.output, options.watch ? RecordPrinter::Count::kStream : RecordPrinter::Count::kOne,
+                   context.out) {}
+
+    int run() {
+        if (const auto connected = session_.connect(); !connected)
+            return context_.fail_with(connected.error());
+        if (const auto found = find(); !found) return context_.fail_with(found.error());
+        const auto topic = context_.topics.service_out(what_.target.board, service_.name);
+        session_.subscribe(topic, [this](const mqtt::Message& message) {
+            if (!message.retain) take(message.payload, "reported");
+        });
+        const auto first = options_.watch ? Outcome<void>() : get();
+        if (!first) return context_.fail_with(first.error());
+        while (options_.watch && session_.run_until([] { return false; }, Clock::now() + 1h)) {
+        }
+        return program::kExitOk;
+    }
+
+  private:
+    Outcome<void> find() {
+        auto board = find_living_board(source_, what_.target.board);
+        if (!board) return tl::unexpected(board.error());
+        auto service = find_service(*board, what_.target.service);
+        if (!service) return tl::unexpected(service.error());
+        board_ = std::move(*board);
+        service_ = std::move(*service);
+        model_ = model_of(service_, context_.models());
+        if (!model_) return {};
+        auto choice = choose_field(*model_, what_.field);
+        if (!choice) return failure(program::kExitUsage, where() + ": " + choice.error());
+        choice_ = *choice;
+        return {};
+    }
+
+    /// Asks the board where the model knows how, else waits for its next report.
+    Outcome<void> get() {
+        const auto asked = ask();
+        if (printed_) return {};
+        session_.run_until([this] { return printed_; }, Clock::now() + context_.timeout);
+        if (printed_) return {};
+        if (!asked) return tl::unexpected(asked.error());
+        return failure(program::kExitNoAnswer, where() + " reported nothing within " +
+                                                   std::to_string(context_.timeout.count()) + " ms" +
+                                                   advice());
+    }
+
+    Outcome<void> ask() {
+        const auto* command = model_ ? asking_command(*model_, *choice_.event) : nullptr;
+        if (command == nullptr) return {};
+        const std::vector<std::string> words{command->name};
+        const auto request = make_command(context_, board_, service_, words);
+        if (!request) return tl::unexpected(request.error());
+        const auto reply = ask_board(context_, session_, *request);
+        if (!reply) return tl::unexpected(reply.error());
+        if (!reply->succeeded()) return failure(exit_status(*reply), request->line + ": " + explain(*reply));
+        take(reply->answer, "asked");
+        return {};
+    }
+
+    std::string advice() const {
+        if (!model_ || model_->command("report") == nullptr) return {};
+        return "; let it report: asipctl send " + where() + " report 100";
+    }
+
+    void take(const std::string& payload, const char* how) {
+        if (printed_ && !options_.watch) return;
+        const auto document = model::parse_json(payload, {.max_bytes = 1U << 20U, .max_depth = 32});
+        if (!document || !document->is_object()) return;
+        if (!model_) {
+            print({{{}, *document, {}}}, {}, how);
+        } else if (document->contains(choice_.event->name)) {
+            auto leaves = leaf_values(*choice_.event, (*document)[choice_.event->name]);
+            std::erase_if(leaves, [this](const LeafValue& leaf) { return !choice_.takes(leaf.path); });
+            if (!leaves.empty()) print(leaves, choice_.event->name, how);
+        }
+    }
+
+    void print(const std::vector<LeafValue>& leaves, const std::string& event, const char* how) {
+        printed_ = true;
+        if (!options_.output.for_people()) {
+            records_.print(record(leaves, event, how));
+            return;
+        }
+        for (const auto& leaf : leaves) {
+            if (leaves.size() > 1) context_.out << leaf.path << ' ';
+            auto bare = leaf;
+            if (options_.raw) bare.unit.clear();
+            context_.out << for_terminal(bare.text()) << '\n';
+        }
+        context_.out << std::flush;
+    }
+
+    nlohmann::json record(const std::vector<LeafValue>& leaves, const std::string& event,
+                          const char* how) const {
+        nlohmann::json result{{"board", what_.target.board},
+                              {"service", service_.name},
+                              {"time", text::iso_time(text::wall_now())},
+                              {"how", how}};
+        if (!event.empty()) result["event"] = event;
+        if (!leaves.front().unit.empty()) result["unit"] = leaves.front().unit;
+        if (leaves.size() == 1) {
+            result["value"] = leaves.front().value;
+            return result;
+        }
+        for (const auto& leaf : leaves)
+            result["value"][leaf.path] = leaf.value;
+        return result;
+    }
+
+    std::string where() const { return what_.target.board + "/" + service_.name; }
+
+    const GetOptions& options_;
+    Context& context_;
+    FieldTarget what_;
+    BusSession session_;
+    BoardSource source_;
+    RecordPrinter records_;
+    KnownBoard board_{};
+    model::ServiceInfo service_{};
+    model::ModelPtr model_{};
+    FieldChoice choice_{};
+    bool printed_ = false;
+};
+
+}  // namespace
+
+int run_get(const GetOptions& options, Context& context) {
+    auto what = parse_field_target(options.target);
+    if (!what) return context.fail_with(what.error());
+    return Getter(options, context, std::move(*what)).run();
+}
+
+namespace {
+
+Run declare_get(Declaration& verb) {
+    auto options = std::make_shared<GetOptions>();
+    verb.argument("BOARD/SERVICE[/FIELD]", options->target,
+                  "What; FIELD is an event, a field of it, or its number");
+    verb.flag("-w,--watch", options->watch,
+              "Continue and print each value that the board reports, until Ctrl-C");
+    verb.flag("--raw", options->raw, "Without the unit");
+    verb.output(options->output, {Output::kText},
+                {"board", "service", "event", "value", "unit", "time", "how"});
+    return [options](Context& context) { return run_get(*options, context); };
+}
+
+}  // namespace
+
+Verb get_verb() {
+    return {"get", "One value of a service, with its unit",
+            "Asks the board where the service can be asked, else waits for its next report. Exit status 4: "
+            "nothing\n"
+            "came in time.\n"
+            "Examples:\n"
+            "  asipctl get uno1/distance\n"
+            "  asipctl get uno1/distance/0 --raw\n"
+            "  asipctl get uno1/distance -o json",
+            declare_get};
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,20 @@
+#pragma once
+#include <string>
+
+#include "cli/context.hpp"
+#include "cli/output.hpp"
+
+namespace asip::cli {
+
+struct GetOptions {
+    std::string target;  ///< BOARD/SERVICE[/FIELD]
+    bool watch = false;
+    bool raw = false;  ///< without units
+    OutputOptions output{};
+};
+
+/// `asipctl get`: one value of a service, asked for or reported after the command began; a retained value is
+/// not taken. kExitNoAnswer when none came in time.
+int run_get(const GetOptions& options, Context& context);
+
+}  // namespace asip::cli

@@ -1,0 +1,26 @@
+#include <ostream>
+
+#include "cli/context.hpp"
+#include "cli/declaration.hpp"
+
+namespace asip::cli {
+namespace {
+
+Run declare_help(Declaration& verb) {
+    auto name = std::make_shared<std::string>();
+    verb.argument("VERB", *name, "The command; without it, all of them are listed", Declaration::Needed::kNo);
+    return [name](Context& context) {
+        const auto text = context.help(*name);
+        if (!text) return context.fail_with(text.error());
+        context.out << *text << std::flush;
+        return program::kExitOk;
+    };
+}
+
+}  // namespace
+
+Verb help_verb() {
+    return {"help", "Options and examples of a command", "Example:\n  asipctl help send", declare_help};
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,122 @@
+#include "cli/commands/prune.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <set>
+
+#include "cli/board_source.hpp"
+#include "cli/declaration.hpp"
+#include "cli/forget_request.hpp"
+#include "cli/retained.hpp"
+#include "cli/text/table.hpp"
+#include "cli/text/words.hpp"
+
+namespace asip::cli {
+namespace {
+
+std::string kind_name(Lingering::Kind kind) {
+    switch (kind) {
+        case Lingering::Kind::kGoneBoard:
+            return "boards";
+        case Lingering::Kind::kCommand:
+            return "commands";
+        case Lingering::Kind::kOrphan:
+            return "orphans";
+        case Lingering::Kind::kInvalidName:
+            return "names";
+        case Lingering::Kind::kUnreadable:
+            return "documents";
+        case Lingering::Kind::kGoneRegistry:
+            break;
+    }
+    return "registries";
+}
+
+void print_lingering(const std::vector<Lingering>& all, const OutputOptions& output, Context& context) {
+    Table table({{"TOPIC", false, 20}, {"KIND"}, {"WHY", false, 10}});
+    RecordPrinter records(output, RecordPrinter::Count::kList, context.out);
+    for (const auto& one : all) {
+        if (!output.for_people()) {
+            records.print({{"topic", one.topic},
+                           {"kind", kind_name(one.kind)},
+                           {"board", one.board},
+                           {"why", one.why}});
+        } else if (output.form == Output::kName) {
+            context.out << one.topic << '\n';
+        } else {
+            table.add({one.topic, kind_name(one.kind), one.why});
+        }
+    }
+    if (!table.empty()) context.out << table.render(context.width, context.colour);
+    if (!output.for_people()) records.finish();
+    context.out << std::flush;
+}
+
+/// Boards that a registry will not forget (they just came back, for one) are taken out of `lingering`.
+int forget_boards(Context& context, BusSession& session, BoardSource& source,
+                  std::vector<Lingering>& lingering) {
+    std::set<std::string> boards;
+    for (const auto& one : lingering) {
+        if (one.kind == Lingering::Kind::kGoneBoard) boards.insert(one.board);
+    }
+    int status = program::kExitOk;
+    for (const auto& board : boards) {
+        if (const auto asked = ask_to_forget(context, session, source, board); !asked) {
+            status = context.fail_with(asked.error());
+            std::erase_if(lingering, [&board](const Lingering& one) { return one.board == board; });
+        }
+        if (source.registry().empty()) break;
+    }
+    return status;
+}
+
+}  // namespace
+
+int run_prune(const PruneOptions& options, Context& context) {
+    BusSession session(context);
+    BoardSource source(context, session);
+    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+    auto lingering =
+        find_lingering(context.topics, read_retained(context, session, {context.topics.root() + "/#"}));
+    std::erase_if(lingering, [&](const Lingering& one) {
+        const auto& kinds = options.kinds;
+        return !kinds.empty() && std::find(kinds.begin(), kinds.end(), kind_name(one.kind)) == kinds.end();
+    });
+    print_lingering(lingering, options.output, context);
+    if (options.dry_run || lingering.empty()) {
+        context.note(lingering.empty() ? "nothing to clear"
+                                       : "would clear " + counted(lingering.size(), "retained topic"));
+        return program::kExitOk;
+    }
+    const int status = forget_boards(context, session, source, lingering);
+    std::vector<std::string> topics;
+    for (const auto& one : lingering)
+        topics.push_back(one.topic);
+    if (const auto cleared = clear_retained(context, session, topics); !cleared)
+        return context.fail_with(cleared.error());
+    context.note("cleared " + counted(topics.size(), "retained topic"));
+    return status;
+}
+
+namespace {
+
+Run declare_prune(Declaration& verb) {
+    auto options = std::make_shared<PruneOptions>();
+    verb.flag("--dry-run", options->dry_run, "Only show what would be cleared");
+    verb.option(
+        "--only", "boards|commands|orphans|names|documents|registries", options->kinds,
+        "Only these: boards that are gone, retained commands, values of unknown boards, names that are not "
+        "valid, descriptions that cannot be read, registries that are gone");
+    verb.output(options->output, {Output::kTable, Output::kName}, {"topic", "kind", "board", "why"});
+    return [options](Context& context) { return run_prune(*options, context); };
+}
+
+}  // namespace
+
+Verb prune_verb() {
+    return {"prune", "Clear everything retained that nobody needs any more",
+            "Examples:\n  asipctl prune --dry-run\n  asipctl prune --only commands", declare_prune};
+}
+
+}  // namespace asip::cli

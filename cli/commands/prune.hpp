@@ -1,0 +1,19 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "cli/context.hpp"
+#include "cli/output.hpp"
+
+namespace asip::cli {
+
+struct PruneOptions {
+    bool dry_run = false;
+    std::vector<std::string> kinds;  ///< as prune_kind() names them; empty: all of them
+    OutputOptions output{};
+};
+
+/// `asipctl prune`: clears everything retained that nobody needs any more.
+int run_prune(const PruneOptions& options, Context& context);
+
+}  // namespace asip::cli

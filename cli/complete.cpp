@@ -1,0 +1,282 @@
+#include "cli/complete.hpp"
+
+#include <algorithm>
+#include <ostream>
+#include <set>
+
+#include "asip/program/command_words.hpp"
+#include "cli/board_source.hpp"
+#include "cli/target.hpp"
+
+namespace asip::cli {
+namespace {
+
+using Words = std::vector<std::string>;
+using Kind = program::CommandWord::Kind;
+
+constexpr std::chrono::milliseconds kPatience{700};
+
+Words starting_with(Words candidates, const std::string& start) {
+    std::erase_if(candidates, [&start](const std::string& one) { return !one.starts_with(start); });
+    std::sort(candidates.begin(), candidates.end());
+    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+    return candidates;
+}
+
+Words split(const std::string& text, char at) {
+    Words parts;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const auto end = std::min(text.find(at, begin), text.size());
+        parts.push_back(text.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return parts;
+}
+
+/// Which parts of BOARD/SERVICE/FIELD a place takes.
+struct Depth {
+    std::size_t least = 1;
+    std::size_t most = 1;
+};
+
+Words targets(const std::string& start, const NameSources& names, Depth depth) {
+    const auto parts = split(start, '/');
+    const auto level = parts.size();
+    if (level > depth.most) return {};
+    const auto found = level == 1   ? names.boards()
+                       : level == 2 ? names.services(parts[0])
+                                    : names.fields(parts[0], parts[1]);
+    const auto before = start.substr(0, start.rfind('/') + 1);
+    Words result;
+    for (const auto& name : found) {
+        if (level >= depth.least) result.push_back(before + name);
+        if (level < depth.most) result.push_back(before + name + "/");
+    }
+    return result;
+}
+
+Words commands(const Words& arguments, const NameSources& names) {
+    const auto parts = split(arguments.empty() ? "" : arguments.front(), '/');
+    return arguments.size() == 1 && parts.size() == 2 ? names.commands(parts[0], parts[1]) : Words();
+}
+
+Words verbs(const CLI::App& app) {
+    Words result;
+    for (const auto* command : app.get_subcommands([](const CLI::App*) { return true; }))
+        result.push_back(command->get_name());
+    return result;
+}
+
+Words offered(const CLI::App& app, const std::string& type, const std::string& start, const Words& arguments,
+              const NameSources& names) {
+    if (type.find('|') != std::string::npos) return split(type, '|');
+    if (type == "BOARD" || type == "PATTERN") return targets(start, names, {1, 1});
+    if (type == "BOARD[/SERVICE]") return targets(start, names, {1, 2});
+    if (type == "BOARD/SERVICE") return targets(start, names, {2, 2});
+    if (type == "BOARD/SERVICE[/FIELD]") return targets(start, names, {2, 3});
+    if (type == "COMMAND") return commands(arguments, names);
+    if (type == "KIND") return names.kinds();
+    if (type == "UNIT") return names.units();
+    if (type == "VERB") return verbs(app);
+    if (type == "FILE") return {kOfferFiles};
+    if (type == "DIR") return {kOfferFolders};
+    return {};
+}
+
+/// Type by which help shows what stands here.
+std::string type_of(const CLI::Option& option) {
+    return option.get_positional() ? option.get_name(true) : option.get_type_name();
+}
+
+Words values(const CLI::App& app, const CLI::Option& option, const std::string& start, const Words& arguments,
+             const NameSources& names) {
+    // Of `distance,se` only the last part is still open.
+    const auto comma = option.get_delimiter() == ',' ? start.rfind(',') : std::string::npos;
+    const auto before = comma == std::string::npos ? std::string() : start.substr(0, comma + 1);
+    const auto open = start.substr(before.size());
+    auto found = offered(app, type_of(option), open, arguments, names);
+    if (found == Words{kOfferFiles} || found == Words{kOfferFolders}) return found;
+    std::erase(found, "...");
+    for (auto& one : found)
+        one = before + one;
+    return starting_with(std::move(found), start);
+}
+
+Words option_names(const CLI::App* app) {
+    Words names;
+    for (; app != nullptr; app = app->get_parent()) {
+        for (const auto* option : app->get_options()) {
+            for (const auto& name : option->get_lnames())
+                names.push_back("--" + name);
+            for (const auto& name : option->get_snames())
+                names.push_back("-" + name);
+        }
+    }
+    return names;
+}
+
+}  // namespace
+
+std::vector<std::string> complete(const CLI::App& app, const std::vector<std::string>& words,
+                                  const std::string& start, const NameSources& names) {
+    const auto read = program::classify(app, words);
+    const auto next = program::next_word(app, words);
+    Words arguments;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (read[i].kind == Kind::kUnknownSubcommand) return {};
+        if (read[i].kind == Kind::kArgument) arguments.push_back(words[i]);
+    }
+    if (next.kind == Kind::kValue) return values(app, *next.option, start, arguments, names);
+    if (start.starts_with("--") && start.find('=') != std::string::npos) {
+        const auto name = start.substr(0, start.find('='));
+        const auto option = program::classify(*next.app, {name}).front().option;
+        if (option == nullptr) return {};
+        auto found = values(app, *option, start.substr(name.size() + 1), arguments, names);
+        for (auto& one : found) {
+            if (!one.starts_with(":")) one = name + "=" + one;
+        }
+        return found;
+    }
+    if (start.starts_with("-")) return starting_with(option_names(next.app), start);
+    if (next.kind == Kind::kSubcommand) return starting_with(verbs(app), start);
+    return next.option == nullptr ? Words() : values(app, *next.option, start, arguments, names);
+}
+
+TypedLine typed_line(const std::string& line) {
+    auto words = split_words(line);
+    for (const char* quote : {"'", "\""}) {
+        if (!words) words = split_words(line + quote);
+    }
+    TypedLine result;
+    if (!words || words->empty()) return result;
+    result.words.assign(words->begin() + 1, words->end());
+    if (!result.words.empty() && line.back() != ' ') {
+        result.start = std::move(result.words.back());
+        result.words.pop_back();
+    }
+    return result;
+}
+
+std::vector<std::string> for_bash(std::vector<std::string> candidates, const std::string& start) {
+    const auto last = start.find_last_of("=:");
+    if (last == std::string::npos) return candidates;
+    for (auto& candidate : candidates) {
+        if (!candidate.starts_with(":")) candidate.erase(0, std::min(last + 1, candidate.size()));
+    }
+    return candidates;
+}
+
+namespace {
+
+/// The options of every command that were typed with their values: they say where the bus is.
+Words common_options(const CLI::App& app, const Words& words) {
+    const auto read = program::classify(app, words);
+    const auto own = app.get_options();
+    Words result;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const bool common =
+            read[i].option != nullptr && std::find(own.begin(), own.end(), read[i].option) != own.end();
+        if (read[i].kind != Kind::kOption || !common) continue;
+        const bool value_follows = i + 1 < words.size() && read[i + 1].kind == Kind::kValue;
+        const bool complete = !program::takes_value(*read[i].option) || value_follows ||
+                              words[i].find('=') != std::string::npos;
+        if (!complete || words[i] == "--help" || words[i] == "-h" || words[i] == "--version") continue;
+        result.push_back(words[i]);
+        if (value_follows) result.push_back(words[i + 1]);
+    }
+    return result;
+}
+
+/// Names from the bus, read once and only when asked for.
+class LiveNames {
+  public:
+    explicit LiveNames(Context& context) : context_(context), session_(context), source_(context, session_) {}
+
+    NameSources sources() {
+        NameSources names;
+        names.boards = [this] { return connected() ? source_.names() : Words(); };
+        names.services = [this](const std::string& board) {
+            const auto found = this->board(board);
+            return found ? found->service_names() : Words();
+        };
+        names.commands = [this](const std::string& board, const std::string& service) {
+            Words result;
+            if (const auto model = this->model(board, service)) {
+                for (const auto& command : model->commands)
+                    result.push_back(command.name);
+            }
+            return result;
+        };
+        names.fields = [this](const std::string& board, const std::string& service) {
+            Words result;
+            if (const auto model = this->model(board, service)) {
+                for (const auto& event : model->events)
+                    result.push_back(event.name);
+            }
+            return result;
+        };
+        names.kinds = [this] { return context_.models().names(); };
+        names.units = [this] { return units(); };
+        return names;
+    }
+
+  private:
+    bool connected() {
+        if (!std::exchange(tried_, true)) connected_ = session_.connect().has_value();
+        return connected_;
+    }
+
+    std::optional<KnownBoard> board(const std::string& name) {
+        return connected() ? source_.retained_board(name) : std::nullopt;
+    }
+
+    model::ModelPtr model(const std::string& name, const std::string& service) {
+        const auto found = board(name);
+        if (!found) return nullptr;
+        const auto info = find_service(*found, service);
+        return info ? model_of(*info, context_.models()) : nullptr;
+    }
+
+    Words units() const {
+        Words result;
+        const auto add = [&result](const std::vector<model::Field>& fields) {
+            for (const auto& field : fields) {
+                if (!field.unit.empty()) result.push_back(field.unit);
+            }
+        };
+        for (const auto& name : context_.models().names()) {
+            const auto model = context_.models().find(name);
+            for (const auto& event : model->events)
+                add(event.fields);
+            for (const auto& command : model->commands)
+                add(command.args);
+        }
+        return result;
+    }
+
+    Context& context_;
+    BusSession session_;
+    BoardSource source_;
+    bool tried_ = false;
+    bool connected_ = false;
+};
+
+}  // namespace
+
+int run_complete(const std::vector<std::string>& arguments, CommandLine& line, Context& context) {
+    if (arguments.size() != 2) return program::kExitUsage;
+    const auto typed = typed_line(arguments[1]);
+    auto options = common_options(line.app(), typed.words);
+    options.insert(options.end(), {"completion", "bash"});
+    if (line.parse(std::move(options)) || !line.apply(context)) return program::kExitOk;
+    context.timeout = std::min(context.timeout, kPatience);
+    LiveNames live(context);
+    auto found = complete(line.app(), typed.words, typed.start, live.sources());
+    if (arguments[0] == "bash") found = for_bash(std::move(found), typed.start);
+    for (const auto& candidate : found)
+        context.out << candidate << '\n';
+    context.out << std::flush;
+    return program::kExitOk;
+}
+
+}  // namespace asip::cli

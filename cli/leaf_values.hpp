@@ -1,0 +1,41 @@
+#pragma once
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/model/service_model.hpp"
+
+namespace asip::cli {
+
+/// One number or text of an event, with what the model knows of it.
+struct LeafValue {
+    std::string path;  ///< below the event: `0`, `1.count`; empty where the event is one value
+    nlohmann::json value;
+    std::string unit;  ///< empty: none
+
+    std::string text() const;  ///< `42 cm`
+};
+
+/// Every number or text of a decoded event, in its order. `value` is what stands below the event's name.
+std::vector<LeafValue> leaf_values(const model::EventModel& event, const nlohmann::json& value);
+
+/// Which part of a service's events FIELD means: the name of an event, or of a field of one, and a path below
+/// it.
+struct FieldChoice {
+    const model::EventModel* event = nullptr;
+    std::string path;  ///< below the event's value; empty: all of it
+
+    /// Whether a leaf is of that part.
+    bool takes(std::string_view leaf_path) const;
+};
+
+/// `field` as in `distance`, `distance/0`, `0` or `pulse`; empty: the first event of the model. Fails with
+/// what there is, and the nearest.
+Expected<FieldChoice> choose_field(const model::ServiceModel& model, std::string_view field);
+
+/// The command without arguments that is answered by `event`; null where there is none.
+const model::CommandModel* asking_command(const model::ServiceModel& model, const model::EventModel& event);
+
+}  // namespace asip::cli
