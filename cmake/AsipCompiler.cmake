@@ -4,14 +4,23 @@ set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 
-# The build type of the presets: fast to compile, fast enough to run boards in real time, lines in every backtrace.
-# FORCE, because project() has put an empty value into the cache by now.
-set(CMAKE_CXX_FLAGS_DEV "-O1 -g1" CACHE STRING "Flags of the Dev build type" FORCE)
-set(CMAKE_C_FLAGS_DEV "-O1 -g1" CACHE STRING "Flags of the Dev build type" FORCE)
+# The flags of a build type of ours, unless somebody set them. FORCE, because project() has put an empty value into the
+# cache by now.
+function(asip_build_type name flags)
+  foreach(language C CXX)
+    if(NOT CMAKE_${language}_FLAGS_${name})
+      set(CMAKE_${language}_FLAGS_${name} "${flags}" CACHE STRING "Flags of this build type" FORCE)
+    endif()
+  endforeach()
+endfunction()
 
+# Programs as their users get them, with lines in every backtrace and with assertions. Tests themselves are not optimised
+# (AsipTest): compiling them costs more than running them.
+asip_build_type(DEV "-O2 -g1")
+# Fuzz targets: more inputs a second are worth some time of the compiler.
+asip_build_type(FUZZ "-O1 -g1")
 # Unoptimised: compiling with sanitizers costs more than what runs, and GCC 12 warns falsely when it does both.
-set(CMAKE_CXX_FLAGS_SANITIZE "-O0 -g1" CACHE STRING "Flags of the Sanitize build type" FORCE)
-set(CMAKE_C_FLAGS_SANITIZE "-O0 -g1" CACHE STRING "Flags of the Sanitize build type" FORCE)
+asip_build_type(SANITIZE "-O0 -g1")
 
 # Interface target that each target of ours links: warnings, and sanitizers where asked for.
 add_library(asip_options INTERFACE)
@@ -22,7 +31,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   target_compile_options(asip_options INTERFACE $<BUILD_INTERFACE:$<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>>)
 endif()
 if(CMAKE_UNITY_BUILD)
-  # Several sources are compiled as one there: what each keeps to itself looks as if it stood in a header.
+  # Several sources are compiled as one: what each keeps to itself looks as if it stood in a header.
   target_compile_options(asip_options INTERFACE $<BUILD_INTERFACE:$<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>>)
 endif()
 target_include_directories(asip_options INTERFACE

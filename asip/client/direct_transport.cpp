@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr PendingCalls::Id kOpening = ~PendingCalls::Id{0};  // no request id of a session
+constexpr PendingCalls::Id kOpeningRequest = ~PendingCalls::Id{0};  // no request id of a session
 
 session::SessionOptions session_options(const Options& options) {
     session::SessionOptions session;
@@ -85,7 +85,7 @@ DirectTransport::~DirectTransport() {
 
 Awaitable<void> DirectTransport::open(Listener& listener) {
     listener_ = &listener;
-    calls_.begin(kOpening);
+    calls_.begin(kOpeningRequest);
     link_ = std::make_unique<link::KeptStream>(io_, stream_target(address_, options_),
                                                link::KeptStream::Handlers{
                                                    [this](const link::StreamOpened& link) { opened(link); },
@@ -98,7 +98,8 @@ Awaitable<void> DirectTransport::open(Listener& listener) {
                                                    [this](const link::StreamError& error) { failed(error); },
                                                });
     link_->start();
-    const auto done = co_await calls_.wait(kOpening, options_.open_timeout, "no ASIP board answered in time");
+    const auto done =
+        co_await calls_.wait(kOpeningRequest, options_.open_timeout, "no ASIP board answered in time");
     if (!done) {
         co_return Unexpected<Error>(done.error());
     }
@@ -195,7 +196,7 @@ void DirectTransport::lost(const link::StreamError& error) {
 
 void DirectTransport::failed(const link::StreamError& error) {
     if (!opened_) {
-        calls_.finish(kOpening, failure(Error::Kind::Unreachable, error.text));
+        calls_.finish(kOpeningRequest, failure(Error::Kind::Unreachable, error.text));
     }
 }
 
@@ -239,7 +240,7 @@ void DirectTransport::perform_one(const session::Action& action) {
         set_presence(false);
     } else if (const auto* none = std::get_if<session::NoAnswer>(&action)) {
         calls_.finish(
-            kOpening,
+            kOpeningRequest,
             failure(Error::Kind::Unreachable,
                     none->heard_bytes ? "something answers, but not in ASIP: is the rate right, and does the "
                                         "board run an ASIP sketch?"
@@ -260,7 +261,7 @@ void DirectTransport::deliver(const protocol::ParsedLine& line) {
 
 void DirectTransport::identified() {
     services_ = session::ServiceTable(session_.identity(), model::ModelSet::standard());
-    calls_.finish(kOpening, Json());
+    calls_.finish(kOpeningRequest, Json());
     set_presence(true);
 }
 

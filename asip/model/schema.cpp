@@ -41,7 +41,7 @@ Unexpected<std::string> fault(const std::string& place, const std::string& reaso
     return fail((place.empty() ? "/" : text::printable(place, 256)) + ": " + reason);
 }
 
-std::string shown(const json& value) {
+std::string shown_in_fault(const json& value) {
     const auto text = dump_json(value);
     return text.size() > 60 ? text.substr(0, 60) + "..." : text;
 }
@@ -122,23 +122,23 @@ Expected<void> Checker::check(const json& schema, const json& value, const std::
     }
     if (const auto found = schema.find("type");
         found != schema.end() && !has_type(value, found->get<std::string>())) {
-        return fault(place, "is " + shown(value) + ", not of type " + found->get<std::string>());
+        return fault(place, "is " + shown_in_fault(value) + ", not of type " + found->get<std::string>());
     }
     if (const auto found = schema.find("enum"); found != schema.end()) {
         if (std::find(found->begin(), found->end(), value) == found->end()) {
-            return fault(place, "is " + shown(value) + ", not one of " + dump_json(*found));
+            return fault(place, "is " + shown_in_fault(value) + ", not one of " + dump_json(*found));
         }
     }
     if (const auto found = schema.find("const"); found != schema.end() && *found != value) {
-        return fault(place, "is not " + shown(*found));
+        return fault(place, "is not " + shown_in_fault(*found));
     }
     if (value.is_number()) {
         const auto minimum = number_at(schema, "minimum");
         const auto maximum = number_at(schema, "maximum");
         if (minimum && value.get<double>() < *minimum)
-            return fault(place, shown(value) + " is below " + plain(*minimum));
+            return fault(place, shown_in_fault(value) + " is below " + plain(*minimum));
         if (maximum && value.get<double>() > *maximum)
-            return fault(place, shown(value) + " is above " + plain(*maximum));
+            return fault(place, shown_in_fault(value) + " is above " + plain(*maximum));
     }
     if (const auto found = schema.find("anyOf"); found != schema.end()) {
         const auto fits = [&](const json& option) {
@@ -180,7 +180,7 @@ Expected<void> Checker::check_string(const json& schema, const json& value, cons
     }
     const auto pattern = schema.find("pattern");
     if (pattern != schema.end() && !matches_pattern(text, pattern->get<std::string>())) {
-        return fault(place, shown(value) + " does not match " + pattern->get<std::string>());
+        return fault(place, shown_in_fault(value) + " does not match " + pattern->get<std::string>());
     }
     return {};
 }
@@ -211,7 +211,7 @@ Expected<void> Checker::check_object(const json& schema, const json& value, cons
         return fault(place, "has more than " + plain(*most) + " members");
     if (const auto required = schema.find("required"); required != schema.end()) {
         for (const auto& name : *required) {
-            if (!value.contains(name.get<std::string>())) return fault(place, "has no member " + shown(name));
+            if (!value.contains(name.get<std::string>())) return fault(place, "has no member " + shown_in_fault(name));
         }
     }
     const auto properties = schema.find("properties");

@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 
 constexpr int kWarmUps = 20;
 constexpr int kRoundTrips = 9;
-constexpr std::size_t kMaxPings = 200;
+constexpr std::size_t kMaxPingedBoards = 200;
 
 /// Gathers what the checks judge.
 class Examination {
@@ -87,7 +87,7 @@ class Examination {
     void ping_boards() {
         std::vector<std::size_t> ids;
         for (const auto& board : seen_.boards) {
-            if (board.state != "online" || board.by_name || ids.size() >= kMaxPings) continue;
+            if (board.state != "online" || board.by_name || ids.size() >= kMaxPingedBoards) continue;
             auto& result = seen_.pings[board.board];
             ids.push_back(session_.ask(
                 context_.topics.board_in(board.board), std::string(protocol::kAskInfo),
