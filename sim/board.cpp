@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "sim/board_impl.hpp"
-#include "sim/pin_claims.hpp"
 
 namespace asip::sim {
 namespace {
@@ -65,8 +64,8 @@ Expected<std::unique_ptr<Board>> Board::create(const BoardConfig& config) {
         return fail(fmt::format("there is no board \"{}\": {}", config.board, board_names()));
     if (config.frequency < 1'000'000 || config.frequency > 20'000'000)
         return fail(fmt::format("frequency: {} Hz is not between 1 and 20 MHz", config.frequency));
-    if (auto checked = check_parts(config, *kind); !checked)
-        return fail(config.parts[checked.error().index].name + ": " + checked.error().reason);
+    const auto parts = plan_parts(config, *kind);
+    if (!parts) return fail(parts.error());
     auto image = load_image(config.image);
     if (!image) return fail(image.error());
     auto chip = Chip::create(*kind, config.frequency, *image);
@@ -80,7 +79,7 @@ Expected<std::unique_ptr<Board>> Board::create(const BoardConfig& config) {
         (*chip)->set_eeprom(0, *bytes);
     }
     return std::unique_ptr<Board>(
-        new Board(std::make_unique<Impl>(config, *kind, std::move(*image), std::move(*chip), *port)));
+        new Board(std::make_unique<Impl>(config, *kind, *parts, std::move(*image), std::move(*chip), *port)));
 }
 
 const BoardConfig& Board::config() const {

@@ -2,82 +2,28 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "asip/text/nearest.hpp"
 #include "sim/board_kind.hpp"
 #include "sim/json_reader.hpp"
-#include "sim/nearest.hpp"
-#include "sim/pin_claims.hpp"
+#include "sim/part_plan.hpp"
 
 namespace asip::sim {
 namespace {
 
 using nlohmann::json;
 
-const std::vector<std::string> kKinds = {"led",        "button", "wire",       "potentiometer",
-                                         "ultrasonic", "servo",  "square-wave"};
-
-int read_pin(JsonReader& reader, const std::string& key, const BoardKind& kind) {
-    const auto* value = reader.required(key);
-    if (value == nullptr) return 0;
-    const auto text = value->is_string() ? value->get<std::string>() : value->dump();
-    const auto pin = kind.parse_pin(text);
-    if (!pin) reader.fault(key, pin.error());
-    return pin.value_or(0);
-}
-
-PartSpec read_spec(JsonReader& reader, const std::string& name_of_kind, const BoardKind& kind) {
-    if (name_of_kind == "led") return LedSpec{read_pin(reader, "pin", kind), reader.flag("active_low")};
-    if (name_of_kind == "button") return ButtonSpec{read_pin(reader, "pin", kind), reader.flag("to_vcc")};
-    if (name_of_kind == "wire") return WireSpec{read_pin(reader, "from", kind), read_pin(reader, "to", kind)};
-    if (name_of_kind == "potentiometer")
-        return PotentiometerSpec{read_pin(reader, "pin", kind), reader.number("position", 0.5, 0, 1)};
-    if (name_of_kind == "servo") return ServoSpec{read_pin(reader, "pin", kind)};
-    if (name_of_kind == "square-wave")
-        return SquareWaveSpec{read_pin(reader, "pin", kind), reader.number("hertz", 1, 0, 1e6)};
-    UltrasonicSpec sensor;
-    if (reader.has("trigger")) {
-        sensor.trigger = read_pin(reader, "trigger", kind);
-        sensor.echo = read_pin(reader, "echo", kind);
-    } else {
-        sensor.trigger = sensor.echo = read_pin(reader, "pin", kind);
-    }
-    sensor.distance_cm = reader.number("distance", 100, 0, 10000);
-    return sensor;
-}
-
-int first_pin(const PartSpec& spec) {
-    return std::visit(
-        [](const auto& s) {
-            if constexpr (requires { s.pin; })
-                return s.pin;
-            else if constexpr (requires { s.from; })
-                return s.from;
-            else
-                return s.trigger;
-        },
-        spec);
-}
-
-PartConfig read_part(JsonReader reader, const BoardKind& kind) {
-    PartConfig part;
-    const auto kind_name = reader.text("kind", "");
-    if (kind_name.empty())
-        reader.fault("kind", fmt::format("missing; one of {}", fmt::join(kKinds, ", ")));
-    else if (std::find(kKinds.begin(), kKinds.end(), kind_name) == kKinds.end())
-        reader.fault("kind", fmt::format("there is no part \"{}\"{}; one of {}", kind_name,
-                                         did_you_mean(kind_name, kKinds), fmt::join(kKinds, ", ")));
-    else
-        part.spec = read_spec(reader, kind_name, kind);
-    part.name = reader.text("name", kind_name + std::to_string(first_pin(part.spec)));
-    if (part.name.find_first_of(" \t/") != std::string::npos)
-        reader.fault("name", "a part's name has no spaces and no \"/\" in it");
-    reader.refuse_others();
+/// Kind and settings are looked at later, when all parts are known.
+PartConfig read_part(JsonReader& reader) {
+    PartConfig part{reader.text("kind", ""), reader.value(), reader.text("name", "")};
+    if (!part.settings.is_object()) return part;
+    part.settings.erase("kind");
+    part.settings.erase("name");
     return part;
 }
 
@@ -98,7 +44,7 @@ BoardFile read_board(JsonReader reader, const std::filesystem::path& file) {
     const auto* kind = BoardKind::find(board.board);
     if (kind == nullptr) {
         reader.fault("board", fmt::format("there is no board \"{}\"{}; one of {}", board.board,
-                                          did_you_mean(board.board, boards), fmt::join(boards, ", ")));
+                                          text::did_you_mean(board.board, boards), fmt::join(boards, ", ")));
         return result;
     }
     if (reader.required("image") != nullptr) board.image = beside(file, reader.text("image", ""));
@@ -110,12 +56,11 @@ BoardFile read_board(JsonReader reader, const std::filesystem::path& file) {
     if (reader.has("tcp")) result.tcp_port = static_cast<int>(reader.number("tcp", 0, 0, 65535));
     result.reset_on_open = reader.flag("reset_on_open");
     for (auto& part : reader.list("parts"))
-        board.parts.push_back(read_part(part, *kind));
+        board.parts.push_back(read_part(part));
     reader.refuse_others();
-    if (!reader.faulty())
-        if (auto checked = check_parts(board, *kind); !checked)
-            reader.fault(fmt::format("parts[{}]", checked.error().index),
-                         board.parts[checked.error().index].name + ": " + checked.error().reason);
+    if (reader.faulty()) return result;
+    const auto planned = plan_parts(board, *kind);
+    if (!planned) reader.fault_at(planned.error());
     return result;
 }
 

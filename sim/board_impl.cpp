@@ -11,8 +11,8 @@ constexpr std::uint16_t kStackPointerHigh = 0x5e;
 
 }  // namespace
 
-Board::Impl::Impl(BoardConfig config, const BoardKind& kind, Image image, std::unique_ptr<Chip> chip,
-                  avr_uart_t& port)
+Board::Impl::Impl(BoardConfig config, const BoardKind& kind, const std::vector<PlannedPart>& parts,
+                  Image image, std::unique_ptr<Chip> chip, avr_uart_t& port)
     : config_(std::move(config)),
       kind_(kind),
       symbols_(std::move(image.symbols)),
@@ -26,15 +26,14 @@ Board::Impl::Impl(BoardConfig config, const BoardKind& kind, Image image, std::u
                    if (on_change_)
                        on_change_({std::chrono::nanoseconds(
                                        static_cast<std::int64_t>(clock_.cycle() * 1e9 / config_.frequency)),
-                                   part.name(), std::string(part.kind()), part.state()});
+                                   part.name(), std::string(part.kind().name), part.state()});
                }} {
     line_.set_host_baud(config_.host_baud);
     avr().data[kMcusr] = kPowerOn;
     chip_->on_reset([this] { was_reset(); });
     saved_eeprom_ = chip_->eeprom();
-    for (const auto& part : config_.parts)
-        parts_.push_back(
-            std::visit([&](const auto& spec) { return make_part(part.name, spec, context_); }, part.spec));
+    for (const auto& part : parts)
+        parts_.push_back(part.plan.make(part.name, context_));
 }
 
 void Board::Impl::run_to(Cycles target) {

@@ -5,14 +5,15 @@
 #include "sim/chip.hpp"
 #include "sim/eeprom_time.hpp"
 #include "sim/part_context.hpp"
+#include "sim/part_plan.hpp"
 #include "sim/serial_line.hpp"
 
 namespace asip::sim {
 
 /// What a Board consists of. Order matters: later members refer to earlier ones.
 struct Board::Impl {
-    Impl(BoardConfig config, const BoardKind& kind, Image image, std::unique_ptr<Chip> chip,
-         avr_uart_t& port);
+    Impl(BoardConfig config, const BoardKind& kind, const std::vector<PlannedPart>& parts, Image image,
+         std::unique_ptr<Chip> chip, avr_uart_t& port);
 
     void run_to(Cycles target);
     void reset_from_outside(ResetCause cause);

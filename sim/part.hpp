@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "asip/expected.hpp"
+#include "sim/part_kind.hpp"
 
 namespace asip::sim {
 
@@ -15,24 +16,28 @@ class Part {
     Part& operator=(const Part&) = delete;
 
     const std::string& name() const { return name_; }
-    /// "led", "button", ... as in a board file.
-    virtual std::string_view kind() const = 0;
+    const PartKind& kind() const { return kind_; }
 
     /// What the part shows now, for a person and as the value in JSON: "on", "pressed", "0.5", "90".
     virtual std::string state() const = 0;
 
-    /// Works the part: "press", "release", "set 0.25". An error says what this part understands.
-    virtual Expected<void> command(std::string_view verb, std::string_view argument) = 0;
+    /// Does what a verb of its kind says: "press", "release", "set" with "0.25". Errors: the kind has no such
+    /// verb (it names those that there are), an argument where none is taken, or one that is out of range.
+    Expected<void> command(std::string_view verb, std::string_view argument);
 
     /// The board was reset and has forgotten its timers: start over what runs by time. Levels are driven
     /// again already.
     virtual void after_reset() {}
 
   protected:
-    explicit Part(std::string name) : name_(std::move(name)) {}
+    Part(std::string name, const PartKind& kind) : name_(std::move(name)), kind_(kind) {}
 
   private:
+    /// `verb` is one of the kind's; `argument` is empty where that takes none.
+    virtual Expected<void> perform(std::string_view verb, std::string_view argument);
+
     std::string name_;
+    const PartKind& kind_;
 };
 
 }  // namespace asip::sim

@@ -1,10 +1,7 @@
 #pragma once
 #include <functional>
-#include <memory>
-#include <string>
 
 #include "sim/alarm.hpp"
-#include "sim/config.hpp"
 #include "sim/part.hpp"
 #include "sim/wiring.hpp"
 
@@ -18,13 +15,12 @@ struct PartContext {
     std::function<void(const Part&)> changed;  ///< call it when state() has become another one
 };
 
-// One function per kind of part; each part is in its own file.
-std::unique_ptr<Part> make_part(const std::string& name, const LedSpec& spec, PartContext& context);
-std::unique_ptr<Part> make_part(const std::string& name, const ButtonSpec& spec, PartContext& context);
-std::unique_ptr<Part> make_part(const std::string& name, const WireSpec& spec, PartContext& context);
-std::unique_ptr<Part> make_part(const std::string& name, const PotentiometerSpec& spec, PartContext& context);
-std::unique_ptr<Part> make_part(const std::string& name, const UltrasonicSpec& spec, PartContext& context);
-std::unique_ptr<Part> make_part(const std::string& name, const ServoSpec& spec, PartContext& context);
-std::unique_ptr<Part> make_part(const std::string& name, const SquareWaveSpec& spec, PartContext& context);
+/// The PartPlan::make of a part whose constructor takes a name, a spec and a context.
+template <class Made, class Spec>
+auto maker(const Spec& spec) {
+    return [spec](std::string name, PartContext& context) -> std::unique_ptr<Part> {
+        return std::make_unique<Made>(std::move(name), spec, context);
+    };
+}
 
 }  // namespace asip::sim

@@ -1,23 +1,34 @@
 #include <fmt/format.h>
 
+#include <array>
+
 #include "sim/part_context.hpp"
+#include "sim/part_reader.hpp"
 
 namespace asip::sim {
+
+const PartKind& button_part();
+
 namespace {
+
+/// A push button to ground, open when released (the sketch uses a pull-up); with `to_vcc` it connects to VCC
+/// and has a pull-down of its own.
+struct ButtonSpec {
+    int pin = 0;
+    bool to_vcc = false;
+};
 
 class Button final : public Part {
   public:
     Button(std::string name, const ButtonSpec& spec, PartContext& context)
-        : Part(std::move(name)), spec_(spec), context_(context) {
+        : Part(std::move(name), button_part()), spec_(spec), context_(context) {
         connect();
     }
 
-    std::string_view kind() const override { return "button"; }
     std::string state() const override { return pressed_ ? "pressed" : "released"; }
 
-    Expected<void> command(std::string_view verb, std::string_view) override {
-        if (verb != "press" && verb != "release")
-            return fail(fmt::format("a button has no command \"{}\": press, release", verb));
+  private:
+    Expected<void> perform(std::string_view verb, std::string_view) override {
         const bool pressed = verb == "press";
         if (pressed == pressed_) return {};
         pressed_ = pressed;
@@ -26,7 +37,6 @@ class Button final : public Part {
         return {};
     }
 
-  private:
     void connect() {
         if (spec_.to_vcc)
             context_.wiring.drive(spec_.pin, pressed_);
@@ -41,10 +51,19 @@ class Button final : public Part {
     bool pressed_ = false;
 };
 
+PartPlan read_button(PartReader& reader) {
+    const ButtonSpec spec{reader.pin("pin"), reader.flag("to_vcc")};
+    return {.claims = {{spec.pin, PinUse::kDrives}}, .make = maker<Button>(spec)};
+}
+
+constexpr std::array kButtonVerbs{PartVerb{"press", "", "press a button and hold it"},
+                                  PartVerb{"release", "", "release a button"}};
+
 }  // namespace
 
-std::unique_ptr<Part> make_part(const std::string& name, const ButtonSpec& spec, PartContext& context) {
-    return std::make_unique<Button>(name, spec, context);
+const PartKind& button_part() {
+    static constexpr PartKind kind{"button", kButtonVerbs, read_button};
+    return kind;
 }
 
 }  // namespace asip::sim

@@ -1,23 +1,29 @@
 #include <fmt/format.h>
 
 #include "sim/part_context.hpp"
+#include "sim/part_reader.hpp"
 
 namespace asip::sim {
+
+const PartKind& led_part();
+
 namespace {
+
+/// An LED to ground (lit by a high pin), or to VCC with `active_low`.
+struct LedSpec {
+    int pin = 0;
+    bool active_low = false;
+};
 
 class Led final : public Part {
   public:
     Led(std::string name, const LedSpec& spec, PartContext& context)
-        : Part(std::move(name)), spec_(spec), context_(context), state_(look()) {
+        : Part(std::move(name), led_part()), spec_(spec), context_(context), state_(look()) {
         context.wiring.watch(spec.pin, [this](PinState) { update(); });
         context.wiring.watch_pwm(spec.pin, [this] { update(); });
     }
 
-    std::string_view kind() const override { return "led"; }
     std::string state() const override { return state_; }
-    Expected<void> command(std::string_view verb, std::string_view) override {
-        return fail(fmt::format("an led has no command \"{}\": it only shows", verb));
-    }
 
   private:
     std::string look() const {
@@ -40,10 +46,16 @@ class Led final : public Part {
     std::string state_;
 };
 
+PartPlan read_led(PartReader& reader) {
+    const LedSpec spec{reader.pin("pin"), reader.flag("active_low")};
+    return {.claims = {{spec.pin, PinUse::kListens}}, .make = maker<Led>(spec)};
+}
+
 }  // namespace
 
-std::unique_ptr<Part> make_part(const std::string& name, const LedSpec& spec, PartContext& context) {
-    return std::make_unique<Led>(name, spec, context);
+const PartKind& led_part() {
+    static constexpr PartKind kind{"led", {}, read_led};
+    return kind;
 }
 
 }  // namespace asip::sim

@@ -1,27 +1,39 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 #include "sim/part_context.hpp"
+#include "sim/part_reader.hpp"
 #include "sim/parts/numbers.hpp"
 
 namespace asip::sim {
+
+const PartKind& potentiometer_part();
+
 namespace {
 
-constexpr double kSupplyMillivolts = 5000;
+/// A potentiometer between ground and VCC on an analog pin.
+struct PotentiometerSpec {
+    int pin = 0;
+    double position = 0.5;  ///< 0 = ground, 1 = VCC
+};
+
+constexpr double kSliderMillivolts = 5000;
 
 class Potentiometer final : public Part {
   public:
     Potentiometer(std::string name, const PotentiometerSpec& spec, PartContext& context)
-        : Part(std::move(name)), spec_(spec), context_(context) {
+        : Part(std::move(name), potentiometer_part()), spec_(spec), context_(context) {
         apply();
     }
 
-    std::string_view kind() const override { return "potentiometer"; }
     std::string state() const override { return short_number(spec_.position); }
 
-    Expected<void> command(std::string_view verb, std::string_view argument) override {
-        if (verb != "set") return fail(fmt::format("a potentiometer has no command \"{}\": set 0..1", verb));
+    void after_reset() override { apply(); }
+
+  private:
+    Expected<void> perform(std::string_view, std::string_view argument) override {
         const auto position = parse_number(argument);
         if (!position || *position < 0 || *position > 1)
             return fail(fmt::format("a potentiometer is set from 0 to 1, not to \"{}\"", argument));
@@ -32,23 +44,27 @@ class Potentiometer final : public Part {
         return {};
     }
 
-    void after_reset() override { apply(); }
-
-  private:
     void apply() {
         context_.wiring.set_millivolts(spec_.pin,
-                                       static_cast<int>(std::lround(spec_.position * kSupplyMillivolts)));
+                                       static_cast<int>(std::lround(spec_.position * kSliderMillivolts)));
     }
 
     PotentiometerSpec spec_;
     PartContext& context_;
 };
 
+PartPlan read_potentiometer(PartReader& reader) {
+    const PotentiometerSpec spec{reader.pin("pin"), reader.number("position", 0.5, 0, 1)};
+    return {.claims = {{spec.pin, PinUse::kDrives, true}}, .make = maker<Potentiometer>(spec)};
+}
+
+constexpr std::array kPotentiometerVerbs{PartVerb{"set", "0..1", "turn a potentiometer"}};
+
 }  // namespace
 
-std::unique_ptr<Part> make_part(const std::string& name, const PotentiometerSpec& spec,
-                                PartContext& context) {
-    return std::make_unique<Potentiometer>(name, spec, context);
+const PartKind& potentiometer_part() {
+    static constexpr PartKind kind{"potentiometer", kPotentiometerVerbs, read_potentiometer};
+    return kind;
 }
 
 }  // namespace asip::sim

@@ -1,13 +1,20 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "sim/part_context.hpp"
+#include "sim/part_reader.hpp"
 
 namespace asip::sim {
+
+const PartKind& servo_part();
+
 namespace {
+
+/// A hobby servo; its angle is what its pulses ask for (544 us = 0, 2400 us = 180 degrees).
+struct ServoSpec {
+    int pin = 0;
+};
 
 constexpr double kPulseAt0 = 544;
 constexpr double kPulseAt180 = 2400;
@@ -18,15 +25,11 @@ constexpr double kLongestPulse = 2600;
 class Servo final : public Part {
   public:
     Servo(std::string name, const ServoSpec& spec, PartContext& context)
-        : Part(std::move(name)), context_(context) {
+        : Part(std::move(name), servo_part()), context_(context) {
         context.wiring.watch(spec.pin, [this](PinState pin) { on_pin(pin); });
     }
 
-    std::string_view kind() const override { return "servo"; }
     std::string state() const override { return angle_ ? std::to_string(*angle_) : "none"; }
-    Expected<void> command(std::string_view verb, std::string_view) override {
-        return fail(fmt::format("a servo has no command \"{}\": it only shows", verb));
-    }
 
   private:
     void on_pin(PinState pin) {
@@ -51,10 +54,16 @@ class Servo final : public Part {
     std::optional<int> angle_;
 };
 
+PartPlan read_servo(PartReader& reader) {
+    const ServoSpec spec{reader.pin("pin")};
+    return {.claims = {{spec.pin, PinUse::kListens}}, .make = maker<Servo>(spec)};
+}
+
 }  // namespace
 
-std::unique_ptr<Part> make_part(const std::string& name, const ServoSpec& spec, PartContext& context) {
-    return std::make_unique<Servo>(name, spec, context);
+const PartKind& servo_part() {
+    static constexpr PartKind kind{"servo", {}, read_servo};
+    return kind;
 }
 
 }  // namespace asip::sim

@@ -1,27 +1,40 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 #include "sim/part_context.hpp"
+#include "sim/part_reader.hpp"
 #include "sim/parts/numbers.hpp"
 
 namespace asip::sim {
+
+const PartKind& square_wave_part();
+
 namespace {
+
+/// A square-wave generator that drives a pin. 0 Hz is a steady low.
+struct SquareWaveSpec {
+    int pin = 0;
+    double hertz = 1;
+};
 
 constexpr double kHighestHertz = 1'000'000;
 
 class SquareWave final : public Part {
   public:
     SquareWave(std::string name, const SquareWaveSpec& spec, PartContext& context)
-        : Part(std::move(name)), spec_(spec), context_(context), edge_(context.clock, [this] { toggle(); }) {
+        : Part(std::move(name), square_wave_part()),
+          spec_(spec),
+          context_(context),
+          edge_(context.clock, [this] { toggle(); }) {
         start();
     }
 
-    std::string_view kind() const override { return "square-wave"; }
     std::string state() const override { return short_number(spec_.hertz); }
 
-    Expected<void> command(std::string_view verb, std::string_view argument) override {
-        if (verb != "set") return fail(fmt::format("a square-wave has no command \"{}\": set HERTZ", verb));
+  private:
+    Expected<void> perform(std::string_view, std::string_view argument) override {
         const auto hertz = parse_number(argument);
         if (!hertz || *hertz < 0 || *hertz > kHighestHertz)
             return fail(
@@ -33,7 +46,6 @@ class SquareWave final : public Part {
         return {};
     }
 
-  private:
     void start() {
         high_ = false;
         context_.wiring.drive(spec_.pin, false);
@@ -50,8 +62,8 @@ class SquareWave final : public Part {
     }
 
     void schedule() {
-        next_ += context_.cycles_per_us * 1e6 / spec_.hertz /
-                 2;  // kept exact: rounding must not shift the frequency
+        // Kept exact: rounding must not shift the frequency.
+        next_ += context_.cycles_per_us * 1e6 / spec_.hertz / 2;
         edge_.at(static_cast<std::uint64_t>(std::llround(next_)));
     }
 
@@ -62,10 +74,18 @@ class SquareWave final : public Part {
     bool high_ = false;
 };
 
+PartPlan read_square_wave(PartReader& reader) {
+    const SquareWaveSpec spec{reader.pin("pin"), reader.number("hertz", 1, 0, kHighestHertz)};
+    return {.claims = {{spec.pin, PinUse::kDrives}}, .timed = true, .make = maker<SquareWave>(spec)};
+}
+
+constexpr std::array kSquareWaveVerbs{PartVerb{"set", "HERTZ", "change the frequency of a generator"}};
+
 }  // namespace
 
-std::unique_ptr<Part> make_part(const std::string& name, const SquareWaveSpec& spec, PartContext& context) {
-    return std::make_unique<SquareWave>(name, spec, context);
+const PartKind& square_wave_part() {
+    static constexpr PartKind kind{"square-wave", kSquareWaveVerbs, read_square_wave};
+    return kind;
 }
 
 }  // namespace asip::sim

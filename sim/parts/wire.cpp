@@ -1,25 +1,35 @@
 #include <fmt/format.h>
 
+#include <array>
+
 #include "sim/part_context.hpp"
+#include "sim/part_reader.hpp"
 
 namespace asip::sim {
+
+const PartKind& wire_part();
+
 namespace {
+
+/// A wire between two pins: whichever is an output drives the other.
+struct WireSpec {
+    int from = 0;
+    int to = 0;
+};
 
 class Wire final : public Part {
   public:
     Wire(std::string name, const WireSpec& spec, PartContext& context)
-        : Part(std::move(name)), spec_(spec), context_(context) {
+        : Part(std::move(name), wire_part()), spec_(spec), context_(context) {
         context.wiring.watch(spec.from, [this](PinState) { settle(); });
         context.wiring.watch(spec.to, [this](PinState) { settle(); });
         settle();
     }
 
-    std::string_view kind() const override { return "wire"; }
     std::string state() const override { return connected_ ? "connected" : "cut"; }
 
-    Expected<void> command(std::string_view verb, std::string_view) override {
-        if (verb != "cut" && verb != "connect")
-            return fail(fmt::format("a wire has no command \"{}\": cut, connect", verb));
+  private:
+    Expected<void> perform(std::string_view verb, std::string_view) override {
         const bool connected = verb == "connect";
         if (connected == connected_) return {};
         connected_ = connected;
@@ -28,7 +38,6 @@ class Wire final : public Part {
         return {};
     }
 
-  private:
     void settle() {
         const auto from = context_.wiring.pin(spec_.from);
         const auto to = context_.wiring.pin(spec_.to);
@@ -52,10 +61,19 @@ class Wire final : public Part {
     bool drives_from_ = false;
 };
 
+PartPlan read_wire(PartReader& reader) {
+    const WireSpec spec{reader.pin("from"), reader.pin("to")};
+    return {.claims = {{spec.from, PinUse::kJoins}, {spec.to, PinUse::kJoins}}, .make = maker<Wire>(spec)};
+}
+
+constexpr std::array kWireVerbs{PartVerb{"cut", "", "take a wire away"},
+                                PartVerb{"connect", "", "put a wire back"}};
+
 }  // namespace
 
-std::unique_ptr<Part> make_part(const std::string& name, const WireSpec& spec, PartContext& context) {
-    return std::make_unique<Wire>(name, spec, context);
+const PartKind& wire_part() {
+    static constexpr PartKind kind{"wire", kWireVerbs, read_wire};
+    return kind;
 }
 
 }  // namespace asip::sim

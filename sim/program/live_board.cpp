@@ -11,10 +11,12 @@ using json = nlohmann::ordered_json;
 using namespace std::chrono_literals;
 
 constexpr std::size_t kReadAtOnce = 512;
-constexpr std::size_t kMostQueued = 1024;  // beyond that a sender waits, as it does for a slow wire
-constexpr std::size_t kMostUnread =
-    std::size_t{64} * 1024;          // of a program that has the port open and does not read
-constexpr auto kLongestLag = 200ms;  // a board that is further behind stops trying to catch up
+// With more bytes queued a sender waits, as it does for a slow wire.
+constexpr std::size_t kMaxQueuedBytes = 1024;
+// Kept for a program that has the port open and does not read.
+constexpr std::size_t kMaxUnreadBytes = std::size_t{64} * 1024;
+// A board that is further behind stops trying to catch up.
+constexpr auto kMaxLag = 200ms;
 constexpr auto kHousekeeping = 1s;
 
 }  // namespace
@@ -60,6 +62,13 @@ Expected<void> LiveBoard::open_pty() {
     return {};
 }
 
+std::vector<std::string> LiveBoard::part_names() const {
+    std::vector<std::string> names;
+    for (const auto& part : board_->parts())
+        names.push_back(part->name());
+    return names;
+}
+
 void LiveBoard::tick(Time now) {
     if (started_ == Time{}) started_ = now;
     if (!plugged_) return;
@@ -86,14 +95,14 @@ void LiveBoard::notice_opening() {
 }
 
 void LiveBoard::receive_from_ports() {
-    if (board_->sending() > kMostQueued) return;
+    if (board_->sending() > kMaxQueuedBytes) return;
     if (pty_in_use_) board_->send(pty_.read(kReadAtOnce));
     if (tcp_.in_use()) board_->send(tcp_.read(kReadAtOnce));
 }
 
 void LiveBoard::run_to(Time now) {
     auto behind = started_at_ + (now - started_) - board_->now();
-    if (behind > kLongestLag) {
+    if (behind > kMaxLag) {
         skipped_ += behind;
         started_ = now;
         started_at_ = board_->now();
@@ -107,7 +116,7 @@ void LiveBoard::send_to_ports() {
     if (tcp_.in_use()) tcp_.write(to_host_);
     const auto taken = pty_in_use_ ? pty_.write(to_host_) : to_host_.size();
     to_host_.erase(0, taken);
-    if (to_host_.size() > kMostUnread) to_host_.erase(0, to_host_.size() - kMostUnread);
+    if (to_host_.size() > kMaxUnreadBytes) to_host_.erase(0, to_host_.size() - kMaxUnreadBytes);
 }
 
 void LiveBoard::report_losses(Time) {
@@ -146,9 +155,9 @@ Expected<std::string> LiveBoard::command(std::string_view verb, std::string_view
         board_->reset();
         return std::string();
     }
-    auto* worked = board_->find_part(part);
-    if (worked == nullptr) return fail(fmt::format("{} has no part {}", name(), part));
-    if (auto done = worked->command(verb, argument); !done) return fail(done.error());
+    auto* target = board_->find_part(part);
+    if (target == nullptr) return fail(fmt::format("{} has no part {}", name(), part));
+    if (auto done = target->command(verb, argument); !done) return fail(done.error());
     return std::string();
 }
 
@@ -177,7 +186,7 @@ std::string LiveBoard::list() const {
         "{} {} {}\n", name(), board_->kind().name,
         plugged_ ? pty_.path() + (file_.link.empty() ? "" : " " + file_.link.string()) : "unplugged");
     for (const auto& part : board_->parts())
-        text += fmt::format("{}/{} {} {}\n", name(), part->name(), part->kind(), part->state());
+        text += fmt::format("{}/{} {} {}\n", name(), part->name(), part->kind().name, part->state());
     return text;
 }
 

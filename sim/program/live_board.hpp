@@ -1,6 +1,7 @@
 #pragma once
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "asip/time.hpp"
 #include "sim/board_file.hpp"
@@ -21,6 +22,8 @@ class LiveBoard {
     LiveBoard& operator=(const LiveBoard&) = delete;
 
     const std::string& name() const { return board_->config().name; }
+
+    std::vector<std::string> part_names() const;
 
     /// Carries bytes between the ports and the board and lets it run up to `now`.
     void tick(Time now);

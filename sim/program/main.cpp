@@ -14,17 +14,15 @@
 #include <set>
 #include <thread>
 
+#include "asip/program/exit_status.hpp"
 #include "sim/program/control_socket.hpp"
-#include "sim/program/desk.hpp"
 #include "sim/program/options.hpp"
+#include "sim/program/running_boards.hpp"
 
 namespace asip::sim {
 namespace {
 
-constexpr int kFailed = 1;
-constexpr int kBadInput = 2;
-constexpr int kNobodyThere = 5;
-constexpr std::size_t kLongestCommand = 1024;
+constexpr std::size_t kLongestInputLine = 1024;
 
 int complain(int status, const std::string& text) {
     std::cerr << "asip-sim: " << text << '\n';
@@ -68,7 +66,7 @@ Expected<std::vector<BoardFile>> load_boards(const Options& options) {
 class InputCommands {
   public:
     InputCommands(boost::asio::io_context& context, std::function<void(std::string)> execute)
-        : descriptor_(context), input_(kLongestCommand), execute_(std::move(execute)) {
+        : descriptor_(context), input_(kLongestInputLine), execute_(std::move(execute)) {
         struct stat status {};
         const bool is_file = ::fstat(STDIN_FILENO, &status) == 0 && S_ISREG(status.st_mode);
         if (is_file) {  // epoll refuses files
@@ -106,7 +104,8 @@ int run_control(const Options& options) {
         std::cout << *answer;
         return 0;
     }
-    return complain(answer.error().reached ? kFailed : kNobodyThere, answer.error().text);
+    return complain(answer.error().reached ? program::kExitFailure : program::kExitNoAnswer,
+                    answer.error().text);
 }
 
 void write_stdout(std::string_view line) {
@@ -123,18 +122,16 @@ std::chrono::microseconds slice_for(const Options& options, std::size_t boards, 
 
 int run_boards(const Options& options) {
     auto files = load_boards(options);
-    if (!files) return complain(kBadInput, files.error());
+    if (!files) return complain(program::kExitUsage, files.error());
 
     Reporter reporter(options.json ? Reporter::Format::json : Reporter::Format::text, write_stdout);
     std::vector<std::unique_ptr<LiveBoard>> boards;
-    std::vector<BoardConfig> configs;
     for (std::size_t i = 0; i < files->size(); ++i) {
-        configs.push_back((*files)[i].board);
         auto board = LiveBoard::create((*files)[i], reporter);
         if (!board) {
             const auto& source = options.boards[i];
             const bool says_where = board.error().rfind(source, 0) == 0;
-            return complain(kBadInput, says_where ? board.error() : source + ": " + board.error());
+            return complain(program::kExitUsage, says_where ? board.error() : source + ": " + board.error());
         }
         boards.push_back(std::move(*board));
     }
@@ -144,9 +141,9 @@ int run_boards(const Options& options) {
     boost::asio::io_context context;
     boost::asio::signal_set signals(context, SIGINT, SIGTERM, SIGHUP);
     signals.async_wait([&](boost::system::error_code, int) { context.stop(); });
-    Desk desk(std::move(boards), configs, threads, slice_for(options, configs.size(), threads));
-    const auto execute = [&](std::string_view line, Desk::Reply reply) {
-        if (line.rfind("quit", 0) != 0) return desk.execute(line, std::move(reply));
+    RunningBoards running(std::move(boards), threads, slice_for(options, files->size(), threads));
+    const auto execute = [&](std::string_view line, RunningBoards::Reply reply) {
+        if (line.rfind("quit", 0) != 0) return running.execute(line, std::move(reply));
         reply(std::string());
         boost::asio::post(context, [&] { context.stop(); });
     };
@@ -157,7 +154,7 @@ int run_boards(const Options& options) {
         if (opened)
             socket = std::move(*opened);
         else if (options.socket)
-            return complain(kBadInput, opened.error());
+            return complain(program::kExitUsage, opened.error());
         else
             std::cerr << "asip-sim: no control socket: " << opened.error() << '\n';
     }
@@ -176,8 +173,7 @@ int run_boards(const Options& options) {
 
 int main(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);
-    const auto parsed = asip::sim::parse_options(argc, argv);
-    if (parsed.exit_status) return *parsed.exit_status;
-    return parsed.options.control ? asip::sim::run_control(parsed.options)
-                                  : asip::sim::run_boards(parsed.options);
+    const auto options = asip::sim::read_options(argc, argv);
+    if (!options) return options.error();
+    return options->command.empty() ? asip::sim::run_boards(*options) : asip::sim::run_control(*options);
 }

@@ -5,29 +5,27 @@
 #include <string>
 #include <vector>
 
+#include "asip/expected.hpp"
+
 namespace asip::sim {
 
-/// What the command line asks for.
+/// What asip-sim is asked to do.
 struct Options {
     std::vector<std::string> boards;  ///< board files or images
     std::string board = "uno";        ///< for images
-    std::vector<std::string> links;   ///< one a board, in their order
-    std::vector<int> tcp_ports;       ///< one a board
+    std::vector<std::string> links;   ///< at most one for each board, in their order
+    std::vector<int> tcp_ports;       ///< at most one for each board
     bool json = false;
-    std::optional<std::filesystem::path> socket;
+    std::optional<std::filesystem::path> socket;  ///< none: one for each user
     bool no_socket = false;
     std::chrono::microseconds slice{0};  ///< 0: by the number of boards
-    unsigned threads = 0;                ///< 0: one a core
+    unsigned threads = 0;                ///< 0: one for each core
 
-    bool control = false;  ///< asip-sim ctl
-    std::vector<std::string> command;
+    std::vector<std::string> command;  ///< asip-sim ctl: its words; otherwise empty
 };
 
-/// The options, or the exit status if the program is done already (--help, --version, a bad option).
-struct Parsed {
-    Options options;
-    std::optional<int> exit_status;
-};
-Parsed parse_options(int argc, char** argv);
+/// From command line, environment and configuration file. The error is the exit status to end with (--help,
+/// --version, a bad option); what there is to print has been printed.
+Expected<Options, int> read_options(int argc, const char* const* argv);
 
 }  // namespace asip::sim

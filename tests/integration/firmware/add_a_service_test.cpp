@@ -7,7 +7,7 @@ namespace asip::firmware {
 namespace {
 
 TEST(AddAServiceTest, TheService_DoesWhatThePageShows) {
-    FirmwareBoard board("asip_uno_fans", "uno", {{"fan", sim::SquareWaveSpec{2, 40}}});
+    FirmwareBoard board("asip_uno_fans", "uno", {{"square-wave", {{"pin", 2}, {"hertz", 40}}, "fan"}});
     EXPECT_EQ(board.ask("#,N"), "@#,N,2,{I:ASIP core IO,F:Fan}");
     EXPECT_EQ(board.ask("F,W,0,50"), "");
     EXPECT_EQ(board.ask("F,W,2,50"), "~F,W,7{INVALID_DEVICE_NUMBER}");

@@ -25,7 +25,7 @@ class BoardsTest : public testing::TestWithParam<Kind> {};
 
 TEST_P(BoardsTest, Information_Maps_AndPinsWork) {
     const auto& kind = GetParam();
-    FirmwareBoard board(kind.image, kind.board, {{"lamp", sim::LedSpec{kind.led}}});
+    FirmwareBoard board(kind.image, kind.board, {{"led", {{"pin", kind.led}}, "lamp"}});
     EXPECT_EQ(board.ask("#,?"), kind.information);
     for (const char* list : {"#,S", "I,M", "I,p", "I,c"}) {
         const auto answer = board.ask(list);
@@ -72,7 +72,7 @@ TEST(LeonardoTest, SecondNamesOfPins_AreUnallocated) {
 }
 
 TEST(PlainSerialTest, RoundTripAt500000_StaysUnderAMillisecond) {
-    FirmwareBoard board("asip_uno_serial", "uno", {{"wire", sim::WireSpec{13, 2}}});
+    FirmwareBoard board("asip_uno_serial", "uno", {{"wire", {{"from", 13}, {"to", 2}}, "wire"}});
     board.ask("I,P,13,3");
     board.step_up(500000);
     for (int i = 0; i < 50; ++i) {

@@ -8,7 +8,8 @@ namespace {
 using std::chrono::milliseconds;
 
 std::vector<sim::PartConfig> sensors(double first, double second) {
-    return {{"first", sim::UltrasonicSpec{7, 7, first}}, {"second", sim::UltrasonicSpec{8, 8, second}}};
+    return {{"ultrasonic", {{"pin", 7}, {"distance", first}}, "first"},
+            {"ultrasonic", {{"pin", 8}, {"distance", second}}, "second"}};
 }
 
 TEST(DistanceTest, MeasureOnce_ReportsEachSensor) {

@@ -62,7 +62,7 @@ struct RoundTrip {
 /// Pin 13 wired to pin 2. The mean of requests that find the firmware's loop and clock at every phase.
 RoundTrip round_trip(unsigned baud) {
     constexpr int kTrips = 400;
-    FirmwareBoard board(kImage, "uno", {{"wire", sim::WireSpec{13, 2}}});
+    FirmwareBoard board(kImage, "uno", {{"wire", {{"from", 13}, {"to", 2}}, "wire"}});
     board.ask("I,P,13,3");
     board.ask("I,P,2,1");
     if (baud != 57600) board.step_up(baud);

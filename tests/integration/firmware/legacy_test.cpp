@@ -17,7 +17,7 @@ TEST(LegacyTest, Extensions_AreUnknownRequests) {
 }
 
 TEST(LegacyTest, BadArguments_AreUnknownRequestsAndNothingIsDone) {
-    FirmwareBoard board("asip_uno_04", "uno", {{"lamp", sim::LedSpec{13}}});
+    FirmwareBoard board("asip_uno_04", "uno", {{"led", {{"pin", 13}}, "lamp"}});
     board.ask("I,P,13,3");
     EXPECT_EQ(board.ask("I,d,13"), "~I,d,2{UNKNOWN_REQUEST}");
     EXPECT_EQ(board.ask("I,d,13,x"), "~I,d,2{UNKNOWN_REQUEST}");

@@ -95,7 +95,7 @@ TEST(RequestsTest, ServoWhosePinIsTaken_IsNotAvailable) {
 }
 
 TEST(RequestsTest, DigitalWriteAndEvent_GoThroughTheWire) {
-    FirmwareBoard board("asip_uno", "uno", {{"wire", sim::WireSpec{13, 2}}});
+    FirmwareBoard board("asip_uno", "uno", {{"wire", {{"from", 13}, {"to", 2}}, "wire"}});
     EXPECT_EQ(board.ask("I,P,13,3"), "");
     EXPECT_EQ(board.ask("I,P,2,1"), "@I,d,4,0");
     EXPECT_EQ(board.ask("I,d,13,1"), "@I,d,4,4");
@@ -104,7 +104,7 @@ TEST(RequestsTest, DigitalWriteAndEvent_GoThroughTheWire) {
 }
 
 TEST(RequestsTest, PullUp_HoldsThePinHighAndAButtonPullsItLow) {
-    FirmwareBoard board("asip_uno", "uno", {{"button", sim::ButtonSpec{4}}});
+    FirmwareBoard board("asip_uno", "uno", {{"button", {{"pin", 4}}, "button"}});
     EXPECT_EQ(board.ask("I,P,4,2"), "@I,d,4,10");
     ASSERT_TRUE(board->part("button").command("press", ""));
     EXPECT_EQ(board.next_line(), "@I,d,4,0");
@@ -137,7 +137,7 @@ TEST(RequestsTest, PwmDuty_ReachesTheTimerOfThePin) {
 }
 
 TEST(RequestsTest, Restart_TurnsEverythingOffAndKeepsAnswering) {
-    FirmwareBoard board("asip_uno_services", "uno", {{"lamp", sim::LedSpec{13}}});
+    FirmwareBoard board("asip_uno_services", "uno", {{"led", {{"pin", 13}}, "lamp"}});
     board.ask("I,P,13,3");
     board.ask("I,d,13,1");
     board.ask("I,A,10");
@@ -153,7 +153,7 @@ TEST(RequestsTest, Restart_TurnsEverythingOffAndKeepsAnswering) {
 }
 
 TEST(RequestsTest, SlowBytes_HoldNothingUp) {
-    FirmwareBoard board("asip_uno", "uno", {{"button", sim::ButtonSpec{4, true}}});
+    FirmwareBoard board("asip_uno", "uno", {{"button", {{"pin", 4}, {"to_vcc", true}}, "button"}});
     for (char c : std::string("I,P,13,3")) {
         board->send(std::string(1, c));
         board->run_for(milliseconds(300));

@@ -61,7 +61,8 @@ TEST(MotorsTest, Errors_ChangeNothing) {
 }
 
 TEST(BumpTest, Touched_IsZeroAndFreeIsOne) {
-    FirmwareBoard board(kImage, "uno", {{"left", sim::ButtonSpec{10}}, {"right", sim::ButtonSpec{11}}});
+    FirmwareBoard board(kImage, "uno",
+                        {{"button", {{"pin", 10}}, "left"}, {"button", {{"pin", 11}}, "right"}});
     board.ask("B,A,20");
     EXPECT_EQ(board.next_line(), "@B,e,2,{1,1}");
     ASSERT_TRUE(board->part("right").command("press", ""));

@@ -18,7 +18,7 @@ TEST(ServosTest, AtStart_ServosTurnToTheMiddle) {
 }
 
 TEST(ServosTest, AngleBeyondItsBounds_IsTheBound) {
-    FirmwareBoard board("asip_uno_services", "uno", {{"pan", sim::ServoSpec{9}}});
+    FirmwareBoard board("asip_uno_services", "uno", {{"servo", {{"pin", 9}}, "pan"}});
     EXPECT_EQ(board.ask("S,W,0,200"), "");
     board->run_for(milliseconds(50));
     EXPECT_EQ(board->part("pan").state(), "180");
@@ -47,7 +47,7 @@ TEST(ServosTest, Angles_BecomePulsesOf544To2400MicrosecondsEach20Milliseconds) {
 
 TEST(ServosTest, ServoParts_ShowTheirAngles) {
     FirmwareBoard board("asip_uno_services", "uno",
-                        {{"pan", sim::ServoSpec{9}}, {"tilt", sim::ServoSpec{10}}});
+                        {{"servo", {{"pin", 9}}, "pan"}, {"servo", {{"pin", 10}}, "tilt"}});
     board.ask("S,W,0,30");
     board.ask("S,W,1,150");
     board->run_for(milliseconds(100));
@@ -56,7 +56,7 @@ TEST(ServosTest, ServoParts_ShowTheirAngles) {
 }
 
 TEST(ServosTest, Remap_MovesTheServosAndFreesTheirPins) {
-    FirmwareBoard board("asip_uno_services", "uno", {{"pan", sim::ServoSpec{5}}});
+    FirmwareBoard board("asip_uno_services", "uno", {{"servo", {{"pin", 5}}, "pan"}});
     EXPECT_EQ(board.ask("S,M,1,5"), "");
     EXPECT_EQ(board.ask("#,S"), "@#,S,20,{@,@,I,I,I,S,I,D,D,I,I,I,I,I,I,I,I,I,I,I}");
     EXPECT_EQ(board.ask("S,W,1,90"), "~S,W,7{INVALID_DEVICE_NUMBER}");

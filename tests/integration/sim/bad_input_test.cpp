@@ -57,7 +57,8 @@ TEST(BadInput, PinThatIsTakenOrDoesNotExist_NamesThePart) {
 TEST(BadInput, UnknownPart_NamesTheNearestKind) {
     const TempDir folder;
     const auto file = board_file(folder, "uno.json", R"(, "parts": [{"kind": "sevo", "pin": 9}])");
-    EXPECT_THAT(refusal({file}), HasSubstr("parts[0].kind: there is no part \"sevo\" (did you mean servo?)"));
+    EXPECT_THAT(refusal({file}),
+                HasSubstr("parts[0].kind: there is no part \"sevo\" (did you mean \"servo\"?)"));
 }
 
 TEST(BadInput, LinkThatIsSomethingElse_IsNotReplaced) {
@@ -92,10 +93,23 @@ TEST(BadInput, WrongOptions_StatusTwo) {
     EXPECT_EQ(run({ASIP_SIM, "ctl"}).status, 2);
 }
 
+TEST(Options, FromEnvironmentAndFile_AreChecked) {
+    const TempDir folder;
+    const auto slice = run({"env", "ASIP_SLICE=1", ASIP_SIM, "a.json"});
+    EXPECT_EQ(slice.status, 2);
+    EXPECT_THAT(slice.errors, HasSubstr("ASIP_SLICE"));
+    const auto config = folder.write("asip.conf", "thread = 2\n");
+    const auto file = run({ASIP_SIM, "a.json", "--config", config});
+    EXPECT_EQ(file.status, 2);
+    EXPECT_THAT(file.errors,
+                HasSubstr("asip.conf:1: there is no option \"thread\" (did you mean \"threads\"?)"));
+}
+
 TEST(Help, ShowsExamplesAndExitStatuses) {
     const auto help = run({ASIP_SIM, "--help"});
     EXPECT_EQ(help.status, 0);
     EXPECT_THAT(help.output, HasSubstr("asip-sim uno.json mega.json --json"));
+    EXPECT_THAT(help.output, HasSubstr("ASIP_THREADS"));
     EXPECT_THAT(help.output, HasSubstr("Exit status"));
     EXPECT_EQ(run({ASIP_SIM, "--version"}).status, 0);
     EXPECT_EQ(run({ASIP_SIM, "ctl", "--help"}).status, 0);

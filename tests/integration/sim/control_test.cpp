@@ -87,13 +87,14 @@ TEST(Control, RefusedCommands_SayWhyAndChangeNothing) {
         EXPECT_EQ(std::count(done.errors.begin(), done.errors.end(), '\n'), 1);
         return done.errors;
     };
-    EXPECT_THAT(refused({"pres", "button1"}), HasSubstr("(did you mean press?)"));
-    EXPECT_THAT(refused({"press", "buton1"}), HasSubstr("there is no part buton1 (did you mean button1?)"));
+    EXPECT_THAT(refused({"pres", "button1"}), HasSubstr("(did you mean \"press\"?)"));
+    EXPECT_THAT(refused({"press", "buton1"}),
+                HasSubstr("there is no part buton1 (did you mean \"button1\"?)"));
     EXPECT_THAT(refused({"press"}), HasSubstr("press what?"));
     EXPECT_THAT(refused({"press", "lamp"}), HasSubstr("it only shows"));
     EXPECT_THAT(refused({"set", "pot", "2"}), HasSubstr("from 0 to 1"));
     EXPECT_THAT(refused({"set", "pot", "1", "2"}), HasSubstr("too many words"));
-    EXPECT_THAT(refused({"unplug", "desk2"}), HasSubstr("there is no board desk2 (did you mean desk?)"));
+    EXPECT_THAT(refused({"unplug", "desk2"}), HasSubstr("there is no board desk2 (did you mean \"desk\"?)"));
     EXPECT_THAT(refused({"replug"}), HasSubstr("plugged in already"));
     EXPECT_THAT(sim.control({"list"}).output, HasSubstr("desk/pot potentiometer 0.5"));
 }
@@ -165,10 +166,27 @@ TEST(Control, OverrunOfTheChip_IsReported) {
     EXPECT_TRUE(sim.process().wait_for_output("overrun bytes=5 direction=to-board"));
 }
 
-TEST(Control, NobodyListens_ExitStatusFive) {
+TEST(Control, Help_HasTheVerbsOfEveryKindOfPart) {
+    const TempDir folder;
+    SimProgram sim(folder, {board_file(folder, "uno.json")});
+    const auto help = sim.control({"help"}).output;
+    EXPECT_THAT(help, HasSubstr("set ULTRASONIC CM"));
+    EXPECT_THAT(help, HasSubstr("cut WIRE"));
+    EXPECT_THAT(help, HasSubstr("unplug [BOARD]"));
+}
+
+TEST(Control, SocketFromTheEnvironment_IsUsed) {
+    const TempDir folder;
+    SimProgram sim(folder, {board_file(folder, "uno.json", kParts)});
+    const auto list = run({"env", "ASIP_SOCKET=" + sim.socket(), ASIP_SIM, "ctl", "list"});
+    EXPECT_EQ(list.status, 0) << list.errors;
+    EXPECT_THAT(list.output, HasSubstr("desk/lamp led off"));
+}
+
+TEST(Control, NobodyListens_ExitStatusFour) {
     const TempDir folder;
     const auto done = run({ASIP_SIM, "ctl", "--socket", folder.file("none.sock"), "list"});
-    EXPECT_EQ(done.status, 5);
+    EXPECT_EQ(done.status, 4);
     EXPECT_THAT(done.errors, HasSubstr("no asip-sim answers there"));
 }
 

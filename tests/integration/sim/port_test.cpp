@@ -89,6 +89,16 @@ TEST(Port, Link_LeadsToThePortAndGoesWithTheProgram) {
     EXPECT_FALSE(std::filesystem::exists(sim.socket()));
 }
 
+TEST(Port, LinkBeforeTheImage_LeavesTheImageABoard) {
+    const TempDir folder;
+    const auto link = folder.file("board");
+    SimProgram sim(folder, {"--link", link, "--tcp", "0", MONITOR_IMAGE});
+    EXPECT_EQ(std::filesystem::read_symlink(link), sim.port());
+    auto client = StreamClient::tcp(sim.tcp_port());
+    client.write("Ea");
+    EXPECT_TRUE(client.expect("a"));
+}
+
 TEST(Port, Interrupted_LeavesNothingBehind) {
     const TempDir folder;
     SimProgram sim(folder, {board_file(folder, "uno.json"), "--link", folder.file("board")});
@@ -100,10 +110,10 @@ TEST(Port, Interrupted_LeavesNothingBehind) {
 
 TEST(Port, NobodyReadsItsOutput_Ends) {
     const TempDir folder;
-    // The reset makes it print; 5 means that it does not listen yet.
+    // The reset makes it print; 4 means that it does not listen yet.
     const auto done = run({"sh", "-c",
                            ASIP_SIM " \"$0\" --socket \"$1\" | { head -n 1; exec <&-; while " ASIP_SIM
-                                    " ctl --socket \"$1\" reset; [ $? -eq 5 ]; do sleep 0.05; done; }",
+                                    " ctl --socket \"$1\" reset; [ $? -eq 4 ]; do sleep 0.05; done; }",
                            board_file(folder, "uno.json"), folder.file("control.sock")});
     EXPECT_EQ(done.status, 0);
     EXPECT_EQ(done.output.find("uno 0.000000 port path="), 0u);

@@ -25,7 +25,7 @@ SimProgram::SimProgram(const TempDir& folder, std::vector<std::string> arguments
         port_ = (*first)[1].matched ? (*first)[1] : (*first)[2];
         std::smatch tcp;
         if (std::regex_search(output, tcp, std::regex("tcp=([0-9]+)"))) tcp_port_ = std::stoi(tcp[1]);
-        return std::filesystem::exists(socket_);
+        return control({"help"}).status == 0;  // a socket file may be one that a crash left
     });
     if (!named) throw std::runtime_error("asip-sim does not start: " + process_.errors());
 }

@@ -23,7 +23,7 @@ TEST(Board, Created_BootsFromPowerOn) {
 
 TEST(Board, SameCalls_GiveTheSameResultToTheCycle) {
     const auto run = [] {
-        Monitor monitor({{"wave", SquareWaveSpec{2, 777}}});
+        Monitor monitor({{"square-wave", {{"pin", 2}, {"hertz", 777}}, "wave"}});
         monitor.tell("I");
         monitor->run_for(50ms);
         monitor->send("iE!T\x05");

@@ -21,7 +21,7 @@ void record(Monitor& monitor, std::vector<std::string>& values) {
 }
 
 TEST(Led, OutputChanges_ShowsThemWithTheirTime) {
-    Monitor monitor({{"led", LedSpec{13}}});
+    Monitor monitor({{"led", {{"pin", 13}}, "led"}});
     std::vector<Change> changes;
     monitor->on_change([&](const Change& change) { changes.push_back(change); });
     EXPECT_EQ(monitor->part("led").state(), "off");
@@ -38,13 +38,13 @@ TEST(Led, OutputChanges_ShowsThemWithTheirTime) {
 }
 
 TEST(Led, PinIsOnlyPulledUp_StaysOff) {
-    Monitor monitor({{"led", LedSpec{13}}});
+    Monitor monitor({{"led", {{"pin", 13}}, "led"}});
     monitor.write_register(kPortB, kPb5);
     EXPECT_EQ(monitor->part("led").state(), "off");
 }
 
 TEST(Led, ActiveLow_LitByALowPin) {
-    Monitor monitor({{"led", LedSpec{13, true}}});
+    Monitor monitor({{"led", {{"pin", 13}, {"active_low", true}}, "led"}});
     monitor.write_register(kDdrB, kPb5);
     EXPECT_EQ(monitor->part("led").state(), "on");
 }
@@ -56,7 +56,7 @@ TEST(Led, Pwm_ShowsItsDutyOnEveryTimer) {
     } const channels[] = {
         {6, kDdrD, 6, 0x44, 0x80, 0x47}, {9, kDdrB, 1, 0x80, 0x80, 0x88}, {3, kDdrD, 3, 0xb0, 0x20, 0xb4}};
     for (const auto& channel : channels) {
-        Monitor monitor({{"led", LedSpec{channel.pin}}});
+        Monitor monitor({{"led", {{"pin", channel.pin}}, "led"}});
         monitor.write_register(channel.ddr, 1u << channel.bit);
         monitor.write_register(channel.compare, 64);
         EXPECT_EQ(monitor->part("led").state(), "off");
@@ -70,7 +70,7 @@ TEST(Led, Pwm_ShowsItsDutyOnEveryTimer) {
 }
 
 TEST(Button, Pressed_PullsItsPinDownAndReleasedLetsItGo) {
-    Monitor monitor({{"button", ButtonSpec{2}}});
+    Monitor monitor({{"button", {{"pin", 2}}, "button"}});
     monitor.write_register(kPortD, kPd2);
     EXPECT_EQ(monitor.read_register(kPinD) & kPd2, kPd2);
     ASSERT_TRUE(monitor->part("button").command("press", ""));
@@ -81,14 +81,14 @@ TEST(Button, Pressed_PullsItsPinDownAndReleasedLetsItGo) {
 }
 
 TEST(Button, ToVcc_IsHighWhenPressed) {
-    Monitor monitor({{"button", ButtonSpec{2, true}}});
+    Monitor monitor({{"button", {{"pin", 2}, {"to_vcc", true}}, "button"}});
     EXPECT_EQ(monitor.read_register(kPinD) & kPd2, 0u);
     ASSERT_TRUE(monitor->part("button").command("press", ""));
     EXPECT_EQ(monitor.read_register(kPinD) & kPd2, kPd2);
 }
 
 TEST(Button, PressedTwice_ChangesOnce) {
-    Monitor monitor({{"button", ButtonSpec{2}}});
+    Monitor monitor({{"button", {{"pin", 2}}, "button"}});
     std::vector<std::string> values;
     record(monitor, values);
     monitor->part("button").command("press", "");
@@ -98,7 +98,7 @@ TEST(Button, PressedTwice_ChangesOnce) {
 }
 
 TEST(Wire, EitherEndIsAnOutput_DrivesTheOther) {
-    Monitor monitor({{"wire", WireSpec{2, 3}}});
+    Monitor monitor({{"wire", {{"from", 2}, {"to", 3}}, "wire"}});
     monitor.write_register(kDdrD, kPd2);
     monitor.write_register(kPortD, kPd2);
     EXPECT_EQ(monitor.read_register(kPinD) & kPd3, kPd3);
@@ -110,7 +110,7 @@ TEST(Wire, EitherEndIsAnOutput_DrivesTheOther) {
 }
 
 TEST(Wire, Cut_DrivesNothingUntilConnectedAgain) {
-    Monitor monitor({{"wire", WireSpec{2, 3}}});
+    Monitor monitor({{"wire", {{"from", 2}, {"to", 3}}, "wire"}});
     monitor.write_register(kDdrD, kPd2);
     ASSERT_TRUE(monitor->part("wire").command("cut", ""));
     monitor.write_register(kPortD, kPd2);
@@ -120,7 +120,7 @@ TEST(Wire, Cut_DrivesNothingUntilConnectedAgain) {
 }
 
 TEST(Wire, SharesAPinWithALed) {
-    Monitor monitor({{"led", LedSpec{13}}, {"wire", WireSpec{13, 2}}});
+    Monitor monitor({{"led", {{"pin", 13}}, "led"}, {"wire", {{"from", 13}, {"to", 2}}, "wire"}});
     monitor.write_register(kDdrB, kPb5);
     monitor.write_register(kPortB, kPb5);
     EXPECT_EQ(monitor->part("led").state(), "on");
@@ -128,7 +128,7 @@ TEST(Wire, SharesAPinWithALed) {
 }
 
 TEST(Potentiometer, Turned_IsWhatTheChipMeasures) {
-    Monitor monitor({{"pot", PotentiometerSpec{14, 0.5}}});
+    Monitor monitor({{"potentiometer", {{"pin", 14}, {"position", 0.5}}, "pot"}});
     EXPECT_EQ(monitor.ask_word({"A\0", 2}), 511u);
     ASSERT_TRUE(monitor->part("pot").command("set", "0.2"));
     EXPECT_EQ(monitor.ask_word({"A\0", 2}), 204u);
@@ -139,14 +139,14 @@ TEST(Potentiometer, Turned_IsWhatTheChipMeasures) {
 }
 
 TEST(Potentiometer, Reset_KeepsItsPosition) {
-    Monitor monitor({{"pot", PotentiometerSpec{15, 0.2}}});
+    Monitor monitor({{"potentiometer", {{"pin", 15}, {"position", 0.2}}, "pot"}});
     monitor->reset();
     ASSERT_TRUE(monitor->read_line(100ms));
     EXPECT_EQ(monitor.ask_word({"A\1", 2}), 204u);
 }
 
 TEST(Potentiometer, BeyondItsEnds_RefusedAndUnchanged) {
-    Monitor monitor({{"pot", PotentiometerSpec{14, 0.5}}});
+    Monitor monitor({{"potentiometer", {{"pin", 14}, {"position", 0.5}}, "pot"}});
     for (const auto* argument : {"1.1", "-0.1", "nan", "", "half", "0.5x"}) {
         const auto done = monitor->part("pot").command("set", argument);
         ASSERT_FALSE(done) << argument;
@@ -158,19 +158,19 @@ TEST(Potentiometer, BeyondItsEnds_RefusedAndUnchanged) {
 class EchoTime : public testing::TestWithParam<double> {};
 
 TEST_P(EchoTime, OnePin_LastsAsLongAsSoundNeeds) {
-    Monitor monitor({{"sonar", UltrasonicSpec{4, 4, GetParam()}}});
+    Monitor monitor({{"ultrasonic", {{"pin", 4}, {"distance", GetParam()}}, "sonar"}});
     EXPECT_NEAR(monitor.ask_word("U") / 2.0, GetParam() * 58.31, 3);
 }
 
 TEST_P(EchoTime, TwoPins_LastsAsLongAsSoundNeeds) {
-    Monitor monitor({{"sonar", UltrasonicSpec{4, 5, GetParam()}}});
+    Monitor monitor({{"ultrasonic", {{"trigger", 4}, {"echo", 5}, {"distance", GetParam()}}, "sonar"}});
     EXPECT_NEAR(monitor.ask_word("u") / 2.0, GetParam() * 58.31, 3);
 }
 
 INSTANTIATE_TEST_SUITE_P(Centimetres, EchoTime, testing::Values(2, 10, 100, 400));
 
 TEST(Ultrasonic, SetWhileItRuns_NextEchoIsTheNewOne) {
-    Monitor monitor({{"sonar", UltrasonicSpec{4, 4, 10}}});
+    Monitor monitor({{"ultrasonic", {{"pin", 4}, {"distance", 10}}, "sonar"}});
     EXPECT_NEAR(monitor.ask_word("U") / 2.0, 583.1, 3);
     ASSERT_TRUE(monitor->part("sonar").command("set", "42"));
     EXPECT_NEAR(monitor.ask_word("U") / 2.0, 42 * 58.31, 3);
@@ -178,13 +178,13 @@ TEST(Ultrasonic, SetWhileItRuns_NextEchoIsTheNewOne) {
 }
 
 TEST(Ultrasonic, NothingInRange_HoldsItsEcho) {
-    Monitor monitor({{"sonar", UltrasonicSpec{4, 4, 500}}});
+    Monitor monitor({{"ultrasonic", {{"pin", 4}, {"distance", 500}}, "sonar"}});
     EXPECT_NEAR(monitor.ask_word("U") / 2.0, 76000 / 2.0 - 32768, 6)
         << "38 ms are 76000 ticks of a 16-bit timer";
 }
 
 TEST(Ultrasonic, Unplugged_DoesNotAnswer) {
-    Monitor monitor({{"sonar", UltrasonicSpec{4, 4, 10}}});
+    Monitor monitor({{"ultrasonic", {{"pin", 4}, {"distance", 10}}, "sonar"}});
     ASSERT_TRUE(monitor->part("sonar").command("set", "none"));
     EXPECT_EQ(monitor.ask_word("U"), 0u);
 }
@@ -194,7 +194,7 @@ std::string pulse(unsigned microseconds) {
 }
 
 TEST(Servo, Pulses_MoveItToTheirAngle) {
-    Monitor monitor({{"servo", ServoSpec{9}}});
+    Monitor monitor({{"servo", {{"pin", 9}}, "servo"}});
     std::vector<std::string> values;
     record(monitor, values);
     EXPECT_EQ(monitor->part("servo").state(), "none");
@@ -206,7 +206,7 @@ TEST(Servo, Pulses_MoveItToTheirAngle) {
 }
 
 TEST(Servo, PulseThatIsNoCommand_DoesNotMoveIt) {
-    Monitor monitor({{"servo", ServoSpec{9}}});
+    Monitor monitor({{"servo", {{"pin", 9}}, "servo"}});
     monitor.tell(pulse(1472));
     monitor->run_for(20ms);
     for (const unsigned microseconds : {100u, 5000u}) {
@@ -217,7 +217,7 @@ TEST(Servo, PulseThatIsNoCommand_DoesNotMoveIt) {
 }
 
 TEST(SquareWave, Runs_AtItsFrequencyExactly) {
-    Monitor monitor({{"wave", SquareWaveSpec{2, 333}}});
+    Monitor monitor({{"square-wave", {{"pin", 2}, {"hertz", 333}}, "wave"}});
     int rises = 0;
     monitor->on_pin(2, [&](Level level) { rises += level == Level::high ? 1 : 0; });
     monitor->run_for(10s);
@@ -225,7 +225,7 @@ TEST(SquareWave, Runs_AtItsFrequencyExactly) {
 }
 
 TEST(SquareWave, SetToZero_StaysLow) {
-    Monitor monitor({{"wave", SquareWaveSpec{2, 1000}}});
+    Monitor monitor({{"square-wave", {{"pin", 2}, {"hertz", 1000}}, "wave"}});
     ASSERT_TRUE(monitor->part("wave").command("set", "0"));
     int changes = 0;
     monitor->on_pin(2, [&](Level) { ++changes; });
@@ -235,7 +235,7 @@ TEST(SquareWave, SetToZero_StaysLow) {
 }
 
 TEST(SquareWave, WatchdogReset_GoesOn) {
-    Monitor monitor({{"wave", SquareWaveSpec{2, 1000}}});
+    Monitor monitor({{"square-wave", {{"pin", 2}, {"hertz", 1000}}, "wave"}});
     monitor.tell("X");
     monitor->run_for(100ms);
     ASSERT_EQ(monitor->last_reset(), ResetCause::watchdog);
@@ -246,18 +246,18 @@ TEST(SquareWave, WatchdogReset_GoesOn) {
 }
 
 TEST(EveryPart, UnknownCommand_SaysWhatItUnderstands) {
-    Monitor monitor({{"led", LedSpec{13}},
-                     {"button", ButtonSpec{2}},
-                     {"wire", WireSpec{7, 8}},
-                     {"pot", PotentiometerSpec{14}},
-                     {"sonar", UltrasonicSpec{4, 4}},
-                     {"servo", ServoSpec{9}},
-                     {"wave", SquareWaveSpec{3}}});
+    Monitor monitor({{"led", {{"pin", 13}}, "led"},
+                     {"button", {{"pin", 2}}, "button"},
+                     {"wire", {{"from", 7}, {"to", 8}}, "wire"},
+                     {"potentiometer", {{"pin", 14}}, "pot"},
+                     {"ultrasonic", {{"pin", 4}}, "sonar"},
+                     {"servo", {{"pin", 9}}, "servo"},
+                     {"square-wave", {{"pin", 3}}, "wave"}});
     for (const auto& part : monitor->parts()) {
         const auto done = part->command("explode", "");
         ASSERT_FALSE(done) << part->name();
         EXPECT_THAT(done.error(), HasSubstr("explode"));
-        EXPECT_THAT(done.error(), HasSubstr(std::string(part->kind())));
+        EXPECT_THAT(done.error(), HasSubstr(std::string(part->kind().name)));
     }
 }
 

@@ -1,22 +1,54 @@
-#include "sim/program/desk.hpp"
+#include "sim/program/running_boards.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <set>
 
-#include "sim/nearest.hpp"
+#include "asip/text/nearest.hpp"
 
 namespace asip::sim {
 namespace {
 
-const std::vector<std::string> kBoardVerbs = {"reset", "unplug", "replug"};
-const std::vector<std::string> kPartVerbs = {"press", "release", "set", "cut", "connect"};
+constexpr std::array kBoardCommands{
+    PartVerb{"reset", "[BOARD]", "press the reset button"},
+    PartVerb{"unplug", "[BOARD]", "pull the USB cable: the port disappears"},
+    PartVerb{"replug", "[BOARD]", "plug it in again"},
+    PartVerb{"list", "[BOARD]", "boards, their ports, their parts and what these show"},
+};
 
-std::vector<std::string> all_verbs() {
-    std::vector<std::string> verbs = {"list", "help", "quit"};
-    verbs.insert(verbs.end(), kBoardVerbs.begin(), kBoardVerbs.end());
-    verbs.insert(verbs.end(), kPartVerbs.begin(), kPartVerbs.end());
+std::set<std::string, std::less<>> part_verbs() {
+    std::set<std::string, std::less<>> verbs;
+    for (const auto* kind : PartKind::all())
+        for (const auto& verb : kind->verbs)
+            verbs.emplace(verb.name);
     return verbs;
+}
+
+bool is_board_command(std::string_view word) {
+    return std::any_of(kBoardCommands.begin(), kBoardCommands.end(),
+                       [&](const PartVerb& command) { return command.name == word; });
+}
+
+std::vector<std::string> all_commands() {
+    std::vector<std::string> words = {"help", "quit"};
+    for (const auto& command : kBoardCommands)
+        words.emplace_back(command.name);
+    for (const auto& verb : part_verbs())
+        words.push_back(verb);
+    return words;
+}
+
+std::string upper(std::string_view text) {
+    std::string result(text);
+    for (char& c : result)
+        c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    return result;
+}
+
+std::string help_line(std::string_view usage, std::string_view help) {
+    return fmt::format("{:<23} {}\n", usage, help);
 }
 
 bool contains(const std::vector<std::string>& words, std::string_view word) {
@@ -36,72 +68,68 @@ std::vector<std::string> split(std::string_view line) {
 
 }  // namespace
 
-std::string_view Desk::help() {
-    return "press BUTTON            press a button and hold it\n"
-           "release BUTTON          let it go\n"
-           "set POTENTIOMETER 0..1  turn a potentiometer\n"
-           "set ULTRASONIC CM       put something in front of a distance sensor (none: it does not answer)\n"
-           "set SQUARE-WAVE HERTZ   change a generator\n"
-           "cut WIRE, connect WIRE  take a wire away, put it back\n"
-           "reset [BOARD]           press the reset button\n"
-           "unplug [BOARD]          pull the USB cable: the port disappears\n"
-           "replug [BOARD]          plug it in again\n"
-           "list [BOARD]            boards, their ports, their parts and what these show\n"
-           "quit                    end asip-sim\n"
+std::string RunningBoards::help() {
+    std::string text;
+    for (const auto* kind : PartKind::all())
+        for (const auto& verb : kind->verbs)
+            text +=
+                help_line(fmt::format("{} {} {}", verb.name, upper(kind->name), verb.argument), verb.help);
+    for (const auto& command : kBoardCommands)
+        text += help_line(fmt::format("{} {}", command.name, command.argument), command.help);
+    return text + help_line("quit", "end asip-sim") +
            "With several boards, a part is called BOARD/PART where its name alone is not clear.\n";
 }
 
-Desk::Desk(std::vector<std::unique_ptr<LiveBoard>> boards, const std::vector<BoardConfig>& configs,
-           unsigned threads, std::chrono::nanoseconds slice) {
+RunningBoards::RunningBoards(std::vector<std::unique_ptr<LiveBoard>> boards, unsigned threads,
+                             std::chrono::nanoseconds slice) {
     const auto count = std::clamp<std::size_t>(threads, 1, std::max<std::size_t>(boards.size(), 1));
     std::vector<std::vector<std::unique_ptr<LiveBoard>>> shares(count);
     for (std::size_t i = 0; i < boards.size(); ++i) {
-        Place place{configs[i].name, {}, i % count, shares[i % count].size()};
-        for (const auto& part : configs[i].parts)
-            place.parts.push_back(part.name);
-        places_.push_back(std::move(place));
-        shares[i % count].push_back(std::move(boards[i]));
+        auto& share = shares[i % count];
+        places_.push_back({boards[i]->name(), boards[i]->part_names(), i % count, share.size()});
+        share.push_back(std::move(boards[i]));
     }
     for (auto& share : shares)
         workers_.push_back(std::make_unique<Worker>(std::move(share), slice));
 }
 
-void Desk::execute(std::string_view line, Reply reply) {
+void RunningBoards::execute(std::string_view line, Reply reply) {
     const auto words = split(line);
     if (words.empty()) return reply(std::string());
     const auto& verb = words[0];
     if (words.size() > 3) return reply(fail(fmt::format("too many words after \"{}\"", words[2])));
-    if (verb == "help") return reply(std::string(help()));
+    if (verb == "help") return reply(help());
     if (verb == "list" && words.size() == 1) return list_from(0, "", std::move(reply));
-    if (verb == "list" || contains(kBoardVerbs, verb)) {
+    if (is_board_command(verb)) {
         const auto place = board_called(words.size() > 1 ? words[1] : "");
         if (!place) return reply(fail(place.error()));
         return send(**place, verb, "", "", std::move(reply));
     }
-    if (!contains(kPartVerbs, verb))
+    if (!part_verbs().contains(verb))
         return reply(fail(fmt::format("there is no command \"{}\"{}; help lists them", verb,
-                                      did_you_mean(verb, all_verbs()))));
+                                      text::did_you_mean(verb, all_commands()))));
     if (words.size() < 2) return reply(fail(fmt::format("{} what? Name a part; list shows them", verb)));
     const auto part = part_called(words[1]);
     if (!part) return reply(fail(part.error()));
     send(*part->first, verb, part->second, words.size() > 2 ? words[2] : "", std::move(reply));
 }
 
-void Desk::list_from(std::size_t place, std::string so_far, Reply reply) {
+void RunningBoards::list_from(std::size_t place, std::string so_far, Reply reply) {
     if (place == places_.size()) return reply(std::move(so_far));
     send(places_[place], "list", "", "", [=, this](const Expected<std::string>& answer) {
         list_from(place + 1, so_far + answer.value_or(""), reply);
     });
 }
 
-void Desk::send(const Place& place, std::string verb, std::string part, std::string argument, Reply reply) {
+void RunningBoards::send(const Place& place, std::string verb, std::string part, std::string argument,
+                         Reply reply) {
     workers_[place.worker]->post([index = place.index, verb = std::move(verb), part = std::move(part),
                                   argument = std::move(argument), reply = std::move(reply)](auto& boards) {
         reply(boards[index]->command(verb, part, argument, Clock::now()));
     });
 }
 
-Expected<const Desk::Place*> Desk::board_called(std::string_view name) const {
+Expected<const RunningBoards::Place*> RunningBoards::board_called(std::string_view name) const {
     if (name.empty() && places_.size() == 1) return &places_.front();
     std::vector<std::string> names;
     for (const auto& place : places_) {
@@ -109,10 +137,11 @@ Expected<const Desk::Place*> Desk::board_called(std::string_view name) const {
         names.push_back(place.board);
     }
     if (name.empty()) return fail(fmt::format("which board? {}", fmt::join(names, ", ")));
-    return fail(fmt::format("there is no board {}{}", name, did_you_mean(name, names)));
+    return fail(fmt::format("there is no board {}{}", name, text::did_you_mean(name, names)));
 }
 
-Expected<std::pair<const Desk::Place*, std::string>> Desk::part_called(std::string_view name) const {
+Expected<std::pair<const RunningBoards::Place*, std::string>> RunningBoards::part_called(
+    std::string_view name) const {
     const auto slash = name.find('/');
     const auto part = slash == std::string_view::npos ? name : name.substr(slash + 1);
     std::vector<const Place*> found;
@@ -124,7 +153,8 @@ Expected<std::pair<const Desk::Place*, std::string>> Desk::part_called(std::stri
         if (contains(place.parts, part)) found.push_back(&place);
         names.insert(names.end(), place.parts.begin(), place.parts.end());
     }
-    if (found.empty()) return fail(fmt::format("there is no part {}{}", part, did_you_mean(part, names)));
+    if (found.empty())
+        return fail(fmt::format("there is no part {}{}", part, text::did_you_mean(part, names)));
     if (found.size() > 1)
         return fail(
             fmt::format("{0} boards have a part {1}; say {2}/{1}", found.size(), part, found.front()->board));

@@ -9,23 +9,24 @@
 
 namespace asip::sim {
 
-/// All boards of one asip-sim, and the commands that work them.
-class Desk {
+/// All boards of one asip-sim: runs them and carries out commands.
+class RunningBoards {
   public:
-    /// What a command answers: lines of text (none if there is nothing to tell), or the reason why it was not
-    /// done.
+    /// What a command answers: lines of text (maybe none), or the reason why it was not done.
     using Reply = std::function<void(Expected<std::string>)>;
 
-    /// `threads` workers share the boards.
-    Desk(std::vector<std::unique_ptr<LiveBoard>> boards, const std::vector<BoardConfig>& configs,
-         unsigned threads, std::chrono::nanoseconds slice);
+    /// Starts `threads` workers (at most one for each board) that share the boards.
+    RunningBoards(std::vector<std::unique_ptr<LiveBoard>> boards, unsigned threads,
+                  std::chrono::nanoseconds slice);
 
-    /// Does one command line. The reply may come from another thread, and exactly once.
+    /// Does one command line. The reply comes exactly once, maybe from another thread.
     void execute(std::string_view line, Reply reply);
 
-    static std::string_view help();
+    /// The commands, one a line, those of all kinds of parts among them.
+    static std::string help();
 
   private:
+    /// Where a board is: the boards themselves belong to the workers' threads.
     struct Place {
         std::string board;
         std::vector<std::string> parts;
