@@ -9,8 +9,8 @@ namespace asip::registry {
 /// What the parts of a registry ask of the connection; tests take its place.
 struct BusPort {
     std::function<void(mqtt::Message)> publish;
-    std::function<void(std::string filter, bool retained)>
-        subscribe;  ///< `retained`: deliver stored ones, too
+    /// `retained`: deliver stored ones, too.
+    std::function<void(std::string filter, bool retained)> subscribe;
     std::function<void(const std::string& filter)> unsubscribe;
 };
 

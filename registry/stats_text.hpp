@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-
 #include "asip/text/wall_time.hpp"
 #include "registry/catalogue/catalogue.hpp"
 

@@ -13,8 +13,8 @@ namespace asip::sim {
 struct Image {
     std::vector<std::uint8_t> flash;   ///< from address 0; gaps are 0xff, as in an erased flash
     std::vector<std::uint8_t> eeprom;  ///< what the image brings along, from address 0
-    std::map<std::string, std::uint32_t, std::less<>>
-        symbols;  ///< data addresses without the linker's 0x800000
+    /// Data addresses without the linker's 0x800000.
+    std::map<std::string, std::uint32_t, std::less<>> symbols;
 };
 
 /// Reads an AVR .elf or an Intel .hex file, told apart by content. The error names the file, and for a .hex

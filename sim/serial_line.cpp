@@ -69,8 +69,8 @@ void SerialLine::from_board(std::uint8_t byte, double bit_cycles) {
     }
     ++errors_.garbled_to_host;
     for (const auto& heard : hear(byte, bit_cycles, bit))
-        to_host_(heard.framing_error ? '\0'
-                                     : static_cast<char>(heard.byte));  // as a tty in raw mode hands it on
+        to_host_(heard.framing_error ? '\0' : static_cast<char>(heard.byte));  // as a tty in raw mode hands
+                                                                               // it on
 }
 
 void SerialLine::after_reset() {

@@ -16,8 +16,8 @@ class Usart {
   public:
     struct Listener {
         std::function<void(std::uint8_t byte, double bit_cycles)> sent;  ///< its stop bit has just ended
-        std::function<void()>
-            cut;  ///< the byte on the wire was spoilt: the firmware changed the rate under it
+        /// The byte on the wire was spoilt: the firmware changed the rate under it.
+        std::function<void()> cut;
     };
 
     /// Takes the registers of `port` over. `port` and `clock` outlive it.

@@ -26,8 +26,8 @@ struct ChangeEvent {
     text::WallTime at{};
     BoardItem board;  ///< as it is after the change (without description)
     std::string was;  ///< kState: effective state before
-    std::string
-        reason;  ///< kState: "said", "will", "lease", "announced", "retained"; else as fits, may be empty
+    /// kState: "said", "will", "lease", "announced", "retained"; else as fits, may be empty.
+    std::string reason;
 
     bool operator==(const ChangeEvent&) const = default;
 };

@@ -53,8 +53,8 @@ struct BoardItem {
     std::string agent;     ///< host and client of its agent, for a person
     std::string link;      ///< kind and path of the link, for a person
     std::optional<Conflict> conflict;
-    std::vector<ServiceItem>
-        services;  ///< their `board` and `state` are left out on the wire and filled when parsed
+    /// Their `board` and `state` are left out on the wire and filled when parsed.
+    std::vector<ServiceItem> services;
     /// JSON text of the whole $description as last received, where the query asked for it; else empty.
     std::string description;
 

@@ -25,8 +25,8 @@ struct Query {
     Find find = Find::kBoards;
     std::string board;    ///< board name; `*` any text, `?` any one character
     std::string service;  ///< service name, the same wildcards
-    std::vector<std::string>
-        kind;  ///< model names ("distance"); a service without a model has its letter as kind
+    /// Model names ("distance"); a service without a model has its letter as kind.
+    std::vector<std::string> kind;
     std::vector<std::string> state;  ///< effective states of the board
     std::string chip;                ///< wildcards
     std::string sketch;              ///< wildcards

@@ -33,7 +33,6 @@ class DirectTransport final : public Transport {
     void close() override;
 
   private:
-
     Awaitable<nlohmann::json> request(std::string line, char answer_tag, model::ModelPtr model);
     void opened(const link::StreamOpened& link);
     void lost(const link::StreamError& error);

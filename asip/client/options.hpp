@@ -18,11 +18,11 @@ struct Options {
     // Over MQTT only.
     std::string topic_root = "asip";
     std::string user;  ///< Empty: what the address says, else none.
-    std::string
-        password_file;  ///< Its first line; a password on a command line is seen by every user of a machine.
-    std::string ca;     ///< PEM file of the authority that signed the broker's certificate; for mqtts.
-    std::string
-        certificate;  ///< PEM files of this client's own certificate and key, where the broker demands one.
+    /// Its first line; a password on a command line is seen by every user of a machine.
+    std::string password_file;
+    std::string ca;  ///< PEM file of the authority that signed the broker's certificate; for mqtts.
+    /// PEM files of this client's own certificate and key, where the broker demands one.
+    std::string certificate;
     std::string key;
 
     // Serial only.

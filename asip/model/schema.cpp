@@ -211,7 +211,8 @@ Expected<void> Checker::check_object(const json& schema, const json& value, cons
         return fault(place, "has more than " + plain(*most) + " members");
     if (const auto required = schema.find("required"); required != schema.end()) {
         for (const auto& name : *required) {
-            if (!value.contains(name.get<std::string>())) return fault(place, "has no member " + shown_in_fault(name));
+            if (!value.contains(name.get<std::string>()))
+                return fault(place, "has no member " + shown_in_fault(name));
         }
     }
     const auto properties = schema.find("properties");

@@ -17,8 +17,8 @@ struct Message {
 
     std::string response_topic{};  ///< where an answer is wanted; empty: nowhere
     std::string correlation{};     ///< correlation data, any bytes
-    std::optional<std::uint32_t>
-        expiry_seconds{};  ///< how long the broker may keep it; when received: what is left
+    /// How long the broker may keep it; when received: what is left.
+    std::optional<std::uint32_t> expiry_seconds{};
     std::vector<std::pair<std::string, std::string>> user_properties{};
 };
 

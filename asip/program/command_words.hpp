@@ -23,8 +23,8 @@ struct CommandWord {
     };
     Kind kind = Kind::kArgument;
     const CLI::App* app = nullptr;  ///< the subcommand that the word is for, or the program
-    const CLI::Option* option =
-        nullptr;               ///< kOption, kValue, and the positional of kArgument where there is one
+    /// kOption, kValue, and the positional of kArgument where there is one.
+    const CLI::Option* option = nullptr;
     std::size_t position = 0;  ///< kArgument: how many arguments stand before it
 };
 

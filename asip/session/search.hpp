@@ -14,8 +14,8 @@ class Search {
     struct Step {
         unsigned baud = 0;  ///< to be at, 0: leave it
         bool ask = false;   ///< send the question; else only listen
-        bool newline_first =
-            false;  ///< ends a cut-off line; a 0.4 board may take it for a bad request, so not always
+        /// Ends a cut-off line; a 0.4 board may take it for a bad request, so not always.
+        bool newline_first = false;
     };
 
     /// `quiet_until`: the board restarts; only listen until then.

@@ -42,8 +42,8 @@ struct Observations {
     std::string registry{};                              ///< that answered; empty: none
     std::vector<bus::BoardItem> boards{};                ///< as the registry, else the bus, has them
     std::map<std::string, std::string> bad_documents{};  ///< topic, reason
-    std::map<std::string, std::set<std::string>>
-        sessions{};                               ///< of each board, seen announcing while we looked
+    /// Of each board, seen announcing while we looked.
+    std::map<std::string, std::set<std::string>> sessions{};
     std::map<std::string, PingResult> pings{};    ///< of boards that are said to be online
     std::chrono::system_clock::time_point now{};  ///< by our clock, when the registry answered
     Machine machine{};

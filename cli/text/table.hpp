@@ -23,8 +23,8 @@ struct Cell {
 struct Column {
     std::string header;
     bool right = false;  ///< numbers line up at their last digit
-    std::size_t least =
-        0;  ///< columns this one keeps when the table is wider than the terminal; 0: never cut
+    /// Columns this one keeps when the table is wider than the terminal; 0: never cut.
+    std::size_t least = 0;
 };
 
 /// Text in columns, for people. Cells are shown through for_terminal().

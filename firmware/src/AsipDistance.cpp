@@ -43,8 +43,8 @@ void Distance::poll() {
     if (sensor_ < count()) {
         uint16_t echo;
         if (!EchoTimer::finished(echo)) return;
-        centimetres_[sensor_] =
-            (echo - echo / 187 + 29) / 58;  // 58.31 microseconds a centimetre, there and back
+        centimetres_[sensor_] = (echo - echo / 187 + 29) / 58;  // 58.31 microseconds a centimetre, there and
+                                                                // back
         return turnTo(sensor_ + 1);
     }
     if (!out.hasRoom()) return;

@@ -23,8 +23,8 @@ struct Challenger {
 
 /// What few boards have.
 struct Rare {
-    std::vector<std::pair<std::string, std::uint64_t>>
-        old_sessions;                         // the newest last, with the highest seq seen
+    // The newest last, with the highest seq seen.
+    std::vector<std::pair<std::string, std::uint64_t>> old_sessions;
     std::vector<std::string> named_services;  // announced by name, sorted
     std::unique_ptr<Challenger> challenger;
 };

@@ -63,8 +63,8 @@ struct ServicesPart {
     std::uint32_t references = 0;
     std::vector<Service> services;
     std::vector<std::pair<Kind*, std::uint32_t>> kinds;  // each once, with how many services
-    std::vector<std::pair<std::uint16_t, std::string>>
-        own_units;  // service index, unit: of models carried in full
+    // Service index, unit: of models carried in full.
+    std::vector<std::pair<std::uint16_t, std::string>> own_units;
 };
 
 /// The parts of one type, found by their text. A part lives as long as a board refers to it.

@@ -27,8 +27,8 @@ class MosquittoBroker {
   public:
     struct Options {
         bool persistence = false;  ///< saved at each change
-        std::vector<std::pair<std::string, std::string>>
-            users{};  ///< user, password; none: anonymous is allowed
+        /// User, password; none: anonymous is allowed.
+        std::vector<std::pair<std::string, std::string>> users{};
         bool tls = false;
         bool require_client_certificate = false;
         ServerCertificate certificate{};

@@ -1,8 +1,8 @@
+#include "asip/bus/query.hpp"
 #include "asip/bus/answer.hpp"
 #include "asip/bus/change_event.hpp"
 #include "asip/bus/items.hpp"
 #include "asip/bus/pattern.hpp"
-#include "asip/bus/query.hpp"
 #include "asip/bus/request_envelope.hpp"
 
 #include <gmock/gmock.h>
@@ -168,10 +168,10 @@ TEST_F(CatalogueViewTest, PagesAndEventsBetweenThem_JoinWithoutGapOrDuplicate) {
     ASSERT_TRUE(view.page(page(2, {some_board("a"), some_board("b")}, "b//")));
     EXPECT_EQ(view.next_query()->cursor, "b//");
     view.event(change(2, ChangeEvent::Kind::kAdded, some_board("b")));
-    view.event(
-        change(3, ChangeEvent::Kind::kState, some_board("a", "lost")));  // after a's page: must be applied
-    view.event(
-        change(4, ChangeEvent::Kind::kState, some_board("c", "offline")));  // before c's page: is in it
+    view.event(change(3, ChangeEvent::Kind::kState, some_board("a", "lost")));     // after a's page: must be
+                                                                                   // applied
+    view.event(change(4, ChangeEvent::Kind::kState, some_board("c", "offline")));  // before c's page: is in
+                                                                                   // it
     ASSERT_TRUE(view.page(page(4, {some_board("c", "offline")})));
     EXPECT_FALSE(view.next_query());
     EXPECT_EQ(view.boards().at("a").state, "lost");
