@@ -11,10 +11,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr const char* kImage = "asip_uno_robot";
+constexpr const char* kReportsImage = "asip_uno_robot";
 
 TEST(ReportsTest, ServiceThatIsAlwaysDue_DoesNotSilenceTheOthers) {
-    FirmwareBoard board(kImage);
+    FirmwareBoard board(kReportsImage);
     for (const char* request : {"E,A,1", "B,A,25", "R,A,25"})
         board.ask(request);
     std::map<char, int> events;
@@ -26,7 +26,7 @@ TEST(ReportsTest, ServiceThatIsAlwaysDue_DoesNotSilenceTheOthers) {
 }
 
 TEST(ReportsTest, EverySensorAt25MillisecondsAt500000Baud_EachComesAtItsTime) {
-    FirmwareBoard board(kImage);
+    FirmwareBoard board(kReportsImage);
     board.step_up(500000);
     for (const char* request : {"E,A,25", "B,A,25", "R,A,25", "I,A,25"})
         board.ask(request);

@@ -8,11 +8,11 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr const char* kImage = "asip_uno_robot";
+constexpr const char* kRobotImage = "asip_uno_robot";
 constexpr std::uint16_t kOcr0a = 0x47, kOcr0b = 0x48;  // powers of motor 1 (pin 6) and 0 (pin 5)
 
 TEST(RobotTest, Banner_NamesAllServices) {
-    FirmwareBoard board(kImage);
+    FirmwareBoard board(kRobotImage);
     EXPECT_EQ(board.banner(), "!AsipRobot running on ATmega328P with Services: I M E B R T ");
     EXPECT_EQ(board.ask("#,N"),
               "@#,N,6,{I:ASIP core IO,M:Motors,E:Encoders,B:Bump Sensors,R:IR Sensors,T:Tone}");
@@ -20,7 +20,7 @@ TEST(RobotTest, Banner_NamesAllServices) {
 }
 
 TEST(MotorsTest, Power_SetsDirectionAndPwm) {
-    FirmwareBoard board(kImage);
+    FirmwareBoard board(kRobotImage);
     EXPECT_EQ(board.ask("M,m,0,128"), "");
     EXPECT_EQ(board->pin(7), sim::Level::high);
     EXPECT_EQ(board->pin(8), sim::Level::low);
@@ -39,7 +39,7 @@ TEST(MotorsTest, Power_SetsDirectionAndPwm) {
 }
 
 TEST(MotorsTest, PowerBeyondItsBounds_IsTheBound) {
-    FirmwareBoard board(kImage);
+    FirmwareBoard board(kRobotImage);
     EXPECT_EQ(board.ask("M,m,0,12.5"), "");
     EXPECT_EQ(board->peek(kOcr0b), 12);
     EXPECT_EQ(board.ask("M,M,-300, 254.9"), "");
@@ -50,7 +50,7 @@ TEST(MotorsTest, PowerBeyondItsBounds_IsTheBound) {
 }
 
 TEST(MotorsTest, Errors_ChangeNothing) {
-    FirmwareBoard board(kImage);
+    FirmwareBoard board(kRobotImage);
     EXPECT_EQ(board.ask("M,m,2,1"), "~M,m,7{INVALID_DEVICE_NUMBER}");
     EXPECT_EQ(board.ask("M,m,0,x"), "~M,m,11{BAD_ARGUMENT}");
     EXPECT_EQ(board.ask("M,M,1"), "~M,M,11{BAD_ARGUMENT}");
@@ -61,7 +61,7 @@ TEST(MotorsTest, Errors_ChangeNothing) {
 }
 
 TEST(BumpTest, Touched_IsZeroAndFreeIsOne) {
-    FirmwareBoard board(kImage, "uno",
+    FirmwareBoard board(kRobotImage, "uno",
                         {{"button", {{"pin", 10}}, "left"}, {"button", {{"pin", 11}}, "right"}});
     board.ask("B,A,20");
     EXPECT_EQ(board.next_line(), "@B,e,2,{1,1}");
@@ -72,7 +72,7 @@ TEST(BumpTest, Touched_IsZeroAndFreeIsOne) {
 }
 
 TEST(ReflectanceTest, Values_AreReadWithTheEmittersOn) {
-    FirmwareBoard board(kImage);
+    FirmwareBoard board(kRobotImage);
     board->set_millivolts(14, 0);
     board->set_millivolts(15, 2500);
     board->set_millivolts(16, 5000);
@@ -86,7 +86,7 @@ TEST(ReflectanceTest, Values_AreReadWithTheEmittersOn) {
 }
 
 TEST(ToneTest, Tone_SoundsForItsTimeWhileTheBoardGoesOn) {
-    FirmwareBoard board(kImage);
+    FirmwareBoard board(kRobotImage);
     int edges = 0;
     board->on_pin(18, [&](sim::Level) { ++edges; });
     EXPECT_EQ(board.ask("T,P,1000,100"), "");

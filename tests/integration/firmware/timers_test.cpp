@@ -9,7 +9,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::uint16_t kOcr0b = 0x48, kTccr0a = 0x44, kOcr3a = 0x98, kTccr3a = 0x90, kTccr3b = 0x91;
+constexpr std::uint16_t kTimerOcr0b = 0x48, kTccr0a = 0x44, kOcr3a = 0x98, kTccr3a = 0x90, kTccr3b = 0x91;
 
 TEST(TimersTest, PwmOnAPinOfTheServosTimer_IsRefusedAndThePulsesStay) {
     FirmwareBoard board("asip_uno_services");

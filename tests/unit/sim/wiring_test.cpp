@@ -10,19 +10,19 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr unsigned kPd2 = 1 << 2;
+constexpr unsigned kPortD2 = 1 << 2;
 
 // simavr lets a pull-up win over what drives the pin from outside as soon as the firmware writes the port
 // again.
 TEST(Wiring, PullUpAndOutsideLow_StaysLowWhenThePortIsWritten) {
     Monitor monitor;
-    monitor.write_register(kPortD, kPd2);
+    monitor.write_register(kPortD, kPortD2);
     EXPECT_EQ(monitor->pin(2), Level::high);
     monitor->drive(2, Level::low);
-    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, 0u);
-    monitor.write_register(kPortD, kPd2 | 1 << 5);
+    EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, 0u);
+    monitor.write_register(kPortD, kPortD2 | 1 << 5);
     monitor.write_register(kDdrD, 1 << 5);
-    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, 0u);
+    EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, 0u);
     EXPECT_EQ(monitor->pin(2), Level::low);
     EXPECT_EQ(monitor->pin(5), Level::high);
 }
@@ -30,32 +30,32 @@ TEST(Wiring, PullUpAndOutsideLow_StaysLowWhenThePortIsWritten) {
 TEST(Wiring, ReleasedPin_GoesToItsPullUpOrLow) {
     Monitor monitor;
     monitor->drive(2, Level::high);
-    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, kPd2);
+    EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, kPortD2);
     monitor->release(2);
-    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, 0u);
-    monitor.write_register(kPortD, kPd2);
+    EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, 0u);
+    monitor.write_register(kPortD, kPortD2);
     monitor->drive(2, Level::low);
     monitor->release(2);
-    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, kPd2);
+    EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, kPortD2);
 }
 
 TEST(Wiring, OutputOfTheChip_WinsOverWhatDrivesItFromOutside) {
     Monitor monitor;
-    monitor.write_register(kDdrD, kPd2);
+    monitor.write_register(kDdrD, kPortD2);
     monitor->drive(2, Level::high);
     EXPECT_EQ(monitor->pin(2), Level::low);
-    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, 0u);
+    EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, 0u);
     monitor.write_register(kDdrD, 0);
     EXPECT_EQ(monitor->pin(2), Level::high) << "an input again, it sees what still drives it";
-    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, kPd2);
+    EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, kPortD2);
 }
 
 TEST(Wiring, ToggledThroughThePinRegister_IsSeen) {
     Monitor monitor;
-    monitor.write_register(kDdrD, kPd2);
-    monitor.write_register(kPinD, kPd2);
+    monitor.write_register(kDdrD, kPortD2);
+    monitor.write_register(kPinD, kPortD2);
     EXPECT_EQ(monitor->pin(2), Level::high);
-    monitor.write_register(kPinD, kPd2);
+    monitor.write_register(kPinD, kPortD2);
     EXPECT_EQ(monitor->pin(2), Level::low);
 }
 
@@ -106,19 +106,19 @@ TEST(Wiring, DrivenPin_StaysDrivenAfterReset) {
     monitor->reset();
     ASSERT_TRUE(monitor->read_line(100ms));
     EXPECT_EQ(monitor->pin(2), Level::high);
-    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, kPd2);
+    EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, kPortD2);
 }
 
 // simavr forgets the pin's level at a reset, but not that it has told it.
 TEST(Wiring, PullUpThatWasOnBeforeAReset_WorksAgainAfterIt) {
     Monitor monitor;
-    monitor.write_register(kPortD, kPd2);
-    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, kPd2);
+    monitor.write_register(kPortD, kPortD2);
+    EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, kPortD2);
     monitor->reset();
     ASSERT_TRUE(monitor->read_line(100ms));
-    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, 0u);
-    monitor.write_register(kPortD, kPd2);
-    EXPECT_EQ(monitor.read_register(kPinD) & kPd2, kPd2);
+    EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, 0u);
+    monitor.write_register(kPortD, kPortD2);
+    EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, kPortD2);
 }
 
 TEST(Wiring, PinThatDoesNotExist_Throws) {
