@@ -81,7 +81,7 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
                "and once the line is damaged")
             ->group("Board"));
     settings.setting(app.add_option("--patience", raw.patience,
-                                    "Seconds without any answer after which this is no ASIP board")
+                                    "Seconds without any answer after which this is not an ASIP board")
                          ->check(CLI::Range(0.1, 3600.0))
                          ->capture_default_str()
                          ->group("Board"));

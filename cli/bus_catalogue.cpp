@@ -40,7 +40,7 @@ std::string BusCatalogue::apply(const std::string& topic, const std::string& pay
     const auto ref = topics_.parse(topic);
     if (!ref) {
         if (topic.starts_with(topics_.root() + "/servicebus/") && !payload.empty())
-            refused_[topic] = "illegal name";
+            refused_[topic] = "a name that is not valid";
         return {};
     }
     if (ref->kind == bus::TopicKind::kBoardNames) {

@@ -38,7 +38,7 @@ class BusSession {
 
     /// Publishes `payload` on `topic`; `on_reply` is called for each answer to it. With MQTT 5 by response
     /// topic and correlation data; on 3.1.1 the payload becomes JSON with "reply_to" and "id": as a member
-    /// "raw" of it where the payload is no object. Returns the id, for forget_request.
+    /// "raw" of it where the payload is not an object. Returns the id, for forget_request.
     std::size_t ask(const std::string& topic, const std::string& payload, OnMessage on_reply, int qos = 0);
     void forget_request(std::size_t id);
 

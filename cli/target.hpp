@@ -19,7 +19,7 @@ struct Target {
     bool matches(std::string_view board_name, std::string_view service_name) const;
 };
 
-/// Fails with kExitUsage and a legal name near by. Wildcards only where `patterns`.
+/// Fails with kExitUsage and a valid name near by. Wildcards only where `patterns`.
 Outcome<Target> parse_target(std::string_view text, bool patterns = false);
 
 /// The service of a board by name, or by its letter. Fails with kExitFailure and the nearest name.

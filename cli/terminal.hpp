@@ -11,8 +11,8 @@ std::size_t terminal_width(int descriptor);
 
 enum class ColourChoice { kAuto, kAlways, kNever };
 
-/// Whether to paint: as chosen; on kAuto only a terminal, and not when NO_COLOR holds anything or TERM is
-/// `dumb`.
+/// Whether to use colours: as chosen; on kAuto only a terminal, and not when NO_COLOR holds anything or TERM
+/// is `dumb`.
 bool use_colour(ColourChoice choice, bool terminal,
                 const std::function<std::optional<std::string>(const std::string&)>& environment);
 

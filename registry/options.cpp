@@ -100,7 +100,7 @@ Expected<Duration> parse_period(const std::string& text) {
 Expected<std::size_t> parse_size(const std::string& text) {
     std::uint64_t number = 0;
     std::string unit;
-    const auto wrong = fail("\"" + text + "\" is no size; write for example 512k, 256M or 2G");
+    const auto wrong = fail("\"" + text + "\" is not a size; write for example 512k, 256M or 2G");
     if (!split(text, number, unit)) return wrong;
     std::uint64_t factor = 0;
     if (unit.empty()) factor = 1;
@@ -142,7 +142,7 @@ Expected<RegistryOptions, int> read_options(int argc, const char* const* argv) {
     options.id = raw.id.empty() ? model::suggest_name(program::host_name()) : raw.id;
     if (!bus::legal_service_name(options.id) || options.id == "query") {
         std::cerr << "asip-registry: --id: \"" << options.id
-                  << "\" is no name; use 1 to 64 of A-Z a-z 0-9 . _ - (and not \"query\")\n";
+                  << "\" is not a name; use 1 to 64 of A-Z a-z 0-9 . _ - (and not \"query\")\n";
         return usage;
     }
     options.max_boards = raw.max_boards;

@@ -11,7 +11,7 @@ namespace asip::registry {
 struct RegistryOptions {
     mqtt::Options mqtt;
     std::string topic_root = "asip";
-    std::string id;  ///< of this registry; legal as a service name
+    std::string id;  ///< of this registry; valid as a service name
     Duration forget_after = std::chrono::hours(7 * 24);
     std::size_t max_boards = 1'000'000;
     Duration stats_interval = std::chrono::seconds(10);

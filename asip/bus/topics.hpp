@@ -40,7 +40,7 @@ bool legal_service_name(std::string_view name);
 /// `registry`.
 bool legal_board_name(std::string_view name);
 
-/// The topics below one root. Builders trust their arguments: give them names that are legal, or "+" where a
+/// The topics below one root. Builders trust their arguments: give them valid names, or "+" where a
 /// subscription shall match any.
 class Topics {
   public:
@@ -84,8 +84,8 @@ class Topics {
     /// user, or with one whose name cannot be a level of a topic: ROOT/reply/CLIENT.
     std::string reply(std::string_view user, std::string_view client) const;
 
-    /// What `topic` is, or nothing when it is none of ours or carries an illegal name. Any bytes may be
-    /// given.
+    /// What `topic` is, or nothing when it is none of ours or carries a name that is not valid. Any bytes may
+    /// be given.
     std::optional<TopicRef> parse(std::string_view topic) const;
 
   private:

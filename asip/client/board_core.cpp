@@ -199,7 +199,7 @@ Awaitable<bool> Board::Core::digital_read(std::shared_ptr<Core> core, int pin) {
     const auto mode = mode_of(*answer, pin);
     if (!mode || !protocol::is_digital_input(*mode)) {
         co_return failure(Error::Kind::Invalid,
-                          "pin " + std::to_string(pin) + " is no digital input" +
+                          "pin " + std::to_string(pin) + " is not a digital input" +
                               (mode ? ", its mode is " + std::string(to_text(*mode)) : "") +
                               "; set_pin_mode makes it one");
     }

@@ -69,14 +69,15 @@ std::optional<double> number_of(const Field& field, const json& value, Strictnes
 }
 
 std::string wrong_kind(const Field& field, const json& value) {
-    if (field.type == ValueType::Color) return shown(value) + " is no color: a number or \"#rrggbb\"";
-    if (field.type == ValueType::Number) return shown(value) + " is no number";
-    if (field.names.empty() || !value.is_string()) return shown(value) + " is no integer";
+    if (field.type == ValueType::Color) return shown(value) + " is not a color: a number or \"#rrggbb\"";
+    if (field.type == ValueType::Number) return shown(value) + " is not a number";
+    if (field.names.empty() || !value.is_string()) return shown(value) + " is not an integer";
     std::vector<std::string> names;
     for (const auto& [name, number] : field.names)
         names.push_back(name);
     const auto near = text::nearest(value.get_ref<const std::string&>(), names);
-    return shown(value) + " is no integer and no name" + (!near ? "" : "; did you mean \"" + *near + "\"?");
+    return shown(value) + " is neither an integer nor a name" +
+           (!near ? "" : "; did you mean \"" + *near + "\"?");
 }
 
 Text write_number(const Field& field, const json& value, Strictness strictness, const std::string& place) {
@@ -84,7 +85,7 @@ Text write_number(const Field& field, const json& value, Strictness strictness, 
     if (!number || !std::isfinite(*number)) return fail(place + ": " + wrong_kind(field, value));
     const bool whole = field.type != ValueType::Number;
     if (whole && std::abs(*number) <= kLargestExact && std::floor(*number) != *number) {
-        return fail(place + ": " + number_text(*number) + " is no integer");
+        return fail(place + ": " + number_text(*number) + " is not an integer");
     }
     const double min = field.min.value_or(std::numeric_limits<std::int32_t>::min());
     const double max = field.max.value_or(std::numeric_limits<std::int32_t>::max());
@@ -96,7 +97,7 @@ Text write_number(const Field& field, const json& value, Strictness strictness, 
 
 Text write_text(const Field& field, const json& value, Strictness strictness, const std::string& place) {
     if (!value.is_string() && (strictness == Strictness::Strict || !value.is_number())) {
-        return fail(place + ": " + shown(value) + " is no text");
+        return fail(place + ": " + shown(value) + " is not a string");
     }
     const auto text = value.is_string() ? value.get<std::string>() : dump_json(value);
     const bool printable =
@@ -153,7 +154,7 @@ Text write_item(const Field& list, const json& item, Strictness strictness, cons
 }
 
 Text write_list(const Field& list, const json& value, Strictness strictness, const std::string& place) {
-    if (!value.is_array()) return fail(place + ": " + shown(value) + " is no list");
+    if (!value.is_array()) return fail(place + ": " + shown(value) + " is not a list");
     if (value.empty()) return fail(place + ": the list is empty");
     // Each item takes at least a digit and a comma, so a longer list could not be sent either.
     const auto most = list.max_length.value_or(protocol::kMaxRequestBytes / 2);

@@ -99,7 +99,7 @@ class Reader {
     const json* find_object(const json& object, const char* key, const std::string& place) {
         const auto* member = find(object, key);
         if (member == nullptr || member->is_object()) return member;
-        set_fault(place + "/" + key, "is no object");
+        set_fault(place + "/" + key, "is not an object");
         return nullptr;
     }
 
@@ -107,7 +107,7 @@ class Reader {
         const auto* member = find(object, key);
         if (member == nullptr) return {};
         if (!member->is_string()) {
-            set_fault(place + "/" + key, "is no text");
+            set_fault(place + "/" + key, "is not a string");
             return {};
         }
         const auto& text = member->get_ref<const std::string&>();
@@ -125,7 +125,7 @@ class Reader {
         if (member == nullptr) return std::nullopt;
         if (!member->is_number_unsigned() &&
             !(member->is_number_integer() && member->get<std::int64_t>() >= 0)) {
-            set_fault(place + "/" + key, "is no integer from 0");
+            set_fault(place + "/" + key, "is not an integer from 0");
             return std::nullopt;
         }
         const auto number = member->get<std::uint64_t>();
@@ -200,7 +200,7 @@ PinsInfo read_pins(Reader& reader, const json& object, const std::string& place)
         const bool digits =
             !key.empty() && key.size() <= 3 && key.find_first_not_of("0123456789") == std::string::npos;
         const int pin = digits ? std::stoi(key) : 256;
-        if (pin > 255) reader.set_fault(place + "/analog", "a key is no pin");
+        if (pin > 255) reader.set_fault(place + "/analog", "a key is not a pin");
         const auto channel = reader.small(*analog, key.c_str(), place + "/analog", 255);
         if (!reader.ok()) return pins;
         pins.analog.emplace_back(static_cast<std::uint8_t>(pin),
@@ -218,7 +218,7 @@ void read_model(Reader& reader, const json& member, const std::string& place, Se
         const bool valid = valid_name(service.model.substr(0, at)) && !version.empty() &&
                            version.size() <= 4 &&
                            version.find_first_not_of("0123456789") == std::string::npos;
-        if (!valid) reader.set_fault(place, "is no NAME@VERSION");
+        if (!valid) reader.set_fault(place, "is not NAME@VERSION");
     } else if (member.is_object()) {
         auto model = service_model_from_json(member);
         if (!model) return reader.set_fault(place, model.error());
@@ -232,16 +232,16 @@ void read_model(Reader& reader, const json& member, const std::string& place, Se
 ServiceInfo read_service(Reader& reader, const json& object, const std::string& place) {
     ServiceInfo service;
     if (!object.is_object()) {
-        reader.set_fault(place, "is no object");
+        reader.set_fault(place, "is not an object");
         return service;
     }
     service.name = reader.text(object, "name", place);
-    if (reader.ok() && !valid_name(service.name)) reader.set_fault(place + "/name", "is no valid name");
+    if (reader.ok() && !valid_name(service.name)) reader.set_fault(place + "/name", "is not a valid name");
     const auto id = reader.text(object, "id", place);
     if (!id.empty()) {
         service.id = id.front();
         if (id.size() != 1 || id.front() < 'A' || id.front() > 'Z')
-            reader.set_fault(place + "/id", "is no letter A to Z");
+            reader.set_fault(place + "/id", "is not a letter A to Z");
     }
     service.title = reader.text(object, "title", place);
     service.count = reader.small(object, "count", place, 65535);
@@ -255,7 +255,7 @@ std::vector<ServiceInfo> read_services(Reader& reader, const json& document) {
     std::vector<ServiceInfo> services;
     const auto* list = reader.find(document, "services");
     if (list == nullptr || !list->is_array()) {
-        reader.set_fault("/services", list == nullptr ? "is missing" : "is no array");
+        reader.set_fault("/services", list == nullptr ? "is missing" : "is not an array");
         return services;
     }
     if (list->size() > kMaxDescriptionServices) reader.set_fault("/services", "has more than 64 items");
@@ -291,7 +291,7 @@ std::string to_text(const Description& description) {
 }
 
 Expected<Description> description_from_json(const nlohmann::json& document) {
-    if (!document.is_object()) return fail("/: is no object");
+    if (!document.is_object()) return fail("/: is not an object");
     Reader reader;
     Description result;
     for (const auto* key : {"board", "session", "seq"}) {
@@ -301,7 +301,7 @@ Expected<Description> description_from_json(const nlohmann::json& document) {
     if (reader.ok() && !valid_board_name(result.board))
         reader.set_fault("/board", explain_board_name(result.board));
     result.session = reader.text(document, "session", "");
-    if (reader.ok() && !valid_name(result.session)) reader.set_fault("/session", "is no valid session");
+    if (reader.ok() && !valid_name(result.session)) reader.set_fault("/session", "is not a valid session");
     result.seq = reader.number(document, "seq", "", std::numeric_limits<std::int64_t>::max()).value_or(0);
     result.lease = reader.small(document, "lease", "", kMaxLeaseSeconds).value_or(kDefaultLeaseSeconds);
     if (result.lease == 0) reader.set_fault("/lease", "0 is below 1");

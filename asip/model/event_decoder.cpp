@@ -25,7 +25,7 @@ Expected<json> read_value(const Field& field, std::string_view text) {
     const auto [end, fault] =
         std::from_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed);
     if (fault != std::errc{} || end != text.data() + text.size() || !(number > -1e15 && number < 1e15)) {
-        return fail(field.name + ": " + in_quotes(text) + " is no number");
+        return fail(field.name + ": " + in_quotes(text) + " is not a number");
     }
     return json(number);
 }
@@ -54,7 +54,7 @@ Expected<json> decode_elements(const EventModel& event, const protocol::Body& bo
         if (indexed) {
             const auto index = protocol::parse_integer(values.front());
             if (!index || *index < 0 || *index > static_cast<std::int64_t>(kMaxIndex)) {
-                return fail(in_quotes(values.front()) + " is no index");
+                return fail(in_quotes(values.front()) + " is not an index");
             }
             place = static_cast<std::size_t>(*index);
         }
@@ -93,11 +93,11 @@ Expected<json> decode_map(const EventModel& event, const protocol::Body& body) {
     json object = json::object();
     for (std::size_t i = 0; i < body.items.size(); ++i) {
         const auto parts = protocol::split_fields(body.items[i]);
-        if (parts.size() > 2) return fail(in_quotes(body.items[i]) + " is no KEY:VALUE");
+        if (parts.size() > 2) return fail(in_quotes(body.items[i]) + " is not KEY:VALUE");
         const auto key =
             parts.size() == 1 ? std::optional<std::int64_t>(i) : protocol::parse_integer(parts.front());
         if (!key || *key < 0 || *key > static_cast<std::int64_t>(kMaxIndex))
-            return fail(in_quotes(parts.front()) + " is no key");
+            return fail(in_quotes(parts.front()) + " is not a key");
         auto value = read_value(event.fields.front(), parts.back());
         if (!value) return value;
         object[std::to_string(*key)] = std::move(*value);

@@ -41,7 +41,7 @@ std::string explain_board_name(std::string_view name) {
     }
     if (is_reserved(name)) return quoted(name) + " is reserved";
     if (valid_name(name)) return {};
-    return quoted(name) + " is no name: allowed are letters, digits and . _ -";
+    return quoted(name) + " is not a name: allowed are letters, digits and . _ -";
 }
 
 std::string suggest_name(std::string_view text) {

@@ -11,7 +11,7 @@ inline constexpr std::size_t kMaxStoredNameBytes = 32;
 /// 1 to 64 of `A-Z a-z 0-9 . _ -`.
 bool valid_name(std::string_view name);
 
-/// valid_name and none of the reserved ones: `servicebus`, `registry`. (`$...` is no valid name anyway.)
+/// valid_name and none of the reserved ones: `servicebus`, `registry`. (`$...` is not a valid name anyway.)
 bool valid_board_name(std::string_view name);
 
 /// Why valid_board_name refused it, as a sentence part for a person: "'a b' holds a space; allowed are ...".

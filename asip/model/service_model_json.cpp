@@ -109,7 +109,7 @@ std::string fields_fault(const std::vector<Field>& fields, const std::string& pl
         const auto counted =
             std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.name == field.of; });
         if (counted == fields.end() || counted->type != ValueType::List)
-            return here + "/of: \"" + field.of + "\" is no list";
+            return here + "/of: \"" + field.of + "\" is not a list";
     }
     return {};
 }

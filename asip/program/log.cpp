@@ -70,7 +70,7 @@ Expected<Level> parse_level(std::string_view name) {
     const auto found = std::find(kLevelNames.begin(), kLevelNames.end(), name);
     if (found == kLevelNames.end()) {
         return fail("\"" + std::string(name) +
-                    "\" is no log level; use trace, debug, info, warning, error or off");
+                    "\" is not a log level; use trace, debug, info, warning, error or off");
     }
     return static_cast<Level>(found - kLevelNames.begin());
 }
@@ -78,7 +78,7 @@ Expected<Level> parse_level(std::string_view name) {
 Expected<Format> parse_format(std::string_view name) {
     if (name == "text") return Format::kText;
     if (name == "json") return Format::kJson;
-    return fail("\"" + std::string(name) + "\" is no log format; use text or json");
+    return fail("\"" + std::string(name) + "\" is not a log format; use text or json");
 }
 
 void configure(Level level, Format format, std::string_view program) {

@@ -64,7 +64,7 @@ Expected<std::vector<PinMode>> parse_pin_modes(std::string_view body) {
     std::vector<PinMode> modes;
     for (const auto item : parsed->items) {
         const auto number = parse_integer(item);
-        if (!number) return fail("pin mode is no number");
+        if (!number) return fail("pin mode is not a number");
         modes.push_back(pin_mode_from_number(*number).value_or(PinMode::Invalid));
     }
     return modes;
@@ -77,7 +77,7 @@ Expected<std::vector<std::uint8_t>> parse_pin_capabilities(std::string_view body
     std::vector<std::uint8_t> capabilities;
     for (const auto item : parsed->items) {
         const auto bits = small_number(item, 255);
-        if (!bits) return fail("pin capabilities are no number");
+        if (!bits) return fail("a pin capability is not a number");
         capabilities.push_back(static_cast<std::uint8_t>(*bits & kAllBits));
     }
     return capabilities;

@@ -14,8 +14,8 @@ struct Body {
     std::vector<std::string_view> items;
 };
 
-/// Fails when a brace is missing, COUNT is no number or differs from the number of items (a damaged line), or
-/// there are more than kMaxBodyItems.
+/// Fails when a brace is missing, COUNT is not a number or differs from the number of items (a damaged line),
+/// or there are more than kMaxBodyItems.
 Expected<Body> parse_body(std::string_view body);
 
 /// `3000:11` -> {"3000", "11"}; an item without `:` is one field.

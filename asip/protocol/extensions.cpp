@@ -20,7 +20,7 @@ Expected<Extensions> parse_extensions(std::string_view body) {
         if (fields.size() != 2 || fields[0].size() != 1) return fail("extension is not TAG:VERSION");
         const auto version = parse_integer(fields[1]);
         if (!version || *version < 0 || *version > 255)
-            return fail("extension version is no number from 0 to 255");
+            return fail("extension version is not a number from 0 to 255");
         result.list.emplace_back(fields[0].front(), static_cast<int>(*version));
     }
     return result;

@@ -11,7 +11,7 @@ constexpr std::int64_t kMaxPort = 255;
 
 Expected<int> parse_port(std::string_view text) {
     const auto port = parse_integer(text);
-    if (!port || *port < 0 || *port > kMaxPort) return fail("port is no number from 0 to 255");
+    if (!port || *port < 0 || *port > kMaxPort) return fail("port is not a number from 0 to 255");
     return static_cast<int>(*port);
 }
 

@@ -51,7 +51,7 @@ Expected<Request> parse_request(std::string_view line) {
     const bool addressed = line.size() >= 3 && line[1] == ',' && line[2] != ',' && line[2] != ' ' &&
                            (line[0] == '#' || (line[0] >= 'A' && line[0] <= 'Z'));
     if (!addressed || (line.size() > 3 && line[3] != ',')) {
-        return fail("'" + std::string(line) + "' is no request: SERVICE,TAG[,PARAMETERS]");
+        return fail("'" + std::string(line) + "' is not a request: SERVICE,TAG[,PARAMETERS]");
     }
     return Request{line[0], line[2], line.size() > 4 ? line.substr(4) : std::string_view{}};
 }

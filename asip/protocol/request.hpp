@@ -42,8 +42,8 @@ struct Request {
     std::string_view parameters;  // without the comma before them; may be empty
 };
 
-/// Fails when the line is longer than kMaxRequestBytes, holds anything but printable ASCII, or is no request.
-/// A trailing line end is not allowed here; split_requests takes it off.
+/// Fails when the line is longer than kMaxRequestBytes, holds anything but printable ASCII, or is not a
+/// request. A trailing line end is not allowed here; split_requests takes it off.
 Expected<Request> parse_request(std::string_view line);
 
 /// Control payload to request lines: newline or CR LF between them and at the end optional, empty lines

@@ -74,7 +74,7 @@ int print_list(Outcome<std::vector<Item>> found, const ListOptions& options, Con
                const char* nothing, Text text) {
     const auto& output = options.output;
     if (!found) return context.fail_with(found.error());
-    // By name they come.
+    // They come sorted by name.
     if (options.sort != "name" || options.reverse) sort_list(*found, options.sort, options.reverse);
     // Brief rows are for tables only.
     if constexpr (!std::is_same_v<Item, bus::BriefBoard>) {

@@ -104,7 +104,7 @@ Findings check_registry(const Observations& seen) {
         return {problem("registry " + some_of(seen.registries) + " is said to be online, but does not answer",
                         "restart it: systemctl restart asip-registry")};
     }
-    return {note("no registry runs; what is told here comes from the bus itself",
+    return {note("no registry runs; what follows comes from the bus itself",
                  "start one: asip-registry, or systemctl enable --now asip-registry")};
 }
 

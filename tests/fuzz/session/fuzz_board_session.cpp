@@ -1,5 +1,5 @@
 // A board session that is told anything, in any order: it never has too much in flight, never writes a line
-// that is no request, and ends each request exactly once.
+// that is not a request, and ends each request exactly once.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

@@ -76,7 +76,7 @@ TEST_F(SendTest, OutOfRange_NeverReachesTheBus) {
     EXPECT_EQ(probe_.count("asip/uno1/servo/in"), 0U);
 }
 
-TEST_F(SendTest, BoardThatSaidGoodbye_IsToldAtOnce) {
+TEST_F(SendTest, BoardThatSaidGoodbye_IsReportedAtOnce) {
     announce("uno1", "offline");
     const auto sent = asipctl({"send", "uno1/servo", "write", "0", "90"});
     EXPECT_EQ(sent.status, 1);

@@ -52,7 +52,7 @@ TEST_F(BusCatalogueTest, OnlineWithoutDescription_IsLost) {
     EXPECT_EQ(state_of("uno1"), "lost");
 }
 
-TEST_F(BusCatalogueTest, WillAndGoodbye_AreTold) {
+TEST_F(BusCatalogueTest, WillAndGoodbye_AreReported) {
     retained("asip/servicebus/uno1/$description", kUno1);
     retained("asip/servicebus/uno1/$state", "lost");
     EXPECT_EQ(state_of("uno1"), "lost");

@@ -113,7 +113,7 @@ TEST(Doctor, OurOwnMessageDoesNotComeBack_PointsAtAccessRules) {
     EXPECT_THAT(check_broker(seen).back().advice, HasSubstr("asip/reply"));
 }
 
-TEST(Doctor, RegistryMissingOrSilent_IsTold) {
+TEST(Doctor, RegistryMissingOrSilent_IsReported) {
     auto seen = healthy();
     seen.registry.clear();
     EXPECT_EQ(check_registry(seen)[0].level, Level::kNote);
@@ -121,7 +121,7 @@ TEST(Doctor, RegistryMissingOrSilent_IsTold) {
     EXPECT_EQ(check_registry(seen)[0].level, Level::kProblem);
 }
 
-TEST(Doctor, OnlineBoardNobodyAnswersFor_AndAgentWithoutBoard_AreToldApart) {
+TEST(Doctor, OnlineBoardNobodyAnswersFor_AndAgentWithoutBoard_AreDistinguished) {
     auto seen = healthy();
     seen.pings["uno1"].reply.reset();
     EXPECT_THAT(complaints(check_boards(seen)), ElementsAre(HasSubstr("nobody answers")));
@@ -131,7 +131,7 @@ TEST(Doctor, OnlineBoardNobodyAnswersFor_AndAgentWithoutBoard_AreToldApart) {
     EXPECT_THAT(complaints(check_boards(seen)), ElementsAre(HasSubstr("the board does not")));
 }
 
-TEST(Doctor, RetainedStateAgainstLease_IsTold) {
+TEST(Doctor, RetainedStateAgainstLease_IsReported) {
     auto seen = healthy();
     seen.retained.pop_back();
     EXPECT_THAT(complaints(check_states(seen)), ElementsAre(HasSubstr("description has expired")));
@@ -151,7 +151,7 @@ TEST(Doctor, RetainedCommandsAndInvalidNames_AreReported) {
     EXPECT_THAT(complaints(check_names(seen)), ElementsAre(HasSubstr("a b")));
 }
 
-TEST(Doctor, TwoAgentsWithOneName_AreTold) {
+TEST(Doctor, TwoAgentsWithOneName_AreReported) {
     auto seen = healthy();
     EXPECT_THAT(check_conflicts(seen), IsEmpty());
     seen.sessions["uno1"] = {"5f3a9c01", "00000001"};
@@ -161,14 +161,14 @@ TEST(Doctor, TwoAgentsWithOneName_AreTold) {
     EXPECT_THAT(complaints(check_conflicts(seen)), ElementsAre(HasSubstr("pi2")));
 }
 
-TEST(Doctor, ClockAwayFromTheRegistrys_IsTold) {
+TEST(Doctor, ClockAwayFromTheRegistrys_IsReported) {
     auto seen = healthy();
     EXPECT_THAT(complaints(check_clocks(seen)), IsEmpty());
     seen.now += 5min;
     EXPECT_THAT(complaints(check_clocks(seen)), ElementsAre(HasSubstr("ahead")));
 }
 
-TEST(Doctor, PortsWithoutRightAndModemManager_AreTold) {
+TEST(Doctor, PortsWithoutRightAndModemManager_AreReported) {
     Machine machine;
     machine.ports = {{"/dev/ttyACM0", false, "dialout"}, {"/dev/ttyUSB0", true, "dialout"}};
     machine.modem_manager = true;

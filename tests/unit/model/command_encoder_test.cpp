@@ -65,7 +65,7 @@ TEST(EncodeJson, WrongTypes_AreRefused) {
         EXPECT_THAT(from_json("servo", command.c_str()), HasSubstr("! angle: ")) << value;
     }
     EXPECT_EQ(from_json("servo", R"({"write":"x"})"), "! write: argument 'angle' is missing");
-    EXPECT_EQ(from_json("servo", R"({"remap":{"pins":7}})"), "! pins: 7 is no list");
+    EXPECT_EQ(from_json("servo", R"({"remap":{"pins":7}})"), "! pins: 7 is not a list");
     EXPECT_EQ(from_json("pixels", R"({"set":[{"pixel":0,"colour":1}]})"), "! pixels/0: 'color' is missing");
 }
 
@@ -95,7 +95,7 @@ TEST(EncodeText, Request_IsCheckedByTheModel) {
     EXPECT_EQ(from_text("servo", "W,0,181"), "! angle: 181 is above 180");
     EXPECT_EQ(from_text("servo", "W,0"), "! write: argument 'angle' is missing");
     EXPECT_EQ(from_text("servo", "W,0,1,2"), "! write takes 2 arguments (servo, angle), not 3");
-    EXPECT_EQ(from_text("servo", "W,0,"), "! angle: \"\" is no integer");
+    EXPECT_EQ(from_text("servo", "W,0,"), "! angle: \"\" is not an integer");
     EXPECT_EQ(from_text("distance", "M,1"), "! measure takes no argument, not 1");
     EXPECT_EQ(from_text("servo", "Z"), "! servo has no command with tag 'Z'");
 }
@@ -133,7 +133,7 @@ TEST(EncodeWords, Faults_AreNamed) {
     EXPECT_EQ(from_words("servo", {"write", "0", "90", "1"}),
               "! write takes 2 arguments (servo, angle), not 3");
     EXPECT_EQ(from_words("distance", {"measure", "now"}), "! measure takes no argument, not 1");
-    EXPECT_EQ(from_words("servo", {"write", "0", "9x"}), "! angle: \"9x\" is no integer");
+    EXPECT_EQ(from_words("servo", {"write", "0", "9x"}), "! angle: \"9x\" is not an integer");
 }
 
 TEST(Usage, Arguments_HaveRangeAndUnit) {

@@ -81,32 +81,32 @@ TEST(Description, MissingMembers_AreNamed) {
 }
 
 TEST(Description, HostileMembers_AreRefusedWithPlaceAndReason) {
-    EXPECT_EQ(fault("/board", "a/b"), "/board: 'a/b' is no name: allowed are letters, digits and . _ -");
+    EXPECT_EQ(fault("/board", "a/b"), "/board: 'a/b' is not a name: allowed are letters, digits and . _ -");
     EXPECT_EQ(fault("/board", "registry"), "/board: 'registry' is reserved");
-    EXPECT_EQ(fault("/board", 7), "/board: is no text");
-    EXPECT_EQ(fault("/seq", -1), "/seq: is no integer from 0");
-    EXPECT_EQ(fault("/seq", 1.5), "/seq: is no integer from 0");
+    EXPECT_EQ(fault("/board", 7), "/board: is not a string");
+    EXPECT_EQ(fault("/seq", -1), "/seq: is not an integer from 0");
+    EXPECT_EQ(fault("/seq", 1.5), "/seq: is not an integer from 0");
     EXPECT_EQ(fault("/seq", 18446744073709551615u),
               "/seq: 18446744073709551615 is above 9223372036854775807");
     EXPECT_EQ(fault("/lease", 0), "/lease: 0 is below 1");
     EXPECT_EQ(fault("/lease", 86401), "/lease: 86401 is above 86400");
-    EXPECT_EQ(fault("/firmware", "0.4"), "/firmware: is no object");
+    EXPECT_EQ(fault("/firmware", "0.4"), "/firmware: is not an object");
     EXPECT_EQ(fault("/firmware/chip", std::string(257, 'x')), "/firmware/chip: is longer than 256 bytes");
     EXPECT_EQ(fault("/firmware/extensions/EE", 1), "/firmware/extensions: a tag is one character");
     EXPECT_EQ(fault("/firmware/extensions/\x1b", 1), "/firmware/extensions: a tag is one character");
     EXPECT_EQ(fault("/services/1/title", "\x1b[2J"), "/services/1/title: holds control characters");
-    EXPECT_EQ(fault("/link/baud", "fast"), "/link/baud: is no integer from 0");
+    EXPECT_EQ(fault("/link/baud", "fast"), "/link/baud: is not an integer from 0");
     EXPECT_EQ(fault("/pins/capabilities", "9"),
               "/pins/capabilities: holds a character that stands for nothing");
     EXPECT_EQ(fault("/pins/owners", std::string(257, 'I')), "/pins/owners: is longer than 256 bytes");
-    EXPECT_EQ(fault("/pins/analog/999", 1), "/pins/analog: a key is no pin");
+    EXPECT_EQ(fault("/pins/analog/999", 1), "/pins/analog: a key is not a pin");
     EXPECT_EQ(fault("/pins/analog/14", 256), "/pins/analog/14: 256 is above 255");
-    EXPECT_EQ(fault("/services", json::object()), "/services: is no array");
-    EXPECT_EQ(fault("/services/1", 7), "/services/1: is no object");
-    EXPECT_EQ(fault("/services/1/name", "a/b"), "/services/1/name: is no valid name");
+    EXPECT_EQ(fault("/services", json::object()), "/services: is not an array");
+    EXPECT_EQ(fault("/services/1", 7), "/services/1: is not an object");
+    EXPECT_EQ(fault("/services/1/name", "a/b"), "/services/1/name: is not a valid name");
     EXPECT_EQ(fault("/services/1/name", "io"), "/services/1/name: is there twice");
-    EXPECT_EQ(fault("/services/1/id", "s"), "/services/1/id: is no letter A to Z");
-    EXPECT_EQ(fault("/services/1/model", "servo"), "/services/1/model: is no NAME@VERSION");
+    EXPECT_EQ(fault("/services/1/id", "s"), "/services/1/id: is not a letter A to Z");
+    EXPECT_EQ(fault("/services/1/model", "servo"), "/services/1/model: is not NAME@VERSION");
     EXPECT_EQ(fault("/services/1/model", 7), "/services/1/model: is neither a name nor a model");
     EXPECT_THAT(fault("/services/1/model", json::object()), HasSubstr("/services/1/model: /: has no member"));
     EXPECT_EQ(fault("/services/1/count", 65536), "/services/1/count: 65536 is above 65535");

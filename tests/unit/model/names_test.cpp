@@ -32,7 +32,8 @@ TEST(ExplainBoardName, EachFault_HasItsSentence) {
     EXPECT_EQ(explain_board_name("uno1"), "");
     EXPECT_EQ(explain_board_name(""), "the name is empty");
     EXPECT_EQ(explain_board_name("registry"), "'registry' is reserved");
-    EXPECT_EQ(explain_board_name("a\x1b b"), "'a\\x1b b' is no name: allowed are letters, digits and . _ -");
+    EXPECT_EQ(explain_board_name("a\x1b b"),
+              "'a\\x1b b' is not a name: allowed are letters, digits and . _ -");
     EXPECT_LT(explain_board_name(std::string(100000, 'x')).size(), 200u);
 }
 

@@ -58,7 +58,7 @@ TEST(ServiceModel, Contradiction_IsRefusedWithPlaceAndReason) {
     EXPECT_EQ(fault("/commands/speed/args/0/min", 200), "/commands/speed/args/0/min: is above max");
     EXPECT_EQ(fault("/commands/speed/args/0/type", "list"),
               "/commands/speed/args/0: has no member \"items\"");
-    EXPECT_EQ(fault("/commands/speed/args/0/type", "count"), "/commands/speed/args/0/of: \"\" is no list");
+    EXPECT_EQ(fault("/commands/speed/args/0/type", "count"), "/commands/speed/args/0/of: \"\" is not a list");
     EXPECT_EQ(fault("/commands/speed/args/1", {{"name", "percent"}, {"type", "integer"}}),
               "/commands/speed/args/1/name: \"percent\" is there twice");
     EXPECT_EQ(fault("/events/f", {{"name", "speed"}, {"fields", kFan["events"]["e"]["fields"]}}),

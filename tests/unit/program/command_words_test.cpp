@@ -38,7 +38,7 @@ class CommandWordsTest : public testing::Test {
     bool watch_ = false;
 };
 
-TEST_F(CommandWordsTest, OptionsValuesAndArguments_AreToldApart) {
+TEST_F(CommandWordsTest, OptionsValuesAndArguments_AreDistinguished) {
     EXPECT_THAT(kinds({"--broker", "list", "list", "-w", "--state=lost", "boards", "--broker", "x"}),
                 ElementsAre(Kind::kOption, Kind::kValue, Kind::kSubcommand, Kind::kOption, Kind::kOption,
                             Kind::kArgument, Kind::kOption, Kind::kValue));

@@ -24,7 +24,7 @@ std::vector<std::uint8_t> sketch_bytes() {
 
 TEST(HexImage, Records_ArePlacedWithGapsErased) {
     const auto image = hex(":020000000102FB\r\n:02000400030 4F3\n");
-    EXPECT_FALSE(image) << "a space is no digit";
+    EXPECT_FALSE(image) << "a space is not a digit";
     const auto good = hex(":020000000102FB\r\n\n:020004000304F3\r\n:00000001FF\r\n");
     ASSERT_TRUE(good) << good.error();
     EXPECT_THAT(good->flash, ElementsAre(1, 2, 0xff, 0xff, 3, 4));
