@@ -26,6 +26,12 @@ bool names(const protocol::ErrorReply& error, const Request& request) {
            error.tag == '?' && (error.service == 'Q' || error.service == request.service());
 }
 
+// Nothing else can come of two requests between which the line end was lost.
+bool is_of_syntax(const protocol::ErrorReply& error) {
+    return error.code == static_cast<int>(protocol::ErrorCode::UnknownRequest) ||
+           error.code == static_cast<int>(protocol::ErrorCode::BadArgument);
+}
+
 }  // namespace
 
 bool InFlight::open_batch_wants_proof() const {
@@ -74,10 +80,9 @@ void InFlight::add(Request request, std::size_t bytes, bool reports, Time close_
     Item item;
     item.asked = request.is_question();
     item.number = next_number_++;
-    item.needed += (reports ? 1 : 0) +
-                   static_cast<unsigned>(std::count_if(owed_.begin(), owed_.end(), [&](const Owed& owed) {
-                       return owed.service == request.service() && owed.tag == request.answer_tag;
-                   }));
+    item.behind_fence = reports || std::any_of(owed_.begin(), owed_.end(), [&](const Owed& owed) {
+                            return owed.service == request.service() && owed.tag == request.answer_tag;
+                        });
     item.request = std::move(request);
     batch.items.push_back(std::move(item));
 }
@@ -110,7 +115,7 @@ InFlight::Meaning InFlight::on_event(const protocol::Event& event, const protoco
         item->asked = false;
         if (item->request.answer_tag == event.tag) {
             item->answer = line;
-            item->answers = item->needed;
+            item->has_value = true;
         }
         if (item->request.id != 0) meaning.owner = item->request.client;
         return meaning;
@@ -154,7 +159,7 @@ void InFlight::finish(Batch batch, bool missing, Time now, std::vector<RequestEn
             end(item, Ending::kDoubt, ended);
         } else if (item.error) {
             end(item, Ending::kBoardError, ended);
-        } else if (item.wants_value() && !item.has_value()) {
+        } else if (item.wants_value() && !item.has_value) {
             const Time until = std::min(item.request.deadline, now + item.request.answer_time);
             awaiting_.push_back({std::move(item), until});
         } else {
@@ -179,7 +184,7 @@ void InFlight::end(Item& item, Ending ending, std::vector<RequestEnd>& ended) {
 
 // An event that comes late must not be taken for the answer to a younger request.
 void InFlight::note_owed(const Item& item, Ending ending) {
-    if (!item.wants_value() || item.has_value() || item.request.is_question()) return;
+    if (!item.wants_value() || item.has_value || item.request.is_question()) return;
     if (ending == Ending::kExecuted || ending == Ending::kBoardError || owed_.size() >= kMaxOwed) return;
     owed_.push_back({item.number, item.request.service(), item.request.answer_tag});
 }
@@ -197,35 +202,41 @@ bool InFlight::note_value(const protocol::Event& event, const protocol::ParsedLi
     const auto answers = [&](const Item& item) {
         return item.request.answer_tag == event.tag && item.request.service() == event.service;
     };
-    std::uint64_t oldest_taker = std::numeric_limits<std::uint64_t>::max();
-    const auto count = [&](Item& item) {
-        ++item.answers;
+    constexpr auto kNone = std::numeric_limits<std::uint64_t>::max();
+    std::uint64_t oldest_taker = kNone;
+    const auto take = [&](Item& item) {
+        item.has_value = true;
         item.answer = line;
         oldest_taker = std::min(oldest_taker, item.number);
     };
     for (Awaiting& awaiting : awaiting_) {
         if (!answers(awaiting.item)) continue;
-        count(awaiting.item);
-        awaiting.item.answered_late = true;
-        if (awaiting.item.has_value())
-            end(awaiting.item, awaiting.item.doubted ? Ending::kDoubt : Ending::kExecuted, ended);
+        take(awaiting.item);
+        end(awaiting.item, awaiting.item.doubted ? Ending::kDoubt : Ending::kExecuted, ended);
     }
     std::erase_if(awaiting_, [](const Awaiting& awaiting) { return awaiting.item.ended; });
-    const auto none = std::numeric_limits<std::uint64_t>::max();
     for (Batch& batch : batches_)
         for (Item& item : batch.items)
-            if (oldest_taker == none && !item.ended && answers(item) && !item.has_value()) count(item);
+            if (oldest_taker == kNone && !item.ended && answers(item) && !item.has_value &&
+                !item.behind_fence)
+                take(item);
     settle_owed(event, oldest_taker);
-    return oldest_taker != none;
+    return oldest_taker != kNone;
 }
 
-InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error) {
+InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error, bool checksums) {
     Meaning meaning;
     meaning.unexplained = true;
     if (batches_.empty()) return meaning;
     std::vector<Item*> named;
-    for (Item& item : batches_.front().items)
-        if (!item.error && names(error, item.request)) named.push_back(&item);
+    bool behind = false;
+    for (Item& item : batches_.front().items) {
+        // What was sent behind it may have been read as a part of it.
+        if (std::exchange(behind, false)) item.doubted = true;
+        if (item.error || !names(error, item.request)) continue;
+        named.push_back(&item);
+        behind = !checksums && is_of_syntax(error);
+    }
     if (named.empty()) return meaning;
     meaning.unexplained = false;
     const Request& first = named.front()->request;
@@ -253,12 +264,7 @@ void InFlight::doubt() {
 
 void InFlight::expire(Time now, std::vector<RequestEnd>& ended) {
     for (Awaiting& awaiting : awaiting_)
-        if (now >= awaiting.until)
-            end(awaiting.item,
-                !awaiting.item.answered_late ? Ending::kNoValue
-                : awaiting.item.doubted      ? Ending::kDoubt
-                                             : Ending::kExecuted,
-                ended);
+        if (now >= awaiting.until) end(awaiting.item, Ending::kNoValue, ended);
     std::erase_if(awaiting_, [](const Awaiting& awaiting) { return awaiting.item.ended; });
     if (now < earliest_) return;
     earliest_ = Time::max();

@@ -53,7 +53,8 @@ class InFlight {
 
     Meaning on_event(const protocol::Event& event, const protocol::ParsedLine& line, Time now,
                      std::vector<RequestEnd>& ended);
-    Meaning on_error(const protocol::ErrorReply& error);
+    /// `checksums`: the requests in flight have one.
+    Meaning on_error(const protocol::ErrorReply& error, bool checksums);
     /// Something was lost or damaged, or the board restarted: nothing that is in flight can be proven now.
     void doubt();
 
@@ -75,14 +76,13 @@ class InFlight {
         bool ended = false;
         bool asked = false;  // a question whose answer has not come
         bool doubted = false;
-        std::uint64_t number = 0;    // in the order of sending
-        unsigned needed = 1;         // so many events of that tag; the last of them is the answer
-        unsigned answers = 0;        // of them, came
-        bool answered_late = false;  // the last one came behind the fence: the board sent it after executing
+        std::uint64_t number = 0;  // in the order of sending
+        bool behind_fence =
+            false;  // events of that tag may come that are older: only those behind its fence count
+        bool has_value = false;
         protocol::ParsedLine answer;
         std::optional<std::pair<int, std::string>> error;
         bool wants_value() const { return request.answer_tag != 0; }
-        bool has_value() const { return answers >= needed; }
     };
     /// A request that ended without its value, which may still come.
     struct Owed {

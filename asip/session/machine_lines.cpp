@@ -55,6 +55,9 @@ void Machine::on_line(std::string_view line, Time now, Actions& out) {
     if (received.had_checksum && !wire_.writes_checksums()) checksums_seen_ = true;
     line = received.text;
     const auto message = protocol::parse_line(line);
+    if (line.find(kEndOfBanner, 1) != std::string_view::npos &&
+        !std::holds_alternative<protocol::Info>(message))
+        return on_malformed("it ends in a banner", line, now, out);
     if (const auto* event = std::get_if<protocol::Event>(&message))
         return std::visit([&](auto& state) { on_event(state, *event, line, now, out); }, state_);
     if (const auto* error = std::get_if<protocol::ErrorReply>(&message))

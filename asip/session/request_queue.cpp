@@ -101,7 +101,7 @@ InFlight::Meaning RequestQueue::on_event(const protocol::Event& event, const pro
 }
 
 InFlight::Meaning RequestQueue::on_error(const protocol::ErrorReply& error) {
-    return in_flight_.on_error(error);
+    return in_flight_.on_error(error, checksum_bytes_ > 0);
 }
 
 void RequestQueue::on_time(Time now, Duration answer_timeout, std::vector<RequestEnd>& ended) {

@@ -58,6 +58,7 @@ void Counts::add(const Counts& other) {
     refused += other.refused;
     incidents += other.incidents;
     invisible += other.invisible;
+    invisible_values += other.invisible_values;
     invisible_sum += other.invisible_sum;
     false_errors += other.false_errors;
     for (unsigned i = 0; i < kOutcomes; ++i)
@@ -246,9 +247,14 @@ Micros Ledger::sent(const Entry& entry) const {
 
 void Ledger::check_calm(const Entry& entry, const Answer& answer, Micros now) {
     const bool hurried = entry.sent == kNever || now - entry.sent < kCalmAnswer;
+    // The error could be that of both lines read as one.
+    const bool behind_error =
+        !entry.checksum && std::any_of(executions_.begin(), executions_.end(), [&](const auto& one) {
+            return (one.error == 2 || one.error == 11) && one.read.sources.back() + 1 == entry.wire_line;
+        });
     // One measurement may be the end of two requests, and then come too early for the second.
     const bool unsure = answer.outcome == Outcome::kTimeout;
-    if ((answer.outcome == Outcome::kDoubt && entry.command.prove) || (unsure && !hurried))
+    if ((answer.outcome == Outcome::kDoubt && entry.command.prove && !behind_error) || (unsure && !hurried))
         fail(fmt::format("{} was answered `{}` on a calm line", describe(entry), to_string(answer.outcome)));
 }
 
@@ -271,7 +277,7 @@ void Ledger::check_executed(const Entry& entry, const Answer& answer, Micros now
         return check_value(entry, since, answer, now);
     }
     untrue(entry, fmt::format("answered `{}`, and the board did not execute it", to_string(answer.outcome)),
-           now);
+           false, now);
 }
 
 // Which of two requests that look alike an event answers, nobody can say: it must be younger than the first.
@@ -288,7 +294,7 @@ void Ledger::check_value(const Entry& entry, Micros since, const Answer& answer,
     });
     if (!real)
         untrue(entry, fmt::format("got the value `{}`, which the board did not send since", answer.value),
-               now);
+               true, now);
 }
 
 void Ledger::check_error(const Entry& entry, const Answer& answer, Micros now) {
@@ -308,13 +314,22 @@ void Ledger::check_error(const Entry& entry, const Answer& answer, Micros now) {
     note_(fmt::format("{}: an error that is not its own ({:.6f} s)", describe(entry), now * 1e-6));
 }
 
-void Ledger::untrue(const Entry& entry, std::string what, Micros now) {
+void Ledger::untrue(const Entry& entry, std::string what, bool is_value, Micros now) {
     const std::string text = describe(entry) + ": " + what;
-    if (!damage_since(entry.sent)) return fail(text + "; the line was good");
+    if (!damage_since(entry.sent) && !merged(entry)) return fail(text + "; the line was good");
     if (const auto sign = sign_since(entry, now)) return fail(text + "; a sign of damage: " + *sign);
-    ++counts.invisible;
-    if (entry.checksum) ++counts.invisible_sum;
+    ++(entry.checksum ? counts.invisible_sum : counts.invisible);
+    if (is_value) ++counts.invisible_values;
     note_(text + "; nothing showed that");
+}
+
+// The end of the line before it was damaged, and the board read both as one.
+bool Ledger::merged(const Entry& entry) const {
+    return std::any_of(executions_.begin(), executions_.end(), [&](const Execution& execution) {
+        const auto& sources = execution.read.sources;
+        return sources.size() > 1 &&
+               std::find(sources.begin(), sources.end(), entry.wire_line) != sources.end();
+    });
 }
 
 bool Ledger::damage_since(Micros from) const {

@@ -29,9 +29,10 @@ struct Counts {
     std::array<std::uint64_t, kOutcomes> outcomes{};
     std::array<std::uint64_t, kFaults> faults{};
     std::uint64_t incidents = 0;
-    std::uint64_t invisible = 0;      ///< false `ok` that nobody could have noticed: see Ledger
-    std::uint64_t invisible_sum = 0;  ///< of them with a checksum
-    std::uint64_t false_errors = 0;   ///< the same for errors
+    std::uint64_t invisible = 0;         ///< false `ok` without a checksum that left no sign: see Ledger
+    std::uint64_t invisible_sum = 0;     ///< the same with a checksum
+    std::uint64_t invisible_values = 0;  ///< of both: executed, but the value was changed
+    std::uint64_t false_errors = 0;      ///< the same for errors
     void add(const Counts& other);
 };
 
@@ -104,9 +105,10 @@ class Ledger {
     Entry* waiting_for(const std::string& line);
     bool may_be_own(const std::string& line) const;
     bool is_sign(const Entry& entry, const std::string& line, Micros at) const;
+    bool merged(const Entry& entry) const;
     bool damage_since(Micros from) const;
     std::optional<std::string> sign_since(const Entry& entry, Micros now) const;
-    void untrue(const Entry& entry, std::string what, Micros now);
+    void untrue(const Entry& entry, std::string what, bool is_value, Micros now);
     bool blames_another(const Entry& entry, Micros then, char service, char tag) const;
     std::string describe(const Entry& entry) const;
 

@@ -16,7 +16,7 @@ double seconds_since(SteadyClock::time_point began) {
     return std::chrono::duration<double>(SteadyClock::now() - began).count();
 }
 
-void print(const truth::Counts& counts, double seconds) {
+void print(const truth::Counts& counts, unsigned failures, double seconds) {
     std::uint64_t faults = 0;
     for (const auto count : counts.faults)
         faults += count;
@@ -29,8 +29,9 @@ void print(const truth::Counts& counts, double seconds) {
     for (unsigned i = 0; i < truth::kOutcomes; ++i)
         fmt::print(", {} {}", to_string(static_cast<truth::Outcome>(i)), counts.outcomes[i]);
     fmt::print(
-        "\nfalse ok that left no sign: {} without a checksum, {} with; false errors that left none: {}\n",
-        counts.invisible - counts.invisible_sum, counts.invisible_sum, counts.false_errors);
+        "\nhistories with a wrong, late or missing answer: {}; false ok that left no sign: {} without a "
+        "checksum, {} with one ({} of them executed, with another value); false errors that left none: {}\n",
+        failures, counts.invisible, counts.invisible_sum, counts.invisible_values, counts.false_errors);
     std::fflush(stdout);
 }
 
@@ -38,7 +39,7 @@ int replay(std::uint64_t seed) {
     const auto end = truth::run_history(seed, true);
     for (const auto& line : end.trace)
         fmt::print("{}\n", line);
-    print(end.counts, 1);
+    print(end.counts, end.failure.empty() ? 0 : 1, 1);
     if (end.failure.empty()) return 0;
     fmt::print("FAILED: {}\n", end.failure);
     return 1;
@@ -79,8 +80,8 @@ int main(int argc, char** argv) {
         if (seconds_since(reported) < 60) continue;
         reported = SteadyClock::now();
         fmt::print("seed {}, ", seed);
-        print(counts, seconds_since(began));
+        print(counts, failures, seconds_since(began));
     }
-    print(counts, seconds_since(began));
+    print(counts, failures, seconds_since(began));
     return failures == 0 ? 0 : 1;
 }
