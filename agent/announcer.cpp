@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include "asip/program/exit_status.hpp"
 
@@ -13,6 +14,9 @@ namespace {
 constexpr Duration kClaimTime = std::chrono::milliseconds(1300);
 constexpr Duration kProbeAnswer = std::chrono::milliseconds(900);
 constexpr Duration kBetweenChanges = std::chrono::seconds(1);
+// However many probes come.
+constexpr Duration kBetweenAnswers = std::chrono::milliseconds(500);
+constexpr std::size_t kMaxSessionBytes = 64;
 
 std::string make_session(std::uint64_t started_unix, const Random& random) {
     char time[24];
@@ -65,7 +69,7 @@ void Announcer::describe(model::Description description) {
 void Announcer::set_state(model::BoardState state, Effects& out) {
     if (state_ == state) return;
     state_ = state;
-    if (established_ && connected_) publish_state(out);
+    if (established_ && connected_ && subscribed_) publish_state(out);
 }
 
 void Announcer::publish_state(Effects& out) {
@@ -75,20 +79,28 @@ void Announcer::publish_state(Effects& out) {
 
 void Announcer::on_connected(Time now, Effects& out) {
     connected_ = true;
-    if (established_) return announce(now, out);
+    if (established_) return;
     claim_ends_ = now + kClaimTime;
     out.publish.push_back({plain(topics_.probe(), options_.board), mqtt::Priority::kAnnouncement});
 }
 
 void Announcer::on_disconnected() {
-    connected_ = false;
+    connected_ = subscribed_ = false;
+    challenge_.reset();
     claim_ends_.reset();
     renewal_.reset();
     probe_answer_.reset();
 }
 
+void Announcer::on_subscribed(Time now, Effects& out) {
+    if (!connected_ || std::exchange(subscribed_, true) || !established_) return;
+    announce(now, out);
+}
+
 void Announcer::announce(Time now, Effects& out) {
     probe_answer_.reset();
+    renewal_.reset();
+    if (!subscribed_) return;
     last_announced_ = now;
     schedule_renewal(now);
     if (!described_) return;
@@ -110,7 +122,7 @@ void Announcer::schedule_renewal(Time now) {
 }
 
 void Announcer::announce_within(Duration limit, Time now) {
-    const Time when = now + random_part(limit, random_);
+    const Time when = std::max(now + random_part(limit, random_), last_announced_ + kBetweenAnswers);
     if (!probe_answer_ || when < *probe_answer_) probe_answer_ = when;
 }
 
@@ -133,18 +145,14 @@ void Announcer::on_message(const mqtt::Message& message, Time now, Effects& out)
 }
 
 void Announcer::on_foreign_description(const mqtt::Message& message, Time now, Effects& out) {
-    if (message.retain || message.payload.empty()) return;  // what was stored tells of nobody living
+    if (message.retain || message.payload.empty()) return;  // a stored one proves no living agent
     const auto other = model::parse_description(message.payload);
     if (!other || other->session == session_) return;
     const std::string holder = "agent " +
                                (other->agent.client.empty() ? other->session : other->agent.client) +
                                (other->agent.host.empty() ? "" : " on " + other->agent.host);
     if (established_ && other->session < session_) return announce_within(kProbeAnswer, now);
-    if (established_) {
-        out.fatal = Fatal{program::kExitNameConflict,
-                          "the board name \"" + options_.board + "\" was taken over by " + holder};
-        return;
-    }
+    if (established_) return challenge(*other, holder, now, out);
     if (options_.takeover) {
         if (session_ < other->session) session_ = other->session + "-" + random_hex(random_, 4);
         return;
@@ -154,7 +162,29 @@ void Announcer::on_foreign_description(const mqtt::Message& message, Time now, E
                           "; give this board another one with --name, or take the name with --takeover"};
 }
 
+void Announcer::challenge(const model::Description& other, const std::string& holder, Time now,
+                          Effects& out) {
+    if (!challenge_ || challenge_->session != other.session) {
+        challenge_ = Challenge{other.session, other.seq, holder, now + kClaimTime};
+        out.publish.push_back({plain(topics_.probe(), options_.board), mqtt::Priority::kAnnouncement});
+        return;
+    }
+    if (other.seq <= challenge_->seq) return;
+    out.fatal = Fatal{program::kExitNameConflict,
+                      "the board name \"" + options_.board + "\" was taken over by " + holder};
+}
+
 void Announcer::tick(Time now, Effects& out) {
+    if (challenge_ && now >= challenge_->ends) {
+        out.log(program::log::Level::kWarning,
+                "an announcement of this board came from nobody who lives; putting it right",
+                {{"from", challenge_->holder}});
+        // Ours has to be the later session, or nobody believes it.
+        if (challenge_->session.size() < kMaxSessionBytes)
+            session_ = challenge_->session + "-" + random_hex(random_, 4);
+        challenge_.reset();
+        announce_within(Duration{}, now);
+    }
     if (claim_ends_ && now >= *claim_ends_) {
         claim_ends_.reset();
         established_ = true;
@@ -167,6 +197,7 @@ void Announcer::tick(Time now, Effects& out) {
 
 std::optional<Time> Announcer::next_deadline() const {
     std::optional<Time> deadline = claim_ends_;
+    if (challenge_ && (!deadline || challenge_->ends < *deadline)) deadline = challenge_->ends;
     for (const auto& other : {renewal_, probe_answer_})
         if (other && (!deadline || *other < *deadline)) deadline = other;
     return deadline;
@@ -180,6 +211,7 @@ void Announcer::goodbye(Effects& out) {
     renewal_.reset();
     probe_answer_.reset();
     claim_ends_.reset();
+    challenge_.reset();
 }
 
 }  // namespace asip::agent

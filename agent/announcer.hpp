@@ -24,8 +24,11 @@ struct AnnouncerOptions {
 /// `$state` right when somebody else (a late will) wrote it.
 ///
 /// A claim asks whether a living agent holds the name, by a probe, and waits 1.3 s for its announcement. Once
-/// established, an announcement of a later session means that the name was taken over, and an older one is a
-/// ghost.
+/// established, an announcement of an older session is a ghost. One of a later session means that the name
+/// was taken over, if its agent answers a probe with another one; a single message that nobody stands behind
+/// is put right.
+///
+/// Nothing is announced before the broker granted the subscriptions that commands come by.
 class Announcer {
   public:
     Announcer(const bus::Topics& topics, AnnouncerOptions options, Random random);
@@ -37,22 +40,33 @@ class Announcer {
 
     void on_connected(Time now, Effects& out);
     void on_disconnected();
+    /// Commands reach us now.
+    void on_subscribed(Time now, Effects& out);
     /// A message on our board's service-bus topics or on the probe topic.
     void on_message(const mqtt::Message& message, Time now, Effects& out);
     void tick(Time now, Effects& out);
     std::optional<Time> next_deadline() const;
 
-    /// Says `offline`.
+    /// Publishes `offline`.
     void goodbye(Effects& out);
 
     /// The name is ours.
     bool established() const { return established_; }
     /// And the bus is there.
-    bool on_air() const { return established_ && connected_; }
+    bool may_publish() const { return established_ && connected_; }
     const std::string& session() const { return session_; }
     mqtt::Message will() const;
 
   private:
+    /// An announcement of a later session, which has to show that somebody lives behind it.
+    struct Challenge {
+        std::string session;
+        std::uint64_t seq = 0;
+        std::string holder;
+        Time ends;
+    };
+
+    void challenge(const model::Description& other, const std::string& holder, Time now, Effects& out);
     void announce(Time now, Effects& out);
     void publish_state(Effects& out);
     void on_foreign_description(const mqtt::Message& message, Time now, Effects& out);
@@ -68,7 +82,9 @@ class Announcer {
     model::BoardState state_ = model::BoardState::Lost;
     bool described_ = false;
     bool connected_ = false;
+    bool subscribed_ = false;
     bool established_ = false;  // the name is ours
+    std::optional<Challenge> challenge_;
     Time last_announced_{};
     std::optional<Time> claim_ends_;
     std::optional<Time> renewal_;

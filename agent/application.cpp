@@ -36,12 +36,15 @@ Application::Application(AgentOptions options)
              [this](const link::StreamError& error) {
                  link_failed(error, !std::exchange(link_tried_, true));
              }}),
-      clients_(io_,
-               [this](std::string_view line) {
+      clients_(io_, options_.listen_silence,
+               [this](session::ClientId client, std::string_view line) {
+                   auto result = Bridge::ClientResult::kAccepted;
                    with_bridge([&](Time now, Effects& out) {
-                       if (!bridge_.client_line(line, now, out))
+                       result = bridge_.client_line(client, line, now, out);
+                       if (result == Bridge::ClientResult::kRefused)
                            log::debug("client's line refused", {{"line", line}});
                    });
+                   return result != Bridge::ClientResult::kLater;
                }),
       stop_signal_(io_, [this](int) { stop(); }),
       timer_(io_),
@@ -51,11 +54,10 @@ Application::Application(AgentOptions options)
 Application::~Application() = default;
 
 int Application::run() {
-    if (!options_.listen.empty()) {
-        const auto port = clients_.listen(*link::parse_tcp_address(options_.listen, "127.0.0.1"));
+    for (const auto& [address, framing] : options_.listen) {
+        const auto port = clients_.listen(address, framing);
         if (!port) {
-            log::error("cannot listen for clients",
-                       {{"address", options_.listen}, {"why", port.error().text}});
+            log::error("cannot listen for clients", {{"why", port.error().text}});
             return program::kExitFailure;
         }
         log::info("listening for clients", {{"port", *port}});
@@ -72,7 +74,9 @@ void Application::with_bridge(Call&& call) {
     Effects effects;
     call(Clock::now(), effects);
     perform(effects);
-    if (!stopping_) arm_timer();
+    if (stopping_) return;
+    clients_.resume();
+    arm_timer();
 }
 
 void Application::perform(Effects& effects) {
@@ -104,8 +108,9 @@ void Application::perform(Effects& effects) {
     if (bus_)
         for (auto& publication : effects.publish)
             bus_->publish(std::move(publication.message), publication.priority);
-    for (const auto& line : effects.lines)
-        clients_.broadcast(line);
+    for (const auto& [line, client] : effects.lines)
+        clients_.send(line, client);
+    if (effects.reopen_link) link_.reopen("the board does not answer");
     if (effects.fatal) {
         log::error(effects.fatal->text, {});
         finish(effects.fatal->status);
@@ -153,6 +158,9 @@ mqtt::Client::Handlers Application::bus_handlers() {
                   {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
         bus_->discard_queued(mqtt::Priority::kAnnouncement);
         with_bridge([&](Time now, Effects& out) { bridge_.bus_connected(now, connected.client_id, out); });
+    };
+    handlers.on_subscribed = [this] {
+        with_bridge([&](Time now, Effects& out) { bridge_.bus_subscribed(now, out); });
     };
     handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
         bridge_.bus_disconnected();

@@ -6,7 +6,8 @@
 #include "asip/program/exit_status.hpp"
 #include "asip/program/options.hpp"
 #include "asip/protocol/body.hpp"
-#include "asip/protocol/message.hpp"
+#include "asip/protocol/error_code.hpp"
+#include "asip/protocol/request.hpp"
 
 namespace asip::agent {
 
@@ -22,6 +23,25 @@ std::string letters(const session::ServiceTable& services) {
     for (const auto& entry : services.entries())
         text += (text.empty() ? "" : ",") + entry.name;
     return text;
+}
+
+std::string error_line(std::string_view request, protocol::ErrorCode code) {
+    const auto parsed = protocol::parse_request(request);
+    const std::string start = parsed ? std::string{'~', parsed->service, ',', parsed->tag} : "~#,?";
+    return start + "," + std::to_string(static_cast<int>(code)) + "{" +
+           std::string(protocol::error_name(code)) + "}";
+}
+
+// Rate and checksums are between the board and the agent.
+std::string extensions_for_clients(const session::Identity& board) {
+    std::string list;
+    int count = 0;
+    for (const auto& [tag, version] : board.extensions.list) {
+        if (tag == protocol::kLineRate || tag == protocol::kChecksum) continue;
+        list += (list.empty() ? "" : ",") + std::string{tag, ':'} + std::to_string(version);
+        ++count;
+    }
+    return "@#,X," + std::to_string(count) + ",{" + list + "}";
 }
 
 }  // namespace
@@ -85,15 +105,25 @@ void Bridge::perform(session::Actions& actions, Time now, Effects& out) {
 }
 
 void Bridge::on_action(const session::BoardLine& line, Time, Effects& out) {
-    out.lines.push_back(line.line.text());
+    line_for_clients(line, out);
     if (name_.empty()) return;
     note_facts(line.line);
     publish_or_hold(line.line, out);
 }
 
+// What belongs to somebody's request goes to nobody else; to the bus goes everything.
+void Bridge::line_for_clients(const session::BoardLine& line, Effects& out) const {
+    if (!line.owner) return out.lines.push_back({line.line.text(), std::nullopt});
+    if (*line.owner & kBusClient) return;
+    const bool extensions =
+        line.line.is_event() && line.line.event().service == '#' && line.line.event().tag == 'X';
+    out.lines.push_back(
+        {extensions ? extensions_for_clients(session_.identity()) : line.line.text(), line.owner});
+}
+
 // Without a bus the newest value of each kind waits; what it replaces would be stale when the bus is back.
 void Bridge::publish_or_hold(const protocol::ParsedLine& line, Effects& out) {
-    if (announcer_->on_air()) return context_.on_line(name_, line, session_.identity(), services_, out);
+    if (announcer_->may_publish()) return context_.on_line(name_, line, session_.identity(), services_, out);
     if (!line.is_event()) return;
     const auto event = line.event();
     std::string kind{event.service, event.tag};
@@ -103,9 +133,9 @@ void Bridge::publish_or_hold(const protocol::ParsedLine& line, Effects& out) {
     if (held_.contains(kind) || held_.size() < kMostHeld) held_[kind] = line;
 }
 
-void Bridge::go_on_air(Effects& out) {
-    if (!announcer_ || !announcer_->on_air()) return;
-    if (!std::exchange(claim_told_, true)) out.name_claimed = true;
+void Bridge::start_publishing(Effects& out) {
+    if (!announcer_ || !announcer_->may_publish()) return;
+    if (!std::exchange(name_claimed_, true)) out.name_claimed = true;
     if (held_.empty()) return;
     if (superseded_ > 0)
         out.log(Level::kInfo, "values superseded while the bus was away",
@@ -151,6 +181,7 @@ void Bridge::on_action(const session::BoardReset& reset, Time, Effects& out) {
 void Bridge::on_action(const session::BecameSilent&, Time, Effects& out) {
     out.log(Level::kWarning, "board silent", {{"board", name_}});
     if (announcer_) announcer_->set_state(model::BoardState::Lost, out);
+    out.reopen_link = facts_.link.kind == "tcp";
 }
 
 void Bridge::on_action(const session::NoAnswer& none, Time, Effects& out) {
@@ -244,7 +275,11 @@ void Bridge::bus_connected(Time now, const std::string& client_id, Effects& out)
         describe_again();
     }
     announcer_->on_connected(now, out);
-    go_on_air(out);
+    start_publishing(out);
+}
+
+void Bridge::bus_subscribed(Time now, Effects& out) {
+    if (announcer_ && name_claimed_) announcer_->on_subscribed(now, out);
 }
 
 void Bridge::bus_disconnected() {
@@ -263,13 +298,19 @@ void Bridge::bus_message(const mqtt::Message& message, Time now, Effects& out) {
     perform(actions, now, out);
 }
 
-bool Bridge::client_line(std::string_view line, Time now, Effects& out) {
+Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_view line, Time now,
+                                         Effects& out) {
+    const bool valid = session::may_be_sent(line);
+    if (valid && session_.accepts_requests() && session_.room(client) == 0) return ClientResult::kLater;
     session::Actions actions;
-    const auto id = session_.submit(line, {.prove = false, .answer_tag = 0}, now, actions);
+    const auto id = session_.submit(line, {.client = client, .prove = false}, now, actions);
     perform(actions, now, out);
-    if (!id && announcer_ && announcer_->on_air())
-        control_.tell_refused(name_, line, id.error(), services_, out);
-    return id.has_value();
+    if (id) return ClientResult::kAccepted;
+    const auto code = valid ? protocol::ErrorCode::DeviceNotAvailable : protocol::ErrorCode::UnknownRequest;
+    out.lines.push_back({error_line(line, code), client});
+    if (announcer_ && announcer_->may_publish())
+        control_.report_refused(name_, line, id.error(), services_, out);
+    return ClientResult::kRefused;
 }
 
 // --- time
@@ -279,7 +320,7 @@ void Bridge::tick(Time now, Effects& out) {
     session_.tick(now, actions);
     perform(actions, now, out);
     if (announcer_) announcer_->tick(now, out);
-    go_on_air(out);
+    start_publishing(out);
 }
 
 std::optional<Time> Bridge::next_deadline() const {

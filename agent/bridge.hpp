@@ -29,8 +29,8 @@ struct BridgeOptions {
 };
 
 /// Everything between a board's bytes and the bus's messages: the session, the announcer, the control and the
-/// context bus. Pure: told what happened and when, it says what to do. Once the board is known for the first
-/// time, name() is valid and the caller connects to the broker with will() and subscriptions().
+/// context bus. Pure: given what happened and when, it returns what to do. Once the board is known for the
+/// first time, name() is valid and the caller connects to the broker with will() and subscriptions().
 class Bridge {
   public:
     Bridge(BridgeOptions options, model::ModelSet models, Random random);
@@ -43,11 +43,19 @@ class Bridge {
 
     // --- the bus's side
     void bus_connected(Time now, const std::string& client_id, Effects& out);
+    /// The broker granted every subscription that was asked for so far.
+    void bus_subscribed(Time now, Effects& out);
     void bus_disconnected();
     void bus_message(const mqtt::Message& message, Time now, Effects& out);
 
-    /// A line from a point-to-point client. False: it was refused.
-    bool client_line(std::string_view line, Time now, Effects& out);
+    /// What became of the line of a point-to-point client.
+    enum class ClientResult {
+        kAccepted,
+        kRefused,  ///< an error line for that client is among the effects
+        kLater,    ///< too many lines of this client wait for the board; to be given again
+    };
+    /// `client`: any number below kBusClient; lines of one client keep their order.
+    ClientResult client_line(session::ClientId client, std::string_view line, Time now, Effects& out);
 
     void tick(Time now, Effects& out);
     std::optional<Time> next_deadline() const;
@@ -73,10 +81,11 @@ class Bridge {
     void on_action(const session::Garbage& garbage, Time now, Effects& out);
     void on_action(const session::Finished& end, Time now, Effects& out);
     void describe_again();
+    void line_for_clients(const session::BoardLine& line, Effects& out) const;
     void note_facts(const protocol::ParsedLine& line);
     void note_settings();
     void publish_or_hold(const protocol::ParsedLine& line, Effects& out);
-    void go_on_air(Effects& out);
+    void start_publishing(Effects& out);
     std::map<char, int> current_periods() const;
 
     BridgeOptions options_;
@@ -91,7 +100,7 @@ class Bridge {
     BoardFacts facts_;
     std::vector<protocol::PinMode> described_modes_;
     std::string name_;
-    bool claim_told_ = false;
+    bool name_claimed_ = false;
     std::map<std::string, protocol::ParsedLine> held_;  // newest line of each kind while there is no bus
     std::uint64_t superseded_ = 0;
     std::optional<Time> garbage_quiet_until_;

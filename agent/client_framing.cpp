@@ -1,13 +1,21 @@
 #include "agent/client_framing.hpp"
 
+#include <utility>
+
 namespace asip::agent {
+
+void ClientFraming::assume_lines() {
+    if (kind_ == Kind::kUnknown) kind_ = Kind::kLines;
+}
 
 std::vector<std::string> ClientFraming::decode(std::string_view bytes) {
     std::vector<std::string> result;
     if (bytes.empty()) return result;
-    if (!framed_) framed_ = protocol::starts_utf_frame(static_cast<unsigned char>(bytes.front()));
+    if (!std::exchange(found_, true))
+        kind_ = protocol::starts_utf_frame(static_cast<unsigned char>(bytes.front())) ? Kind::kFrames
+                                                                                      : Kind::kLines;
     const auto take = [&](std::string_view line) { result.emplace_back(line); };
-    if (!*framed_) {
+    if (kind_ == Kind::kLines) {
         lines_.push(bytes, take);
         return result;
     }
@@ -20,7 +28,8 @@ std::vector<std::string> ClientFraming::decode(std::string_view bytes) {
 }
 
 std::string ClientFraming::encode(std::string_view line) const {
-    if (!framed()) return std::string(line) + "\n";
+    if (kind_ == Kind::kUnknown) return {};
+    if (kind_ == Kind::kLines) return std::string(line) + "\n";
     auto frame = protocol::encode_utf_frame(line);
     return frame ? *frame : std::string();
 }

@@ -9,17 +9,26 @@
 
 namespace asip::agent {
 
-/// How one point-to-point client frames its messages: plain lines, or Java's writeUTF frames, told apart by
-/// the first byte it sends. A client that has sent nothing yet gets plain lines.
+/// How one point-to-point client frames its messages: plain lines, or Java's writeUTF frames. Either given,
+/// or told apart by the first byte that it sends; until then nothing can be sent to it.
 class ClientFraming {
   public:
+    enum class Kind { kUnknown, kLines, kFrames };
+
+    explicit ClientFraming(Kind kind = Kind::kUnknown) : kind_(kind), found_(kind != Kind::kUnknown) {}
+
+    Kind kind() const { return kind_; }
+    /// It stayed silent: plain lines, unless it sends a frame after all.
+    void assume_lines();
+
     /// Request lines that these bytes complete; a frame may hold several lines.
     std::vector<std::string> decode(std::string_view bytes);
+    /// Nothing where the framing is not known yet, or the line cannot be framed.
     std::string encode(std::string_view line) const;
-    bool framed() const { return framed_.value_or(false); }
 
   private:
-    std::optional<bool> framed_;
+    Kind kind_;
+    bool found_;  // given, or seen in what the client sent
     protocol::LineReader lines_;
     protocol::UtfFrameReader frames_;
 };

@@ -1,5 +1,7 @@
 #include "agent/control.hpp"
 
+#include <algorithm>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "agent/error_report.hpp"
@@ -8,6 +10,7 @@
 #include "asip/model/json.hpp"
 #include "asip/protocol/error_code.hpp"
 #include "asip/protocol/request.hpp"
+#include "asip/session/request.hpp"
 
 namespace asip::agent {
 
@@ -16,9 +19,7 @@ namespace {
 // Questions whose answer has their own tag; what a raw request is answered with.
 char answer_of_question(std::string_view line) {
     const auto request = protocol::parse_request(line);
-    if (!request) return 0;
-    const std::string_view tags = request->service == '#' ? "?NSXIE" : request->service == 'I' ? "Mmpc" : "";
-    return tags.find(request->tag) == std::string_view::npos ? '\0' : request->tag;
+    return request && session::is_question(request->service, request->tag) ? request->tag : '\0';
 }
 
 std::string service_of_line(const session::ServiceTable& services, std::string_view line) {
@@ -42,6 +43,27 @@ std::string refusal_text(session::Refusal refusal) {
     return {};
 }
 
+std::string_view reason_of(const session::Finished& end) {
+    return end.not_sent == session::NotSent::kDeadline ? bus::kRefusedDeadline : bus::kRefusedBoardNotThere;
+}
+
+std::string not_sent_text(const session::Finished& end) {
+    return end.not_sent == session::NotSent::kDeadline
+               ? "its time was over before the board could be given it; it was not sent"
+               : refusal_text(session::Refusal::kNoBoard);
+}
+
+session::ClientId client_of(const std::string& topic) {
+    return std::hash<std::string>{}(topic) | kBusClient;
+}
+
+Duration deadline_of(const bus::RequestEnvelope& envelope, const mqtt::Message& message) {
+    if (envelope.deadline) return *envelope.deadline;
+    if (!message.expiry_seconds) return session::kDefaultDeadline;
+    return std::clamp<std::chrono::milliseconds>(std::chrono::seconds(*message.expiry_seconds),
+                                                 bus::kMinDeadline, bus::kMaxDeadline);
+}
+
 }  // namespace
 
 void Control::on_message(const mqtt::Message& message, const session::ServiceTable& services,
@@ -49,7 +71,6 @@ void Control::on_message(const mqtt::Message& message, const session::ServiceTab
     const auto topic = topics_.parse(message.topic);
     if (!topic || (topic->kind != bus::TopicKind::kBoardIn && topic->kind != bus::TopicKind::kServiceIn))
         return;
-    ++counters_.commands;
     auto command = std::make_shared<Command>();
     auto envelope = bus::open_envelope(message);
     command->reply = envelope ? envelope->reply : envelope.error().reply;
@@ -75,16 +96,32 @@ void Control::on_message(const mqtt::Message& message, const session::ServiceTab
         command->model = service->model.get();
     }
     const std::string id = command->reply.key();
-    if (!id.empty()) command->key = command->reply.topic + '\n' + id;
-    if (!command->key.empty()) {
-        const auto seen = recent_.see(command->key, now);
-        if (seen != RecentAnswers::Seen::kNew) ++counters_.repeated;
-        if (seen == RecentAnswers::Seen::kAnswered)
-            return send(command->reply, *recent_.find(command->key), out);
-        if (seen == RecentAnswers::Seen::kPending) return;
+    if (!id.empty()) {
+        const auto key = RecentAnswers::key(message.topic, command->reply.topic, id);
+        switch (recent_.see(key, message.payload, now)) {
+            case RecentAnswers::Seen::kNew:
+                command->key = key;
+                break;
+            case RecentAnswers::Seen::kPending:
+                return;
+            case RecentAnswers::Seen::kAnswered:
+                return send(command->reply, *recent_.find(key), out);
+            case RecentAnswers::Seen::kOtherPayload:
+                return refuse(*command, request, bus::kRefusedIdReused,
+                              "another command had this id within the last minute", out);
+        }
     }
+    command->client = client_of(command->reply.wanted() ? command->reply.topic : message.topic);
+    command->deadline = now + deadline_of(*envelope, message);
     const auto lines = read(*envelope, service);
     if (!lines) return refuse(*command, request, bus::kRefusedInvalid, lines.error(), out);
+    if (const auto why = refusal(*lines, command->client, session)) {
+        if (service != nullptr)
+            return refuse(*command, request, session::to_string(*why), refusal_text(*why), out);
+        const std::string& line = lines->front().text;
+        command->service = service_of_line(services, line);
+        return refuse(*command, request_of_line(line), session::to_string(*why), refusal_text(*why), out);
+    }
     execute(std::move(command), *lines, services, session, now, actions, out);
 }
 
@@ -100,7 +137,7 @@ Expected<std::vector<Control::Line>> Control::read(const bus::RequestEnvelope& e
         if (!lines) return Unexpected<std::string>(lines.error());
         if (lines->empty()) return fail("no request");
         for (auto line : *lines)
-            result.push_back({std::string(line), answer_of_question(line)});
+            result.push_back({std::string(line), answer_of_question(line), session::kDefaultAnswerTime});
         return result;
     }
     const auto* model = service->model.get();
@@ -109,36 +146,42 @@ Expected<std::vector<Control::Line>> Control::read(const bus::RequestEnvelope& e
                              : model::encode_control_text(model, service->letter, envelope.text);
     if (!command) return Unexpected<std::string>(command.error());
     result.push_back({command->line, command->answer});
+    if (command->answer_time) result.back().answer_time = *command->answer_time;
     return result;
+}
+
+// All lines of a payload are sent, or none.
+std::optional<session::Refusal> Control::refusal(const std::vector<Line>& lines, session::ClientId client,
+                                                 const session::BoardSession& session) const {
+    for (const Line& line : lines)
+        if (!session::may_be_sent(line.text)) return session::Refusal::kInvalid;
+    if (!session.accepts_requests()) return session::Refusal::kNoBoard;
+    if (session.room(client) < lines.size()) return session::Refusal::kQueueFull;
+    return std::nullopt;
 }
 
 void Control::execute(std::shared_ptr<Command> command, const std::vector<Line>& lines,
                       const session::ServiceTable& services, session::BoardSession& session, Time now,
                       session::Actions& actions, Effects& out) {
-    std::size_t number = 0;
+    command->lines = lines.size();
+    const bool wanted = command->reply.wanted();
     for (const Line& line : lines) {
-        ++number;
-        const bool wanted = command->reply.wanted();
-        const auto id = session.submit(
-            line.text, {.prove = wanted, .answer_tag = wanted ? line.answer_tag : '\0'}, now, actions);
-        std::string service =
-            command->service.empty() ? service_of_line(services, line.text) : command->service;
-        if (id) {
-            ++command->open;
-            open_.emplace(*id, Open{command, std::move(service), line.text});
+        const auto id = session.submit(line.text,
+                                       {.client = command->client,
+                                        .deadline = command->deadline,
+                                        .prove = wanted,
+                                        .answer_tag = wanted ? line.answer_tag : '\0',
+                                        .answer_time = line.answer_time},
+                                       now, actions);
+        if (!id) {
+            ++command->not_sent;
             continue;
         }
-        std::string text = refusal_text(id.error());
-        if (lines.size() > 1)
-            text = "line " + std::to_string(number) + " of " + std::to_string(lines.size()) + ": " + text;
-        ++counters_.refused;
-        command->outcome = bus::Reply::refused(session::to_string(id.error()), std::move(text));
-        out.log(program::log::Level::kDebug, "command refused",
-                {{"reason", command->outcome.reason}, {"line", line.text}});
-        if (!wanted)
-            report_failure(topics_, command->board, service, request_of_line(line.text),
-                           command->outcome.reason, command->outcome.error, out);
-        break;
+        ++command->open;
+        open_.emplace(
+            *id,
+            Open{command, command->service.empty() ? service_of_line(services, line.text) : command->service,
+                 line.text});
     }
     command->all_sent = true;
     if (command->open == 0) conclude(*command, out);
@@ -150,45 +193,47 @@ bool Control::on_finished(const session::Finished& end, Effects& out) {
     const Open request = std::move(it->second);
     const auto& command = request.command;
     open_.erase(it);
-    const bool wanted = command->reply.wanted();
-    const auto tell = [&](std::string_view reason, std::string_view error) {
-        if (!wanted)
+    const auto report = [&](std::string_view reason, std::string_view error) {
+        if (!command->reply.wanted())
             report_failure(topics_, command->board, request.service, request_of_line(request.line), reason,
                            error, out);
     };
-    bus::Reply& outcome = command->outcome;
     // The board's own errors are on the error topic already, in the board's words.
     if (end.ending == session::Ending::kTimeout || end.ending == session::Ending::kDoubt)
-        tell("timeout", "no sign that the board executed it; it may have, or not");
-    if (end.ending == session::Ending::kNotSent)
-        tell(bus::kRefusedBoardNotThere, refusal_text(session::Refusal::kNoBoard));
-    if (outcome.status == bus::Reply::Status::kOk) {
-        switch (end.ending) {
-            case session::Ending::kBoardError:
-                outcome = bus::Reply::board_error(
-                    end.code, end.text.empty() ? std::string(protocol::error_name(end.code)) : end.text);
-                break;
-            case session::Ending::kDoubt:
-                outcome = bus::Reply::timeout(bus::kTimeoutDoubt);
-                break;
-            case session::Ending::kNoValue:
-                outcome = bus::Reply::timeout(bus::kTimeoutNoValue);
-                break;
-            case session::Ending::kTimeout:
-                outcome = bus::Reply::timeout();
-                break;
-            case session::Ending::kNotSent:
-                outcome = bus::Reply::refused(std::string(bus::kRefusedBoardNotThere),
-                                              refusal_text(session::Refusal::kNoBoard));
-                break;
-            case session::Ending::kExecuted:
-            case session::Ending::kUnproven:
-                if (!end.answer.empty()) outcome.answer = answer_json(*command, end.answer);
-                break;
-        }
-    }
+        report("timeout", "no sign that the board executed it; it may have, or not");
+    if (end.ending == session::Ending::kNotSent) report(reason_of(end), not_sent_text(end));
+    note_end(*command, end);
     if (--command->open == 0 && command->all_sent) conclude(*command, out);
     return true;
+}
+
+// The first that is not good decides.
+void Control::note_end(Command& command, const session::Finished& end) const {
+    bus::Reply& outcome = command.outcome;
+    if (end.ending == session::Ending::kNotSent) ++command.not_sent;
+    if (outcome.status != bus::Reply::Status::kOk) return;
+    switch (end.ending) {
+        case session::Ending::kBoardError:
+            outcome = bus::Reply::board_error(
+                end.code, end.text.empty() ? std::string(protocol::error_name(end.code)) : end.text);
+            break;
+        case session::Ending::kDoubt:
+            outcome = bus::Reply::timeout(bus::kTimeoutDoubt);
+            break;
+        case session::Ending::kNoValue:
+            outcome = bus::Reply::timeout(bus::kTimeoutNoValue);
+            break;
+        case session::Ending::kTimeout:
+            outcome = bus::Reply::timeout();
+            break;
+        case session::Ending::kNotSent:
+            outcome = bus::Reply::refused(std::string(reason_of(end)), not_sent_text(end));
+            break;
+        case session::Ending::kExecuted:
+        case session::Ending::kUnproven:
+            if (!end.answer.empty()) outcome = bus::Reply::ok("answer", answer_json(command, end.answer));
+            break;
+    }
 }
 
 std::string Control::answer_json(const Command& command, const protocol::ParsedLine& line) const {
@@ -203,7 +248,6 @@ std::string Control::answer_json(const Command& command, const protocol::ParsedL
 
 void Control::refuse(Command& command, std::string_view request, std::string_view reason, std::string text,
                      Effects& out) {
-    ++counters_.refused;
     out.log(program::log::Level::kDebug, "command refused", {{"reason", std::string(reason)}, {"why", text}});
     // An empty payload is how somebody clears a stored command: nothing was asked for.
     if (!command.reply.wanted() && !request.empty())
@@ -213,14 +257,27 @@ void Control::refuse(Command& command, std::string_view request, std::string_vie
     conclude(command, out);
 }
 
-void Control::tell_refused(const std::string& board, std::string_view line, session::Refusal why,
-                           const session::ServiceTable& services, Effects& out) const {
+void Control::report_refused(const std::string& board, std::string_view line, session::Refusal why,
+                             const session::ServiceTable& services, Effects& out) const {
     report_failure(topics_, board, service_of_line(services, line), request_of_line(line),
                    session::to_string(why), refusal_text(why), out);
 }
 
 void Control::conclude(Command& command, Effects& out) {
-    if (!command.key.empty()) recent_.answer(command.key, command.outcome);
+    // "Refused" is said of what was not executed at all.
+    if (command.outcome.status == bus::Reply::Status::kRefused && command.not_sent < command.lines) {
+        const std::string why = std::move(command.outcome.error);
+        command.outcome = bus::Reply::timeout(bus::kTimeoutPartly);
+        command.outcome.error = std::to_string(command.not_sent) + " of " + std::to_string(command.lines) +
+                                " lines were not sent: " + why;
+    }
+    if (command.key) {
+        if (command.outcome.status == bus::Reply::Status::kRefused) {
+            recent_.forget(*command.key);
+        } else {
+            recent_.answer(*command.key, command.outcome);
+        }
+    }
     send(command.reply, command.outcome, out);
 }
 

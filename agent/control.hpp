@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -15,15 +16,12 @@
 
 namespace asip::agent {
 
-struct ControlCounters {
-    std::uint64_t commands = 0;  ///< payloads on a control topic
-    std::uint64_t refused = 0;
-    std::uint64_t repeated = 0;
-};
+/// Set in the client ids of the bus; those of point-to-point clients do not have it.
+inline constexpr session::ClientId kBusClient = session::ClientId{1} << 63;
 
 /// The control bus: takes the envelope off, checks the command by its model, queues it on the session, and
-/// sees that whoever asked for an answer gets exactly one. What fails for those who asked for none is told on
-/// the service's error topic.
+/// sees that whoever asked for an answer gets exactly one, in time. What fails for those who asked for none
+/// is reported on the service's error topic.
 class Control {
   public:
     Control(const bus::Topics& topics, const session::BoardSession& session)
@@ -34,28 +32,31 @@ class Control {
                     session::BoardSession& session, Time now, session::Actions& actions, Effects& out);
     /// True: the request was one of ours.
     bool on_finished(const session::Finished& end, Effects& out);
-    /// A line that came by another way than the bus was refused: told on the error topic of its service.
-    void tell_refused(const std::string& board, std::string_view line, session::Refusal why,
-                      const session::ServiceTable& services, Effects& out) const;
-
-    const ControlCounters& counters() const { return counters_; }
+    /// A line that came by another way than the bus was refused: reported on the error topic of its service.
+    void report_refused(const std::string& board, std::string_view line, session::Refusal why,
+                        const session::ServiceTable& services, Effects& out) const;
 
   private:
     /// One payload: one answer for all its lines.
     struct Command {
         bus::ReplyTo reply;
         std::string board;
-        std::string service;  // the topic's; empty: raw lines, each its own
-        std::string key;      // of RecentAnswers; empty: cannot be recognised again
+        std::string service;                    // the topic's; empty: raw lines, each its own
+        std::optional<RecentAnswers::Key> key;  // none: cannot be recognised again
+        session::ClientId client = 0;
+        Time deadline;
         const model::ServiceModel* model = nullptr;
         model::ModelPtr model_owner;
-        std::size_t open = 0;  // requests that have not ended
+        std::size_t lines = 0;
+        std::size_t open = 0;      // requests that have not ended
+        std::size_t not_sent = 0;  // requests that ended so
         bool all_sent = false;
         bus::Reply outcome = bus::Reply::ok("fence");
     };
     struct Line {
         std::string text;
         char answer_tag = 0;
+        Duration answer_time = session::kDefaultAnswerTime;
     };
     struct Open {
         std::shared_ptr<Command> command;
@@ -68,6 +69,9 @@ class Control {
                  session::Actions& actions, Effects& out);
     void refuse(Command& command, std::string_view request, std::string_view reason, std::string text,
                 Effects& out);
+    std::optional<session::Refusal> refusal(const std::vector<Line>& lines, session::ClientId client,
+                                            const session::BoardSession& session) const;
+    void note_end(Command& command, const session::Finished& end) const;
     void conclude(Command& command, Effects& out);
     void send(const bus::ReplyTo& to, const bus::Reply& reply, Effects& out);
     Expected<std::vector<Line>> read(const bus::RequestEnvelope& envelope,
@@ -76,7 +80,6 @@ class Control {
 
     bus::Topics topics_;
     const session::BoardSession& session_;
-    ControlCounters counters_;
     RecentAnswers recent_;
     std::unordered_map<session::RequestId, Open> open_;  // bounded by the session's queue
 };

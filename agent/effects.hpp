@@ -29,14 +29,21 @@ struct Fatal {
     std::string text;
 };
 
+/// A line for one point-to-point client, or for all of them.
+struct ClientLine {
+    std::string line;
+    std::optional<session::ClientId> client;
+};
+
 /// What the pure bridge wants done, in order within each list; across lists the order does not matter.
 struct Effects {
     std::vector<session::Action> link;  ///< Write and SetLineRate only
     Publications publish;
-    std::vector<std::string> lines;  ///< for every point-to-point client
+    std::vector<ClientLine> lines;  ///< for point-to-point clients
     std::vector<Notice> notices;
     bool board_known = false;   ///< the board was identified (again): its name is known now
     bool name_claimed = false;  ///< the board's name is ours now: commands may come
+    bool reopen_link = false;   ///< open, but the board behind it is gone: a connection may be dead
     std::optional<Fatal> fatal;
 
     void log(program::log::Level level, std::string text,

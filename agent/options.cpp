@@ -10,6 +10,7 @@
 #include "asip/model/names.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/options.hpp"
+#include "asip/text/duration.hpp"
 
 namespace asip::agent {
 
@@ -38,7 +39,9 @@ constexpr const char* kExamples =
 struct Raw {
     program::BrokerOptions broker;
     program::LogOptions log;
-    std::string name, serial, tcp, listen, services, reset = "if-silent", terminator = "none";
+    std::vector<std::string> listen;
+    std::string listen_silence = "2s";
+    std::string name, serial, tcp, services, reset = "if-silent", terminator = "none";
     unsigned baud = 57600;
     unsigned max_baud = 1'000'000;
     bool no_step_up = false;
@@ -100,8 +103,33 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
         app.add_flag("--retain-values", raw.retain_values, "Retain the last value of each service")
             ->group("Bus"));
     settings.setting(
-        app.add_option("--listen", raw.listen, "[HOST:]PORT for point-to-point clients; 127.0.0.1 if no host")
+        app.add_option(
+               "--listen", raw.listen,
+               "[HOST:]PORT[/lines|/frames] for point-to-point clients; 127.0.0.1 if no host. Several "
+               "addresses: separated by commas, or several times")
+            ->delimiter(',')
             ->group("Point to point"));
+    settings.setting(app.add_option("--listen-silence", raw.listen_silence,
+                                    "A client that sent nothing for so long gets plain lines")
+                         ->capture_default_str()
+                         ->group("Point to point"));
+}
+
+Expected<ListenAddress> parse_listen(std::string_view text) {
+    using Kind = ClientFraming::Kind;
+    ListenAddress listen;
+    if (text.starts_with("tcp://")) text.remove_prefix(6);
+    if (const auto slash = text.rfind('/'); slash != std::string_view::npos && !text.ends_with("/")) {
+        const auto framing = text.substr(slash + 1);
+        if (framing != "lines" && framing != "frames")
+            return fail("\"" + std::string(framing) + "\" is neither lines nor frames");
+        listen.framing = framing == "lines" ? Kind::kLines : Kind::kFrames;
+        text = text.substr(0, slash);
+    }
+    auto address = link::parse_tcp_address(text, "127.0.0.1");
+    if (!address) return fail(address.error());
+    listen.address = std::move(*address);
+    return listen;
 }
 
 Unexpected<int> usage_error(const std::string& text) {
@@ -131,9 +159,14 @@ Expected<AgentOptions, int> read_options(int argc, const char* const* argv) {
     if (!raw.tcp.empty())
         if (const auto address = link::parse_tcp_address(raw.tcp); !address)
             return usage_error("--tcp: " + address.error());
-    if (!raw.listen.empty())
-        if (const auto address = link::parse_tcp_address(raw.listen, "127.0.0.1"); !address)
-            return usage_error("--listen: " + address.error());
+    for (const std::string& text : raw.listen) {
+        auto listen = parse_listen(text);
+        if (!listen) return usage_error("--listen: " + listen.error());
+        options.listen.push_back(std::move(*listen));
+    }
+    const auto silence = text::parse_duration(raw.listen_silence);
+    if (!silence) return usage_error("--listen-silence: " + silence.error());
+    options.listen_silence = *silence;
     auto mqtt = program::mqtt_options(raw.broker, "asip-agent");
     if (!mqtt) return usage_error(mqtt.error());
     options.mqtt = std::move(*mqtt);
@@ -144,7 +177,6 @@ Expected<AgentOptions, int> read_options(int argc, const char* const* argv) {
 
     options.serial = raw.serial;
     options.tcp = raw.tcp;
-    options.listen = raw.listen;
     options.baud = raw.baud;
     options.reset = raw.reset == "never"    ? ResetPolicy::kNever
                     : raw.reset == "always" ? ResetPolicy::kAlways

@@ -1,22 +1,31 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "agent/bridge.hpp"
+#include "agent/client_framing.hpp"
 #include "asip/expected.hpp"
+#include "asip/link/tcp_stream.hpp"
 #include "asip/mqtt/options.hpp"
 
 namespace asip::agent {
 
 enum class ResetPolicy { kNever, kAlways, kIfSilent };
 
+struct ListenAddress {
+    link::TcpAddress address;
+    ClientFraming::Kind framing = ClientFraming::Kind::kUnknown;
+};
+
 struct AgentOptions {
     BridgeOptions bridge;
     mqtt::Options mqtt;
     model::ModelSet models;
-    std::string serial;  ///< device; empty: `tcp`
-    std::string tcp;     ///< HOST:PORT; empty: `serial`
-    std::string listen;  ///< [HOST:]PORT for point-to-point clients; empty: none
+    std::string serial;                 ///< device; empty: `tcp`
+    std::string tcp;                    ///< HOST:PORT; empty: `serial`
+    std::vector<ListenAddress> listen;  ///< for point-to-point clients
+    Duration listen_silence = std::chrono::seconds(2);
     unsigned baud = 57600;
     ResetPolicy reset = ResetPolicy::kIfSilent;
 };

@@ -1,50 +1,127 @@
 #include "agent/point_to_point.hpp"
 
+#include <algorithm>
+#include <boost/asio/post.hpp>
+#include <utility>
+
 #include "asip/program/log.hpp"
 
 namespace asip::agent {
 
 namespace log = program::log;
 
-Expected<std::uint16_t, link::StreamError> PointToPoint::listen(const link::TcpAddress& address) {
-    auto listener = link::listen_tcp(io_, address, [this](auto stream) { accepted(std::move(stream)); });
+namespace {
+
+constexpr Duration kBetweenRefusalLogs = std::chrono::seconds(10);
+
+}  // namespace
+
+PointToPoint::PointToPoint(boost::asio::io_context& io, Duration silence, LineHandler on_line)
+    : io_(io), silence_(silence), on_line_(std::move(on_line)), silence_timer_(io) {}
+
+Expected<std::uint16_t, link::StreamError> PointToPoint::listen(const link::TcpAddress& address,
+                                                                ClientFraming::Kind framing) {
+    auto listener = link::listen_tcp(io_, address,
+                                     [this, framing](auto stream) { accepted(std::move(stream), framing); });
     if (!listener) return Unexpected<link::StreamError>(listener.error());
-    listener_ = std::move(*listener);
-    return listener_->port();
+    listeners_.push_back(std::move(*listener));
+    return listeners_.back()->port();
 }
 
-void PointToPoint::accepted(std::unique_ptr<link::ByteStream> stream) {
-    if (clients_.size() >= kMostClients) {
-        log::warning("client refused: too many", {{"client", stream->describe()}, {"most", kMostClients}});
-        return;
+bool PointToPoint::make_room() {
+    if (living() < kMaxClients) return true;
+    const auto idle =
+        std::min_element(clients_.begin(), clients_.end(), [](const Client& a, const Client& b) {
+            return std::pair(a.gone, a.heard) < std::pair(b.gone, b.heard);
+        });
+    const Time now = Clock::now();
+    if (now - idle->heard >= kMayBeDropped) {
+        drop(*idle, "sent nothing for longest, and another wants its place");
+        return true;
     }
+    ++refused_;
+    if (!refusal_logged_ || now >= *refusal_logged_ + kBetweenRefusalLogs) {
+        refusal_logged_ = now;
+        log::warning("client refused: too many", {{"maximum", kMaxClients}, {"refused", refused_}});
+    }
+    return false;
+}
+
+void PointToPoint::accepted(std::unique_ptr<link::ByteStream> stream, ClientFraming::Kind framing) {
+    if (!make_room()) return;
     log::info("client connected", {{"client", stream->describe()}});
-    const auto client = clients_.insert(clients_.end(), Client{std::move(stream), {}});
-    client->stream->start({[this, client](std::string_view bytes) {
-                               for (const auto& line : client->framing.decode(bytes))
-                                   on_line_(line);
-                           },
-                           [this, client](const link::StreamError&) { drop(client, "closed"); }});
+    const Time now = Clock::now();
+    const auto client = clients_.insert(
+        clients_.end(), Client{next_id_++, std::move(stream), ClientFraming(framing), now, now, false, {}});
+    client->stream->start({[this, client](std::string_view bytes) { received(*client, bytes); },
+                           [this, client](const link::StreamError&) { drop(*client, "closed"); }});
+    watch_silence();
 }
 
-void PointToPoint::drop(std::list<Client>::iterator client, const char* why) {
-    log::info("client gone", {{"client", client->stream->describe()}, {"why", why}});
-    clients_.erase(client);
+void PointToPoint::received(Client& client, std::string_view bytes) {
+    client.heard = Clock::now();
+    for (auto& line : client.framing.decode(bytes))
+        client.waiting.push_back(std::move(line));
+    give(client);
 }
 
-void PointToPoint::broadcast(std::string_view line) {
-    for (auto client = clients_.begin(); client != clients_.end();) {
-        const auto here = client++;
-        if (here->stream->unsent_bytes() > kMostUnsentBytes) {
-            drop(here, "too slow");
-        } else {
-            here->stream->write(here->framing.encode(line));
+void PointToPoint::give(Client& client) {
+    if (std::exchange(giving_, true)) return;
+    while (!client.gone && !client.waiting.empty() && on_line_(client.id, client.waiting.front()))
+        client.waiting.pop_front();
+    if (!client.gone) client.stream->pause_reading(!client.waiting.empty());
+    giving_ = false;
+}
+
+void PointToPoint::resume() {
+    for (Client& client : clients_)
+        if (!client.gone && !client.waiting.empty()) give(client);
+}
+
+std::size_t PointToPoint::living() const {
+    return static_cast<std::size_t>(
+        std::count_if(clients_.begin(), clients_.end(), [](const Client& client) { return !client.gone; }));
+}
+
+void PointToPoint::drop(Client& client, const char* why) {
+    if (std::exchange(client.gone, true)) return;
+    log::info("client gone", {{"client", client.stream->describe()}, {"why", why}});
+    client.stream->close();
+    boost::asio::post(io_, [this] { clients_.remove_if([](const Client& each) { return each.gone; }); });
+}
+
+void PointToPoint::send(std::string_view line, std::optional<session::ClientId> to) {
+    for (Client& client : clients_) {
+        if (client.gone || (to && *to != client.id)) continue;
+        if (client.stream->unsent_bytes() > kMaxUnsentBytes) {
+            drop(client, "too slow");
+        } else if (const std::string bytes = client.framing.encode(line); !bytes.empty()) {
+            client.stream->write(bytes);
         }
     }
 }
 
+void PointToPoint::watch_silence() {
+    Time next = Time::max();
+    const Time now = Clock::now();
+    for (Client& client : clients_) {
+        if (client.framing.kind() != ClientFraming::Kind::kUnknown) continue;
+        if (now >= client.connected + silence_) {
+            client.framing.assume_lines();
+        } else {
+            next = std::min(next, client.connected + silence_);
+        }
+    }
+    if (next == Time::max()) return;
+    silence_timer_.expires_at(next);
+    silence_timer_.async_wait([this](boost::system::error_code error) {
+        if (!error) watch_silence();
+    });
+}
+
 void PointToPoint::close() {
-    listener_.reset();
+    silence_timer_.cancel();
+    listeners_.clear();
     clients_.clear();
 }
 

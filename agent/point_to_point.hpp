@@ -1,44 +1,74 @@
 #pragma once
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <deque>
 #include <functional>
 #include <list>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "agent/client_framing.hpp"
 #include "asip/expected.hpp"
 #include "asip/link/tcp_stream.hpp"
+#include "asip/session/action.hpp"
+#include "asip/time.hpp"
 
 namespace asip::agent {
 
-/// Offers the board to point-to-point clients over TCP: what the board says goes to each, what any of them
-/// says goes to the board. A client that does not read is dropped once kMostUnsentBytes wait for it.
+/// Offers the board to point-to-point clients over TCP. A client that sends faster than the board executes is
+/// read more slowly; one that does not read is dropped once kMaxUnsentBytes wait for it. Where kMaxClients
+/// are connected, a new one takes the place of the one that sent nothing for longest, if that is
+/// kMayBeDropped.
 class PointToPoint {
   public:
-    static constexpr std::size_t kMostUnsentBytes = 64 * 1024;
-    static constexpr std::size_t kMostClients = 64;
+    static constexpr std::size_t kMaxUnsentBytes = 64 * 1024;
+    static constexpr std::size_t kMaxClients = 64;
+    static constexpr Duration kMayBeDropped = std::chrono::seconds(10);
 
-    using LineHandler = std::function<void(std::string_view line)>;
+    /// A line of a client. False: not now; it is given again at the next resume().
+    using LineHandler = std::function<bool(session::ClientId client, std::string_view line)>;
 
-    PointToPoint(boost::asio::io_context& io, LineHandler on_line) : io_(io), on_line_(std::move(on_line)) {}
+    /// `silence`: a client that sent nothing for so long is taken to want plain lines.
+    PointToPoint(boost::asio::io_context& io, Duration silence, LineHandler on_line);
 
-    Expected<std::uint16_t, link::StreamError> listen(const link::TcpAddress& address);
-    void broadcast(std::string_view line);
+    Expected<std::uint16_t, link::StreamError> listen(const link::TcpAddress& address,
+                                                      ClientFraming::Kind framing);
+    /// To all clients, or to one.
+    void send(std::string_view line, std::optional<session::ClientId> to);
+    /// Room may have become free: gives the lines that could not be accepted once more.
+    void resume();
     void close();
-    std::size_t clients() const { return clients_.size(); }
 
   private:
     struct Client {
+        session::ClientId id;
         std::unique_ptr<link::ByteStream> stream;
         ClientFraming framing;
+        Time connected;
+        Time heard;
+        bool gone = false;  // erased at the next turn of the loop: its handlers may still be running
+        std::deque<std::string> waiting;  // lines that could not be accepted yet; reading is paused meanwhile
     };
-    void accepted(std::unique_ptr<link::ByteStream> stream);
-    void drop(std::list<Client>::iterator client, const char* why);
+    void accepted(std::unique_ptr<link::ByteStream> stream, ClientFraming::Kind framing);
+    bool make_room();
+    void received(Client& client, std::string_view bytes);
+    void give(Client& client);
+    std::size_t living() const;
+    void drop(Client& client, const char* why);
+    void watch_silence();
 
     boost::asio::io_context& io_;
+    Duration silence_;
     LineHandler on_line_;
-    std::unique_ptr<link::TcpListener> listener_;
+    boost::asio::steady_timer silence_timer_;
+    std::vector<std::unique_ptr<link::TcpListener>> listeners_;
     std::list<Client> clients_;
+    bool giving_ = false;
+    session::ClientId next_id_ = 1;
+    std::uint64_t refused_ = 0;
+    std::optional<Time> refusal_logged_;
 };
 
 }  // namespace asip::agent

@@ -1,8 +1,9 @@
 #pragma once
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
-#include <string>
+#include <string_view>
 #include <unordered_map>
 
 #include "asip/bus/reply.hpp"
@@ -10,27 +11,62 @@
 
 namespace asip::agent {
 
-/// Remembers requests by their key for a minute, so that a repeated one is answered again instead of executed
-/// again. At most kMost; beyond, the oldest is forgotten.
+/// Remembers requests for a minute, so that a repeated one is answered again instead of executed again. Keeps
+/// at least kGuaranteed of them as long as their answers are short, and never more than kMaxBytes; beyond,
+/// the oldest is forgotten.
 class RecentAnswers {
   public:
-    static constexpr std::size_t kMost = 4096;
+    static constexpr std::size_t kGuaranteed = 16'384;
+    static constexpr std::size_t kMaxBytes = 2 << 20;
     static constexpr Duration kKept = std::chrono::minutes(1);
 
-    enum class Seen { kNew, kPending, kAnswered };
+    /// What tells a request from others: who sent it where, under which id.
+    using Key = std::uint64_t;
+    static Key key(std::string_view topic, std::string_view reply_topic, std::string_view id);
 
-    /// Whether a request with this key was seen before; a new one is remembered as pending.
-    Seen see(const std::string& key, Time now);
-    void answer(const std::string& key, bus::Reply reply);
-    /// The reply of an answered one.
-    const bus::Reply* find(const std::string& key) const;
+    enum class Seen {
+        kNew,           ///< it is remembered as pending from now on
+        kPending,       ///< the same was seen and has not ended
+        kAnswered,      ///< the same was seen and has ended: see find()
+        kOtherPayload,  ///< another request had this key
+    };
+    Seen see(Key key, std::string_view payload, Time now);
+    /// Nothing happens where the request was forgotten meanwhile.
+    void answer(Key key, const bus::Reply& reply);
+    /// The request was not executed: the same may be tried again.
+    void forget(Key key);
+    /// The reply of an answered one, without its id; none where it was forgotten.
+    std::unique_ptr<bus::Reply> find(Key key) const;
+
     std::size_t size() const { return entries_.size(); }
+    std::size_t bytes() const;
+    /// Forgotten before their minute was over.
+    std::uint64_t dropped() const { return dropped_; }
 
   private:
-    void forget_old(Time now);
+    struct Entry {
+        std::uint64_t payload = 0;
+        std::uint32_t number = 0;  // tells it from one that had the key before
+        bool answered = false;
+        // Absent for a pending one and for the most frequent answer, "ok, by a fence".
+        std::unique_ptr<bus::Reply> reply;
+    };
+    struct Turn {
+        Time seen;
+        Key key;
+        std::uint32_t number;
+    };
+    // With what the containers need themselves.
+    static constexpr std::size_t kEntryBytes = sizeof(Entry) + sizeof(Turn) + sizeof(Key) + 3 * sizeof(void*);
 
-    std::unordered_map<std::string, std::optional<bus::Reply>> entries_;
-    std::deque<std::pair<Time, std::string>> order_;
+    void forget_old(std::optional<Time> now);
+    void erase(Key key);
+
+    std::unordered_map<Key, Entry> entries_;
+    std::deque<Turn> turns_;  // in the order seen; entries that were erased may still be in here
+    std::size_t reply_bytes_ = 0;
+    std::uint32_t next_number_ = 0;
+    std::uint64_t dropped_ = 0;
 };
 
 }  // namespace asip::agent

@@ -57,12 +57,16 @@ inline constexpr std::string_view kRefusedQueueFull = "queue-full";
 inline constexpr std::string_view kRefusedInvalid = "invalid";
 inline constexpr std::string_view kRefusedBoardNotThere = "board-not-there";
 inline constexpr std::string_view kRefusedRetained = "retained";
+inline constexpr std::string_view kRefusedDeadline = "deadline";
+inline constexpr std::string_view kRefusedIdReused = "id-reused";
 
 /// Reasons of Reply::kTimeout: something on the line to the board was lost or damaged, so that it may or may
 /// not have executed the command; and: it executed the command, but the value that was asked for did not
 /// come.
 inline constexpr std::string_view kTimeoutDoubt = "doubt";
 inline constexpr std::string_view kTimeoutNoValue = "no-value";
+/// Of a command of several lines some were sent and others were not.
+inline constexpr std::string_view kTimeoutPartly = "partly";
 
 /// The JSON text of a reply, `{"id":"7","status":"ok","proof":"fence"}`. Bytes of id, error and reason that
 /// are not UTF-8 are replaced; an `answer` that is not JSON becomes a JSON string.

@@ -48,6 +48,10 @@ class ByteStream {
     /// Never from inside this call; never after close(). A later call replaces an earlier `done`.
     virtual void when_sent(std::function<void()> done) = 0;
 
+    /// While paused, nothing is read: the peer is slowed down once the system's buffers are full. What was
+    /// read before may still be delivered. Safe in a handler of this stream.
+    virtual void pause_reading(bool paused) = 0;
+
     virtual void close() = 0;
 
     /// For logs: `/dev/ttyACM0`, `tcp://127.0.0.1:5000`.

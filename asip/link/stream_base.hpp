@@ -49,6 +49,11 @@ class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
         if (queue_.empty()) notify_sent();
     }
 
+    void pause_reading(bool paused) {
+        paused_ = paused;
+        if (!paused_ && !reading_ && !closed_ && handlers_.on_bytes) read();
+    }
+
     void close() {
         closed_ = true;
         sent_ = nullptr;
@@ -58,6 +63,8 @@ class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
 
   private:
     void read() {
+        if (paused_) return note_paused();
+        reading_ = true;
         socket_.async_read_some(
             boost::asio::buffer(buffer_),
             [self = this->shared_from_this()](const boost::system::error_code& error, std::size_t size) {
@@ -72,6 +79,8 @@ class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
                 if (!self->closed_) self->read();
             });
     }
+
+    void note_paused() { reading_ = false; }
 
     void write_next() {
         socket_.async_write_some(
@@ -114,6 +123,8 @@ class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
     std::function<void()> sent_;
     std::size_t unsent_ = 0;
     bool closed_ = false;
+    bool paused_ = false;
+    bool reading_ = false;  // an operation is under way, or its handler runs
 };
 
 /// A ByteStream over a core: `Base` is ByteStream or an interface that extends it.
@@ -128,6 +139,7 @@ class CoreStream : public Base {
     void write(std::string_view bytes) override { core_->write(bytes); }
     std::size_t unsent_bytes() const override { return core_->unsent_bytes(); }
     void when_sent(std::function<void()> done) override { core_->when_sent(std::move(done)); }
+    void pause_reading(bool paused) override { core_->pause_reading(paused); }
     void close() override { core_->close(); }
     std::string describe() const override { return core_->name(); }
 

@@ -47,7 +47,7 @@ Expected<EncodedCommand> finish(const ServiceModel& model, const CommandModel& c
     }
     const auto arguments = write_arguments(command, values, strictness);
     if (!arguments) return fail(arguments.error());
-    EncodedCommand result{{}, command.name, model.id, command.tag, command.answer};
+    EncodedCommand result{{}, command.name, model.id, command.tag, command.answer, command.answer_time};
     result.line = std::string{model.id, ',', command.tag} + *arguments;
     if (result.line.size() > protocol::kMaxRequestBytes) {
         return fail(command.name + ": the request would be " + std::to_string(result.line.size()) +

@@ -1,5 +1,7 @@
 #pragma once
+#include <chrono>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,7 +16,8 @@ struct EncodedCommand {
     std::string command;  // its name in the model; empty for a service without a model
     char service = 0;
     char tag = 0;
-    char answer = 0;  // tag of the event that answers it; 0: none
+    char answer = 0;                                       // tag of the event that answers it; 0: none
+    std::optional<std::chrono::milliseconds> answer_time;  // after its execution; none: nothing is known
 };
 
 // Each checks name, count, types and ranges, and fails with a reason for a person: "period: 70000 is above

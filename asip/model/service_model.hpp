@@ -1,4 +1,5 @@
 #pragma once
+#include <chrono>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -59,7 +60,8 @@ struct CommandModel {
     std::string name;
     std::string title;
     std::vector<Field> args;
-    char answer = 0;  // tag of the event that answers it; 0: none
+    char answer = 0;                                       // tag of the event that answers it; 0: none
+    std::optional<std::chrono::milliseconds> answer_time;  // within which that event comes, once executed
 };
 
 /// One kind of service: the contents of one file of services/. Immutable once loaded.

@@ -81,6 +81,8 @@ CommandModel read_command(const std::string& name, const json& object) {
     command.tag = text_at(object, "tag").front();
     command.title = text_at(object, "title");
     if (object.contains("answer")) command.answer = text_at(object, "answer").front();
+    if (object.contains("answer_ms"))
+        command.answer_time = std::chrono::milliseconds(object.at("answer_ms").get<int>());
     if (object.contains("args")) {
         for (const auto& argument : object["args"])
             command.args.push_back(read_field(argument));

@@ -35,6 +35,9 @@ std::optional<Time> BoardSession::next_deadline() const {
 std::size_t BoardSession::room(ClientId client) const {
     return machine_->room(client);
 }
+bool BoardSession::accepts_requests() const {
+    return machine_->accepts_requests();
+}
 BoardSession::State BoardSession::state() const {
     return machine_->state();
 }

@@ -120,6 +120,8 @@ class BoardSession {
     /// wait, each until its deadline. The Finished of the request may already be among `out`.
     Expected<RequestId, Refusal> submit(std::string_view line, const RequestOptions& request, Time now,
                                         Actions& out);
+    /// Whether submit() would not refuse a request with kNoBoard.
+    bool accepts_requests() const;
     /// How many more requests of this client may be queued now.
     std::size_t room(ClientId client) const;
 
@@ -143,6 +145,9 @@ class BoardSession {
   private:
     std::unique_ptr<Machine> machine_;
 };
+
+/// Whether submit() would not refuse this line with kInvalid.
+bool may_be_sent(std::string_view line);
 
 /// For logs.
 const char* to_string(BoardSession::State state);

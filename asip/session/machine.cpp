@@ -139,14 +139,18 @@ void Machine::fall_silent(Time now, Actions& out) {
 
 // --- requests
 
+bool may_be_sent(std::string_view line) {
+    const auto parsed = protocol::parse_request(line);
+    // The line rate and checksums are between the board and us.
+    return parsed && (parsed->service != '#' || (parsed->tag != 'B' && parsed->tag != 'C'));
+}
+
 Expected<RequestId, Refusal> Machine::submit(std::string_view line, const RequestOptions& wanted, Time now,
                                              Actions& out) {
     while (!line.empty() && (line.back() == '\n' || line.back() == '\r'))
         line.remove_suffix(1);
+    if (!may_be_sent(line)) return Unexpected<Refusal>(Refusal::kInvalid);
     const auto parsed = protocol::parse_request(line);
-    // The line rate and checksums are between the board and us.
-    if (!parsed || (parsed->service == '#' && (parsed->tag == 'B' || parsed->tag == 'C')))
-        return Unexpected<Refusal>(Refusal::kInvalid);
     if (!there_) return Unexpected<Refusal>(Refusal::kNoBoard);
     if (room(wanted.client) == 0) return Unexpected<Refusal>(Refusal::kQueueFull);
     Request request;

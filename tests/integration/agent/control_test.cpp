@@ -135,7 +135,7 @@ TEST_F(AgentControl, TenThousandCommandsAtOnce_EachIsAnsweredOnce) {
     }
     EXPECT_EQ(ids.size(), static_cast<std::size_t>(kCommands));
     EXPECT_EQ(probe.count("answers"), static_cast<std::size_t>(kCommands));
-    EXPECT_GE(executed, 512);
+    EXPECT_GE(executed, 64);
     EXPECT_LT(agent.process().resident_bytes(), before + (16u << 20));
     EXPECT_TRUE(works());
 }

@@ -16,11 +16,11 @@ const std::string kState = "asip/servicebus/uno1/$state";
 const std::string kDescription = "asip/servicebus/uno1/$description";
 const std::string kProbe = "asip/servicebus/$probe";
 
-std::string foreign_description(const std::string& session) {
+std::string foreign_description(const std::string& session, std::uint64_t seq = 1) {
     model::Description other;
     other.board = "uno1";
     other.session = session;
-    other.seq = 1;
+    other.seq = seq;
     other.agent = {"0.1.0", "pi", "asip-agent-pi-1"};
     return model::to_text(other);
 }
@@ -131,12 +131,56 @@ TEST(Announcer, Takeover_AnnouncesALaterSessionThanTheHolders) {
     EXPECT_GT(model::parse_description(bench.on(kDescription)[0])->session, "ffff");
 }
 
-TEST(Announcer, LaterSessionAnnouncesOurName_WeEnd) {
+TEST(Announcer, LaterSessionAnnouncesOurNameAndAnswersTheProbe_WeEnd) {
     BridgeBench bench;
     bench.go_online();
+    bench.published.clear();
     bench.hear(kDescription, foreign_description("ffffffffffffffff"));
+    EXPECT_FALSE(bench.fatal);
+    EXPECT_THAT(bench.on(kProbe), ElementsAre("uno1"));
+    bench.pass(500ms);
+    bench.hear(kDescription, foreign_description("ffffffffffffffff", 2));
     ASSERT_TRUE(bench.fatal);
     EXPECT_EQ(bench.fatal->status, program::kExitNameConflict);
+}
+
+TEST(Announcer, OneForgedDescription_IsPutRightAndWeStay) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.published.clear();
+    bench.hear(kDescription, foreign_description("ffffffffffffffff"));
+    bench.hear(kDescription, foreign_description("ffffffffffffffff"));
+    bench.pass(2s);
+    EXPECT_FALSE(bench.fatal);
+    ASSERT_FALSE(bench.on(kDescription).empty());
+    EXPECT_GT(model::parse_description(bench.on(kDescription).back())->session, "ffffffffffffffff")
+        << "the later one is believed";
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}})["status"], "ok");
+}
+
+TEST(Announcer, FloodOfProbes_IsAnsweredTwiceASecondAtMost) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.published.clear();
+    for (int i = 0; i < 1000; ++i) {
+        bench.hear(kProbe, "");
+        bench.pass(10ms);
+    }
+    EXPECT_LE(bench.on(kDescription).size(), 21u);
+    EXPECT_GE(bench.on(kDescription).size(), 8u);
+}
+
+TEST(Announcer, ControlSubscriptionNotGranted_IsNotOnline) {
+    BridgeBench bench;
+    bench.grants_subscriptions = false;
+    bench.go_online();
+    bench.pass(60s);
+    EXPECT_THAT(bench.on(kState), IsEmpty());
+    EXPECT_THAT(bench.on(kDescription), IsEmpty());
+    Effects effects;
+    bench.bridge.bus_subscribed(bench.now, effects);
+    EXPECT_FALSE(effects.publish.empty());
+    EXPECT_EQ(effects.publish.front().message.payload, "online");
 }
 
 TEST(Announcer, OlderSessionIsReplayed_WeAnnounceAgainAndStay) {

@@ -30,7 +30,9 @@ class BridgeBench {
     Bridge bridge;
     Time now{};
     std::vector<Publication> published;
-    std::vector<std::string> client_lines;
+    bool grants_subscriptions = true;
+    std::vector<std::string> client_lines;  ///< for all of them
+    std::vector<ClientLine> lines_for_one;
     std::vector<std::string> notices;
     std::optional<Fatal> fatal;
 
@@ -44,6 +46,7 @@ class BridgeBench {
     }
     void connect() {
         run([&](Effects& out) { bridge.bus_connected(now, "client", out); });
+        if (grants_subscriptions) run([&](Effects& out) { bridge.bus_subscribed(now, out); });
     }
     /// Board, bus, and the name claimed.
     void go_online() {
@@ -64,10 +67,10 @@ class BridgeBench {
         message.retain = retained;
         hear(message);
     }
-    bool client_says(std::string_view line) {
-        bool taken = false;
-        run([&](Effects& out) { taken = bridge.client_line(line, now, out); });
-        return taken;
+    Bridge::ClientResult client_says(std::string_view line, session::ClientId client = 1) {
+        auto result = Bridge::ClientResult::kAccepted;
+        run([&](Effects& out) { result = bridge.client_line(client, line, now, out); });
+        return result;
     }
     void pass(Duration time) {
         const Time end = now + time;
@@ -110,11 +113,13 @@ class BridgeBench {
         for (auto& publication : effects.publish)
             published.push_back(std::move(publication));
         for (auto& line : effects.lines)
-            client_lines.push_back(std::move(line));
+            line.client ? lines_for_one.push_back(line) : client_lines.push_back(line.line);
         for (auto& notice : effects.notices)
             notices.push_back(notice.text);
         if (effects.fatal) fatal = effects.fatal;
         if (!answer.empty()) say(answer);
+        if (effects.name_claimed && grants_subscriptions)
+            run([&](Effects& out) { bridge.bus_subscribed(now, out); });
     }
 };
 

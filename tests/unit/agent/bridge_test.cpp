@@ -224,6 +224,186 @@ TEST_F(OnlineBridge, SameIdWithinAMinute_IsAnsweredAgainNotExecutedAgain) {
     EXPECT_EQ(bench.board.executed.size(), 2u);
 }
 
+TEST_F(OnlineBridge, SameIdWithAnotherCommand_IsRefusedAndNotExecuted) {
+    bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "a");
+    const auto other = bench.ask("asip/uno1/servo/in", {{"write", {0, 10}}}, "a");
+    EXPECT_EQ(other["status"], "refused");
+    EXPECT_EQ(other["reason"], "id-reused");
+    EXPECT_EQ(bench.ask("asip/uno1/distance/in", {{"report", 100}}, "a")["status"], "ok") << "another topic";
+    EXPECT_THAT(bench.board.executed, ElementsAre("S,W,0,90", "D,A,100"));
+}
+
+TEST_F(OnlineBridge, Refused_IsTriedAgainUnderTheSameId) {
+    bench.unplug();
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "a")["reason"], "board-not-there");
+    bench.plug();
+    bench.pass(1s);
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "a")["status"], "ok");
+}
+
+TEST_F(OnlineBridge, IdRepeatedAfterTenThousandOthers_IsStillKnown) {
+    bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "first");
+    for (int i = 0; i < 10'000; ++i) {
+        bench.ask("asip/uno1/servo/in", {{"write", {0, 80}}}, std::to_string(i));
+        bench.published.clear();
+    }
+    bench.board.executed.clear();
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "first")["status"], "ok");
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+// --- one answer, in time
+
+TEST_F(OnlineBridge, BoardMute_EachCommandIsAnsweredAtItsDeadline) {
+    bench.board.mute = true;
+    bench.hear("asip/uno1/servo/in", R"({"write":[0,90],"id":"1","reply_to":"answers","deadline_ms":200})");
+    bench.hear("asip/uno1/servo/in", R"({"write":[0,91],"id":"2","reply_to":"answers","deadline_ms":200})");
+    bench.pass(200ms);
+    EXPECT_EQ(bench.on("answers").size(), 2u);
+    mqtt::Message expiring;
+    expiring.topic = "asip/uno1/servo/in";
+    expiring.payload = R"({"write":[0,92],"id":"3","reply_to":"answers"})";
+    expiring.expiry_seconds = 1;
+    bench.hear(expiring);
+    bench.pass(1s);
+    EXPECT_EQ(bench.on("answers").size(), 3u);
+}
+
+TEST_F(OnlineBridge, DeadlineOutOfRange_IsRefused) {
+    for (const char* deadline : {"49", "60001", "-1", "1.5", "\"100\""}) {
+        bench.hear("asip/uno1/servo/in",
+                   std::string(R"({"write":[0,90],"reply_to":"answers","deadline_ms":)") + deadline + "}");
+        EXPECT_EQ(json::parse(bench.on("answers").back())["reason"], "invalid") << deadline;
+    }
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST_F(OnlineBridge, BoardDiesAfterItsBanner_IsLostAndAllIsAnsweredAndNothingRunsLater) {
+    bench.board.mute = true;
+    bench.say(bench.board.banner());
+    for (int i = 0; i < 8; ++i)
+        bench.ask("asip/uno1/servo/in", {{"write", {0, i}}}, std::to_string(i));
+    bench.pass(6s);
+    EXPECT_EQ(bench.on("answers").size(), 8u);
+    EXPECT_EQ(bench.on("asip/servicebus/uno1/$state").back(), "lost");
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 9}}}, "9")["reason"], "board-not-there");
+    bench.board.mute = false;
+    bench.pass(30s);
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST_F(OnlineBridge, LinkBackToAMuteBoard_CommandsAreRefusedAndNoneRunsLater) {
+    bench.unplug();
+    bench.board.mute = true;
+    bench.plug();
+    for (int i = 0; i < 600; ++i)
+        EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, std::to_string(i))["reason"],
+                  "board-not-there");
+    bench.board.mute = false;
+    bench.pass(30s);
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST_F(OnlineBridge, SomeLinesSentAndOthersNot_IsNotCalledRefused) {
+    bench.board.mute = true;
+    bench.ask("asip/uno1/in",
+              {{"raw", "S,W,0,1\nS,W,0,2\nS,W,0,3\nS,W,0,4\nS,W,0,5\nS,W,0,6\nS,W,0,7\nS,W,0,8"}});
+    bench.pass(6s);
+    ASSERT_EQ(bench.on("answers").size(), 1u);
+    EXPECT_EQ(json::parse(bench.on("answers")[0])["status"], "timeout");
+}
+
+TEST_F(OnlineBridge, MoreLinesThanThereIsRoomFor_NoneIsSent) {
+    bench.board.mute = true;
+    std::string lines;
+    for (int i = 0; i < 60; ++i)
+        lines += "S,W,0," + std::to_string(i) + "\n";
+    bench.hear("asip/uno1/in", lines);
+    bench.hear("asip/uno1/in", lines);
+    bench.board.mute = false;
+    bench.pass(5s);
+    EXPECT_LE(std::count(bench.board.executed.begin(), bench.board.executed.end(), "S,W,0,59"), 1);
+    EXPECT_LE(std::count(bench.board.executed.begin(), bench.board.executed.end(), "S,W,0,0"), 1);
+    ASSERT_FALSE(bench.on("asip/uno1/servo/error").empty());
+    EXPECT_EQ(json::parse(bench.on("asip/uno1/servo/error").front())["reason"], "queue-full");
+}
+
+TEST_F(OnlineBridge, LastLineNotAllowed_NoneIsSent) {
+    EXPECT_EQ(bench.ask("asip/uno1/in", {{"raw", "I,d,13,1\n#,B,500000"}})["status"], "refused");
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST_F(OnlineBridge, DamageWhileACommandIsUnderWay_IsAnsweredAsDoubt) {
+    bench.board.swallow_fences = 1;
+    bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}});
+    bench.pass(2s);
+    ASSERT_EQ(bench.on("answers").size(), 1u);
+    EXPECT_EQ(json::parse(bench.on("answers")[0]),
+              json::parse(R"({"id":"1","status":"timeout","reason":"doubt"})"));
+}
+
+// --- who gets what
+
+TEST_F(OnlineBridge, AnswersAndErrorsOfAClient_GoToItAlone) {
+    bench.board.replies["S,W,9,9"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    bench.client_says("#,?", 1);
+    bench.client_says("S,W,9,9", 2);
+    bench.client_says("#,E,mine", 3);
+    bench.ask("asip/uno1/in", {{"raw", "#,N"}});
+    bench.pass(1s);
+    EXPECT_THAT(bench.client_lines, IsEmpty());
+    ASSERT_EQ(bench.lines_for_one.size(), 3u);
+    EXPECT_EQ(bench.lines_for_one[0].line.substr(0, 5), "@#,?,");
+    EXPECT_EQ(bench.lines_for_one[0].client, 1u);
+    EXPECT_EQ(bench.lines_for_one[1].client, 2u);
+    EXPECT_EQ(bench.lines_for_one[2].line, "@#,E,mine");
+    EXPECT_EQ(bench.lines_for_one[2].client, 3u);
+    bench.say("@D,e,1,{42}\r\n~S,W,7{INVALID_DEVICE_NUMBER}\r\n");
+    EXPECT_EQ(bench.client_lines.size(), 2u) << "events, and what nobody asked for, go to all";
+}
+
+TEST_F(OnlineBridge, ClientAsksForExtensions_IsNotOfferedThoseOfTheLine) {
+    bench.client_says("#,X", 1);
+    ASSERT_EQ(bench.lines_for_one.size(), 1u);
+    EXPECT_EQ(bench.lines_for_one[0].line, "@#,X,2,{E:1,I:1}");
+    bench.client_says("#,C,1", 1);
+    ASSERT_EQ(bench.lines_for_one.size(), 2u);
+    EXPECT_EQ(bench.lines_for_one[1].line, "~#,C,2{UNKNOWN_REQUEST}");
+}
+
+TEST_F(OnlineBridge, ClientTooFast_IsAskedToWaitAndLosesNothing) {
+    bench.board.mute = true;
+    int accepted = 0;
+    while (bench.client_says("I,d,13,1", 1) == Bridge::ClientResult::kAccepted && accepted < 1000)
+        ++accepted;
+    EXPECT_LT(accepted, 100);
+    EXPECT_EQ(bench.client_says("I,d,13,1", 1), Bridge::ClientResult::kLater);
+    EXPECT_EQ(bench.client_says("I,d,13,0", 2), Bridge::ClientResult::kAccepted) << "another client";
+    EXPECT_THAT(bench.on("asip/uno1/io/error"), IsEmpty());
+}
+
+TEST_F(OnlineBridge, ServiceWithoutAModel_PublishesTagAndBody) {
+    bench.board.replies["#,N"] = "@#,N,2,{I:ASIP core IO,Z:A thing}";
+    bench.say(bench.board.banner());
+    bench.pass(1s);
+    bench.say("@Z,e,2,{1,2}\r\n");
+    EXPECT_THAT(bench.on("asip/uno1/Z/out"), ElementsAre(R"({"body":"2,{1,2}","tag":"e"})"));
+}
+
+TEST_F(OnlineBridge, TwoServicesOfOneKind_BothAreReached) {
+    bench.board.replies["#,N"] = "@#,N,3,{I:ASIP core IO,D:Distance,S:Servos}";
+    bench.say(bench.board.banner());
+    bench.pass(1s);
+    const session::ServiceTable table(bench.bridge.session().identity(), model::ModelSet::standard());
+    EXPECT_EQ(table.find('D')->name, "distance");
+    session::Identity two = bench.bridge.session().identity();
+    two.services.push_back({'D', "Distance"});
+    const session::ServiceTable both(two, model::ModelSet::standard());
+    EXPECT_EQ(both.entries()[1].name, "distance");
+    EXPECT_EQ(both.entries()[3].name, "D");
+    EXPECT_NE(both.entries()[3].model, nullptr);
+}
+
 TEST_F(OnlineBridge, ResponseTopic_IsAnsweredWithTheCorrelationData) {
     mqtt::Message command;
     command.topic = "asip/uno1/servo/in";
@@ -257,9 +437,9 @@ TEST_F(OnlineBridge, QueueFull_IsRefusedAndEveryCommandIsAnsweredOnce) {
 }
 
 TEST_F(OnlineBridge, LineOfAClient_ReachesTheBoardAndBadOnesDoNot) {
-    EXPECT_TRUE(bench.client_says("I,d,13,1"));
-    EXPECT_FALSE(bench.client_says("#,B,500000"));
-    EXPECT_FALSE(bench.client_says("nonsense"));
+    EXPECT_EQ(bench.client_says("I,d,13,1"), Bridge::ClientResult::kAccepted);
+    EXPECT_EQ(bench.client_says("#,B,500000"), Bridge::ClientResult::kRefused);
+    EXPECT_EQ(bench.client_says("nonsense"), Bridge::ClientResult::kRefused);
     EXPECT_THAT(bench.board.executed, ElementsAre("I,d,13,1"));
 }
 
@@ -350,7 +530,7 @@ TEST_F(SilentSender, CommandExecuted_NothingIsOnTheErrorTopic) {
 }
 
 TEST_F(SilentSender, LineOfAPointToPointClientRefused_IsTold) {
-    EXPECT_FALSE(bench.client_says("#,B,500000"));
+    EXPECT_EQ(bench.client_says("#,B,500000"), Bridge::ClientResult::kRefused);
     EXPECT_EQ(error("io")["request"], "B,500000");
 }
 
@@ -403,12 +583,63 @@ TEST(Outage, BoardHeard_IsToldOnceAndTheNextOutageAtOnce) {
     EXPECT_TRUE(outage.failed(link::StreamError::Kind::kNotThere, Time{} + 1s));
 }
 
-TEST(RecentAnswers, ManyKeys_OldestIsForgottenAndMemoryBounded) {
+TEST(ClientFraming, NothingHeardYet_NothingIsSent) {
+    ClientFraming framing;
+    EXPECT_EQ(framing.encode("@I,d,4,c"), "");
+    framing.decode(std::string("\0\3#,?", 5));
+    EXPECT_EQ(framing.encode("@x"), std::string("\0\2@x", 4)) << "frames from the first one on";
+}
+
+TEST(ClientFraming, SilentClient_GetsLinesUntilItSendsAFrame) {
+    ClientFraming framing;
+    framing.assume_lines();
+    EXPECT_EQ(framing.encode("@x"), "@x\n");
+    EXPECT_THAT(framing.decode(std::string("\0\3#,?", 5)), ElementsAre("#,?"));
+    EXPECT_EQ(framing.encode("@x"), std::string("\0\2@x", 4));
+}
+
+TEST(ClientFraming, FramingGiven_IsNotGuessed) {
+    ClientFraming framing(ClientFraming::Kind::kFrames);
+    EXPECT_EQ(framing.encode("@x"), std::string("\0\2@x", 4));
+    EXPECT_THAT(framing.decode(std::string("\0\3#,?", 5)), ElementsAre("#,?"));
+}
+
+RecentAnswers::Key key_of(int number) {
+    return RecentAnswers::key("asip/uno1/servo/in", "answers", std::to_string(number));
+}
+
+TEST(RecentAnswers, SixteenThousandAnswers_AreKeptInTwoMegabytes) {
     RecentAnswers recent;
-    for (std::size_t i = 0; i < RecentAnswers::kMost + 100; ++i)
-        recent.see("k" + std::to_string(i), Time{});
-    EXPECT_LE(recent.size(), RecentAnswers::kMost);
-    EXPECT_EQ(recent.see("k0", Time{}), RecentAnswers::Seen::kNew);
+    const int count = static_cast<int>(RecentAnswers::kGuaranteed);
+    for (int i = 0; i < count; ++i) {
+        recent.see(key_of(i), "p", Time{});
+        recent.answer(key_of(i), bus::Reply::ok("fence"));
+    }
+    EXPECT_EQ(recent.dropped(), 0u);
+    EXPECT_EQ(recent.see(key_of(0), "p", Time{}), RecentAnswers::Seen::kAnswered);
+    EXPECT_LE(recent.bytes(), RecentAnswers::kMaxBytes);
+}
+
+TEST(RecentAnswers, LongAnswers_OldestAreDroppedAndCounted) {
+    RecentAnswers recent;
+    for (int i = 0; i < 10'000; ++i) {
+        recent.see(key_of(i), "p", Time{});
+        recent.answer(key_of(i), bus::Reply::ok("answer", std::string(1000, 'x')));
+        ASSERT_LE(recent.bytes(), RecentAnswers::kMaxBytes);
+    }
+    EXPECT_GT(recent.dropped(), 7'000u);
+    EXPECT_EQ(recent.find(key_of(0)), nullptr);
+    ASSERT_NE(recent.find(key_of(9'999)), nullptr);
+    EXPECT_EQ(recent.find(key_of(9'999))->answer.size(), 1000u);
+}
+
+TEST(RecentAnswers, ForgottenAndSeenAgain_IsKeptItsWholeMinute) {
+    RecentAnswers recent;
+    recent.see(key_of(1), "p", Time{});
+    recent.forget(key_of(1));
+    EXPECT_EQ(recent.see(key_of(1), "p", Time{} + 30s), RecentAnswers::Seen::kNew);
+    EXPECT_EQ(recent.see(key_of(1), "p", Time{} + 80s), RecentAnswers::Seen::kPending);
+    EXPECT_EQ(recent.see(key_of(1), "p", Time{} + 91s), RecentAnswers::Seen::kNew);
 }
 
 }  // namespace
