@@ -38,8 +38,11 @@ Board::Board(std::shared_ptr<Core> core) {
     core_ = std::shared_ptr<Core>(raw, [core = std::move(core)](Core*) { core->close(); });
 }
 
-Awaitable<Board> Board::open(std::unique_ptr<Transport> transport, Options options) {
-    const auto core = std::make_shared<Core>(std::move(transport), std::move(options));
+Awaitable<Board> Board::open(std::unique_ptr<Transport> transport, const Options& options) {
+    return open(std::make_shared<Core>(std::move(transport), options));
+}
+
+Awaitable<Board> Board::open(std::shared_ptr<Core> core) {
     const auto opened = co_await core->transport().open(*core);
     if (!opened) {
         core->close();

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "asip/client/error.hpp"
@@ -34,11 +35,17 @@ class Service;
 class Board {
   public:
     Board() = default;
-    /// Over any transport; Board::open makes the usual ones. open() has not been called on it.
-    static Awaitable<Board> open(std::unique_ptr<Transport> transport, Options options);
+    /// Opens a board. Returns once the board is there and its services are known.
     /// `address` as parse_address takes it: "/dev/ttyACM0", "tcp://host:6789", "mqtt://broker/uno1", "uno1".
-    /// `io` outlives the board. Returns once the board is there and its services are known.
-    static Awaitable<Board> open(boost::asio::io_context& io, std::string address, Options options = {});
+    /// `io` outlives the board; `address` and `options` are copied before this returns.
+    /// Errors: Invalid (address or topic root), Unreachable (port, broker or board is not there within
+    /// Options::open_timeout).
+    static Awaitable<Board> open(boost::asio::io_context& io, std::string_view address);
+    static Awaitable<Board> open(boost::asio::io_context& io, std::string_view address,
+                                 const Options& options);
+    /// The same over a transport of the caller's, on which open() was not called yet. Errors are those of its
+    /// open().
+    static Awaitable<Board> open(std::unique_ptr<Transport> transport, const Options& options);
 
     std::string name() const;
     /// Whether the board is there now.
@@ -84,6 +91,8 @@ class Board {
     friend class Service;
     class Core;
     explicit Board(std::shared_ptr<Core> core);
+    static Awaitable<Board> open(std::shared_ptr<Core> core);
+    static Awaitable<Board> fail_to_open(Error error);
     std::shared_ptr<Core> owner() const;
 
     std::shared_ptr<Core> core_;

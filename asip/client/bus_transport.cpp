@@ -83,16 +83,11 @@ Expected<void> BusTransport::make_client() {
     if (!mqtt) return fail(mqtt.error());
     reply_topic_ = topics_.reply(mqtt->user, client_id);
     mqtt::Client::Handlers handlers;
-    handlers.on_message = [this](const mqtt::Message& message) { take(message); };
-    handlers.on_connected = [this](const mqtt::Connected&) {
-        failure_.clear();
-        mqtt::Message probe;  // an agent whose retained description the broker lost announces again
-        probe.topic = topics_.probe();
-        probe.payload = address_.board;
-        client_->publish(std::move(probe));
-    };
-    handlers.on_connect_failed = [this](const mqtt::ConnectionFailure& why) { failed(why); };
-    handlers.on_disconnected = [this](const mqtt::ConnectionFailure& why) { failed(why); };
+    // A callback may drop the last Board, and this with it, while the client has more to deliver.
+    handlers.on_message = while_alive([this](const mqtt::Message& message) { take(message); });
+    handlers.on_connected = while_alive([this](const mqtt::Connected&) { connected(); });
+    handlers.on_connect_failed = while_alive([this](const mqtt::ConnectionFailure& why) { failed(why); });
+    handlers.on_disconnected = while_alive([this](const mqtt::ConnectionFailure& why) { failed(why); });
     client_ = std::make_unique<mqtt::Client>(io_, std::move(*mqtt), std::move(handlers));
     client_->subscribe(reply_topic_, {.qos = 1});
     client_->subscribe(topics_.state(address_.board), {.qos = 1});
@@ -167,6 +162,7 @@ void BusTransport::close() {
         return;
     }
     closed_ = true;
+    alive_.reset();
     calls_.finish_all({Error::Kind::Closed, 0, "the board was closed"});
     if (client_) {
         // This may be called from one of the client's handlers, which must not destroy it.
@@ -175,9 +171,6 @@ void BusTransport::close() {
 }
 
 void BusTransport::take(const mqtt::Message& message) {
-    if (closed_) {
-        return;
-    }
     if (message.topic == reply_topic_) {
         take_reply(message);
         return;
@@ -238,6 +231,14 @@ void BusTransport::look_again() {
         }
         listener_->on_presence(there);
     }
+}
+
+void BusTransport::connected() {
+    failure_.clear();
+    mqtt::Message probe;  // an agent whose retained description the broker lost announces again
+    probe.topic = topics_.probe();
+    probe.payload = address_.board;
+    client_->publish(std::move(probe));
 }
 
 void BusTransport::failed(const mqtt::ConnectionFailure& why) {

@@ -32,6 +32,16 @@ class BusTransport final : public Transport {
   private:
     Awaitable<nlohmann::json> request(std::string topic, nlohmann::json payload);
     Expected<void> make_client();
+    /// `handler`, called only while this transport is open.
+    template <class Handler>
+    auto while_alive(Handler handler) {
+        return [alive = std::weak_ptr<bool>(alive_), handler = std::move(handler)](const auto& event) {
+            if (alive.lock()) {
+                handler(event);
+            }
+        };
+    }
+    void connected();
     void take(const mqtt::Message& message);
     void take_reply(const mqtt::Message& message);
     void take_event(std::string_view service, const mqtt::Message& message);
@@ -50,7 +60,8 @@ class BusTransport final : public Transport {
     PendingCalls::Id next_id_ = 1;
     std::string state_;
     std::optional<model::Description> description_;
-    std::string failure_;  // of the last attempt to connect
+    std::string failure_;                                         // of the last attempt to connect
+    std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // until close()
     bool there_ = false;
     bool closed_ = false;
 };

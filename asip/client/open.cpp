@@ -5,13 +5,25 @@
 
 namespace asip::client {
 
-Awaitable<Board> Board::open(boost::asio::io_context& io, std::string address, Options options) {
+// No coroutines but fail_to_open: g++ 12 copies a caller's temporaries bit by bit where an aggregate, such as
+// a defaulted Options, is an argument in a co_await expression, and then destroys them twice.
+
+Awaitable<Board> Board::fail_to_open(Error error) {
+    co_return Unexpected<Error>(std::move(error));
+}
+
+Awaitable<Board> Board::open(boost::asio::io_context& io, std::string_view address) {
+    return open(io, address, Options());
+}
+
+Awaitable<Board> Board::open(boost::asio::io_context& io, std::string_view address, const Options& options) {
     auto parsed = parse_address(address);
     if (!parsed) {
-        co_return failure(Error::Kind::Invalid, parsed.error());
+        return fail_to_open({Error::Kind::Invalid, 0, parsed.error()});
     }
     if (!bus::Topics::legal_root(options.topic_root)) {
-        co_return failure(Error::Kind::Invalid, "\"" + options.topic_root + "\" cannot be a topic root");
+        return fail_to_open(
+            {Error::Kind::Invalid, 0, "\"" + options.topic_root + "\" cannot be a topic root"});
     }
     std::unique_ptr<Transport> transport;
     if (parsed->kind == Address::Kind::Mqtt) {
@@ -19,7 +31,7 @@ Awaitable<Board> Board::open(boost::asio::io_context& io, std::string address, O
     } else {
         transport = std::make_unique<DirectTransport>(io, std::move(*parsed), options);
     }
-    co_return co_await open(std::move(transport), std::move(options));
+    return open(std::move(transport), options);
 }
 
 }  // namespace asip::client

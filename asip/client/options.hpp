@@ -6,6 +6,9 @@ namespace asip::client {
 
 /// How to reach a board; every member has a working default.
 struct Options {
+    /// Not an aggregate: g++ 12 destroys an aggregate twice that is a temporary in a co_await expression.
+    Options() {}  // NOLINT(modernize-use-equals-default)
+
     /// Reaching the board: port opened, banner or answer seen, or the board's description found on the bus.
     std::chrono::milliseconds open_timeout{10'000};
     /// One command, until its acknowledgement.
