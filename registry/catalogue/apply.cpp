@@ -19,11 +19,11 @@ bool valid_session(std::string_view text) {
     return !text.empty() && text.size() <= 64;
 }
 
-std::uint32_t lease_of(const Scan& scan, Duration fallback) {
-    if (scan.lease == 0) {
+std::uint32_t lease_of(const DescriptionMembers& members, Duration fallback) {
+    if (members.lease == 0) {
         return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::seconds>(fallback).count());
     }
-    return static_cast<std::uint32_t>(std::min<std::uint64_t>(scan.lease, model::kMaxLeaseSeconds));
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>(members.lease, model::kMaxLeaseSeconds));
 }
 
 }  // namespace
@@ -64,15 +64,15 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
     std::uint32_t slot = slot_of(a.board);
     Board* known = slot == NameTable::kNone ? nullptr : &board(slot);
 
-    Scan scan;
-    if (!scan_description(a.payload, guesses_for(known), scan) || !valid_session(scan.session)) {
+    DescriptionMembers members;
+    if (!read_description(a.payload, guesses_for(known), members) || !valid_session(members.session)) {
         return Refusal::kMalformed;
     }
-    if (scan.board != a.board) return Refusal::kWrongBoard;
+    if (members.board != a.board) return Refusal::kWrongBoard;
     FirmwarePart* firmware = nullptr;
     PinsPart* pins = nullptr;
     ServicesPart* services = nullptr;
-    if (!resolve_parts(scan, known, firmware, pins, services)) return Refusal::kMalformed;
+    if (!resolve_parts(members, known, firmware, pins, services)) return Refusal::kMalformed;
 
     const bool added = known == nullptr;
     if (added) {
@@ -83,9 +83,9 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
         }
     }
     Board& b = board(slot);
-    const bool new_session = b.session != scan.session || !b.described;
+    const bool new_session = b.session != members.session || !b.described;
     const bool live = !a.retained;
-    const Judgement judgement = judge(b, scan, live, now, events);
+    const Judgement judgement = judge(b, members, live, now, events);
     const bool renews = judgement.verdict == Verdict::kRenew;
     if (judgement.verdict == Verdict::kRefuse) {
         drop_unused(firmware, pins, services);
@@ -95,10 +95,10 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
     if (renews) {
         drop_unused(firmware, pins, services);
     } else {
-        changed = store(slot, scan, firmware, pins, services);
-        b.session = scan.session;
-        b.seq = scan.seq;
-        b.lease_seconds = lease_of(scan, options_.default_lease);
+        changed = store(slot, members, firmware, pins, services);
+        b.session = members.session;
+        b.seq = members.seq;
+        b.lease_seconds = lease_of(members, options_.default_lease);
     }
 
     const auto lease = std::chrono::seconds(b.lease_seconds);
@@ -107,12 +107,12 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
         if (!renews && !is_alive_word(b.said)) b.said = BoardState::Online;
         if (is_alive_word(b.said)) b.deadline = now + lease;
         b.proven = true;
-        b.lasting = !a.expiry_seconds;
-        b.by_name = false;
+        b.retained_without_expiry = !a.expiry_seconds;
+        b.names_only = false;
         listen(b, false, events);
         heard(b, now);
     } else if (is_alive_word(b.said)) {
-        b.lasting = !a.expiry_seconds;
+        b.retained_without_expiry = !a.expiry_seconds;
         if (a.expiry_seconds) {
             b.deadline = std::max(b.deadline,
                                   now + std::min<Duration>(std::chrono::seconds(*a.expiry_seconds), lease));
@@ -171,7 +171,7 @@ std::optional<Refusal> Catalogue::Impl::board_name(const Announcement& a, Time n
     const bool added = slot == NameTable::kNone;
     if (added) slot = make(name, now);
     if (slot == NameTable::kNone) return Refusal::kTooMany;
-    const auto refused = alive_by_name(slot, a.retained, added, now, events);
+    const auto refused = renewed_by_name(slot, a.retained, added, now, events);
     if (added) {
         emit(events, Event::Kind::kAdded, board(slot),
              a.retained ? Event::Reason::kRetained : Event::Reason::kAnnounced);
@@ -190,7 +190,7 @@ std::optional<Refusal> Catalogue::Impl::service_name(const Announcement& a, Time
     Board& b = board(slot);
     bool changed = false;
     if (!b.described) {
-        auto& named = b.rarely().named_services;
+        auto& named = b.uncommon_data().services_by_name;
         const auto place = std::lower_bound(named.begin(), named.end(), name);
         if (place == named.end() || *place != name) {
             if (named.size() == model::kMaxDescriptionServices) return Refusal::kTooMany;
@@ -199,7 +199,7 @@ std::optional<Refusal> Catalogue::Impl::service_name(const Announcement& a, Time
             changed = true;
         }
     }
-    const auto refused = alive_by_name(slot, a.retained, added, now, events);
+    const auto refused = renewed_by_name(slot, a.retained, added, now, events);
     if (added) {
         emit(events, Event::Kind::kAdded, b,
              a.retained ? Event::Reason::kRetained : Event::Reason::kAnnounced);
@@ -209,16 +209,16 @@ std::optional<Refusal> Catalogue::Impl::service_name(const Announcement& a, Time
     return refused;
 }
 
-// A board that says its name lives. Where it also has a description that lives, that one knows better.
-std::optional<Refusal> Catalogue::Impl::alive_by_name(std::uint32_t slot, bool retained, bool added, Time now,
-                                                      Events& events) {
+// A name renews the lease of its board, unless a description does that already: it has its own lease.
+std::optional<Refusal> Catalogue::Impl::renewed_by_name(std::uint32_t slot, bool retained, bool added,
+                                                        Time now, Events& events) {
     Board& b = board(slot);
     if (retained) {
         update_state(slot, now, Event::Reason::kRetained, events, added);
         return std::nullopt;
     }
     if (b.described && alive(b, now)) return std::nullopt;
-    b.by_name = true;
+    b.names_only = true;
     listen(b, true, events);
     if (!is_alive_word(b.said)) b.said = BoardState::Online;
     if (!b.described) {
@@ -234,8 +234,8 @@ std::optional<Refusal> Catalogue::Impl::alive_by_name(std::uint32_t slot, bool r
 std::optional<Refusal> Catalogue::Impl::traffic(const Announcement& a, Time now, Events& events) {
     if (a.retained) return Refusal::kNotForUs;
     const std::uint32_t slot = slot_of(a.board);
-    if (slot == NameTable::kNone || !board(slot).by_name) return Refusal::kNotForUs;
-    return alive_by_name(slot, false, false, now, events);
+    if (slot == NameTable::kNone || !board(slot).names_only) return Refusal::kNotForUs;
+    return renewed_by_name(slot, false, false, now, events);
 }
 
 std::vector<Event> Catalogue::Impl::expire(Time now) {
@@ -250,7 +250,7 @@ std::vector<Event> Catalogue::Impl::expire(Time now) {
             }
             ++stats_.expired;
             update_state(slot, now, Event::Reason::kLease, events);
-            if (b.lasting && b.described) emit(events, Event::Kind::kGhost, b);
+            if (b.retained_without_expiry && b.described) emit(events, Event::Kind::kGhost, b);
         }
     }
     return events;

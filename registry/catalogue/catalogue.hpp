@@ -14,7 +14,7 @@
 #include "asip/model/board_state.hpp"
 #include "asip/text/wall_time.hpp"
 #include "asip/time.hpp"
-#include "registry/catalogue/parts.hpp"
+#include "registry/catalogue/description_parts.hpp"
 
 namespace asip::registry {
 

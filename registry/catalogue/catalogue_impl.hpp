@@ -1,75 +1,18 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "registry/catalogue/board.hpp"
 #include "registry/catalogue/catalogue.hpp"
+#include "registry/catalogue/description_members.hpp"
 #include "registry/catalogue/lease_wheel.hpp"
 #include "registry/catalogue/name_order.hpp"
 #include "registry/catalogue/name_table.hpp"
-#include "registry/catalogue/scan.hpp"
+#include "registry/catalogue/query_plan.hpp"
 
 namespace asip::registry {
-
-/// A session that claims a board beside its holder.
-struct Challenger {
-    std::string session;
-    std::uint64_t seq = 0;
-    Time deadline{};         // of its lease
-    std::string agent;       // JSON text
-    bool answered = false;   // the holder spoke after it
-    bool confirmed = false;  // and it spoke again: both live
-};
-
-/// What few boards have.
-struct Rare {
-    // The newest last, with the highest seq seen.
-    std::vector<std::pair<std::string, std::uint64_t>> old_sessions;
-    std::vector<std::string> named_services;  // announced by name, sorted
-    std::unique_ptr<Challenger> challenger;
-};
-
-struct Board {
-    std::string name;
-    std::string session;
-    std::string own;  // what no other board shares: agent, link and unknown members, one behind the other
-    std::uint32_t agent_bytes = 0;
-    std::uint32_t link_bytes = 0;
-    std::uint32_t epoch_heard = 0;  // of the subscription during which it last gave a sign of life
-    std::uint32_t lease_seconds = 0;
-    FirmwarePart* firmware = nullptr;
-    PinsPart* pins = nullptr;
-    ServicesPart* services = nullptr;
-    std::uint64_t seq = 0;
-    Time deadline{};  // of its lease
-    Time last_heard{};
-    Time first_seen{};
-    Time since{};  // of `effective`
-    std::unique_ptr<Rare> rare;
-    model::BoardState said = model::BoardState::Online;
-    model::BoardState effective = model::BoardState::Lost;
-    bool in_use = false;
-    bool described = false;
-    bool by_name = false;  // lives by names and traffic
-    bool listening = false;
-    bool proven = false;   // its session was heard live
-    bool lasting = false;  // its description was published without expiry, or we cannot tell
-
-    std::string_view agent() const { return std::string_view(own).substr(0, agent_bytes); }
-    std::string_view link() const { return std::string_view(own).substr(agent_bytes, link_bytes); }
-    std::string_view extra() const { return std::string_view(own).substr(agent_bytes + link_bytes); }
-    Rare& rarely() {
-        if (!rare) rare = std::make_unique<Rare>();
-        return *rare;
-    }
-    const Challenger* conflict() const {
-        return rare && rare->challenger && rare->challenger->confirmed ? rare->challenger.get() : nullptr;
-    }
-};
-
-constexpr bool is_alive_word(model::BoardState state) {
-    return state != model::BoardState::Offline && state != model::BoardState::Lost;
-}
 
 class Catalogue::Impl {
   public:
@@ -114,8 +57,8 @@ class Catalogue::Impl {
     std::optional<Refusal> board_name(const Announcement& a, Time now, Events& events);
     std::optional<Refusal> service_name(const Announcement& a, Time now, Events& events);
     std::optional<Refusal> traffic(const Announcement& a, Time now, Events& events);
-    std::optional<Refusal> alive_by_name(std::uint32_t slot, bool retained, bool added, Time now,
-                                         Events& events);
+    std::optional<Refusal> renewed_by_name(std::uint32_t slot, bool retained, bool added, Time now,
+                                           Events& events);
 
     // sessions.cpp: which description may replace which
     enum class Verdict { kAccept, kRenew, kRefuse };
@@ -123,18 +66,19 @@ class Catalogue::Impl {
         Verdict verdict;
         Refusal refusal = Refusal::kOldSession;
     };
-    Judgement judge(Board& b, const Scan& scan, bool live, Time now, Events& events);
-    Judgement judge_other_session(Board& b, const Scan& scan, bool live, Time now, Events& events);
+    Judgement judge(Board& b, const DescriptionMembers& members, bool live, Time now, Events& events);
+    Judgement judge_other_session(Board& b, const DescriptionMembers& members, bool live, Time now,
+                                  Events& events);
     void holder_spoke(Board& b, Time now, Events& events);
-    bool challenge(Board& b, const Scan& scan, Time now, Events& events);
-    void take_over(Board& b, const Scan& scan, Time now);
+    bool challenge(Board& b, const DescriptionMembers& members, Time now, Events& events);
+    void take_over(Board& b, const DescriptionMembers& members, Time now);
     void resolve(Board& b, Events& events);
 
     // records.cpp: parts, indices, states
     Guesses guesses_for(const Board* b) const;
-    bool resolve_parts(const Scan& scan, const Board* b, FirmwarePart*& firmware, PinsPart*& pins,
-                       ServicesPart*& services);
-    bool store(std::uint32_t slot, const Scan& scan, FirmwarePart* firmware, PinsPart* pins,
+    bool resolve_parts(const DescriptionMembers& members, const Board* b, FirmwarePart*& firmware,
+                       PinsPart*& pins, ServicesPart*& services);
+    bool store(std::uint32_t slot, const DescriptionMembers& members, FirmwarePart* firmware, PinsPart* pins,
                ServicesPart* services);
     void drop_unused(FirmwarePart* firmware, PinsPart* pins, ServicesPart* services);
     void set_services(std::uint32_t slot, ServicesPart* services);
@@ -152,13 +96,14 @@ class Catalogue::Impl {
     bool alive(const Board& b, Time now) const { return is_alive_word(b.said) && now < b.deadline; }
     void heard(Board& b, Time now) { b.last_heard = now, b.epoch_heard = epoch_; }
 
-    // find.cpp
-    struct Plan;
-    struct Collector;
-    void scan_ordered(const Plan& plan, Collector& out);
-    void scan_sorted(const Plan& plan, Collector& out);
-    template <class Visit>
-    void visit_candidates(const Plan& plan, const Visit& visit) const;
+    // find.cpp: one page of a query
+    struct Page;
+    std::optional<std::size_t> total_by_index(const QueryPlan& plan) const;
+    void fill_by_name(const QueryPlan& plan, Page& page) const;
+    void fill_sorted(const QueryPlan& plan, Page& page) const;
+    // candidates.cpp: `visit(slot)` for each board of the plan's kinds and states, in the order of names,
+    // from its cursor on, until `visit` returns false
+    void visit_candidates(const QueryPlan& plan, const std::function<bool(std::uint32_t slot)>& visit) const;
 
     std::uint64_t hash(std::string_view name) const { return hash_bytes(name, options_.hash_seed); }
 

@@ -49,7 +49,8 @@ std::string Catalogue::Impl::check() const {
         if (b.pins != nullptr) pins.push_back(b.pins);
         if (b.services != nullptr) services.push_back(b.services);
         if (b.conflict() != nullptr) ++conflicts;
-        if (b.rare && b.rare->old_sessions.size() > kOldSessions) return b.name + ": too many old sessions";
+        if (b.uncommon && b.uncommon->old_sessions.size() > kOldSessions)
+            return b.name + ": too many old sessions";
     }
     if (conflicts != stats_.conflicts) return "conflicts counted wrong";
     if (!counts_agree(firmwares_, firmwares) || !counts_agree(pins_, pins) ||
@@ -94,7 +95,7 @@ std::string Catalogue::Impl::fingerprint() const {
         const Board& b = board(slot);
         if (!b.in_use) continue;
         std::string line = b.name + " " + std::string(model::to_text(b.effective)) + " " +
-                           std::string(model::to_text(b.said)) + (b.by_name ? " by-name " : " ") +
+                           std::string(model::to_text(b.said)) + (b.names_only ? " by-name " : " ") +
                            board_item(b, now, true).description;
         if (!b.described && b.services != nullptr) line += b.services->text;
         if (b.conflict() != nullptr) line += " conflict with " + b.conflict()->session;

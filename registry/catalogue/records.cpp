@@ -44,16 +44,16 @@ bool part_for(std::string_view text, Part* own, Part* last, PartPool<Part>& pool
 
 }  // namespace
 
-bool Catalogue::Impl::resolve_parts(const Scan& scan, const Board* b, FirmwarePart*& firmware,
-                                    PinsPart*& pins, ServicesPart*& services) {
+bool Catalogue::Impl::resolve_parts(const DescriptionMembers& members, const Board* b,
+                                    FirmwarePart*& firmware, PinsPart*& pins, ServicesPart*& services) {
     pins = nullptr;
     services = nullptr;
     const bool good =
-        part_for(scan.firmware, b != nullptr ? b->firmware : nullptr, last_firmware_, firmwares_,
+        part_for(members.firmware, b != nullptr ? b->firmware : nullptr, last_firmware_, firmwares_,
                  read_firmware, firmware) &&
-        part_for(scan.pins, b != nullptr ? b->pins : nullptr, last_pins_, pins_, read_pins, pins) &&
+        part_for(members.pins, b != nullptr ? b->pins : nullptr, last_pins_, pins_, read_pins, pins) &&
         part_for(
-            scan.services, b != nullptr ? b->services : nullptr, last_services_, services_,
+            members.services, b != nullptr ? b->services : nullptr, last_services_, services_,
             [this](std::string_view text) { return read_services(text, kinds_); }, services);
     if (!good) drop_unused(firmware, pins, services);
     return good;
@@ -78,8 +78,8 @@ void Catalogue::Impl::drop(ServicesPart* part) {
     services_.remove(part);
 }
 
-bool Catalogue::Impl::store(std::uint32_t slot, const Scan& scan, FirmwarePart* firmware, PinsPart* pins,
-                            ServicesPart* services) {
+bool Catalogue::Impl::store(std::uint32_t slot, const DescriptionMembers& members, FirmwarePart* firmware,
+                            PinsPart* pins, ServicesPart* services) {
     Board& b = board(slot);
     bool changed = b.firmware != firmware || b.pins != pins || b.services != services || !b.described;
     if (firmware != nullptr) ++firmware->references;
@@ -95,17 +95,17 @@ bool Catalogue::Impl::store(std::uint32_t slot, const Scan& scan, FirmwarePart* 
     last_pins_ = pins != nullptr ? pins : last_pins_;
     if (b.services != services) set_services(slot, services);
     last_services_ = services;
-    if (b.agent() != scan.agent || b.link() != scan.link || b.extra() != scan.extra) {
+    if (b.agent() != members.agent || b.link() != members.link || b.extra() != members.extra) {
         changed = true;
         std::string own;
-        own.reserve(scan.agent.size() + scan.link.size() + scan.extra.size());
-        own.append(scan.agent).append(scan.link).append(scan.extra);
+        own.reserve(members.agent.size() + members.link.size() + members.extra.size());
+        own.append(members.agent).append(members.link).append(members.extra);
         b.own = std::move(own);
-        b.agent_bytes = static_cast<std::uint32_t>(scan.agent.size());
-        b.link_bytes = static_cast<std::uint32_t>(scan.link.size());
+        b.agent_bytes = static_cast<std::uint32_t>(members.agent.size());
+        b.link_bytes = static_cast<std::uint32_t>(members.link.size());
     }
     b.described = true;
-    if (b.rare) b.rare->named_services.clear();
+    if (b.uncommon) b.uncommon->services_by_name.clear();
     return changed;
 }
 
@@ -121,7 +121,7 @@ void Catalogue::Impl::set_services(std::uint32_t slot, ServicesPart* services) {
 
 void Catalogue::Impl::set_named_services(std::uint32_t slot) {
     std::string text = "[";
-    for (const std::string& name : board(slot).rare->named_services) {
+    for (const std::string& name : board(slot).uncommon->services_by_name) {
         text.append(text.size() > 1 ? ",{\"name\":\"" : "{\"name\":\"").append(name).append("\"}");
     }
     text += ']';

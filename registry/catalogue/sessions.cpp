@@ -4,37 +4,37 @@
 
 namespace asip::registry {
 
-Catalogue::Impl::Judgement Catalogue::Impl::judge(Board& b, const Scan& scan, bool live, Time now,
-                                                  Events& events) {
+Catalogue::Impl::Judgement Catalogue::Impl::judge(Board& b, const DescriptionMembers& members, bool live,
+                                                  Time now, Events& events) {
     if (!b.described || b.session.empty()) return {Verdict::kAccept};
-    if (b.session != scan.session) return judge_other_session(b, scan, live, now, events);
-    if (scan.seq < b.seq) return {Verdict::kRefuse, Refusal::kOldSequence};
-    if (scan.seq == b.seq) return {Verdict::kRenew};
+    if (b.session != members.session) return judge_other_session(b, members, live, now, events);
+    if (members.seq < b.seq) return {Verdict::kRefuse, Refusal::kOldSequence};
+    if (members.seq == b.seq) return {Verdict::kRenew};
     if (live) holder_spoke(b, now, events);
     return {Verdict::kAccept};
 }
 
-Catalogue::Impl::Judgement Catalogue::Impl::judge_other_session(Board& b, const Scan& scan, bool live,
-                                                                Time now, Events& events) {
+Catalogue::Impl::Judgement Catalogue::Impl::judge_other_session(Board& b, const DescriptionMembers& members,
+                                                                bool live, Time now, Events& events) {
     auto* old = static_cast<std::pair<std::string, std::uint64_t>*>(nullptr);
-    if (b.rare) {
-        for (auto& entry : b.rare->old_sessions) {
-            if (entry.first == scan.session) old = &entry;
+    if (b.uncommon) {
+        for (auto& entry : b.uncommon->old_sessions) {
+            if (entry.first == members.session) old = &entry;
         }
     }
-    if (old != nullptr && scan.seq <= old->second) return {Verdict::kRefuse, Refusal::kOldSession};
+    if (old != nullptr && members.seq <= old->second) return {Verdict::kRefuse, Refusal::kOldSession};
     const bool holder_lives = alive(b, now) && b.proven;
     if (!live) {
         if (old != nullptr) return {Verdict::kRefuse, Refusal::kOldSession};
         if (holder_lives) return {Verdict::kRefuse, Refusal::kUnproven};
     } else if (holder_lives) {
-        const bool disputed = b.conflict() != nullptr && now < b.rare->challenger->deadline;
+        const bool disputed = b.conflict() != nullptr && now < b.uncommon->challenger->deadline;
         if (old != nullptr || disputed) {
-            if (!challenge(b, scan, now, events)) return {Verdict::kRefuse, Refusal::kConflict};
+            if (!challenge(b, members, now, events)) return {Verdict::kRefuse, Refusal::kConflict};
             return {Verdict::kAccept};
         }
     }
-    take_over(b, scan, now);
+    take_over(b, members, now);
     return {Verdict::kAccept};
 }
 
@@ -42,72 +42,72 @@ Catalogue::Impl::Judgement Catalogue::Impl::judge_other_session(Board& b, const 
 // under way when the board changed hands; only one that comes after the holder has answered proves that both
 // live. Then the larger session holds the board, whichever came first, so that every registry ends with the
 // same one.
-bool Catalogue::Impl::challenge(Board& b, const Scan& scan, Time now, Events& events) {
-    Rare& rare = b.rarely();
-    const auto lease = std::chrono::seconds(scan.lease == 0 ? b.lease_seconds : scan.lease);
-    for (auto& entry : rare.old_sessions) {
-        if (entry.first == scan.session) entry.second = scan.seq;
+bool Catalogue::Impl::challenge(Board& b, const DescriptionMembers& members, Time now, Events& events) {
+    UncommonBoardData& uncommon = b.uncommon_data();
+    const auto lease = std::chrono::seconds(members.lease == 0 ? b.lease_seconds : members.lease);
+    for (auto& entry : uncommon.old_sessions) {
+        if (entry.first == members.session) entry.second = members.seq;
     }
-    if (!rare.challenger) rare.challenger = std::make_unique<Challenger>();
-    Challenger& other = *rare.challenger;
-    if (other.session != scan.session) {
+    if (!uncommon.challenger) uncommon.challenger = std::make_unique<Challenger>();
+    Challenger& other = *uncommon.challenger;
+    if (other.session != members.session) {
         const bool known = other.confirmed;
         other = Challenger{};
-        other.session = scan.session;
+        other.session = members.session;
         other.answered = known;
         other.confirmed = known;
     }
     const bool new_conflict = other.answered && !other.confirmed;
     other.confirmed = other.confirmed || other.answered;
-    other.seq = scan.seq;
+    other.seq = members.seq;
     other.deadline = now + lease;
-    other.agent = scan.agent;
+    other.agent = members.agent;
     if (new_conflict) ++stats_.conflicts;
-    const bool changes_hands = other.confirmed && b.session < scan.session;
-    if (changes_hands) take_over(b, scan, now);
+    const bool changes_hands = other.confirmed && b.session < members.session;
+    if (changes_hands) take_over(b, members, now);
     if (new_conflict || changes_hands) emit(events, Event::Kind::kConflict, b);
     return changes_hands;
 }
 
 void Catalogue::Impl::holder_spoke(Board& b, Time now, Events& events) {
-    if (!b.rare || !b.rare->challenger) return;
-    if (now >= b.rare->challenger->deadline) {
+    if (!b.uncommon || !b.uncommon->challenger) return;
+    if (now >= b.uncommon->challenger->deadline) {
         resolve(b, events);
     } else {
-        b.rare->challenger->answered = true;
+        b.uncommon->challenger->answered = true;
     }
 }
 
 void Catalogue::Impl::resolve(Board& b, Events& events) {
-    const bool was_confirmed = b.rare->challenger->confirmed;
-    b.rare->challenger.reset();
+    const bool was_confirmed = b.uncommon->challenger->confirmed;
+    b.uncommon->challenger.reset();
     if (!was_confirmed) return;
     --stats_.conflicts;
     emit(events, Event::Kind::kResolved, b);
 }
 
-// The session of `scan` becomes the holder; the old one is remembered, so that what it said before cannot
+// The session of `members` becomes the holder. The old one is remembered, so that its old messages cannot
 // come back.
-void Catalogue::Impl::take_over(Board& b, const Scan& scan, Time) {
-    Rare& rare = b.rarely();
-    auto& old = rare.old_sessions;
+void Catalogue::Impl::take_over(Board& b, const DescriptionMembers& members, Time) {
+    UncommonBoardData& uncommon = b.uncommon_data();
+    auto& old = uncommon.old_sessions;
     old.erase(std::remove_if(old.begin(), old.end(),
-                             [&](const auto& entry) { return entry.first == scan.session; }),
+                             [&](const auto& entry) { return entry.first == members.session; }),
               old.end());
     old.emplace_back(b.session, b.seq);
     if (old.size() > kOldSessions) old.erase(old.begin());
-    if (rare.challenger && rare.challenger->session == scan.session) {
-        if (rare.challenger->confirmed) {
-            Challenger& other = *rare.challenger;
+    if (uncommon.challenger && uncommon.challenger->session == members.session) {
+        if (uncommon.challenger->confirmed) {
+            Challenger& other = *uncommon.challenger;
             other.session = b.session;
             other.seq = b.seq;
             other.deadline = b.deadline;
             other.agent = b.agent();
         } else {
-            rare.challenger.reset();
+            uncommon.challenger.reset();
         }
     }
-    b.session = scan.session;
+    b.session = members.session;
     b.seq = 0;
     b.proven = false;
 }

@@ -1,0 +1,77 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "asip/model/board_state.hpp"
+#include "asip/time.hpp"
+#include "registry/catalogue/description_parts.hpp"
+
+namespace asip::registry {
+
+/// A session that claims a board beside its holder.
+struct Challenger {
+    std::string session;
+    std::uint64_t seq = 0;
+    Time deadline{};         // of its lease
+    std::string agent;       // JSON text
+    bool answered = false;   // the holder announced itself after it
+    bool confirmed = false;  // and it announced itself again: both live
+};
+
+/// What few boards have; kept apart, so that the others stay small.
+struct UncommonBoardData {
+    std::vector<std::pair<std::string, std::uint64_t>>
+        old_sessions;                           // the newest last, with the highest seq seen
+    std::vector<std::string> services_by_name;  // announced by name, sorted
+    std::unique_ptr<Challenger> challenger;
+};
+
+struct Board {
+    std::string name;
+    std::string session;
+    std::string own;  // not shared with other boards: agent, link and unknown members, one after another
+    std::uint32_t agent_bytes = 0;
+    std::uint32_t link_bytes = 0;
+    std::uint32_t epoch_heard = 0;  // of the connection over which it was last heard
+    std::uint32_t lease_seconds = 0;
+    FirmwarePart* firmware = nullptr;
+    PinsPart* pins = nullptr;
+    ServicesPart* services = nullptr;
+    std::uint64_t seq = 0;
+    Time deadline{};  // of its lease
+    Time last_heard{};
+    Time first_seen{};
+    Time since{};  // of `effective`
+    std::unique_ptr<UncommonBoardData> uncommon;
+    model::BoardState said = model::BoardState::Online;
+    model::BoardState effective = model::BoardState::Lost;
+    bool in_use = false;
+    bool described = false;
+    bool names_only = false;  // its lease is renewed by names and traffic, not by descriptions
+    bool listening = false;
+    bool proven = false;                   // its session was heard live, not only retained
+    bool retained_without_expiry = false;  // its description, as far as can be known
+
+    std::string_view agent() const { return std::string_view(own).substr(0, agent_bytes); }
+    std::string_view link() const { return std::string_view(own).substr(agent_bytes, link_bytes); }
+    std::string_view extra() const { return std::string_view(own).substr(agent_bytes + link_bytes); }
+    UncommonBoardData& uncommon_data() {
+        if (!uncommon) uncommon = std::make_unique<UncommonBoardData>();
+        return *uncommon;
+    }
+    const Challenger* conflict() const {
+        return uncommon && uncommon->challenger && uncommon->challenger->confirmed
+                   ? uncommon->challenger.get()
+                   : nullptr;
+    }
+};
+
+constexpr bool is_alive_word(model::BoardState state) {
+    return state != model::BoardState::Offline && state != model::BoardState::Lost;
+}
+
+}  // namespace asip::registry

@@ -1,0 +1,64 @@
+#include "registry/catalogue/description_members.hpp"
+
+#include "asip/bus/json_scanner.hpp"
+
+namespace asip::registry {
+namespace {
+
+using bus::JsonScanner;
+
+bool read_structure(JsonScanner& in, std::string_view guess, char open, std::string_view& text) {
+    if (in.known_value(guess)) {
+        text = guess;
+        return true;
+    }
+    return in.value(text) && text.front() == open;
+}
+
+bool read_member(JsonScanner& in, std::string_view key, const Guesses& guesses, DescriptionMembers& members,
+                 unsigned& seen) {
+    enum : unsigned {
+        kBoard = 1,
+        kSession = 2,
+        kSeq = 4,
+        kLease = 8,
+        kFirmware = 16,
+        kPins = 32,
+        kServices = 64,
+        kAgent = 128,
+        kLink = 256
+    };
+    const auto once = [&seen](unsigned bit) { return (seen & bit) == 0 && (seen |= bit) != 0; };
+    if (key == "board") return once(kBoard) && in.plain_string(members.board);
+    if (key == "session") return once(kSession) && in.plain_string(members.session);
+    if (key == "seq") return once(kSeq) && in.unsigned_integer(members.seq);
+    if (key == "lease") return once(kLease) && in.unsigned_integer(members.lease);
+    if (key == "firmware")
+        return once(kFirmware) && read_structure(in, guesses.firmware, '{', members.firmware);
+    if (key == "pins") return once(kPins) && read_structure(in, guesses.pins, '{', members.pins);
+    if (key == "services")
+        return once(kServices) && read_structure(in, guesses.services, '[', members.services);
+    if (key == "agent") return once(kAgent) && read_structure(in, guesses.agent, '{', members.agent);
+    if (key == "link") return once(kLink) && read_structure(in, guesses.link, '{', members.link);
+    std::string_view value;
+    if (!in.value(value)) return false;
+    if (!members.extra.empty()) members.extra += ',';
+    members.extra.append("\"").append(key).append("\":").append(value);
+    return true;
+}
+
+}  // namespace
+
+bool read_description(std::string_view payload, const Guesses& guesses, DescriptionMembers& members) {
+    constexpr unsigned kNeeded = 1 | 2 | 4 | 64;  // board, session, seq, services
+    JsonScanner in(payload);
+    if (!in.enter_object()) return false;
+    unsigned seen = 0;
+    std::string_view key;
+    while (in.next_member(key)) {
+        if (!read_member(in, key, guesses, members, seen)) return false;
+    }
+    return in.left() && in.at_end() && (seen & kNeeded) == kNeeded;
+}
+
+}  // namespace asip::registry

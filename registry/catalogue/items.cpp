@@ -1,0 +1,106 @@
+#include <nlohmann/json.hpp>
+
+#include "registry/catalogue/catalogue_impl.hpp"
+
+namespace asip::registry {
+namespace {
+
+bus::WallTime wall(Time time, Instant now) {
+    return now.wall - std::chrono::duration_cast<std::chrono::milliseconds>(now.time - time);
+}
+
+std::string summary(std::string_view json, const char* first, const char* second) {
+    if (json.empty()) return {};
+    const auto value = nlohmann::json::parse(json, nullptr, false);
+    std::string text;
+    for (const char* key : {first, second}) {
+        const auto found = value.find(key);
+        if (found == value.end() || !found->is_string()) continue;
+        if (!text.empty()) text += ' ';
+        text += found->get<std::string>().substr(0, 256);
+    }
+    return text;
+}
+
+}  // namespace
+
+bus::ServiceItem Catalogue::Impl::service_item(const Board& b, const Service& service) const {
+    bus::ServiceItem item;
+    item.board = b.name;
+    item.state = model::to_text(b.effective);
+    item.name = service.name;
+    item.kind = service.kind->name;
+    item.model = service.model;
+    if (service.id != 0) item.id = std::string(1, service.id);
+    item.title = unescape(service.title);
+    if (service.count >= 0) item.count = service.count;
+    if (service.period >= 0) item.period = service.period;
+    return item;
+}
+
+bus::BriefBoard Catalogue::Impl::brief_board(const Board& b, Instant now) const {
+    bus::BriefBoard row;
+    row.board = b.name;
+    row.state = model::to_text(b.effective);
+    if (b.last_heard != Time{}) row.age = std::chrono::duration<double>(now.time - b.last_heard).count();
+    if (b.firmware != nullptr) {
+        row.chip = b.firmware->chip;
+        row.sketch = b.firmware->sketch;
+    }
+    row.conflict = b.conflict() != nullptr;
+    if (b.services == nullptr) return row;
+    for (const Service& service : b.services->services) {
+        if (!row.services.empty()) row.services += ' ';
+        row.services += service.name;
+    }
+    return row;
+}
+
+bus::BoardItem Catalogue::Impl::board_item(const Board& b, Instant now, bool full) const {
+    bus::BoardItem item;
+    item.board = b.name;
+    item.state = model::to_text(b.effective);
+    item.said = model::to_text(b.said);
+    item.by_name = b.names_only || !b.described;
+    item.session = b.session;
+    item.seq = b.seq;
+    item.lease = b.lease_seconds;
+    item.first_seen = wall(b.first_seen, now);
+    item.since = wall(b.since, now);
+    if (b.last_heard != Time{}) {
+        item.last_seen = wall(b.last_heard, now);
+        item.age = std::chrono::duration<double>(now.time - b.last_heard).count();
+    }
+    if (b.firmware != nullptr) {
+        item.chip = b.firmware->chip;
+        item.sketch = b.firmware->sketch;
+        item.protocol = b.firmware->protocol;
+    }
+    item.agent = summary(b.agent(), "host", "client");
+    item.link = summary(b.link(), "kind", "path");
+    if (const Challenger* other = b.conflict(); other != nullptr) {
+        item.conflict = bus::Conflict{b.session, other->session, summary(other->agent, "host", "client")};
+    }
+    if (b.services != nullptr) {
+        for (const Service& service : b.services->services)
+            item.services.push_back(service_item(b, service));
+    }
+    if (full && b.described) {
+        std::string& text = item.description;
+        text = "{\"board\":\"" + b.name + "\",\"session\":\"" + b.session +
+               "\",\"seq\":" + std::to_string(b.seq) + ",\"lease\":" + std::to_string(b.lease_seconds);
+        const auto member = [&text](std::string_view name, std::string_view value) {
+            if (!value.empty()) text.append(",\"").append(name).append("\":").append(value);
+        };
+        if (b.firmware != nullptr) member("firmware", b.firmware->text);
+        member("link", b.link());
+        member("agent", b.agent());
+        if (b.pins != nullptr) member("pins", b.pins->text);
+        if (b.services != nullptr) member("services", b.services->text);
+        if (!b.extra().empty()) text.append(",").append(b.extra());
+        text += '}';
+    }
+    return item;
+}
+
+}  // namespace asip::registry

@@ -1,0 +1,50 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/bus/query.hpp"
+#include "asip/expected.hpp"
+#include "registry/catalogue/board.hpp"
+
+namespace asip::registry {
+
+/// Where the previous page ended. As text "BOARD/SERVICE/KEY": names hold no '/'; the key of sort orders
+/// other than by name comes last.
+struct Cursor {
+    std::string board, service, key;
+
+    std::string text() const { return board + '/' + service + '/' + key; }
+};
+
+/// A query, checked, with everything looked up that can be. Lives as long as `query` and the table of kinds.
+struct QueryPlan {
+    enum class Sort { kName, kState, kChip, kSketch, kLastSeen };
+
+    const bus::Query& query;
+    std::vector<Kind*> kinds{};               ///< those of `query.kind` that exist
+    std::vector<model::BoardState> states{};  ///< all of them where the query names none
+    unsigned capability = 0;                  ///< as PinsPart::capabilities; 0: any
+    Sort sort = Sort::kName;
+    bool descending = false;
+    std::optional<Cursor> cursor{};
+    std::size_t limit = 0;    ///< 1 to bus::Query::kMaxPage
+    bool by_service = false;  ///< some filter looks at services
+
+    /// What every board that can match begins with.
+    std::string_view name_prefix() const {
+        return std::string_view(query.board).substr(0, query.board.find_first_of("*?"));
+    }
+    bool in_order_of_names() const { return sort == Sort::kName && !descending; }
+    bool board_matches(const Board& b) const;
+    bool service_matches(const ServicesPart& part, std::size_t index) const;
+    bool some_service_matches(const Board& b) const;
+    /// Whether only filters are used that the indices answer by themselves: then their sizes are the total.
+    bool counted_by_index() const;
+};
+
+/// Error: a sentence that names the member of the query that is wrong. `kinds` is settled.
+Expected<QueryPlan> make_query_plan(const bus::Query& query, const KindTable& kinds);
+
+}  // namespace asip::registry
