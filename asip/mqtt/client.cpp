@@ -386,6 +386,9 @@ void Client::Impl::publish_answered(int id, int reason_code) {
         ++counters_.rejected;
         debug_line("broker rejected what was published on " + topic + ": " +
                    mosquitto_reason_string(reason_code));
+        if (!silent() && handlers_.on_publish_denied) {
+            handlers_.on_publish_denied(topic, mosquitto_reason_string(reason_code));
+        }
     } else {
         ++counters_.published;
         if (!silent() && handlers_.on_published) handlers_.on_published(topic);

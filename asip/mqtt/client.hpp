@@ -102,6 +102,9 @@ class Client {
         /// Every subscription is granted: what is published from here on reaches us. Called after
         /// on_connected, and again whenever the last missing one is granted.
         std::function<void()> on_subscribed;
+        /// The broker denied this QoS 1 message: access rules, quota. It is not sent again. MQTT 5
+        /// only: 3.1.1 brokers deny without a word.
+        std::function<void(const std::string& topic, const std::string& reason)> on_publish_denied{};
     };
 
     Client(boost::asio::io_context& io, Options options, Handlers handlers);

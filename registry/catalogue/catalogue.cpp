@@ -121,6 +121,17 @@ std::size_t Catalogue::size() const {
     return impl_->names_.size();
 }
 
+bool Catalogue::knows(std::string_view board) const {
+    return impl_->slot_of(board) != NameTable::kNone;
+}
+
+void Catalogue::for_each(const std::function<void(std::string_view, model::BoardState)>& visit) const {
+    for (std::uint32_t slot = 0; slot < impl_->slots_; ++slot) {
+        const Board& b = impl_->board(slot);
+        if (b.in_use) visit(b.name, b.effective);
+    }
+}
+
 CatalogueStats Catalogue::stats() const {
     CatalogueStats stats = impl_->stats_;
     for (std::size_t state = 0; state < kStates; ++state)

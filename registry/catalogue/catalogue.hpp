@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -116,12 +117,21 @@ struct Instant {
 /// Names are checked (illegal ones refused), texts bounded, memory bounded by `max_boards`. Not copyable.
 class Catalogue {
   public:
+    /// What is known of a board from before this catalogue was made.
+    struct Remembered {
+        Time first_seen;
+        model::BoardState state;
+        Time since;  ///< when it came into `state`
+    };
+
     struct Options {
         Duration forget_after = std::chrono::hours(7 * 24);
         Duration default_lease = std::chrono::seconds(60);
         Duration grace = std::chrono::seconds(10);
         std::size_t max_boards = 1'000'000;
-        UnitsOf units_of = {};        ///< units that the fields of a standard model ("distance@1") have
+        UnitsOf units_of = {};  ///< units that the fields of a standard model ("distance@1") have
+        /// Asked when a board is added: where it is known already, its times go on.
+        std::function<std::optional<Remembered>(std::string_view board)> remembered = {};
         std::uint64_t hash_seed = 1;  ///< random in programs, so that nobody can choose names that collide
     };
 
@@ -160,6 +170,9 @@ class Catalogue {
     /// Number of the last change.
     std::uint64_t seq() const;
     std::size_t size() const;
+    bool knows(std::string_view board) const;
+    /// Each board with its effective state, in no order.
+    void for_each(const std::function<void(std::string_view board, model::BoardState)>& visit) const;
     CatalogueStats stats() const;
     /// Services now, by kind.
     std::vector<std::pair<std::string, std::size_t>> services_by_kind() const;

@@ -105,6 +105,9 @@ class Catalogue::Impl {
     // from its cursor on, until `visit` returns false
     void visit_candidates(const QueryPlan& plan, const std::function<bool(std::uint32_t slot)>& visit) const;
 
+    std::optional<Remembered> remembered(std::string_view name) const {
+        return options_.remembered ? options_.remembered(name) : std::nullopt;
+    }
     std::uint64_t hash(std::string_view name) const { return hash_bytes(name, options_.hash_seed); }
 
     PartPool<FirmwarePart> firmwares_;

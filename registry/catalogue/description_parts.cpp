@@ -20,7 +20,8 @@ std::string string_member(const nlohmann::json& object, const char* key) {
     return found->get<std::string>().substr(0, kMaxTextBytes);
 }
 
-// Every member "unit" below `value`: a model's units stand in the fields of its events, at some depth.
+// Every member "unit" below `value`: a model's units are in the fields of its events and the arguments of its
+// commands, at some depth.
 void collect_units(const nlohmann::json& value, std::vector<std::string>& units) {
     for (const auto& item : value.items()) {
         if (item.value().is_string() && item.key() == "unit") {
@@ -78,7 +79,9 @@ std::string kind_of(const RawService& raw, std::vector<std::string>& units) {
     if (!raw.own_model.empty()) {
         const auto own = nlohmann::json::parse(raw.own_model, nullptr, false);
         if (own.is_object()) {
-            if (const auto events = own.find("events"); events != own.end()) collect_units(*events, units);
+            for (const char* const part : {"events", "commands"}) {
+                if (const auto found = own.find(part); found != own.end()) collect_units(*found, units);
+            }
             if (auto name = string_member(own, "name"); bus::legal_service_name(name)) return name;
         }
     }

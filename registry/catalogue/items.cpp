@@ -5,7 +5,7 @@
 namespace asip::registry {
 namespace {
 
-bus::WallTime wall(Time time, Instant now) {
+text::WallTime wall(Time time, Instant now) {
     return now.wall - std::chrono::duration_cast<std::chrono::milliseconds>(now.time - time);
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "asip/bus/pattern.hpp"
+
 namespace asip::registry {
 namespace {
 

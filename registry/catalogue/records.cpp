@@ -160,12 +160,16 @@ void Catalogue::Impl::update_state(std::uint32_t slot, Time now, Event::Reason r
         all_[index_of(was)].remove(slot);
         b.effective = is;
         b.since = now;
+        if (const auto known = remembered(b.name); known && known->state == is) b.since = known->since;
         all_[index_of(is)].add(slot);
         index(b, slot, true);
         if (!added) emit(events, Event::Kind::kState, b, reason, was);
         if (!living && b.conflict() != nullptr) resolve(b, events);
     }
-    wheel_.set(slot, living ? b.deadline : std::max(b.since, b.last_heard) + options_.forget_after, now);
+    Time due = living ? b.deadline : std::max(b.since, b.last_heard) + options_.forget_after;
+    // A board that was remembered may be long due: what the broker retains of it is heard first.
+    if (!living && options_.remembered) due = std::max(due, now + options_.grace);
+    wheel_.set(slot, due, now);
 }
 
 void Catalogue::Impl::emit(Events& events, Event::Kind kind, const Board& b, Event::Reason reason,
@@ -198,8 +202,11 @@ std::uint32_t Catalogue::Impl::make(std::string_view name, Time now) {
     Board& b = board(slot);
     b.name = name;
     b.in_use = true;
-    b.first_seen = now;
-    b.since = now;
+    b.first_seen = b.since = now;
+    if (const auto known = remembered(name)) {
+        b.first_seen = known->first_seen;
+        if (known->state == b.effective) b.since = known->since;
+    }
     b.deadline = now;
     b.lease_seconds = static_cast<std::uint32_t>(
         std::chrono::duration_cast<std::chrono::seconds>(options_.default_lease).count());

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <functional>
 #include <string>
 
@@ -6,12 +7,14 @@
 
 namespace asip::registry {
 
-/// What the parts of a registry ask of the connection; tests take its place.
-struct BusPort {
+/// What the parts of a registry ask of its connection. Tests take its place.
+struct Port {
     std::function<void(mqtt::Message)> publish;
-    /// `retained`: deliver stored ones, too.
+    /// `retained`: deliver stored messages, too.
     std::function<void(std::string filter, bool retained)> subscribe;
     std::function<void(const std::string& filter)> unsubscribe;
+    /// Messages that wait for the broker.
+    std::function<std::size_t()> queued = [] { return std::size_t{0}; };
 };
 
 }  // namespace asip::registry

@@ -1,0 +1,57 @@
+#pragma once
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/bus/items.hpp"
+#include "asip/bus/query.hpp"
+#include "registry/catalogue/catalogue.hpp"
+
+namespace asip::registry {
+
+/// What a history knows of a board.
+struct JournalBoard {
+    text::WallTime first{};  ///< when it was added
+    text::WallTime since{};  ///< when it came into `state`
+    model::BoardState state = model::BoardState::Lost;
+
+    bool operator==(const JournalBoard&) const = default;
+};
+using JournalBoards = std::map<std::string, JournalBoard, std::less<>>;
+
+/// Decides which rows a history gets. A registry that starts or connects again learns of every board anew;
+/// that is no change and leaves no row. What did change meanwhile is found by comparing once the catalogue is
+/// complete. Pure.
+class Journal {
+  public:
+    using Rows = std::vector<bus::HistoryItem>;
+
+    explicit Journal(JournalBoards known) : known_(std::move(known)) {}
+
+    /// What is known of a board; null: nothing. Valid until the next call that changes the journal.
+    const JournalBoard* find(std::string_view board) const;
+
+    /// The catalogue is being read from the broker: its changes are not written until complete().
+    void begin_reading() { reading_ = true; }
+    /// The catalogue is complete: rows for what differs from what is known.
+    void complete(const Catalogue& catalogue, text::WallTime at, Rows& rows);
+    /// Rows for a change. Events that are not changes are ignored.
+    void change(const Event& event, text::WallTime at, Rows& rows);
+    /// Rows for the boards that are known as alive and of which the catalogue has heard nothing. To be called
+    /// a lease after complete(): boards that take part by names only say nothing earlier.
+    void end_absent(const Catalogue& catalogue, text::WallTime at, Rows& rows);
+
+  private:
+    void added(std::string_view board, model::BoardState state, std::string_view reason, text::WallTime at,
+               Rows& rows);
+    void came_into(const std::string& board, JournalBoard& known, model::BoardState state,
+                   std::string_view reason, text::WallTime at, Rows& rows);
+
+    JournalBoards known_;
+    bool reading_ = true;
+};
+
+}  // namespace asip::registry

@@ -1,0 +1,39 @@
+#include "registry/identity_watch.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "asip/bus/query.hpp"
+#include "asip/model/json.hpp"
+
+namespace asip::registry {
+
+IdentityWatch::IdentityWatch(const bus::Topics& topics, std::string id, std::string run)
+    : topics_(topics),
+      id_(std::move(id)),
+      run_(std::move(run)),
+      reply_topic_(topics_.root() + "/reply/registry-" + run_) {
+    bus::Query query;
+    query.limit = 1;
+    query.brief = true;
+    probe_ = bus::encode(bus::RegistryRequest{query, run_, reply_topic_});
+}
+
+mqtt::Message IdentityWatch::probe() const {
+    mqtt::Message message;
+    message.topic = topics_.registry_query(id_);
+    message.payload = probe_;
+    return message;
+}
+
+std::optional<std::string> IdentityWatch::other(const mqtt::Message& message) const {
+    const auto document = model::parse_json(message.payload, {.max_bytes = 1u << 20, .max_depth = 16});
+    if (!document || !document->is_object() || message.retain) return std::nullopt;
+    if (message.topic == reply_topic_ && document->value("registry", "") != id_) return std::nullopt;
+    const auto epoch = document->find("epoch");
+    if (epoch == document->end() || !epoch->is_string()) return std::nullopt;
+    const auto& text = epoch->get_ref<const std::string&>();
+    if (text.empty() || text.compare(0, run_.size(), run_) == 0) return std::nullopt;
+    return text.substr(0, 64);
+}
+
+}  // namespace asip::registry

@@ -1,0 +1,12 @@
+#pragma once
+#include <string>
+
+#include "registry/catalogue/kinds.hpp"
+
+namespace asip::registry {
+
+/// The units of standard models and those in `folder` (empty: none), for queries by unit: of the fields of
+/// events and of the arguments of commands. Throws std::runtime_error where a model in the folder is wrong.
+UnitsOf units_of_models(const std::string& folder);
+
+}  // namespace asip::registry

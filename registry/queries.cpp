@@ -1,0 +1,84 @@
+#include "registry/queries.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace asip::registry {
+namespace {
+
+constexpr std::size_t kMaxForgottenAtOnce = 1000;
+constexpr std::size_t kEnvelopeBytes = 1024;  // of an answer beside its items, and more than enough
+
+bus::Answer refusal(std::string reason, std::string error) {
+    bus::Answer answer;
+    answer.refused = std::move(reason);
+    answer.error = std::move(error);
+    return answer;
+}
+
+}  // namespace
+
+Queries::Queries(std::string registry, Dependencies dependencies)
+    : registry_(std::move(registry)), dependencies_(std::move(dependencies)) {}
+
+bus::Answer Queries::complete(bus::Answer answer) const {
+    answer.registry = registry_;
+    answer.epoch = epoch_;
+    answer.settling = settling_;
+    return answer;
+}
+
+bus::Answer Queries::refuse(std::string reason, std::string error) const {
+    return complete(refusal(std::move(reason), std::move(error)));
+}
+
+void Queries::answer(const Request& request, std::size_t max_bytes, const Done& done) {
+    if (const auto* forgetting = std::get_if<bus::Forget>(&request))
+        return done(complete(forget(*forgetting)));
+    const auto& query = std::get<bus::Query>(request);
+    if (query.find != bus::Find::kHistory) return done(complete(find(query, max_bytes)));
+    if (!dependencies_.history) {
+        return done(refuse("no-history", "this registry keeps no history; start it with --history FILE"));
+    }
+    dependencies_.history(query, [this, done](bus::Answer page) { done(complete(std::move(page))); });
+}
+
+bus::Answer Queries::find(bus::Query query, std::size_t max_bytes) {
+    for (;;) {
+        auto answer = dependencies_.catalogue.find(query, dependencies_.now());
+        if (!answer) return refusal("invalid", answer.error());
+        if (max_bytes == 0 || query.limit == 1 || bus::encode(*answer).size() + kEnvelopeBytes <= max_bytes) {
+            return std::move(*answer);
+        }
+        query.limit = std::max<std::size_t>(1, std::min(query.limit, bus::Query::kMaxPage) / 2);
+    }
+}
+
+bus::Answer Queries::forget(const bus::Forget& forget) {
+    Catalogue& catalogue = dependencies_.catalogue;
+    const Instant now = dependencies_.now();
+    const bool pattern = forget.board.find_first_of("*?") != std::string::npos;
+    bus::Answer answer;
+    if (!pattern) {
+        const auto known = catalogue.board(forget.board, now);
+        if (!known) return refusal("unknown-board", "no board \"" + forget.board + "\" is known");
+        if (known->state != "lost" && known->state != "offline") {
+            return refusal("alive",
+                           "board \"" + forget.board + "\" is " + known->state +
+                               " and would be back with its next announcement; stop its agent first");
+        }
+        answer.forgotten = {forget.board};
+    } else {
+        answer.forgotten = catalogue.forgettable(forget.board);
+        if (answer.forgotten.size() > kMaxForgottenAtOnce) answer.forgotten.resize(kMaxForgottenAtOnce);
+    }
+    if (!forget.dry_run) {
+        for (const std::string& board : answer.forgotten) {
+            if (auto events = catalogue.forget(board, now.time)) dependencies_.forgotten(*events);
+        }
+    }
+    answer.seq = catalogue.seq();
+    return answer;
+}
+
+}  // namespace asip::registry

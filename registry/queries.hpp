@@ -1,0 +1,51 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "asip/bus/answer.hpp"
+#include "asip/bus/query.hpp"
+#include "registry/catalogue/catalogue.hpp"
+
+namespace asip::registry {
+
+/// Answers queries and requests to forget, however they arrived: query in, answer out. No MQTT in here.
+class Queries {
+  public:
+    using Request = std::variant<bus::Query, bus::Forget>;
+    using Done = std::function<void(bus::Answer)>;
+
+    struct Dependencies {
+        Catalogue& catalogue;
+        std::function<Instant()> now;
+        /// Boards were forgotten by request: the events of that.
+        std::function<void(const std::vector<Event>&)> forgotten;
+        /// A page of history, or a refusal; may call back later. Empty: none is kept.
+        std::function<void(bus::Query, Done)> history;
+    };
+
+    Queries(std::string registry, Dependencies dependencies);
+
+    /// Written into each answer.
+    void set_epoch(std::string epoch) { epoch_ = std::move(epoch); }
+    void set_settling(bool settling) { settling_ = settling; }
+
+    /// `done` is called once: within this call, but for a query of the history. Pages are made as small as
+    /// `max_bytes` of JSON needs (0: no limit); an item that alone is larger is given all the same.
+    void answer(const Request& request, std::size_t max_bytes, const Done& done);
+    /// An answer that refuses: `reason` a word for programs, `error` a sentence.
+    bus::Answer refuse(std::string reason, std::string error) const;
+
+  private:
+    bus::Answer find(bus::Query query, std::size_t max_bytes);
+    bus::Answer forget(const bus::Forget& forget);
+    bus::Answer complete(bus::Answer answer) const;
+
+    std::string registry_;
+    std::string epoch_;
+    Dependencies dependencies_;
+    bool settling_ = false;
+};
+
+}  // namespace asip::registry

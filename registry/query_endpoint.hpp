@@ -1,0 +1,29 @@
+#pragma once
+#include <functional>
+
+#include "asip/mqtt/message.hpp"
+#include "registry/queries.hpp"
+
+namespace asip::registry {
+
+/// Queries over MQTT: takes them out of the messages they arrive in, and puts answers into messages.
+class QueryEndpoint {
+  public:
+    using Publish = std::function<void(mqtt::Message)>;
+
+    QueryEndpoint(Queries& queries, Publish publish) : queries_(queries), publish_(std::move(publish)) {}
+
+    /// The broker's limit of a packet; 0: none.
+    void set_max_bytes(std::size_t bytes) { max_bytes_ = bytes; }
+
+    /// Publishes the answer, now or later. Retained requests, and those that do not say where their answer
+    /// goes, are ignored.
+    void request(const mqtt::Message& message);
+
+  private:
+    Queries& queries_;
+    Publish publish_;
+    std::size_t max_bytes_ = 0;
+};
+
+}  // namespace asip::registry

@@ -1,0 +1,282 @@
+#include "registry/registry.hpp"
+
+#include "asip/program/log.hpp"
+
+namespace asip::registry {
+namespace {
+
+namespace log = program::log;
+using bus::TopicKind;
+
+// After a pause as long as this, messages wait that are older than the leases to be judged.
+constexpr Duration kStall = std::chrono::seconds(2);
+// Another registry with the same id that answers within this time of the start was there first.
+constexpr Duration kStartTime = std::chrono::seconds(5);
+constexpr Duration kIdentityLogInterval = std::chrono::minutes(1);
+
+}  // namespace
+
+Registry::Registry(const RegistryOptions& options, UnitsOf units_of, Random random, Port port,
+                   HistoryKeeper* history, Instant now)
+    : topics_(options.topic_root),
+      id_(options.id),
+      random_(std::move(random)),
+      port_(std::move(port)),
+      history_(history),
+      now_(now),
+      run_(random_hex(random_, 8)),
+      catalogue_(catalogue_options(options, std::move(units_of))),
+      feed_(id_),
+      statistics_(options.stats_interval, now.time),
+      identity_(topics_, id_, run_),
+      tidier_(topics_, port_,
+              [this](const std::string& board) {
+                  const auto item = catalogue_.board(board, now_);
+                  return item && item->state != "lost" && item->state != "offline";
+              }),
+      names_only_(topics_, port_),
+      queries_(id_, query_dependencies()),
+      endpoint_(queries_, [this](mqtt::Message answer) {
+          ++statistics_.counts.queries;
+          port_.publish(std::move(answer));
+      }) {
+    catalogue_.suspend();
+}
+
+Catalogue::Options Registry::catalogue_options(const RegistryOptions& options, UnitsOf units_of) {
+    Catalogue::Options result;
+    result.forget_after = options.forget_after;
+    result.max_boards = options.max_boards;
+    result.units_of = std::move(units_of);
+    result.hash_seed = random_();
+    if (history_ != nullptr) {
+        result.remembered = [this](std::string_view board) { return history_->remembered(board, now_); };
+    }
+    return result;
+}
+
+Queries::Dependencies Registry::query_dependencies() {
+    Queries::Dependencies result{catalogue_, [this] { return now_; }, {}, {}};
+    result.forgotten = [this](const std::vector<Event>& events) { handle(events, true); };
+    if (history_ != nullptr) {
+        result.history = [this](bus::Query query, Queries::Done done) {
+            history_->find(std::move(query), std::move(done));
+        };
+    }
+    return result;
+}
+
+std::vector<Registry::Subscription> Registry::subscriptions() const {
+    // QoS 0 for announcements: they repeat, and brokers hold fewer messages at QoS 1 than they retain.
+    return {{topics_.root() + "/servicebus/#", 0, true},
+            {topics_.any_registry_query(), 1, false},
+            {topics_.registry_query(id_), 1, false},
+            {identity_.reply_topic(), 0, false},
+            {identity_.statistics_topic(), 0, false}};
+}
+
+mqtt::Message Registry::state(std::string word) const {
+    mqtt::Message message;
+    message.topic = topics_.registry_state(id_);
+    message.payload = std::move(word);
+    message.retain = true;
+    message.qos = 1;
+    return message;
+}
+
+mqtt::Message Registry::will() const {
+    return state("lost");
+}
+
+void Registry::connected(std::size_t max_packet_bytes, Instant now) {
+    now_ = now;
+    connected_ = true;
+    last_tick_ = now.time;
+    catalogue_.resume(now.time);
+    feed_.begin(run_ + "-" + std::to_string(++statistics_.counts.connections));
+    queries_.set_epoch(feed_.epoch());
+    queries_.set_settling(true);
+    endpoint_.set_max_bytes(max_packet_bytes);
+    if (history_ != nullptr) history_->begin_reading();
+    port_.publish(identity_.probe());
+    port_.publish(state("online"));
+
+    const std::string mark = random_hex(random_, 16);
+    settling_.begin(mark, now.time);
+    mqtt::Message marker;
+    marker.topic = topics_.registry_query(id_);
+    marker.payload = mark;
+    port_.publish(std::move(marker));
+    mqtt::Message probe;
+    probe.topic = topics_.probe();
+    port_.publish(std::move(probe));
+}
+
+void Registry::disconnected() {
+    connected_ = false;
+    catalogue_.suspend();
+    feed_.end();
+    settling_.end();
+}
+
+void Registry::message(const mqtt::Message& message, Instant now) {
+    now_ = now;
+    ++statistics_.counts.messages;
+    if (message.topic == identity_.reply_topic()) return identity(message);
+    const auto topic = topics_.parse(message.topic);
+    if (!topic) {
+        if (message.retain) {
+            const std::string_view rest = std::string_view(message.topic).substr(topics_.root().size() + 1);
+            tidier_.retained(message.topic, rest.substr(0, rest.find('/')));
+        }
+        return refused(message, {}, Refusal::kBadName);
+    }
+    switch (topic->kind) {
+        case TopicKind::kRegistryQuery:
+            if (settling_.is_mark(message.payload)) return complete();
+            if (identity_.is_probe(message)) return;
+            [[fallthrough]];
+        case TopicKind::kAnyRegistryQuery:
+            return endpoint_.request(message);
+        case TopicKind::kRegistryStats:
+            return identity(message);
+        case TopicKind::kProbe:
+            return;
+        case TopicKind::kBoardIn:
+        case TopicKind::kServiceIn:
+        case TopicKind::kServiceError:
+        case TopicKind::kBoardOut:
+        case TopicKind::kServiceOut:
+            if (message.retain) return tidier_.retained(message.topic, topic->board);
+            [[fallthrough]];
+        default:
+            announcement(message, *topic);
+    }
+}
+
+void Registry::announcement(const mqtt::Message& message, const bus::TopicRef& topic) {
+    const Announcement announcement{topic.kind, topic.board, message.payload, message.retain,
+                                    message.expiry_seconds};
+    const Applied applied = catalogue_.apply(announcement, now_.time);
+    if (applied.refused) refused(message, topic.board, *applied.refused);
+    if (!applied.events.empty()) handle(applied.events, false);
+}
+
+void Registry::refused(const mqtt::Message& message, std::string_view board, Refusal refusal) {
+    const auto line = refusals_.refused(message, board, refusal);
+    if (!line) return;
+    std::vector<log::Field> fields{{"reason", line->reason}, {"topic", line->topic}};
+    if (!line->where.empty()) fields.push_back({"where", line->where});
+    fields.push_back({"payload", line->payload});
+    log::write(log::Level::kWarning, "refused a message (logged once)", fields);
+}
+
+void Registry::identity(const mqtt::Message& message) {
+    const auto other = identity_.other(message);
+    if (!other) return;
+    const bool starting = statistics_.counts.connections == 1 && message.topic == identity_.reply_topic() &&
+                          statistics_.age(now_.time) < kStartTime;
+    if (starting) {
+        id_taken_by_ = *other;
+    } else if (identity_logged_ == Time{} || now_.time - identity_logged_ >= kIdentityLogInterval) {
+        identity_logged_ = now_.time;
+        log::warning("another registry uses this id: watchers see the changes of both; give one another --id",
+                     {{"id", id_}, {"its epoch", *other}});
+    }
+}
+
+void Registry::complete() {
+    if (!settling_.active()) return;
+    settling_.end();
+    queries_.set_settling(false);
+    feed_.complete();
+    if (history_ != nullptr) history_->complete(catalogue_, now_);
+    log::info("catalogue is complete", {{"boards", catalogue_.size()}});
+    if (auto reset = feed_.reset(catalogue_, now_, 0)) publish(*reset);
+    publish_statistics();
+}
+
+void Registry::handle(const std::vector<Event>& events, bool decided_here) {
+    for (const Event& event : events) {
+        switch (event.kind) {
+            case Event::Kind::kGhost:
+                tidier_.ghost(event.board, now_.time);
+                break;
+            case Event::Kind::kListen:
+                names_only_.add(event.board, now_.time);
+                break;
+            case Event::Kind::kUnlisten:
+                names_only_.remove(event.board);
+                break;
+            default:
+                change(event);
+                if (event.kind == Event::Kind::kForgotten && decided_here) tidier_.forgotten(event.board);
+        }
+    }
+}
+
+void Registry::change(const Event& event) {
+    if (history_ != nullptr) history_->change(event, now_);
+    if (event.kind == Event::Kind::kConflict) {
+        log::warning("two agents claim one board; stop one or give it another --name",
+                     {{"board", event.board}});
+    }
+    const bool overrun_before = feed_.overrun();
+    if (auto published = feed_.change(event, catalogue_, now_, port_.queued())) {
+        publish(*published);
+        ++statistics_.counts.events;
+    } else if (feed_.overrun() && !overrun_before) {
+        log::warning("changes come faster than the broker accepts them; watchers will have to query again");
+    }
+}
+
+void Registry::publish(const bus::ChangeEvent& event) {
+    mqtt::Message message;
+    message.topic = topics_.registry_events(id_);
+    message.payload = bus::encode(event);
+    port_.publish(std::move(message));
+}
+
+void Registry::publish_statistics() {
+    if (history_ != nullptr) statistics_.counts.history_dropped = history_->dropped_rows();
+    mqtt::Message message;
+    message.topic = topics_.registry_stats(id_);
+    message.payload = statistics_.document(catalogue_, feed_.epoch(), now_);
+    message.retain = true;
+    port_.publish(std::move(message));
+}
+
+void Registry::denied(const std::string& topic, const std::string& reason, Instant now) {
+    now_ = now;
+    ++statistics_.counts.denied;
+    if (!tidier_.denied(topic, now.time)) return;
+    log::warning(
+        "the broker's access rules do not let this registry clear what is left of a board; nothing more is "
+        "cleared for an hour. Allow its user to write there, or clear it as a user who may: asipctl prune",
+        {{"topic", topic.substr(0, 200)}, {"reason", reason}});
+}
+
+void Registry::tick(Instant now) {
+    now_ = now;
+    if (connected_) tick_connected();
+    if (history_ != nullptr) history_->tick(catalogue_, now);
+    last_tick_ = now.time;
+}
+
+void Registry::tick_connected() {
+    if (now_.time - last_tick_ > kStall) {
+        log::warning("was held up; leases get time to be renewed",
+                     {{"seconds", std::chrono::duration<double>(now_.time - last_tick_).count()}});
+        catalogue_.resume(now_.time);
+    }
+    handle(catalogue_.expire(now_.time), true);
+    tidier_.tick(now_.time);
+    names_only_.tick(now_.time);
+    if (settling_.overdue(now_.time)) complete();
+    if (settling_.active()) return;
+    if (auto reset = feed_.reset(catalogue_, now_, port_.queued())) publish(*reset);
+    catalogue_.settle();
+    if (statistics_.due(now_.time)) publish_statistics();
+}
+
+}  // namespace asip::registry

@@ -1,0 +1,96 @@
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "asip/bus/topics.hpp"
+#include "asip/random.hpp"
+#include "registry/catalogue/catalogue.hpp"
+#include "registry/change_feed.hpp"
+#include "registry/history/keeper.hpp"
+#include "registry/identity_watch.hpp"
+#include "registry/names_only_boards.hpp"
+#include "registry/options.hpp"
+#include "registry/port.hpp"
+#include "registry/queries.hpp"
+#include "registry/query_endpoint.hpp"
+#include "registry/refusal_log.hpp"
+#include "registry/settling.hpp"
+#include "registry/statistics.hpp"
+#include "registry/tidier.hpp"
+
+namespace asip::registry {
+
+/// A registry without its connection: messages and time go in, messages go out through the port. What it
+/// decides is logged here. Every function takes the present; it never decreases.
+class Registry {
+  public:
+    /// `history`: null: none is kept. It outlives the registry.
+    Registry(const RegistryOptions& options, UnitsOf units_of, Random random, Port port,
+             HistoryKeeper* history, Instant now);
+
+    /// Topics to subscribe to before connecting, with their quality of service.
+    struct Subscription {
+        std::string filter;
+        int qos;
+        bool retained;
+    };
+    std::vector<Subscription> subscriptions() const;
+    mqtt::Message will() const;
+
+    /// `max_packet_bytes`: the broker's limit; 0: none.
+    void connected(std::size_t max_packet_bytes, Instant now);
+    void disconnected();
+    void message(const mqtt::Message& message, Instant now);
+    /// The broker accepted, or denied, a message with quality of service 1 on this topic.
+    void published(const std::string& topic) { tidier_.published(topic); }
+    void denied(const std::string& topic, const std::string& reason, Instant now);
+    /// Call ten times a second, also while not connected.
+    void tick(Instant now);
+    /// The last message before the end.
+    mqtt::Message goodbye() const { return state("offline"); }
+
+    std::size_t boards() const { return catalogue_.size(); }
+    /// The epoch of another registry that had this id when this one started. To be asked once connected: this
+    /// registry must end then, and without a goodbye, because the topics are the other's.
+    const std::optional<std::string>& id_taken_by() const { return id_taken_by_; }
+
+  private:
+    Catalogue::Options catalogue_options(const RegistryOptions& options, UnitsOf units_of);
+    Queries::Dependencies query_dependencies();
+    void announcement(const mqtt::Message& message, const bus::TopicRef& topic);
+    void refused(const mqtt::Message& message, std::string_view board, Refusal refusal);
+    void identity(const mqtt::Message& message);
+    void complete();
+    void handle(const std::vector<Event>& events, bool decided_here);
+    void change(const Event& event);
+    void publish(const bus::ChangeEvent& event);
+    void publish_statistics();
+    void tick_connected();
+    mqtt::Message state(std::string word) const;
+
+    bus::Topics topics_;
+    std::string id_;
+    Random random_;
+    Port port_;
+    HistoryKeeper* history_;
+    Instant now_;
+    std::string run_;  // random, of this start; epochs are run_ and the number of the connection
+    Catalogue catalogue_;
+    ChangeFeed feed_;
+    Settling settling_;
+    RefusalLog refusals_;
+    Statistics statistics_;
+    IdentityWatch identity_;
+    Tidier tidier_;
+    NamesOnlyBoards names_only_;
+    Queries queries_;
+    QueryEndpoint endpoint_;
+    bool connected_ = false;
+    std::optional<std::string> id_taken_by_;
+    Time identity_logged_{};
+    Time last_tick_{};
+};
+
+}  // namespace asip::registry

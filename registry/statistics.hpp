@@ -1,0 +1,37 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "registry/catalogue/catalogue.hpp"
+
+namespace asip::registry {
+
+/// What a registry counts beside its catalogue, and the document it publishes of both.
+class Statistics {
+  public:
+    struct Counts {
+        std::uint64_t connections = 0;
+        std::uint64_t messages = 0;         ///< received
+        std::uint64_t queries = 0;          ///< answered
+        std::uint64_t events = 0;           ///< published
+        std::uint64_t denied = 0;           ///< published and denied by the broker's access rules
+        std::uint64_t history_dropped = 0;  ///< changes that the history file was too slow for
+    };
+
+    Statistics(Duration interval, Time now) : interval_(interval), started_(now), last_(now) {}
+
+    Counts counts;
+
+    bool due(Time now) const { return now - last_ >= interval_; }
+    Duration age(Time now) const { return now - started_; }
+    /// The payload of `$stats`: JSON, documented in docs/asip-registry.md. The next is due an interval later.
+    std::string document(const Catalogue& catalogue, const std::string& epoch, Instant now);
+
+  private:
+    Duration interval_;
+    Time started_;
+    Time last_;                        // of the last document
+    std::uint64_t messages_then_ = 0;  // counts.messages at that time
+};
+
+}  // namespace asip::registry

@@ -1,0 +1,78 @@
+#include "registry/names_only_boards.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "bus_messages.hpp"
+
+namespace asip::registry {
+namespace {
+
+class NamesOnlyBoardsTest : public testing::Test {
+  protected:
+    static Port record(NamesOnlyBoardsTest& test) {
+        Port port;
+        port.publish = [&test](mqtt::Message message) { test.published.push_back(message); };
+        port.subscribe = [&test](std::string filter, bool) { test.filters.insert(filter); };
+        port.unsubscribe = [&test](const std::string& filter) { test.filters.erase(filter); };
+        return port;
+    }
+
+    bus::Topics topics;
+    std::vector<mqtt::Message> published;
+    std::set<std::string> filters;
+    NamesOnlyBoards boards{topics, record(*this)};
+};
+
+TEST_F(NamesOnlyBoardsTest, BoardThatSoonDescribesItself_IsLeftAlone) {
+    boards.add("uno1", at(0s));
+    boards.tick(at(500ms));
+    boards.remove("uno1");
+    boards.tick(at(5s));
+    EXPECT_TRUE(published.empty());
+    EXPECT_TRUE(filters.empty());
+}
+
+TEST_F(NamesOnlyBoardsTest, BoardWithoutDescription_IsListenedToAndAskedThreeTimes) {
+    boards.add("uno1", at(0s));
+    boards.tick(at(1s));
+    EXPECT_THAT(filters, testing::ElementsAre("asip/servicebus/uno1/$description", "asip/uno1/+/out",
+                                              "asip/uno1/out"));
+    ASSERT_EQ(published.size(), 1u);
+    EXPECT_EQ(published[0].topic, "asip/servicebus/$probe");
+    EXPECT_EQ(published[0].payload, "uno1");
+    for (Duration time = 1s; time < 60s; time += 100ms)
+        boards.tick(at(time));
+    EXPECT_EQ(published.size(), 3u);
+    EXPECT_THAT(filters, testing::ElementsAre("asip/uno1/+/out", "asip/uno1/out"));
+    boards.remove("uno1");
+    EXPECT_TRUE(filters.empty());
+}
+
+TEST_F(NamesOnlyBoardsTest, BoardAnswers_ItsSubscriptionsEnd) {
+    boards.add("uno1", at(0s));
+    boards.tick(at(1s));
+    boards.remove("uno1");
+    EXPECT_TRUE(filters.empty());
+    boards.tick(at(60s));
+    EXPECT_EQ(published.size(), 1u);
+}
+
+TEST_F(NamesOnlyBoardsTest, TooMany_AllTrafficIsHeardUntilHalfOfThemAreLeft) {
+    const auto name = [](std::size_t i) { return "esp" + std::to_string(i); };
+    const std::size_t count = NamesOnlyBoards::kMaxListened + 1;
+    for (std::size_t i = 0; i < count; ++i)
+        boards.add(name(i), at(0s));
+    boards.tick(at(1s));
+    boards.tick(at(1s + NamesOnlyBoards::kQuestionTime));
+    EXPECT_THAT(filters, testing::ElementsAre("asip/+/+/out", "asip/+/out"));
+    for (std::size_t i = count; i-- > NamesOnlyBoards::kMaxListened / 2;)
+        boards.remove(name(i));
+    EXPECT_EQ(filters.size(), NamesOnlyBoards::kMaxListened);
+    EXPECT_EQ(filters.count("asip/+/out"), 0u);
+    EXPECT_EQ(filters.count("asip/esp0/out"), 1u);
+}
+
+}  // namespace
+}  // namespace asip::registry
