@@ -39,9 +39,6 @@ std::string encode(const Answer& answer) {
     if (answer.settling) object["settling"] = true;
     if (answer.total) object["total"] = *answer.total;
     json items = json::array();
-    const char* what = "boards";
-    if (!answer.services.empty()) what = "services";
-    if (!answer.history.empty()) what = "history";
     for (const BoardItem& item : answer.boards)
         items.push_back(to_json(item));
     for (const ServiceItem& item : answer.services)
@@ -49,7 +46,7 @@ std::string encode(const Answer& answer) {
     for (const HistoryItem& item : answer.history)
         items.push_back(to_json(item));
     if (!answer.forgotten.empty()) object["forgotten"] = answer.forgotten;
-    object["find"] = what;
+    object["find"] = to_string(answer.find);
     put(object, "cursor", answer.cursor);
     if (answer.brief) return encode_brief(object, *answer.brief);
     object["items"] = std::move(items);
@@ -70,6 +67,10 @@ Expected<Answer> parse_answer(std::string_view payload) {
     answer.cursor = text_of(object, "cursor");
     answer.refused = text_of(object, "refused");
     answer.error = text_of(object, "error");
+    const std::string find = text_of(object, "find");
+    for (const Find each : {Find::kServices, Find::kHistory}) {
+        if (find == to_string(each)) answer.find = each;
+    }
     if (object.contains("total")) answer.total = number_of(object, "total");
     if (const auto found = object.find("forgotten"); found != object.end() && found->is_array()) {
         for (const json& name : *found) {
@@ -87,12 +88,11 @@ Expected<Answer> parse_answer(std::string_view payload) {
         if (answer.refused.empty()) return fail("neither items nor a refusal");
         return answer;
     }
-    const std::string find = text_of(object, "find");
     for (const json& item : *items) {
         if (!item.is_object()) return fail("items: must be objects");
-        if (find == "services") {
+        if (answer.find == Find::kServices) {
             answer.services.push_back(read_service_item(item));
-        } else if (find == "history") {
+        } else if (answer.find == Find::kHistory) {
             answer.history.push_back(read_history_item(item));
         } else {
             answer.boards.push_back(read_board_item(item));

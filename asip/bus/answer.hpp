@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "asip/bus/items.hpp"
+#include "asip/bus/query.hpp"
 #include "asip/expected.hpp"
 
 namespace asip::bus {
@@ -18,6 +19,7 @@ struct Answer {
     std::string epoch;      ///< differs each time a registry starts counting anew
     std::uint64_t seq = 0;  ///< the items hold after exactly the change events of `epoch` up to this number
     bool settling = false;  ///< the registry is still reading what the broker retains: more will come
+    Find find = Find::kBoards;         ///< what the items are, also where there are none
     std::optional<std::size_t> total;  ///< all matches, where asked for or known anyway
     std::vector<BoardItem> boards;
     /// Set: the answer is to a brief query, and `boards` is empty. A registry that does not know brief

@@ -6,6 +6,8 @@
 
 #include "asip/bus/members.hpp"
 #include "asip/model/json.hpp"
+#include "asip/text/nearest.hpp"
+#include "asip/text/printable.hpp"
 
 namespace asip::bus {
 namespace {
@@ -15,10 +17,6 @@ using nlohmann::json;
 
 constexpr std::size_t kMaxFilterBytes = 256;
 constexpr std::size_t kMaxChoices = 64;
-
-std::string_view word(Find find) {
-    return find == Find::kBoards ? "boards" : find == Find::kServices ? "services" : "history";
-}
 
 // Strict readers for requests: what is there must be right.
 Expected<std::string> filter(const json& object, const char* key) {
@@ -51,6 +49,21 @@ Expected<bool> flag(const json& object, const char* key) {
     return found->get<bool>();
 }
 
+constexpr std::array<std::string_view, 15> kQueryMembers{"find",  "board",  "service",    "kind", "state",
+                                                         "chip",  "sketch", "unit",       "sort", "limit",
+                                                         "count", "cursor", "capability", "full", "brief"};
+constexpr std::array<std::string_view, 2> kForgetMembers{"forget", "dry_run"};
+
+template <class Members>
+std::string unknown_member(const json& object, const Members& known) {
+    for (const auto& [key, value] : object.items()) {
+        if (std::find(known.begin(), known.end(), key) == known.end()) {
+            return text::printable(key) + ": no member of this request" + text::did_you_mean(key, known);
+        }
+    }
+    return {};
+}
+
 Expected<Query> query_from(const json& object) {
     Query query;
     const auto find = object.find("find");
@@ -59,7 +72,7 @@ Expected<Query> query_from(const json& object) {
     }
     bool known = false;
     for (const Find each : {Find::kBoards, Find::kServices, Find::kHistory}) {
-        if (find->get_ref<const std::string&>() == word(each)) query.find = each, known = true;
+        if (find->get_ref<const std::string&>() == to_string(each)) query.find = each, known = true;
     }
     if (!known) return fail("find: must be \"boards\", \"services\" or \"history\"");
 
@@ -93,6 +106,7 @@ Expected<Query> query_from(const json& object) {
         query.limit =
             static_cast<std::size_t>(std::min<std::uint64_t>(limit->get<std::uint64_t>(), Query::kMaxPage));
     }
+    if (auto unknown = unknown_member(object, kQueryMembers); !unknown.empty()) return fail(unknown);
     if (query.brief && (query.full || query.find != Find::kBoards)) {
         return fail("brief: only for boards, and not together with full");
     }
@@ -105,6 +119,7 @@ Expected<Forget> forget_from(const json& object) {
     if (!board) return Unexpected<std::string>(board.error());
     if (board->empty()) return fail("forget: must name a board");
     forget.board = std::move(*board);
+    if (auto unknown = unknown_member(object, kForgetMembers); !unknown.empty()) return fail(unknown);
     const auto dry_run = flag(object, "dry_run");
     if (!dry_run) return Unexpected<std::string>(dry_run.error());
     forget.dry_run = *dry_run;
@@ -113,7 +128,7 @@ Expected<Forget> forget_from(const json& object) {
 
 json to_object(const Query& query) {
     const Query defaults;
-    json object{{"find", word(query.find)}};
+    json object{{"find", to_string(query.find)}};
     put(object, "board", query.board);
     put(object, "service", query.service);
     if (!query.kind.empty()) object["kind"] = query.kind;
@@ -132,6 +147,10 @@ json to_object(const Query& query) {
 }
 
 }  // namespace
+
+std::string_view to_string(Find find) {
+    return find == Find::kBoards ? "boards" : find == Find::kServices ? "services" : "history";
+}
 
 std::string encode(const RegistryRequest& request) {
     json object;

@@ -17,6 +17,8 @@
 namespace asip::bus {
 
 enum class Find { kBoards, kServices, kHistory };
+/// "boards", "services", "history"
+std::string_view to_string(Find find);
 
 /// A question. Every filter left empty lets everything pass; those given must all hold; a filter with several
 /// values holds if one of them does. For Find::kServices the filters on boards hold for the board the service
@@ -63,7 +65,8 @@ struct RegistryRequest {
 /// The payload for a request. Members at their defaults are left out.
 std::string encode(const RegistryRequest& request);
 /// What the object of a request's envelope asks for. Error: a sentence that names the member that is wrong.
-/// Unknown members are ignored; unknown values are not.
+/// Unknown members and values are refused, with the nearest that is known: a filter that is misspelt would
+/// let everything pass, and a forget that is misspelt would forget.
 Expected<std::variant<Query, Forget>> read_registry_request(const nlohmann::json& object);
 
 }  // namespace asip::bus

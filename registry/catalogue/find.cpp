@@ -150,6 +150,7 @@ Expected<bus::Answer> Catalogue::Impl::find(const bus::Query& query, Instant now
     if (!plan) return Unexpected<std::string>(plan.error());
     bus::Answer answer;
     answer.seq = seq_;
+    answer.find = query.find;
     if (query.brief && query.find == bus::Find::kBoards) answer.brief.emplace();
     Page page{*this, *plan, now, answer};
     if (plan->in_order_of_names()) {

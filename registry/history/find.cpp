@@ -97,6 +97,7 @@ Expected<bus::Answer> History::find(const bus::Query& query) {
             return fail("state: \"" + word + "\" is none of online, offline, lost, sleeping, updating");
     }
     bus::Answer answer;
+    answer.find = bus::Find::kHistory;
     const std::size_t limit = std::clamp<std::size_t>(query.limit, 1, bus::Query::kMaxPage);
     MergedRows rows(sources_for(database_, query, *before));
     std::int64_t last = 0;

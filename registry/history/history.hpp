@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "asip/bus/items.hpp"
 #include "asip/bus/answer.hpp"
+#include "asip/bus/items.hpp"
 #include "asip/bus/query.hpp"
 #include "asip/expected.hpp"
 #include "asip/text/wall_time.hpp"

@@ -26,6 +26,35 @@ TEST(ExampleBlink, NoSuchPort_EndsWithOneLine) {
     EXPECT_EQ(std::count(blink.errors.begin(), blink.errors.end(), '\n'), 1) << blink.errors;
 }
 
+TEST(ExampleBlink, BoardThatIsNotOnTheBroker_EndsWithOneLine) {
+    const MosquittoBroker broker;
+    const Finished blink = run({ASIP_TEST_BLINK, broker.url() + "/nobody"});
+    EXPECT_EQ(blink.status, 1);
+    EXPECT_EQ(std::count(blink.errors.begin(), blink.errors.end(), '\n'), 1) << blink.errors;
+    EXPECT_NE(blink.errors.find("nobody"), std::string::npos) << blink.errors;
+}
+
+TEST(ExampleTwoBoardSwitch, NoSuchPort_EndsWithOneLine) {
+    for (const std::string address : {"/dev/nosuch", "/dev/asip-no-such-port-of-any-machine", "no address"}) {
+        const Finished program = run({ASIP_TEST_SWITCH, address, "uno1"});
+        EXPECT_EQ(program.status, 1) << program.errors;
+        EXPECT_EQ(std::count(program.errors.begin(), program.errors.end(), '\n'), 1) << program.errors;
+    }
+}
+
+TEST(ExampleTwoBoardSwitch, SecondBoardIsNotThere_EndsWithOneLine) {
+    SimulatedBoards boards({"asip_uno"});
+    const Finished program = run({ASIP_TEST_SWITCH, boards.serial(), "tcp://127.0.0.1:1"});
+    EXPECT_EQ(program.status, 1) << program.errors;
+    EXPECT_EQ(std::count(program.errors.begin(), program.errors.end(), '\n'), 1) << program.errors;
+}
+
+TEST(ExampleTwoBoardSwitch, WithoutArguments_SaysHowItIsUsed) {
+    const Finished program = run({ASIP_TEST_SWITCH});
+    EXPECT_EQ(program.status, 2);
+    EXPECT_NE(program.errors.find("usage:"), std::string::npos) << program.errors;
+}
+
 TEST(ExampleTwoBoardSwitch, ButtonOfOneBoard_SwitchesTheLedOfTheOther) {
     SimulatedBoards boards({"asip_uno", "asip_uno_04"});
     ChildProcess program({ASIP_TEST_SWITCH, boards.serial(0), "tcp://127.0.0.1:" + boards.tcp_port(1)});

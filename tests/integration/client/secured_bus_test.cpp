@@ -121,6 +121,15 @@ TEST_F(SecuredBus, Operator_CommandsTheBoardThroughItsAgent) {
     EXPECT_TRUE(boards_.wait_for_led("on"));
 }
 
+TEST_F(SecuredBus, OptionsOfTheDocumentation_OpenTheBoard) {
+    const std::string documented_address = "mqtts://" + broker_.host() + "/uno";
+    const std::string documented_password_file = broker_.password_file("operator");
+    const std::string documented_ca = broker_.certificates().ca;
+#include "documented/options.inc"
+    ASSERT_TRUE(board) << to_string(board.error()) << agent_.errors();
+    EXPECT_TRUE(board->set_pin_mode(13, protocol::PinMode::Output));
+}
+
 TEST_F(SecuredBus, Viewer_SeesTheBoardAndCannotCommandIt) {
     auto board = open_as("viewer");
     ASSERT_TRUE(board) << to_string(board.error()) << agent_.errors();

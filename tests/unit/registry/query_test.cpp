@@ -119,6 +119,30 @@ TEST(QueryWire, BadRequests_AreRefusedByTheMemberThatIsWrong) {
     }
 }
 
+TEST(QueryWire, UnknownMember_IsRefusedWithTheNearestThatIsKnown) {
+    for (const auto& [text, wrong, meant] : std::vector<std::tuple<std::string, std::string, std::string>>{
+             {R"({"forget":"keep*","dryrun":true})", "dryrun", "dry_run"},
+             {R"({"find":"boards","bord":"x"})", "bord", "board"},
+             {R"({"find":"services","kinds":["distance"]})", "kinds", "kind"}}) {
+        const auto parsed = read(text);
+        ASSERT_FALSE(parsed) << text;
+        EXPECT_THAT(parsed.error(), HasSubstr(wrong + ": no member"));
+        EXPECT_THAT(parsed.error(), HasSubstr("did you mean \"" + meant + "\"?"));
+    }
+    EXPECT_FALSE(read(R"({"bord":"x"})")) << "says nothing to find";
+    EXPECT_FALSE(read(R"({"forget":"x","board":"y"})"));
+}
+
+TEST(QueryWire, AnswerWithoutItems_SaysWhatWasAskedFor) {
+    for (const Find find : {Find::kBoards, Find::kServices, Find::kHistory}) {
+        Answer answer;
+        answer.find = find;
+        const std::string text = encode(answer);
+        EXPECT_THAT(text, HasSubstr("\"find\":\"" + std::string(to_string(find)) + "\""));
+        EXPECT_EQ(parse_answer(text)->find, find);
+    }
+}
+
 TEST(QueryWire, AnswersAndEventsComeBackAsTheyWere) {
     Answer answer = page(9, {some_board("uno1"), some_board("uno2", "lost")}, "uno2//");
     answer.id = "5";
