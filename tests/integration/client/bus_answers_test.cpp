@@ -1,0 +1,98 @@
+// What a command over MQTT carries, and what its answers become, with a plain client in the place of the
+// agent.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <future>
+#include <nlohmann/json.hpp>
+
+#include "asip/client/blocking_board.hpp"
+#include "tests/support/bus_probe.hpp"
+#include "tests/support/mosquitto_broker.hpp"
+
+namespace asip::client {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using namespace std::chrono_literals;
+
+constexpr const char* kCommands = "asip/uno1/io/in";
+
+class BusAnswers : public ::testing::Test {
+  protected:
+    BusAnswers() {
+        agent_.publish("asip/servicebus/uno1/$description",
+                       R"({"board":"uno1","session":"a","seq":1,"lease":60,)"
+                       R"("services":[{"name":"io","id":"I","model":"io@1"}]})",
+                       true);
+        agent_.publish("asip/servicebus/uno1/$state", "online", true);
+        Options options;
+        options.command_timeout = 1500ms;
+        auto opened = BlockingBoard::open(broker_.url() + "/uno1", options);
+        if (!opened) throw std::runtime_error(to_string(opened.error()));
+        board_ = std::move(*opened);
+    }
+
+    /// What a command ends with when the agent answers `reply`.
+    Error ends_with(const std::string& reply) {
+        agent_.clear();
+        auto call = std::async(std::launch::async, [this] { return board_.digital_write(13, true); });
+        const auto command = agent_.wait_for(kCommands);
+        if (command) {
+            command_ = *command;
+            mqtt::Message answer;
+            answer.topic = command->response_topic;
+            answer.correlation = command->correlation;
+            answer.payload = reply;
+            answer.qos = 1;
+            agent_.publish(answer);
+        }
+        const auto done = call.get();
+        return done ? Error{Error::Kind::Closed, -1, "succeeded"} : done.error();
+    }
+
+    test::MosquittoBroker broker_;
+    test::BusProbe agent_{broker_.port()};
+    BlockingBoard board_;
+    mqtt::Message command_;
+};
+
+TEST_F(BusAnswers, Command_CarriesItsDeadline) {
+    EXPECT_EQ(ends_with(R"({"status":"ok","proof":"fence"})").text, "succeeded");
+    EXPECT_EQ(json::parse(command_.payload).at("deadline_ms"), 1500);
+    EXPECT_LE(command_.expiry_seconds.value_or(0), 2u);
+    EXPECT_GT(command_.expiry_seconds.value_or(0), 0u);
+}
+
+TEST_F(BusAnswers, TimeoutInDoubt_SaysThatItMayHaveBeenExecuted) {
+    const Error doubt = ends_with(R"({"status":"timeout","reason":"doubt"})");
+    EXPECT_EQ(doubt.kind, Error::Kind::Timeout);
+    EXPECT_THAT(doubt.text, HasSubstr("may have executed it or not"));
+    const Error late = ends_with(R"({"status":"timeout"})");
+    EXPECT_EQ(late.kind, Error::Kind::Timeout);
+    EXPECT_THAT(late.text, HasSubstr("did not acknowledge"));
+}
+
+TEST_F(BusAnswers, Refusals_AreInvalidUnreachableOrRefused) {
+    EXPECT_EQ(ends_with(R"({"status":"refused","reason":"invalid","error":"pin: 99 is above 69"})"),
+              (Error{Error::Kind::Invalid, 0, "pin: 99 is above 69"}));
+    EXPECT_EQ(ends_with(R"({"status":"refused","reason":"board-not-there","error":"gone"})").kind,
+              Error::Kind::Unreachable);
+    EXPECT_EQ(ends_with(R"({"status":"refused","reason":"queue-full"})"),
+              (Error{Error::Kind::Refused, 0, "queue-full"}));
+    EXPECT_EQ(ends_with(R"({"status":"error","code":6,"error":"WRONG_MODE"})"),
+              (Error{Error::Kind::Board, 6, "WRONG_MODE"}));
+}
+
+TEST_F(BusAnswers, NobodyAnswers_TheCallEndsSoonAfterItsDeadline) {
+    const auto began = std::chrono::steady_clock::now();
+    const auto done = board_.digital_write(13, true);
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().kind, Error::Kind::Timeout);
+    EXPECT_GE(std::chrono::steady_clock::now() - began, 1500ms);
+}
+
+}  // namespace
+}  // namespace asip::client
