@@ -101,13 +101,14 @@ int Application::run() {
 }
 
 void Application::connect_failed(const mqtt::ConnectionFailure& failure) {
-    if (outage_.is_news(failure)) {
-        log::write(failure.hopeless ? log::Level::kError : log::Level::kWarning,
-                   failure.hopeless ? "the broker does not accept the connection"
-                                    : "no connection; trying again",
+    if (!failure.hopeless) {
+        const auto level = outage_.is_news(failure) ? log::Level::kWarning : log::Level::kDebug;
+        log::write(level, "no connection; trying again",
                    {{"broker", failure.broker.describe()}, {"why", failure.text}});
+        return;
     }
-    if (!failure.hopeless) return;
+    log::error("no broker accepts the connection",
+               {{"broker", failure.broker.describe()}, {"why", failure.text}});
     status_ = program::kExitBroker;
     stop();
 }

@@ -102,8 +102,9 @@ TEST(RegistryAccess, MayNotClearWhatABoardLeft_ReportsItOnceAndForgettingGoesOn)
         ASSERT_TRUE(answer);
         EXPECT_THAT(answer->forgotten, testing::ElementsAre(board));
         EXPECT_TRUE(probe.wait_for("asip/servicebus/" + board + "/$state", ""));
-        if (board == "uno1")
+        if (board == "uno1") {
             EXPECT_TRUE(wait_until([&] { return denials() == 1; })) << registry.process().errors();
+        }
     }
     EXPECT_EQ(denials(), 1u) << registry.process().errors();
     EXPECT_LE(losses(), 1u) << "the MQTT library may lose the connection over a denial, once";
