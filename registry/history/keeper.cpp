@@ -17,7 +17,7 @@ Time monotonic(text::WallTime wall, Instant now) {
     return now.time - std::chrono::duration_cast<Duration>(now.wall - wall);
 }
 
-bus::Answer refusal(std::string reason, std::string error) {
+bus::Answer refused_page(std::string reason, std::string error) {
     bus::Answer answer;
     answer.refused = std::move(reason);
     answer.error = std::move(error);
@@ -106,17 +106,19 @@ void HistoryKeeper::write_waiting() {
 
 void HistoryKeeper::find(bus::Query query, Found found) {
     if (!usable_) {
-        return found(refusal("no-history", "the history cannot be written and was given up; see the log"));
+        return found(
+            refused_page("no-history", "the history cannot be written and was given up; see the log"));
     }
     if (waiting_queries_ == kMaxWaitingQueries) {
-        return found(refusal("too-many", "too many queries of the history wait already; ask again later"));
+        return found(
+            refused_page("too-many", "too many queries of the history wait already; ask again later"));
     }
     write_waiting();
     ++waiting_queries_;
     run([query = std::move(query)](History& history) { return history.find(query); },
         [this, found = std::move(found)](Expected<bus::Answer> answer) {
             --waiting_queries_;
-            found(answer ? std::move(*answer) : refusal("invalid", answer.error()));
+            found(answer ? std::move(*answer) : refused_page("invalid", answer.error()));
         });
 }
 
