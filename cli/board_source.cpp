@@ -158,6 +158,23 @@ Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {
     return result;
 }
 
+Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, std::size_t count) {
+    query.find = bus::Find::kHistory;
+    std::vector<bus::HistoryItem> all;
+    do {
+        query.limit = std::min(count - all.size(), bus::Query::kMaxPage);
+        auto page = ask(query);
+        if (!page && page.error().status == program::kExitNoAnswer) {
+            return failure(program::kExitNoAnswer,
+                           "no registry answers; only asip-registry --history FILE keeps a history");
+        }
+        if (!page) return tl::unexpected(page.error());
+        std::move(page->history.begin(), page->history.end(), std::back_inserter(all));
+        query.cursor = page->cursor;
+    } while (!query.cursor.empty() && all.size() < count);
+    return all;
+}
+
 void BoardSource::take(const mqtt::Message& message) {
     const auto board = catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
     const auto* description = catalogue_.description(board);

@@ -57,6 +57,8 @@ TEST_P(RealBoardTest, ListShowSendAndSubscribe_WorkOnIt) {
     const auto refused = asipctl({"send", "desk/servo", "write", "9", "90"});
     EXPECT_EQ(refused.status, 1);
     EXPECT_THAT(refused.errors, HasSubstr("7, INVALID_DEVICE_NUMBER"));
+    const auto measured = asipctl({"get", "desk/distance/0"});
+    EXPECT_THAT(measured.output, MatchesRegex("4[123] cm\n")) << measured.errors;
     EXPECT_EQ(asipctl({"send", "desk/distance", "report", "100"}).status, 0);
     EXPECT_THAT(
         asipctl({"subscribe", "desk/distance", "-n", "1", "-W", "10", "--format", "{data.distance.0}"})

@@ -1,0 +1,140 @@
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <ostream>
+
+#include "asip/bus/pattern.hpp"
+#include "cli/board_source.hpp"
+#include "cli/change_record.hpp"
+#include "cli/declaration.hpp"
+
+namespace asip::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct EventsOptions {
+    std::string pattern = "*";
+    std::size_t count = 0;
+    std::optional<std::chrono::milliseconds> limit{};
+    OutputOptions output{Output::kTable, {}};
+};
+
+/// Prints changes as they come, of a registry or, without one, as the bus itself shows them.
+class Follower {
+  public:
+    Follower(const EventsOptions& options, Context& context)
+        : options_(options),
+          context_(context),
+          session_(context),
+          source_(context, session_),
+          catalogue_(context.topics),
+          records_(options.output, RecordPrinter::Count::kStream, context.out) {}
+
+    int run() {
+        session_.on_connection_change([this](bool connected, const std::string& why) {
+            context_.note(connected ? "connected again" : why);
+        });
+        if (const auto connected = session_.connect(); !connected)
+            return context_.fail_with(connected.error());
+        const auto registry = source_.find_registry();
+        if (session_.stopped()) return program::kExitOk;
+        if (registry.empty()) {
+            follow_bus();
+        } else {
+            follow_registry(registry);
+        }
+        const auto deadline = options_.limit ? Clock::now() + *options_.limit : Time::max();
+        while (!session_.stopped() && !enough() && Clock::now() < deadline)
+            session_.run_until([this] { return enough(); }, std::min(deadline, Clock::now() + 1h));
+        return options_.limit && count_ == 0 && !session_.stopped() ? program::kExitNoAnswer
+                                                                    : program::kExitOk;
+    }
+
+  private:
+    bool enough() const { return options_.count != 0 && count_ >= options_.count; }
+
+    void follow_registry(const std::string& registry) {
+        session_.subscribe(context_.topics.registry_events(registry), [this](const mqtt::Message& message) {
+            const auto event = bus::parse_change_event(message.payload);
+            if (event && event->kind != bus::ChangeEvent::Kind::kReset) print(change_of(*event));
+        });
+    }
+
+    void follow_bus() {
+        const auto take = [this](const mqtt::Message& message) { take_announcement(message); };
+        session_.subscribe(context_.topics.board_names() + "/+/+", take);
+        session_.subscribe(context_.topics.service_names("+"), take);
+        session_.after_retained([this] { live_ = true; });
+    }
+
+    /// What was there before we looked is no change.
+    void take_announcement(const mqtt::Message& message) {
+        const auto name = catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
+        if (name.empty()) return;
+        const auto board = catalogue_.board(name, Clock::now());
+        const auto state = board ? board->state : std::string();
+        const auto known = states_.find(name);
+        const auto was = known == states_.end() ? std::string() : known->second;
+        if (state == was) return;
+        states_[name] = state;
+        if (!live_) return;
+        bus::HistoryItem change;
+        change.board = name;
+        change.at = text::wall_now();
+        change.what = was.empty() ? "added" : state.empty() ? "forgotten" : "state";
+        change.state = state;
+        change.was = was;
+        print(change);
+    }
+
+    void print(const bus::HistoryItem& change) {
+        if (enough() || !bus::matches_pattern(options_.pattern, change.board)) return;
+        ++count_;
+        if (!options_.output.for_people()) {
+            records_.print(bus::to_json(change));
+            return;
+        }
+        table_.add(change_row(change));
+        context_.out << (count_ == 1 ? table_.render(context_.width, context_.colour)
+                                     : table_.render_more(context_.width, context_.colour))
+                     << std::flush;
+    }
+
+    const EventsOptions& options_;
+    Context& context_;
+    BusSession session_;
+    BoardSource source_;
+    BusCatalogue catalogue_;
+    RecordPrinter records_;
+    Table table_ = change_table();
+    std::map<std::string, std::string> states_;
+    bool live_ = false;
+    std::size_t count_ = 0;
+};
+
+Run declare_events(Declaration& verb) {
+    auto options = std::make_shared<EventsOptions>();
+    verb.argument("PATTERN", options->pattern, "Only boards of this name; * and ? as in a shell",
+                  Declaration::Needed::kNo);
+    verb.option("-n,--count", "COUNT", options->count, "End after so many; 0: no limit");
+    verb.option("-W,--for", options->limit, "End after this time; status 4 when nothing changed");
+    verb.output(options->output, {Output::kTable}, change_fields());
+    return [options](Context& context) { return Follower(*options, context).run(); };
+}
+
+}  // namespace
+
+Verb events_verb() {
+    return {
+        "events", "Boards that come, leave and change, as it happens",
+        "From a registry, which says why; without one, what the bus itself shows. For what happened before:\n"
+        "asipctl history.\n"
+        "Examples:\n"
+        "  asipctl events\n"
+        "  asipctl events 'uno*' -o jsonl\n"
+        "  asipctl events -n 1 -W 1m --format '{board} is {state}'",
+        declare_events};
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,79 @@
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "cli/board_source.hpp"
+#include "cli/change_record.hpp"
+#include "cli/declaration.hpp"
+#include "cli/target.hpp"
+
+namespace asip::cli {
+namespace {
+
+struct HistoryOptions {
+    std::string board;
+    bool all = false;
+    std::size_t count = 20;
+    OutputOptions output{Output::kTable, {}};
+};
+
+void print_changes(const std::vector<bus::HistoryItem>& changes, const OutputOptions& output,
+                   Context& context) {
+    RecordPrinter records(output, RecordPrinter::Count::kList, context.out);
+    auto table = change_table();
+    for (const auto& change : changes) {
+        if (output.for_people()) {
+            table.add(change_row(change));
+        } else {
+            records.print(bus::to_json(change));
+        }
+    }
+    if (!output.for_people()) return records.finish();
+    if (table.empty()) return context.note("nothing is known of it");
+    context.out << table.render(context.width, context.colour) << std::flush;
+}
+
+int run_history(const HistoryOptions& options, Context& context) {
+    if (options.board.empty() != options.all) {
+        return context.fail_with({program::kExitUsage, "name a board, or write --all"});
+    }
+    bus::Query query;
+    if (!options.all) {
+        const auto target = parse_target(options.board, true);
+        if (!target) return context.fail_with(target.error());
+        if (!target->service.empty())
+            return context.fail_with({program::kExitUsage, "history takes a board, not a service"});
+        query.board = target->board;
+    }
+    BusSession session(context);
+    BoardSource source(context, session);
+    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+    auto changes = source.history(query, options.count);
+    if (!changes) return context.fail_with(changes.error());
+    // A registry gives the newest first.
+    std::reverse(changes->begin(), changes->end());
+    print_changes(*changes, options.output, context);
+    return program::kExitOk;
+}
+
+Run declare_history(Declaration& verb) {
+    auto options = std::make_shared<HistoryOptions>();
+    verb.argument("PATTERN", options->board, "Which board; * and ? as in a shell", Declaration::Needed::kNo);
+    verb.flag("--all", options->all, "Of all boards");
+    verb.option("-n,--count", "COUNT", options->count, "The newest so many", 1, 100'000);
+    verb.output(options->output, {Output::kTable}, change_fields());
+    return [options](Context& context) { return run_history(*options, context); };
+}
+
+}  // namespace
+
+Verb history_verb() {
+    return {"history", "When boards came, left and changed, oldest first",
+            "From a registry that keeps a history: asip-registry --history FILE.\n"
+            "Examples:\n"
+            "  asipctl history uno1\n"
+            "  asipctl history --all -n 100 -o jsonl",
+            declare_history};
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,140 @@
+#include "cli/commands/wait.hpp"
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <ostream>
+
+#include "asip/model/board_state.hpp"
+#include "asip/model/json.hpp"
+#include "asip/text/wall_time.hpp"
+#include "cli/bus_catalogue.hpp"
+#include "cli/bus_session.hpp"
+#include "cli/context_event.hpp"
+#include "cli/declaration.hpp"
+#include "cli/target.hpp"
+
+namespace asip::cli {
+namespace {
+
+/// Watches one board until what is waited for has come.
+class Waiter {
+  public:
+    Waiter(const WaitOptions& options, Context& context, Target target)
+        : options_(options),
+          context_(context),
+          targets_{std::move(target)},
+          for_state_(model::board_state_from_text(options.what).has_value()),
+          session_(context),
+          catalogue_(context.topics) {}
+
+    int run() {
+        watch_announcements();
+        if (!for_state_) watch_events();
+        if (const auto connected = session_.connect(); !connected)
+            return context_.fail_with(connected.error());
+        const auto deadline = Clock::now() + context_.timeout;
+        session_.publish(context_.topics.probe(), board());
+        session_.run_until([this] { return came(); }, deadline);
+        if (came()) return print();
+        if (session_.stopped()) return context_.fail_with({program::kExitFailure, "interrupted"});
+        const auto known = catalogue_.board(board(), Clock::now());
+        return context_.fail_with(
+            {program::kExitNoAnswer, targets_.front().text() + ": no " + options_.what + " within " +
+                                         std::to_string(context_.timeout.count()) + " ms; the board is " +
+                                         (known ? known->state : std::string("not announced"))});
+    }
+
+  private:
+    const std::string& board() const { return targets_.front().board; }
+
+    void watch_announcements() {
+        const auto take = [this](const mqtt::Message& message) {
+            catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
+        };
+        for (const auto& topic : {context_.topics.state(board()), context_.topics.description(board()),
+                                  context_.topics.service_names(board())})
+            session_.subscribe(topic, take);
+    }
+
+    void watch_events() {
+        for (const auto& filter : context_filters(context_.topics, targets_, false)) {
+            session_.subscribe(filter, [this](const mqtt::Message& message) {
+                if (!message.retain && !event_) take_event(message);
+            });
+        }
+    }
+
+    void take_event(const mqtt::Message& message) {
+        auto event = context_event(context_.topics, message.topic, message.payload);
+        if (!event || event->kind != ContextEvent::Kind::kValue) return;
+        if (!is_wanted(*event, targets_, catalogue_.description(board()))) return;
+        const auto document = model::parse_json(event->payload);
+        if (!document || !document->is_object() || !document->contains(options_.what)) return;
+        event->time = std::chrono::system_clock::now();
+        event_ = std::move(event);
+    }
+
+    bool came() const {
+        if (!for_state_) return event_.has_value();
+        const auto known = catalogue_.board(board(), Clock::now());
+        if (!known || known->state != options_.what) return false;
+        // Of an online board the description tells that it can be used.
+        return options_.what != "online" || known->by_name || catalogue_.description(board()) != nullptr;
+    }
+
+    int print() const {
+        if (!options_.output.for_people()) {
+            auto record = event_ ? event_json(*event_)
+                                 : nlohmann::json{{"board", board()},
+                                                  {"state", options_.what},
+                                                  {"time", text::iso_time(text::wall_now())}};
+            RecordPrinter(options_.output, RecordPrinter::Count::kOne, context_.out).print(record);
+        } else if (event_) {
+            context_.out << event_text(*event_, false, false, context_.colour) << std::endl;
+        }
+        return program::kExitOk;
+    }
+
+    const WaitOptions& options_;
+    Context& context_;
+    std::vector<Target> targets_;
+    bool for_state_;
+    BusSession session_;
+    BusCatalogue catalogue_;
+    std::optional<ContextEvent> event_;
+};
+
+}  // namespace
+
+int run_wait(const WaitOptions& options, Context& context) {
+    auto target = parse_target(options.target);
+    if (!target) return context.fail_with(target.error());
+    return Waiter(options, context, std::move(*target)).run();
+}
+
+namespace {
+
+Run declare_wait(Declaration& verb) {
+    auto options = std::make_shared<WaitOptions>();
+    verb.argument("BOARD[/SERVICE]", options->target, "Which");
+    verb.option("--for", "online|offline|lost|sleeping|updating|...", options->what,
+                "A state of the board, or the name of an event");
+    verb.output(options->output, {Output::kText}, {"board", "state", "time", "service", "event", "age"});
+    return [options](Context& context) { return run_wait(*options, context); };
+}
+
+}  // namespace
+
+Verb wait_verb() {
+    return {"wait", "Wait until a board is in a state, or reports an event",
+            "Ends at once when the board is in that state. --timeout says how long to wait; status 4 when it "
+            "did not\n"
+            "come. A state prints nothing, an event is printed.\n"
+            "Examples:\n"
+            "  asipctl wait uno1 --timeout 1m && asipctl send uno1/servo write 0 90\n"
+            "  asipctl wait uno1 --for lost --timeout 12h\n"
+            "  asipctl wait uno1/io --for digital --timeout 30s",
+            declare_wait};
+}
+
+}  // namespace asip::cli

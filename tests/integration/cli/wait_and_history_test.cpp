@@ -1,0 +1,134 @@
+// What changes on the bus: waiting for it, following it, and what a registry has kept of it.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/integration/cli/bus_fixture.hpp"
+#include "tests/support/temp_dir.hpp"
+
+namespace asip::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class ChangesTest : public BusTest {
+  protected:
+    std::unique_ptr<ChildProcess> registry(const std::vector<std::string>& options = {}) {
+        Words words{ASIP_PROGRAMS "/asip-registry", "--id", "r1"};
+        words.insert(words.end(), options.begin(), options.end());
+        auto child = std::make_unique<ChildProcess>(words, environment());
+        EXPECT_TRUE(probe_.wait_for("asip/registry/r1/$state", "online")) << child->errors();
+        return child;
+    }
+
+    TempDir folder_;
+};
+
+TEST_F(ChangesTest, WaitForAStateThatIs_EndsAtOnce) {
+    announce("uno1");
+    const auto wait = asipctl({"wait", "uno1"});
+    EXPECT_EQ(wait.status, 0) << wait.errors;
+    EXPECT_THAT(wait.output, IsEmpty());
+    EXPECT_EQ(nlohmann::json::parse(asipctl({"wait", "uno1", "-o", "json"}).output)["state"], "online");
+}
+
+TEST_F(ChangesTest, WaitForAStateThatComes_EndsWhenItDoes) {
+    announce("uno1");
+    ChildProcess wait(program({"wait", "uno1", "--for", "lost", "--timeout", "1m"}), environment());
+    ASSERT_TRUE(wait_until([&] {
+        announce("uno1", "lost");
+        return !wait.running();
+    }));
+    EXPECT_EQ(wait.wait_exit(), 0) << wait.errors();
+}
+
+TEST_F(ChangesTest, WaitForWhatDoesNotCome_EndsWith4AndTheState) {
+    announce("uno1");
+    const auto wait = asipctl({"wait", "uno1", "--for", "lost", "--timeout", "200ms"});
+    EXPECT_EQ(wait.status, 4);
+    EXPECT_THAT(wait.errors, HasSubstr("the board is online"));
+    EXPECT_THAT(asipctl({"wait", "nobody", "--timeout", "200ms"}).errors, HasSubstr("not announced"));
+}
+
+TEST_F(ChangesTest, WaitForAnEvent_TakesNoRetainedOneAndPrintsIt) {
+    announce("uno1");
+    probe_.publish("asip/uno1/distance/out", R"({"distance":[1]})", true);
+    ChildProcess wait(program({"wait", "uno1/distance", "--for", "distance", "--timeout", "1m"}),
+                      environment());
+    ASSERT_TRUE(wait_until([&] {
+        probe_.publish("asip/uno1/distance/out", R"({"distance":[2]})");
+        return !wait.running();
+    }));
+    EXPECT_EQ(wait.wait_exit(), 0) << wait.errors();
+    EXPECT_EQ(wait.output(), "uno1/distance  {\"distance\":[2]}\n");
+}
+
+TEST_F(ChangesTest, EventsWithoutARegistry_AreThoseOfTheBus) {
+    announce("uno1");
+    ChildProcess events(program({"events", "--from-bus", "-n", "1", "--format", "{board} {was}->{state}"}),
+                        environment());
+    ASSERT_TRUE(wait_until([&] {
+        announce("uno1", "lost");
+        announce("uno1");
+        return !events.running();
+    }));
+    EXPECT_EQ(events.wait_exit(), 0) << events.errors();
+    EXPECT_THAT(events.output(), testing::AnyOf("uno1 online->lost\n", "uno1 lost->online\n"));
+}
+
+TEST_F(ChangesTest, RegistryWithAHistory_IsFollowedAndAsked) {
+    const auto child = registry({"--history", folder_.file("history.db")});
+    ChildProcess events(program({"events", "uno*", "-n", "1", "-o", "jsonl"}), environment());
+    ASSERT_TRUE(wait_until([&] {
+        announce("uno1");
+        announce("uno1", "offline");
+        return !events.running();
+    }));
+    EXPECT_EQ(events.wait_exit(), 0) << events.errors();
+    EXPECT_EQ(nlohmann::json::parse(events.output())["board"], "uno1");
+    const auto history = asipctl({"history", "uno1", "-n", "1000", "-o", "json"});
+    ASSERT_EQ(history.status, 0) << history.errors;
+    const auto changes = nlohmann::json::parse(history.output);
+    ASSERT_FALSE(changes.empty());
+    EXPECT_EQ(changes[0]["what"], "added") << "the oldest first";
+    EXPECT_THAT(asipctl({"history", "--all", "-n", "1"}).output, HasSubstr("BOARD"));
+}
+
+TEST_F(ChangesTest, RegistryWithoutAHistory_SaysSo) {
+    EXPECT_EQ(asipctl({"history", "uno1"}).status, 4) << "there is no registry at all";
+    const auto child = registry();
+    const auto history = asipctl({"history", "uno1"});
+    EXPECT_EQ(history.status, 1);
+    EXPECT_THAT(history.errors, HasSubstr("history"));
+    EXPECT_EQ(asipctl({"history"}).status, 2);
+}
+
+/// Answers `measure` as an agent does.
+TEST_F(ChangesTest, Get_AsksTheBoardAndPrintsTheUnit) {
+    announce("uno1");
+    probe_.publish("asip/uno1/distance/out", R"({"distance":[1,1]})", true);
+    ChildProcess get(program({"get", "uno1/distance/1"}), environment());
+    const auto request = probe_.wait_for("asip/uno1/distance/in");
+    ASSERT_TRUE(request);
+    EXPECT_EQ(request->payload, "M");
+    answer(*request, R"({"status":"ok","proof":"answer","answer":{"distance":[42,118]}})");
+    EXPECT_EQ(get.wait_exit(), 0) << get.errors();
+    EXPECT_EQ(get.output(), "118 cm\n");
+}
+
+TEST_F(ChangesTest, GetOfAServiceThatCannotBeAsked_TakesTheNextReport) {
+    announce("uno1");
+    ChildProcess get(program({"get", "uno1/X", "-o", "json"}), environment());
+    ASSERT_TRUE(wait_until([&] {
+        probe_.publish("asip/uno1/X/out", R"({"tag":"k","body":"7"})");
+        return !get.running();
+    }));
+    EXPECT_EQ(get.wait_exit(), 0) << get.errors();
+    EXPECT_EQ(nlohmann::json::parse(get.output())["value"]["body"], "7");
+    EXPECT_EQ(asipctl({"get", "uno1/X", "--timeout", "100ms"}).status, 4);
+    EXPECT_THAT(asipctl({"get", "uno1/distance/distnace"}).errors, HasSubstr("did you mean \"distance\""));
+}
+
+}  // namespace
+}  // namespace asip::test
