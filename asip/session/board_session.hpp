@@ -58,7 +58,7 @@ struct RequestOptions {
     bool prove = true;
     /// Tag of the event that answers this request, of the same service; 0 if none is expected. The request
     /// then ends when that event has come, even where the board executes it sooner. While the board also
-    /// sends such events by itself, the second one after the request counts.
+    /// sends such events by itself, only one behind the fence counts.
     char answer_tag = 0;
     /// How long after its execution that event may come.
     Duration answer_time = kDefaultAnswerTime;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <random>
-#include <set>
 #include <string_view>
 
 #include "asip/session/board_session.hpp"
@@ -48,6 +48,9 @@ class Run {
                 now_ += std::chrono::milliseconds(operation);
         }
         check(actions);
+        const auto deadline = session_.next_deadline();
+        for (const auto& [id, due] : open_)
+            REQUIRE(now_ < due || (deadline && *deadline <= now_));
     }
 
     void end() {
@@ -66,9 +69,11 @@ class Run {
         if (flags & 2) options.max_baud = 0;
         return options;
     }
-    void submit(std::string_view line, const RequestOptions& wanted, Actions& actions) {
+    void submit(std::string_view line, RequestOptions wanted, Actions& actions) {
+        wanted.client = line.size() % 3;
+        wanted.deadline = now_ + std::chrono::milliseconds(50 + 37 * line.size());
         const auto id = session_.submit(line, wanted, now_, actions);
-        if (id) REQUIRE(open_.insert(*id).second);
+        if (id) REQUIRE(open_.emplace(*id, *wanted.deadline).second);
     }
     void check(const Actions& actions) {
         for (const Action& action : actions) {
@@ -82,7 +87,7 @@ class Run {
 
     BoardSession session_;
     asip::Time now_{};
-    std::set<RequestId> open_;
+    std::map<RequestId, asip::Time> open_;
 };
 
 }  // namespace

@@ -96,5 +96,62 @@ TEST(AgentClients, ClientThatDoesNotRead_IsDroppedAndTheOthersStay) {
     EXPECT_TRUE(wait_until([&] { return fake.executed("I,d,2,1"); }));
 }
 
+TEST(AgentClients, JavaClientThatConnectsWhileTheBoardReports_GetsNothingButFrames) {
+    MosquittoBroker broker;
+    FakePort fake;
+    BusProbe probe(broker.port(), {"asip/servicebus/#"});
+    const auto port = free_port();
+    Agent agent(broker, fake.path(), {"--listen", std::to_string(port)});
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    Socket java(port), silent(port);
+    ASSERT_TRUE(java.connected() && silent.connected());
+    ASSERT_TRUE(agent.process().wait_for_errors("client connected"));
+    fake.say("@I,a,1,{0:1}\r\n@I,a,1,{0:2}\r\n");
+    java.send(std::string("\0\3#,N", 5));
+    ASSERT_TRUE(java.receive("@#,N"));
+    EXPECT_EQ(java.received[0], '\0') << "a length, not a line";
+    EXPECT_TRUE(wait_until([&] {
+        fake.say("@I,a,1,{0:3}\r\n");
+        return silent.receive("@I,a,1,{0:3}\n", 50ms);
+    })) << "a client that stays silent gets lines after a while";
+}
+
+TEST(AgentClients, FramingGivenForAPort_IsUsedFromTheFirstByteOn) {
+    MosquittoBroker broker;
+    FakePort fake;
+    BusProbe probe(broker.port(), {"asip/servicebus/#"});
+    const auto frames = free_port(), lines = free_port();
+    Agent agent(broker, fake.path(),
+                {"--listen", std::to_string(frames) + "/frames", "--listen", std::to_string(lines) + "/lines",
+                 "--listen-silence", "1h"});
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    Socket java(frames), plain(lines);
+    ASSERT_TRUE(java.connected() && plain.connected());
+    EXPECT_TRUE(wait_until([&] {
+        fake.say("@I,a,1,{0:3}\r\n");
+        return plain.receive("@I,a,1,{0:3}\n", 50ms) && java.receive("@I,a,1,{0:3}", 50ms);
+    })) << agent.process().errors();
+    EXPECT_EQ(java.received[0], '\0');
+}
+
+TEST(AgentClients, ManyLinesAtOnce_AreReadMoreSlowlyAndNoneIsLost) {
+    MosquittoBroker broker;
+    FakePort fake;
+    BusProbe probe(broker.port(), {"asip/servicebus/#", "asip/uno1/+/error"});
+    const auto port = free_port();
+    Agent agent(broker, fake.path(), {"--listen", std::to_string(port)});
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    Socket client(port);
+    ASSERT_TRUE(client.connected());
+    std::string lines;
+    for (int i = 0; i < 400; ++i)
+        lines += "S,W,1," + std::to_string(i) + "\n";
+    client.send(lines);
+    EXPECT_TRUE(wait_until([&] { return fake.executed("S,W,1,399"); }, 20s));
+    for (int i = 0; i < 400; ++i)
+        ASSERT_TRUE(fake.executed("S,W,1," + std::to_string(i))) << i;
+    EXPECT_EQ(probe.count("asip/uno1/servo/error"), 0u);
+}
+
 }  // namespace
 }  // namespace asip::test

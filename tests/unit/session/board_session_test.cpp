@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "tests/unit/session/scripted_board.hpp"
 
 namespace asip::session {
@@ -382,6 +384,202 @@ TEST(BoardSession, LinkGoes_SentTimesOutAndQueuedIsNotSent) {
     EXPECT_EQ(bench.end_of(ids.front())->ending, Ending::kTimeout);
     EXPECT_EQ(bench.end_of(ids.back())->ending, Ending::kNotSent);
     EXPECT_EQ(bench.finished.size(), 10u);
+}
+
+// --- what proves and what does not
+
+TEST_F(OldBoard, FenceComesLate_ProvesItsOwnRequestAndNothingNewer) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.mute = true;
+    const auto slow = bench.request("S,W,0,1");
+    const auto next = bench.request("S,W,0,2");
+    bench.pass(1700ms);
+    bench.say("@#,?,0,4,ATmega328P,6,Script\r\n");
+    ASSERT_NE(bench.end_of(slow), nullptr);
+    EXPECT_EQ(bench.end_of(slow)->ending, Ending::kExecuted) << "its own answer, late";
+    EXPECT_EQ(bench.end_of(next), nullptr);
+    bench.pass(5s);
+    ASSERT_NE(bench.end_of(next), nullptr);
+    EXPECT_NE(bench.end_of(next)->ending, Ending::kExecuted);
+}
+
+TEST_F(OldBoard, FencesTakeTurns) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.heard.clear();
+    for (int i = 0; i < 4; ++i)
+        bench.request("I,d,13,1");
+    EXPECT_EQ(std::count(bench.board.heard.begin(), bench.board.heard.end(), "#,?"), 2);
+    EXPECT_EQ(std::count(bench.board.heard.begin(), bench.board.heard.end(), "#,N"), 2);
+}
+
+TEST(BoardSession, ErrorThatBelongsToNoRequest_PutsWhatIsInFlightInDoubt) {
+    for (const char* error : {"~#,,,2{UNKNOWN_REQUEST}", "~Q,?,1{INVALID_SERVICE}", "~#,E,11{BAD_ARGUMENT}",
+                              "~#,C,10{BAD_CHECKSUM}", "~D,A,11{BAD_ARGUMENT}"}) {
+        Bench bench(no_step_up());
+        bench.plug();
+        ASSERT_TRUE(bench.ready_within());
+        bench.board.replies["S,W,0,1"] = error;
+        const auto id = bench.request("S,W,0,1");
+        bench.pass(2s);
+        ASSERT_NE(bench.end_of(id), nullptr) << error;
+        EXPECT_EQ(bench.end_of(id)->ending, Ending::kDoubt) << error;
+        EXPECT_EQ(bench.end_of(bench.request("S,W,0,2"))->ending, Ending::kExecuted);
+    }
+}
+
+TEST(BoardSession, Tokens_DifferBetweenSessionsAndDoNotRepeat) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.heard.clear();
+    for (int i = 0; i < 70'000; ++i) {
+        bench.request("I,d,13,1");
+        bench.finished.clear();
+        bench.board.executed.clear();
+    }
+    std::set<std::string> tokens;
+    for (const std::string& line : bench.board.heard)
+        if (line.starts_with("#,E,")) tokens.insert(line);
+    EXPECT_EQ(tokens.size(), 70'000u);
+    Bench other;
+    other.session = Bench::make_session({}, 2);
+    other.plug();
+    ASSERT_TRUE(other.ready_within());
+    other.board.heard.clear();
+    other.request("I,d,13,1");
+    EXPECT_NE(other.board.heard.back(), *tokens.begin());
+}
+
+// --- the line
+
+TEST_P(BothGenerations, LongestRequestsWithReportsOn_NeverMoreThanTheBufferAndAllExecuted) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const std::string line = "S,W,0," + std::string(56, '1');
+    ASSERT_EQ(line.size(), 62u);
+    std::vector<RequestId> ids;
+    for (int i = 0; i < 50; ++i) {
+        bench.say_line("@I,a,1,{0:320}");
+        ids.push_back(bench.request(line));
+        bench.pass(20ms);
+    }
+    bench.pass(10s);
+    for (const auto id : ids) {
+        ASSERT_NE(bench.end_of(id), nullptr);
+        EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    }
+    EXPECT_LE(bench.most_in_flight, BoardSession::kReceiveBufferBytes);
+    EXPECT_EQ(bench.count("silent"), 0);
+}
+
+TEST(BoardSession, FastLine_CarriesChecksumsUnasked) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    EXPECT_EQ(bench.session.baud(), 1'000'000u);
+    EXPECT_TRUE(bench.board.checksum);
+}
+
+TEST(BoardSession, SlowLine_CarriesChecksumsFromTheFirstDamageOn) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    EXPECT_FALSE(bench.board.checksum);
+    bench.say("nonsense\n");
+    EXPECT_TRUE(bench.board.checksum);
+    EXPECT_EQ(bench.end_of(bench.request("I,d,13,1"))->ending, Ending::kExecuted);
+}
+
+TEST(BoardSession, ChecksumsStillOnAndTurningThemOffIsLost_IdentityIsWhole) {
+    for (int lost = 0; lost < 12; ++lost) {
+        Bench bench(no_step_up());
+        bench.board.checksum = true;
+        bench.board.lose_lines = lost;
+        bench.plug();
+        ASSERT_TRUE(bench.ready_within(10s)) << lost;
+        EXPECT_EQ(bench.session.identity().info.sketch, "Script");
+        EXPECT_EQ(bench.session.identity().services.size(), 3u);
+    }
+}
+
+// --- values
+
+TEST(BoardSession, ValueComesAfterTheFence_IsWaitedFor) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("D,M", {.answer_tag = 'e'});
+    EXPECT_EQ(bench.end_of(id), nullptr) << "executed, but not measured yet";
+    bench.pass(25ms);
+    bench.say_line("@D,e,1,{42}");
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.end_of(id)->answer.text(), "@D,e,1,{42}");
+}
+
+TEST(BoardSession, ValueDoesNotCome_EndsWithoutIt) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("D,M", {.answer_tag = 'e', .answer_time = 500ms});
+    bench.pass(500ms);
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kNoValue);
+}
+
+TEST(BoardSession, ReportBeforeTheFence_IsNotTakenForTheValue) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("D,A,100");
+    bench.pass(1s);
+    bench.board.replies["D,M"] = "@D,e,1,{1}";
+    const auto id = bench.request("D,M", {.answer_tag = 'e'});
+    EXPECT_THAT(bench.lines, Contains("@D,e,1,{1}"));
+    EXPECT_EQ(bench.end_of(id), nullptr) << "it may be a report from before";
+    bench.say_line("@D,e,1,{2}");
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->answer.text(), "@D,e,1,{2}");
+}
+
+// --- clients and deadlines
+
+TEST(BoardSession, FloodOfOneClient_AnotherWaitsForOneRequestOnly) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.mute = true;
+    for (int i = 0; i < 64; ++i)
+        bench.request("S,W,0," + std::to_string(i), {.client = 1});
+    const auto polite = bench.request("I,d,13,1", {.client = 2});
+    EXPECT_NE(polite, 0u);
+    bench.board.mute = false;
+    bench.board.executed.clear();
+    bench.pass(10s);
+    const auto& executed = bench.board.executed;
+    const auto at = std::find(executed.begin(), executed.end(), "I,d,13,1");
+    ASSERT_NE(at, executed.end());
+    EXPECT_LE(at - executed.begin(), 1);
+}
+
+TEST(BoardSession, DeadlineWhileWaiting_IsNotSentAndNeverWillBe) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.mute = true;
+    std::vector<RequestId> ids;
+    for (int i = 0; i < 10; ++i)
+        ids.push_back(bench.request("S,W,0," + std::to_string(i), {.deadline = bench.now + 300ms}));
+    bench.pass(300ms);
+    ASSERT_NE(bench.end_of(ids.back()), nullptr);
+    EXPECT_EQ(bench.end_of(ids.back())->ending, Ending::kNotSent);
+    EXPECT_EQ(bench.end_of(ids.back())->not_sent, NotSent::kDeadline);
+    EXPECT_EQ(bench.end_of(ids.front())->ending, Ending::kTimeout);
+    bench.board.mute = false;
+    bench.pass(20s);
+    EXPECT_THAT(bench.board.executed, Not(Contains("S,W,0,9")));
 }
 
 // --- restarts and silence

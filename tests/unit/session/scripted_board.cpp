@@ -57,6 +57,7 @@ std::string ScriptedBoard::hear(std::string_view bytes, unsigned host_baud, Time
         std::string line;
         line.swap(partial_);
         if (line.empty()) continue;
+        if (lose_lines > 0 && lose_lines-- > 0) continue;
         said += answer(line, now);
         if (next_baud_) {
             baud = *next_baud_;

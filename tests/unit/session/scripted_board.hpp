@@ -26,6 +26,7 @@ class ScriptedBoard {
     std::string stored_name = "uno1";
     unsigned fastest_working = 1'000'000;  ///< rates above are accepted and then do not work
     unsigned fastest_allowed = 1'000'000;  ///< rates above are refused
+    int lose_lines = 0;                    ///< so many lines from now on are lost on their way to it
     int swallow_fences = 0;                ///< so many fences from now on are lost
     bool checksum = false;
     /// Servo requests are `S,W,N,N`, the same number twice: what the line makes of one is refused.
