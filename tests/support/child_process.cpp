@@ -8,7 +8,10 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <mutex>
 #include <regex>
@@ -86,6 +89,25 @@ std::vector<std::string> child_environment(const std::map<std::string, std::stri
     return all;
 }
 
+/// Where ASIP_TEST_PROGRAMS names a folder with a program of the same name, that one: so the same tests run
+/// programs that were built in another way.
+std::string program_to_start(const std::string& program) {
+    const char* const folder = std::getenv("ASIP_TEST_PROGRAMS");
+    if (folder == nullptr || program.find('/') == std::string::npos) return program;
+    const auto other = std::filesystem::path(folder) / std::filesystem::path(program).filename();
+    return std::filesystem::exists(other) ? other.string() : program;
+}
+
+/// A sanitizer's report fails the test whatever the test looks at, and even where the program was to be
+/// killed.
+void fail_for_sanitizer_report(const std::string& errors) {
+    for (const char* mark : {"ERROR: AddressSanitizer", "ERROR: LeakSanitizer", ": runtime error: "}) {
+        if (errors.find(mark) == std::string::npos) continue;
+        std::fprintf(stderr, "a program under test failed:\n%s\n", errors.c_str());
+        std::_Exit(EXIT_FAILURE);
+    }
+}
+
 std::vector<char*> pointers(std::vector<std::string>& texts) {
     std::vector<char*> list;
     for (auto& text : texts)
@@ -125,6 +147,7 @@ struct ChildProcess::State {
 ChildProcess::ChildProcess(std::vector<std::string> arguments, std::map<std::string, std::string> environment)
     : state_(std::make_unique<State>()) {
     Pipe input, output, errors, failure;
+    arguments.at(0) = program_to_start(arguments.at(0));
     auto child_environ = child_environment(environment);
     const auto argv = pointers(arguments);
     const auto envp = pointers(child_environ);
@@ -164,6 +187,7 @@ ChildProcess::~ChildProcess() {
     state_->reap(true);
     state_->output.join();
     state_->errors.join();
+    fail_for_sanitizer_report(state_->errors.text());
 }
 
 pid_t ChildProcess::pid() const {

@@ -13,11 +13,13 @@
 namespace asip::test {
 
 /// A program under test. Killed, with whatever it started, when this object goes; killed by the kernel when
-/// the test dies.
+/// the test dies. What a sanitizer reported of it ends the test with a failure.
 class ChildProcess {
   public:
-    /// `arguments[0]` is the program: a path, or looked up in PATH. `environment` is added to the test's own,
-    /// from which all ASIP_ variables are taken out. Throws std::runtime_error when it cannot be started.
+    /// `arguments[0]` is the program: a path, or looked up in PATH. For a path, a program of the same name in
+    /// the folder ASIP_TEST_PROGRAMS is started instead, where that variable names one. `environment` is
+    /// added to the test's own, from which all ASIP_ variables are taken out. Throws std::runtime_error when
+    /// it cannot be started.
     explicit ChildProcess(std::vector<std::string> arguments,
                           std::map<std::string, std::string> environment = {});
     ~ChildProcess();
