@@ -90,6 +90,7 @@ void Machine::set_up_line(Identity found, Time now, Actions& out) {
     changed_ = changed_ || changed;
     identity_ = std::move(found);
     known_ = true;
+    no_answer_said_ = true;  // whatever becomes of the rate: it answered
     const unsigned best = can_step ? rates_.best(options_.max_baud) : wire_.baud();
     if (best == wire_.baud()) return become_ready(now, out);
     std::vector<std::string> lines;

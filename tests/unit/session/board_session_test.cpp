@@ -91,6 +91,17 @@ TEST(BoardSession, NothingAnswers_SaysSoOnceAndGoesOnAsking) {
     EXPECT_TRUE(bench.ready_within(5s));
 }
 
+TEST(BoardSession, RateAfterRateFailsForLong_IsNotCalledNoAnswer) {
+    SessionOptions options;
+    options.patience = 1s;
+    Bench bench(options);
+    bench.board.fastest_working = 57600;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(20s));
+    EXPECT_GT(bench.now, Time{} + 1s);
+    EXPECT_EQ(bench.count("no-answer"), 0);
+}
+
 TEST(BoardSession, OneQuestionUnanswered_RestIsKnown) {
     Bench bench(no_step_up());
     bench.board.replies["I,c"] = "";
