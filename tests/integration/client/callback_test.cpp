@@ -74,7 +74,7 @@ TEST(CallbackDropsTheBoard, OverMqttWhileEventsComeInABurst_NothingMoreIsDeliver
     dropped.subscription = dropped.board.on_analog(0, [&](int) { dropped.drop(); });
     for (int i = 0; i < 200; ++i)
         agent.publish("asip/uno1/io/out", R"({"analog":{"0":)" + std::to_string(i) + "}}");
-    ASSERT_TRUE(agent.all_acknowledged());
+    ASSERT_TRUE(wait_until([&] { return agent.all_acknowledged(); }));
     ASSERT_TRUE(dropped.run_until([&] { return dropped.dropped > 0; }));
     dropped.io.restart();
     dropped.io.run_for(std::chrono::milliseconds(100));
