@@ -1,10 +1,12 @@
 #include "asip/client/bus_transport.hpp"
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/reply.hpp"
+#include "asip/bus/request_envelope.hpp"
 #include "asip/model/json.hpp"
 #include "asip/random.hpp"
 
@@ -14,6 +16,8 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr PendingCalls::Id kOpening = 0;
+// Beyond a command's deadline, for the way of its answer.
+constexpr auto kAnswerTime = std::chrono::milliseconds(500);
 
 Expected<mqtt::Options> mqtt_options(const Address& address, const Options& options, std::string client_id) {
     mqtt::Options mqtt;
@@ -142,17 +146,19 @@ Awaitable<Json> BusTransport::request(std::string topic, Json payload) {
     message.topic = std::move(topic);
     payload["id"] = std::to_string(id);
     payload["reply_to"] = reply_topic_;  // 3.1.1 has no response topic
+    const auto deadline = std::clamp(options_.command_timeout, bus::kMinDeadline, bus::kMaxDeadline);
+    payload["deadline_ms"] = deadline.count();
     message.payload = model::dump_json(payload);
     // What reaches the broker while the agent is away is not delivered when nobody wants it any more.
     message.expiry_seconds =
-        static_cast<std::uint32_t>(std::chrono::ceil<std::chrono::seconds>(options_.command_timeout).count());
+        static_cast<std::uint32_t>(std::chrono::ceil<std::chrono::seconds>(deadline).count());
     message.response_topic = reply_topic_;
     message.correlation = std::to_string(id);
     calls_.begin(id);
     if (client_->publish(std::move(message), mqtt::Priority::kReply) == mqtt::PublishResult::kRefused) {
         calls_.finish(id, failure(Error::Kind::Refused, "the broker is slower than the commands come"));
     }
-    co_return co_await calls_.wait(id, options_.command_timeout,
+    co_return co_await calls_.wait(id, deadline + kAnswerTime,
                                    "neither the board nor its agent answered; the agent may be gone");
 }
 

@@ -11,7 +11,8 @@ struct Options {
 
     /// Reaching the board: port opened, banner or answer seen, or the board's description found on the bus.
     std::chrono::milliseconds open_timeout{10'000};
-    /// One command, until its acknowledgement. The broker does not deliver it later.
+    /// One command, until it was executed or can no longer be. Over MQTT it is sent along as the command's
+    /// deadline, and kept within 50 ms and 60 s.
     std::chrono::milliseconds command_timeout{5'000};
     /// digital_read and analog_read, when the value has to be asked for or waited for.
     std::chrono::milliseconds read_timeout{1'000};

@@ -6,6 +6,8 @@
 
 #include <future>
 
+#include <nlohmann/json.hpp>
+
 #include "asip/client/blocking_board.hpp"
 #include "tests/support/bus_probe.hpp"
 #include "tests/support/mosquitto_broker.hpp"
@@ -13,6 +15,7 @@
 namespace asip::client {
 namespace {
 
+using nlohmann::json;
 using ::testing::HasSubstr;
 using namespace std::chrono_literals;
 
@@ -57,8 +60,9 @@ class BusAnswers : public ::testing::Test {
     mqtt::Message command_;
 };
 
-TEST_F(BusAnswers, Command_ExpiresAtTheBrokerWhenNobodyWantsItAnyMore) {
+TEST_F(BusAnswers, Command_CarriesItsDeadline) {
     EXPECT_EQ(ends_with(R"({"status":"ok","proof":"fence"})").text, "succeeded");
+    EXPECT_EQ(json::parse(command_.payload).at("deadline_ms"), 1500);
     EXPECT_LE(command_.expiry_seconds.value_or(0), 2u);
     EXPECT_GT(command_.expiry_seconds.value_or(0), 0u);
 }
