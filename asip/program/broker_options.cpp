@@ -34,7 +34,8 @@ void Settings::add_broker_options(BrokerOptions& options) {
     const char* group = "Broker";
     auto& app = this->app();
     setting(app.add_option("--broker", options.brokers,
-                           "Broker: HOST, HOST:PORT, mqtt://HOST or mqtts://HOST; several are tried in turn"))
+                           "Broker: HOST, HOST:PORT, mqtt://HOST or mqtts://HOST; several: the next is used "
+                           "while one does not answer"))
         ->delimiter(',')
         ->type_name("ADDRESS")
         ->default_str("127.0.0.1:1883")
