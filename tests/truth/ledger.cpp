@@ -16,6 +16,8 @@ namespace protocol = asip::protocol;
 // A command ends by a timer that the session sets; a history calls it at that very time.
 constexpr Micros kSlack = kMillisecond;
 // On a calm line a board answers within this, be its answer long and its loop slow.
+// What was damaged before a stall arrives behind it.
+constexpr Micros kLongestStall = 4 * kSecond;
 // And executes within this what was sent.
 constexpr Micros kCalmDelay = 150 * kMillisecond;
 constexpr Micros kCalmAnswer = 800 * kMillisecond;
@@ -250,7 +252,7 @@ void Ledger::check_calm(const Entry& entry, const Answer& answer, Micros now) {
     // The error could be that of both lines read as one.
     const bool behind_error =
         !entry.checksum && std::any_of(executions_.begin(), executions_.end(), [&](const auto& one) {
-            return (one.error == 2 || one.error == 11) && one.read.sources.back() + 1 == entry.wire_line;
+            return (one.error == 2 || one.error == 11) && one.read.at >= entry.sent - kCalmDelay;
         });
     // One measurement may be the end of two requests, and then come too early for the second.
     const bool unsure = answer.outcome == Outcome::kTimeout;
@@ -333,7 +335,7 @@ bool Ledger::merged(const Entry& entry) const {
 }
 
 bool Ledger::damage_since(Micros from) const {
-    return !damage_.empty() && damage_.back() >= from;
+    return !damage_.empty() && damage_.back() >= from - kLongestStall;
 }
 
 std::optional<std::string> Ledger::sign_since(const Entry& entry, Micros now) const {
