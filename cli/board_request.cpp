@@ -72,11 +72,10 @@ Outcome<BoardCommand> make_raw_command(const Context& context, const std::string
 
 Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const BoardCommand& command) {
     std::optional<Expected<bus::Reply>> reply;
-    const auto id = session.ask(
+    const auto request = session.ask(
         command.topic, command.payload,
         [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); }, 1);
     session.run_until([&reply] { return reply.has_value(); }, Clock::now() + context.timeout);
-    session.forget_request(id);
     if (session.stopped()) return failure(program::kExitFailure, "interrupted");
     if (!reply) {
         return failure(program::kExitNoAnswer, "nobody answered " + command.line + " on " + command.topic +

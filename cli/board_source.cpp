@@ -16,31 +16,30 @@ std::vector<std::string> KnownBoard::service_names() const {
 BoardSource::BoardSource(const Context& context, BusSession& session)
     : context_(context), session_(session), catalogue_(context.topics) {
     if (context.from_bus) return;
-    session_.subscribe(context.topics.registry_state("+"), [this](const mqtt::Message& message) {
-        const auto ref = context_.topics.parse(message.topic);
-        if (ref && message.payload == "online") online_registries_.emplace_back(ref->board);
-    });
+    subscriptions_.push_back(
+        session_.subscribe(context.topics.registry_state("+"), [this](const mqtt::Message& message) {
+            const auto ref = context_.topics.parse(message.topic);
+            if (ref && message.payload == "online") online_registries_.emplace_back(ref->board);
+        }));
 }
 
 Outcome<bus::Answer> BoardSource::ask(const bus::Query& query) {
     const auto topic =
         registry_.empty() ? context_.topics.any_registry_query() : context_.topics.registry_query(registry_);
     std::optional<Expected<bus::Answer>> answer;
-    const auto id = session_.ask(topic, bus::encode(bus::RegistryRequest{query, {}, {}}),
-                                 [&answer](const mqtt::Message& message) {
-                                     if (!answer) answer = bus::parse_answer(message.payload);
-                                 });
-    std::optional<Time> marked;
-    if (registry_.empty()) session_.after_retained([&marked] { marked = Clock::now(); });
+    const auto request = session_.ask(topic, bus::encode(bus::RegistryRequest{query, {}, {}}),
+                                      [&answer](const mqtt::Message& message) {
+                                          if (!answer) answer = bus::parse_answer(message.payload);
+                                      });
+    const auto mark = registry_.empty() ? session_.mark_retained() : BusSession::Mark{};
     const auto asked = Clock::now();
     const auto nobody = [&] {
-        const auto waited = Clock::now() - marked.value_or(asked);
+        const auto waited = Clock::now() - mark.passed_at().value_or(asked);
         return registry_.empty() && online_registries_.empty() &&
-               waited >= (marked ? kRetainedPatience : kMarkPatience);
+               waited >= (mark.passed() ? kRetainedPatience : kMarkPatience);
     };
     const auto deadline = Clock::now() + context_.timeout;
     session_.run_until([&] { return answer || nobody(); }, deadline);
-    session_.forget_request(id);
     if (session_.stopped()) return failure(program::kExitFailure, "interrupted");
     if (!answer)
         return failure(program::kExitNoAnswer,
@@ -184,22 +183,23 @@ void BoardSource::take(const mqtt::Message& message) {
     announced_(board, description->session);
 }
 
+void BoardSource::listen(const std::string& filter) {
+    subscriptions_.push_back(
+        session_.subscribe(filter, [this](const mqtt::Message& message) { take(message); }));
+}
+
 void BoardSource::wait_retained(const std::function<bool()>& enough) {
-    bool marked = false;
-    session_.after_retained([&marked] { marked = true; });
-    session_.run_until([&] { return marked || enough(); }, Clock::now() + kMarkPatience);
+    const auto mark = session_.mark_retained();
+    session_.run_until([&] { return mark.passed() || enough(); }, Clock::now() + kMarkPatience);
     if (!enough()) session_.run_until(enough, Clock::now() + kRetainedPatience);
 }
 
 void BoardSource::read_bus(bool probe) {
     if (!bus_subscribed_) {
         bus_subscribed_ = true;
-        session_.subscribe(context_.topics.board_names(),
-                           [this](const mqtt::Message& message) { take(message); });
-        session_.subscribe(context_.topics.board_names() + "/+/+",
-                           [this](const mqtt::Message& message) { take(message); });
-        session_.subscribe(context_.topics.service_names("+"),
-                           [this](const mqtt::Message& message) { take(message); });
+        listen(context_.topics.board_names());
+        listen(context_.topics.board_names() + "/+/+");
+        listen(context_.topics.service_names("+"));
         wait_retained([] { return false; });
     }
     if (!probe || session_.stopped()) return;
@@ -208,9 +208,8 @@ void BoardSource::read_bus(bool probe) {
 }
 
 std::optional<KnownBoard> BoardSource::retained_board(const std::string& name) {
-    const auto take_it = [this](const mqtt::Message& message) { take(message); };
-    session_.subscribe(context_.topics.description(name), take_it);
-    session_.subscribe(context_.topics.state(name), take_it);
+    listen(context_.topics.description(name));
+    listen(context_.topics.state(name));
     const auto here = [&] {
         return catalogue_.description(name) != nullptr && !catalogue_.board(name, {})->said.empty();
     };
@@ -222,8 +221,7 @@ std::optional<KnownBoard> BoardSource::retained_board(const std::string& name) {
 Outcome<KnownBoard> BoardSource::board(const std::string& name) {
     if (auto retained = retained_board(name)) return std::move(*retained);
     if (asks_registry() && !online_registries_.empty()) return board_in_full(name);
-    session_.subscribe(context_.topics.service_names(name),
-                       [this](const mqtt::Message& message) { take(message); });
+    listen(context_.topics.service_names(name));
     session_.publish(context_.topics.probe(), name);
     session_.run_until([&] { return catalogue_.description(name) != nullptr; }, Clock::now() + kProbeWindow);
     if (auto item = catalogue_.board(name, Clock::now())) return known(std::move(*item));

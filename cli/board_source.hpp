@@ -76,6 +76,7 @@ class BoardSource {
     bool asks_registry() const { return !context_.from_bus && !no_registry_; }
     void without_registry(const std::string& why);
     void take(const mqtt::Message& message);
+    void listen(const std::string& filter);
     void wait_retained(const std::function<bool()>& enough);
     Outcome<KnownBoard> unknown(const std::string& name);
     KnownBoard known(bus::BoardItem item) const;
@@ -88,6 +89,7 @@ class BoardSource {
     std::function<void(const std::string&, const std::string&)> announced_;
     bool no_registry_ = false;
     bool bus_subscribed_ = false;
+    std::vector<BusSession::Subscription> subscriptions_;
 };
 
 }  // namespace asip::cli

@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
-#include <vector>
 
-#include "asip/model/json.hpp"
 #include "asip/program/stop_signal.hpp"
 #include "asip/random.hpp"
 
@@ -21,9 +18,10 @@ struct BusSession::State {
         : context(its_context),
           timeout(context.timeout),
           name(random_hex(system_random(), 12)),
-          reply_topic(context.topics.reply(context.mqtt.user, name)),
+          requester(name, context.topics.reply(context.mqtt.user, name)),
           signal(io, [this](int) { stopped = true; }),
-          client(io, context.mqtt, handlers()) {
+          client(io, context.mqtt, handlers()),
+          router([this](const std::string& filter) { client.unsubscribe(filter); }) {
         for (const auto& broker : context.mqtt.brokers)
             brokers.insert(broker.describe());
     }
@@ -67,43 +65,13 @@ struct BusSession::State {
     }
 
     void dispatch(const mqtt::Message& message) {
-        if (message.topic == reply_topic) {
-            answer(message);
-            return;
-        }
-        std::vector<OnMessage> called;  // a copy: handlers subscribe and unsubscribe
-        for (const auto& [filter, handler] : subscriptions) {
-            if (topic_matches(filter, message.topic)) called.push_back(handler);
-        }
-        for (const auto& handler : called)
-            handler(message);
+        if (!requester.take(message)) router.dispatch(message);
     }
-
-    void answer(const mqtt::Message& message) {
-        auto id = message.correlation;
-        if (id.empty()) {
-            const auto document =
-                model::parse_json(message.payload, {.max_bytes = 64U << 20U, .max_depth = 64});
-            if (document && document->is_object()) {
-                if (const auto found = document->find("id"); found != document->end() && found->is_string())
-                    id = *found;
-            }
-        }
-        for (const auto& [number, handler] : requests) {
-            if (request_id(number) != id) continue;
-            const auto kept = handler;
-            kept(message);
-            return;
-        }
-    }
-
-    // Whoever answers tells repeated requests by it: never the same from two processes.
-    std::string request_id(std::size_t number) const { return name + "-" + std::to_string(number); }
 
     const Context& context;
     std::chrono::milliseconds timeout;
     std::string name;
-    std::string reply_topic;
+    bus::Requester requester;
     boost::asio::io_context io{1};
     bool stopped = false;
     bool was_connected = false;
@@ -112,16 +80,16 @@ struct BusSession::State {
     std::map<std::string, mqtt::ConnectionFailure> failed;  // the last failure of each broker
     std::string refused;
     std::function<void(bool, const std::string&)> connection_changed;
-    std::vector<std::pair<std::string, OnMessage>> subscriptions;
-    std::map<std::size_t, OnMessage> requests;
-    std::size_t next_request = 1;
+    std::size_t marks = 0;
     bool started = false;
     program::StopSignal signal;
     mqtt::Client client;
+    mqtt::Router router;  // ends before the client that it unsubscribes from
 };
 
 BusSession::BusSession(const Context& context) : state_(std::make_unique<State>(context)) {
-    state_->client.subscribe(state_->reply_topic, {.qos = 0, .no_local = false, .retained = false});
+    state_->client.subscribe(state_->requester.reply_topic(),
+                             {.qos = 0, .no_local = false, .retained = false});
 }
 
 BusSession::~BusSession() {
@@ -132,14 +100,11 @@ BusSession::~BusSession() {
     }
 }
 
-void BusSession::subscribe(const std::string& filter, OnMessage on_message, mqtt::SubscribeOptions options) {
-    state_->subscriptions.emplace_back(filter, std::move(on_message));
+BusSession::Subscription BusSession::subscribe(const std::string& filter, OnMessage on_message,
+                                               mqtt::SubscribeOptions options) {
+    auto subscription = state_->router.add(filter, std::move(on_message));
     state_->client.subscribe(filter, options);
-}
-
-void BusSession::unsubscribe(const std::string& filter) {
-    std::erase_if(state_->subscriptions, [&](const auto& one) { return one.first == filter; });
-    state_->client.unsubscribe(filter);
+    return subscription;
 }
 
 Outcome<void> BusSession::connect() {
@@ -166,36 +131,26 @@ void BusSession::publish(const std::string& topic, const std::string& payload, i
     state_->client.publish(std::move(message), mqtt::Priority::kReply);
 }
 
-std::size_t BusSession::ask(const std::string& topic, const std::string& payload, OnMessage on_reply,
-                            int qos) {
-    const auto id = state_->next_request++;
-    state_->requests.emplace(id, std::move(on_reply));
+BusSession::Request BusSession::ask(const std::string& topic, const std::string& payload, OnMessage on_reply,
+                                    int qos) {
     mqtt::Message message;
     message.topic = topic;
     message.payload = payload;
     message.qos = qos;
-    if (v5()) {
-        message.response_topic = state_->reply_topic;
-        message.correlation = state_->request_id(id);
-    } else {
-        message.payload = with_reply_members(payload, state_->reply_topic, state_->request_id(id));
-    }
+    auto request = state_->requester.ask(message, v5(), std::move(on_reply));
     state_->client.publish(std::move(message), mqtt::Priority::kReply);
-    return id;
+    return request;
 }
 
-void BusSession::forget_request(std::size_t id) {
-    state_->requests.erase(id);
-}
-
-void BusSession::after_retained(std::function<void()> passed) {
-    const auto topic = state_->reply_topic + "/mark" + std::to_string(state_->next_request++);
-    subscribe(topic, [this, topic, passed = std::move(passed)](const mqtt::Message&) {
-        const auto kept = passed;
-        unsubscribe(topic);
-        kept();
+BusSession::Mark BusSession::mark_retained() {
+    const auto topic = state_->requester.reply_topic() + "/mark" + std::to_string(++state_->marks);
+    Mark mark;
+    mark.at_ = std::make_shared<std::optional<Time>>();
+    mark.subscription_ = subscribe(topic, [at = mark.at_](const mqtt::Message&) {
+        if (!*at) *at = Clock::now();
     });
     publish(topic, "mark");
+    return mark;
 }
 
 bool BusSession::run_until(const std::function<bool()>& done, Time deadline) {
@@ -224,36 +179,6 @@ void BusSession::on_connection_change(std::function<void(bool, const std::string
 
 const std::string& BusSession::subscription_refused() const {
     return state_->refused;
-}
-
-bool topic_matches(std::string_view filter, std::string_view topic) {
-    while (true) {
-        if (filter == "#") return true;
-        const auto filter_end = std::min(filter.find('/'), filter.size());
-        const auto topic_end = std::min(topic.find('/'), topic.size());
-        const auto level = filter.substr(0, filter_end);
-        if (level != "+" && level != topic.substr(0, topic_end)) return false;
-        const bool filter_more = filter_end < filter.size();
-        const bool topic_more = topic_end < topic.size();
-        if (!filter_more || !topic_more)
-            return filter_more == topic_more || filter.substr(filter_end) == "/#";
-        filter.remove_prefix(filter_end + 1);
-        topic.remove_prefix(topic_end + 1);
-    }
-}
-
-std::string with_reply_members(const std::string& payload, const std::string& reply_to,
-                               const std::string& id) {
-    auto document = model::parse_json(payload, {.max_bytes = 1U << 20U, .max_depth = 32});
-    nlohmann::json object = nlohmann::json::object();
-    if (document && document->is_object()) {
-        object = std::move(*document);
-    } else {
-        object["raw"] = payload;
-    }
-    object["reply_to"] = reply_to;
-    object["id"] = id;
-    return model::dump_json(object);
 }
 
 }  // namespace asip::cli

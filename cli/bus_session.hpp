@@ -3,10 +3,13 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "asip/bus/requester.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/mqtt/message.hpp"
+#include "asip/mqtt/router.hpp"
 #include "asip/time.hpp"
 #include "cli/context.hpp"
 
@@ -18,6 +21,8 @@ namespace asip::cli {
 class BusSession {
   public:
     using OnMessage = std::function<void(const mqtt::Message&)>;
+    using Subscription = mqtt::Router::Subscription;
+    using Request = bus::Requester::Request;
 
     /// `context` must outlive it.
     explicit BusSession(const Context& context);
@@ -25,10 +30,10 @@ class BusSession {
     BusSession(const BusSession&) = delete;
     BusSession& operator=(const BusSession&) = delete;
 
-    /// Calls `on_message` for what matches `filter`. Best before connect():
-    /// then it costs no round trip.
-    void subscribe(const std::string& filter, OnMessage on_message, mqtt::SubscribeOptions options = {});
-    void unsubscribe(const std::string& filter);
+    /// Calls `on_message` for what matches `filter`, as long as the handle lives. Best before connect(): then it
+    /// costs no round trip. Handles may end after the session.
+    Subscription subscribe(const std::string& filter, OnMessage on_message,
+                           mqtt::SubscribeOptions options = {});
 
     /// Waits for the connection. Fails with kExitBroker and what to check; refused credentials fail at once.
     Outcome<void> connect();
@@ -36,15 +41,22 @@ class BusSession {
 
     void publish(const std::string& topic, const std::string& payload, int qos = 0, bool retain = false);
 
-    /// Publishes `payload` on `topic`; `on_reply` is called for each answer to it. With MQTT 5 by response
-    /// topic and correlation data; on 3.1.1 the payload becomes JSON with "reply_to" and "id": as a member
-    /// "raw" of it where the payload is not an object. Returns the id, for forget_request.
-    std::size_t ask(const std::string& topic, const std::string& payload, OnMessage on_reply, int qos = 0);
-    void forget_request(std::size_t id);
+    /// Publishes `payload` on `topic`; `on_reply` is called for each answer to it, as long as the handle lives.
+    Request ask(const std::string& topic, const std::string& payload, OnMessage on_reply, int qos = 0);
 
-    /// Calls `passed` once what the broker had retained for the subscriptions made so far has arrived (on
-    /// brokers that answer in order; others need some patience after it).
-    void after_retained(std::function<void()> passed);
+    /// Passed once what the broker had retained for the subscriptions made before it has arrived (on brokers
+    /// that answer in order; others need some patience after it).
+    class Mark {
+      public:
+        bool passed() const { return passed_at().has_value(); }
+        std::optional<Time> passed_at() const { return at_ ? *at_ : std::nullopt; }
+
+      private:
+        friend class BusSession;
+        std::shared_ptr<std::optional<Time>> at_;
+        Subscription subscription_;
+    };
+    Mark mark_retained();
 
     /// Handles events until `done` holds; false: `deadline` came, or stopped().
     bool run_until(const std::function<bool()>& done, Time deadline);
@@ -65,12 +77,5 @@ class BusSession {
     struct State;
     std::unique_ptr<State> state_;
 };
-
-/// `filter` as MQTT matches it: `+` one level, `#` the rest.
-bool topic_matches(std::string_view filter, std::string_view topic);
-
-/// What a request's payload looks like on 3.1.1: see BusSession::ask.
-std::string with_reply_members(const std::string& payload, const std::string& reply_to,
-                               const std::string& id);
 
 }  // namespace asip::cli

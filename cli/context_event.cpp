@@ -8,6 +8,7 @@
 
 #include "asip/bus/pattern.hpp"
 #include "asip/model/json.hpp"
+#include "asip/mqtt/router.hpp"
 #include "asip/text/duration.hpp"
 #include "asip/text/wall_time.hpp"
 #include "cli/bus_session.hpp"
@@ -90,6 +91,16 @@ std::optional<ContextEvent> context_event(const bus::Topics& topics, const std::
     return event;
 }
 
+namespace {
+
+/// Whether everything that `other` matches `filter` matches, too. No name holds a `*`.
+bool covers(const std::string& filter, std::string other) {
+    std::replace(other.begin(), other.end(), '+', '*');
+    return mqtt::topic_matches(filter, other);
+}
+
+}  // namespace
+
 std::vector<std::string> context_filters(const bus::Topics& topics, const std::vector<Target>& targets,
                                          bool raw) {
     std::vector<std::string> all;
@@ -108,7 +119,7 @@ std::vector<std::string> context_filters(const bus::Topics& topics, const std::v
     for (std::size_t i = 0; i < all.size(); ++i) {
         const bool covered = [&] {
             for (std::size_t j = 0; j < all.size(); ++j) {
-                if (i == j || !topic_matches(all[j], all[i])) continue;
+                if (i == j || !covers(all[j], all[i])) continue;
                 if (all[i] != all[j] || j < i) return true;
             }
             return false;

@@ -11,11 +11,10 @@ Outcome<Forgotten> ask_to_forget(const Context& context, BusSession& session, Bo
     std::optional<Expected<bus::Answer>> answer;
     bus::RegistryRequest request;
     request.what = bus::Forget{board, false};
-    const auto id =
+    const auto asked =
         session.ask(context.topics.registry_query(registry), bus::encode(request),
                     [&answer](const mqtt::Message& message) { answer = bus::parse_answer(message.payload); });
     session.run_until([&answer] { return answer.has_value(); }, Clock::now() + context.timeout);
-    session.forget_request(id);
     if (!answer || !*answer)
         return failure(program::kExitNoAnswer, "registry " + registry + " did not answer");
     const auto& refused = (*answer)->refused;

@@ -72,17 +72,15 @@ bool looks_like_command(std::string_view topic) {
 std::vector<Retained> read_retained(const Context& context, BusSession& session,
                                     const std::vector<std::string>& filters) {
     std::map<std::string, std::string> found;
+    std::vector<BusSession::Subscription> subscriptions;
     for (const auto& filter : filters) {
-        session.subscribe(filter, [&found](const mqtt::Message& message) {
+        subscriptions.push_back(session.subscribe(filter, [&found](const mqtt::Message& message) {
             if (message.retain && !message.payload.empty()) found[message.topic] = message.payload;
-        });
+        }));
     }
-    bool marked = false;
-    session.after_retained([&marked] { marked = true; });
-    session.run_until([&marked] { return marked; }, Clock::now() + context.timeout);
+    const auto mark = session.mark_retained();
+    session.run_until([&mark] { return mark.passed(); }, Clock::now() + context.timeout);
     session.run_for(kRetainedPatience);
-    for (const auto& filter : filters)
-        session.unsubscribe(filter);
     std::vector<Retained> result;
     for (auto& [topic, payload] : found)
         result.push_back({topic, std::move(payload)});
@@ -93,10 +91,9 @@ Outcome<void> clear_retained(const Context& context, BusSession& session,
                              const std::vector<std::string>& topics) {
     for (const auto& topic : topics)
         session.publish(topic, "", 1, true);
-    bool taken = false;
-    session.after_retained([&taken] { taken = true; });
+    const auto mark = session.mark_retained();
     const auto patience = context.timeout + std::chrono::milliseconds(topics.size());
-    if (session.run_until([&taken] { return taken; }, Clock::now() + patience)) return {};
+    if (session.run_until([&mark] { return mark.passed(); }, Clock::now() + patience)) return {};
     return failure(program::kExitNoAnswer,
                    "the broker did not confirm in time; run it again to see what is left");
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <boost/asio/post.hpp>
-#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/reply.hpp"
@@ -91,7 +90,7 @@ Expected<void> BusTransport::make_client() {
     const std::string client_id = "asip-client-" + random_hex(system_random(), 16);
     auto mqtt = mqtt_options(address_, options_, client_id);
     if (!mqtt) return fail(mqtt.error());
-    reply_topic_ = topics_.reply(mqtt->user, client_id);
+    requester_.emplace(client_id, topics_.reply(mqtt->user, client_id));
     mqtt::Client::Handlers handlers;
     // A callback may drop the last Board, and this with it, while the client has more to deliver.
     handlers.on_message = while_alive([this](const mqtt::Message& message) { take(message); });
@@ -99,7 +98,7 @@ Expected<void> BusTransport::make_client() {
     handlers.on_connect_failed = while_alive([this](const mqtt::ConnectionFailure& why) { failed(why); });
     handlers.on_disconnected = while_alive([this](const mqtt::ConnectionFailure& why) { failed(why); });
     client_ = std::make_unique<mqtt::Client>(io_, std::move(*mqtt), std::move(handlers));
-    client_->subscribe(reply_topic_, {.qos = 1});
+    client_->subscribe(requester_->reply_topic(), {.qos = 1});
     client_->subscribe(topics_.state(address_.board), {.qos = 1});
     client_->subscribe(topics_.description(address_.board), {.qos = 1});
     client_->subscribe(topics_.service_out(address_.board, "+"),
@@ -144,16 +143,14 @@ Awaitable<Json> BusTransport::request(std::string topic, Json payload) {
     const PendingCalls::Id id = next_id_++;
     mqtt::Message message;
     message.topic = std::move(topic);
-    payload["id"] = std::to_string(id);
-    payload["reply_to"] = reply_topic_;  // 3.1.1 has no response topic
     const auto deadline = std::clamp(options_.command_timeout, bus::kMinDeadline, bus::kMaxDeadline);
     payload["deadline_ms"] = deadline.count();
     message.payload = model::dump_json(payload);
     // What reaches the broker while the agent is away is not delivered when nobody wants it any more.
     message.expiry_seconds =
         static_cast<std::uint32_t>(std::chrono::ceil<std::chrono::seconds>(deadline).count());
-    message.response_topic = reply_topic_;
-    message.correlation = std::to_string(id);
+    const auto asked = requester_->ask(message, client_->v5(),
+                                       [this, id](const mqtt::Message& answer) { take_reply(id, answer); });
     calls_.begin(id);
     if (client_->publish(std::move(message), mqtt::Priority::kReply) == mqtt::PublishResult::kRefused) {
         calls_.finish(id, failure(Error::Kind::Refused, "the broker is slower than the commands come"));
@@ -186,8 +183,7 @@ void BusTransport::close() {
 }
 
 void BusTransport::take(const mqtt::Message& message) {
-    if (message.topic == reply_topic_) {
-        take_reply(message);
+    if (requester_->take(message)) {
         return;
     }
     const auto topic = topics_.parse(message.topic);
@@ -207,15 +203,9 @@ void BusTransport::take(const mqtt::Message& message) {
     }
 }
 
-void BusTransport::take_reply(const mqtt::Message& message) {
+void BusTransport::take_reply(PendingCalls::Id id, const mqtt::Message& message) {
     const auto reply = bus::parse_reply(message.payload);
     if (!reply) {
-        return;
-    }
-    const std::string& text = message.correlation.empty() ? reply->id : message.correlation;
-    PendingCalls::Id id = 0;
-    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), id);
-    if (code != std::errc{} || end != text.data() + text.size() || id == kOpening) {
         return;
     }
     if (!reply->succeeded()) {

@@ -3,7 +3,9 @@
 
 #include <boost/asio/io_context.hpp>
 #include <memory>
+#include <optional>
 
+#include "asip/bus/requester.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/client/address.hpp"
 #include "asip/client/options.hpp"
@@ -43,7 +45,7 @@ class BusTransport final : public Transport {
     }
     void connected();
     void take(const mqtt::Message& message);
-    void take_reply(const mqtt::Message& message);
+    void take_reply(PendingCalls::Id id, const mqtt::Message& message);
     void take_event(std::string_view service, const mqtt::Message& message);
     void look_again();
     void failed(const mqtt::ConnectionFailure& failure);
@@ -53,7 +55,7 @@ class BusTransport final : public Transport {
     Address address_;
     Options options_;
     bus::Topics topics_;
-    std::string reply_topic_;
+    std::optional<bus::Requester> requester_;
     Listener* listener_ = nullptr;
     std::unique_ptr<mqtt::Client> client_;
     PendingCalls calls_;

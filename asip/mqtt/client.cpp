@@ -326,7 +326,7 @@ void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
     if (!refusal) return;
     const std::string reason = mosquitto_reason_string(code);
     if (refusal->first && handlers_.on_subscribe_refused)
-        handlers_.on_subscribe_refused(refusal->filter, reason);
+        handlers_.on_subscribe_refused(refusal->filter, reason + advice_on_topic(refusal->filter));
     if (refusal->give_up && brokers_.size() > 1 && connection_) {
         connection_->fail({Kind::kRefused, broker().address, code,
                            broker().address.describe() + " refuses the subscription to " + refusal->filter +

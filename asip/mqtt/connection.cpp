@@ -344,7 +344,8 @@ ConnectionEvents::End Connection::closed_unanswered() const {
     const char* question =
         broker_.tls ? "does it demand a client certificate?" : "is it an MQTT broker, does it expect TLS?";
     return {{Kind::kNoAnswer, broker_, 0,
-             broker_.describe() + " closed the connection before answering; " + question},
+             broker_.describe() + " closed the connection before answering; " + question +
+                 (options_.will ? advice_on_topic(options_.will->topic) : "")},
             false,
             true};
 }

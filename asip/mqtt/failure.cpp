@@ -60,6 +60,12 @@ std::string_view name_of(ConnectionFailure::Kind kind) {
     return "unknown";
 }
 
+std::string advice_on_topic(std::string_view topic) {
+    if (topic.find_first_of(". ") == std::string_view::npos) return {};
+    return " Some brokers (NATS) refuse topics with a dot or a space, such as " + std::string(topic) +
+           ": try a name without.";
+}
+
 bool is_version_refusal(int connack_code) {
     return connack_code == kV311BadVersion || connack_code == MQTT_RC_UNSUPPORTED_PROTOCOL_VERSION;
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <string_view>
 
 #include "asip/mqtt/client.hpp"
 
@@ -15,6 +16,10 @@ ConnectionFailure closed_by(const BrokerAddress& broker, int disconnect_code);
 /// `may_pass`: for a reason that time may change.
 ConnectionFailure tls_failed(const BrokerAddress& broker, const std::string& detail, bool may_pass = false);
 ConnectionFailure unreachable(const BrokerAddress& broker, const std::string& detail);
+
+/// What to check where a topic holds a dot or a space, which some brokers (NATS) refuse; else empty. Begins with
+/// a blank.
+std::string advice_on_topic(std::string_view topic);
 
 /// CONNACK codes that say "not with this version of the protocol".
 bool is_version_refusal(int connack_code);

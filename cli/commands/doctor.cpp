@@ -45,8 +45,8 @@ class Examination {
         bool back = false;
         // QoS 0 back: an acknowledgement of ours would carry the TCP acknowledgement that Nagle's algorithm
         // waits for.
-        session_.subscribe(topic, [&back](const mqtt::Message&) { back = true; },
-                           {.qos = 0, .no_local = false, .retained = false});
+        const auto subscription = session_.subscribe(topic, [&back](const mqtt::Message&) { back = true; },
+                                                     {.qos = 0, .no_local = false, .retained = false});
         const auto end = Clock::now() + 2s;
         Samples seconds;  // without the first ones: a fresh connection acknowledges at once
         for (int i = 0; i < kWarmUps + kRoundTrips; ++i) {
@@ -57,7 +57,6 @@ class Examination {
             if (!session_.run_until([&] { return back && session_.acknowledged() > before; }, end)) break;
             if (i >= kWarmUps) seconds.add(std::chrono::duration<double>(Clock::now() - begin).count());
         }
-        session_.unsubscribe(topic);
         if (!seconds.empty()) seen_.acknowledged = std::chrono::duration<double>(seconds.percentile(50));
     }
 
@@ -85,11 +84,11 @@ class Examination {
     }
 
     void ping_boards() {
-        std::vector<std::size_t> ids;
+        std::vector<BusSession::Request> requests;
         for (const auto& board : seen_.boards) {
-            if (board.state != "online" || board.by_name || ids.size() >= kMaxPingedBoards) continue;
+            if (board.state != "online" || board.by_name || requests.size() >= kMaxPingedBoards) continue;
             auto& result = seen_.pings[board.board];
-            ids.push_back(session_.ask(
+            requests.push_back(session_.ask(
                 context_.topics.board_in(board.board), std::string(protocol::kAskInfo),
                 [&](const mqtt::Message& message) {
                     if (auto reply = bus::parse_reply(message.payload)) result.reply = std::move(*reply);
@@ -97,9 +96,7 @@ class Examination {
                 },
                 1));
         }
-        session_.run_until([&] { return answers_ >= ids.size(); }, Clock::now() + context_.timeout);
-        for (const auto id : ids)
-            session_.forget_request(id);
+        session_.run_until([&] { return answers_ >= requests.size(); }, Clock::now() + context_.timeout);
     }
 
     Context& context_;

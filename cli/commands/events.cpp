@@ -55,17 +55,18 @@ class Follower {
     bool enough() const { return options_.count != 0 && count_ >= options_.count; }
 
     void follow_registry(const std::string& registry) {
-        session_.subscribe(context_.topics.registry_events(registry), [this](const mqtt::Message& message) {
-            const auto event = bus::parse_change_event(message.payload);
-            if (event && event->kind != bus::ChangeEvent::Kind::kReset) print(change_of(*event));
-        });
+        subscriptions_.push_back(session_.subscribe(
+            context_.topics.registry_events(registry), [this](const mqtt::Message& message) {
+                const auto event = bus::parse_change_event(message.payload);
+                if (event && event->kind != bus::ChangeEvent::Kind::kReset) print(change_of(*event));
+            }));
     }
 
     void follow_bus() {
         const auto take = [this](const mqtt::Message& message) { take_announcement(message); };
-        session_.subscribe(context_.topics.board_names() + "/+/+", take);
-        session_.subscribe(context_.topics.service_names("+"), take);
-        session_.after_retained([this] { live_ = true; });
+        subscriptions_.push_back(session_.subscribe(context_.topics.board_names() + "/+/+", take));
+        subscriptions_.push_back(session_.subscribe(context_.topics.service_names("+"), take));
+        retained_.emplace(session_.mark_retained());
     }
 
     /// What was there before we looked is no change.
@@ -78,7 +79,7 @@ class Follower {
         const auto was = known == states_.end() ? std::string() : known->second;
         if (state == was) return;
         states_[name] = state;
-        if (!live_) return;
+        if (!retained_ || !retained_->passed()) return;
         bus::HistoryItem change;
         change.board = name;
         change.at = text::wall_now();
@@ -109,7 +110,8 @@ class Follower {
     RecordPrinter records_;
     Table table_ = change_table();
     std::map<std::string, std::string> states_;
-    bool live_ = false;
+    std::vector<BusSession::Subscription> subscriptions_;
+    std::optional<BusSession::Mark> retained_;  // passed: what comes now is new
     std::size_t count_ = 0;
 };
 

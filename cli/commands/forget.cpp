@@ -19,14 +19,11 @@ namespace {
 bool answers(Context& context, BusSession& session, const std::string& board) {
     bool heard = false;
     const auto hear = [&heard](const mqtt::Message& message) { heard = heard || !message.retain; };
-    session.subscribe(context.topics.description(board), hear,
-                      {.qos = 0, .no_local = false, .retained = false});
-    session.subscribe(context.topics.board_out(board), hear,
-                      {.qos = 0, .no_local = false, .retained = false});
-    const auto id = session.ask(context.topics.board_in(board), std::string(protocol::kAskInfo), hear);
+    const auto description = session.subscribe(context.topics.description(board), hear, {.retained = false});
+    const auto reports = session.subscribe(context.topics.board_out(board), hear, {.retained = false});
+    const auto request = session.ask(context.topics.board_in(board), std::string(protocol::kAskInfo), hear);
     session.publish(context.topics.probe(), board);
     session.run_until([&heard] { return heard; }, Clock::now() + kProbeWindow);
-    session.forget_request(id);
     return heard;
 }
 

@@ -52,7 +52,7 @@ class Getter {
             return context_.fail_with(connected.error());
         if (const auto found = find(); !found) return context_.fail_with(found.error());
         const auto topic = context_.topics.service_out(what_.target.board, service_.name);
-        session_.subscribe(topic, [this](const mqtt::Message& message) {
+        const auto reports = session_.subscribe(topic, [this](const mqtt::Message& message) {
             if (!message.retain) take(message.payload, "reported");
         });
         const auto first = options_.watch ? Outcome<void>() : get();

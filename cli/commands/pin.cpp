@@ -63,7 +63,7 @@ class PinAccess {
     const KnownBoard& board() const { return board_; }
     /// Values start to arrive; before the requests that cause them.
     void listen() {
-        session_.subscribe(context_.topics.service_out(board_.item.board, service_),
+        reports_ = session_.subscribe(context_.topics.service_out(board_.item.board, service_),
                            [this](const mqtt::Message& message) {
                                if (message.retain) return;
                                auto document = model::parse_json(message.payload);
@@ -122,6 +122,7 @@ class PinAccess {
 
     Context& context_;
     BusSession& session_;
+    BusSession::Subscription reports_;
     KnownBoard board_;
     std::string service_ = "io";
     std::map<std::string, nlohmann::json> latest_;

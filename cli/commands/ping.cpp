@@ -27,7 +27,7 @@ class Pinger {
 
     int run() {
         // A device with nothing but the published protocol answers on its context bus.
-        session_.subscribe(context_.topics.board_out(options_.board),
+        const auto lines = session_.subscribe(context_.topics.board_out(options_.board),
                            [this](const mqtt::Message& message) { take_line(message.payload); });
         if (const auto connected = session_.connect(); !connected)
             return context_.fail_with(connected.error());
@@ -59,13 +59,12 @@ class Pinger {
         std::optional<bus::Reply> reply;
         returned_.reset();
         const auto begin = Clock::now();
-        const auto id =
+        const auto request =
             session_.ask(context_.topics.board_in(options_.board), line, [&](const mqtt::Message& message) {
                 if (auto parsed = bus::parse_reply(message.payload)) reply = std::move(*parsed);
                 if (!returned_) returned_ = Clock::now();
             });
         session_.run_until([&] { return returned_.has_value(); }, begin + context_.timeout);
-        session_.forget_request(id);
         if (session_.stopped() && !returned_) {
             --summary_.sent;
             return;

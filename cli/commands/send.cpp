@@ -40,9 +40,9 @@ class Sender {
     struct Waiting {
         std::string where;  // "line 3: ", or nothing
         BoardCommand command;
-        std::size_t id = 0;
         Time sent;
         std::optional<mqtt::Message> answer;
+        BusSession::Request request;
     };
 
     int run_input() {
@@ -100,8 +100,8 @@ class Sender {
             session_.publish(command.topic, command.payload, 1);
             return;
         }
-        auto& waiting = waiting_.emplace_back(Waiting{where, command, 0, Clock::now(), std::nullopt});
-        waiting.id = session_.ask(
+        auto& waiting = waiting_.emplace_back(Waiting{where, command, Clock::now(), std::nullopt, {}});
+        waiting.request = session_.ask(
             command.topic, command.payload,
             [&waiting](const mqtt::Message& message) { waiting.answer = message; }, 1);
     }
@@ -112,7 +112,6 @@ class Sender {
             auto& oldest = waiting_.front();
             session_.run_until([&oldest] { return oldest.answer.has_value(); },
                                oldest.sent + context_.timeout);
-            session_.forget_request(oldest.id);
             report(oldest);
             waiting_.pop_front();
         }

@@ -63,12 +63,14 @@ class Subscriber {
     void subscribe(BusSession& session) {
         // First: a line or a letter is attributed to a service by the board's description.
         for (const auto& filter : description_filters(context_.topics, targets_, options_.raw)) {
-            session.subscribe(filter, [this](const mqtt::Message& message) {
+            subscriptions_.push_back(session.subscribe(filter, [this](const mqtt::Message& message) {
                 catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
-            });
+            }));
         }
-        for (const auto& filter : context_filters(context_.topics, targets_, options_.raw))
-            session.subscribe(filter, [this](const mqtt::Message& message) { take(message); });
+        for (const auto& filter : context_filters(context_.topics, targets_, options_.raw)) {
+            subscriptions_.push_back(
+                session.subscribe(filter, [this](const mqtt::Message& message) { take(message); }));
+        }
     }
 
     bool enough() const { return options_.count != 0 && count_ >= options_.count; }
@@ -96,6 +98,7 @@ class Subscriber {
     EventPrinter printer_;
     std::map<std::string, std::optional<Time>> last_;
     std::size_t count_ = 0;
+    std::vector<BusSession::Subscription> subscriptions_;
 };
 
 /// A name that nobody has is reported at once, but a board may still come.

@@ -26,12 +26,12 @@ class Top {
 
     int run() {
         const auto announce = [this](const mqtt::Message& message) { take_announcement(message); };
-        session_.subscribe(context_.topics.board_names() + "/+/+", announce);
+        const auto announcements = session_.subscribe(context_.topics.board_names() + "/+/+", announce);
         const auto report = [this](const mqtt::Message& message) { take_report(message); };
-        session_.subscribe(context_.topics.service_out("+", "+"), report,
-                           {.qos = 0, .no_local = false, .retained = false});
-        session_.subscribe(context_.topics.service_error("+", "+"), report,
-                           {.qos = 0, .no_local = false, .retained = false});
+        const auto reports =
+            session_.subscribe(context_.topics.service_out("+", "+"), report, {.retained = false});
+        const auto errors =
+            session_.subscribe(context_.topics.service_error("+", "+"), report, {.retained = false});
         session_.on_connection_change(
             [this](bool connected, const std::string& why) { lost_ = connected ? "" : why; });
         if (const auto connected = session_.connect(); !connected)
@@ -72,10 +72,8 @@ class Top {
 
     void ping_all() {
         std::size_t count = 0;
-        for (const auto& [name, request] : pings_) {
-            session_.forget_request(request);
+        for (const auto& [name, request] : pings_)
             model_.round_trip(name, std::nullopt);
-        }
         pings_.clear();
         for (const auto& board : catalogue_.boards(Clock::now())) {
             if (!wanted(board.board) || board.state != "online" || board.by_name || ++count > kMaxPingsAtOnce)
@@ -114,7 +112,7 @@ class Top {
     BusSession session_;
     BusCatalogue catalogue_;
     TopModel model_;
-    std::map<std::string, std::size_t> pings_;
+    std::map<std::string, BusSession::Request> pings_;  // those without an answer
     std::string lost_;
 };
 

@@ -53,14 +53,14 @@ class Waiter {
         };
         for (const auto& topic : {context_.topics.state(board()), context_.topics.description(board()),
                                   context_.topics.service_names(board())})
-            session_.subscribe(topic, take);
+            subscriptions_.push_back(session_.subscribe(topic, take));
     }
 
     void watch_events() {
         for (const auto& filter : context_filters(context_.topics, targets_, false)) {
-            session_.subscribe(filter, [this](const mqtt::Message& message) {
+            subscriptions_.push_back(session_.subscribe(filter, [this](const mqtt::Message& message) {
                 if (!message.retain && !event_) take_event(message);
-            });
+            }));
         }
     }
 
@@ -102,6 +102,7 @@ class Waiter {
     BusSession session_;
     BusCatalogue catalogue_;
     std::optional<ContextEvent> event_;
+    std::vector<BusSession::Subscription> subscriptions_;
 };
 
 }  // namespace

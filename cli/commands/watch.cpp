@@ -19,9 +19,10 @@ class RegistryWatch {
   public:
     RegistryWatch(Context& context, BusSession& session, bus::CatalogueView& view)
         : context_(context), session_(session), view_(view) {
-        session_.subscribe(context.topics.registry_events("+"), [this](const mqtt::Message& message) {
-            if (const auto event = bus::parse_change_event(message.payload)) view_.event(*event);
-        });
+        events_ = session_.subscribe(
+            context.topics.registry_events("+"), [this](const mqtt::Message& message) {
+                if (const auto event = bus::parse_change_event(message.payload)) view_.event(*event);
+            });
         session_.on_connection_change([this](bool connected, const std::string& why) {
             context_.note(connected ? "connected again" : why);
             if (connected) view_.restart();
@@ -37,11 +38,10 @@ class RegistryWatch {
         asked_at_ = Clock::now();
         const auto topic = view_.registry().empty() ? context_.topics.any_registry_query()
                                                     : context_.topics.registry_query(view_.registry());
-        session_.forget_request(request_);
         request_ = session_.ask(topic, bus::encode(bus::RegistryRequest{*query, {}, {}}),
                                 [this](const mqtt::Message& message) {
                                     const auto answer = bus::parse_answer(message.payload);
-                                    session_.forget_request(request_);
+                                    request_.reset();
                                     if (answer && !view_.page(*answer)) view_.restart();
                                     asked_at_.reset();
                                 });
@@ -51,7 +51,8 @@ class RegistryWatch {
     Context& context_;
     BusSession& session_;
     bus::CatalogueView& view_;
-    std::size_t request_ = 0;
+    BusSession::Subscription events_;
+    BusSession::Request request_;
     std::optional<Time> asked_at_;
 };
 
@@ -91,9 +92,9 @@ int watch_bus(const ListOptions& options, Context& context, ChangePrinter& print
         auto name = catalogue.apply(message.topic, message.payload, message.retain, Clock::now());
         if (!name.empty()) changed.push_back(std::move(name));
     };
-    session.subscribe(context.topics.board_names() + "/+/+", take);
-    session.subscribe(context.topics.service_names("+"), take);
-    session.subscribe(context.topics.board_names(), take);
+    const auto announcements = session.subscribe(context.topics.board_names() + "/+/+", take);
+    const auto services = session.subscribe(context.topics.service_names("+"), take);
+    const auto names = session.subscribe(context.topics.board_names(), take);
     if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
     session.publish(context.topics.probe(), "");
     session.run_for(kRetainedPatience);

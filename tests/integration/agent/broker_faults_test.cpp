@@ -1,5 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
 
 #include "tests/integration/agent/fake_port.hpp"
 #include "tests/integration/agent/rig.hpp"
@@ -90,6 +93,48 @@ TEST(AgentBroker, SecondOfTheList_IsUsedWhenTheFirstIsGone) {
     ASSERT_TRUE(agent.process().wait_for_errors("broker connected"));
     first.kill();
     EXPECT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+}
+
+TEST(AgentBroker, FirstOfTheListRefusesThePassword_UsesTheSecond) {
+    MosquittoBroker refusing({.users = {{"pi", "right"}}});
+    MosquittoBroker open;
+    FakePort port;
+    BusProbe probe(open.port());
+    Agent agent(refusing, port.path(),
+                {"--broker", open.url(), "--user", "pi", "--password", "wrong"});
+    EXPECT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    EXPECT_TRUE(agent.process().running());
+}
+
+TEST(AgentBroker, EveryBrokerOfTheListRefuses_EndsWithStatus3) {
+    MosquittoBroker first({.users = {{"pi", "right"}}});
+    MosquittoBroker second({.users = {{"pi", "right"}}});
+    FakePort port;
+    const auto ended = run(agent_command(
+        first.url(), port.path(), {"--broker", second.url(), "--user", "pi", "--password", "wrong"}));
+    EXPECT_EQ(ended.status, 3) << ended.errors;
+}
+
+std::size_t resident_bytes(pid_t pid) {
+    std::ifstream status("/proc/" + std::to_string(pid) + "/statm");
+    std::size_t pages = 0;
+    status >> pages >> pages;
+    return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+TEST(AgentBroker, HugePayloadOnAControlTopic_CostsTheAgentNothing) {
+    MosquittoBroker broker;
+    FakePort port;
+    BusProbe probe(broker.port());
+    Agent agent(broker, port.path());
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    BusProbe sender(broker.port(), {});
+    sender.publish("asip/uno1/io/in", std::string(std::size_t{120} << 20, 'x'), false, 1);
+    ASSERT_TRUE(wait_until([&] { return sender.all_acknowledged(); }, 30s));
+    sender.publish("asip/uno1/$nothing", "", false, 1);
+    ASSERT_TRUE(wait_until([&] { return sender.all_acknowledged(); }));
+    EXPECT_LT(resident_bytes(agent.process().pid()), std::size_t{20} << 20);
+    EXPECT_TRUE(probe.request("asip/uno1/in", "#,?")) << agent.process().errors();
 }
 
 }  // namespace

@@ -21,6 +21,27 @@ TEST(NoBroker, AnyCommand_EndsWithStatus3AndSaysWhere) {
     EXPECT_THAT(list.output, IsEmpty());
 }
 
+TEST_F(BusTest, FirstBrokerOfTheListIsOfNoUse_UsesTheSecond) {
+    announce("uno1");
+    MosquittoBroker refusing({.users = {{"ada", "right"}}});
+    for (const auto& first : {refusing.address(), "127.0.0.1:" + std::to_string(free_port())}) {
+        const auto list = run({ASIP_PROGRAMS "/asipctl", "list", "--from-bus", "-o", "name", "--broker", first,
+                               "--broker", broker_.address(), "--user", "ada", "--password", "wrong"});
+        EXPECT_EQ(list.status, 0) << list.errors;
+        EXPECT_EQ(list.output, "uno1\n");
+    }
+}
+
+TEST(NoBroker, EveryBrokerOfTheListRefuses_EndsWithStatus3AndNamesThemAll) {
+    MosquittoBroker one({.users = {{"ada", "right"}}});
+    MosquittoBroker two({.users = {{"ada", "right"}}});
+    const auto list = run({ASIP_PROGRAMS "/asipctl", "list", "--broker", one.address(), "--broker",
+                           two.address(), "--user", "ada", "--password", "wrong"});
+    EXPECT_EQ(list.status, 3);
+    EXPECT_THAT(list.errors, HasSubstr(one.address()));
+    EXPECT_THAT(list.errors, HasSubstr(two.address()));
+}
+
 TEST(WrongUse, EachEndsWithStatus2) {
     for (const auto& arguments : std::vector<std::vector<std::string>>{{"lits"},
                                                                        {"list", "everything"},

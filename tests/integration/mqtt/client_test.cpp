@@ -343,5 +343,24 @@ TEST(Client, MegabyteAndThousandsInbound_AllArriveInOrder) {
         ASSERT_EQ(bus.messages[static_cast<std::size_t>(i) + 1].payload, std::to_string(i));
 }
 
+TEST(Client, DeniedPublish_IsReportedAndNeverRepeated) {
+    TempDir folder;
+    const auto rules = folder.write("acl", "topic readwrite good/#\ntopic read #\n");
+    MosquittoBroker broker({.extra_lines = {"acl_file " + rules}});
+    Recorder bus(options_for(broker));
+    ASSERT_TRUE(bus.connect());
+    bus.client->publish(make_message("denied/a", "", 1, true));
+    bus.client->publish(make_message("denied/b", "x", 1));
+    bus.client->publish(make_message("good/c", "x", 1));
+    ASSERT_TRUE(bus.until([&] { return bus.published.size() == 1 && bus.denied.size() == 2; }));
+    EXPECT_THAT(bus.denied, testing::ElementsAre("denied/a", "denied/b"));
+    run_for(bus.io, 500ms);
+    EXPECT_TRUE(bus.losses.empty()) << bus.losses[0].text;
+    const auto log = broker.log();
+    const auto first = log.find("Denied PUBLISH");
+    EXPECT_EQ(log.find("denied/a", log.find("denied/a", first) + 1), std::string::npos) << log;
+    EXPECT_EQ(bus.client->counters().rejected, 2u);
+}
+
 }  // namespace
 }  // namespace asip::test

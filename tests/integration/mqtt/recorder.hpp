@@ -27,6 +27,9 @@ struct Recorder {
         handlers.on_subscribe_refused = [this](const std::string& filter, const std::string&) {
             refused_filters.push_back(filter);
         };
+        handlers.on_publish_denied = [this](const std::string& topic, const std::string&) {
+            denied.push_back(topic);
+        };
         handlers.on_subscribed = [this] { ++subscribed_calls; };
         client = std::make_unique<mqtt::Client>(io, std::move(options), std::move(handlers));
     }
@@ -55,6 +58,7 @@ struct Recorder {
     std::vector<mqtt::Message> messages;
     std::vector<std::string> published;
     std::vector<std::string> refused_filters;
+    std::vector<std::string> denied;
     int subscribed_calls = 0;
     std::function<void()> at_connect;
     std::function<void(const mqtt::Message&)> at_message;

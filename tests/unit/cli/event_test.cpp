@@ -104,23 +104,6 @@ TEST(ContextFilters, TargetsCoveredByOthers_AreNotSubscribedTwice) {
                 ElementsAre("asip/uno1/out", "asip/uno2/out"));
 }
 
-TEST(TopicMatches, Wildcards_MatchAsInMqtt) {
-    EXPECT_TRUE(topic_matches("asip/+/out", "asip/uno1/out"));
-    EXPECT_FALSE(topic_matches("asip/+/out", "asip/uno1/servo/out"));
-    EXPECT_TRUE(topic_matches("asip/#", "asip"));
-    EXPECT_TRUE(topic_matches("asip/#", "asip/a/b/c"));
-    EXPECT_FALSE(topic_matches("asip/a", "asip/a/b"));
-    EXPECT_FALSE(topic_matches("asip/a/b", "asip/a"));
-    EXPECT_TRUE(topic_matches("+/+", "a/"));
-}
-
-TEST(WithReplyMembers, ObjectOrText_CarryWhereTheAnswerGoes) {
-    EXPECT_EQ(with_reply_members(R"({"write":[0,90]})", "asip/reply/x", "x-1"),
-              R"({"id":"x-1","reply_to":"asip/reply/x","write":[0,90]})");
-    EXPECT_EQ(with_reply_members("W,0,90", "asip/reply/x", "x-1"),
-              R"({"id":"x-1","raw":"W,0,90","reply_to":"asip/reply/x"})");
-}
-
 TEST(TopModel, RatesAgesAndErrors_AreOfTheWindow) {
     constexpr Time kStart{1000s};
     TopModel model(5s);

@@ -1,0 +1,69 @@
+#include "asip/bus/requester.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "asip/bus/json_scanner.hpp"
+#include "asip/model/json.hpp"
+
+namespace asip::bus {
+namespace {
+
+/// The member "id" of an answer that has no correlation data. Answers may be megabytes: they are not parsed
+/// for it.
+std::string id_of(std::string_view payload) {
+    JsonScanner scanner(payload);
+    if (!scanner.enter_object()) return {};
+    std::string_view key;
+    while (scanner.next_member(key)) {
+        std::string_view value;
+        if (key == "id" && scanner.plain_string(value)) return std::string(value);
+        if (!scanner.value(value)) return {};
+    }
+    return {};
+}
+
+}  // namespace
+
+const std::string& Requester::Request::id() const {
+    static const std::string none;
+    return entry_ ? entry_->id : none;
+}
+
+Requester::Request Requester::ask(mqtt::Message& message, bool v5, OnReply on_reply) {
+    std::erase_if(open_, [](const auto& one) { return one.second.expired(); });
+    const auto id = name_ + "-" + std::to_string(++last_);
+    const auto entry = std::make_shared<Request::Entry>(Request::Entry{id, std::move(on_reply)});
+    open_.emplace(id, entry);
+    if (v5) {
+        message.response_topic = reply_topic_;
+        message.correlation = id;
+    } else {
+        message.payload = with_reply_members(message.payload, reply_topic_, id);
+    }
+    return Request(entry);
+}
+
+bool Requester::take(const mqtt::Message& message) {
+    if (message.topic != reply_topic_) return false;
+    const auto found = open_.find(message.correlation.empty() ? id_of(message.payload) : message.correlation);
+    if (found == open_.end()) return true;
+    const auto entry = found->second.lock();
+    if (entry) entry->on_reply(message);
+    return true;
+}
+
+std::string with_reply_members(const std::string& payload, const std::string& reply_to,
+                               const std::string& id) {
+    auto document = model::parse_json(payload, {.max_bytes = 1u << 20, .max_depth = 32});
+    nlohmann::json object = nlohmann::json::object();
+    if (document && document->is_object()) {
+        object = std::move(*document);
+    } else {
+        object["raw"] = payload;
+    }
+    object["reply_to"] = reply_to;
+    object["id"] = id;
+    return model::dump_json(object);
+}
+
+}  // namespace asip::bus

@@ -1,0 +1,64 @@
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "asip/mqtt/message.hpp"
+
+namespace asip::bus {
+
+/// Asks over MQTT and finds the answers: the ids, the reply topic, and what of it travels as MQTT 5 properties
+/// or, on 3.1.1, inside the payload. Pure: the caller publishes the request and gives what arrives to take().
+class Requester {
+  public:
+    using OnReply = std::function<void(const mqtt::Message&)>;
+
+    /// The interest in the answers to one request: when it ends, its callback is not called any more. May
+    /// outlive the requester.
+    class [[nodiscard]] Request {
+      public:
+        Request() = default;
+        void reset() { entry_.reset(); }
+        /// The id by which the answer is known; empty: none is awaited.
+        const std::string& id() const;
+
+      private:
+        friend class Requester;
+        struct Entry {
+            std::string id;
+            OnReply on_reply;
+        };
+        explicit Request(std::shared_ptr<Entry> entry) : entry_(std::move(entry)) {}
+        std::shared_ptr<Entry> entry_;
+    };
+
+    /// `name`: nobody else's, as those who answer tell repeated requests by the id.
+    Requester(std::string name, std::string reply_topic)
+        : name_(std::move(name)), reply_topic_(std::move(reply_topic)) {}
+
+    /// To be subscribed to before the first request.
+    const std::string& reply_topic() const { return reply_topic_; }
+
+    /// Makes `message` (topic and payload are set) one that is answered. `v5`: the connection speaks MQTT 5. On
+    /// 3.1.1 a payload that is no JSON object becomes the member "raw" of one. `on_reply` is called for each
+    /// answer, until the request ends.
+    Request ask(mqtt::Message& message, bool v5, OnReply on_reply);
+
+    /// True: the message was on the reply topic.
+    bool take(const mqtt::Message& message);
+
+  private:
+    std::string name_;
+    std::string reply_topic_;
+    std::size_t last_ = 0;
+    std::map<std::string, std::weak_ptr<Request::Entry>> open_;
+};
+
+/// What a request's payload looks like on 3.1.1: see Requester::ask.
+std::string with_reply_members(const std::string& payload, const std::string& reply_to,
+                               const std::string& id);
+
+}  // namespace asip::bus

@@ -1,0 +1,84 @@
+// What a command waits for ends with the command: late messages reach nobody.
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "cli/bus_session.hpp"
+#include "tests/support/bus_probe.hpp"
+#include "tests/support/mosquitto_broker.hpp"
+
+namespace asip::test {
+namespace {
+
+class SessionTest : public testing::Test {
+  protected:
+    SessionTest() {
+        context_.mqtt.brokers = {*mqtt::parse_broker(broker_.url())};
+        context_.mqtt.user = "ada";
+        session_.emplace(context_);
+    }
+    bool until(const std::function<bool()>& done) { return session_->run_until(done, Clock::now() + 5s); }
+
+    MosquittoBroker broker_;
+    BusProbe probe_{broker_.port()};
+    std::stringstream in_, out_, err_;
+    cli::Context context_{in_, out_, err_};
+    std::optional<cli::BusSession> session_;
+};
+
+TEST_F(SessionTest, HandlesOfAFrameThatReturned_LateMessagesReachNobody) {
+    ASSERT_TRUE(session_->connect());
+    mqtt::Message request;
+    const auto frame = [&] {
+        int heard = 0;
+        const auto subscription = session_->subscribe("late/#", [&heard](const mqtt::Message&) { ++heard; });
+        const auto asked =
+            session_->ask("somebody/in", "question", [&heard](const mqtt::Message&) { ++heard; });
+        const auto mark = session_->mark_retained();
+        EXPECT_TRUE(until([&] { return mark.passed(); }));
+        request = probe_.wait_for("somebody/in").value();
+        EXPECT_EQ(heard, 0);
+    };
+    frame();
+    probe_.publish("late/a", "x", false, 1);
+    mqtt::Message answer;
+    answer.topic = request.response_topic;
+    answer.correlation = request.correlation;
+    probe_.publish(answer);
+    const auto mark = session_->mark_retained();
+    EXPECT_TRUE(until([&] { return mark.passed(); }));
+}
+
+TEST_F(SessionTest, Answers_ComeBelowTheUsersOwnTopic) {
+    ASSERT_TRUE(session_->connect());
+    bool answered = false;
+    const auto asked =
+        session_->ask("somebody/in", "question", [&](const mqtt::Message&) { answered = true; });
+    auto request = probe_.wait_for("somebody/in");
+    for (int i = 0; !request && i < 100; ++i) {
+        session_->run_for(20ms);
+        request = probe_.wait_for("somebody/in", 10ms);
+    }
+    ASSERT_TRUE(request);
+    EXPECT_TRUE(request->response_topic.starts_with("asip/reply/ada/")) << request->response_topic;
+    mqtt::Message answer;
+    answer.topic = request->response_topic;
+    answer.correlation = request->correlation;
+    probe_.publish(answer);
+    EXPECT_TRUE(until([&] { return answered; }));
+}
+
+TEST_F(SessionTest, OneOfTwoSubscriptionsToAFilterEnds_TheOtherStillHears) {
+    int heard = 0;
+    const auto stays = session_->subscribe("x", [&](const mqtt::Message&) { ++heard; });
+    auto ends = session_->subscribe("x", [](const mqtt::Message&) { FAIL(); });
+    ends.reset();
+    ASSERT_TRUE(session_->connect());
+    const auto mark = session_->mark_retained();
+    ASSERT_TRUE(until([&] { return mark.passed(); }));
+    probe_.publish("x", "1");
+    EXPECT_TRUE(until([&] { return heard == 1; }));
+}
+
+}  // namespace
+}  // namespace asip::test
