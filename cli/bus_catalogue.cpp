@@ -2,25 +2,21 @@
 
 #include <algorithm>
 
-#include "asip/bus/pattern.hpp"
+#include "asip/bus/match.hpp"
 #include "asip/model/board_state.hpp"
 #include "asip/model/names.hpp"
-#include "asip/protocol/pin.hpp"
 
 namespace asip::cli {
 namespace {
 
 constexpr std::size_t kMaxServiceNames = 64;
 
-bool any_of(const std::vector<std::string>& wanted, const std::string& value) {
-    return wanted.empty() || std::find(wanted.begin(), wanted.end(), value) != wanted.end();
-}
-
-bool has_capability(const model::Description& description, const std::string& capability) {
-    const auto bit = protocol::capability_from_text(capability);
-    if (!bit) return false;
-    return std::any_of(description.pins.capabilities.begin(), description.pins.capabilities.end(),
-                       [bit](char c) { return c >= '0' && c <= '7' && ((c - '0') & *bit) != 0; });
+unsigned capabilities_of(const model::Description& description) {
+    unsigned all = 0;
+    for (const char digit : description.pins.capabilities) {
+        if (digit >= '0' && digit <= '7') all |= static_cast<unsigned>(digit - '0');
+    }
+    return all;
 }
 
 std::string kind_of(const model::ServiceInfo& service) {
@@ -178,24 +174,21 @@ bus::BoardItem board_item(const model::Description& description, std::string sai
 
 bool service_matches(const bus::Query& query, const bus::ServiceItem& service,
                      const model::Description* description, const model::ModelSet& models) {
-    if (!bus::matches_pattern(query.service, service.name) || !any_of(query.kind, service.kind)) return false;
-    if (query.unit.empty()) return true;
-    const auto* info = description == nullptr ? nullptr : description->service(service.name);
-    const auto model = info == nullptr ? models.find(service.name) : model_of(*info, models);
-    return model && has_unit(*model, query.unit);
+    return bus::matches_service(query, service.name, service.kind, [&](const std::string& unit) {
+        const auto* info = description == nullptr ? nullptr : description->service(service.name);
+        const auto model = info == nullptr ? models.find(service.name) : model_of(*info, models);
+        if (!model) return false;
+        const auto units = model::units_of(*model);
+        return std::find(units.begin(), units.end(), unit) != units.end();
+    });
 }
 
 bool board_matches(const bus::Query& query, const bus::BoardItem& board,
                    const model::Description* description, const model::ModelSet& models) {
-    if (!bus::matches_pattern(query.board, board.board) || !bus::matches_pattern(query.chip, board.chip) ||
-        !bus::matches_pattern(query.sketch, board.sketch) || !any_of(query.state, board.state)) {
+    const unsigned capabilities = description == nullptr ? 0 : capabilities_of(*description);
+    if (!bus::matches_board(query, {board.board, board.state, board.chip, board.sketch, capabilities}))
         return false;
-    }
-    if (!query.capability.empty() &&
-        (description == nullptr || !has_capability(*description, query.capability))) {
-        return false;
-    }
-    if (query.service.empty() && query.kind.empty() && query.unit.empty()) return true;
+    if (!bus::asks_for_services(query)) return true;
     return std::any_of(board.services.begin(), board.services.end(), [&](const bus::ServiceItem& service) {
         return service_matches(query, service, description, models);
     });
@@ -209,17 +202,6 @@ model::ModelPtr model_of(const model::ServiceInfo& service, const model::ModelSe
     }
     if (service.id == 0) return models.find(service.name);
     return nullptr;
-}
-
-bool has_unit(const model::ServiceModel& model, const std::string& unit) {
-    const auto in = [&unit](const std::vector<model::Field>& fields) {
-        return std::any_of(fields.begin(), fields.end(),
-                           [&](const model::Field& field) { return field.unit == unit; });
-    };
-    return std::any_of(model.events.begin(), model.events.end(),
-                       [&](const auto& event) { return in(event.fields); }) ||
-           std::any_of(model.commands.begin(), model.commands.end(),
-                       [&](const auto& command) { return in(command.args); });
 }
 
 }  // namespace asip::cli

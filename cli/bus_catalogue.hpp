@@ -65,7 +65,4 @@ bool service_matches(const bus::Query& query, const bus::ServiceItem& service,
 /// unknown), or what letter and title suggest; null when there is none.
 model::ModelPtr model_of(const model::ServiceInfo& service, const model::ModelSet& models);
 
-/// Whether some event or command of the model has this unit.
-bool has_unit(const model::ServiceModel& model, const std::string& unit);
-
 }  // namespace asip::cli

@@ -12,21 +12,7 @@ UnitsOf units_of_models(const std::string& folder) {
         if (auto loaded = models.load_directory(folder); !loaded) throw std::runtime_error(loaded.error());
     }
     return [models = std::move(models)](std::string_view reference) {
-        std::vector<std::string> units;
-        const auto add = [&units](const std::string& unit) {
-            if (!unit.empty()) units.push_back(unit);
-        };
-        const auto model = models.find_ref(reference);
-        if (!model) return units;
-        for (const auto& event : model->events) {
-            for (const auto& field : event.fields)
-                add(field.unit);
-        }
-        for (const auto& command : model->commands) {
-            for (const auto& argument : command.args)
-                add(argument.unit);
-        }
-        return units;
+        return model::units_of(models, reference);
     };
 }
 

@@ -32,7 +32,7 @@ struct Query {
     std::vector<std::string> state;  ///< effective states of the board
     std::string chip;                ///< wildcards
     std::string sketch;              ///< wildcards
-    std::string unit;                ///< a unit some field of the service's model has ("cm")
+    std::string unit;                ///< a unit that some event or command of the service has ("cm")
     std::string capability;          ///< some pin can do this: "digital", "analog" or "pwm"
     std::string sort = "name";  ///< "name", "state", "chip", "sketch", "last_seen"; "-" in front: descending
     std::size_t limit = 100;    ///< items a page; a registry gives at most kMaxPage

@@ -105,4 +105,10 @@ std::vector<std::string> ModelSet::names() const {
     return result;
 }
 
+std::vector<std::string> units_of(const ModelSet& models, std::string_view reference) {
+    auto model = models.find_ref(reference);
+    if (!model) model = models.find(reference.substr(0, reference.find('@')));
+    return model ? units_of(*model) : std::vector<std::string>{};
+}
+
 }  // namespace asip::model

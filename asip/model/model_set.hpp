@@ -42,4 +42,8 @@ class ModelSet {
     std::vector<ModelPtr> models_;
 };
 
+/// The units of the model that a description refers to ("distance@1"; where this version is unknown, of
+/// another one); empty: no such model, or it has none.
+std::vector<std::string> units_of(const ModelSet& models, std::string_view reference);
+
 }  // namespace asip::model

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <set>
 
 namespace asip::model {
 namespace {
@@ -73,6 +74,22 @@ bool ServiceModel::matches(char letter, std::string_view friendly_name) const {
         const auto known = letters_and_digits(word);
         return known.size() < kMinContainedBytes ? given == known : given.find(known) != std::string::npos;
     });
+}
+
+std::vector<std::string> units_of(const ServiceModel& model) {
+    std::set<std::string> units;
+    const auto add = [&units](const std::vector<Field>& fields) {
+        for (const auto& field : fields) {
+            if (!field.unit.empty()) units.insert(field.unit);
+            for (const auto& item : field.items)
+                if (!item.unit.empty()) units.insert(item.unit);
+        }
+    };
+    for (const auto& event : model.events)
+        add(event.fields);
+    for (const auto& command : model.commands)
+        add(command.args);
+    return {units.begin(), units.end()};
 }
 
 }  // namespace asip::model

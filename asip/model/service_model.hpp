@@ -107,4 +107,7 @@ struct ModelExample {
 };
 std::vector<ModelExample> examples(const ServiceModel& model);
 
+/// The units of all fields of its events and of all arguments of its commands, each once.
+std::vector<std::string> units_of(const ServiceModel& model);
+
 }  // namespace asip::model

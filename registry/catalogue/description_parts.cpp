@@ -118,7 +118,9 @@ bool read_into(ServicesPart& part, KindTable& kinds) {
         service.name = raw.name;
         service.model = raw.model;
         service.title = raw.title;
-        service.kind = kinds.refer(kind_name, raw.model);
+        // A service announced by its name only is taken for the standard one of that name.
+        const bool by_name = raw.model.empty() && raw.own_model.empty() && raw.id.empty();
+        service.kind = kinds.refer(kind_name, by_name ? raw.name : raw.model);
         service.id = raw.id.empty() ? '\0' : raw.id.front();
         if (raw.has_count) service.count = static_cast<std::int32_t>(raw.count);
         if (raw.has_period) service.period = static_cast<std::int32_t>(raw.period);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "asip/bus/pattern.hpp"
+#include "asip/bus/match.hpp"
 
 namespace asip::registry {
 namespace {
@@ -19,13 +19,6 @@ constexpr std::array<std::pair<std::string_view, QueryPlan::Sort>, 5> kSorts{
      {"chip", QueryPlan::Sort::kChip},
      {"sketch", QueryPlan::Sort::kSketch},
      {"last_seen", QueryPlan::Sort::kLastSeen}}};
-
-unsigned capability_bit(std::string_view word) {
-    if (word == "digital") return 1;
-    if (word == "analog") return 2;
-    if (word == "pwm") return 4;
-    return 0;
-}
 
 std::optional<Cursor> read_cursor(std::string_view text) {
     const std::size_t first = text.find('/');
@@ -71,8 +64,9 @@ Expected<QueryPlan> make_query_plan(const bus::Query& query, const KindTable& ki
     QueryPlan plan{query};
     if (auto error = read_sort(query.sort, plan); !error.empty()) return fail(error);
     if (auto error = read_states(query.state, plan); !error.empty()) return fail(error);
-    plan.capability = capability_bit(query.capability);
-    if (plan.capability == 0 && !query.capability.empty()) {
+    plan.without_states = query;
+    plan.without_states.state.clear();
+    if (!query.capability.empty() && bus::capability_bit(query.capability) == 0) {
         return fail("capability: \"" + query.capability + "\" is none of digital, analog, pwm");
     }
     if (!query.cursor.empty()) {
@@ -80,7 +74,7 @@ Expected<QueryPlan> make_query_plan(const bus::Query& query, const KindTable& ki
         if (!plan.cursor) return fail("cursor: not one of this registry's");
     }
     plan.limit = std::clamp<std::size_t>(query.limit, 1, bus::Query::kMaxPage);
-    plan.by_service = !query.kind.empty() || !query.service.empty() || !query.unit.empty();
+    plan.by_service = bus::asks_for_services(query);
     for (const std::string& name : query.kind) {
         if (Kind* kind = kinds.find(name)) add_once(plan.kinds, kind);
     }
@@ -88,28 +82,24 @@ Expected<QueryPlan> make_query_plan(const bus::Query& query, const KindTable& ki
 }
 
 bool QueryPlan::board_matches(const Board& b) const {
-    if (!bus::matches_pattern(query.board, b.name)) return false;
-    if (!query.chip.empty() &&
-        (b.firmware == nullptr || !bus::matches_pattern(query.chip, b.firmware->chip))) {
-        return false;
+    bus::BoardFacts facts{b.name, {}, {}, {}, b.pins == nullptr ? 0 : b.pins->capabilities};
+    if (b.firmware != nullptr) {
+        facts.chip = b.firmware->chip;
+        facts.sketch = b.firmware->sketch;
     }
-    if (!query.sketch.empty() &&
-        (b.firmware == nullptr || !bus::matches_pattern(query.sketch, b.firmware->sketch))) {
-        return false;
-    }
-    return capability == 0 || (b.pins != nullptr && (b.pins->capabilities & capability) != 0);
+    return bus::matches_board(without_states, facts);
 }
 
 bool QueryPlan::service_matches(const ServicesPart& part, std::size_t index) const {
     const Service& service = part.services[index];
-    if (!query.kind.empty() && std::find(kinds.begin(), kinds.end(), service.kind) == kinds.end())
-        return false;
-    if (!bus::matches_pattern(query.service, service.name)) return false;
-    if (query.unit.empty()) return true;
-    const auto& units = service.kind->units;
-    if (std::find(units.begin(), units.end(), query.unit) != units.end()) return true;
-    return std::any_of(part.own_units.begin(), part.own_units.end(),
-                       [&](const auto& own) { return own.first == index && own.second == query.unit; });
+    const auto has_unit = [&](const std::string& unit) {
+        const bool standard = !service.model.empty() || service.id == '\0';
+        const auto& units = service.kind->units;
+        return (standard && std::find(units.begin(), units.end(), unit) != units.end()) ||
+               std::any_of(part.own_units.begin(), part.own_units.end(),
+                           [&](const auto& own) { return own.first == index && own.second == unit; });
+    };
+    return bus::matches_service(query, service.name, service.kind->name, has_unit);
 }
 
 bool QueryPlan::some_service_matches(const Board& b) const {

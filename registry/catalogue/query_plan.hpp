@@ -25,7 +25,7 @@ struct QueryPlan {
     const bus::Query& query;
     std::vector<Kind*> kinds{};               ///< those of `query.kind` that exist
     std::vector<model::BoardState> states{};  ///< all of them where the query names none
-    unsigned capability = 0;                  ///< as PinsPart::capabilities; 0: any
+    bus::Query without_states{};              ///< states are found by an index
     Sort sort = Sort::kName;
     bool descending = false;
     std::optional<Cursor> cursor{};

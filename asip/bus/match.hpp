@@ -1,0 +1,52 @@
+#pragma once
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include "asip/bus/pattern.hpp"
+#include "asip/bus/query.hpp"
+
+/// Whether a board or a service is among what a query asks for, sort, limit and cursor aside. The one place
+/// that says so: for whoever reads the bus itself, and for a registry where no index answers.
+namespace asip::bus {
+
+/// What a query looks at of a board, its services aside. The texts live elsewhere.
+struct BoardFacts {
+    std::string_view board;
+    std::string_view state;  ///< effective
+    std::string_view chip;
+    std::string_view sketch;
+    unsigned capabilities = 0;  ///< of all its pins together: 1 digital, 2 analog, 4 PWM
+};
+
+/// The bit of "digital", "analog" or "pwm"; 0: none of these.
+inline unsigned capability_bit(std::string_view word) {
+    return word == "digital" ? 1 : word == "analog" ? 2 : word == "pwm" ? 4 : 0;
+}
+
+/// An empty list asks for nothing.
+inline bool is_among(const std::vector<std::string>& wanted, std::string_view value) {
+    return wanted.empty() || std::find(wanted.begin(), wanted.end(), value) != wanted.end();
+}
+
+inline bool matches_board(const Query& query, const BoardFacts& board) {
+    if (!is_among(query.state, board.state) || !matches_pattern(query.board, board.board)) return false;
+    if (!query.chip.empty() && !matches_pattern(query.chip, board.chip)) return false;
+    if (!query.sketch.empty() && !matches_pattern(query.sketch, board.sketch)) return false;
+    return query.capability.empty() || (board.capabilities & capability_bit(query.capability)) != 0;
+}
+
+/// `has_unit(unit)`: whether some field of the service's events or commands has this unit.
+template <class HasUnit>
+bool matches_service(const Query& query, std::string_view name, std::string_view kind,
+                     const HasUnit& has_unit) {
+    return is_among(query.kind, kind) && matches_pattern(query.service, name) &&
+           (query.unit.empty() || has_unit(query.unit));
+}
+
+/// Whether a board is asked for by its services.
+inline bool asks_for_services(const Query& query) {
+    return !query.service.empty() || !query.kind.empty() || !query.unit.empty();
+}
+
+}  // namespace asip::bus
