@@ -63,6 +63,7 @@ bool JsonScanner::next(char close) {
     if (*at_ == close) {
         ++at_;
         left_ = true;
+        first_ = false;  // of the container around it, which has at least this one
         return false;
     }
     if (!first_) {
