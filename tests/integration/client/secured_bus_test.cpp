@@ -78,7 +78,7 @@ class SecuredBroker {
   private:
     std::string passwords() const {
         const auto file = folder_.write("passwords", "");
-        for (const std::string user : {"uno", "registry", "operator", "viewer"}) {
+        for (const std::string user : {"uno", "registry", "operator", "viewer", "admin"}) {
             folder_.write(user + ".password", "of-" + user + "\n");
             run({"mosquitto_passwd", "-b", file, user, "of-" + user});
         }
@@ -155,9 +155,51 @@ TEST_F(SecuredBus, AgentOfOneBoard_CannotSpeakForAnotherNorCommandIt) {
         EXPECT_TRUE(refused(topic)) << topic;
     }
     for (const char* topic :
-         {"asip/servicebus/uno/$state", "asip/uno/out", "asip/uno/io/out", "asip/reply/x"}) {
+         {"asip/servicebus/uno/$state", "asip/uno/out", "asip/uno/io/out", "asip/reply/x/y"}) {
         EXPECT_FALSE(refused(topic)) << topic;
     }
+}
+
+TEST_F(SecuredBus, AnswerToTheOperator_IsReadByNobodyElse) {
+    BusProbe viewer(broker_.port(), {"asip/#", "asip/reply/#", "asip/reply/operator/#"},
+                    broker_.probe("viewer"));
+    BusProbe other_board(broker_.port(), {"asip/reply/#"}, broker_.probe("uno"));
+    BusProbe own(broker_.port(), {"asip/reply/operator/#"}, broker_.probe("operator"));
+    auto board = open_as("operator");
+    ASSERT_TRUE(board) << to_string(board.error()) << agent_.errors();
+    ASSERT_TRUE(board->set_pin_mode(13, protocol::PinMode::Output));
+    const auto is_answer = [](const mqtt::Message& m) { return m.topic.starts_with("asip/reply/operator/"); };
+    ASSERT_TRUE(own.wait_for(is_answer));
+    viewer.publish("asip/reply/viewer/x", "mark");
+    ASSERT_TRUE(viewer.wait_for("asip/reply/viewer/x"));
+    for (const auto& message : viewer.messages())
+        EXPECT_FALSE(is_answer(message)) << message.topic;
+    for (const auto& message : other_board.messages())
+        EXPECT_FALSE(is_answer(message)) << message.topic;
+    for (const auto& message : viewer.messages())
+        EXPECT_FALSE(message.topic.ends_with("/in")) << "a request names its reply topic: " << message.topic;
+}
+
+TEST_F(SecuredBus, Registry_ClearsWhatAForgottenBoardLeft) {
+    ChildProcess registry(with({ASIP_TEST_REGISTRY, "--id", "hall"}, broker_.options("registry")));
+    BusProbe admin(broker_.port(), {"asip/#"}, broker_.probe("admin"));
+    ASSERT_TRUE(admin.wait_for("asip/registry/hall/$state", "online")) << registry.errors();
+    admin.publish("asip/servicebus/gone/$state", "lost", true, 1);
+    admin.publish("asip/gone/io/out", "{}", true, 1);
+    admin.publish("asip/gone/io/in", "W,1", true, 1);
+    ASSERT_TRUE(wait_until([&] { return admin.all_acknowledged(); }));
+    ASSERT_TRUE(wait_until([&] {
+        return run(with({ASIP_TEST_ASIPCTL, "list", "--state", "lost", "-o", "name"},
+                        broker_.options("viewer")))
+                   .output == "gone\n";
+    })) << registry.errors();
+    mqtt::Message forget{.topic = "asip/registry/hall/query", .payload = R"({"forget":"gone"})"};
+    forget.response_topic = "asip/reply/admin/test";
+    admin.publish(forget);
+    ASSERT_TRUE(admin.wait_for("asip/reply/admin/test"));
+    for (const char* topic : {"asip/servicebus/gone/$state", "asip/gone/io/out", "asip/gone/io/in"})
+        EXPECT_TRUE(admin.wait_for(topic, "")) << topic << "\n" << registry.errors();
+    EXPECT_EQ(registry.errors().find("connection lost"), std::string::npos) << registry.errors();
 }
 
 TEST_F(SecuredBus, Registry_ListsTheBoardForTheViewer) {
@@ -167,7 +209,7 @@ TEST_F(SecuredBus, Registry_ListsTheBoardForTheViewer) {
     EXPECT_TRUE(wait_until([&] {
         const Finished list = run(with({ASIP_TEST_ASIPCTL, "list"}, broker_.options("viewer")));
         return list.status == 0 && list.output.find("uno") != std::string::npos;
-    })) << registry.errors();
+    })) << registry.errors() << agent_.errors();
 }
 
 TEST_F(SecuredBus, NobodyWithoutPassword_GetsIn) {
