@@ -41,7 +41,7 @@ Outcome<BoardCommand> make_command(const Context& context, const KnownBoard& boa
     const auto topic = context.topics.service_in(board.item.board, service.name);
     const auto target = board.item.board + "/" + service.name;
     const auto where = target + ": ";
-    const auto model = model_of(service, context.models());
+    const auto model = bus::model_of(service, context.models());
     if (words.empty()) {
         return failure(program::kExitUsage, where + "which command?" + (model ? how_to_use(*model, "") : ""));
     }

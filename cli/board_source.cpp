@@ -100,7 +100,7 @@ Outcome<std::vector<bus::BoardItem>> BoardSource::boards(bus::Query query) {
     read_bus(true);
     auto all = catalogue_.boards(Clock::now());
     std::erase_if(all, [&](const bus::BoardItem& board) {
-        return !board_matches(query, board, catalogue_.description(board.board), context_.models());
+        return !bus::board_matches(query, board, catalogue_.description(board.board), context_.models());
     });
     if (!query.full) {
         for (auto& board : all)
@@ -150,7 +150,7 @@ Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {
     for (auto& board : *all) {
         const auto* description = catalogue_.description(board.board);
         for (auto& service : board.services) {
-            if (service_matches(query, service, description, context_.models()))
+            if (bus::service_matches(query, service, description, context_.models()))
                 result.push_back(std::move(service));
         }
     }

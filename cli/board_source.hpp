@@ -6,9 +6,9 @@
 
 #include "asip/bus/answer.hpp"
 #include "asip/bus/items.hpp"
+#include "asip/bus/mirror.hpp"
 #include "asip/bus/query.hpp"
 #include "asip/model/description.hpp"
-#include "cli/bus_catalogue.hpp"
 #include "cli/bus_session.hpp"
 
 namespace asip::cli {
@@ -63,7 +63,7 @@ class BoardSource {
     const std::string& registry() const { return registry_; }
     /// What was read from the bus itself; `read_bus` reads it, with a window for answers to a probe or
     /// without.
-    const BusCatalogue& bus() const { return catalogue_; }
+    const bus::Mirror& bus() const { return catalogue_; }
     void read_bus(bool probe);
     /// Called for each description that is published while we look (not for those retained).
     void on_announcement(std::function<void(const std::string& board, const std::string& session)> handler) {
@@ -83,7 +83,7 @@ class BoardSource {
 
     const Context& context_;
     BusSession& session_;
-    BusCatalogue catalogue_;
+    bus::Mirror catalogue_;
     std::vector<std::string> online_registries_;  // by their retained state
     std::string registry_;
     std::function<void(const std::string&, const std::string&)> announced_;

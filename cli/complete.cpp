@@ -234,7 +234,7 @@ class LiveNames {
         const auto found = board(name);
         if (!found) return nullptr;
         const auto info = find_service(*found, service);
-        return info ? model_of(*info, context_.models()) : nullptr;
+        return info ? bus::model_of(*info, context_.models()) : nullptr;
     }
 
     Words units() const {

@@ -70,7 +70,7 @@ class Getter {
         if (!service) return tl::unexpected(service.error());
         board_ = std::move(*board);
         service_ = std::move(*service);
-        model_ = model_of(service_, context_.models());
+        model_ = bus::model_of(service_, context_.models());
         if (!model_) return {};
         auto choice = choose_field(*model_, what_.field);
         if (!choice) return failure(program::kExitUsage, where() + ": " + choice.error());

@@ -243,7 +243,7 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
     }
     if (board.description) {
         for (const auto& service : board.description->services) {
-            const auto model = model_of(service, models);
+            const auto model = bus::model_of(service, models);
             text += "\n" + service_text(item.board, service, model.get(), width, colour);
         }
     } else {
@@ -271,7 +271,7 @@ int run_show(const ShowOptions& options, Context& context) {
     }
     const auto service = find_service(*board, target->service);
     if (!service) return context.fail_with(service.error());
-    const auto model = model_of(*service, context.models());
+    const auto model = bus::model_of(*service, context.models());
     if (!people) records.print(service_json(*board, *service, model.get()));
     if (people)
         context.out << service_text(target->board, *service, model.get(), context.width, context.colour)

@@ -3,7 +3,7 @@
 #include <map>
 #include <ostream>
 
-#include "cli/bus_catalogue.hpp"
+#include "asip/bus/mirror.hpp"
 #include "cli/context_event.hpp"
 #include "cli/declaration.hpp"
 
@@ -94,7 +94,7 @@ class Subscriber {
     const SubscribeOptions& options_;
     Context& context_;
     std::vector<Target> targets_;
-    BusCatalogue catalogue_;
+    bus::Mirror catalogue_;
     EventPrinter printer_;
     std::map<std::string, std::optional<Time>> last_;
     std::size_t count_ = 0;

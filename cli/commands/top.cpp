@@ -110,7 +110,7 @@ class Top {
     const TopOptions& options_;
     Context& context_;
     BusSession session_;
-    BusCatalogue catalogue_;
+    bus::Mirror catalogue_;
     TopModel model_;
     std::map<std::string, BusSession::Request> pings_;  // those without an answer
     std::string lost_;

@@ -19,8 +19,8 @@ class RegistryWatch {
   public:
     RegistryWatch(Context& context, BusSession& session, bus::CatalogueView& view)
         : context_(context), session_(session), view_(view) {
-        events_ = session_.subscribe(
-            context.topics.registry_events("+"), [this](const mqtt::Message& message) {
+        events_ =
+            session_.subscribe(context.topics.registry_events("+"), [this](const mqtt::Message& message) {
                 if (const auto event = bus::parse_change_event(message.payload)) view_.event(*event);
             });
         session_.on_connection_change([this](bool connected, const std::string& why) {
@@ -61,7 +61,7 @@ bool wanted(const ListOptions& options, const bus::BoardItem& board, const Conte
     if (!board.description.empty()) {
         if (auto parsed = model::parse_description(board.description)) description = std::move(*parsed);
     }
-    return board_matches(options.query, board, description ? &*description : nullptr, context.models());
+    return bus::board_matches(options.query, board, description ? &*description : nullptr, context.models());
 }
 
 int watch_registry(const ListOptions& options, Context& context, ChangePrinter& printer) {
@@ -86,7 +86,7 @@ int watch_registry(const ListOptions& options, Context& context, ChangePrinter& 
 
 int watch_bus(const ListOptions& options, Context& context, ChangePrinter& printer) {
     BusSession session(context);
-    BusCatalogue catalogue(context.topics);
+    bus::Mirror catalogue(context.topics);
     std::vector<std::string> changed;
     const auto take = [&](const mqtt::Message& message) {
         auto name = catalogue.apply(message.topic, message.payload, message.retain, Clock::now());

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "cli/bus_catalogue.hpp"
+#include "asip/bus/mirror.hpp"
 #include "cli/doctor/findings.hpp"
 #include "tests/unit/cli/boards.hpp"
 
@@ -75,7 +75,7 @@ Observations healthy() {
     seen.acknowledged = 200us;
     seen.registry = "r1";
     seen.retained = {{"asip/servicebus/uno1/$state", "online"}, {"asip/servicebus/uno1/$description", kUno1}};
-    seen.boards = {board_item(*model::parse_description(kUno1), "online")};
+    seen.boards = {bus::board_item(*model::parse_description(kUno1), "online")};
     seen.boards[0].age = 1;
     seen.now = std::chrono::system_clock::time_point(1'700'000'000s);
     seen.boards[0].last_seen = std::chrono::floor<std::chrono::milliseconds>(seen.now - 1s);

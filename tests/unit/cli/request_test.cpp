@@ -22,7 +22,7 @@ class RequestTest : public ::testing::Test {
     std::istringstream in_;
     std::ostringstream out_, err_;
     Context context_{in_, out_, err_};
-    KnownBoard board_{board_item(*model::parse_description(kUno1), "online"),
+    KnownBoard board_{bus::board_item(*model::parse_description(kUno1), "online"),
                       *model::parse_description(kUno1)};
 };
 

@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 
 KnownBoard uno1() {
     auto description = *model::parse_description(kUno1);
-    return {board_item(description, "online"), description};
+    return {bus::board_item(description, "online"), description};
 }
 
 TEST(ParseTarget, BoardOrBoardAndService_AreTakenApart) {

@@ -3,9 +3,9 @@
 
 #include <random>
 
+#include "asip/bus/mirror.hpp"
 #include "asip/model/model_set.hpp"
 #include "bus_messages.hpp"
-#include "cli/bus_catalogue.hpp"
 #include "registry/catalogue/catalogue.hpp"
 
 namespace asip::registry {
@@ -130,7 +130,7 @@ struct BothSides {
     std::vector<std::string> boards_of_reader(const bus::Query& query) {
         std::vector<std::string> names;
         for (const auto& board : reader.boards(at(2s))) {
-            if (cli::board_matches(query, board, reader.description(board.board), models()))
+            if (bus::board_matches(query, board, reader.description(board.board), models()))
                 names.push_back(board.board);
         }
         return names;
@@ -139,9 +139,9 @@ struct BothSides {
         std::vector<std::string> names;
         for (const auto& board : reader.boards(at(2s))) {
             const auto* description = reader.description(board.board);
-            if (!cli::board_matches(query, board, description, models())) continue;
+            if (!bus::board_matches(query, board, description, models())) continue;
             for (const auto& service : board.services) {
-                if (cli::service_matches(query, service, description, models()))
+                if (bus::service_matches(query, service, description, models()))
                     names.push_back(board.board + "/" + service.name);
             }
         }
@@ -150,7 +150,7 @@ struct BothSides {
     }
 
     std::optional<Catalogue> catalogue;
-    cli::BusCatalogue reader{bus::Topics()};
+    bus::Mirror reader{bus::Topics()};
 };
 
 TEST(QueryAgreement, RandomQueriesOverRandomBoards_RegistryAndReaderGiveTheSame) {

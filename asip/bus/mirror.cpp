@@ -1,4 +1,4 @@
-#include "cli/bus_catalogue.hpp"
+#include "asip/bus/mirror.hpp"
 
 #include <algorithm>
 
@@ -6,7 +6,7 @@
 #include "asip/model/board_state.hpp"
 #include "asip/model/names.hpp"
 
-namespace asip::cli {
+namespace asip::bus {
 namespace {
 
 constexpr std::size_t kMaxServiceNames = 64;
@@ -31,30 +31,29 @@ std::string joined(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string BusCatalogue::apply(const std::string& topic, const std::string& payload, bool retained,
-                                Time now) {
+std::string Mirror::apply(const std::string& topic, const std::string& payload, bool retained, Time now) {
     const auto ref = topics_.parse(topic);
     if (!ref) {
         if (topic.starts_with(topics_.root() + "/servicebus/") && !payload.empty())
             refused_[topic] = "a name that is not valid";
         return {};
     }
-    if (ref->kind == bus::TopicKind::kBoardNames) {
+    if (ref->kind == TopicKind::kBoardNames) {
         if (!model::valid_board_name(payload)) return {};
         auto& entry = entries_[payload];
         entry.named = true;
         entry.heard = now;
         return payload;
     }
-    if (ref->kind != bus::TopicKind::kServiceNames && ref->kind != bus::TopicKind::kState &&
-        ref->kind != bus::TopicKind::kDescription) {
+    if (ref->kind != TopicKind::kServiceNames && ref->kind != TopicKind::kState &&
+        ref->kind != TopicKind::kDescription) {
         return {};
     }
     const std::string name(ref->board);
     auto& entry = entries_[name];
     if (!retained) entry.heard = now;
     switch (ref->kind) {
-        case bus::TopicKind::kServiceNames:
+        case TopicKind::kServiceNames:
             entry.named = true;
             if (model::valid_name(payload) && entry.service_names.size() < kMaxServiceNames &&
                 std::find(entry.service_names.begin(), entry.service_names.end(), payload) ==
@@ -62,7 +61,7 @@ std::string BusCatalogue::apply(const std::string& topic, const std::string& pay
                 entry.service_names.push_back(payload);
             }
             break;
-        case bus::TopicKind::kState:
+        case TopicKind::kState:
             entry.said = payload;
             if (!payload.empty() && !model::board_state_from_text(payload))
                 refused_[topic] = "no state: " + payload;
@@ -74,8 +73,8 @@ std::string BusCatalogue::apply(const std::string& topic, const std::string& pay
     return name;
 }
 
-void BusCatalogue::take_description(const std::string& topic, Entry& entry, const std::string& name,
-                                    const std::string& payload) {
+void Mirror::take_description(const std::string& topic, Entry& entry, const std::string& name,
+                              const std::string& payload) {
     if (payload.empty()) {
         entry.description.reset();
         entry.document.clear();
@@ -92,8 +91,8 @@ void BusCatalogue::take_description(const std::string& topic, Entry& entry, cons
     }
 }
 
-bus::BoardItem BusCatalogue::item(const std::string& name, const Entry& entry, Time now) const {
-    bus::BoardItem result;
+BoardItem Mirror::item(const std::string& name, const Entry& entry, Time now) const {
+    BoardItem result;
     if (entry.description) {
         result = board_item(*entry.description, entry.said);
         result.description = entry.document;
@@ -101,7 +100,7 @@ bus::BoardItem BusCatalogue::item(const std::string& name, const Entry& entry, T
         result.board = name;
         result.by_name = entry.named;
         for (const auto& service : entry.service_names) {
-            bus::ServiceItem one;
+            ServiceItem one;
             one.name = one.kind = service;
             result.services.push_back(std::move(one));
         }
@@ -117,34 +116,34 @@ bus::BoardItem BusCatalogue::item(const std::string& name, const Entry& entry, T
     return result;
 }
 
-std::vector<bus::BoardItem> BusCatalogue::boards(Time now) const {
-    std::vector<bus::BoardItem> result;
+std::vector<BoardItem> Mirror::boards(Time now) const {
+    std::vector<BoardItem> result;
     result.reserve(entries_.size());
     for (const auto& [name, entry] : entries_)
         result.push_back(item(name, entry, now));
     return result;
 }
 
-std::optional<bus::BoardItem> BusCatalogue::board(const std::string& name, Time now) const {
+std::optional<BoardItem> Mirror::board(const std::string& name, Time now) const {
     const auto found = entries_.find(name);
     if (found == entries_.end()) return std::nullopt;
     return item(name, found->second, now);
 }
 
-const model::Description* BusCatalogue::description(const std::string& name) const {
+const model::Description* Mirror::description(const std::string& name) const {
     const auto found = entries_.find(name);
     return found != entries_.end() && found->second.description ? &*found->second.description : nullptr;
 }
 
-std::vector<std::string> BusCatalogue::names() const {
+std::vector<std::string> Mirror::names() const {
     std::vector<std::string> result;
     for (const auto& [name, entry] : entries_)
         result.push_back(name);
     return result;
 }
 
-bus::BoardItem board_item(const model::Description& description, std::string said) {
-    bus::BoardItem result;
+BoardItem board_item(const model::Description& description, std::string said) {
+    BoardItem result;
     result.board = description.board;
     result.state = said.empty() ? "online" : said;
     result.said = std::move(said);
@@ -157,7 +156,7 @@ bus::BoardItem board_item(const model::Description& description, std::string sai
     result.agent = joined(description.agent.host, description.agent.client);
     result.link = joined(description.link.kind, description.link.path);
     for (const auto& service : description.services) {
-        bus::ServiceItem one;
+        ServiceItem one;
         one.board = result.board;
         one.state = result.state;
         one.name = service.name;
@@ -172,9 +171,9 @@ bus::BoardItem board_item(const model::Description& description, std::string sai
     return result;
 }
 
-bool service_matches(const bus::Query& query, const bus::ServiceItem& service,
-                     const model::Description* description, const model::ModelSet& models) {
-    return bus::matches_service(query, service.name, service.kind, [&](const std::string& unit) {
+bool service_matches(const Query& query, const ServiceItem& service, const model::Description* description,
+                     const model::ModelSet& models) {
+    return matches_service(query, service.name, service.kind, [&](const std::string& unit) {
         const auto* info = description == nullptr ? nullptr : description->service(service.name);
         const auto model = info == nullptr ? models.find(service.name) : model_of(*info, models);
         if (!model) return false;
@@ -183,13 +182,13 @@ bool service_matches(const bus::Query& query, const bus::ServiceItem& service,
     });
 }
 
-bool board_matches(const bus::Query& query, const bus::BoardItem& board,
-                   const model::Description* description, const model::ModelSet& models) {
+bool board_matches(const Query& query, const BoardItem& board, const model::Description* description,
+                   const model::ModelSet& models) {
     const unsigned capabilities = description == nullptr ? 0 : capabilities_of(*description);
-    if (!bus::matches_board(query, {board.board, board.state, board.chip, board.sketch, capabilities}))
+    if (!matches_board(query, {board.board, board.state, board.chip, board.sketch, capabilities}))
         return false;
-    if (!bus::asks_for_services(query)) return true;
-    return std::any_of(board.services.begin(), board.services.end(), [&](const bus::ServiceItem& service) {
+    if (!asks_for_services(query)) return true;
+    return std::any_of(board.services.begin(), board.services.end(), [&](const ServiceItem& service) {
         return service_matches(query, service, description, models);
     });
 }
@@ -204,4 +203,4 @@ model::ModelPtr model_of(const model::ServiceInfo& service, const model::ModelSe
     return nullptr;
 }
 
-}  // namespace asip::cli
+}  // namespace asip::bus

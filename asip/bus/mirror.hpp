@@ -11,13 +11,13 @@
 #include "asip/model/model_set.hpp"
 #include "asip/time.hpp"
 
-namespace asip::cli {
+namespace asip::bus {
 
 /// What can be told of boards from the service bus alone, without a registry: each board as its retained
 /// description and state say, and those that publish only their names. Pure.
-class BusCatalogue {
+class Mirror {
   public:
-    explicit BusCatalogue(bus::Topics topics) : topics_(std::move(topics)) {}
+    explicit Mirror(Topics topics) : topics_(std::move(topics)) {}
 
     /// Takes a message of the service bus; anything else changes nothing. Returns the board it concerned,
     /// else empty.
@@ -28,8 +28,8 @@ class BusCatalogue {
 
     /// Boards by name, ordered. A board said to be online whose description is gone is `lost`: its lease ran
     /// out.
-    std::vector<bus::BoardItem> boards(Time now) const;
-    std::optional<bus::BoardItem> board(const std::string& name, Time now) const;
+    std::vector<BoardItem> boards(Time now) const;
+    std::optional<BoardItem> board(const std::string& name, Time now) const;
     /// Nothing when the board has none.
     const model::Description* description(const std::string& name) const;
     std::vector<std::string> names() const;
@@ -43,26 +43,26 @@ class BusCatalogue {
         bool named = false;
         std::optional<Time> heard;  // anything that was not retained
     };
-    bus::BoardItem item(const std::string& name, const Entry& entry, Time now) const;
+    BoardItem item(const std::string& name, const Entry& entry, Time now) const;
     void take_description(const std::string& topic, Entry& entry, const std::string& name,
                           const std::string& payload);
 
-    bus::Topics topics_;
+    Topics topics_;
     std::map<std::string, Entry> entries_;
     std::map<std::string, std::string> refused_;
 };
 
 /// A board as a registry would tell of it. Services come in the description's order.
-bus::BoardItem board_item(const model::Description& description, std::string said);
+BoardItem board_item(const model::Description& description, std::string said);
 
 /// Whether a board, or one service of it, is among what `query` asks for (sort, limit and cursor aside).
-bool board_matches(const bus::Query& query, const bus::BoardItem& board,
-                   const model::Description* description, const model::ModelSet& models);
-bool service_matches(const bus::Query& query, const bus::ServiceItem& service,
-                     const model::Description* description, const model::ModelSet& models);
+bool board_matches(const Query& query, const BoardItem& board, const model::Description* description,
+                   const model::ModelSet& models);
+bool service_matches(const Query& query, const ServiceItem& service, const model::Description* description,
+                     const model::ModelSet& models);
 
 /// The model of a service: its own, the standard one it refers to (another version of it where this one is
 /// unknown), or what letter and title suggest; null when there is none.
 model::ModelPtr model_of(const model::ServiceInfo& service, const model::ModelSet& models);
 
-}  // namespace asip::cli
+}  // namespace asip::bus

@@ -1,11 +1,11 @@
-#include "cli/bus_catalogue.hpp"
+#include "asip/bus/mirror.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/unit/cli/boards.hpp"
 
-namespace asip::cli {
+namespace asip::bus {
 namespace {
 
 using namespace std::chrono_literals;
@@ -15,7 +15,7 @@ using ::testing::IsEmpty;
 
 constexpr Time kNow{1000s};
 
-class BusCatalogueTest : public ::testing::Test {
+class MirrorTest : public ::testing::Test {
   protected:
     std::string retained(const std::string& topic, const std::string& payload) {
         return catalogue_.apply(topic, payload, true, kNow);
@@ -25,12 +25,12 @@ class BusCatalogueTest : public ::testing::Test {
         return item ? item->state : "unknown";
     }
 
-    BusCatalogue catalogue_{bus::Topics("asip")};
+    Mirror catalogue_{Topics("asip")};
 };
 
-TEST_F(BusCatalogueTest, DescriptionAndState_MakeABoard) {
+TEST_F(MirrorTest, DescriptionAndState_MakeABoard) {
     retained("asip/servicebus/uno1/$state", "online");
-    retained("asip/servicebus/uno1/$description", kUno1);
+    retained("asip/servicebus/uno1/$description", cli::kUno1);
     const auto board = catalogue_.board("uno1", kNow);
     ASSERT_TRUE(board);
     EXPECT_EQ(board->state, "online");
@@ -43,30 +43,30 @@ TEST_F(BusCatalogueTest, DescriptionAndState_MakeABoard) {
     EXPECT_LT(board->age, 0) << "what is retained says nothing of when it was heard";
 }
 
-TEST_F(BusCatalogueTest, OnlineWithoutDescription_IsLost) {
+TEST_F(MirrorTest, OnlineWithoutDescription_IsLost) {
     retained("asip/servicebus/uno1/$state", "online");
     EXPECT_EQ(state_of("uno1"), "lost");
-    retained("asip/servicebus/uno1/$description", kUno1);
+    retained("asip/servicebus/uno1/$description", cli::kUno1);
     EXPECT_EQ(state_of("uno1"), "online");
     retained("asip/servicebus/uno1/$description", "");
     EXPECT_EQ(state_of("uno1"), "lost");
 }
 
-TEST_F(BusCatalogueTest, WillAndGoodbye_AreReported) {
-    retained("asip/servicebus/uno1/$description", kUno1);
+TEST_F(MirrorTest, WillAndGoodbye_AreReported) {
+    retained("asip/servicebus/uno1/$description", cli::kUno1);
     retained("asip/servicebus/uno1/$state", "lost");
     EXPECT_EQ(state_of("uno1"), "lost");
     retained("asip/servicebus/uno1/$state", "offline");
     EXPECT_EQ(state_of("uno1"), "offline");
 }
 
-TEST_F(BusCatalogueTest, EverythingEmptied_IsForgotten) {
+TEST_F(MirrorTest, EverythingEmptied_IsForgotten) {
     retained("asip/servicebus/uno1/$state", "lost");
     EXPECT_EQ(catalogue_.apply("asip/servicebus/uno1/$state", "", false, kNow), "uno1");
     EXPECT_FALSE(catalogue_.board("uno1", kNow));
 }
 
-TEST_F(BusCatalogueTest, NamesAlone_MakeABoardThatIsThere) {
+TEST_F(MirrorTest, NamesAlone_MakeABoardThatIsThere) {
     catalogue_.apply("asip/servicebus", "esp", false, kNow);
     catalogue_.apply("asip/servicebus/esp", "distance", false, kNow);
     catalogue_.apply("asip/servicebus/esp", "distance", false, kNow + 2s);
@@ -79,31 +79,31 @@ TEST_F(BusCatalogueTest, NamesAlone_MakeABoardThatIsThere) {
     EXPECT_DOUBLE_EQ(board->age, 3.0);
 }
 
-TEST_F(BusCatalogueTest, DescriptionOfAnotherBoard_IsRefusedAndTold) {
-    EXPECT_EQ(retained("asip/servicebus/evil/$description", kUno1), "evil");
+TEST_F(MirrorTest, DescriptionOfAnotherBoard_IsRefusedAndTold) {
+    EXPECT_EQ(retained("asip/servicebus/evil/$description", cli::kUno1), "evil");
     EXPECT_EQ(catalogue_.description("evil"), nullptr);
     EXPECT_THAT(catalogue_.refused().at("asip/servicebus/evil/$description"), HasSubstr("another board"));
     EXPECT_THAT(catalogue_.names(), IsEmpty());
 }
 
-TEST_F(BusCatalogueTest, Garbage_ChangesNothingAndTheNextGoodOneCounts) {
+TEST_F(MirrorTest, Garbage_ChangesNothingAndTheNextGoodOneCounts) {
     retained("asip/servicebus/uno1/$description", "{\"board\":");
     retained("asip/servicebus/a b/$state", "online");
     retained("asip/servicebus", "servicebus");
     retained("elsewhere/uno1/out", "x");
     EXPECT_THAT(catalogue_.names(), IsEmpty());
     EXPECT_EQ(catalogue_.refused().size(), 2U);
-    retained("asip/servicebus/uno1/$description", kUno1);
+    retained("asip/servicebus/uno1/$description", cli::kUno1);
     EXPECT_THAT(catalogue_.names(), ElementsAre("uno1"));
 }
 
 class FilterTest : public ::testing::Test {
   protected:
-    bool matches(const bus::Query& query) const {
+    bool matches(const Query& query) const {
         return board_matches(query, board_item(description_, "online"), &description_, models_);
     }
 
-    model::Description description_ = *model::parse_description(kUno1);
+    model::Description description_ = *model::parse_description(cli::kUno1);
     model::ModelSet models_ = model::ModelSet::standard();
 };
 
@@ -112,7 +112,7 @@ TEST_F(FilterTest, NothingAsked_EverythingMatches) {
 }
 
 TEST_F(FilterTest, NamesAndTexts_MatchByPattern) {
-    bus::Query query;
+    Query query;
     query.board = "uno*";
     query.chip = "*328*";
     EXPECT_TRUE(matches(query));
@@ -121,7 +121,7 @@ TEST_F(FilterTest, NamesAndTexts_MatchByPattern) {
 }
 
 TEST_F(FilterTest, KindUnitAndCapability_LookAtServicesAndPins) {
-    bus::Query query;
+    Query query;
     query.kind = {"pixels", "servo"};
     query.unit = "cm";
     query.capability = "pwm";
@@ -133,7 +133,7 @@ TEST_F(FilterTest, KindUnitAndCapability_LookAtServicesAndPins) {
 }
 
 TEST_F(FilterTest, StateThatItIsNotIn_DoesNotMatch) {
-    bus::Query query;
+    Query query;
     query.state = {"lost", "offline"};
     EXPECT_FALSE(matches(query));
 }
@@ -150,4 +150,4 @@ TEST(ModelOf, NewerVersionThanOurs_FallsBackToTheNameWeKnow) {
 }
 
 }  // namespace
-}  // namespace asip::cli
+}  // namespace asip::bus
