@@ -106,7 +106,7 @@ class Follower {
     Context& context_;
     BusSession session_;
     BoardSource source_;
-    BusCatalogue catalogue_;
+    bus::Mirror catalogue_;
     RecordPrinter records_;
     Table table_ = change_table();
     std::map<std::string, std::string> states_;

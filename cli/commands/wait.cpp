@@ -7,7 +7,7 @@
 #include "asip/model/board_state.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/wall_time.hpp"
-#include "cli/bus_catalogue.hpp"
+#include "asip/bus/mirror.hpp"
 #include "cli/bus_session.hpp"
 #include "cli/context_event.hpp"
 #include "cli/declaration.hpp"
@@ -100,7 +100,7 @@ class Waiter {
     std::vector<Target> targets_;
     bool for_state_;
     BusSession session_;
-    BusCatalogue catalogue_;
+    bus::Mirror catalogue_;
     std::optional<ContextEvent> event_;
     std::vector<BusSession::Subscription> subscriptions_;
 };
