@@ -146,7 +146,9 @@ TEST(Verbs, EachType_IsOneThatCompletionKnows) {
     const auto check = [&known](const CLI::App& app) {
         for (const auto* option : app.get_options()) {
             const auto type = option->get_positional() ? option->get_name(true) : option->get_type_name();
-            if (type.find('|') == std::string::npos) EXPECT_THAT(known, Contains(type)) << option->get_name();
+            if (type.find('|') == std::string::npos) {
+                EXPECT_THAT(known, Contains(type)) << option->get_name();
+            }
         }
     };
     check(line.app());
