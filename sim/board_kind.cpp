@@ -47,6 +47,14 @@ const std::vector<BoardKind>& BoardKind::all() {
              "D2- D3- D1- D0- D48 C6- D7a E6- B4b B5c B6d B7- D69 C7- B3- B1- B2- B0- "
              "F77 F66 F55 F44 F11 F00",
              {18, 19, 20, 21, 22, 23, 4, 6, 8, 9, 10, 12}),
+        make("nano", "atmega328p", '0',
+             "D0- D1- D2- D3- D4- D5- D6- D7- B0- B1- B2- B3- B4- B5- "
+             "C00 C11 C22 C33 C44 C55 -06 -07",
+             count_up(14, 8)),
+        make("1284p", "atmega1284p", '0',
+             "B0- B1- B2- B3- B4- B5- B6- B7- D0- D1- D2- D3- D4- D5- D6- D7- "
+             "C0- C1- C2- C3- C4- C5- C6- C7- A00 A11 A22 A33 A44 A55 A66 A77",
+             count_up(24, 8)),
     };
     return kinds;
 }

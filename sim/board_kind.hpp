@@ -10,20 +10,20 @@ namespace asip::sim {
 
 /// Where an Arduino pin sits on the chip.
 struct ChipPin {
-    char port;    ///< 'A'..'L'
+    char port;    ///< 'A'..'L'; '-' for A6 and A7 of a Nano, which have a converter only
     int bit;      ///< 0..7
     int channel;  ///< ADC channel, or -1
 };
 
 /// An Arduino board as far as wiring needs it: which chip, which pin number is which port bit.
 struct BoardKind {
-    std::string name;           ///< "uno", "mega", "leonardo"
+    std::string name;           ///< "uno", "nano", "mega", "leonardo", "1284p"
     std::string chip;           ///< simavr's name: "atmega328p", "atmega2560", "atmega32u4"
     std::vector<ChipPin> pins;  ///< index = Arduino pin number
     std::vector<int> analog;    ///< Arduino pin number of A0, A1, ...
     char uart;                  ///< the USART that is looked at as the serial port: '0', or '1' on a Leonardo
 
-    /// The three boards, in the order they are listed to a person.
+    /// The boards, in the order they are listed to a person.
     static const std::vector<BoardKind>& all();
     /// Null if there is no such board.
     static const BoardKind* find(std::string_view name);

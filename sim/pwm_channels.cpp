@@ -36,6 +36,7 @@ const std::vector<PwmChannel> kLeonardo = {{11, kTimer0, kA, 0x47},
 }  // namespace
 
 const PwmChannel* find_pwm_channel(std::string_view board, int pin) {
+    if (board == "1284p") return nullptr;  // its timers' registers are not described here
     const auto& channels = board == "mega" ? kMega : board == "leonardo" ? kLeonardo : kUno;
     for (const auto& channel : channels)
         if (channel.pin == pin) return &channel;

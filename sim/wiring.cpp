@@ -34,6 +34,7 @@ std::uint8_t Wiring::mask_of(int number) const {
 }
 
 PinState Wiring::pin(int number) const {
+    if (!has_port(number)) return {};
     return read(port_of(number), mask_of(number));
 }
 
@@ -46,6 +47,7 @@ PinState Wiring::read(const Port& port, std::uint8_t mask) const {
 }
 
 void Wiring::drive(int number, bool high) {
+    if (!has_port(number)) return;
     auto& port = port_of(number);
     const auto mask = mask_of(number);
     port.driven |= mask;
@@ -54,6 +56,7 @@ void Wiring::drive(int number, bool high) {
 }
 
 void Wiring::release(int number) {
+    if (!has_port(number)) return;
     auto& port = port_of(number);
     const auto mask = mask_of(number);
     port.driven = static_cast<std::uint8_t>(port.driven & ~mask);

@@ -19,7 +19,7 @@ struct PinState {
 };
 
 /// The board's pins seen from outside the chip: levels, who drives them, and who wants to know. Pins are
-/// Arduino pin numbers and have to exist.
+/// Arduino pin numbers and have to exist. One without a port is low, whoever drives it.
 class Wiring {
   public:
     using Callback = std::function<void(PinState)>;
@@ -62,6 +62,7 @@ class Wiring {
 
     static void port_written(avr_irq_t* irq, std::uint32_t value, void* param);
     static void pwm_written(avr_irq_t* irq, std::uint32_t value, void* param);
+    bool has_port(int number) const { return kind_.pins[static_cast<std::size_t>(number)].port != '-'; }
     Port& port_of(int number) const;
     std::uint8_t mask_of(int number) const;
     PinState read(const Port& port, std::uint8_t mask) const;
