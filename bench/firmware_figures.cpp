@@ -6,7 +6,7 @@
 
 int main() try {
     bool good = true;
-    std::printf("%-36s %10s %8s %8s\n", "Uno, I/O service, all extensions", "measured", "must", "aim");
+    std::printf("%-36s %10s %8s %8s\n", "Uno; I/O service, all extensions", "measured", "must", "aim");
     for (const auto& figure : asip::firmware::measure_figures()) {
         const auto column = [&](double value, int width) {
             if (value == 0) {

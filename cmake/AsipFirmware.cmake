@@ -1,16 +1,16 @@
 # Builds Arduino sketches as the Arduino IDE would: same compiler flags (platform.txt of arduino-core-avr), the
 # core as one archive per board, our library as another. Host code is not touched: these are custom commands.
 #
-#   asip_add_image(NAME BOARD uno|mega|leonardo SKETCH FILE.ino [SOURCES FILE.cpp...] [DEFINES NAME=VALUE...])
+#   asip_add_image(NAME BOARD uno|nano|mini8|nano168|mega|mega1280|leonardo|644p|1284p
+#     SKETCH FILE.ino [SOURCES FILE.cpp...] [DEFINES NAME=VALUE...])
 #
 # makes ${ASIP_IMAGES}/NAME.elf, target NAME_image, all of them by target firmware-images.
 
 set(ASIP_IMAGES "${PROJECT_BINARY_DIR}/firmware/images" CACHE INTERNAL "Folder of the built board images")
-set(ASIP_LIBRARY_DIR "${PROJECT_SOURCE_DIR}/firmware/src" CACHE INTERNAL "Sources of the Arduino library")
+set(ASIP_LIBRARY_DIR "${CMAKE_CURRENT_LIST_DIR}/../firmware/src" CACHE INTERNAL "Sources of the Arduino library")
 set(ASIP_ARDUINO "/usr/share/arduino/hardware/arduino/avr" CACHE PATH "Arduino AVR core")
 
-set(asip_avr_common -g -Os -ffunction-sections -fdata-sections -MMD -flto -DF_CPU=16000000L -DARDUINO=10819
-  -DARDUINO_ARCH_AVR)
+set(asip_avr_common -g -Os -ffunction-sections -fdata-sections -MMD -flto -DARDUINO=10819 -DARDUINO_ARCH_AVR)
 set(asip_avr_c -std=gnu11 -fno-fat-lto-objects ${asip_avr_common})
 set(asip_avr_cxx -std=gnu++11 -fpermissive -fno-exceptions -fno-threadsafe-statics -Wno-error=narrowing
   ${asip_avr_common})
@@ -40,21 +40,36 @@ set(asip_library_sources
   asip/Timers.cpp
   asip/ToneTimer.cpp)
 
-function(asip_board_flags board out_flags out_variant)
-  set(${out_variant} ${board})
-  if(board STREQUAL "uno")
-    set(flags -mmcu=atmega328p -DARDUINO_AVR_UNO)
-    set(${out_variant} standard)
-  elseif(board STREQUAL "mega")
-    set(flags -mmcu=atmega2560 -DARDUINO_AVR_MEGA2560)
-  elseif(board STREQUAL "leonardo")
-    set(flags -mmcu=atmega32u4 -DARDUINO_AVR_LEONARDO -DUSB_VID=0x2341 -DUSB_PID=0x8036
-      "-DUSB_MANUFACTURER=\"Unknown\"" "-DUSB_PRODUCT=\"Arduino Leonardo\"")
-  else()
+# A Pro Mini at 16 MHz is a nano. Chip, clock, folder of pins_arduino.h and name of each board, as in the boards.txt of its core. The two at the end
+# belong to cores that Debian has not: their pins are ours (tests/integration/firmware/variants).
+set(asip_board_uno atmega328p 16000000L standard UNO)
+set(asip_board_nano atmega328p 16000000L eightanaloginputs NANO)
+set(asip_board_mini8 atmega328p 8000000L eightanaloginputs PRO)
+set(asip_board_nano168 atmega168 16000000L eightanaloginputs NANO)
+set(asip_board_mega atmega2560 16000000L mega MEGA2560)
+set(asip_board_mega1280 atmega1280 16000000L mega MEGA)
+set(asip_board_leonardo atmega32u4 16000000L leonardo LEONARDO)
+set(asip_board_644p atmega644p 16000000L mighty MIGHTY)
+set(asip_board_1284p atmega1284p 16000000L mighty MIGHTY)
+
+function(asip_board_flags board out)
+  if(NOT DEFINED asip_board_${board})
     message(FATAL_ERROR "asip_add_image: unknown board ${board}")
   endif()
-  set(${out_flags} ${flags} -I${ASIP_ARDUINO}/cores/arduino -I${ASIP_ARDUINO}/variants/${${out_variant}} PARENT_SCOPE)
-  set(${out_variant} ${${out_variant}} PARENT_SCOPE)
+  list(GET asip_board_${board} 0 chip)
+  list(GET asip_board_${board} 1 clock)
+  list(GET asip_board_${board} 2 variant)
+  list(GET asip_board_${board} 3 name)
+  set(flags -mmcu=${chip} -DF_CPU=${clock} -DARDUINO_AVR_${name})
+  if(board STREQUAL "leonardo")
+    list(APPEND flags -DUSB_VID=0x2341 -DUSB_PID=0x8036
+      "-DUSB_MANUFACTURER=\"Unknown\"" "-DUSB_PRODUCT=\"Arduino Leonardo\"")
+  endif()
+  set(folder "${ASIP_ARDUINO}/variants/${variant}")
+  if(variant STREQUAL "mighty")
+    set(folder "${ASIP_LIBRARY_DIR}/../../tests/integration/firmware/variants/mighty")
+  endif()
+  set(${out} ${flags} -I${ASIP_ARDUINO}/cores/arduino -I${folder} PARENT_SCOPE)
 endfunction()
 
 # One object per source; DEPFILE keeps the headers in sight.
@@ -63,7 +78,7 @@ function(asip_avr_object source object)
   if(extension STREQUAL ".c")
     set(compiler avr-gcc ${asip_avr_c})
   elseif(extension STREQUAL ".S")
-    set(compiler avr-gcc -g -x assembler-with-cpp -flto -MMD -DF_CPU=16000000L -DARDUINO=10819)
+    set(compiler avr-gcc -g -x assembler-with-cpp -flto -MMD -DARDUINO=10819)
   else()
     set(compiler avr-g++ ${asip_avr_cxx})
   endif()
@@ -72,7 +87,7 @@ function(asip_avr_object source object)
   endif()
   file(RELATIVE_PATH shown "${PROJECT_BINARY_DIR}" "${object}")
   add_custom_command(OUTPUT "${object}"
-    COMMAND ${compiler} ${ARGN} -MF "${object}.d" -MT "${object}" -c "${source}" -o "${object}"
+    COMMAND ${CMAKE_CXX_COMPILER_LAUNCHER} ${compiler} ${ARGN} -MF "${object}.d" -MT "${object}" -c "${source}" -o "${object}"
     DEPENDS "${source}" DEPFILE "${object}.d" COMMENT "avr ${shown}" VERBATIM)
 endfunction()
 
@@ -88,7 +103,7 @@ function(asip_add_core board)
   if(TARGET avr_core_${board})
     return()
   endif()
-  asip_board_flags(${board} flags variant)
+  asip_board_flags(${board} flags)
   set(folder "${PROJECT_BINARY_DIR}/firmware/core_${board}")
   file(MAKE_DIRECTORY "${folder}")
   set(objects)
@@ -127,7 +142,7 @@ endfunction()
 function(asip_add_image name)
   cmake_parse_arguments(arg "" "BOARD;SKETCH" "SOURCES;DEFINES" ${ARGN})
   asip_add_core(${arg_BOARD})
-  asip_board_flags(${arg_BOARD} flags variant)
+  asip_board_flags(${arg_BOARD} flags)
   list(TRANSFORM arg_DEFINES PREPEND -D)
   list(APPEND flags ${asip_avr_warnings} ${arg_DEFINES} -I${ASIP_LIBRARY_DIR})
   asip_add_library(${arg_BOARD} "${arg_DEFINES}" "${flags}" library)

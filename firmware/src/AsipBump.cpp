@@ -19,7 +19,7 @@ Error Bump::processRequest(Request&) {
 }
 
 void Bump::reportValue(uint8_t index) {
-    // One whose pin was not to be had is never touched.
+    // One whose pin is in use elsewhere is free.
     const bool free = !board.ownsPin(pins_[index], *this) || digitalRead(pins_[index]) == HIGH;
     out.number(free);
 }

@@ -30,7 +30,7 @@ void Distance::reportValue(uint8_t index) {
     out.number(centimetres_[index]);
 }
 
-// A sensor whose pin was not to be had is passed over.
+// A sensor whose pin is in use elsewhere is passed over.
 void Distance::turnTo(uint8_t sensor) {
     while (sensor < count() && !board.ownsPin(pins_[sensor], *this))
         ++sensor;

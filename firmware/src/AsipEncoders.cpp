@@ -23,7 +23,7 @@ void Encoders::begin() {
     interrupts();
 }
 
-// An encoder of which a pin is not to be had stands still.
+// An encoder of which a pin is in use elsewhere has no steps.
 void Encoders::connect(uint8_t encoder) {
     const uint8_t* const pins = &pins_[2 * encoder];
     for (uint8_t i = 0; i < 2; ++i) {
@@ -31,11 +31,9 @@ void Encoders::connect(uint8_t encoder) {
         pinMode(pins[i], INPUT_PULLUP);
     }
     Wheel& wheel = wheels_[encoder];
-    wheel.first = portInputRegister(digitalPinToPort(pins[0]));
-    wheel.second = portInputRegister(digitalPinToPort(pins[1]));
-    wheel.secondMask = digitalPinToBitMask(pins[1]);
-    wheel.firstMask = digitalPinToBitMask(pins[0]);
-    wheel.wasHigh = *wheel.first & wheel.firstMask;
+    wheel.first = QuickPin(pins[0]);
+    wheel.second = QuickPin(pins[1]);
+    wheel.wasHigh = wheel.first.isHigh();
     if (!PinInterrupts::enable(pins[0], PinInterrupts::kEncoders, onPinChange)) needsPolling_ = true;
 }
 
@@ -46,16 +44,15 @@ Error Encoders::processRequest(Request&) {
 void Encoders::onPinChange() {
     for (uint8_t i = 0; i < counting->count(); ++i) {
         Wheel& wheel = counting->wheels_[i];
-        if (wheel.firstMask != 0) look(wheel);
+        if (wheel.first.isConnected()) look(wheel);
     }
 }
 
 void Encoders::look(Wheel& wheel) {
-    const bool high = *wheel.first & wheel.firstMask;
+    const bool high = wheel.first.isHigh();
     if (high == wheel.wasHigh) return;
     wheel.wasHigh = high;
-    const bool other = *wheel.second & wheel.secondMask;
-    wheel.steps += high != other ? 1 : -1;
+    wheel.steps += high != wheel.second.isHigh() ? 1 : -1;
     if (!high) return;
     const uint32_t now = micros() | 1;
     if (wheel.rose != 0) wheel.cycle = now - wheel.rose;

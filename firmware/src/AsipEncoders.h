@@ -10,13 +10,19 @@
 #pragma once
 
 #include "Asip.h"
+#include "asip/QuickPin.h"
 
 namespace asip {
 
 // At most one on a board.
 class Encoders : public Service {
   public:
+    // Each takes 21 bytes of RAM: two where that is 2 kB.
+#if defined(RAMEND) && RAMEND <= 0x8FF
+    static constexpr uint8_t kMaxEncoders = 2;
+#else
     static constexpr uint8_t kMaxEncoders = 4;
+#endif
 
     template <typename... Pins>
     constexpr explicit Encoders(Pins... pins)
@@ -36,10 +42,10 @@ class Encoders : public Service {
 
   private:
     struct Wheel {
-        volatile uint8_t* first;
-        volatile uint8_t* second;
-        uint8_t firstMask;
-        uint8_t secondMask;
+        constexpr Wheel() : first(), second(), wasHigh(false), steps(0), cycle(0), rose(0) {}
+
+        QuickPin first;
+        QuickPin second;
         bool wasHigh;
         int32_t steps;
         uint32_t cycle;  // microseconds

@@ -3,6 +3,10 @@
 // <AsipSerial.h>; the sketch must then not use `Serial`, whose interrupts it takes.
 #pragma once
 
+#ifndef __AVR__
+#error "AsipFastSerial.h drives the UART of an AVR: include AsipSerial.h on this chip"
+#endif
+
 #include <Arduino.h>
 #include <avr/interrupt.h>
 #include <avr/io.h>
@@ -125,7 +129,7 @@ bool idle() {
     return true;
 }
 
-// Divisor at double speed, 0 for a rate that is not to be had. A byte has to leave 160 cycles for its
+// Divisor at double speed, 0 for a rate that the clock cannot make. A byte has to leave 160 cycles for its
 // interrupt.
 template <uint32_t kBaud>
 constexpr uint8_t fastDivisor() {
@@ -171,7 +175,8 @@ void setRate(uint16_t hundreds) {
 bool usesPin(uint8_t pin) {
 #if defined(__AVR_ATmega1284P__) || defined(__AVR_ATmega1284__) || defined(__AVR_ATmega644P__) || \
     defined(__AVR_ATmega644__)
-    return digitalPinToPort(pin) == PD && digitalPinToBitMask(pin) <= 2;  // wherever the core numbers them
+    return digitalPinToPort(pin) == 4 /* D */ && digitalPinToBitMask(pin) <= 2;  // wherever the core numbers
+                                                                                 // them
 #else
     return pin < 2;
 #endif

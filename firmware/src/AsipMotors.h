@@ -3,7 +3,7 @@
 //   asip::Motors motors(7, 8, 5,  12, 13, 6);      // motor 0, motor 1
 //
 // M,m,motor,power (-255 to 255), M,M,power0,power1, M,s,motor stops one, M,S stops all. They are not
-// available if a pin was not to be had, or if the PWM of a power pin comes from a timer that another service
+// available if a pin is in use elsewhere, or if the PWM of a power pin comes from a timer that another service
 // uses (servos, tone).
 #pragma once
 
@@ -32,7 +32,7 @@ class Motors : public Service {
 
     uint8_t pins_[3 * kMaxMotors];
     uint8_t used_;
-    bool available_;  // all pins were to be had
+    bool available_;  // all pins were free
 };
 
 }  // namespace asip

@@ -3,7 +3,7 @@
 //
 //   asip::Reflectance reflectance(4, A0, A1, A2);      // emitters on pin 4
 //
-// R,A,ms reports @R,e,3,{100,200,300}, 0 to 1023. If the emitters' pin was not to be had, R,A is refused.
+// R,A,ms reports @R,e,3,{100,200,300}, 0 to 1023. If the emitters' pin is in use elsewhere, R,A is refused.
 #pragma once
 
 #include "Asip.h"

@@ -3,8 +3,10 @@
 //   #define ASIP_SERIAL Serial1
 //   #include <AsipSerial.h>
 //
-// Include it in the sketch, once, instead of <AsipFastSerial.h>. Unlike that, it cannot tell when bytes were
-// lost because more than 63 came while the board was busy: a peer that floods a board should turn the
+// Its availableForWrite() must give 42 or more when nothing waits to be sent: no request is executed before.
+//
+// Include it in the sketch, once, instead of <AsipFastSerial.h>. Unlike that, it does not notice when bytes
+// were lost because more than 63 came while the board was busy: a peer that floods a board should turn the
 // checksum on.
 #pragma once
 
@@ -60,7 +62,7 @@ bool usesPin(uint8_t pin) {
     return false;
 #elif defined(__AVR_ATmega1284P__) || defined(__AVR_ATmega1284__) || defined(__AVR_ATmega644P__) || \
     defined(__AVR_ATmega644__)
-    return digitalPinToPort(pin) == PD && digitalPinToBitMask(pin) <= 2;
+    return digitalPinToPort(pin) == 4 /* D */ && digitalPinToBitMask(pin) <= 2;
 #else
     return pin < 2;
 #endif

@@ -1,3 +1,5 @@
+#ifdef __AVR__
+
 #include "AsipServos.h"
 
 #include "asip/Hardware.h"
@@ -42,7 +44,7 @@ Error Servos::write(Request& request) {
     return Error::kNone;
 }
 
-// All or nothing: the servos stay as they are if one of the pins is not to be had.
+// All or nothing: the servos stay as they are if one of the pins is in use.
 Error Servos::remap(Request& request) {
     const uint8_t count = static_cast<uint8_t>(request.number(kMaxServos));
     uint8_t pins[kMaxServos];
@@ -65,3 +67,5 @@ Error Servos::remap(Request& request) {
 }
 
 }  // namespace asip
+
+#endif

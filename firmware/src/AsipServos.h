@@ -8,6 +8,10 @@
 // but where another timer makes it (Leonardo 10 and 11, Mega 13).
 #pragma once
 
+#if defined(ARDUINO) && !defined(__AVR__)
+#error "AsipServos.h makes its pulses with a timer of an AVR: there is none on this chip"
+#endif
+
 #include "Asip.h"
 #include "asip/ServoPulses.h"
 
@@ -33,7 +37,7 @@ class Servos : public Service {
 
     uint8_t pins_[kMaxServos];
     uint8_t used_;
-    bool available_;  // all pins were to be had
+    bool available_;  // all pins were free
 };
 
 }  // namespace asip

@@ -12,13 +12,20 @@ static constexpr uint16_t kTimeoutMicroseconds = 25000;  // 4 m there and back, 
 enum Phase : uint8_t { kStopped, kWaitForQuiet, kBeforeEcho, kInEcho, kEchoOver };
 static volatile uint8_t phase;
 static volatile uint16_t since, length;  // microseconds
-static uint8_t echoPin, echoPort, echoMask;
+static uint8_t echoPin;
+#ifdef __AVR__
+static uint8_t echoPort, echoMask;
+#endif
 
 static uint16_t now() {
     return static_cast<uint16_t>(micros());
 }
 static bool isHigh() {
+#ifdef __AVR__
     return *portInputRegister(echoPort) & echoMask;
+#else
+    return digitalRead(echoPin) == HIGH;
+#endif
 }
 
 static void trigger() {
@@ -34,8 +41,10 @@ static void trigger() {
 
 void EchoTimer::start(uint8_t pin) {
     echoPin = pin;
+#ifdef __AVR__
     echoPort = digitalPinToPort(pin);
     echoMask = digitalPinToBitMask(pin);
+#endif
     since = now();
     phase = kWaitForQuiet;
 }
@@ -46,7 +55,7 @@ void EchoTimer::stop() {
 }
 
 bool EchoTimer::finished(uint16_t& microseconds) {
-    // A sensor that heard nothing holds its echo for longer than we listen: its next turn waits for the end.
+    // A sensor without an echo holds its echo for longer than we listen: its next turn waits for the end.
     if (phase == kWaitForQuiet && !isHigh()) trigger();
     noInterrupts();
     onPinChange();

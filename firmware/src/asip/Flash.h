@@ -5,7 +5,9 @@
 
 #ifdef ARDUINO
 #include <Arduino.h>
+#ifdef __AVR__
 #include <avr/pgmspace.h>
+#endif
 #else
 #define PROGMEM
 class __FlashStringHelper;

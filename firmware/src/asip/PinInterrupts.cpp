@@ -5,10 +5,9 @@
 
 namespace asip {
 
-static PinInterrupts::Handler handlers[2];
-
 // Called through the core, which takes 40 cycles more than a vector of one's own, only where it must be.
-#if defined(__AVR_ATmega2560__) || defined(__AVR_ATmega1280__) || defined(__AVR_ATmega32U4__)
+#if !defined(__AVR__) || defined(__AVR_ATmega2560__) || defined(__AVR_ATmega1280__) || \
+    defined(__AVR_ATmega32U4__)
 static bool enableExternal(uint8_t pin, PinInterrupts::Handler handler) {
     if (digitalPinToInterrupt(pin) == NOT_AN_INTERRUPT) return false;
     attachInterrupt(static_cast<uint8_t>(digitalPinToInterrupt(pin)), handler, CHANGE);
@@ -24,6 +23,10 @@ static bool enableExternal(uint8_t, PinInterrupts::Handler) {
 }
 static void disableExternal(uint8_t) {}
 #endif
+
+#ifdef __AVR__
+
+static PinInterrupts::Handler handlers[2];
 
 bool PinInterrupts::enable(uint8_t pin, Slot slot, Handler handler) {
     handlers[slot] = handler;
@@ -55,4 +58,17 @@ ISR(PCINT2_vect, ISR_ALIASOF(PCINT0_vect));
 ISR(PCINT3_vect, ISR_ALIASOF(PCINT0_vect));
 #endif
 
+#else
+
+bool PinInterrupts::enable(uint8_t pin, Slot, Handler handler) {
+    return enableExternal(pin, handler);
+}
+
+void PinInterrupts::disable(uint8_t pin) {
+    disableExternal(pin);
+}
+
+}  // namespace asip
+
+#endif
 #endif

@@ -1,6 +1,6 @@
 #include "ServoPulses.h"
 
-#ifdef ARDUINO
+#ifdef __AVR__
 #include <Arduino.h>
 
 namespace asip {

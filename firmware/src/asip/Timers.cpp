@@ -1,6 +1,6 @@
 #include "Hardware.h"
 
-#ifdef ARDUINO
+#ifdef __AVR__
 
 namespace asip {
 namespace hw {

@@ -20,8 +20,8 @@ struct Size {
     long text, data, bss;
 };
 
-Size size_of_image() {
-    const std::string command = "avr-size " + std::string(ASIP_IMAGES) + "/" + kImage + ".elf";
+Size size_of_image(const std::string& image = kImage) {
+    const std::string command = "avr-size " + std::string(ASIP_IMAGES) + "/" + image + ".elf";
     const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
     std::array<char, 256> line{};
     Size size{};
@@ -112,13 +112,16 @@ double fastest_square_wave(unsigned baud) {
 
 std::vector<Figure> measure_figures() {
     const auto size = size_of_image();
+    const auto robot = size_of_image("asip_uno_mirto");
     const auto slow = round_trip(57600);
     const auto fast = round_trip(500000);
     const auto fastest = round_trip(1000000);
     return {
-        {"static RAM", "B", static_cast<double>(size.data + size.bss), 360, 280},
-        {"flash", "B", static_cast<double>(size.text + size.data), 8000, 6500},
-        {"deepest stack under every request", "B", deepest_stack(), 110, 80},
+        {"static RAM", "B", static_cast<double>(size.data + size.bss), 280, 277},
+        {"flash", "B", static_cast<double>(size.text + size.data), 6500, 6390},
+        {"deepest stack under every request", "B", deepest_stack(), 80, 80},
+        {"AsipMirto: static RAM", "B", static_cast<double>(robot.data + robot.bss), 600, 600},
+        {"AsipMirto: flash", "B", static_cast<double>(robot.text + robot.data), 13000, 11700},
         {"round trip / wire at 57600", "", slow.cycles / slow.wire, 1.01, 1.01, false, 4},
         {"round trip at 500,000", "ms", fast.cycles / kCyclesPerMs, 0.45, 0.40, false, 3},
         {"round trip at 1,000,000", "ms", fastest.cycles / kCyclesPerMs, 0, 0.25, false, 3},

@@ -1,4 +1,4 @@
-// Services that want what is not to be had: a servo and the emitters of reflectance sensors on a pin of the serial
+// Services that want what is in use: a servo and the emitters of reflectance sensors on a pin of the serial
 // line, a motor whose power pin has its PWM from the servos' timer.
 #include <Asip.h>
 #include <AsipFastSerial.h>
