@@ -102,7 +102,10 @@ TEST(Matches, NamesOfDeployedBoards_FindTheirModel) {
                                          {'A', "Acceleration", "acceleration"},
                                          {'G', "GYROSCOPE", "gyroscope"},
                                          {'H', "Heading", "heading"},
-                                         {'H', "Magnetometer", "heading"}}) {
+                                         {'H', "Magnetometer", "heading"},
+                                         {'H', "", "heading"},
+                                         {'H', "Humidity", "humidity"},
+                                         {'N', "NeoPixels", "neopixels"}}) {
         const auto model = models.match(letter, friendly);
         ASSERT_TRUE(model) << friendly;
         EXPECT_EQ(model->name, name) << friendly;
