@@ -30,8 +30,8 @@ class BusSession {
     BusSession(const BusSession&) = delete;
     BusSession& operator=(const BusSession&) = delete;
 
-    /// Calls `on_message` for what matches `filter`, as long as the handle lives. Best before connect(): then it
-    /// costs no round trip. Handles may end after the session.
+    /// Calls `on_message` for what matches `filter`, as long as the handle lives. Best before connect(): then
+    /// it costs no round trip. Handles may end after the session.
     Subscription subscribe(const std::string& filter, OnMessage on_message,
                            mqtt::SubscribeOptions options = {});
 
@@ -41,7 +41,8 @@ class BusSession {
 
     void publish(const std::string& topic, const std::string& payload, int qos = 0, bool retain = false);
 
-    /// Publishes `payload` on `topic`; `on_reply` is called for each answer to it, as long as the handle lives.
+    /// Publishes `payload` on `topic`; `on_reply` is called for each answer to it, as long as the handle
+    /// lives.
     Request ask(const std::string& topic, const std::string& payload, OnMessage on_reply, int qos = 0);
 
     /// Passed once what the broker had retained for the subscriptions made before it has arrived (on brokers

@@ -10,8 +10,9 @@
 
 namespace asip::bus {
 
-/// Asks over MQTT and finds the answers: the ids, the reply topic, and what of it travels as MQTT 5 properties
-/// or, on 3.1.1, inside the payload. Pure: the caller publishes the request and gives what arrives to take().
+/// Asks over MQTT and finds the answers: the ids, the reply topic, and what of it travels as MQTT 5
+/// properties or, on 3.1.1, inside the payload. Pure: the caller publishes the request and gives what arrives
+/// to take().
 class Requester {
   public:
     using OnReply = std::function<void(const mqtt::Message&)>;
@@ -42,9 +43,9 @@ class Requester {
     /// To be subscribed to before the first request.
     const std::string& reply_topic() const { return reply_topic_; }
 
-    /// Makes `message` (topic and payload are set) one that is answered. `v5`: the connection speaks MQTT 5. On
-    /// 3.1.1 a payload that is no JSON object becomes the member "raw" of one. `on_reply` is called for each
-    /// answer, until the request ends.
+    /// Makes `message` (topic and payload are set) one that is answered. `v5`: the connection speaks MQTT 5.
+    /// On 3.1.1 a payload that is no JSON object becomes the member "raw" of one. `on_reply` is called for
+    /// each answer, until the request ends.
     Request ask(mqtt::Message& message, bool v5, OnReply on_reply);
 
     /// True: the message was on the reply topic.

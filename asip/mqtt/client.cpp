@@ -71,8 +71,8 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     struct Broker {
         BrokerAddress address;
         bool speaks_v5 = true;
-        int suspicions = 0;  ///< attempts with MQTT 5 in a row that were closed without an answer
-        int unanswered = 0;  ///< attempts in a row, with any version, that had no answer
+        int suspicions = 0;           ///< attempts with MQTT 5 in a row that were closed without an answer
+        int unanswered = 0;           ///< attempts in a row, with any version, that had no answer
         bool failed_fatally = false;  ///< the last time
     };
     struct Unacknowledged {

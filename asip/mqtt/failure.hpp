@@ -17,8 +17,8 @@ ConnectionFailure closed_by(const BrokerAddress& broker, int disconnect_code);
 ConnectionFailure tls_failed(const BrokerAddress& broker, const std::string& detail, bool may_pass = false);
 ConnectionFailure unreachable(const BrokerAddress& broker, const std::string& detail);
 
-/// What to check where a topic holds a dot or a space, which some brokers (NATS) refuse; else empty. Begins with
-/// a blank.
+/// What to check where a topic holds a dot or a space, which some brokers (NATS) refuse; else empty. Begins
+/// with a blank.
 std::string advice_on_topic(std::string_view topic);
 
 /// CONNACK codes that say "not with this version of the protocol".

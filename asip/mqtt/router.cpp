@@ -31,13 +31,12 @@ Router::Router(OnUnused on_unused) : state_(std::make_shared<State>()) {
 }
 
 Router::Subscription Router::add(std::string filter, OnMessage on_message) {
-    const std::shared_ptr<State::Entry> entry(
-        new State::Entry{std::move(filter), std::move(on_message)},
-        [state = std::weak_ptr<State>(state_)](State::Entry* ended) {
-            const auto name = std::move(ended->filter);
-            delete ended;
-            if (const auto router = state.lock()) router->ended(name);
-        });
+    const std::shared_ptr<State::Entry> entry(new State::Entry{std::move(filter), std::move(on_message)},
+                                              [state = std::weak_ptr<State>(state_)](State::Entry* ended) {
+                                                  const auto name = std::move(ended->filter);
+                                                  delete ended;
+                                                  if (const auto router = state.lock()) router->ended(name);
+                                              });
     state_->entries.push_back(entry);
     return Subscription(entry);
 }

@@ -8,11 +8,11 @@
 
 namespace asip::mqtt {
 
-/// Which part of a program takes which message. Each registration is a handle: when it ends, its callback ends
-/// with it, so that a callback may refer to whatever owns the handle.
+/// Which part of a program takes which message. Each registration is a handle: when it ends, its callback
+/// ends with it, so that a callback may refer to whatever owns the handle.
 ///
-/// Handles may outlive the router, and may be made and ended inside callbacks: one that has ended is not called
-/// any more, not even for the message that is being dispatched.
+/// Handles may outlive the router, and may be made and ended inside callbacks: one that has ended is not
+/// called any more, not even for the message that is being dispatched.
 class Router {
   public:
     using OnMessage = std::function<void(const Message&)>;
@@ -45,7 +45,8 @@ class Router {
     std::shared_ptr<State> state_;
 };
 
-/// Whether MQTT delivers `topic` to a subscription to `filter`. False for a filter or topic that is not valid.
+/// Whether MQTT delivers `topic` to a subscription to `filter`. False for a filter or topic that is not
+/// valid.
 bool topic_matches(const std::string& filter, const std::string& topic);
 
 }  // namespace asip::mqtt

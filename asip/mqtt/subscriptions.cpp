@@ -52,8 +52,7 @@ std::optional<Subscriptions::Refusal> Subscriptions::answered(int id, bool grant
     wanted.state = State::kRefused;
     wanted.again = now + wanted.backoff.next(random);
     ++wanted.refusals;
-    return Refusal{filter, wanted.refusals == 1,
-                   wanted.options.required && wanted.refusals == kMaxRefusals};
+    return Refusal{filter, wanted.refusals == 1, wanted.options.required && wanted.refusals == kMaxRefusals};
 }
 
 bool Subscriptions::all_granted() const {

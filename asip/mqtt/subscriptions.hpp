@@ -32,8 +32,8 @@ class Subscriptions {
     using Sending = std::pair<std::string, SubscribeOptions>;
     struct Refusal {
         std::string filter;
-        bool first = false;      ///< the first of this connection
-        bool give_up = false;    ///< required, and refused kMaxRefusals times in a row
+        bool first = false;    ///< the first of this connection
+        bool give_up = false;  ///< required, and refused kMaxRefusals times in a row
     };
 
     void add(const std::string& filter, SubscribeOptions options);

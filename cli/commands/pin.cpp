@@ -64,14 +64,14 @@ class PinAccess {
     /// Values start to arrive; before the requests that cause them.
     void listen() {
         reports_ = session_.subscribe(context_.topics.service_out(board_.item.board, service_),
-                           [this](const mqtt::Message& message) {
-                               if (message.retain) return;
-                               auto document = model::parse_json(message.payload);
-                               if (!document || !document->is_object()) return;
-                               for (const auto& [name, value] : document->items()) {
-                                   if (value.is_object()) latest_[name].update(value);
-                               }
-                           });
+                                      [this](const mqtt::Message& message) {
+                                          if (message.retain) return;
+                                          auto document = model::parse_json(message.payload);
+                                          if (!document || !document->is_object()) return;
+                                          for (const auto& [name, value] : document->items()) {
+                                              if (value.is_object()) latest_[name].update(value);
+                                          }
+                                      });
     }
 
   private:

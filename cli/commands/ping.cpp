@@ -27,8 +27,9 @@ class Pinger {
 
     int run() {
         // A device with nothing but the published protocol answers on its context bus.
-        const auto lines = session_.subscribe(context_.topics.board_out(options_.board),
-                           [this](const mqtt::Message& message) { take_line(message.payload); });
+        const auto lines =
+            session_.subscribe(context_.topics.board_out(options_.board),
+                               [this](const mqtt::Message& message) { take_line(message.payload); });
         if (const auto connected = session_.connect(); !connected)
             return context_.fail_with(connected.error());
         const auto board = find_living_board(source_, options_.board);

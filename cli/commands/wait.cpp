@@ -4,10 +4,10 @@
 #include <optional>
 #include <ostream>
 
+#include "asip/bus/mirror.hpp"
 #include "asip/model/board_state.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/wall_time.hpp"
-#include "asip/bus/mirror.hpp"
 #include "cli/bus_session.hpp"
 #include "cli/context_event.hpp"
 #include "cli/declaration.hpp"

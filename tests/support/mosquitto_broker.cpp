@@ -53,12 +53,14 @@ std::string make_signed(const TempDir& folder, const std::string& name, const st
                                    "\nnew_certs_dir=" + folder.path().string() +
                                    "\ndefault_md=sha256\npolicy=any\nrand_serial=yes\n"
                                    "[any]\ncommonName=supplied\n");
-    std::vector<std::string> command{"openssl", "ca",       "-batch",
-                                     "-notext", "-config",  settings,
-                                     "-cert",   folder.file("ca.crt"), "-keyfile",
-                                     folder.file("ca.key"), "-in", folder.file(name + ".csr"),
-                                     "-out",    folder.file(name + ".crt"), "-extfile",
-                                     extensions};
+    std::vector<std::string> command{"openssl",  "ca",
+                                     "-batch",   "-notext",
+                                     "-config",  settings,
+                                     "-cert",    folder.file("ca.crt"),
+                                     "-keyfile", folder.file("ca.key"),
+                                     "-in",      folder.file(name + ".csr"),
+                                     "-out",     folder.file(name + ".crt"),
+                                     "-extfile", extensions};
     if (!content.from.empty()) command.insert(command.end(), {"-startdate", content.from});
     if (content.until.empty()) {
         command.insert(command.end(), {"-days", "2"});

@@ -25,8 +25,8 @@ TEST_F(BusTest, FirstBrokerOfTheListIsOfNoUse_UsesTheSecond) {
     announce("uno1");
     MosquittoBroker refusing({.users = {{"ada", "right"}}});
     for (const auto& first : {refusing.address(), "127.0.0.1:" + std::to_string(free_port())}) {
-        const auto list = run({ASIP_PROGRAMS "/asipctl", "list", "--from-bus", "-o", "name", "--broker", first,
-                               "--broker", broker_.address(), "--user", "ada", "--password", "wrong"});
+        const auto list = run({ASIP_PROGRAMS "/asipctl", "list", "--from-bus", "-o", "name", "--broker",
+                               first, "--broker", broker_.address(), "--user", "ada", "--password", "wrong"});
         EXPECT_EQ(list.status, 0) << list.errors;
         EXPECT_EQ(list.output, "uno1\n");
     }

@@ -209,7 +209,8 @@ TEST_F(SecuredBus, Registry_ListsTheBoardForTheViewer) {
     EXPECT_TRUE(wait_until([&] {
         const Finished list = run(with({ASIP_TEST_ASIPCTL, "list"}, broker_.options("viewer")));
         return list.status == 0 && list.output.find("uno") != std::string::npos;
-    })) << registry.errors() << agent_.errors();
+    })) << registry.errors()
+        << agent_.errors();
 }
 
 TEST_F(SecuredBus, NobodyWithoutPassword_GetsIn) {

@@ -24,7 +24,8 @@ mqtt::ConnectionFailure first_failure(mqtt::Options options) {
     bus.client->start();
     if (!bus.until([&] { return !bus.failures.empty() || bus.client->connected(); }))
         return {Kind::kUnreachable, {}, 0, "neither connected nor failed in time"};
-    return bus.failures.empty() ? mqtt::ConnectionFailure{Kind::kClosed, {}, 0, "connected"} : bus.failures[0];
+    return bus.failures.empty() ? mqtt::ConnectionFailure{Kind::kClosed, {}, 0, "connected"}
+                                : bus.failures[0];
 }
 
 /// A variable of the environment for a test; OpenSSL reads it when a connection is opened.
@@ -99,10 +100,10 @@ TEST(MqttTls, CertificateNotYetValid_MayPassAndAsksForTheClock) {
 }
 
 TEST(MqttTls, AnyCertificateButInsecure_Connects) {
-    MosquittoBroker broker({.tls = true,
-                            .certificate = {.names = "DNS:broker.example",
-                                            .from = "20200101000000Z",
-                                            .until = "20210101000000Z"}});
+    MosquittoBroker broker(
+        {.tls = true,
+         .certificate = {
+             .names = "DNS:broker.example", .from = "20200101000000Z", .until = "20210101000000Z"}});
     auto options = options_for(broker);
     options.insecure = true;
     Recorder bus(options);
