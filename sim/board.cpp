@@ -22,7 +22,7 @@ Expected<std::vector<std::uint8_t>> read_eeprom(const std::filesystem::path& fil
     return bytes;
 }
 
-/// Under another name first: whoever ends this program must not leave half an EEPROM.
+/// Under another name first: a program that is killed must not leave half an EEPROM.
 bool write_eeprom(const std::filesystem::path& file, const std::vector<std::uint8_t>& bytes) {
     const auto draft = file.string() + ".new";
     std::ofstream stream(draft, std::ios::binary | std::ios::trunc);
@@ -281,12 +281,12 @@ void Board::set_eeprom(std::size_t offset, const std::vector<std::uint8_t>& byte
 
 void Board::watch_stack() {
     impl_->watching_stack_ = true;
-    impl_->deepest_stack_ = impl_->stack_depth();
+    impl_->max_stack_ = impl_->stack_depth();
     impl_->chip_->single_step(true);
 }
 
-unsigned Board::deepest_stack() const {
-    return impl_->deepest_stack_;
+unsigned Board::max_stack() const {
+    return impl_->max_stack_;
 }
 unsigned Board::stack_now() const {
     return impl_->stack_depth();

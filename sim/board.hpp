@@ -49,7 +49,8 @@ struct LineErrors {
     std::uint64_t receive_overruns = 0;    ///< bytes the chip lost: a third byte came while two were unread
     std::uint64_t garbled_to_board = 0;    ///< bytes sent at a rate the board did not have
     std::uint64_t garbled_to_host = 0;     ///< bytes of the board at a rate the host did not have
-    std::uint64_t cut_by_rate_change = 0;  ///< bytes of the board still on the wire when it changed its rate
+    std::uint64_t cut_by_rate_change = 0;  ///< bytes of the board not yet sent completely when it changed its
+                                           ///< rate
 };
 
 enum class ResetCause { power_on, external, watchdog };
@@ -86,14 +87,14 @@ class Board {
 
     // --- serial line
 
-    /// Queues bytes; each takes its time on the wire, at the rate that the host has now.
+    /// Queues bytes. Each takes ten bit times on the line, at the rate that the host has now.
     void send(std::string_view bytes);
     /// Bytes queued whose stop bit has not ended.
     std::size_t sending() const;
     /// All bytes received since the last take.
     std::string take_output();
     std::vector<ReceivedByte> take_bytes();
-    /// Runs until a complete line is there and takes it; nothing if `limit` passes. Does not see what
+    /// Runs until a complete line was received and removes it; nothing if `limit` passes. Does not see what
     /// take_output() or take_bytes() took.
     std::optional<ReceivedLine> read_line(SimTime limit);
     /// Called for each byte as its stop bit ends; such bytes are not kept for take_output().
@@ -108,12 +109,12 @@ class Board {
 
     // --- pins and parts
 
-    /// What is on the pin, whoever drives it.
+    /// The level of the pin, whether the firmware, a part or a test drives it.
     Level pin(int arduino_pin) const;
     bool is_output(int arduino_pin) const;
     /// Drives a pin from outside (nothing stops a test from driving one that a part has).
     void drive(int arduino_pin, Level level);
-    /// Stops driving it: it goes to its pull-up, else low.
+    /// Stops driving it: its level is high with a pull-up, otherwise low.
     void release(int arduino_pin);
     /// Puts a voltage on an analog pin.
     void set_millivolts(int arduino_pin, int millivolts);
@@ -153,8 +154,8 @@ class Board {
 
     /// From now on follows the stack pointer after each instruction (about half as fast).
     void watch_stack();
-    /// Most bytes of stack in use at once since watch_stack(), from the end of RAM, interrupts included.
-    unsigned deepest_stack() const;
+    /// Maximum of the bytes of stack in use since watch_stack(), from the end of RAM, interrupts included.
+    unsigned max_stack() const;
     /// Stack in use now.
     unsigned stack_now() const;
 

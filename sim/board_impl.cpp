@@ -87,7 +87,7 @@ unsigned Board::Impl::stack_depth() const {
 }
 
 void Board::Impl::watch_stack_pointer() {
-    deepest_stack_ = std::max(deepest_stack_, stack_depth());
+    max_stack_ = std::max(max_stack_, stack_depth());
 }
 
 }  // namespace asip::sim

@@ -50,7 +50,7 @@ struct Board::Impl {
     std::vector<std::uint8_t> saved_eeprom_;
 
     bool watching_stack_ = false;
-    unsigned deepest_stack_ = 0;
+    unsigned max_stack_ = 0;
 };
 
 }  // namespace asip::sim

@@ -26,7 +26,7 @@ class Chip {
     /// Null if the chip has no such USART.
     avr_uart_t* uart(char name);
 
-    /// Called inside every reset, the watchdog's too, when simavr has done its part of it.
+    /// Called inside every reset, the watchdog's too, after simavr's own reset.
     void on_reset(std::function<void()> callback) { reset_callback_ = std::move(callback); }
 
     /// False once it has stopped for good.

@@ -8,7 +8,8 @@ namespace {
 constexpr int kFrameBits = 10;
 constexpr double kTolerance = 0.03;
 
-/// The wire at bit `index` of the sender: start bit, eight data bits from the lowest, stop bit, then silence.
+/// The level of the line at bit `index` of the sender: start bit, eight data bits from the lowest, stop bit,
+/// then silence.
 bool level(std::uint8_t byte, int index) {
     if (index <= 0) return false;
     if (index >= kFrameBits - 1) return true;
@@ -21,8 +22,8 @@ bool rates_match(double sender_bit, double receiver_bit) {
     return std::fabs(sender_bit / receiver_bit - 1) <= kTolerance;
 }
 
-std::vector<HeardByte> hear(std::uint8_t byte, double sender_bit, double receiver_bit) {
-    std::vector<HeardByte> heard;
+std::vector<GarbledByte> receive_frame(std::uint8_t byte, double sender_bit, double receiver_bit) {
+    std::vector<GarbledByte> received;
     const auto sample = [&](double time) { return level(byte, static_cast<int>(time / sender_bit)); };
     int edge = 0;  // the sender's bit at whose beginning the receiver sees the line fall
     while (edge < kFrameBits) {
@@ -31,12 +32,12 @@ std::vector<HeardByte> hear(std::uint8_t byte, double sender_bit, double receive
         for (int i = 0; i < 8; ++i)
             if (sample(start + (i + 1.5) * receiver_bit)) value |= 1u << i;
         const double stop = start + 9.5 * receiver_bit;
-        heard.push_back({static_cast<std::uint8_t>(value), !sample(stop)});
+        received.push_back({static_cast<std::uint8_t>(value), !sample(stop)});
         edge = static_cast<int>(stop / sender_bit) + 1;
         while (edge < kFrameBits && !(level(byte, edge - 1) && !level(byte, edge)))
             ++edge;
     }
-    return heard;
+    return received;
 }
 
 }  // namespace asip::sim

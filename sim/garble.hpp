@@ -5,7 +5,7 @@
 namespace asip::sim {
 
 /// What a receiver makes of one frame.
-struct HeardByte {
+struct GarbledByte {
     std::uint8_t byte;
     bool framing_error;  ///< its stop bit was low
 };
@@ -13,8 +13,8 @@ struct HeardByte {
 /// Whether a receiver at one rate understands a sender at the other: within 3 %.
 bool rates_match(double sender_bit, double receiver_bit);
 
-/// What an 8N1 receiver hears of one 8N1 byte followed by silence, when their bits last differently (any
-/// common unit). None, one or several bytes, as on a real wire.
-std::vector<HeardByte> hear(std::uint8_t byte, double sender_bit, double receiver_bit);
+/// What an 8N1 receiver receives of one 8N1 byte followed by silence, when the bits of both differ in length
+/// (any common unit): none, one or several bytes, as on a real line.
+std::vector<GarbledByte> receive_frame(std::uint8_t byte, double sender_bit, double receiver_bit);
 
 }  // namespace asip::sim

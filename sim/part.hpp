@@ -21,11 +21,11 @@ class Part {
     /// What the part shows now, for a person and as the value in JSON: "on", "pressed", "0.5", "90".
     virtual std::string state() const = 0;
 
-    /// Does what a verb of its kind says: "press", "release", "set" with "0.25". Errors: the kind has no such
+    /// Carries out a command: "press", "release", "set" with "0.25". Errors: the kind has no such
     /// verb (it names those that there are), an argument where none is taken, or one that is out of range.
     Expected<void> command(std::string_view verb, std::string_view argument);
 
-    /// The board was reset and has forgotten its timers: start over what runs by time. Levels are driven
+    /// The board was reset and has forgotten its timers: restart what runs by time. Levels are driven
     /// again already.
     virtual void after_reset() {}
 

@@ -12,7 +12,7 @@ struct PartContext {
     Wiring& wiring;
     AlarmClock& clock;
     double cycles_per_us;
-    std::function<void(const Part&)> changed;  ///< call it when state() has become another one
+    std::function<void(const Part&)> changed;  ///< must be called when state() has changed
 };
 
 /// The PartPlan::make of a part whose constructor takes a name, a spec and a context.

@@ -35,8 +35,8 @@ struct PartVerb {
     std::string_view help;      ///< "turn a potentiometer"
 };
 
-/// All that the simulator knows of a kind of part: how it is read from a board file, and what it can be told
-/// to do. Each kind is one file in sim/parts/, which defines one function that sim/CMakeLists.txt lists.
+/// All that the simulator knows of a kind of part: how it is read from a board file, and which commands it
+/// has to do. Each kind is one file in sim/parts/, which defines one function that sim/CMakeLists.txt lists.
 struct PartKind {
     std::string_view name;  ///< "led", as in a board file
     std::span<const PartVerb> verbs;

@@ -54,8 +54,8 @@ void SerialLine::arrived() {
             usart_.receive(byte_, false);
         } else {
             if (usart_.receiver_on()) ++errors_.garbled_to_board;
-            for (const auto& heard : hear(byte_, sender_bit_, board_bit))
-                usart_.receive(heard.byte, heard.framing_error);
+            for (const auto& received : receive_frame(byte_, sender_bit_, board_bit))
+                usart_.receive(received.byte, received.framing_error);
         }
     }
     if (!queue_.empty()) start_next(arrival_.when());
@@ -68,9 +68,9 @@ void SerialLine::from_board(std::uint8_t byte, double bit_cycles) {
         return;
     }
     ++errors_.garbled_to_host;
-    for (const auto& heard : hear(byte, bit_cycles, bit))
-        to_host_(heard.framing_error ? '\0' : static_cast<char>(heard.byte));  // as a tty in raw mode hands
-                                                                               // it on
+    // As a tty in raw mode passes it on: a framing error is a zero byte.
+    for (const auto& received : receive_frame(byte, bit_cycles, bit))
+        to_host_(received.framing_error ? '\0' : static_cast<char>(received.byte));
 }
 
 void SerialLine::after_reset() {

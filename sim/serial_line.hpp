@@ -10,8 +10,8 @@
 
 namespace asip::sim {
 
-/// The wire between the host's serial port and the chip's: bytes take their time, and two rates that differ
-/// garble.
+/// The line between the host's serial port and the chip's. A byte takes ten bit times; where the rates of
+/// both sides differ, both receive other bytes.
 class SerialLine {
   public:
     using Receiver = std::function<void(char byte)>;
@@ -31,7 +31,7 @@ class SerialLine {
   private:
     struct Queued {
         char byte;
-        std::uint32_t baud;  // the host's when it sent it: a real port drains before it changes its rate
+        std::uint32_t baud;  // of the host at send(): a real port drains before it changes its rate
     };
 
     double host_bit(std::uint32_t host_baud, double board_bit) const;

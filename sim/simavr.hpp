@@ -1,7 +1,7 @@
 #pragma once
 // simavr's headers, for the files that talk to it.
 #include <simavr/sim_avr.h>
-// sim_avr.h has to come first.
+// sim_avr.h must be included first.
 #include <simavr/avr_adc.h>
 #include <simavr/avr_eeprom.h>
 #include <simavr/avr_extint.h>

@@ -45,7 +45,7 @@ void Usart::take_over_registers() {
         take(address, false);
     take(static_cast<avr_io_addr_t>(port_.ubrrl.reg), false);
     take(static_cast<avr_io_addr_t>(port_.ubrrh.reg), false);
-    // A level-triggered interrupt whose handler did not remove its cause comes again.
+    // A level-triggered interrupt is raised again if its handler did not remove the cause.
     for (auto* vector : {&port_.rxc, &port_.udrc})
         avr_irq_register_notify(vector->irq + AVR_INT_IRQ_RUNNING, interrupt_ended, this);
 }

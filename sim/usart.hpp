@@ -10,13 +10,13 @@ namespace asip::sim {
 
 /// The chip's serial port, as its data sheet has it, in place of simavr's own. simavr 1.6 counts 11 bits for
 /// each byte, has no buffer before its transmit shift register (500,000 baud runs 20 % slow) and 63 bytes of
-/// receive buffer where the chip has two and a shift register, so that firmware that is too slow passes there
-/// and fails on the desk.
+/// receive buffer where the chip has two and a shift register, so that firmware that is too slow works there
+/// and fails on a real board.
 class Usart {
   public:
     struct Listener {
         std::function<void(std::uint8_t byte, double bit_cycles)> sent;  ///< its stop bit has just ended
-        /// The byte on the wire was spoilt: the firmware changed the rate under it.
+        /// The byte being sent was damaged: the firmware changed the rate before its end.
         std::function<void()> cut;
     };
 

@@ -16,11 +16,11 @@ struct ServoSpec {
     int pin = 0;
 };
 
-constexpr double kPulseAt0 = 544;
-constexpr double kPulseAt180 = 2400;
-// Outside of these a servo sees no command in a pulse.
-constexpr double kShortestPulse = 400;
-constexpr double kLongestPulse = 2600;
+constexpr double kPulseAt0Us = 544;
+constexpr double kPulseAt180Us = 2400;
+// A servo ignores other pulses.
+constexpr double kMinPulseUs = 400;
+constexpr double kMaxPulseUs = 2600;
 
 class Servo final : public Part {
   public:
@@ -41,8 +41,8 @@ class Servo final : public Part {
         if (!rose_at_) return;
         const double pulse = static_cast<double>(now - *rose_at_) / context_.cycles_per_us;
         rose_at_.reset();
-        if (pulse < kShortestPulse || pulse > kLongestPulse) return;
-        const double angle = (pulse - kPulseAt0) / (kPulseAt180 - kPulseAt0) * 180;
+        if (pulse < kMinPulseUs || pulse > kMaxPulseUs) return;
+        const double angle = (pulse - kPulseAt0Us) / (kPulseAt180Us - kPulseAt0Us) * 180;
         const int rounded = static_cast<int>(std::lround(std::clamp(angle, 0.0, 180.0)));
         if (angle_ == rounded) return;
         angle_ = rounded;

@@ -26,7 +26,7 @@ struct UltrasonicSpec {
 constexpr double kEchoMicrosecondsPerCm = 58.31;
 constexpr double kMaxRangeCm = 400;
 constexpr double kMaxDistanceCm = 10000;
-constexpr double kShortestTriggerUs = 2;
+constexpr double kMinTriggerUs = 2;
 // From the trigger's end to the echo's beginning.
 constexpr double kBurstUs = 450;
 // How long the usual sensors hold their echo when none came back.
@@ -74,7 +74,7 @@ class Ultrasonic final : public Part {
             if (!rose_at_) rose_at_ = now;
             return;
         }
-        const bool triggered = rose_at_ && now - *rose_at_ >= cycles(kShortestTriggerUs);
+        const bool triggered = rose_at_ && now - *rose_at_ >= cycles(kMinTriggerUs);
         rose_at_.reset();
         if (!triggered || unplugged_) return;
         phase_ = Phase::burst;

@@ -19,8 +19,8 @@ namespace {
 using Protocol = boost::asio::local::stream_protocol;
 using boost::system::error_code;
 
-constexpr std::size_t kLongestCommand = 1024;
-constexpr std::size_t kLongestPath = sizeof(sockaddr_un::sun_path) - 1;
+constexpr std::size_t kMaxCommandBytes = 1024;
+constexpr std::size_t kMaxPathBytes = sizeof(sockaddr_un::sun_path) - 1;
 
 std::string answer_text(const Expected<std::string>& answer) {
     if (!answer) return "error " + answer.error() + "\n";
@@ -48,7 +48,7 @@ class ControlSocket::Connection : public std::enable_shared_from_this<Connection
     Connection(boost::asio::io_context& context, Protocol::socket socket, Execute execute)
         : context_(context),
           socket_(std::move(socket)),
-          input_(kLongestCommand),
+          input_(kMaxCommandBytes),
           execute_(std::move(execute)) {}
 
     void read() {
@@ -84,9 +84,9 @@ class ControlSocket::Connection : public std::enable_shared_from_this<Connection
 Expected<std::unique_ptr<ControlSocket>> ControlSocket::open(boost::asio::io_context& context,
                                                              const std::filesystem::path& path,
                                                              Execute execute) {
-    if (path.string().size() > kLongestPath)
-        return fail(fmt::format("{}: too long for a socket's path (at most {} characters)", path.string(),
-                                kLongestPath));
+    if (path.string().size() > kMaxPathBytes)
+        return fail(
+            fmt::format("{}: the path of a socket has at most {} bytes", path.string(), kMaxPathBytes));
     std::error_code error;
     if (std::filesystem::exists(path, error)) {
         if (!std::filesystem::is_socket(path, error))
@@ -135,7 +135,7 @@ Expected<std::string, ControlError> send_control(const std::filesystem::path& pa
     const auto failed = [](bool reached, std::string text) {
         return Unexpected<ControlError>(ControlError{reached, std::move(text)});
     };
-    if (path.string().size() > kLongestPath)
+    if (path.string().size() > kMaxPathBytes)
         return failed(false, path.string() + ": too long for a socket's path");
     boost::asio::io_context context;
     Protocol::socket socket(context);

@@ -10,15 +10,16 @@
 
 namespace asip::sim {
 
-/// Takes command lines over a Unix socket. Each is answered by lines that begin with a space and then "ok" or
-/// "error REASON".
+/// Receives command lines over a Unix socket. Each is answered by lines that begin with a space and then "ok"
+/// or "error REASON".
 class ControlSocket {
   public:
     using Reply = std::function<void(Expected<std::string>)>;
     /// Does a command; may reply from another thread.
     using Execute = std::function<void(std::string_view line, Reply reply)>;
 
-    /// Replaces a socket that nobody answers on; refuses one that is in use, or a file that is no socket.
+    /// Replaces a socket on which no program answers; refuses one that is in use, or a file that is no
+    /// socket.
     static Expected<std::unique_ptr<ControlSocket>> open(boost::asio::io_context& context,
                                                          const std::filesystem::path& path, Execute execute);
     ~ControlSocket();
@@ -34,13 +35,13 @@ class ControlSocket {
     Execute execute_;
 };
 
-/// Where asip-sim listens if it is not told otherwise: one place for each user.
+/// Where asip-sim listens without --socket: one path for each user.
 std::filesystem::path usual_control_socket();
 
 /// The other side: sends one command, prints its lines to standard output. The error is the command's or the
 /// socket's.
 struct ControlError {
-    bool reached = false;  ///< false: nobody listens there
+    bool reached = false;  ///< false: no program listens there
     std::string text;
 };
 Expected<std::string, ControlError> send_control(const std::filesystem::path& path, std::string_view line);

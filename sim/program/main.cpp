@@ -1,12 +1,9 @@
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/posix/stream_descriptor.hpp>
-#include <boost/asio/read_until.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
-#include <boost/asio/streambuf.hpp>
 #include <csignal>
 #include <cstdio>
 #include <fstream>
@@ -16,13 +13,12 @@
 
 #include "asip/program/exit_status.hpp"
 #include "sim/program/control_socket.hpp"
+#include "sim/program/input_commands.hpp"
 #include "sim/program/options.hpp"
 #include "sim/program/running_boards.hpp"
 
 namespace asip::sim {
 namespace {
-
-constexpr std::size_t kLongestInputLine = 1024;
 
 int complain(int status, const std::string& text) {
     std::cerr << "asip-sim: " << text << '\n';
@@ -62,41 +58,6 @@ Expected<std::vector<BoardFile>> load_boards(const Options& options) {
     return files;
 }
 
-/// Commands on standard input, one a line. The end of the input ends nothing: a service has none.
-class InputCommands {
-  public:
-    InputCommands(boost::asio::io_context& context, std::function<void(std::string)> execute)
-        : descriptor_(context), input_(kLongestInputLine), execute_(std::move(execute)) {
-        struct stat status {};
-        const bool is_file = ::fstat(STDIN_FILENO, &status) == 0 && S_ISREG(status.st_mode);
-        if (is_file) {  // epoll refuses files
-            for (std::string line; std::getline(std::cin, line);)
-                execute_(line);
-            return;
-        }
-        boost::system::error_code error;
-        descriptor_.assign(::dup(STDIN_FILENO), error);
-        if (!error) read();
-    }
-
-  private:
-    void read() {
-        boost::asio::async_read_until(descriptor_, input_, '\n',
-                                      [this](boost::system::error_code error, std::size_t) {
-                                          if (error) return;
-                                          std::string line;
-                                          std::istream stream(&input_);
-                                          std::getline(stream, line);
-                                          execute_(line);
-                                          read();
-                                      });
-    }
-
-    boost::asio::posix::stream_descriptor descriptor_;
-    boost::asio::streambuf input_;
-    std::function<void(std::string)> execute_;
-};
-
 int run_control(const Options& options) {
     const auto path = options.socket.value_or(usual_control_socket());
     const auto answer = send_control(path, fmt::format("{}", fmt::join(options.command, " ")));
@@ -111,7 +72,7 @@ int run_control(const Options& options) {
 void write_stdout(std::string_view line) {
     std::fwrite(line.data(), 1, line.size(), stdout);
     std::fputc('\n', stdout);
-    // Whoever started it has gone: boards that nobody watches must not run for ever.
+    // The reader has gone. Boards that nothing watches must not run for ever.
     if (std::fflush(stdout) != 0) ::kill(::getpid(), SIGTERM);
 }
 

@@ -73,8 +73,8 @@ std::uint32_t Pty::baud() const {
     return tty_speed(master_);
 }
 
-std::string Pty::read(std::size_t most) {
-    std::string bytes(most, '\0');
+std::string Pty::read(std::size_t max_bytes) {
+    std::string bytes(max_bytes, '\0');
     const auto count = ::read(master_, bytes.data(), bytes.size());
     bytes.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
     return bytes;

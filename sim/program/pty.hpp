@@ -11,7 +11,7 @@ namespace asip::sim {
 /// A pseudo-terminal that stands for a board's serial port. Not blocking.
 class Pty {
   public:
-    /// At 57600 baud and raw, as most programs will set it anyway.
+    /// At 57600 baud and raw, as programs usually set it.
     static Expected<Pty> open();
     Pty() = default;
     ~Pty();
@@ -28,15 +28,15 @@ class Pty {
     bool in_use() const;
     /// Whether a program opened it since this was last asked, even if another had closed it only just before.
     bool was_opened();
-    /// The rate that the program has set; 0 if it cannot be told.
+    /// The rate that the program has set; 0 if it is unknown.
     std::uint32_t baud() const;
-    std::string read(std::size_t most);
+    std::string read(std::size_t max_bytes);
     /// How many bytes it took.
     std::size_t write(std::string_view bytes);
 
   private:
     int master_ = -1;
-    int watch_ = -1;  // inotify, for was_opened(); -1 where the system gives none
+    int watch_ = -1;  // inotify, for was_opened(); -1 where the system has none
     bool was_in_use_ = false;
     std::string path_;
 };

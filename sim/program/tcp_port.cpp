@@ -60,8 +60,8 @@ bool TcpPort::accept() {
     return true;
 }
 
-std::string TcpPort::read(std::size_t most) {
-    std::string bytes(most, '\0');
+std::string TcpPort::read(std::size_t max_bytes) {
+    std::string bytes(max_bytes, '\0');
     const auto count = ::recv(client_, bytes.data(), bytes.size(), 0);
     const bool nothing_yet = count < 0 && (errno == EAGAIN || errno == EINTR);
     if (count <= 0 && !nothing_yet) drop_client();

@@ -24,7 +24,7 @@ class TcpPort {
     /// Lets a client in. True if one came.
     bool accept();
     /// What the client sent; notices that it left.
-    std::string read(std::size_t most);
+    std::string read(std::size_t max_bytes);
     std::size_t write(std::string_view bytes);
     void drop_client();
 

@@ -33,7 +33,7 @@ Size size_of_image(const std::string& image = kImage) {
     return size;
 }
 
-double deepest_stack() {
+double max_stack() {
     FirmwareBoard board(kImage);
     board->watch_stack();
     for (const char* line : {"#,?",         "#,N",       "#,S",
@@ -51,7 +51,7 @@ double deepest_stack() {
         board->send(std::string(line) + "\n");
         board->run_for(milliseconds(150));
     }
-    return board->deepest_stack();
+    return board->max_stack();
 }
 
 struct RoundTrip {
@@ -119,7 +119,7 @@ std::vector<Figure> measure_figures() {
     return {
         {"static RAM", "B", static_cast<double>(size.data + size.bss), 280, 277},
         {"flash", "B", static_cast<double>(size.text + size.data), 6500, 6390},
-        {"deepest stack under every request", "B", deepest_stack(), 80, 80},
+        {"deepest stack under every request", "B", max_stack(), 80, 80},
         {"AsipMirto: static RAM", "B", static_cast<double>(robot.data + robot.bss), 600, 600},
         {"AsipMirto: flash", "B", static_cast<double>(robot.text + robot.data), 13000, 11700},
         {"round trip / wire at 57600", "", slow.cycles / slow.wire, 1.01, 1.01, false, 4},

@@ -145,11 +145,11 @@ TEST(Board, WatchedStack_TellsTheDeepestUse) {
     Monitor monitor;
     monitor->watch_stack();
     monitor.ask("K\x01", 1);
-    const auto shallow = monitor->deepest_stack();
+    const auto shallow = monitor->max_stack();
     EXPECT_GT(shallow, 20u);
     EXPECT_LT(shallow, 80u);
     monitor.ask("K\x0b", 1);
-    const auto per_level = (monitor->deepest_stack() - shallow) / 10;
+    const auto per_level = (monitor->max_stack() - shallow) / 10;
     EXPECT_GE(per_level, 12u) << "ten bytes of frame and the return address";
     EXPECT_LE(per_level, 20u);
     EXPECT_LT(monitor->stack_now(), shallow);
