@@ -278,8 +278,8 @@ void Connection::tick() {
 void Connection::goodbye() {
     if (phase_ != Phase::kUp) return;
     phase_ = Phase::kLeaving;
-    // From inside a callback libmosquitto only queues the packet, and closes the socket without it when the same
-    // read holds more.
+    // From inside a callback libmosquitto only queues the packet, and closes the socket without it when the
+    // same read holds more.
     asio::post(io_, [self = shared_from_this()] {
         if (!self->still_open()) return;
         mosquitto_disconnect_v5(self->mosquitto_.get(), MQTT_RC_NORMAL_DISCONNECTION, nullptr);

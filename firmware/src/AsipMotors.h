@@ -3,8 +3,8 @@
 //   asip::Motors motors(7, 8, 5,  12, 13, 6);      // motor 0, motor 1
 //
 // M,m,motor,power (-255 to 255), M,M,power0,power1, M,s,motor stops one, M,S stops all. They are not
-// available if a pin is in use elsewhere, or if the PWM of a power pin comes from a timer that another service
-// uses (servos, tone).
+// available if a pin is in use elsewhere, or if the PWM of a power pin comes from a timer that another
+// service uses (servos, tone).
 #pragma once
 
 #include "Asip.h"

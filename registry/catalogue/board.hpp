@@ -24,9 +24,9 @@ struct Challenger {
 
 /// What few boards have; kept apart, so that the others stay small.
 struct UncommonBoardData {
-    std::vector<std::pair<std::string, std::uint64_t>>
-        old_sessions;                           // the newest last, with the highest seq seen
-    std::vector<std::string> services_by_name;  // announced by name, sorted
+    std::vector<std::pair<std::string, std::uint64_t>> old_sessions;  // the newest last, with the highest seq
+                                                                      // seen
+    std::vector<std::string> services_by_name;                        // announced by name, sorted
     std::unique_ptr<Challenger> challenger;
 };
 

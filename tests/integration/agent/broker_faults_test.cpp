@@ -100,8 +100,7 @@ TEST(AgentBroker, FirstOfTheListRefusesThePassword_UsesTheSecond) {
     MosquittoBroker open;
     FakePort port;
     BusProbe probe(open.port());
-    Agent agent(refusing, port.path(),
-                {"--broker", open.url(), "--user", "pi", "--password", "wrong"});
+    Agent agent(refusing, port.path(), {"--broker", open.url(), "--user", "pi", "--password", "wrong"});
     EXPECT_TRUE(wait_state(probe, "online")) << agent.process().errors();
     EXPECT_TRUE(agent.process().running());
 }
@@ -110,8 +109,8 @@ TEST(AgentBroker, EveryBrokerOfTheListRefuses_EndsWithStatus3) {
     MosquittoBroker first({.users = {{"pi", "right"}}});
     MosquittoBroker second({.users = {{"pi", "right"}}});
     FakePort port;
-    const auto ended = run(agent_command(
-        first.url(), port.path(), {"--broker", second.url(), "--user", "pi", "--password", "wrong"}));
+    const auto ended = run(agent_command(first.url(), port.path(),
+                                         {"--broker", second.url(), "--user", "pi", "--password", "wrong"}));
     EXPECT_EQ(ended.status, 3) << ended.errors;
 }
 
