@@ -57,6 +57,14 @@ class ChildProcess {
     std::unique_ptr<State> state_;
 };
 
+/// Whether ASIP_TEST_PROGRAMS puts other programs in place.
+bool other_programs();
+
+/// Limits for programs that ASIP_TEST_PROGRAMS puts in place, such as sanitized ones: those keep freed memory
+/// and are slower. `bytes` and `time` as they are, where no other programs are put in place.
+std::size_t memory_limit(std::size_t bytes);
+std::chrono::milliseconds time_limit(std::chrono::milliseconds time);
+
 struct Finished {
     int status = -1;  ///< -1: did not end in time and was killed
     std::string output;

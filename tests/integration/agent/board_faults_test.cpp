@@ -25,7 +25,7 @@ TEST(AgentBoard, UnpluggedAndReplugged_KnownWithinASecondAndBackWithItsModes) {
     EXPECT_THAT(*refused, HasSubstr("board-not-there"));
     ASSERT_TRUE(agent.process().wait_for_errors("waiting for it")) << agent.process().errors();
     uno.command("replug");
-    ASSERT_TRUE(wait_state(probe, "online", 3s)) << agent.process().errors();
+    ASSERT_TRUE(wait_state(probe, "online", time_limit(3s))) << agent.process().errors();
     const std::string log = agent.process().errors();
     EXPECT_THAT(log, HasSubstr("board reachable again"));
     EXPECT_EQ(log.find("waiting for it"), log.rfind("waiting for it")) << log;
@@ -90,7 +90,7 @@ TEST(AgentBoard, FloodWhileTheBrokerIsSlow_OldestValuesGoAndCommandsStay) {
     broker.freeze();
     port.flood("@I,a,6,{0:111,1:222,2:333,3:444,4:555,5:666}");
     ASSERT_TRUE(agent.process().wait_for_errors("oldest values dropped", 30s)) << agent.process().errors();
-    EXPECT_LT(agent.process().resident_bytes(), 40u << 20);
+    EXPECT_LT(agent.process().resident_bytes(), memory_limit(40u << 20));
     port.flood("");
     broker.thaw();
     BusProbe probe(broker.port());

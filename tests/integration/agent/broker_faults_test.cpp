@@ -2,8 +2,6 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <fstream>
-
 #include "tests/integration/agent/fake_port.hpp"
 #include "tests/integration/agent/rig.hpp"
 #include "tests/support/temp_dir.hpp"
@@ -114,13 +112,6 @@ TEST(AgentBroker, EveryBrokerOfTheListRefuses_EndsWithStatus3) {
     EXPECT_EQ(ended.status, 3) << ended.errors;
 }
 
-std::size_t resident_bytes(pid_t pid) {
-    std::ifstream status("/proc/" + std::to_string(pid) + "/statm");
-    std::size_t pages = 0;
-    status >> pages >> pages;
-    return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-}
-
 TEST(AgentBroker, HugePayloadOnAControlTopic_CostsTheAgentNothing) {
     MosquittoBroker broker;
     FakePort port;
@@ -132,7 +123,7 @@ TEST(AgentBroker, HugePayloadOnAControlTopic_CostsTheAgentNothing) {
     ASSERT_TRUE(wait_until([&] { return sender.all_acknowledged(); }, 30s));
     sender.publish("asip/uno1/$nothing", "", false, 1);
     ASSERT_TRUE(wait_until([&] { return sender.all_acknowledged(); }));
-    EXPECT_LT(resident_bytes(agent.process().pid()), std::size_t{20} << 20);
+    EXPECT_LT(agent.process().resident_bytes(), memory_limit(std::size_t{20} << 20));
     EXPECT_TRUE(probe.request("asip/uno1/in", "#,?")) << agent.process().errors();
 }
 
