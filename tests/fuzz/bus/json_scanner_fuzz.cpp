@@ -75,11 +75,16 @@ void take_apart(std::string_view text, const nlohmann::json& parsed) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const std::string_view text(reinterpret_cast<const char*>(data), size);
     if (!asip::model::json_depth_within(text, JsonScanner::kMaxDepth)) return 0;
-    // A byte order mark is no JSON (RFC 8259); the parser passes over it.
+    // A byte order mark is not JSON (RFC 8259); the parser passes over it.
     if (text.starts_with('\xef') || has_long_number(text)) return 0;
     JsonScanner scanner(text);
     std::string_view raw;
     const bool scanned = scanner.value(raw) && scanner.at_end();
+    // The parser takes a zero byte for the end of the text; JSON has none.
+    if (text.find('\0') != std::string_view::npos) {
+        REQUIRE(!scanned);
+        return 0;
+    }
     Acceptor acceptor;
     nlohmann::json::sax_parse(text, &acceptor);
     if (acceptor.too_large) return 0;
