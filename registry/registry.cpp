@@ -13,6 +13,7 @@ constexpr Duration kStall = std::chrono::seconds(2);
 // Another registry with the same id that answers within this time of the start was there first.
 constexpr Duration kStartTime = std::chrono::seconds(5);
 constexpr Duration kIdentityLogInterval = std::chrono::minutes(1);
+constexpr Duration kStateRepeat = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -178,7 +179,11 @@ void Registry::identity(const mqtt::Message& message) {
                           statistics_.age(now_.time) < kStartTime;
     if (starting) {
         id_taken_by_ = *other;
-    } else if (identity_logged_ == Time{} || now_.time - identity_logged_ >= kIdentityLogInterval) {
+        return;
+    }
+    // The other one's will or goodbye may still come over our state.
+    state_due_ = now_.time + kStateRepeat;
+    if (identity_logged_ == Time{} || now_.time - identity_logged_ >= kIdentityLogInterval) {
         identity_logged_ = now_.time;
         log::warning("another registry uses this id: watchers see the changes of both; give one another --id",
                      {{"id", id_}, {"its epoch", *other}});
@@ -258,6 +263,10 @@ void Registry::denied(const std::string& topic, const std::string& reason, Insta
 
 void Registry::tick(Instant now) {
     now_ = now;
+    if (connected_ && state_due_ && now.time >= *state_due_) {
+        state_due_.reset();
+        port_.publish(state("online"));
+    }
     if (connected_) tick_connected();
     if (history_ != nullptr) history_->tick(catalogue_, now);
     last_tick_ = now.time;

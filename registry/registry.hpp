@@ -90,6 +90,7 @@ class Registry {
     bool connected_ = false;
     std::optional<std::string> id_taken_by_;
     Time identity_logged_{};
+    std::optional<Time> state_due_;  // when to publish our state again
     Time last_tick_{};
 };
 
