@@ -18,15 +18,6 @@ namespace {
 
 using nlohmann::json;
 
-/// The arguments that the caller gives: all but the counts.
-std::vector<const Field*> given_arguments(const CommandModel& command) {
-    std::vector<const Field*> result;
-    for (const auto& argument : command.args) {
-        if (argument.type != ValueType::Count) result.push_back(&argument);
-    }
-    return result;
-}
-
 std::string wrong_count(const CommandModel& command, std::size_t given) {
     const auto args = given_arguments(command);
     const auto number = std::to_string(given);
@@ -38,6 +29,18 @@ std::string wrong_count(const CommandModel& command, std::size_t given) {
     return command.name + " takes " + count + names + "), not " + number;
 }
 
+/// The line that undoes a command with these values, which have been checked.
+Expected<std::string> safe_line(const ServiceModel& model, const SafeForm& safe, const json& values,
+                                Strictness strictness) {
+    const auto& command = *model.command(safe.command);
+    json arguments = json::array();
+    for (const auto& argument : safe.arguments)
+        arguments.push_back(argument.given ? values[*argument.given] : json(argument.number));
+    const auto written = write_arguments(command, arguments, strictness);
+    if (!written) return fail(written.error());
+    return std::string{model.id, ',', command.tag} + *written;
+}
+
 Expected<EncodedCommand> finish(const ServiceModel& model, const CommandModel& command, const json& values,
                                 Strictness strictness) {
     const auto args = given_arguments(command);
@@ -47,12 +50,17 @@ Expected<EncodedCommand> finish(const ServiceModel& model, const CommandModel& c
     }
     const auto arguments = write_arguments(command, values, strictness);
     if (!arguments) return fail(arguments.error());
-    EncodedCommand result{{}, command.name, model.id, command.tag, command.answer, command.answer_time};
+    EncodedCommand result{{}, command.name, model.id, command.tag, command.answer, command.answer_time, {}};
     result.line = std::string{model.id, ',', command.tag} + *arguments;
     if (result.line.size() > protocol::kMaxRequestBytes) {
         return fail(command.name + ": the request would be " + std::to_string(result.line.size()) +
                     " bytes long, above " + std::to_string(protocol::kMaxRequestBytes) +
                     "; send it in parts");
+    }
+    if (command.safe) {
+        auto safe = safe_line(model, *command.safe, values, strictness);
+        if (!safe) return fail(safe.error());
+        result.safe = std::move(*safe);
     }
     return result;
 }

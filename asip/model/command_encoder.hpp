@@ -18,6 +18,7 @@ struct EncodedCommand {
     char tag = 0;
     char answer = 0;                                       // tag of the event that answers it; 0: none
     std::optional<std::chrono::milliseconds> answer_time;  // after its execution; none: nothing is known
+    std::string safe;  // the request line that undoes it, "M,s,0"; empty: nothing does
 };
 
 // Each checks name, count, types and ranges, and fails with a reason for a person: "period: 70000 is above
@@ -46,5 +47,8 @@ Expected<EncodedCommand> encode_control_json(const ServiceModel* model, char let
 std::string describe(const Field& field);
 /// All arguments of a command: "servo 0..255, angle 0..180 degrees"; empty where there is none.
 std::string usage(const CommandModel& command);
+/// The request that undoes a command, with the names of the arguments it takes over: "M,s,motor"; empty where
+/// nothing undoes it.
+std::string safe_usage(const ServiceModel& model, const CommandModel& command);
 
 }  // namespace asip::model

@@ -21,7 +21,7 @@ Expected<EncodedCommand> encode_control_text(const ServiceModel* model, char let
     const auto line = std::string{letter, ','} + std::string(text.substr(0, protocol::kMaxPayloadBytes));
     const auto request = protocol::parse_request(line);
     if (!request) return fail(request.error());
-    return EncodedCommand{line, {}, letter, request->tag, 0, std::nullopt};
+    return EncodedCommand{line, {}, letter, request->tag, 0, std::nullopt, {}};
 }
 
 Expected<EncodedCommand> encode_control_json(const ServiceModel* model, char letter,

@@ -27,12 +27,21 @@ std::string joined(const std::vector<std::string>& words) {
 std::string commands_table(const ServiceModel& model) {
     if (model.commands.empty()) return {};
     std::string text =
-        "| command | tag | arguments | what it does | answer |\n| --- | --- | --- | --- | --- |\n";
+        "| command | tag | arguments | what it does | answer | safe form |\n"
+        "| --- | --- | --- | --- | --- | --- |\n";
     for (const auto& command : model.commands) {
+        const auto safe = safe_usage(model, command);
         const auto* answer = model.event(command.answer);
         text += "| " + code(command.name) + " | " + code(std::string(1, command.tag)) + " | " +
                 cell(usage(command)) + " | " + cell(command.title) + " | " +
-                (answer != nullptr ? code(answer->name) : "-") + " |\n";
+                (answer != nullptr ? code(answer->name) : "-") + " | " + (safe.empty() ? "-" : code(safe)) +
+                " |\n";
+    }
+    if (!model.safe.empty()) {
+        std::vector<std::string> lines;
+        for (const auto& line : model.safe)
+            lines.push_back(code(line));
+        text += "\nStopped by " + joined(lines) + ".\n";
     }
     return text + "\n";
 }

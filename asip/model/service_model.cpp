@@ -49,6 +49,13 @@ std::string ServiceModel::ref() const {
     return name + "@" + std::to_string(version);
 }
 
+std::vector<const Field*> given_arguments(const CommandModel& command) {
+    std::vector<const Field*> result;
+    for (const auto& argument : command.args)
+        if (argument.type != ValueType::Count) result.push_back(&argument);
+    return result;
+}
+
 const EventModel* ServiceModel::event(char tag) const {
     return find_or_null(events, [&](const EventModel& event) { return event.tag == tag; });
 }

@@ -55,6 +55,18 @@ struct EventModel {
     std::vector<Field> fields;
 };
 
+/// An argument of a safe form: the one that was given in this place, or a number.
+struct SafeArgument {
+    std::optional<std::size_t> given;  // place among the arguments that the caller gives
+    double number = 0;
+};
+
+/// What undoes a command.
+struct SafeForm {
+    std::string command;  // name of the command that is sent instead; may be the same
+    std::vector<SafeArgument> arguments;
+};
+
 struct CommandModel {
     char tag = 0;
     std::string name;
@@ -62,7 +74,11 @@ struct CommandModel {
     std::vector<Field> args;
     char answer = 0;                                       // tag of the event that answers it; 0: none
     std::optional<std::chrono::milliseconds> answer_time;  // within which that event comes, once executed
+    std::optional<SafeForm> safe;                          // none: nothing undoes it
 };
+
+/// The arguments that a caller gives: all but the counts, in order.
+std::vector<const Field*> given_arguments(const CommandModel& command);
 
 /// One kind of service: the contents of one file of services/. Immutable once loaded.
 struct ServiceModel {
@@ -74,8 +90,9 @@ struct ServiceModel {
     std::string element;  // what one element is called: "sensor"; may be empty
     std::vector<EventModel> events;
     std::vector<CommandModel> commands;
-    std::string source;          // its JSON text, compact, without examples
-    std::string example_source;  // the array "examples", compact; empty where there is none
+    std::vector<std::string> safe;  // request lines that bring the whole service into its safe state: "M,S"
+    std::string source;             // its JSON text, compact, without examples
+    std::string example_source;     // the array "examples", compact; empty where there is none
 
     std::string ref() const;  // "distance@1"
     const EventModel* event(char tag) const;

@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "asip/model/argument_writer.hpp"
+#include "asip/model/command_encoder.hpp"
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
 #include "asip/model/schema.hpp"
@@ -12,6 +15,8 @@ namespace asip::model {
 namespace {
 
 using nlohmann::json;
+
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 // Reads what check_schema has let through: types and required members are certain here.
 
@@ -88,6 +93,83 @@ CommandModel read_command(const std::string& name, const json& object) {
             command.args.push_back(read_field(argument));
     }
     return command;
+}
+
+/// Names the reason where the safe form of a command leads nowhere or leaves the ranges; empty otherwise.
+std::string safe_fault(const ServiceModel& model, const CommandModel& command, const std::string& place) {
+    const SafeForm& safe = *command.safe;
+    const auto* target = model.command(safe.command);
+    if (target == nullptr) return place + ": there is no command \"" + safe.command + "\"";
+    const auto wanted = given_arguments(*target);
+    const auto given = given_arguments(command);
+    if (safe.arguments.size() != wanted.size())
+        return place + ": has " + std::to_string(safe.arguments.size()) + " arguments, but " + target->name +
+               " takes " + std::to_string(wanted.size());
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        const auto& argument = safe.arguments[i];
+        if (!argument.given) {
+            const auto written = write_value(*wanted[i], json(argument.number), Strictness::Strict,
+                                             place + "/" + std::to_string(i));
+            if (!written) return written.error();
+            continue;
+        }
+        const auto& source = *given[*argument.given];
+        const bool fits = source.type == wanted[i]->type &&
+                          wanted[i]->min.value_or(-kNoLimit) <= source.min.value_or(-kNoLimit) &&
+                          wanted[i]->max.value_or(kNoLimit) >= source.max.value_or(kNoLimit);
+        if (!fits) return place + ": " + target->name + " does not take every " + source.name;
+    }
+    return {};
+}
+
+/// "stop", or [null,0]. What it refers to is checked by safe_fault().
+Expected<SafeForm> read_safe(const ServiceModel& model, const CommandModel& command, const json& value) {
+    SafeForm safe;
+    const auto given = given_arguments(command);
+    if (value.is_array()) {
+        safe.command = command.name;
+        for (std::size_t i = 0; i < value.size(); ++i) {
+            if (value[i].is_null() && i < given.size()) {
+                safe.arguments.push_back({i, 0});
+            } else {
+                safe.arguments.push_back({std::nullopt, value[i].is_null() ? 0 : value[i].get<double>()});
+            }
+        }
+        return safe;
+    }
+    safe.command = value.get<std::string>();
+    if (safe.command == command.name) return fail("is the command itself");
+    const auto* target = model.command(safe.command);
+    if (target == nullptr) return safe;
+    for (const auto* argument : given_arguments(*target)) {
+        const auto source = std::find_if(given.begin(), given.end(),
+                                         [&](const Field* field) { return field->name == argument->name; });
+        if (source == given.end())
+            return fail(safe.command + " needs '" + argument->name + "', which " + command.name +
+                        " does not have");
+        safe.arguments.push_back({static_cast<std::size_t>(source - given.begin()), 0});
+    }
+    return safe;
+}
+
+/// Reads the safe forms, which refer to commands; the reason why one of them cannot be used, or nothing.
+std::string read_safe_forms(ServiceModel& model, const json& document) {
+    for (auto& command : model.commands) {
+        const auto& source = document["commands"][command.name];
+        if (!source.contains("safe")) continue;
+        const auto place = "/commands/" + command.name + "/safe";
+        auto safe = read_safe(model, command, source["safe"]);
+        if (!safe) return place + ": " + safe.error();
+        command.safe = std::move(*safe);
+        if (auto fault = safe_fault(model, command, place); !fault.empty()) return fault;
+    }
+    if (!document.contains("safe")) return {};
+    for (std::size_t i = 0; i < document["safe"].size(); ++i) {
+        const auto encoded = encode_json_command(model, document["safe"][i]);
+        if (!encoded) return "/safe/" + std::to_string(i) + ": " + encoded.error();
+        model.safe.push_back(encoded->line);
+    }
+    return {};
 }
 
 /// The reason why these fields contradict themselves, with its place; empty when they do not.
@@ -183,6 +265,7 @@ Expected<ServiceModel> service_model_from_json(const nlohmann::json& document) {
         }
     }
     if (auto fault = model_fault(model); !fault.empty()) return fail(std::move(fault));
+    if (auto fault = read_safe_forms(model, document); !fault.empty()) return fail(std::move(fault));
     auto source = document;
     if (document.contains("examples")) {
         model.example_source = dump_json(document["examples"]);

@@ -41,4 +41,13 @@ std::string usage(const CommandModel& command) {
     return text;
 }
 
+std::string safe_usage(const ServiceModel& model, const CommandModel& command) {
+    if (!command.safe) return {};
+    const auto given = given_arguments(command);
+    std::string text{model.id, ',', model.command(command.safe->command)->tag};
+    for (const auto& argument : command.safe->arguments)
+        text += "," + (argument.given ? given[*argument.given]->name : number(argument.number));
+    return text;
+}
+
 }  // namespace asip::model

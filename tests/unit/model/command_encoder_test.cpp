@@ -41,6 +41,46 @@ TEST(EncodeJson, Command_SaysWhatItIs) {
     EXPECT_EQ(result->answer, 'e');
 }
 
+std::string safe_form(const char* model, const char* command) {
+    const auto result = encode_json_command(standard(model), json::parse(command));
+    return result ? result->safe : "! " + result.error();
+}
+
+TEST(SafeForm, EachActuator_IsUndoneForTheElementThatWasCommanded) {
+    EXPECT_EQ(safe_form("motors", R"({"power":[1,-128]})"), "M,s,1");
+    EXPECT_EQ(safe_form("motors", R"({"drive":{"power0":10,"power1":20}})"), "M,M,0,0");
+    EXPECT_EQ(safe_form("tone", R"({"play":[440,500]})"), "T,P,0,0");
+    EXPECT_EQ(safe_form("io", R"({"write":[13,"high"]})"), "I,d,13,0");
+    EXPECT_EQ(safe_form("io", R"({"pwm":{"duty":200,"pin":3}})"), "I,a,3,0");
+    EXPECT_EQ(safe_form("neopixels", R"({"brightness":[1,40]})"), "N,B,1,0");
+}
+
+TEST(SafeForm, AsTextOrAsWords_IsTheSame) {
+    EXPECT_EQ(encode_text_command(standard("motors"), "m,1,-128")->safe, "M,s,1");
+    EXPECT_EQ(encode_word_command(standard("io"), std::vector<std::string>{"write", "13", "high"})->safe,
+              "I,d,13,0");
+}
+
+TEST(SafeForm, WhatIsSafeOrMovesByItself_HasNone) {
+    EXPECT_EQ(safe_form("motors", R"({"stop":1})"), "");
+    EXPECT_EQ(safe_form("servo", R"({"write":[0,90]})"), "") << "a servo that turns back may do harm";
+    EXPECT_EQ(safe_form("distance", R"({"measure":null})"), "");
+}
+
+TEST(SafeForm, StandardActuators_CanBeStoppedAsAWhole) {
+    EXPECT_EQ(standard("motors").safe, (std::vector<std::string>{"M,S"}));
+    EXPECT_EQ(standard("tone").safe, (std::vector<std::string>{"T,P,0,0"}));
+    EXPECT_EQ(standard("pixels").safe, (std::vector<std::string>{"P,B,0"}));
+    EXPECT_TRUE(standard("io").safe.empty()) << "which pins are outputs, only the agent knows";
+}
+
+TEST(SafeForm, Usage_NamesTheArgumentsThatAreTakenOver) {
+    const auto& motors = standard("motors");
+    EXPECT_EQ(safe_usage(motors, *motors.command("power")), "M,s,motor");
+    EXPECT_EQ(safe_usage(motors, *motors.command("drive")), "M,M,0,0");
+    EXPECT_EQ(safe_usage(motors, *motors.command("stop")), "");
+}
+
 TEST(EncodeJson, IdAndReplyTo_ArePassedOver) {
     EXPECT_EQ(from_json("servo", R"({"id":"7","write":[0,90],"reply_to":"me"})"), "S,W,0,90");
 }

@@ -69,6 +69,45 @@ TEST(ServiceModel, Contradiction_IsRefusedWithPlaceAndReason) {
               "/commands/speed/args/0/type: a text must come last");
 }
 
+/// Of a model whose command `speed` has this safe form, and whose service has the other.
+std::string safe_fault(const char* safe, const char* whole = nullptr) {
+    auto document = kFan;
+    document["commands"] = json::parse(R"({
+      "speed": { "tag": "S", "args": [{ "name": "fan", "type": "integer", "min": 0, "max": 7 },
+                                      { "name": "percent", "type": "integer", "min": 0, "max": 100 }] },
+      "off": { "tag": "O", "args": [{ "name": "fan", "type": "integer", "min": 0, "max": 3 }] },
+      "whirl": { "tag": "W", "args": [{ "name": "turns", "type": "integer" }] }
+    })");
+    document["commands"]["speed"]["safe"] = json::parse(safe);
+    if (whole != nullptr) document["safe"] = json::parse(whole);
+    const auto model = service_model_from_json(document);
+    return model ? "" : model.error();
+}
+
+TEST(ServiceModel, SafeFormThatCannotBeSent_IsRefusedWithPlaceAndReason) {
+    EXPECT_EQ(safe_fault("[null,0]"), "");
+    EXPECT_EQ(safe_fault("[null,101]"), "/commands/speed/safe/1: 101 is above 100");
+    EXPECT_EQ(safe_fault("[null,0.5]"), "/commands/speed/safe/1: 0.5 is not an integer");
+    EXPECT_EQ(safe_fault("[0]"), "/commands/speed/safe: has 1 arguments, but speed takes 2");
+    EXPECT_EQ(safe_fault("\"halt\""), "/commands/speed/safe: there is no command \"halt\"");
+    EXPECT_EQ(safe_fault("\"speed\""), "/commands/speed/safe: is the command itself");
+    EXPECT_EQ(safe_fault("\"off\""), "/commands/speed/safe: off does not take every fan");
+    EXPECT_EQ(safe_fault("\"whirl\""),
+              "/commands/speed/safe: whirl needs 'turns', which speed does not have");
+    EXPECT_EQ(safe_fault("[\"zero\"]"), "/commands/speed/safe: fits none of the forms allowed here");
+}
+
+TEST(ServiceModel, SafeStateOfTheWholeService_IsReadAsRequestLines) {
+    EXPECT_EQ(safe_fault("[null,0]", R"([{"speed":[0,101]}])"), "/safe/0: percent: 101 is above 100");
+    EXPECT_THAT(safe_fault("[null,0]", R"([{"halt":null}])"), HasSubstr("/safe/0: no command 'halt'"));
+    EXPECT_EQ(safe_fault("[null,0]", "[]"), "/safe: has fewer than 1 items");
+    auto document = kFan;
+    document["safe"] = json::parse(R"([{"speed":0},{"speed":10}])");
+    const auto model = service_model_from_json(document);
+    ASSERT_TRUE(model) << model.error();
+    EXPECT_EQ(model->safe, (std::vector<std::string>{"F,S,0", "F,S,10"}));
+}
+
 TEST(ServiceModel, HostileText_IsRefused) {
     for (const std::string_view text : {"", "[]", "null", "{", "{\"name\":7}"})
         EXPECT_FALSE(parse_service_model(text)) << text;
