@@ -89,12 +89,16 @@ std::vector<std::string> child_environment(const std::map<std::string, std::stri
     return all;
 }
 
+bool simulator_under_test = false;
+
 /// Where ASIP_TEST_PROGRAMS names a folder with a program of the same name, that one: so the same tests run
 /// programs that were built in another way.
 std::string program_to_start(const std::string& program) {
     const char* const folder = std::getenv("ASIP_TEST_PROGRAMS");
     if (folder == nullptr || program.find('/') == std::string::npos) return program;
-    const auto other = std::filesystem::path(folder) / std::filesystem::path(program).filename();
+    const auto name = std::filesystem::path(program).filename();
+    if (name == "asip-sim" && !simulator_under_test) return program;
+    const auto other = std::filesystem::path(folder) / name;
     return std::filesystem::exists(other) ? other.string() : program;
 }
 
@@ -266,6 +270,10 @@ std::chrono::milliseconds ChildProcess::processor_time() const {
     long user = 0, system = 0;
     fields >> user >> system;
     return std::chrono::milliseconds((user + system) * 1000 / sysconf(_SC_CLK_TCK));
+}
+
+bool replace_simulator() {
+    return simulator_under_test = true;
 }
 
 bool other_programs() {

@@ -17,9 +17,9 @@ namespace asip::test {
 class ChildProcess {
   public:
     /// `arguments[0]` is the program: a path, or looked up in PATH. For a path, a program of the same name in
-    /// the folder ASIP_TEST_PROGRAMS is started instead, where that variable names one. `environment` is
-    /// added to the test's own, from which all ASIP_ variables are taken out. Throws std::runtime_error when
-    /// it cannot be started.
+    /// the folder ASIP_TEST_PROGRAMS is started instead, where that variable names one; not for asip-sim,
+    /// unless replace_simulator() was called. `environment` is added to the test's own, from which all ASIP_
+    /// variables are taken out. Throws std::runtime_error when it cannot be started.
     explicit ChildProcess(std::vector<std::string> arguments,
                           std::map<std::string, std::string> environment = {});
     ~ChildProcess();
@@ -56,6 +56,10 @@ class ChildProcess {
     struct State;
     std::unique_ptr<State> state_;
 };
+
+/// To most tests asip-sim is the world, which has to keep up with real time; a sanitized one is too slow for
+/// 1 Mbaud. Tests of asip-sim itself call this, so that ASIP_TEST_PROGRAMS replaces it, too. Returns true.
+bool replace_simulator();
 
 /// Whether ASIP_TEST_PROGRAMS puts other programs in place.
 bool other_programs();

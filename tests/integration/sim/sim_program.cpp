@@ -7,6 +7,8 @@
 namespace asip::test {
 namespace {
 
+[[maybe_unused]] const bool replaced = replace_simulator();
+
 std::vector<std::string> command_line(std::vector<std::string> arguments, const std::string& socket) {
     arguments.insert(arguments.begin(), ASIP_SIM);
     arguments.insert(arguments.end(), {"--socket", socket});
