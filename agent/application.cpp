@@ -49,7 +49,8 @@ Application::Application(AgentOptions options)
       stop_signal_(io_, [this](int) { stop(); }),
       timer_(io_),
       reset_timer_(io_),
-      counters_timer_(io_) {}
+      counters_timer_(io_),
+      statistics_timer_(io_) {}
 
 Application::~Application() = default;
 
@@ -64,6 +65,10 @@ int Application::run() {
     }
     link_.start();
     report_counters();
+    // Agents that start together do not publish together.
+    if (options_.statistics > Duration{})
+        publish_statistics(std::chrono::duration_cast<Duration>(options_.statistics *
+                                                                (.5 + random_unit(system_random()) / 2)));
     io_.run();
     return status_;
 }
@@ -257,6 +262,17 @@ void Application::report_counters() {
     });
 }
 
+void Application::publish_statistics(Duration after) {
+    statistics_timer_.expires_after(after);
+    statistics_timer_.async_wait([this](boost::system::error_code error) {
+        if (error || stopping_) return;
+        if (bus_)
+            with_bridge(
+                [&](Time now, Effects& out) { bridge_.publish_statistics(bus_->counters(), now, out); });
+        publish_statistics(options_.statistics);
+    });
+}
+
 void Application::note_taken(const std::string& topic) {
     const auto known = bus::Topics(options_.bridge.topic_root).parse(topic);
     if (known && known->kind == bus::TopicKind::kDescription) announcement_taken_ = true;
@@ -296,6 +312,7 @@ void Application::finish(int status) {
     timer_.cancel();
     reset_timer_.cancel();
     counters_timer_.cancel();
+    statistics_timer_.cancel();
     clients_.close();
     link_.stop();
     if (!bus_) {

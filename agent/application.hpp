@@ -40,6 +40,7 @@ class Application {
     void bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected);
     void board_silent_at_start();
     void report_counters();
+    void publish_statistics(Duration after);
     void note_taken(const std::string& topic);
     void tell_rejections();
 
@@ -53,6 +54,7 @@ class Application {
     boost::asio::steady_timer timer_;
     boost::asio::steady_timer reset_timer_;
     boost::asio::steady_timer counters_timer_;
+    boost::asio::steady_timer statistics_timer_;
     Outage outage_;
     std::optional<Time> armed_for_;
     std::uint64_t told_dropped_ = 0;

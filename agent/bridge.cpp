@@ -52,13 +52,14 @@ Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
       models_(std::move(models)),
       random_(std::move(random)),
       session_(options_.session, random_),
-      control_(topics_, session_),
+      control_(topics_, session_, statistics_),
       context_(topics_, options_.context) {}
 
 // --- the board's side
 
 void Bridge::link_up(const session::LinkTraits& traits, model::LinkInfo link, Time now, Effects& out) {
     facts_.link = std::move(link);
+    statistics_.link_opened(now);
     session::Actions actions;
     session_.link_up(traits, now, actions);
     perform(actions, now, out);
@@ -75,6 +76,7 @@ void Bridge::link_down(const std::string& why, Time now, Effects& out) {
 }
 
 void Bridge::receive(std::string_view bytes, Time now, Effects& out) {
+    statistics_.received(bytes);
     session::Actions actions;
     session_.receive(bytes, now, actions);
     perform(actions, now, out);
@@ -88,6 +90,7 @@ void Bridge::line_rate_set(bool ok, Time now, Effects& out) {
 
 void Bridge::perform(session::Actions& actions, Time now, Effects& out) {
     for (auto& action : actions) {
+        if (const auto* write = std::get_if<session::Write>(&action)) statistics_.sent(write->bytes);
         if (std::holds_alternative<session::Write>(action) ||
             std::holds_alternative<session::SetLineRate>(action)) {
             out.link.push_back(std::move(action));
@@ -106,6 +109,7 @@ void Bridge::perform(session::Actions& actions, Time now, Effects& out) {
 
 void Bridge::on_action(const session::BoardLine& line, Time, Effects& out) {
     line_for_clients(line, out);
+    if (line.line.is_error()) statistics_.board_error(line.line.error().code);
     if (name_.empty()) return;
     note_facts(line.line);
     publish_or_hold(line.line, out);
@@ -129,7 +133,10 @@ void Bridge::publish_or_hold(const protocol::ParsedLine& line, Effects& out) {
     std::string kind{event.service, event.tag};
     // Each port's state is a value of its own.
     if (kind == "Id") kind += event.body.substr(0, event.body.find(','));
-    if (held_.contains(kind) || held_.size() >= kMostHeld) ++superseded_;
+    if (held_.contains(kind) || held_.size() >= kMostHeld) {
+        ++superseded_;
+        statistics_.value_superseded();
+    }
     if (held_.contains(kind) || held_.size() < kMostHeld) held_[kind] = line;
 }
 
@@ -212,8 +219,8 @@ void Bridge::on_action(const session::Garbage& garbage, Time now, Effects& out) 
              {"count", std::to_string(session_.counters().garbage)}});
 }
 
-void Bridge::on_action(const session::Finished& end, Time, Effects& out) {
-    control_.on_finished(end, out);
+void Bridge::on_action(const session::Finished& end, Time now, Effects& out) {
+    control_.on_finished(end, now, out);
     note_settings();
 }
 
@@ -314,6 +321,15 @@ Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_v
 }
 
 // --- time
+
+void Bridge::publish_statistics(const mqtt::Counters& bus, Time now, Effects& out) {
+    if (!announcer_ || !announcer_->may_publish()) return;
+    mqtt::Message message;
+    message.topic = topics_.stats(name_);
+    message.payload = statistics_.document(
+        {session_, bus, name_, announcer_->session(), control_.forgotten_answers(), 0}, now);
+    out.publish.push_back({std::move(message), mqtt::Priority::kContext});
+}
 
 void Bridge::tick(Time now, Effects& out) {
     session::Actions actions;

@@ -12,6 +12,7 @@
 #include "agent/control.hpp"
 #include "agent/describe.hpp"
 #include "agent/effects.hpp"
+#include "agent/statistics.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/session/board_session.hpp"
 #include "asip/session/service_table.hpp"
@@ -57,6 +58,9 @@ class Bridge {
     /// `client`: any number below kBusClient; lines of one client keep their order.
     ClientResult client_line(session::ClientId client, std::string_view line, Time now, Effects& out);
 
+    /// Publishes what was counted, where the bus is there. To be called periodically.
+    void publish_statistics(const mqtt::Counters& bus, Time now, Effects& out);
+
     void tick(Time now, Effects& out);
     std::optional<Time> next_deadline() const;
     /// Ends every open command, says `offline`. Nothing is to be called afterwards.
@@ -93,6 +97,7 @@ class Bridge {
     model::ModelSet models_;
     Random random_;
     session::BoardSession session_;
+    Statistics statistics_;
     Control control_;
     Context context_;
     std::unique_ptr<Announcer> announcer_;  // once there is a name

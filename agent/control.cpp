@@ -74,6 +74,7 @@ void Control::on_message(const mqtt::Message& message, const session::ServiceTab
     auto command = std::make_shared<Command>();
     auto envelope = bus::open_envelope(message);
     command->reply = envelope ? envelope->reply : envelope.error().reply;
+    command->arrived = now;
     command->board = topic->board;
     command->service = topic->service;
     const std::string request = envelope ? envelope->shown() : message.payload;
@@ -184,10 +185,10 @@ void Control::execute(std::shared_ptr<Command> command, const std::vector<Line>&
                  line.text});
     }
     command->all_sent = true;
-    if (command->open == 0) conclude(*command, out);
+    if (command->open == 0) conclude(*command, now, out);
 }
 
-bool Control::on_finished(const session::Finished& end, Effects& out) {
+bool Control::on_finished(const session::Finished& end, Time now, Effects& out) {
     const auto it = open_.find(end.id);
     if (it == open_.end()) return false;
     const Open request = std::move(it->second);
@@ -203,7 +204,7 @@ bool Control::on_finished(const session::Finished& end, Effects& out) {
         report("timeout", "no sign that the board executed it; it may have, or not");
     if (end.ending == session::Ending::kNotSent) report(reason_of(end), not_sent_text(end));
     note_end(*command, end);
-    if (--command->open == 0 && command->all_sent) conclude(*command, out);
+    if (--command->open == 0 && command->all_sent) conclude(*command, now, out);
     return true;
 }
 
@@ -254,7 +255,7 @@ void Control::refuse(Command& command, std::string_view request, std::string_vie
         report_failure(topics_, command.board, command.service.empty() ? "io" : command.service, request,
                        reason, text, out);
     command.outcome = bus::Reply::refused(std::string(reason), std::move(text));
-    conclude(command, out);
+    conclude(command, command.arrived, out);
 }
 
 void Control::report_refused(const std::string& board, std::string_view line, session::Refusal why,
@@ -263,7 +264,7 @@ void Control::report_refused(const std::string& board, std::string_view line, se
                    session::to_string(why), refusal_text(why), out);
 }
 
-void Control::conclude(Command& command, Effects& out) {
+void Control::conclude(Command& command, Time now, Effects& out) {
     // "Refused" is said of what was not executed at all.
     if (command.outcome.status == bus::Reply::Status::kRefused && command.not_sent < command.lines) {
         const std::string why = std::move(command.outcome.error);
@@ -278,6 +279,7 @@ void Control::conclude(Command& command, Effects& out) {
             recent_.answer(*command.key, command.outcome);
         }
     }
+    statistics_.answered(command.outcome, command.reply.wanted(), now - command.arrived);
     send(command.reply, command.outcome, out);
 }
 

@@ -8,6 +8,7 @@
 
 #include "agent/effects.hpp"
 #include "agent/recent_answers.hpp"
+#include "agent/statistics.hpp"
 #include "asip/bus/request_envelope.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/session/board_session.hpp"
@@ -24,17 +25,19 @@ inline constexpr session::ClientId kBusClient = session::ClientId{1} << 63;
 /// is reported on the service's error topic.
 class Control {
   public:
-    Control(const bus::Topics& topics, const session::BoardSession& session)
-        : topics_(topics), session_(session) {}
+    Control(const bus::Topics& topics, const session::BoardSession& session, Statistics& statistics)
+        : topics_(topics), session_(session), statistics_(statistics) {}
 
     /// A message on one of the board's `/in` topics.
     void on_message(const mqtt::Message& message, const session::ServiceTable& services,
                     session::BoardSession& session, Time now, session::Actions& actions, Effects& out);
     /// True: the request was one of ours.
-    bool on_finished(const session::Finished& end, Effects& out);
+    bool on_finished(const session::Finished& end, Time now, Effects& out);
     /// A line that came by another way than the bus was refused: reported on the error topic of its service.
     void report_refused(const std::string& board, std::string_view line, session::Refusal why,
                         const session::ServiceTable& services, Effects& out) const;
+    /// Answers that were forgotten before their minute was over.
+    std::uint64_t forgotten_answers() const { return recent_.dropped(); }
 
   private:
     /// One payload: one answer for all its lines.
@@ -44,6 +47,7 @@ class Control {
         std::string service;                    // the topic's; empty: raw lines, each its own
         std::optional<RecentAnswers::Key> key;  // none: cannot be recognised again
         session::ClientId client = 0;
+        Time arrived;
         Time deadline;
         const model::ServiceModel* model = nullptr;
         model::ModelPtr model_owner;
@@ -72,7 +76,7 @@ class Control {
     std::optional<session::Refusal> refusal(const std::vector<Line>& lines, session::ClientId client,
                                             const session::BoardSession& session) const;
     void note_end(Command& command, const session::Finished& end) const;
-    void conclude(Command& command, Effects& out);
+    void conclude(Command& command, Time now, Effects& out);
     void send(const bus::ReplyTo& to, const bus::Reply& reply, Effects& out);
     Expected<std::vector<Line>> read(const bus::RequestEnvelope& envelope,
                                      const session::ServiceTable::Entry* service) const;
@@ -80,6 +84,7 @@ class Control {
 
     bus::Topics topics_;
     const session::BoardSession& session_;
+    Statistics& statistics_;
     RecentAnswers recent_;
     std::unordered_map<session::RequestId, Open> open_;  // bounded by the session's queue
 };

@@ -40,7 +40,7 @@ struct Raw {
     program::BrokerOptions broker;
     program::LogOptions log;
     std::vector<std::string> listen;
-    std::string listen_silence = "2s";
+    std::string listen_silence = "2s", statistics = "15s";
     std::string name, serial, tcp, services, reset = "if-silent", terminator = "none";
     unsigned baud = 57600;
     unsigned max_baud = 1'000'000;
@@ -94,6 +94,10 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
                          ->check(CLI::Range(3, model::kMaxLeaseSeconds))
                          ->capture_default_str()
                          ->group("Bus"));
+    settings.setting(
+        app.add_option("--statistics", raw.statistics, "How often to publish what was counted; 0s: never")
+            ->capture_default_str()
+            ->group("Bus"));
     settings.setting(
         app.add_option("--line-terminator", raw.terminator, "What ends each message on BOARD/out")
             ->check(CLI::IsMember({"none", "lf", "crlf"}))
@@ -167,6 +171,9 @@ Expected<AgentOptions, int> read_options(int argc, const char* const* argv) {
     const auto silence = text::parse_duration(raw.listen_silence);
     if (!silence) return usage_error("--listen-silence: " + silence.error());
     options.listen_silence = *silence;
+    const auto statistics = text::parse_duration(raw.statistics);
+    if (!statistics) return usage_error("--statistics: " + statistics.error());
+    options.statistics = *statistics;
     auto mqtt = program::mqtt_options(raw.broker, "asip-agent");
     if (!mqtt) return usage_error(mqtt.error());
     options.mqtt = std::move(*mqtt);

@@ -43,7 +43,7 @@ struct Claims {
 };
 
 bool is_command(bus::TopicKind kind) {
-    return kind == bus::TopicKind::kBoardIn || kind == bus::TopicKind::kServiceIn ||
+    return kind == bus::TopicKind::kBoardIn || kind == bus::TopicKind::kStop || kind == bus::TopicKind::kServiceIn ||
            kind == bus::TopicKind::kProbe || kind == bus::TopicKind::kAnyRegistryQuery ||
            kind == bus::TopicKind::kRegistryQuery;
 }
@@ -64,7 +64,7 @@ std::string why_unreadable(const bus::TopicRef& ref, const Retained& message) {
 }
 
 bool looks_like_command(std::string_view topic) {
-    return topic.ends_with("/in");
+    return topic.ends_with("/in") || topic.ends_with("/$stop");
 }
 
 }  // namespace

@@ -143,6 +143,11 @@ void Registry::message(const mqtt::Message& message, Instant now) {
             return identity(message);
         case TopicKind::kProbe:
             return;
+        case TopicKind::kStats:
+        case TopicKind::kLog:
+            if (message.retain) tidier_.retained(message.topic, topic->board);
+            return;
+        case TopicKind::kStop:
         case TopicKind::kBoardIn:
         case TopicKind::kServiceIn:
         case TopicKind::kServiceError:

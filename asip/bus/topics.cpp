@@ -25,6 +25,8 @@ std::optional<TopicRef> parse_service_bus(std::string_view board, std::string_vi
     if (!has_rest) return TopicRef{TopicKind::kServiceNames, board, {}};
     if (rest == "$state") return TopicRef{TopicKind::kState, board, {}};
     if (rest == "$description") return TopicRef{TopicKind::kDescription, board, {}};
+    if (rest == "$stats") return TopicRef{TopicKind::kStats, board, {}};
+    if (rest == "$log") return TopicRef{TopicKind::kLog, board, {}};
     return std::nullopt;
 }
 
@@ -46,6 +48,7 @@ std::optional<TopicRef> parse_board(std::string_view board, std::string_view sec
     if (!has_rest) {
         if (second == "out") return TopicRef{TopicKind::kBoardOut, board, {}};
         if (second == "in") return TopicRef{TopicKind::kBoardIn, board, {}};
+        if (second == "$stop") return TopicRef{TopicKind::kStop, board, {}};
         return std::nullopt;
     }
     if (!legal_service_name(second)) return std::nullopt;

@@ -11,9 +11,12 @@ enum class TopicKind {
     kServiceNames,     ///< ROOT/servicebus/BOARD: payload is a service name
     kState,            ///< ROOT/servicebus/BOARD/$state
     kDescription,      ///< ROOT/servicebus/BOARD/$description
+    kStats,            ///< ROOT/servicebus/BOARD/$stats: what its agent counts
+    kLog,              ///< ROOT/servicebus/BOARD/$log: what its agent reports to people
     kProbe,            ///< ROOT/servicebus/$probe
     kBoardOut,         ///< ROOT/BOARD/out: raw lines
     kBoardIn,          ///< ROOT/BOARD/in: raw lines
+    kStop,             ///< ROOT/BOARD/$stop
     kServiceOut,       ///< ROOT/BOARD/SERVICE/out
     kServiceIn,        ///< ROOT/BOARD/SERVICE/in
     kServiceError,     ///< ROOT/BOARD/SERVICE/error
@@ -59,10 +62,13 @@ class Topics {
     std::string description(std::string_view board) const {
         return join("servicebus", board, "$description");
     }
+    std::string stats(std::string_view board) const { return join("servicebus", board, "$stats"); }
+    std::string log(std::string_view board) const { return join("servicebus", board, "$log"); }
     std::string probe() const { return root_ + "/servicebus/$probe"; }
 
     std::string board_out(std::string_view board) const { return join(board, "out"); }
     std::string board_in(std::string_view board) const { return join(board, "in"); }
+    std::string stop(std::string_view board) const { return join(board, "$stop"); }
     std::string service_out(std::string_view board, std::string_view service) const {
         return join(board, service, "out");
     }

@@ -72,6 +72,9 @@ class BridgeBench {
         run([&](Effects& out) { result = bridge.client_line(client, line, now, out); });
         return result;
     }
+    void publish_statistics() {
+        run([&](Effects& out) { bridge.publish_statistics({}, now, out); });
+    }
     void pass(Duration time) {
         const Time end = now + time;
         while (true) {

@@ -19,6 +19,9 @@ std::vector<Row> all_rows(const Topics& topics) {
         {topics.service_names("uno1"), {kServiceNames, "uno1", {}}},
         {topics.state("uno1"), {kState, "uno1", {}}},
         {topics.description("uno1"), {kDescription, "uno1", {}}},
+        {topics.stats("uno1"), {kStats, "uno1", {}}},
+        {topics.log("uno1"), {kLog, "uno1", {}}},
+        {topics.stop("uno1"), {kStop, "uno1", {}}},
         {topics.probe(), {kProbe, {}, {}}},
         {topics.board_out("uno1"), {kBoardOut, "uno1", {}}},
         {topics.board_in("uno1"), {kBoardIn, "uno1", {}}},
@@ -48,6 +51,8 @@ TEST(Topics, LiteralTopicsOfTheProtocol_AreWhatTheBuildersMake) {
     const Topics topics;
     EXPECT_EQ(topics.board_names(), "asip/servicebus");
     EXPECT_EQ(topics.state("uno1"), "asip/servicebus/uno1/$state");
+    EXPECT_EQ(topics.stats("uno1"), "asip/servicebus/uno1/$stats");
+    EXPECT_EQ(topics.stop("uno1"), "asip/uno1/$stop");
     EXPECT_EQ(topics.service_error("uno1", "io"), "asip/uno1/io/error");
     EXPECT_EQ(topics.any_registry_query(), "asip/registry/query");
     EXPECT_EQ(topics.registry_events("r1"), "asip/registry/r1/events");

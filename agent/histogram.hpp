@@ -1,0 +1,34 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "asip/time.hpp"
+
+namespace asip::agent {
+
+/// How long something took, counted in fixed buckets; never grows.
+class Histogram {
+  public:
+    /// Upper bounds of the buckets in seconds; one more bucket takes the rest.
+    static constexpr std::array<double, 19> kBounds{.0005, .001, .002, .003, .005, .007, .01, .015, .02, .03,
+                                                    .05,   .07,  .1,   .2,   .5,   1,    2,   5,    60};
+    using Counts = std::array<std::uint64_t, kBounds.size() + 1>;
+
+    void add(Duration took);
+    void clear() { *this = Histogram{}; }
+
+    const Counts& counts() const { return counts_; }
+    std::uint64_t count() const { return count_; }
+    double sum() const { return sum_; }
+    /// The duration in seconds that `part` (0 to 1) of them stay below, interpolated within its bucket; none
+    /// where nothing was counted.
+    std::optional<double> quantile(double part) const;
+
+  private:
+    Counts counts_{};
+    std::uint64_t count_ = 0;
+    double sum_ = 0;
+};
+
+}  // namespace asip::agent
