@@ -1,0 +1,100 @@
+// The boards that are there, as a table shows them: rows by name, filtered and sorted.
+import { time_of } from "./text.js";
+
+export const states = ["online", "sleeping", "updating", "lost", "offline"];
+export const alive = (state) => state === "online" || state === "sleeping" || state === "updating";
+
+function row_of(board, at, now) {
+  const services = typeof board.services === "string" ? board.services.split(" ").filter(Boolean) : board.services ?? [];
+  return {
+    name: board.board,
+    state: board.state,
+    chip: board.chip ?? "",
+    sketch: board.sketch ?? "",
+    conflict: Boolean(board.conflict),
+    services: services.map((service) => (typeof service === "string" ? service : service.name)),
+    since: time_of(board.since) ?? at ?? (board.age === undefined ? undefined : now - board.age * 1000),
+    seen: time_of(board.last_seen) ?? (board.age === undefined ? undefined : now - board.age * 1000),
+  };
+}
+
+export class Catalogue {
+  constructor() { this.clear(); }
+
+  clear() {
+    this.rows = new Map();
+    this.sorted = undefined;
+    this.complete = false;
+    this.version = 0;
+    this.fresh = undefined; // names of the snapshot that is being read
+  }
+
+  /// One event of the catalogue's stream.
+  apply(message, now = Date.now()) {
+    ++this.version;
+    const board = typeof message.board === "string" ? { ...message, board: message.board } : message.board;
+    switch (message.event) {
+      case "reset":
+        this.complete = false;
+        this.fresh = new Set();
+        break;
+      case "snapshot-end":
+        for (const name of this.fresh ? [...this.rows.keys()] : []) if (!this.fresh.has(name)) this.rows.delete(name);
+        this.fresh = undefined;
+        this.sorted = undefined;
+        this.complete = true;
+        break;
+      case "forgotten":
+        this.rows.delete(board.board);
+        this.sorted = undefined;
+        break;
+      default:
+        if (!board?.board) return;
+        this.fresh?.add(board.board);
+        if (!this.rows.has(board.board)) this.sorted = undefined;
+        this.rows.set(board.board, row_of(board, message.event === "state" ? time_of(message.at) : undefined, now));
+    }
+  }
+
+  /// Counts by state, of all boards.
+  counts() {
+    const counts = new Map();
+    for (const row of this.rows.values()) counts.set(row.state, (counts.get(row.state) ?? 0) + 1);
+    return counts;
+  }
+
+  kinds() {
+    const kinds = new Set();
+    for (const row of this.rows.values()) for (const service of row.services) kinds.add(service);
+    return [...kinds].sort();
+  }
+
+  /// Rows that fit; `text` is looked for in name, chip, sketch and services, each of its words.
+  view({ text = "", kind = "", state = "", sort = "name", descending = false } = {}) {
+    const wanted = text.toLowerCase().split(/\s+/).filter(Boolean);
+    const fits = (row) => {
+      if (state !== "" && row.state !== state) return false;
+      if (kind !== "" && !row.services.includes(kind)) return false;
+      if (wanted.length === 0) return true;
+      const all = `${row.name} ${row.chip} ${row.sketch} ${row.services.join(" ")}`.toLowerCase();
+      return wanted.every((word) => all.includes(word));
+    };
+    const rows = this.by_name().filter(fits);
+    if (sort !== "name") rows.sort(orders[sort]);
+    return descending ? rows.reverse() : rows;
+  }
+
+  // Comparing names costs much more than the rest: they are sorted again only where one came or went.
+  by_name() {
+    this.sorted ??= [...this.rows.keys()].sort(names.compare);
+    return this.sorted.map((name) => this.rows.get(name));
+  }
+}
+
+const names = new Intl.Collator("en", { numeric: true });
+const orders = {
+  state: (a, b) => states.indexOf(a.state) - states.indexOf(b.state),
+  services: (a, b) => a.services.length - b.services.length,
+  chip: (a, b) => names.compare(a.chip, b.chip) || names.compare(a.sketch, b.sketch),
+  since: (a, b) => (b.since ?? 0) - (a.since ?? 0),
+};

@@ -1,0 +1,144 @@
+// Forms for commands, made from the service model.
+
+const kMaxSliderSteps = 1023;
+
+function choices_of(argument) {
+  const entries = Object.entries(argument.names ?? {});
+  const { min, max } = argument;
+  if (entries.length === 0 || min === undefined || max === undefined) return undefined;
+  const by_number = new Map();
+  for (const [name, number] of entries) if (!by_number.has(number)) by_number.set(number, name);
+  if (by_number.size < max - min + 1) return undefined;
+  return [...by_number].sort((a, b) => a[0] - b[0]).map(([value, name]) => ({ value, name }));
+}
+
+function field_of(argument, model, service) {
+  const field = { name: argument.name, title: argument.title, unit: argument.unit, min: argument.min, max: argument.max,
+    max_length: argument.max_length, names: argument.names };
+  if (argument.type === "list") {
+    return { ...field, kind: "list", items: argument.items.map((item) => field_of(item, model, service)) };
+  }
+  if (argument.type === "text" || argument.type === "color") return { ...field, kind: argument.type };
+  if (argument.name === model.element && service.count > 0 && argument.type === "integer") {
+    const choices = Array.from({ length: service.count }, (_, value) => ({ value, name: `${model.element} ${value}` }));
+    return { ...field, kind: "choice", choices, preset: 0, element: true };
+  }
+  const choices = choices_of(argument);
+  if (choices) return { ...field, kind: "choice", choices };
+  const span = argument.max - argument.min;
+  return { ...field, kind: argument.type, slider: span > 0 && (argument.type === "number" || span <= kMaxSliderSteps) };
+}
+
+/// The fields of a command's form. `service` is the board's own entry (its `count` limits the elements).
+export function fields_of(command, model, service = {}) {
+  return (command.args ?? []).filter((argument) => argument.type !== "count")
+    .map((argument) => field_of(argument, model, service));
+}
+
+function range_text(field) {
+  if (field.min !== undefined && field.max !== undefined) return `${field.min} to ${field.max}`;
+  if (field.min !== undefined) return `${field.min} or more`;
+  return field.max !== undefined ? `${field.max} or less` : "";
+}
+
+/// What may be entered: "0 to 180", "up to 21 characters".
+export function hint_of(field) {
+  if (field.kind === "text") return field.max_length ? `up to ${field.max_length} characters` : "";
+  if (field.kind === "list") return field.max_length ? `up to ${field.max_length}` : "";
+  return range_text(field);
+}
+
+function parse_number(field, text) {
+  const named = field.names?.[text.trim()];
+  if (named !== undefined) return { value: named };
+  const value = Number(text);
+  if (!Number.isFinite(value)) return { error: "is not a number" };
+  if (field.kind === "integer" && !Number.isInteger(value)) return { error: "is not a whole number" };
+  if (value < field.min) return { error: `is below ${field.min}` };
+  if (value > field.max) return { error: `is above ${field.max}` };
+  return { value };
+}
+
+/// What was entered as a value, or why it is not one: {value} or {error}.
+export function parse_field(field, text) {
+  if (field.kind === "list") return parse_list(field, text);
+  if (field.kind === "text") {
+    if (/[^\x20-\x7e]/.test(text)) return { error: "takes plain ASCII characters only" };
+    if (text.length > field.max_length) return { error: `is longer than ${field.max_length} characters` };
+    return { value: text };
+  }
+  if (text === undefined || String(text).trim() === "") return { error: "is missing" };
+  if (field.kind === "color") return { value: text };
+  return parse_number(field, String(text));
+}
+
+function parse_list(field, rows) {
+  if (!rows?.length) return { error: "is empty" };
+  if (rows.length > field.max_length) return { error: `has more than ${field.max_length} items` };
+  const items = [];
+  for (const [index, row] of rows.entries()) {
+    const item = {};
+    for (const [i, part] of field.items.entries()) {
+      const { value, error } = parse_field(part, row[i]);
+      if (error) return { error: `${index + 1}: ${part.name} ${error}` };
+      item[part.name] = value;
+    }
+    items.push(field.items.length === 1 ? item[field.items[0].name] : item);
+  }
+  return { value: items };
+}
+
+/// The arguments by name from what was entered by name: {args} or {error, field}.
+export function arguments_of(fields, entered) {
+  const args = {};
+  for (const field of fields) {
+    const { value, error } = parse_field(field, entered[field.name]);
+    if (error) return { error: `${words_of(field)} ${error}`, field: field.name };
+    args[field.name] = value;
+  }
+  return { args };
+}
+
+function words_of(field) { return field.name.replace(/[-_]/g, " "); }
+
+/// The command that undoes `name` with `args` (by name), as its model says: {command, args}. Undefined: none.
+export function safe_form(model, name, args) {
+  const command = model.commands[name];
+  const { safe } = command;
+  if (typeof safe === "string") {
+    const wanted = (model.commands[safe]?.args ?? []).filter((argument) => argument.name in args);
+    return { command: safe, args: Object.fromEntries(wanted.map((argument) => [argument.name, args[argument.name]])) };
+  }
+  if (!Array.isArray(safe)) return undefined;
+  const named = (command.args ?? []).map((argument, i) => [argument.name, safe[i] ?? args[argument.name]]);
+  return { command: name, args: Object.fromEntries(named) };
+}
+
+/// What an answer of the bus means to a person: {kind: ok|error|refused|timeout, text}.
+export function answer_text(answer) {
+  switch (answer.status) {
+    case "ok":
+      if (answer.proof === "answer") return { kind: "ok", text: `Answer: ${value_text(answer.answer)}` };
+      return { kind: "ok", text: "Done: the board has executed it." };
+    case "error":
+      return { kind: "error", text: `The board's error ${answer.code ?? ""}: ${words_of_error(answer.error)}.` };
+    case "refused":
+      return { kind: "refused", text: `Not sent: ${answer.error ?? answer.reason}` };
+    default:
+      return { kind: "timeout", text: timeout_texts[answer.reason] ?? "No answer in time: it may or may not have been executed." };
+  }
+}
+
+const timeout_texts = {
+  doubt: "The line was disturbed: it may or may not have been executed.",
+  "no-value": "Executed, but the value did not come.",
+  partly: "Only a part of it was sent.",
+  connection: "The connection was lost: it may or may not have been executed.",
+};
+
+function words_of_error(error) { return String(error ?? "unknown").toLowerCase().replaceAll("_", " "); }
+
+function value_text(answer) {
+  return Object.values(answer ?? {}).map((value) => JSON.stringify(value)).join(" ").replace(/[{}"[\]]/g, " ")
+    .replace(/\s+/g, " ").replace(/ ?, ?/g, ", ").trim();
+}

@@ -1,0 +1,103 @@
+// The pins of a board as its description and its reports say.
+
+export const mode_names = ["unallocated", "input", "input-pullup", "output", "analog", "pwm", "reserved", "other-service", "invalid"];
+export const kDigital = 1;
+export const kAnalog = 2;
+export const kPwm = 4;
+
+/// What each pin is: [{number, label, can, owner, mode, channel}]. `owner` is "" (free), "system" or a service's name.
+export function pins_of(description) {
+  const pins = description?.pins;
+  if (!pins?.capabilities) return [];
+  const letters = new Map((description.services ?? []).map((service) => [service.id, service.name]));
+  const channels = pins.analog ?? {};
+  return [...pins.capabilities].map((digit, number) => {
+    const letter = pins.owners?.[number] ?? "-";
+    const channel = channels[number];
+    return {
+      number,
+      channel,
+      label: channel === undefined || !is_analog_label(number, pins.capabilities.length) ? String(number) : `A${channel}`,
+      can: Number(digit),
+      owner: letter === "@" ? "system" : letter === "-" || letter === "I" ? "" : letters.get(letter) ?? letter,
+      mode: pins.modes?.[number] === undefined ? undefined : Number(pins.modes[number]),
+    };
+  });
+}
+
+// A Leonardo's digital pins that are analog inputs too keep their numbers.
+function is_analog_label(number, count) { return number >= first_analog(count); }
+function first_analog(count) {
+  if (count <= 22) return 14;
+  return count >= 70 ? 54 : count >= 30 ? 18 : 14;
+}
+
+/// Rows as they are on the board, from top to bottom; each row is a list of groups of pins.
+export function board_rows(pins) {
+  const digital = pins.filter((pin) => !pin.label.startsWith("A"));
+  const analog = pins.filter((pin) => pin.label.startsWith("A"));
+  const downwards = (low, high) => digital.filter((pin) => pin.number >= low && pin.number <= high).reverse();
+  const upwards = (low, high) => digital.filter((pin) => pin.number >= low && pin.number <= high);
+  const rows = [[downwards(8, 13), downwards(0, 7)]];
+  if (digital.length > 14) rows[0].push(upwards(14, 21));
+  for (let low = 22; low < digital.length; low += 16) rows.push([upwards(low, low + 7), upwards(low + 8, low + 15)]);
+  const analog_groups = [];
+  for (let i = 0; i < analog.length; i += 8) analog_groups.push(analog.slice(i, i + 8));
+  if (analog_groups.length) rows.push(analog_groups);
+  return rows.map((groups) => groups.filter((group) => group.length > 0)).filter((row) => row.length > 0);
+}
+
+/// Modes that a free pin can be set to, by what it can do.
+export function settable_modes(pin) {
+  const modes = [];
+  if (pin.can & kDigital) modes.push("input", "input-pullup", "output");
+  if (pin.can & kPwm) modes.push("pwm");
+  if (pin.can & kAnalog) modes.push("analog");
+  return modes;
+}
+
+/// What is known of the pins from reports of the I/O service and from commands that were executed.
+export class PinValues {
+  constructor() {
+    this.modes = new Map();
+    this.levels = new Map();
+    this.analog = new Map(); // by channel
+    this.duties = new Map();
+  }
+
+  /// A value of the service: {"digital":{"2":1}}, {"analog":{"0":320}}, {"modes":[6,6,1]}.
+  reported(value) {
+    for (const [pin, level] of Object.entries(value.digital ?? {})) this.levels.set(Number(pin), level);
+    for (const [channel, reading] of Object.entries(value.analog ?? {})) this.analog.set(Number(channel), reading);
+    (value.modes ?? []).forEach((mode, pin) => this.modes.set(pin, mode));
+  }
+
+  /// A command that the board has executed.
+  executed(command, args) {
+    if (command === "mode") {
+      const mode = typeof args.mode === "string" ? mode_names.indexOf(args.mode) : args.mode;
+      this.modes.set(args.pin, mode);
+      this.levels.delete(args.pin);
+      this.duties.delete(args.pin);
+    } else if (command === "write") {
+      this.levels.set(args.pin, Number(args.level));
+    } else if (command === "pwm") {
+      this.duties.set(args.pin, args.duty);
+    }
+  }
+
+  /// {mode, text, level}: level 0..1 for the light of the pin, undefined where nothing is known.
+  state_of(pin) {
+    const mode = mode_names[this.modes.get(pin.number) ?? pin.mode];
+    if (mode === "analog") {
+      const value = this.analog.get(pin.channel);
+      return { mode, text: value === undefined ? "" : String(value), level: value === undefined ? undefined : value / 1023 };
+    }
+    if (mode === "pwm") {
+      const duty = this.duties.get(pin.number);
+      return { mode, text: duty === undefined ? "" : `${Math.round(duty / 2.55)}%`, level: duty === undefined ? undefined : duty / 255 };
+    }
+    const level = ["input", "input-pullup", "output"].includes(mode) ? this.levels.get(pin.number) : undefined;
+    return { mode, text: level === undefined ? "" : level ? "high" : "low", level };
+  }
+}

@@ -1,0 +1,131 @@
+// Values over time, for plots: bounded, oldest first.
+
+function member(key, name, value, field) { return { key, name, value, unit: field?.unit, min: field?.min, max: field?.max }; }
+
+/// The single numbers in the value of one event: [{key, name, value, unit}]. `event` is its model, if there is one.
+export function numbers_of(name, value, event, element) {
+  const fields = event?.fields ?? [];
+  const field_named = (key) => fields.find((field) => field.name === key);
+  if (typeof value === "number" || typeof value === "boolean") return [member(name, name, Number(value), fields[0])];
+  if (value === null || typeof value !== "object") return [];
+  const list = Array.isArray(value);
+  return Object.entries(value).flatMap(([key, item]) => {
+    const label = !list ? key : value.length === 1 ? "" : `${element ?? name} ${key}`;
+    if (typeof item === "number") {
+      const field = list || !field_named(key) ? fields[0] : field_named(key);
+      return [member(key, label || field?.name || name, item, field)];
+    }
+    if (item === null || typeof item !== "object") return [];
+    return Object.entries(item).filter(([, number]) => typeof number === "number")
+      .map(([part, number]) => member(`${key}.${part}`, label ? `${label} ${part}` : part, number, field_named(part)));
+  });
+}
+
+/// The points of several lines: times and one array of values a line (NaN: none at that time).
+export class Series {
+  constructor(max_points = 3600, max_age_ms = 10 * 60 * 1000) {
+    this.max_points = max_points;
+    this.max_age_ms = max_age_ms;
+    this.times = [];
+    this.lines = new Map(); // key -> {name, unit, values}
+    this.left_out = 0;
+  }
+
+  /// Points that are not newer than the last one are skipped: a repeated one changes nothing.
+  add(time, numbers) {
+    if (this.times.length > 0 && time <= this.times.at(-1)) return false;
+    this.times.push(time);
+    for (const { key, name, unit } of numbers) {
+      if (!this.lines.has(key)) {
+        this.lines.set(key, { key, name, unit, values: new Array(this.times.length - 1).fill(NaN) });
+      }
+    }
+    const by_key = new Map(numbers.map((number) => [number.key, number.value]));
+    for (const line of this.lines.values()) line.values.push(by_key.get(line.key) ?? NaN);
+    this.trim(time);
+    return true;
+  }
+
+  trim(now) {
+    let gone = Math.max(0, this.times.length - this.max_points);
+    while (gone < this.times.length && this.times[gone] < now - this.max_age_ms) ++gone;
+    // Many at once: moving the rest for each single point would cost more than drawing it.
+    if (gone < this.times.length && gone < this.max_points / 8 && this.times.length < this.max_points * 1.25) return;
+    this.times.splice(0, gone);
+    for (const line of this.lines.values()) line.values.splice(0, gone);
+  }
+
+  /// The first index whose time is at least `time`.
+  index_at(time) {
+    let low = 0;
+    let high = this.times.length;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.times[middle] < time) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+
+  /// A copy that does not change any more.
+  frozen() {
+    const copy = new Series(this.max_points, this.max_age_ms);
+    copy.times = this.times.slice();
+    for (const line of this.lines.values()) copy.lines.set(line.key, { ...line, values: line.values.slice() });
+    return copy;
+  }
+
+  csv(from = -Infinity, to = Infinity) {
+    const lines = [...this.lines.values()];
+    const quoted = (text) => (/[",\n]/.test(text) || /^[=+@-]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+    const rows = [["time", ...lines.map((line) => quoted(line.unit ? `${line.name} (${line.unit})` : line.name))].join(",")];
+    for (let i = this.index_at(from); i < this.times.length && this.times[i] <= to; ++i) {
+      const values = lines.map((line) => (Number.isNaN(line.values[i]) ? "" : line.values[i]));
+      rows.push([new Date(this.times[i]).toISOString(), ...values].join(","));
+    }
+    return rows.join("\r\n") + "\r\n";
+  }
+}
+
+/// What to draw of one line in [from, to] on `width` columns: for each column with points its first, lowest, highest and
+/// last value, so that no peak is lost: [{time, value}].
+export function thinned(series, values, from, to, width) {
+  const first = Math.max(0, series.index_at(from) - 1);
+  const end = Math.min(series.times.length, series.index_at(to) + 1);
+  const points = [];
+  if (end - first <= width * 2) {
+    for (let i = first; i < end; ++i) if (!Number.isNaN(values[i])) points.push({ time: series.times[i], value: values[i] });
+    return points;
+  }
+  const per_ms = width / (to - from);
+  let column = NaN;
+  let group;
+  const flush = () => {
+    if (group) for (const i of [...new Set([group.first, group.low, group.high, group.last].sort((a, b) => a - b))]) points.push({ time: series.times[i], value: values[i] });
+  };
+  for (let i = first; i < end; ++i) {
+    if (Number.isNaN(values[i])) continue;
+    const at = Math.floor((series.times[i] - from) * per_ms);
+    if (at !== column) {
+      flush();
+      column = at;
+      group = { first: i, low: i, high: i, last: i };
+    } else {
+      if (values[i] < values[group.low]) group.low = i;
+      if (values[i] > values[group.high]) group.high = i;
+      group.last = i;
+    }
+  }
+  flush();
+  return points;
+}
+
+/// Round numbers for an axis: at most `count` + 1 of them within [low, high].
+export function ticks(low, high, count) {
+  const rough = (high - low) / Math.max(1, count);
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].map((factor) => factor * power).find((each) => each >= rough) ?? power * 10;
+  const result = [];
+  for (let tick = Math.ceil(low / step) * step; tick <= high + step * 1e-9; tick += step) result.push(Number(tick.toPrecision(12)));
+  return result;
+}

@@ -1,0 +1,55 @@
+// Words and numbers for people.
+
+/// "3 s", "5 min", "2 h", "4 days"; "" where it is not known.
+export function duration_text(ms) {
+  if (!Number.isFinite(ms)) return "";
+  const seconds = Math.max(0, Math.round(ms / 1000));
+  if (seconds < 60) return `${seconds} s`;
+  const minutes = Math.floor(seconds / 60);
+  if (minutes < 60) return `${minutes} min`;
+  const hours = Math.floor(minutes / 60);
+  if (hours < 48) return `${hours} h`;
+  return `${Math.floor(hours / 24)} days`;
+}
+
+const clock = new Intl.DateTimeFormat("en-GB", { hour: "2-digit", minute: "2-digit", second: "2-digit" });
+const date = new Intl.DateTimeFormat("en-GB", { day: "numeric", month: "short", year: "numeric" });
+
+export function clock_text(ms) { return clock.format(ms); }
+
+/// The time alone for today, otherwise with its day.
+export function moment_text(ms, now = Date.now()) {
+  if (!Number.isFinite(ms)) return "";
+  const day = date.format(ms);
+  return day === date.format(now) ? clock.format(ms) : `${day} ${clock.format(ms)}`;
+}
+
+/// At most four digits behind the point, none that say nothing.
+export function number_text(value) {
+  if (typeof value !== "number") return String(value);
+  return Number.isInteger(value) ? String(value) : String(Number(value.toFixed(4)));
+}
+
+const units = { degrees: "°", us: "µs" };
+export function unit_text(unit) { return unit === undefined ? "" : units[unit] ?? unit; }
+
+export function with_unit(value, unit) {
+  const text = unit_text(unit);
+  if (text === "") return number_text(value);
+  return number_text(value) + (text === "°" || text === "%" ? "" : "\u00a0") + text;
+}
+
+export function plural(count, one, many = one + "s") { return `${count.toLocaleString("en")} ${count === 1 ? one : many}`; }
+
+/// "input-pullup" as a person reads it: "Input pullup".
+export function words(name) {
+  const text = String(name).replace(/[-_]/g, " ");
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
+/// Milliseconds since 1970 from what the API gives: ISO text, seconds or milliseconds. Undefined: not a time.
+export function time_of(value) {
+  if (typeof value === "number") return value < 1e11 ? value * 1000 : value;
+  const ms = Date.parse(value ?? "");
+  return Number.isNaN(ms) ? undefined : ms;
+}

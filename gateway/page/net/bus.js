@@ -1,0 +1,121 @@
+// What a tab knows of the gateway: subscriptions, commands, requests.
+import { Hub } from "./hub.js";
+
+export const base = new URL("./", document.baseURI);
+const kHeartbeatMs = 60_000;
+
+class Bus extends EventTarget {
+  constructor() {
+    super();
+    this.link = { state: "connecting", since: Date.now() };
+    this.listeners = new Map(); // ref -> {request, listener}
+    this.waiting = new Map();   // id -> resolve
+    this.next = 1;
+    this.prefix = Math.random().toString(36).slice(2, 8);
+    this.connect();
+    setInterval(() => this.port.postMessage({ alive: true }), kHeartbeatMs);
+    addEventListener("pagehide", () => this.port.postMessage({ bye: true }));
+    addEventListener("pageshow", (event) => { if (event.persisted) this.connect(); });
+    document.addEventListener("visibilitychange", () => { if (!document.hidden) this.hurry(); });
+  }
+
+  connect() {
+    this.port = open_port();
+    this.port.onmessage = (event) => event.data.forEach((message) => this.received(message));
+    for (const [ref, { request }] of this.listeners) this.port.postMessage({ subscribe: request, ref });
+  }
+
+  received(message) {
+    if (message.link) {
+      this.link = message.link;
+      this.dispatchEvent(new Event("link"));
+    } else if (message.expired) {
+      for (const [ref, { listener }] of this.listeners) listener({ ref, event: "reset" });
+      this.connect();
+    } else if (message.ref !== undefined) {
+      this.listeners.get(Number(message.ref))?.listener(message);
+    } else if (message.id !== undefined) {
+      this.answered(message);
+    }
+  }
+
+  answered(message) {
+    const resolve = this.waiting.get(message.id);
+    this.waiting.delete(message.id);
+    if (message.status === undefined) message = { status: "refused", reason: "invalid", error: message.error ?? "refused by the gateway" };
+    resolve?.(message);
+  }
+
+  /// `listener` gets each event; the returned function ends it.
+  subscribe(request, listener) {
+    const ref = this.next++;
+    this.listeners.set(ref, { request, listener });
+    this.port.postMessage({ subscribe: request, ref });
+    return () => {
+      if (this.listeners.delete(ref)) this.port.postMessage({ unsubscribe: ref });
+    };
+  }
+
+  /// {id, answer}: `answer` is a promise of the bus's answer; it always comes.
+  command(board, service, name, args, more = {}) {
+    const id = `${this.prefix}-${this.next++}`;
+    const target = `${board}/${service}`;
+    const answer = new Promise((resolve) => this.waiting.set(id, resolve));
+    this.port.postMessage({ command: { command: target, [name]: args, ...more }, id });
+    return { id, answer, renew: () => this.port.postMessage({ renew: { command: target }, id }) };
+  }
+
+  hurry() { this.port.postMessage({ hurry: true }); }
+}
+
+function open_port() {
+  if ("SharedWorker" in self) {
+    try {
+      return new SharedWorker(worker_url(), { type: "module", name: "asip" }).port;
+    } catch (error) {
+      console.warn("no shared worker, so this tab has a connection of its own", error);
+    }
+  }
+  const { port1, port2 } = new MessageChannel();
+  const url = new URL("api/stream", base);
+  url.protocol = url.protocol.replace("http", "ws");
+  own_hub ??= new Hub(url.href);
+  own_hub.add(port2);
+  return port1;
+}
+let own_hub;
+
+function worker_url() {
+  const url = new URL("net/worker.js", base).href;
+  policy ??= self.trustedTypes?.createPolicy("page", { createScriptURL: (text) => text });
+  return policy ? policy.createScriptURL(url) : url;
+}
+let policy;
+
+export class Problem extends Error {
+  constructor(status, text) {
+    super(text);
+    this.status = status;
+  }
+}
+
+/// What the gateway answers as JSON; throws a Problem with a sentence for people.
+export async function request(path, { method = "GET", body } = {}) {
+  let response;
+  try {
+    response = await fetch(new URL(path, base), {
+      method,
+      headers: body === undefined ? {} : { "Content-Type": "application/json" },
+      body: body === undefined ? undefined : JSON.stringify(body),
+      signal: AbortSignal.timeout(15_000),
+    });
+  } catch {
+    throw new Problem(0, "The gateway does not answer.");
+  }
+  const json = await response.json().catch(() => undefined);
+  if (response.ok) return json;
+  throw new Problem(response.status, json?.detail ?? json?.title ?? `The gateway answers with status ${response.status}.`);
+}
+
+export const path_of = (...parts) => "api/" + parts.map(encodeURIComponent).join("/");
+export const bus = new Bus();

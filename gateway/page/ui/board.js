@@ -1,0 +1,121 @@
+// One board: what it is, its pins, its services, its history.
+import { alive } from "../core/catalogue.js";
+import { duration_text, moment_text, time_of } from "../core/text.js";
+import { path_of, request } from "../net/bus.js";
+import { h, Part, set_text, state_mark } from "./dom.js";
+import { boards, status } from "./model.js";
+import "./history.js";
+import { has_pins } from "./pins.js";
+import "./service.js";
+
+const kReloadMs = 200;
+
+class Board extends Part {
+  begin(name) {
+    this.name = name;
+    return this;
+  }
+
+  shown() {
+    this.heading = h("h1", { tabindex: "-1" }, this.name);
+    this.mark = h("span", {});
+    this.since = h("span", { class: "muted" });
+    this.facts = h("dl", { class: "facts" });
+    this.pins = document.createElement("asip-pins");
+    this.pins_box = h("section", { "aria-label": "Pins", hidden: true }, h("h2", {}, "Pins"));
+    this.services = h("section", { class: "services", "aria-label": "Services" });
+    this.problem = h("p", { class: "empty", role: "status", hidden: true });
+    this.tools = h("span", { class: "tools" });
+    this.append(h("p", { class: "back" }, h("a", { href: "#/" }, "← All boards")), h("div", { class: "title-row" }, this.heading, this.mark, this.since, this.tools),
+      this.problem, this.facts, this.pins_box, this.services,
+      h("section", {}, h("h2", {}, "History"), document.createElement("asip-history").begin(path_of("boards", this.name, "history"), false)));
+    this.addEventListener("executed", (event) => this.pins.executed?.(event.detail));
+    this.listen(boards, "board", (event) => { if (event.board === this.name) this.reload(event.kind); });
+    this.listen(boards, "change", () => this.show_state());
+    this.listen(status, "change", () => this.show_state());
+    this.every(1000, () => this.show_state());
+    this.load();
+  }
+
+  reload(kind) {
+    if (kind === "state" || kind === "forgotten") this.show_state();
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => { if (this.isConnected) this.load(); }, kReloadMs);
+  }
+
+  async load() {
+    try {
+      this.board = await request(path_of("boards", this.name));
+      this.problem.hidden = true;
+      if (this.isConnected) this.show();
+    } catch (problem) {
+      this.problem.hidden = false;
+      set_text(this.problem, problem.status === 404 ? `There is no board ${this.name} now. This page shows it as soon as it is there.` : problem.message);
+    }
+    this.show_state();
+  }
+
+  show_state() {
+    const row = boards.catalogue.rows.get(this.name);
+    const state = row?.state ?? this.board?.state;
+    if (state !== this.state) {
+      this.state = state;
+      this.mark.replaceChildren(state ? state_mark(state) : "");
+      this.show_tools();
+    }
+    const since = row?.since ?? time_of(this.board?.since);
+    set_text(this.since, since === undefined ? "" : `since ${moment_text(since)} (${duration_text(Date.now() - since)})`);
+    this.classList.toggle("gone", Boolean(state) && !alive(state));
+    if (this.tools_role !== status.role) this.show_tools();
+  }
+
+  show_tools() {
+    this.tools_role = status.role;
+    const stop = h("asip-stop", { board: this.name });
+    const forget = h("button", { onclick: () => this.forget() }, "Forget this board");
+    this.tools.replaceChildren(...(this.state && alive(this.state) ? [stop] : this.state && status.may_forget ? [forget] : []));
+  }
+
+  async forget() {
+    try {
+      await request(path_of("boards", this.name), { method: "DELETE", body: {} });
+      location.hash = "#/";
+    } catch (problem) {
+      this.problem.hidden = false;
+      set_text(this.problem, problem.message);
+    }
+  }
+
+  show() {
+    const { board } = this;
+    const description = board.description ?? { services: board.services };
+    const facts = [["Chip", board.chip], ["Sketch", board.sketch], ["Protocol", board.protocol && `ASIP ${board.protocol}`], ["Link", board.link],
+      ["Agent", board.agent], ["Conflict", board.conflict && `another agent, ${board.conflict.other_agent ?? board.conflict.other}, uses this name`],
+      ["Known by", board.by_name && "its names only: it publishes no description"]].filter(([, text]) => text);
+    this.facts.replaceChildren(...facts.map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text))));
+    this.show_pins(description);
+    this.show_services(description.services ?? board.services ?? []);
+  }
+
+  show_pins(description) {
+    const key = JSON.stringify([description.pins, description.services]);
+    if (key === this.pins_key) return;
+    this.pins_key = key;
+    this.pins_box.hidden = !has_pins(description);
+    this.pins.begin(this.name, description);
+    if (!this.pins_box.hidden && !this.pins.isConnected) this.pins_box.append(this.pins);
+  }
+
+  show_services(services) {
+    const key = JSON.stringify(services.map(({ name, model, count }) => [name, model, count]));
+    if (key === this.services_key) return;
+    this.services_key = key;
+    const pins = !this.pins_box.hidden;
+    const order = [...services].sort((a, b) => (a.name === "io") - (b.name === "io"));
+    this.services.replaceChildren(h("h2", {}, "Services"), ...(order.length ? [] : [h("p", { class: "empty" }, "This board offers no service.")]),
+      ...order.map((service) => document.createElement("asip-service").begin(this.name, service, {
+        pins: pins && service.name === "io", on_value: service.name === "io" ? (value) => this.pins.reported?.(value) : undefined })));
+  }
+}
+
+customElements.define("asip-board", Board);

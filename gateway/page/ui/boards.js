@@ -1,0 +1,167 @@
+// The table of all boards.
+import { alive, states } from "../core/catalogue.js";
+import { duration_text, moment_text, plural } from "../core/text.js";
+import { moved_row, scroll_to_show, visible_rows } from "../core/virtual.js";
+import { boards } from "./model.js";
+import { h, Part, set_class, set_text } from "./dom.js";
+
+const columns = [["name", "Board"], ["state", "State"], ["since", "Since"], ["services", "Services"], ["chip", "Chip, sketch"]];
+const filter = { text: "", kind: "", state: "", sort: "name", descending: false }; // kept from visit to visit
+
+class Boards extends Part {
+  shown() {
+    this.rows = [];
+    this.drawn = new Map(); // index -> row element
+    this.spare = [];
+    this.current = 0;
+    this.append(h("h1", { class: "hidden" }, "Boards"), this.toolbar(), this.table());
+    this.row_height = parseFloat(getComputedStyle(this).getPropertyValue("--row"));
+    this.listen(boards, "change", () => this.refresh());
+    this.listen(this.scroll, "scroll", () => this.draw());
+    this.listen(window, "resize", () => this.measure());
+    this.every(1000, () => this.draw());
+    this.measure();
+    this.refresh();
+  }
+
+  toolbar() {
+    const search = h("input", { type: "search", "aria-label": "Search boards", placeholder: "Search name, chip, sketch or service",
+      value: filter.text, oninput: () => this.filtered({ text: search.value }) });
+    this.kind = h("select", { "aria-label": "Kind of service", onchange: () => this.filtered({ kind: this.kind.value }) });
+    this.chips = h("div", { class: "chips", role: "group", "aria-label": "State" });
+    this.found = h("span", { class: "muted found", role: "status" });
+    return h("div", { class: "toolbar" }, search, this.kind, this.chips, this.found);
+  }
+
+  table() {
+    this.heads = columns.map(([key, title]) => h("span", { role: "columnheader", class: `c-${key}` },
+      h("button", { onclick: () => this.filtered({ sort: key, descending: filter.sort === key && !filter.descending }) }, title)));
+    this.filler = h("div", { class: "filler", role: "presentation" });
+    this.scroll = h("div", { class: "scroll", role: "rowgroup", tabindex: "-1", onkeydown: (event) => this.key(event) }, this.filler);
+    this.empty = h("p", { class: "empty", hidden: true });
+    this.grid = h("div", { class: "boards", role: "table", "aria-label": "Boards" },
+      h("div", { role: "rowgroup" }, h("div", { role: "row", class: "row head" }, this.heads)), this.scroll);
+    return h("div", { class: "table-box" }, this.grid, this.empty);
+  }
+
+  filtered(change) {
+    Object.assign(filter, change);
+    this.scroll.scrollTop = 0;
+    this.current = 0;
+    this.refresh();
+  }
+
+  measure() {
+    this.height = this.scroll.clientHeight;
+    this.draw();
+  }
+
+  refresh() {
+    const { catalogue } = boards;
+    this.rows = catalogue.view(filter);
+    this.current = Math.max(0, Math.min(this.current, this.rows.length - 1));
+    this.show_filters(catalogue);
+    this.heads.forEach((head, i) => {
+      if (columns[i][0] === filter.sort) head.setAttribute("aria-sort", filter.descending ? "descending" : "ascending");
+      else head.removeAttribute("aria-sort");
+    });
+    this.grid.setAttribute("aria-rowcount", this.rows.length + 1);
+    this.filler.style.height = `${this.rows.length * this.row_height}px`;
+    this.empty.hidden = this.rows.length > 0;
+    this.grid.hidden = this.rows.length === 0;
+    set_text(this.empty, this.empty_text(catalogue));
+    const all = catalogue.rows.size;
+    set_text(this.found, this.rows.length === all ? plural(all, "board") : `${this.rows.length.toLocaleString("en")} of ${plural(all, "board")}`);
+    this.measure();
+  }
+
+  empty_text(catalogue) {
+    if (catalogue.rows.size > 0) return "No board fits. Change the search or the filters.";
+    return catalogue.complete ? "No board is there yet. Start an asip-agent for a board, and it appears here." : "Looking for boards …";
+  }
+
+  show_filters(catalogue) {
+    const kinds = catalogue.kinds();
+    const key = kinds.join(" ");
+    if (key !== this.shown_kinds) {
+      this.shown_kinds = key;
+      this.kind.replaceChildren(h("option", { value: "" }, "All services"), ...kinds.map((kind) => h("option", { value: kind }, kind)));
+      if (filter.kind !== "" && !kinds.includes(filter.kind)) this.kind.append(h("option", { value: filter.kind }, filter.kind));
+      this.kind.value = filter.kind;
+    }
+    const counts = catalogue.counts();
+    const wanted = ["", ...states.filter((state) => counts.has(state) || state === filter.state)];
+    if (wanted.join() !== this.shown_states) {
+      this.shown_states = wanted.join();
+      this.chips.replaceChildren(...wanted.map((state) => h("button", { "data-state": state, onclick: () => this.filtered({ state }) },
+        h("span", { class: state && `state ${state}` }, state || "all"), h("span", { class: "count" }))));
+    }
+    for (const chip of this.chips.children) {
+      const { state } = chip.dataset;
+      chip.setAttribute("aria-pressed", state === filter.state);
+      set_text(chip.lastChild, String(state === "" ? catalogue.rows.size : counts.get(state) ?? 0));
+    }
+  }
+
+  draw() {
+    const { first, end } = visible_rows(this.scroll.scrollTop, this.height, this.row_height, this.rows.length);
+    for (const [index, row] of this.drawn) {
+      if (index >= first && index < end) continue;
+      if (row.contains(document.activeElement)) this.scroll.focus();
+      this.drawn.delete(index);
+      this.spare.push(row);
+      row.hidden = true;
+    }
+    const now = Date.now();
+    for (let index = first; index < end; ++index) {
+      let row = this.drawn.get(index);
+      if (!row) {
+        row = this.spare.pop() ?? this.new_row();
+        row.hidden = false;
+        row.style.transform = `translateY(${index * this.row_height}px)`;
+        row.setAttribute("aria-rowindex", index + 2);
+        this.drawn.set(index, row);
+      }
+      this.fill(row, this.rows[index], index, now);
+    }
+  }
+
+  new_row() {
+    const cells = columns.map(([key]) => h("span", { role: "cell", class: `c-${key}` }));
+    cells[0].append(h("a", {}));
+    cells[1].append(h("span", {}));
+    const row = h("div", { role: "row", class: "row" }, cells);
+    this.filler.append(row);
+    return row;
+  }
+
+  fill(row, board, index, now) {
+    const [name, state, since, services, chip] = row.children;
+    const link = name.firstChild;
+    set_text(link, board.name);
+    const href = `#/board/${encodeURIComponent(board.name)}`;
+    if (link.getAttribute("href") !== href) link.setAttribute("href", href);
+    link.tabIndex = index === this.current ? 0 : -1;
+    set_text(state.firstChild, board.conflict ? `${board.state}, conflict` : board.state);
+    set_class(state.firstChild, `state ${board.state}`);
+    set_text(since, board.since === undefined ? "" : duration_text(now - board.since));
+    since.title = board.since === undefined ? "" : `${board.state} since ${moment_text(board.since, now)}`;
+    const text = board.services.join("  ");
+    set_text(services, text);
+    services.title = text;
+    set_text(chip, [board.chip, board.sketch].filter(Boolean).join(", "));
+    row.classList.toggle("gone", !alive(board.state));
+  }
+
+  key(event) {
+    const to = moved_row(event.key, this.current, this.rows.length, Math.floor(this.height / this.row_height));
+    if (to === undefined) return;
+    event.preventDefault();
+    this.current = to;
+    this.scroll.scrollTop = scroll_to_show(to, this.scroll.scrollTop, this.height, this.row_height);
+    this.draw();
+    this.drawn.get(to)?.querySelector("a").focus({ preventScroll: true });
+  }
+}
+
+customElements.define("asip-boards", Boards);

@@ -1,0 +1,238 @@
+// A form for one command, made from the model of its service.
+import { answer_text, arguments_of, fields_of, hint_of, parse_field, safe_form } from "../core/form.js";
+import { unit_text, words } from "../core/text.js";
+import { bus } from "../net/bus.js";
+import { fresh_id, h, Part, set_text } from "./dom.js";
+import { status } from "./model.js";
+
+const kHoldMs = 500;
+const kRenewMs = 150;
+const kNewestMs = 100; // while held, a moved slider is sent at most so often
+const last_values = new Map(); // "BOARD/SERVICE/COMMAND" -> entered values of the last one that was executed
+
+class Command extends Part {
+  /// Call before it is put into the page.
+  begin(board, service, model, name) {
+    Object.assign(this, { board, service, model, name, command: model.commands[name] });
+    this.fields = fields_of(this.command, model, service);
+    this.key = `${board}/${service.name}/${name}`;
+    return this;
+  }
+
+  shown() {
+    const title = this.command.title ?? words(this.name);
+    this.inputs = new Map();
+    this.output = h("output", { class: "answer", "aria-live": "polite" });
+    this.actions = h("span", { class: "actions" }, this.buttons());
+    this.form = h("form", { "aria-label": title, novalidate: true, class: this.fields.length === 0 ? "bare" : "",
+      onsubmit: (event) => { event.preventDefault(); this.send(); } },
+      h("div", { class: "title" }, h("span", {}, title), this.output), this.fields.map((field) => this.control(field)), this.actions);
+    this.append(this.form);
+    this.listen(status, "change", () => this.allow());
+    this.allow();
+  }
+
+  allow() {
+    for (const control of this.form.querySelectorAll("input, select, button")) control.disabled = !status.may_command;
+  }
+
+  get held_kind() { return this.command.safe !== undefined; }
+
+  buttons() {
+    if (!this.held_kind) return h("button", { class: "main" }, this.command.answer ? "Ask" : "Send");
+    const hold = h("button", { type: "button", class: "main hold", "aria-pressed": "false",
+      title: "Works as long as you hold it; made safe as soon as you let go",
+      onpointerdown: (event) => { hold.setPointerCapture(event.pointerId); this.hold(hold); },
+      onpointerup: () => this.release(), onpointercancel: () => this.release(), onlostpointercapture: () => this.release(),
+      onkeydown: (event) => { if (is_press(event)) { event.preventDefault(); if (!event.repeat) this.hold(hold); } },
+      onkeyup: (event) => { if (is_press(event)) this.release(); },
+      onblur: () => this.release(), oncontextmenu: (event) => event.preventDefault() }, "Hold");
+    this.listen(document, "visibilitychange", () => this.release());
+    this.while_shown(() => this.release());
+    return [hold, h("button", { title: "Stays on when you let go" }, "Keep on")];
+  }
+
+  control(field) {
+    const id = fresh_id("field");
+    const label = h("label", { for: id }, words(field.name), field.unit ? h("span", { class: "muted" }, ` ${unit_text(field.unit)}`) : "");
+    const known = last_values.get(this.key)?.[field.name];
+    const input = makers[field.kind]?.(this, field, id, known) ?? make_number(this, field, id, known);
+    this.inputs.set(field.name, input);
+    return h("div", { class: `field ${field.kind}` }, label, input.elements);
+  }
+
+  entered() { return Object.fromEntries([...this.inputs].map(([name, input]) => [name, input.value()])); }
+
+  /// The arguments; undefined, with a sentence shown, where something is not right.
+  arguments() {
+    const { args, error, field } = arguments_of(this.fields, this.entered());
+    for (const [name, input] of this.inputs) input.focusable.setAttribute("aria-invalid", name === field);
+    if (error) this.tell("refused", `${error}.`);
+    return args;
+  }
+
+  /// A slider was released: sent at once where everything else is known. While one is under way only the newest waits.
+  async slid() {
+    if (this.held_kind) return;
+    const { args } = arguments_of(this.fields, this.entered());
+    if (!args) return;
+    if (this.busy) return void (this.again = true);
+    await this.send();
+    if (this.again) {
+      this.again = false;
+      this.slid();
+    }
+  }
+
+  async send() {
+    const args = this.arguments();
+    if (!args) return [...this.inputs.values()].find((input) => input.focusable.getAttribute("aria-invalid") === "true")?.focusable.focus();
+    this.busy = true;
+    const waiting = setTimeout(() => this.tell("", "Waiting for the board …"), 150);
+    const began = performance.now();
+    const entered = this.entered();
+    const answer = await bus.command(this.board, this.service.name, this.name, args).answer;
+    clearTimeout(waiting);
+    this.busy = false;
+    if (answer.status === "ok") last_values.set(this.key, entered);
+    this.finished(answer, args, performance.now() - began);
+  }
+
+  finished(answer, args, ms) {
+    const { kind, text } = answer_text(answer);
+    this.tell(kind, text, kind === "ok" ? ` ${Math.round(ms)} ms, proof: ${answer.proof}` : "");
+    if (answer.status === "ok") this.dispatchEvent(new CustomEvent("executed", { bubbles: true, detail: { service: this.service.name, command: this.name, args, answer: answer.answer } }));
+  }
+
+  tell(kind, text, detail = "") {
+    this.output.className = `answer ${kind}`;
+    this.output.replaceChildren(text, detail && h("span", { class: "muted" }, detail));
+  }
+
+  hold(button) {
+    if (this.held || !status.may_command) return;
+    const args = this.arguments();
+    if (!args) return;
+    button.setAttribute("aria-pressed", "true");
+    this.held = { button, args: undefined, at: 0 };
+    this.send_held(args);
+    this.held.timer = setInterval(() => this.renew(), kRenewMs);
+  }
+
+  renew() {
+    const { args } = arguments_of(this.fields, this.entered());
+    if (args && JSON.stringify(args) !== JSON.stringify(this.held.args) && performance.now() - this.held.at >= kNewestMs) this.send_held(args);
+    else this.held.sent.renew();
+  }
+
+  async send_held(args) {
+    const { held } = this;
+    held.args = args;
+    held.at = performance.now();
+    held.sent = bus.command(this.board, this.service.name, this.name, args, { hold_ms: kHoldMs });
+    const answer = await held.sent.answer;
+    if (answer.status !== "ok") {
+      this.finished(answer, args);
+      if (this.held === held) this.release(false);
+    } else if (this.held === held) {
+      last_values.set(this.key, this.entered());
+      this.tell("ok", "Held.");
+      this.dispatchEvent(new CustomEvent("executed", { bubbles: true, detail: { service: this.service.name, command: this.name, args } }));
+    }
+  }
+
+  /// Made safe at once; should that be lost on its way, the agent does it by itself within the hold time.
+  async release(make_safe = true) {
+    const { held } = this;
+    if (!held) return;
+    this.held = undefined;
+    clearInterval(held.timer);
+    held.button.setAttribute("aria-pressed", "false");
+    const safe = safe_form(this.model, this.name, held.args);
+    if (!make_safe || !safe) return;
+    const answer = await bus.command(this.board, this.service.name, safe.command, safe.args).answer;
+    if (answer.status === "ok") this.dispatchEvent(new CustomEvent("executed", { bubbles: true, detail: { service: this.service.name, command: safe.command, args: safe.args } }));
+    if (!this.held && this.isConnected) this.tell(answer.status === "ok" ? "ok" : "timeout", answer.status === "ok" ? "Let go: safe." : answer_text(answer).text);
+  }
+}
+
+function is_press(event) { return event.key === " " || event.key === "Enter"; }
+
+function make_number(form, field, id, known) {
+  const hint = hint_of(field);
+  const number = h("input", { id, type: "number", inputmode: field.min < 0 ? "text" : "numeric", min: field.min, max: field.max,
+    step: field.kind === "integer" ? 1 : "any", placeholder: hint, value: known, oninput: () => follow(number.value) });
+  if (!field.slider) return { elements: [number], focusable: number, value: () => number.value };
+  const slider = h("input", { type: "range", min: field.min, max: field.max, step: field.kind === "integer" ? 1 : (field.max - field.min) / 1000,
+    "aria-label": `${words(field.name)}, ${hint}`, oninput: () => { number.value = slider.value; known_now(); }, onchange: () => form.slid() });
+  const known_now = () => {
+    slider.classList.remove("unknown");
+    slider.removeAttribute("aria-valuetext");
+  };
+  const follow = (text) => {
+    if (parse_field(field, text).error) return;
+    slider.value = text;
+    known_now();
+  };
+  if (known === undefined) {
+    // Not known yet: the slider must not look as if this were the present value.
+    slider.classList.add("unknown");
+    slider.value = (field.min + field.max) / 2;
+    slider.setAttribute("aria-valuetext", "not known yet");
+  } else {
+    slider.value = known;
+  }
+  return { elements: [slider, number], focusable: number, value: () => number.value };
+}
+
+function make_choice(form, field, id, known) {
+  const options = field.choices.map(({ value, name }) => h("option", { value }, words(name)));
+  const select = h("select", { id }, options);
+  const preset = known ?? field.preset;
+  if (preset === undefined) {
+    select.prepend(h("option", { value: "" }, "Choose"));
+    select.value = "";
+  } else {
+    select.value = preset;
+  }
+  return { elements: [select], focusable: select, value: () => select.value };
+}
+
+function make_text(form, field, id, known) {
+  const input = h("input", { id, type: "text", maxlength: field.max_length, placeholder: hint_of(field), value: known, autocomplete: "off" });
+  return { elements: [input], focusable: input, value: () => input.value };
+}
+
+function make_color(form, field, id, known) {
+  const input = h("input", { id, type: "color", value: known ?? "#ffffff" });
+  return { elements: [input], focusable: input, value: () => input.value };
+}
+
+function make_list(form, field, id) {
+  const rows = [];
+  const list = h("div", { class: "list", role: "group", "aria-label": words(field.name) });
+  const add = h("button", { id, type: "button", onclick: () => append() }, "Add");
+  const append = () => {
+    const parts = field.items.map((item) => {
+      const part_id = fresh_id("field");
+      const input = makers[item.kind]?.(form, item, part_id) ?? make_number(form, { ...item, slider: false }, part_id);
+      return { input, element: h("span", { class: "part" }, h("label", { for: part_id, class: field.items.length === 1 ? "hidden" : "" }, words(item.name)), input.elements) };
+    });
+    const remove = h("button", { type: "button", "aria-label": `Remove ${words(field.name)} ${rows.length + 1}`, onclick: () => {
+      rows.splice(rows.indexOf(row), 1);
+      row.element.remove();
+      add.disabled = false;
+    } }, "×");
+    const row = { parts, element: h("div", { class: "list-row" }, parts.map((part) => part.element), remove) };
+    rows.push(row);
+    list.insertBefore(row.element, add);
+    if (rows.length >= field.max_length) add.disabled = true;
+  };
+  list.append(add);
+  append();
+  return { elements: [list], focusable: add, value: () => rows.map((row) => row.parts.map((part) => part.input.value())) };
+}
+
+const makers = { choice: make_choice, text: make_text, color: make_color, list: make_list };
+
+customElements.define("asip-command", Command);

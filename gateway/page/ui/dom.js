@@ -1,0 +1,62 @@
+// Elements without HTML text: names and values only ever become text nodes.
+
+/// h("button", { class: "plain", onclick: f, disabled: true }, "Send")
+export function h(tag, properties = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(properties)) {
+    if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
+    else if (value === true) element.setAttribute(name, "");
+    else if (value !== false && value !== undefined && value !== null) element.setAttribute(name, value);
+  }
+  element.append(...children.flat(Infinity).filter((child) => child !== undefined && child !== null && child !== false));
+  return element;
+}
+
+export function set_text(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+export function set_class(element, name) {
+  if (element.className !== name) element.className = name;
+}
+
+let ids = 0;
+export function fresh_id(prefix) { return `${prefix}-${++ids}`; }
+
+/// A function that calls `work` once before the next picture, however often it is called.
+export function before_picture(work) {
+  let asked = false;
+  return () => {
+    if (asked) return;
+    asked = true;
+    requestAnimationFrame(() => {
+      asked = false;
+      work();
+    });
+  };
+}
+
+/// An element whose listeners and timers end with it: what `while_shown` is given is called when it is taken away.
+export class Part extends HTMLElement {
+  #ends = [];
+  while_shown(end) { this.#ends.push(end); }
+
+  listen(target, name, handler) {
+    target.addEventListener(name, handler);
+    this.while_shown(() => target.removeEventListener(name, handler));
+  }
+
+  every(ms, work) {
+    const timer = setInterval(work, ms);
+    this.while_shown(() => clearInterval(timer));
+  }
+
+  connectedCallback() { this.shown(); }
+
+  disconnectedCallback() {
+    for (const end of this.#ends.splice(0)) end();
+    this.hidden_again?.();
+  }
+}
+
+export function state_mark(state) { return h("span", { class: `state ${state}` }, state); }

@@ -1,0 +1,60 @@
+// What several screens share: the catalogue and the state of gateway and broker.
+import { Catalogue } from "../core/catalogue.js";
+import { bus, request } from "../net/bus.js";
+
+const kRefreshMs = 150;
+
+class BoardList extends EventTarget {
+  constructor() {
+    super();
+    this.catalogue = new Catalogue();
+    bus.subscribe({ subscribe: "$catalogue" }, (message) => this.received(message));
+  }
+
+  received(message) {
+    if (message.event === undefined) return;
+    this.catalogue.apply(message);
+    if (message.event === "status") status.refresh();
+    if (message.event === "snapshot-end") this.changed();
+    else this.timer ??= setTimeout(() => this.changed(), kRefreshMs);
+    const board = message.board?.board ?? message.board;
+    if (board) this.dispatchEvent(Object.assign(new Event("board"), { board, kind: message.event }));
+  }
+
+  changed() {
+    clearTimeout(this.timer);
+    this.timer = undefined;
+    this.dispatchEvent(new Event("change"));
+  }
+}
+
+class Status extends EventTarget {
+  constructor() {
+    super();
+    this.now = undefined;   // what GET /api/status said last
+    this.problem = undefined;
+    this.asking = false;
+    bus.addEventListener("link", () => this.refresh());
+    setInterval(() => { if (!document.hidden) this.refresh(); }, 10_000);
+  }
+
+  async refresh() {
+    if (this.asking) return;
+    this.asking = true;
+    try {
+      this.now = await request("api/status");
+      this.problem = undefined;
+    } catch (problem) {
+      this.problem = problem;
+    }
+    this.asking = false;
+    this.dispatchEvent(new Event("change"));
+  }
+
+  get role() { return this.now?.you?.role ?? "operator"; }
+  get may_command() { return this.role !== "viewer"; }
+  get may_forget() { return this.role === "admin"; }
+}
+
+export const status = new Status();
+export const boards = new BoardList();

@@ -1,0 +1,151 @@
+// The pins of a board, drawn as the board has them. A click on a free pin shows what it can do.
+import { answer_text } from "../core/form.js";
+import { board_rows, mode_names, pins_of, PinValues, settable_modes } from "../core/pins.js";
+import { words } from "../core/text.js";
+import { bus } from "../net/bus.js";
+import { before_picture, h, Part, set_class, set_text } from "./dom.js";
+import { status } from "./model.js";
+
+const short = { unallocated: "", input: "in", "input-pullup": "in ↑", output: "out", analog: "analog", pwm: "PWM", reserved: "", "other-service": "", invalid: "" };
+const kinds = ["digital", "analog in", "PWM"];
+
+class Pins extends Part {
+  /// Call before it is put into the page, and again for a new description.
+  begin(board, description) {
+    Object.assign(this, { board, pins: pins_of(description) });
+    this.values ??= new PinValues();
+    if (this.isConnected) this.build();
+    return this;
+  }
+
+  shown() {
+    this.refresh = before_picture(() => this.draw());
+    this.listen(status, "change", this.refresh);
+    this.build();
+  }
+
+  build() {
+    this.cells = new Map();
+    const draw_pin = (pin) => {
+      const cell = { pin, name: h("span", { class: "pin-name" }, pin.label), light: h("span", { class: "light" }), text: h("span", { class: "pin-text" }) };
+      cell.button = h("button", { class: "pin", "aria-expanded": "false", onclick: () => this.open(pin) }, cell.name, cell.light, cell.text);
+      this.cells.set(pin.number, cell);
+      return cell.button;
+    };
+    const rows = board_rows(this.pins).map((row) => h("div", { class: "pin-row" }, row.map((group) => h("div", { class: "pin-group" }, group.map(draw_pin)))));
+    this.panel = h("div", { class: "pin-panel", role: "region", "aria-label": "Pin", hidden: true });
+    this.replaceChildren(h("div", { class: "pcb" }, rows), this.panel);
+    if (this.opened !== undefined && this.cells.has(this.opened)) this.open_panel();
+    this.draw();
+  }
+
+  reported(value) {
+    this.values.reported(value);
+    this.refresh?.();
+  }
+
+  executed({ service, command, args, answer }) {
+    if (service !== "io") return;
+    this.values.executed(command, args);
+    if (answer) this.values.reported(answer);
+    this.refresh();
+  }
+
+  draw() {
+    for (const { pin, button, light, text } of this.cells.values()) {
+      const { mode, text: value, level } = this.values.state_of(pin);
+      const taken = pin.owner !== "";
+      set_text(text, taken ? pin.owner : value || short[mode] || "");
+      set_class(button, `pin${taken ? " taken" : ""}${pin.number === this.opened ? " open" : ""} ${mode ?? ""}`);
+      set_class(light, `light ${level === undefined ? "unknown" : level > 0 ? "on" : "off"}`);
+      light.style.opacity = level > 0 ? String(0.35 + 0.65 * level) : "";
+      const label = this.label_of(pin, mode, value);
+      if (button.getAttribute("aria-label") !== label) {
+        button.setAttribute("aria-label", label);
+        button.title = label;
+      }
+      button.setAttribute("aria-expanded", String(pin.number === this.opened));
+    }
+    if (this.opened !== undefined) this.show_panel();
+  }
+
+  label_of(pin, mode, value) {
+    if (pin.owner === "system") return `Pin ${pin.label}: used by the board itself`;
+    if (pin.owner !== "") return `Pin ${pin.label}: belongs to ${pin.owner}`;
+    return `Pin ${pin.label}: free, ${words(mode ?? "unknown mode").toLowerCase()}${value ? `, ${value}` : ""}`;
+  }
+
+  open(pin) {
+    this.opened = this.opened === pin.number ? undefined : pin.number;
+    this.panel.hidden = this.opened === undefined;
+    if (this.opened !== undefined) this.open_panel();
+    this.draw();
+  }
+
+  open_panel() {
+    const { pin } = this.cells.get(this.opened);
+    const can = kinds.filter((_, bit) => pin.can & (1 << bit)).join(", ");
+    this.panel.hidden = false;
+    this.panel.setAttribute("aria-label", `Pin ${pin.label}`);
+    this.state_line = h("span", {});
+    this.output = h("output", { class: "answer", "aria-live": "polite" });
+    this.panel.replaceChildren(h("h3", {}, `Pin ${pin.label} `, h("small", { class: "muted" }, can || "no use known")), h("p", {}, this.state_line));
+    this.mode_buttons = new Map();
+    this.controls = h("div", { class: "pin-controls" });
+    if (pin.owner !== "") return;
+    for (const mode of settable_modes(pin)) {
+      this.mode_buttons.set(mode, h("button", { onclick: () => this.send("mode", { pin: pin.number, mode }) }, words(mode)));
+    }
+    this.panel.append(h("div", { class: "chips", role: "group", "aria-label": `Mode of pin ${pin.label}` }, [...this.mode_buttons.values()]), this.controls, this.output);
+    this.controls_for = undefined;
+  }
+
+  show_panel() {
+    const { pin } = this.cells.get(this.opened);
+    const { mode, text } = this.values.state_of(pin);
+    const owner = { "": "Free", system: "Used by the board itself" }[pin.owner] ?? `Belongs to the service ${pin.owner}`;
+    set_text(this.state_line, [owner, mode && pin.owner === "" ? `mode ${words(mode).toLowerCase()}` : "", text && `now ${text}`].filter(Boolean).join(", ") + ".");
+    if (pin.owner !== "") return;
+    for (const [each, button] of this.mode_buttons) {
+      button.setAttribute("aria-pressed", String(each === mode));
+      button.disabled = !status.may_command;
+    }
+    if (this.controls_for !== mode) {
+      this.controls_for = mode;
+      this.controls.replaceChildren(...this.controls_of(pin, mode));
+    }
+    for (const button of this.controls.querySelectorAll("[data-level]")) {
+      button.setAttribute("aria-pressed", String(this.values.levels.get(pin.number) === Number(button.dataset.level)));
+    }
+  }
+
+  controls_of(pin, mode) {
+    if (mode === "output") {
+      const level = (number, text) => h("button", { "data-level": number, onclick: () => this.send("write", { pin: pin.number, level: number }) }, text);
+      return [h("div", { class: "chips", role: "group", "aria-label": `Level of pin ${pin.label}` }, level(0, "Low"), level(1, "High"))];
+    }
+    if (mode === "pwm") {
+      const duty = this.values.duties.get(pin.number);
+      const slider = h("input", { type: "range", min: 0, max: 255, value: duty ?? 0, class: duty === undefined ? "unknown" : "", "aria-label": `Duty of pin ${pin.label}, 0 to 255`,
+        oninput: () => slider.classList.remove("unknown"), onchange: () => this.send("pwm", { pin: pin.number, duty: Number(slider.value) }) });
+      return [slider];
+    }
+    if (mode === "analog") return [h("p", { class: "muted" }, "Its value comes as soon as the board reports analog pins: “Report analog pins” below.")];
+    return [];
+  }
+
+  async send(command, args) {
+    this.output.className = "answer";
+    set_text(this.output, "Waiting for the board …");
+    const { output } = this;
+    const answer = await bus.command(this.board, "io", command, args).answer;
+    const { kind, text } = answer_text(answer);
+    output.className = `answer ${kind}`;
+    set_text(output, text);
+    if (answer.status === "ok") this.executed({ service: "io", command, args });
+  }
+}
+
+export function has_pins(description) { return pins_of(description).length > 0; }
+export { mode_names };
+customElements.define("asip-pins", Pins);

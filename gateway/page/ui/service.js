@@ -1,0 +1,145 @@
+// One service of a board: its live values, a plot, and a form for each command.
+import { numbers_of, Series } from "../core/series.js";
+import { duration_text, moment_text, plural, time_of, with_unit, words } from "../core/text.js";
+import { bus, path_of, request } from "../net/bus.js";
+import { before_picture, h, Part, set_text } from "./dom.js";
+import "./command.js";
+import "./plot.js";
+
+const kMaxHz = 60;
+const kOwnCommands = new Set(["mode", "write", "pwm"]); // of the I/O service: a click on the pin does it
+
+class Service extends Part {
+  /// Call before it is put into the page. `on_value` gets each value, `pins` says that the board's pins show them.
+  begin(board, service, { on_value, pins = false } = {}) {
+    Object.assign(this, { board, service, on_value, pins });
+    return this;
+  }
+
+  async shown() {
+    this.events = new Map(); // name of the event -> {series, numbers, at, model}
+    this.left_out = 0;
+    this.values = h("dl", { class: "values" });
+    this.note = h("p", { class: "muted note" });
+    this.plots = h("div", { class: "plots" });
+    this.commands = h("div", { class: "commands" });
+    this.append(h("h3", { id: `service-${this.service.name}` }, this.service.title ?? words(this.service.name), " ",
+      h("small", { class: "muted" }, this.subtitle())), this.values, this.note, this.plots, this.commands);
+    this.refresh = before_picture(() => this.draw());
+    this.every(1000, () => this.draw());
+    await this.load_model();
+    if (this.isConnected) this.follow();
+  }
+
+  subtitle() {
+    const { name, count, model } = this.service;
+    const parts = [name];
+    if (count > 0) parts.push(plural(count, this.element ?? "element"));
+    if (!model) parts.push("no model describes it");
+    return parts.join(", ");
+  }
+
+  async load_model() {
+    const path = path_of("boards", this.board, "services", this.service.name);
+    try {
+      const known = await request(path);
+      this.model = typeof known.model === "object" ? known.model : undefined;
+    } catch (problem) {
+      set_text(this.note, problem.message);
+    }
+    this.element = this.model?.element;
+    set_text(this.querySelector("small"), this.subtitle());
+    if (this.isConnected && this.model) this.add_commands();
+  }
+
+  add_commands() {
+    const names = Object.keys(this.model.commands ?? {});
+    const first = names.filter((name) => !(this.pins && kOwnCommands.has(name)));
+    const form = (name) => document.createElement("asip-command").begin(this.board, this.service, this.model, name);
+    if (!this.pins) return this.commands.append(...first.map(form));
+    this.commands.append(h("details", {}, h("summary", {}, "All commands"), h("div", { class: "commands" }, names.map(form))));
+  }
+
+  // First the subscription, then the past: so nothing falls between, and the series skips what comes twice.
+  follow() {
+    let early = [];
+    const received = (message) => (early ? early.push(message) : this.received(message));
+    this.while_shown(bus.subscribe({ subscribe: `${this.board}/${this.service.name}`, max_hz: kMaxHz }, received));
+    const past = request(path_of("boards", this.board, "services", this.service.name, "values")).catch(() => undefined);
+    past.then((answer) => {
+      for (const item of answer?.items ?? []) this.received({ event: "value", ...item }, true);
+      const messages = early;
+      early = undefined;
+      messages.forEach((message) => this.received(message));
+    });
+  }
+
+  received(message, past = false) {
+    if (message.event === "error") return this.board_error(message);
+    if (message.event !== "value" || message.value === null || typeof message.value !== "object") return;
+    const at = time_of(message.at) ?? Date.now();
+    this.left_out += message.left_out ?? 0;
+    for (const [name, value] of Object.entries(message.value)) this.value(name, value, at);
+    if (!past) this.on_value?.(message.value);
+    this.refresh();
+  }
+
+  value(name, value, at) {
+    let event = this.events.get(name);
+    if (!event) {
+      const model = Object.values(this.model?.events ?? {}).find((each) => each.name === name);
+      event = { name, model, series: new Series(), element: this.element };
+      this.events.set(name, event);
+    }
+    event.at = at;
+    const numbers = numbers_of(name, value, event.model, this.element);
+    event.numbers = numbers.length ? numbers : [{ key: name, name, value: JSON.stringify(value) }];
+    if (numbers.length) event.series.add(at, numbers);
+  }
+
+  board_error(message) {
+    const error = message.value ?? message;
+    set_text(this.note, `The board reported an error at ${moment_text(time_of(message.at))}: ${error.error ?? "unknown"} (${error.request ?? ""})`);
+  }
+
+  draw() {
+    for (const event of this.events.values()) {
+      if (this.pins && event.name !== "analog") continue; // the pins show it
+      if (!event.boxes) this.add_event(event);
+      for (const number of event.numbers) {
+        let box = event.boxes.get(number.key);
+        if (!box) event.boxes.set(number.key, (box = this.add_box(event, number)));
+        set_text(box, with_unit(number.value, number.unit));
+      }
+      const age = Date.now() - event.at;
+      set_text(event.age, age < 2000 ? "now" : `${duration_text(age)} ago`);
+    }
+    if (this.left_out > 0) set_text(this.note, `${plural(this.left_out, "value")} left out: they come faster than they can be shown.`);
+  }
+
+  add_event(event) {
+    event.boxes = new Map();
+    event.age = h("span", { class: "age muted" });
+    event.group = h("div", { class: "event" }, h("dt", { class: "hidden" }, words(event.name)));
+    event.list = h("dd", {});
+    event.group.append(event.list, event.age);
+    this.values.append(event.group);
+    if (event.numbers.some((number) => typeof number.value === "number")) this.add_plot(event);
+  }
+
+  add_box(event, number) {
+    const value = h("span", { class: "value" });
+    event.list.append(h("span", { class: "number" }, h("span", { class: "muted" }, number.name), value));
+    return value;
+  }
+
+  add_plot(event) {
+    const label = `${this.board} ${this.service.name} ${event.name}`;
+    const plot = document.createElement("asip-plot").begin(event.series, label, label.replaceAll(" ", "-"));
+    const box = h("details", { open: !this.pins }, h("summary", {}, "Plot"));
+    box.append(plot);
+    this.plots.append(box);
+  }
+}
+
+customElements.define("asip-service", Service);

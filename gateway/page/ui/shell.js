@@ -1,0 +1,95 @@
+// What stands above every screen: the state of the connection, what is wrong, and the stop button.
+import { clock_text, duration_text } from "../core/text.js";
+import { bus, path_of, request } from "../net/bus.js";
+import { h, Part, set_class, set_text } from "./dom.js";
+import { status } from "./model.js";
+
+const kShownAfterMs = 700; // a page that has just begun is no loss
+
+class LinkSign extends Part {
+  shown() {
+    this.sign = h("span", { role: "status" });
+    this.append(this.sign);
+    this.listen(bus, "link", () => this.show());
+    this.listen(status, "change", () => this.show());
+    this.show();
+  }
+
+  show() {
+    const broker = status.now?.broker?.connected !== false;
+    const [kind, text] = bus.link.state !== "open" ? ["bad", "not connected"] : broker ? ["good", "live"] : ["warn", "no broker"];
+    set_class(this.sign, `sign ${kind}`);
+    set_text(this.sign, text);
+  }
+}
+
+class Banner extends Part {
+  shown() {
+    this.setAttribute("role", "alert");
+    this.listen(bus, "link", () => this.show());
+    this.listen(status, "change", () => this.show());
+    this.every(500, () => this.show());
+  }
+
+  show() {
+    const text = this.text();
+    set_text(this, text);
+    this.hidden = text === "";
+    document.body.classList.toggle("stale", bus.link.state !== "open" && text !== "");
+  }
+
+  text() {
+    const { state, since } = bus.link;
+    if (state !== "open" && Date.now() - since > kShownAfterMs) {
+      if (status.problem?.status === 401) return "";
+      return `The connection to the gateway is lost since ${clock_text(since)}. What you see may be old. Trying again …`;
+    }
+    const { broker, mirror } = status.now ?? {};
+    if (broker?.connected === false) {
+      const from = broker.since ? ` since ${clock_text(Date.parse(broker.since))}` : "";
+      return `The gateway has no connection to the broker${from}. Boards cannot be reached.`;
+    }
+    return mirror?.complete === false ? "The gateway is still collecting which boards are there." : "";
+  }
+}
+
+/// Stops everything, or the board in its attribute `board`.
+class Stop extends Part {
+  shown() {
+    const board = this.getAttribute("board");
+    this.path = board ? path_of("boards", board, "stop") : "api/stop";
+    this.label = board ? `Stop ${board}` : "Stop all";
+    this.button = h("button", { class: "stop", title: "Brings every motor, light and output into its safe state, ahead of all commands",
+      onclick: () => this.stop() }, this.label);
+    this.answer = h("span", { role: "status", class: "stop-answer" });
+    this.append(this.button, this.answer);
+    this.listen(status, "change", () => { this.button.hidden = !status.may_command; });
+  }
+
+  async stop() {
+    const began = performance.now();
+    set_text(this.answer, "Stopping …");
+    try {
+      const answer = await request(this.path, { method: "POST", body: {} });
+      set_text(this.answer, stop_text(answer, performance.now() - began));
+    } catch (problem) {
+      set_text(this.answer, `Not stopped: ${problem.message}`);
+      this.answer.classList.add("bad");
+      return;
+    }
+    this.answer.classList.remove("bad");
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => set_text(this.answer, ""), 6000);
+  }
+}
+
+function stop_text(answer, ms) {
+  const answers = Object.entries(answer?.boards ?? {});
+  const failed = answers.filter(([, each]) => each.status !== "ok").map(([board]) => board);
+  if (failed.length > 0) return `Stopped, but no proof from ${failed.slice(0, 3).join(", ")}${failed.length > 3 ? " …" : ""}`;
+  return `Stopped in ${duration_text(ms) === "0 s" ? `${Math.round(ms)} ms` : duration_text(ms)}`;
+}
+
+customElements.define("asip-link", LinkSign);
+customElements.define("asip-banner", Banner);
+customElements.define("asip-stop", Stop);
