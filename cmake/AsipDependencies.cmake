@@ -7,6 +7,7 @@ find_package(tl-expected REQUIRED)
 find_package(fmt REQUIRED)
 find_package(GTest REQUIRED)
 find_package(Boost 1.74 REQUIRED) # headers: Asio, Beast
+find_package(ZLIB REQUIRED)
 
 # Debian's fuzz build uses clang 14, whose coroutine headers differ: what is fuzzed includes no Asio.
 add_library(asip_asio INTERFACE)

@@ -1,0 +1,129 @@
+#include "gateway/api/call.hpp"
+
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+#include "asip/bus/mirror.hpp"
+#include "asip/model/json.hpp"
+#include "asip/text/nearest.hpp"
+#include "asip/text/printable.hpp"
+
+namespace asip::gateway::api {
+
+using nlohmann::json;
+
+std::string Call::client() const {
+    const bool named =
+        principal.kind == Principal::Kind::kToken || principal.kind == Principal::Kind::kSession;
+    return named ? principal.rights.name : "address " + request.peer.address;
+}
+
+http::Response text_response(std::string json_text, int status) {
+    http::Response response;
+    response.status = status;
+    response.body = std::move(json_text);
+    response.headers = {{"Cache-Control", "no-cache"}};
+    return response;
+}
+
+http::Response json_response(const json& body, int status) {
+    return text_response(model::dump_json(body), status);
+}
+
+http::Response problem(int status, const std::string& detail, json members) {
+    members["title"] = http::reason_phrase(status);
+    members["status"] = status;
+    members["detail"] = detail;
+    http::Response response;
+    response.status = status;
+    response.content_type = "application/problem+json";
+    response.body = model::dump_json(members);
+    response.headers = {{"Cache-Control", "no-store"}};
+    if (status == 429 || status == 503) response.headers.emplace_back("Retry-After", "1");
+    return response;
+}
+
+http::Response problem(int status, const std::string& detail) {
+    return problem(status, detail, json::object());
+}
+
+void send_problem(const Call& call, int status, const std::string& detail) {
+    call.reply.send(problem(status, detail));
+}
+
+void send_json(const Call& call, const json& body) {
+    call.reply.send(json_response(body));
+}
+
+bool bus_is_there(const Call& call) {
+    if (call.gateway.mirror().ready()) return true;
+    send_problem(call, 503, "the broker is not connected, or what it retains is still being read");
+    return false;
+}
+
+std::optional<bus::BoardItem> board_of(const Call& call) {
+    auto& mirror = call.gateway.mirror();
+    const auto& name = call.board();
+    if (call.sees(name)) {
+        if (auto board = mirror.board(name, call.now())) return board;
+    }
+    auto names = mirror.board_names();
+    std::erase_if(names, [&](const std::string& each) { return !call.sees(each); });
+    send_problem(call, 404,
+                 "no board \"" + text::printable(name) + "\" is known" + text::did_you_mean(name, names));
+    return std::nullopt;
+}
+
+const bus::ServiceItem* service_of(const Call& call, const bus::BoardItem& board) {
+    const auto& name = call.service();
+    std::vector<std::string> names;
+    for (const auto& service : board.services) {
+        if (!call.principal.rights.sees_service(board.board, service.name)) continue;
+        if (service.name == name) return &service;
+        names.push_back(service.name);
+    }
+    send_problem(call, 404,
+                 "board " + board.board + " has no service \"" + text::printable(name) + "\"" +
+                     text::did_you_mean(name, names));
+    return nullptr;
+}
+
+model::ModelPtr model_of(const Call& call, const std::string& board, const std::string& service) {
+    const auto& models = call.gateway.models();
+    bus::Query query;
+    query.board = board;
+    query.full = true;
+    const auto found = call.gateway.mirror().find(query, call.now());
+    if (!found || found->boards.empty()) return nullptr;
+    if (found->boards[0].description.empty()) return models.find(service);
+    const auto description = model::parse_description(found->boards[0].description);
+    if (!description) return nullptr;
+    const auto* info = description->service(service);
+    return info == nullptr ? nullptr : bus::model_of(*info, models);
+}
+
+bool not_modified(const Call& call, const std::string& etag) {
+    const auto known = call.request.header("if-none-match");
+    if (known.empty() || known.find(etag) == std::string_view::npos) return false;
+    http::Response response;
+    response.status = 304;
+    response.headers = {{"ETag", "W/" + etag}, {"Cache-Control", "no-cache"}};
+    call.reply.send(std::move(response));
+    return true;
+}
+
+Expected<double> number_parameter(const Call& call, std::string_view name, double fallback, double least,
+                                  double most) {
+    const auto* text = call.request.parameter(name);
+    if (text == nullptr) return fallback;
+    double value = 0;
+    const auto* end = text->data() + text->size();
+    const auto [rest, error] = std::from_chars(text->data(), end, value);
+    if (error != std::errc() || rest != end || !(value >= least && value <= most)) {
+        const auto shown = [](double bound) { return model::dump_json(json(static_cast<long>(bound))); };
+        return fail(std::string(name) + ": must be a number from " + shown(least) + " to " + shown(most));
+    }
+    return value;
+}
+
+}  // namespace asip::gateway::api

@@ -1,0 +1,55 @@
+#pragma once
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+
+#include "gateway/gateway.hpp"
+
+namespace asip::gateway::api {
+
+struct Route;
+
+/// One request on its way through the API.
+struct Call {
+    Gateway& gateway;
+    const http::Request& request;
+    http::Reply reply;
+    Principal principal;
+    const Route& route;
+    std::map<std::string, std::string, std::less<>> path;  ///< "board" -> "uno1"
+
+    const std::string& board() const { return path.find("board")->second; }
+    const std::string& service() const { return path.find("service")->second; }
+    Instant now() const { return gateway.now(); }
+    bool sees(std::string_view board) const { return principal.rights.sees_board(board); }
+    /// Who is served, for limits: the name of the token, else the address.
+    std::string client() const;
+};
+
+/// application/problem+json (RFC 9457).
+http::Response problem(int status, const std::string& detail);
+http::Response problem(int status, const std::string& detail, nlohmann::json members);
+http::Response json_response(const nlohmann::json& body, int status = 200);
+http::Response text_response(std::string json_text, int status = 200);
+
+void send_problem(const Call& call, int status, const std::string& detail);
+void send_json(const Call& call, const nlohmann::json& body);
+
+/// Answers 503 and returns false while the bus is not heard.
+bool bus_is_there(const Call& call);
+/// The board, or a 404 that names the nearest.
+std::optional<bus::BoardItem> board_of(const Call& call);
+/// The service of a board, or a 404 that names the nearest.
+const bus::ServiceItem* service_of(const Call& call, const bus::BoardItem& board);
+/// Null: none describes it.
+model::ModelPtr model_of(const Call& call, const std::string& board, const std::string& service);
+
+/// Answers 304 and returns true when the client has this version already.
+bool not_modified(const Call& call, const std::string& etag);
+
+/// A number within bounds from a query parameter; `fallback` where it is missing. Error: a sentence.
+Expected<double> number_parameter(const Call& call, std::string_view name, double fallback, double least,
+                                  double most);
+
+}  // namespace asip::gateway::api

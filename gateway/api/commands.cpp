@@ -1,0 +1,247 @@
+#include <nlohmann/json.hpp>
+
+#include "asip/bus/request_envelope.hpp"
+#include "asip/model/command_encoder.hpp"
+#include "asip/model/json.hpp"
+#include "asip/text/nearest.hpp"
+#include "asip/text/printable.hpp"
+#include "gateway/api/routes.hpp"
+#include "gateway/auth/secret.hpp"
+
+namespace asip::gateway::api {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kSessionDigits = 16;
+constexpr std::size_t kMaxRawLines = 64;
+
+// A session is a level of a topic: what a client calls it could be anything.
+std::string session_name(const std::string& who) {
+    return hash_of(who).substr(0, kSessionDigits);
+}
+
+std::string session_of(const Call& call) {
+    return session_name(call.client() + "\n" + std::string(call.request.header("asip-session")));
+}
+
+std::string reply_text(const CommandRecord& record) {
+    return bus::to_json_text(*record.reply);
+}
+
+std::string sentence_of(const bus::Reply& reply) {
+    if (!reply.error.empty()) return reply.error;
+    if (reply.status != bus::Reply::Status::kTimeout) return reply.reason;
+    if (reply.reason == Commands::kNoAnswer)
+        return "nothing answered in time: the command may or may not have been executed";
+    return "the board gave no proof in time: the command may or may not have been executed";
+}
+
+http::Response response_for(const CommandRecord& record) {
+    const auto& reply = *record.reply;
+    const int status = http_status(reply);
+    const std::string location = "/api/commands/" + record.id;
+    if (status == 200) {
+        auto response = text_response(reply_text(record));
+        response.headers.emplace_back("Location", location);
+        return response;
+    }
+    json members = json::parse(reply_text(record), nullptr, false);
+    members["outcome"] = members["status"];
+    auto response = problem(status, sentence_of(reply), std::move(members));
+    response.headers.emplace_back("Location", location);
+    return response;
+}
+
+Expected<Duration> deadline_of(const Call& call) {
+    const auto ms =
+        number_parameter(call, "deadline_ms", 5000, static_cast<double>(bus::kMinDeadline.count()),
+                         static_cast<double>(bus::kMaxDeadline.count()));
+    if (!ms) return Unexpected<std::string>(ms.error());
+    return std::chrono::milliseconds(static_cast<long>(*ms));
+}
+
+bool valid_key(std::string_view key) {
+    return key.size() <= Commands::kMaxIdBytes && std::all_of(key.begin(), key.end(), [](char c) {
+               return std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' || c == '.' ||
+                      c == ':';
+           });
+}
+
+void start(Call& call, std::string target, std::string topic, json payload) {
+    const auto deadline = deadline_of(call);
+    if (!deadline) return send_problem(call, 400, deadline.error());
+    std::string id(call.request.header("idempotency-key"));
+    if (id.size() > 1 && id.front() == '"' && id.back() == '"') id = id.substr(1, id.size() - 2);
+    if (!valid_key(id)) {
+        return send_problem(call, 400, "Idempotency-Key: 1 to 64 of A-Z a-z 0-9 . _ - :");
+    }
+    if (!call.gateway.command_rates().take(call.client(), call.now().time))
+        return send_problem(call, 429, "too many commands; try again in a moment");
+    Commands::Start start;
+    start.session = session_of(call);
+    start.id = std::move(id);
+    start.by = call.principal.rights.name;
+    start.target = std::move(target);
+    start.topic = std::move(topic);
+    start.payload = model::dump_json(payload);
+    start.deadline = *deadline;
+    call.gateway.command(std::move(start), [reply = call.reply](const CommandRecord& record) {
+        reply.send(response_for(record));
+    });
+}
+
+// Nothing: the command can be sent. Else a status and a sentence: what is wrong with it.
+std::optional<std::pair<int, std::string>> wrong(const model::ModelPtr& model,
+                                                 const bus::ServiceItem& service, const std::string& command,
+                                                 const json& payload) {
+    if (!model) {
+        if (command == "raw") return std::nullopt;
+        if (service.id.empty()) return std::nullopt;  // announced by name only: whoever has it knows
+        return std::pair(404, "no model describes service " + service.name + ": only \"raw\" can be sent");
+    }
+    if (model->command(command) == nullptr) {
+        std::vector<std::string> names;
+        for (const auto& each : model->commands)
+            names.push_back(each.name);
+        return std::pair(404, "service " + service.name + " has no command \"" + text::printable(command) +
+                                  "\"" + text::did_you_mean(command, names));
+    }
+    const auto encoded = model::encode_control_json(model.get(), model->id, payload);
+    if (!encoded) return std::pair(400, encoded.error());
+    return std::nullopt;
+}
+
+Expected<json> body_of(const http::Request& request) {
+    if (request.body.empty()) return json(nullptr);
+    auto body = model::parse_json(request.body, {.max_bytes = bus::kMaxRequestBytes, .max_depth = 15});
+    if (!body) return fail("the body is not JSON: " + body.error());
+    return body;
+}
+
+bool is_alive(const std::string& state) {
+    return state != "lost" && state != "offline";
+}
+
+}  // namespace
+
+void post_command(Call& call) {
+    if (!bus_is_there(call)) return;
+    const auto board = board_of(call);
+    if (!board) return;
+    const auto* service = service_of(call, *board);
+    if (service == nullptr) return;
+    const auto& command = call.path.find("command")->second;
+    auto arguments = body_of(call.request);
+    if (!arguments) return send_problem(call, 400, arguments.error());
+    const json payload{{command, std::move(*arguments)}};
+    const auto model = model_of(call, board->board, service->name);
+    if (const auto fault = wrong(model, *service, command, payload))
+        return send_problem(call, fault->first, fault->second);
+    if (!is_alive(board->state)) {
+        return call.reply.send(
+            problem(503, "board " + board->board + " is " + board->state, {{"reason", "board-not-there"}}));
+    }
+    start(call, board->board + "/" + service->name,
+          call.gateway.mirror().topics().service_in(board->board, service->name), payload);
+}
+
+void post_raw(Call& call) {
+    if (!bus_is_there(call)) return;
+    const auto board = board_of(call);
+    if (!board) return;
+    const auto body = body_of(call.request);
+    if (!body) return send_problem(call, 400, body.error());
+    const auto lines = body->is_object() ? body->find("lines") : body->end();
+    if (!body->is_object() || lines == body->end() || !lines->is_array() || lines->empty() ||
+        lines->size() > kMaxRawLines || body->size() != 1) {
+        return send_problem(call, 400, "the body must be {\"lines\":[\"I,d,13,1\"]} with 1 to 64 lines");
+    }
+    std::string text;
+    for (const auto& line : *lines) {
+        if (!line.is_string()) return send_problem(call, 400, "lines: must be strings");
+        if (!text.empty()) text += '\n';
+        text += line.get_ref<const std::string&>();
+    }
+    if (!is_alive(board->state)) {
+        return call.reply.send(
+            problem(503, "board " + board->board + " is " + board->state, {{"reason", "board-not-there"}}));
+    }
+    start(call, board->board, call.gateway.mirror().topics().board_in(board->board), {{"raw", text}});
+}
+
+void get_command(Call& call) {
+    const auto& id = call.path.find("id")->second;
+    const auto* record = call.gateway.commands().find(session_of(call), id);
+    if (record == nullptr) {
+        return send_problem(
+            call, 404,
+            "no command \"" + text::printable(id) + "\" of yours is known; answers are kept for a minute");
+    }
+    json body{{"id", record->id},
+              {"target", record->target},
+              {"by", record->by},
+              {"at", text::iso_time(record->sent.wall)},
+              {"request", json::parse(record->request, nullptr, false)}};
+    if (record->reply) {
+        body["answer"] = json::parse(reply_text(*record), nullptr, false);
+        body["late"] = record->late;
+    }
+    send_json(call, body);
+}
+
+void websocket_command(Gateway& gateway, const Principal& principal, const std::string& session,
+                       const json& request, const std::function<void(std::string)>& answer) {
+    std::string id;
+    if (const auto found = request.find("id"); found != request.end())
+        id = found->is_string() ? found->get<std::string>() : model::dump_json(*found);
+    const auto refuse = [&](std::string reason, std::string error) {
+        auto reply = bus::Reply::refused(std::move(reason), std::move(error));
+        reply.id = id;
+        answer(bus::to_json_text(reply));
+    };
+    if (!valid_key(id)) {
+        id.clear();
+        return refuse("invalid", "id: 1 to 64 of A-Z a-z 0-9 . _ - :");
+    }
+    if (!principal.rights.may_command()) return refuse("not-allowed", "this token may only read");
+    const auto& target = request["command"];
+    const auto text = target.is_string() ? target.get<std::string>() : std::string();
+    const auto slash = text.find('/');
+    if (slash == std::string::npos) return refuse("invalid", "command: must be \"BOARD/SERVICE\"");
+    const auto name = text.substr(0, slash);
+    const auto service_name = text.substr(slash + 1);
+    const auto board = gateway.mirror().board(name, gateway.now());
+    if (!board || !principal.rights.sees_service(name, service_name)) {
+        return refuse("invalid", "no board \"" + text::printable(name) + "\" is known" +
+                                     text::did_you_mean(name, gateway.mirror().board_names()));
+    }
+    const auto service = std::find_if(board->services.begin(), board->services.end(),
+                                      [&](const auto& each) { return each.name == service_name; });
+    if (service == board->services.end())
+        return refuse("invalid",
+                      "board " + name + " has no service \"" + text::printable(service_name) + "\"");
+    if (!gateway.mirror().ready()) return refuse("broker-not-there", "the broker is not connected");
+    if (!is_alive(board->state)) return refuse("board-not-there", "board " + name + " is " + board->state);
+    if (!gateway.command_rates().take(principal.rights.name + session, gateway.now().time))
+        return refuse("too-many", "too many commands; try again in a moment");
+    json payload = request;
+    for (const char* member : {"command", "id", "deadline_ms"})
+        payload.erase(member);
+    Commands::Start start;
+    start.session = session_name(session);
+    start.id = id;
+    start.by = principal.rights.name;
+    start.target = text;
+    start.topic = gateway.mirror().topics().service_in(name, service_name);
+    start.payload = model::dump_json(payload);
+    if (const auto deadline = request.find("deadline_ms"); deadline != request.end()) {
+        const auto ms = deadline->is_number_integer() ? deadline->get<std::int64_t>() : 0;
+        if (ms < bus::kMinDeadline.count() || ms > bus::kMaxDeadline.count())
+            return refuse("invalid", "deadline_ms: must be a whole number from 50 to 60000");
+        start.deadline = std::chrono::milliseconds(ms);
+    }
+    gateway.command(std::move(start), [answer](const CommandRecord& record) { answer(reply_text(record)); });
+}
+
+}  // namespace asip::gateway::api

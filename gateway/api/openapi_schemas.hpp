@@ -1,0 +1,88 @@
+#pragma once
+#include <string_view>
+
+namespace asip::gateway::api {
+
+/// The part of the OpenAPI document that the routes refer to.
+inline constexpr std::string_view kComponents = R"json({
+"securitySchemes": {
+  "token": {"type": "http", "scheme": "bearer", "description": "Made by asip-gateway token"},
+  "cookie": {"type": "apiKey", "in": "cookie", "name": "asip", "description": "Set when a browser opens a code"}
+},
+"responses": {
+  "BadRequest": {"description": "The request is wrong; the sentence says how",
+    "content": {"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}}},
+  "Unauthorized": {"description": "A token is needed, or the one that was sent is not known",
+    "content": {"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}}},
+  "Forbidden": {"description": "The token does not allow this, or a page of another origin asked",
+    "content": {"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}}},
+  "WrongType": {"description": "The body is not application/json",
+    "content": {"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}}},
+  "WrongHost": {"description": "Host is not a name of this gateway",
+    "content": {"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}}},
+  "TooMany": {"description": "Too many requests; Retry-After says when to try again",
+    "content": {"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}}}
+},
+"schemas": {
+  "Anything": {},
+  "Problem": {"type": "object", "required": ["title", "status", "detail"], "properties": {
+    "title": {"type": "string"}, "status": {"type": "integer"}, "detail": {"type": "string"},
+    "outcome": {"type": "string", "enum": ["error", "timeout", "refused"]},
+    "reason": {"type": "string"}, "code": {"type": "integer"}, "error": {"type": "string"}, "id": {"type": "string"}}},
+  "State": {"type": "string", "enum": ["online", "offline", "lost", "sleeping", "updating"]},
+  "ServiceItem": {"type": "object", "required": ["name"], "properties": {
+    "name": {"type": "string"}, "board": {"type": "string"}, "state": {"$ref": "#/components/schemas/State"},
+    "kind": {"type": "string"}, "model": {"type": "string"}, "id": {"type": "string"}, "title": {"type": "string"},
+    "count": {"type": "integer"}, "period": {"type": "integer"}}},
+  "Board": {"type": "object", "required": ["board", "state", "services"], "properties": {
+    "board": {"type": "string"}, "state": {"$ref": "#/components/schemas/State"}, "age": {"type": "number"},
+    "by_name": {"type": "boolean"}, "session": {"type": "string"}, "seq": {"type": "integer"},
+    "lease": {"type": "integer"}, "first_seen": {"type": "string"}, "last_seen": {"type": "string"},
+    "since": {"type": "string"}, "chip": {"type": "string"}, "sketch": {"type": "string"},
+    "protocol": {"type": "string"}, "agent": {"type": "string"}, "link": {"type": "string"},
+    "conflict": {"type": "object"}, "description": {"type": "object"},
+    "services": {"type": "array", "items": {"$ref": "#/components/schemas/ServiceItem"}}}},
+  "Page": {"type": "object", "required": ["find", "items"], "properties": {
+    "find": {"type": "string", "enum": ["boards", "services", "history"]},
+    "epoch": {"type": "string"}, "seq": {"type": "integer"}, "registry": {"type": "string"},
+    "settling": {"type": "boolean"}, "brief": {"type": "boolean"}, "total": {"type": "integer"},
+    "cursor": {"type": "string"}, "items": {"type": "array"}}},
+  "Forgotten": {"type": "object", "required": ["forgotten"], "properties": {
+    "forgotten": {"type": "array", "items": {"type": "string"}}}},
+  "Service": {"type": "object", "required": ["name", "board", "state"], "properties": {
+    "name": {"type": "string"}, "board": {"type": "string"}, "state": {"$ref": "#/components/schemas/State"},
+    "model": {"description": "The model; the reference to it where it is not known here"}}},
+  "Value": {"type": "object", "required": ["board", "service", "place", "events"], "properties": {
+    "board": {"type": "string"}, "service": {"type": "string"}, "place": {"type": "string"},
+    "events": {"type": "object", "additionalProperties": {"type": "object", "required": ["value", "at", "age"],
+      "properties": {"value": {}, "at": {"type": "string"}, "age": {"type": "number"}}}}}},
+  "Values": {"type": "object", "required": ["items", "complete", "place"], "properties": {
+    "complete": {"type": "boolean", "description": "Nothing behind `since` is missing"},
+    "place": {"type": "string"},
+    "items": {"type": "array", "items": {"type": "object", "required": ["place", "at"],
+      "properties": {"place": {"type": "string"}, "at": {"type": "string"}, "value": {}, "error": {}}}}}},
+  "Arguments": {"description": "An array of arguments, an object by their names, or nothing"},
+  "RawLines": {"type": "object", "required": ["lines"], "additionalProperties": false, "properties": {
+    "lines": {"type": "array", "minItems": 1, "maxItems": 64, "items": {"type": "string", "maxLength": 62}}}},
+  "CommandAnswer": {"type": "object", "required": ["status"], "properties": {
+    "status": {"type": "string", "enum": ["ok", "error", "timeout", "refused"]}, "id": {"type": "string"},
+    "proof": {"type": "string"}, "answer": {}, "code": {"type": "integer"}, "error": {"type": "string"},
+    "reason": {"type": "string"}}},
+  "Command": {"type": "object", "required": ["id", "target", "by", "at", "request"], "properties": {
+    "id": {"type": "string"}, "target": {"type": "string"}, "by": {"type": "string"}, "at": {"type": "string"},
+    "request": {}, "late": {"type": "boolean"}, "answer": {"$ref": "#/components/schemas/CommandAnswer"}}},
+  "Models": {"type": "object", "required": ["items"], "properties": {"items": {"type": "array", "items": {
+    "type": "object", "required": ["name", "version", "id", "title"], "properties": {"name": {"type": "string"},
+      "version": {"type": "integer"}, "id": {"type": "string"}, "title": {"type": "string"}}}}}},
+  "Model": {"type": "object", "required": ["name", "version"], "properties": {
+    "name": {"type": "string"}, "version": {"type": "integer"}}},
+  "EventStream": {"type": "string"},
+  "Status": {"type": "object", "required": ["version", "you", "broker", "mirror", "registries", "streams"],
+    "properties": {"version": {"type": "string"}, "you": {"type": "object"}, "broker": {"type": "object"},
+      "mirror": {"type": "object"}, "registries": {"type": "array"}, "streams": {"type": "object"}}},
+  "Code": {"type": "object", "required": ["code", "expires_in"], "properties": {
+    "code": {"type": "string"}, "expires_in": {"type": "integer"}}},
+  "Health": {"type": "object", "required": ["status"], "properties": {"status": {"type": "string"}}}
+}})json";
+
+}  // namespace asip::gateway::api

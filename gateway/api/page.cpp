@@ -1,0 +1,112 @@
+#include <algorithm>
+#include <array>
+
+#include "gateway/api/routes.hpp"
+#include "gateway/page_files.hpp"
+
+namespace asip::gateway::api {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kTypes{{
+    {".html", "text/html; charset=utf-8"},
+    {".css", "text/css; charset=utf-8"},
+    {".js", "text/javascript; charset=utf-8"},
+    {".svg", "image/svg+xml"},
+    {".png", "image/png"},
+    {".json", "application/json"},
+    {".webmanifest", "application/manifest+json"},
+    {".txt", "text/plain; charset=utf-8"},
+}};
+
+std::string_view type_of(std::string_view path) {
+    for (const auto& [ending, type] : kTypes) {
+        if (path.ends_with(ending)) return type;
+    }
+    return "application/octet-stream";
+}
+
+// The page may be shown inside pages of the origins that a kiosk's token names, nowhere else.
+std::string policy(const std::vector<std::string>& frames) {
+    std::string ancestors = "'none'";
+    if (!frames.empty()) {
+        ancestors.clear();
+        for (const auto& origin : frames)
+            ancestors += (ancestors.empty() ? "" : " ") + origin;
+    }
+    return "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' "
+           "data:; "
+           "manifest-src 'self'; worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors " +
+           ancestors + "; require-trusted-types-for 'script'; trusted-types page";
+}
+
+const PageFile* file_of(const std::string& path) {
+    const auto files = page_files();
+    const auto found =
+        std::find_if(files.begin(), files.end(), [&](const PageFile& file) { return file.path == path; });
+    return found == files.end() ? nullptr : &*found;
+}
+
+void redeem(Gateway& gateway, const http::Request& request, const std::string& code,
+            const http::Reply& reply) {
+    const auto cookie = gateway.gate().logins().redeem(code, gateway.now().time);
+    if (!cookie) {
+        auto response = problem(401,
+                                "the code was used already or is older than 30 s; ask for another one: "
+                                "asipctl open");
+        return reply.send(std::move(response));
+    }
+    const auto& base = gateway.options().base_path;
+    http::Response response;
+    response.status = 303;
+    response.content_type = "text/plain";
+    response.headers = {{"Location", base + "/"},
+                        {"Cache-Control", "no-store"},
+                        {"Referrer-Policy", "no-referrer"},
+                        {"Set-Cookie", gateway.gate().options().cookie + "=" + *cookie + "; Path=" + base +
+                                           "/; HttpOnly; SameSite=Strict; Max-Age=43200" +
+                                           (request.peer.secure ? "; Secure" : "")}};
+    reply.send(std::move(response));
+}
+
+}  // namespace
+
+void serve_page(Gateway& gateway, const http::Request& request, const http::Reply& reply) {
+    std::string path;
+    for (const auto& segment : request.segments)
+        path += (path.empty() ? "" : "/") + segment;
+    std::vector<std::string> frames;
+    if (request.segments.size() == 2 && request.segments[0] == "kiosk") {
+        const auto* rights = gateway.gate().tokens().named(request.segments[1]);
+        if (rights != nullptr && rights->role == Role::kKiosk) frames = rights->frames, path.clear();
+    }
+    if (path.empty()) {
+        if (const auto* code = request.parameter("code"); code != nullptr && request.method == "GET")
+            return redeem(gateway, request, *code, reply);
+        path = "index.html";
+    }
+    const auto* file = gateway.options().page ? file_of(path) : nullptr;
+    if (file == nullptr) return reply.send(problem(404, "there is nothing at this address"));
+    if (request.method != "GET" && request.method != "HEAD") {
+        auto response = problem(405, "only GET and HEAD");
+        response.headers.emplace_back("Allow", "GET, HEAD");
+        return reply.send(std::move(response));
+    }
+    http::Response response;
+    response.content_type = type_of(path);
+    const auto etag = "\"" + std::string(file->etag) + "\"";
+    response.headers = {{"ETag", etag},
+                        {"Cache-Control", "no-cache"},
+                        {"Vary", "Accept-Encoding"},
+                        {"Content-Security-Policy", policy(frames)}};
+    if (request.header("if-none-match").find(etag) != std::string_view::npos) {
+        response.status = 304;
+    } else if (http::accepts_gzip(request)) {
+        response.fixed = file->gzip;
+        response.compressed = true;
+    } else {
+        response.body = http::decompress(file->gzip);
+    }
+    reply.send(std::move(response));
+}
+
+}  // namespace asip::gateway::api

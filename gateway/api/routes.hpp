@@ -1,0 +1,81 @@
+#pragma once
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "gateway/api/call.hpp"
+
+namespace asip::gateway::api {
+
+/// What somebody needs to be allowed to.
+enum class Need { kNothing, kRead, kCommand, kRaw, kForget };
+
+struct Parameter {
+    std::string_view name;
+    std::string_view schema;  ///< JSON
+    std::string_view about;
+    std::string_view example;  ///< JSON; empty: none
+};
+
+struct Answer {
+    int status;
+    std::string_view about;
+    std::string_view schema;  ///< name of a schema of the document; empty: no body
+    std::string_view type = "application/json";
+};
+
+/// One operation. The server serves what stands here, and the OpenAPI document is made from it.
+struct Route {
+    std::string_view method;
+    std::string_view path;  ///< "/api/boards/{board}"
+    std::string_view id;
+    std::string_view about;
+    Need need;
+    std::vector<Parameter> query;
+    std::string_view body;  ///< name of a schema; empty: none
+    std::vector<Answer> answers;
+    void (*serve)(Call& call);
+};
+
+/// Every operation of the gateway. Problems that any of them may answer (400, 401, 403, 421, 429) are not
+/// repeated in each.
+const std::vector<Route>& routes();
+
+/// Finds the route and serves the request; also what is none: 404, 405, OPTIONS.
+void serve(Gateway& gateway, const http::Request& request, const http::Reply& reply);
+
+// The operations, by file.
+void get_boards(Call& call);
+void get_board(Call& call);
+void delete_board(Call& call);
+void get_board_history(Call& call);
+void get_history(Call& call);
+void get_services(Call& call);
+void get_service(Call& call);
+void get_value(Call& call);
+void get_values(Call& call);
+void get_models(Call& call);
+void get_model(Call& call);
+void post_command(Call& call);
+void post_raw(Call& call);
+void get_command(Call& call);
+void get_events(Call& call);
+void get_service_stream(Call& call);
+void get_stream(Call& call);
+void get_status(Call& call);
+void post_code(Call& call);
+void delete_session(Call& call);
+void get_openapi(Call& call);
+void get_metrics(Call& call);
+void get_healthz(Call& call);
+void get_readyz(Call& call);
+/// `/` and the files of the page.
+void serve_page(Gateway& gateway, const http::Request& request, const http::Reply& reply);
+
+std::string openapi_document(const std::vector<Route>& routes);
+
+/// For `{"command":"uno1/servo",...}` of a WebSocket.
+void websocket_command(Gateway& gateway, const Principal& principal, const std::string& session,
+                       const nlohmann::json& request, const std::function<void(std::string)>& answer);
+
+}  // namespace asip::gateway::api

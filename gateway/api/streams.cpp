@@ -1,0 +1,154 @@
+#include <nlohmann/json.hpp>
+
+#include "asip/model/json.hpp"
+#include "gateway/api/routes.hpp"
+#include "gateway/auth/secret.hpp"
+#include "gateway/stream/channel.hpp"
+#include "gateway/stream/value_feed.hpp"
+
+namespace asip::gateway::api {
+namespace {
+
+using nlohmann::json;
+
+// A new EventSource forgets its own last id: the parameter says it then.
+Expected<std::optional<Place>> resume_place(const Call& call) {
+    std::string text(call.request.header("last-event-id"));
+    if (const auto* parameter = call.request.parameter("last_event_id"); parameter != nullptr && text.empty())
+        text = *parameter;
+    if (text.empty()) return std::optional<Place>();
+    auto place = parse_place(text);
+    if (!place) return fail("Last-Event-ID: must be a place such as 1f2e3d4c-17");
+    return place;
+}
+
+bool has_room(const Call& call) {
+    if (call.gateway.streams().has_room(call.client())) return true;
+    send_problem(call, 429, "too many streams are open; close one");
+    return false;
+}
+
+void start_sse(const Call& call, std::unique_ptr<Feed> feed) {
+    http::Response head;
+    head.content_type = "text/event-stream";
+    head.headers = {{"Cache-Control", "no-store"}, {"X-Accel-Buffering", "no"}};
+    auto& gateway = call.gateway;
+    call.reply.stream(std::move(head),
+                      std::make_unique<SseSource>(
+                          gateway.streams(), std::move(feed), [&gateway] { return gateway.now(); },
+                          call.principal, call.client()));
+}
+
+ChangeFeed::Allowed allowed_boards(const Rights& rights) {
+    if (rights.boards.empty()) return {};
+    return [rights](std::string_view board) { return rights.sees_board(board); };
+}
+
+ValueFeed::Allowed allowed_services(const Rights& rights) {
+    if (!rights.limited()) return {};
+    return [rights](std::string_view board, std::string_view service) {
+        return rights.sees_service(board, service);
+    };
+}
+
+Expected<std::unique_ptr<Feed>> catalogue_feed(Gateway& gateway, const Rights& rights,
+                                               const std::string& board, std::optional<Place> after) {
+    auto& mirror = gateway.mirror();
+    return std::make_unique<ChangeFeed>(
+        mirror.log(), mirror.read_page(),
+        ChangeFeed::Options{board.empty() ? "*" : board, std::move(after), true, allowed_boards(rights)});
+}
+
+Expected<std::unique_ptr<Feed>> value_feed(Gateway& gateway, const Rights& rights, const std::string& target,
+                                           double max_hz, std::optional<Place> after) {
+    const auto slash = target.find('/');
+    if (slash == std::string::npos || target.find('/', slash + 1) != std::string::npos)
+        return fail("subscribe: must be \"BOARD/SERVICE\", patterns allowed, or \"$catalogue\"");
+    ValueFeed::Options options;
+    options.board = target.substr(0, slash);
+    options.service = target.substr(slash + 1);
+    if (options.board.empty() || options.service.empty())
+        return fail("subscribe: board and service must not be empty; * is any");
+    if (after && target.find_first_of("*?") != std::string::npos)
+        return fail("after: only of one service, because each counts for itself");
+    options.max_hz = max_hz;
+    options.after = std::move(after);
+    options.allowed = allowed_services(rights);
+    return std::make_unique<ValueFeed>(gateway.mirror().values(), std::move(options));
+}
+
+Expected<std::unique_ptr<Feed>> feed_for(Gateway& gateway, const Rights& rights, const json& request) {
+    if (!gateway.mirror().ready()) return fail("the broker is not connected; try again in a moment");
+    const auto& target = request["subscribe"];
+    if (!target.is_string()) return fail("subscribe: must be a string");
+    std::optional<Place> after;
+    if (const auto found = request.find("after"); found != request.end()) {
+        after = found->is_string() ? parse_place(found->get_ref<const std::string&>()) : std::nullopt;
+        if (!after) return fail("after: must be a place such as \"1f2e3d4c-17\"");
+    }
+    if (target == "$catalogue") {
+        const auto board = request.find("board");
+        const bool named = board != request.end() && board->is_string();
+        return catalogue_feed(gateway, rights, named ? board->get<std::string>() : std::string(), after);
+    }
+    double max_hz = 0;
+    if (const auto found = request.find("max_hz"); found != request.end()) {
+        max_hz = found->is_number() ? found->get<double>() : 0;
+        if (!(max_hz >= 0.01 && max_hz <= 1000)) return fail("max_hz: must be a number from 0.01 to 1000");
+    }
+    return value_feed(gateway, rights, target.get<std::string>(), max_hz, std::move(after));
+}
+
+}  // namespace
+
+void get_events(Call& call) {
+    if (!bus_is_there(call) || !has_room(call)) return;
+    auto after = resume_place(call);
+    if (!after) return send_problem(call, 400, after.error());
+    const auto* board = call.request.parameter("board");
+    auto feed = catalogue_feed(call.gateway, call.principal.rights, board == nullptr ? "" : *board,
+                               std::move(*after));
+    start_sse(call, std::move(*feed));
+}
+
+void get_service_stream(Call& call) {
+    const auto board = board_of(call);
+    if (!board || service_of(call, *board) == nullptr || !bus_is_there(call) || !has_room(call)) return;
+    auto after = resume_place(call);
+    if (!after) return send_problem(call, 400, after.error());
+    const auto max_hz = number_parameter(call, "max_hz", 0, 0, 1000);
+    if (!max_hz) return send_problem(call, 400, max_hz.error());
+    auto feed = value_feed(call.gateway, call.principal.rights, call.board() + "/" + call.service(), *max_hz,
+                           std::move(*after));
+    if (!feed) return send_problem(call, 400, feed.error());
+    start_sse(call, std::move(*feed));
+}
+
+void get_stream(Call& call) {
+    if (!http::is_upgrade(call.request)) {
+        auto response = problem(426, "this is a WebSocket; see also /api/events");
+        response.headers.emplace_back("Upgrade", "websocket");
+        return call.reply.send(std::move(response));
+    }
+    if (!has_room(call)) return;
+    auto& gateway = call.gateway;
+    const auto principal = call.principal;
+    // A client may name its session, so that a command can be repeated over its next connection.
+    const auto* named = call.request.parameter("session");
+    const auto session =
+        call.client() + "\n" + (named != nullptr && !named->empty() ? *named : "socket " + random_secret(12));
+    StreamChannel::Dependencies dependencies;
+    dependencies.now = [&gateway] { return gateway.now(); };
+    dependencies.subscribe = [&gateway, principal](const json& request) {
+        return feed_for(gateway, principal.rights, request);
+    };
+    dependencies.command = [&gateway, principal, session](const json& request,
+                                                          std::function<void(std::string)> answer) {
+        websocket_command(gateway, principal, session, request, answer);
+    };
+    dependencies.max_subscriptions = gateway.options().subscriptions;
+    call.reply.websocket(std::make_unique<StreamChannel>(gateway.streams(), std::move(dependencies),
+                                                         principal, call.client()));
+}
+
+}  // namespace asip::gateway::api

@@ -1,0 +1,188 @@
+#include "gateway/application.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+
+#include "asip/program/exit_status.hpp"
+#include "asip/program/log.hpp"
+#include "asip/random.hpp"
+#include "asip/text/wall_time.hpp"
+
+namespace asip::gateway {
+namespace {
+
+namespace log = program::log;
+
+constexpr Duration kTick = std::chrono::milliseconds(100);
+constexpr Duration kTokensCheck = std::chrono::milliseconds(500);
+
+Instant present() {
+    return {Clock::now(), text::wall_now()};
+}
+
+model::ModelSet models_of(const std::string& folder) {
+    auto models = model::ModelSet::standard();
+    if (folder.empty()) return models;
+    const auto loaded = models.load_directory(folder);
+    if (!loaded) throw std::runtime_error(loaded.error());
+    return models;
+}
+
+// Each connection needs one; what the system allows at most is there to be used.
+void allow_many_descriptors() {
+    rlimit limit{};
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+}  // namespace
+
+Application::Application(ProgramOptions options) : options_(std::move(options)), timer_(io_) {
+    allow_many_descriptors();
+    auto models = models_of(options_.services);
+    auto units_of = [models](std::string_view model) { return model::units_of(models, model); };
+    auto mqtt = options_.mqtt;
+    mqtt.max_queued_messages = 20'000;
+    mqtt.max_queued_bytes = 32u << 20;
+    client_ = std::make_unique<mqtt::Client>(io_, std::move(mqtt), handlers());
+    gateway_ = std::make_unique<Gateway>(options_.gateway, std::move(models), std::move(units_of),
+                                         system_random(), random_secret, port());
+    read_tokens(true);
+    http::Server::Options server;
+    server.addresses = options_.addresses;
+    server.limits = options_.limits;
+    if (!options_.http_cert.empty())
+        server.tls =
+            std::make_unique<http::Server::Tls>(http::Server::Tls{options_.http_cert, options_.http_key});
+    server_ = std::make_unique<http::Server>(io_, std::move(server),
+                                             [this](const http::Request& request, const http::Reply& reply) {
+                                                 gateway_->request(request, reply);
+                                             });
+    stop_signal_ = std::make_unique<program::StopSignal>(io_, [this](int) { stop(); });
+}
+
+Application::~Application() = default;
+
+Gateway::Port Application::port() {
+    Gateway::Port port;
+    port.publish = [this](mqtt::Message message) {
+        return client_->publish(std::move(message), mqtt::Priority::kReply) != mqtt::PublishResult::kRefused;
+    };
+    port.subscribe = [this](std::string filter, bool retained) {
+        mqtt::SubscribeOptions subscription;
+        subscription.retained = retained;
+        client_->subscribe(std::move(filter), subscription);
+    };
+    port.unsubscribe = [this](const std::string& filter) { client_->unsubscribe(filter); };
+    port.v5 = [this] { return client_->v5(); };
+    port.now = present;
+    port.server = [this] { return server_->counters(); };
+    return port;
+}
+
+mqtt::Client::Handlers Application::handlers() {
+    mqtt::Client::Handlers result;
+    result.on_connected = [this](const mqtt::Connected& connected) {
+        outage_.over();
+        log::info("connected",
+                  {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
+    };
+    result.on_subscribed = [this] { gateway_->subscribed(); };
+    result.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
+        gateway_->disconnected();
+        log::warning("connection lost; what is known is still shown", {{"why", failure.text}});
+    };
+    result.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) { connect_failed(failure); };
+    result.on_message = [this](const mqtt::Message& received) { gateway_->message(received); };
+    result.on_subscribe_refused = [](const std::string& filter, const std::string& reason) {
+        log::error("the broker refuses a subscription; check its access rules",
+                   {{"filter", filter}, {"reason", reason}});
+    };
+    return result;
+}
+
+void Application::connect_failed(const mqtt::ConnectionFailure& failure) {
+    if (!failure.hopeless) {
+        const auto level = outage_.is_news(failure) ? log::Level::kWarning : log::Level::kDebug;
+        log::write(level, "no connection; trying again",
+                   {{"broker", failure.broker.describe()}, {"why", failure.text}});
+        return;
+    }
+    log::error("no broker accepts the connection",
+               {{"broker", failure.broker.describe()}, {"why", failure.text}});
+    status_ = program::kExitBroker;
+    stop();
+}
+
+// A file that is being written, or has become wrong, leaves the tokens as they are.
+void Application::read_tokens(bool first) {
+    if (options_.tokens.empty()) return;
+    std::error_code error;
+    const auto written = std::filesystem::last_write_time(options_.tokens, error);
+    if (!first && !error && tokens_read_ && *tokens_read_ == written) return;
+    auto tokens = Tokens::read(options_.tokens);
+    if (!tokens) {
+        if (first) throw std::runtime_error(tokens.error());
+        if (tokens_read_) log::error("the tokens stay as they were", {{"why", tokens.error()}});
+        tokens_read_.reset();
+        return;
+    }
+    if (!error) tokens_read_ = written;
+    log::info("tokens read", {{"file", options_.tokens}, {"tokens", tokens->size()}});
+    gateway_->gate().set_tokens(std::move(*tokens));
+}
+
+void Application::log_access() const {
+    const auto& gate = options_.gateway.gate;
+    for (const auto& address : server_->addresses()) {
+        const bool tls = !options_.http_cert.empty();
+        log::info(
+            "listening",
+            {{"address", address.starts_with("unix:") ? address : (tls ? "https://" : "http://") + address},
+             {"without a token, from this machine", to_string(gate.loopback.role)},
+             {"without a token, from elsewhere", to_string(gate.anonymous.role)}});
+    }
+}
+
+int Application::run() {
+    log::info("gateway starts", {{"broker", options_.gateway.broker}});
+    for (auto& [filter, retained] : gateway_->mirror().subscriptions())
+        port().subscribe(std::move(filter), retained);
+    mqtt::SubscribeOptions replies;
+    replies.qos = 1;
+    client_->subscribe(options_.gateway.reply_base + "/+", replies);
+    client_->start();
+    server_->start();
+    log_access();
+    schedule_tick();
+    io_.run();
+    return status_;
+}
+
+void Application::schedule_tick() {
+    timer_.expires_after(kTick);
+    timer_.async_wait([this](const boost::system::error_code& error) {
+        if (error) return;
+        if (const auto now = Clock::now(); now - tokens_checked_ >= kTokensCheck) {
+            tokens_checked_ = now;
+            read_tokens(false);
+        }
+        gateway_->tick();
+        schedule_tick();
+    });
+}
+
+void Application::stop() {
+    server_->stop();
+    client_->stop(std::chrono::seconds(2), [this] { end(); });
+}
+
+void Application::end() {
+    timer_.cancel();
+    stop_signal_->cancel();
+    io_.stop();
+}
+
+}  // namespace asip::gateway

@@ -1,0 +1,54 @@
+#pragma once
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "asip/mqtt/client.hpp"
+#include "asip/mqtt/outage.hpp"
+#include "asip/program/stop_signal.hpp"
+#include "gateway/gateway.hpp"
+#include "gateway/http/server.hpp"
+#include "gateway/options.hpp"
+
+namespace asip::gateway {
+
+/// The program: a gateway with its server, its connection to the bus and its clock.
+class Application {
+  public:
+    /// Throws std::runtime_error where an address, a certificate, the tokens or a model cannot be used.
+    explicit Application(ProgramOptions options);
+    ~Application();
+
+    /// Until SIGINT or SIGTERM, or brokers that refuse the first connection for good. Returns the exit
+    /// status.
+    int run();
+
+  private:
+    Gateway::Port port();
+    mqtt::Client::Handlers handlers();
+    void connect_failed(const mqtt::ConnectionFailure& failure);
+    void schedule_tick();
+    void read_tokens(bool first);
+    void log_access() const;
+    void stop();
+    void end();
+
+    ProgramOptions options_;
+    boost::asio::io_context io_;
+    boost::asio::steady_timer timer_;
+    std::unique_ptr<program::StopSignal> stop_signal_;
+    std::unique_ptr<mqtt::Client> client_;
+    std::unique_ptr<Gateway> gateway_;
+    std::unique_ptr<http::Server> server_;
+    std::optional<std::filesystem::file_time_type> tokens_read_;
+    Time tokens_checked_{};
+    mqtt::Outage outage_;
+    int status_ = 0;
+};
+
+/// `asip-gateway token`: appends a line to the file and prints the token. The exit status.
+int make_token(const TokenRequest& request);
+
+}  // namespace asip::gateway

@@ -1,0 +1,147 @@
+#include "gateway/auth/gate.hpp"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "asip/text/printable.hpp"
+
+namespace asip::gateway {
+namespace {
+
+std::string lower(std::string_view text) {
+    std::string result(text);
+    std::transform(result.begin(), result.end(), result.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return result;
+}
+
+bool is_websocket(const http::Request& request) {
+    return lower(request.header("upgrade")) == "websocket";
+}
+
+bool is_safe(const http::Request& request) {
+    return request.method == "GET" || request.method == "HEAD" || request.method == "OPTIONS";
+}
+
+bool is_json(std::string_view content_type) {
+    const auto type = lower(content_type.substr(0, content_type.find(';')));
+    return type.substr(0, type.find_last_not_of(' ') + 1) == "application/json";
+}
+
+/// The token of `Authorization: Bearer TOKEN`, or of a WebSocket's offered protocol `asip.bearer.TOKEN`:
+/// browsers let a page set no other header there.
+std::optional<std::string> bearer(const http::Request& request) {
+    const auto header = request.header("authorization");
+    if (header.size() > 7 && lower(header.substr(0, 7)) == "bearer ") return std::string(header.substr(7));
+    if (!header.empty()) return std::string();
+    if (!is_websocket(request)) return std::nullopt;
+    constexpr std::string_view kPrefix = "asip.bearer.";
+    const auto offered = request.header("sec-websocket-protocol");
+    const auto at = offered.find(kPrefix);
+    if (at == std::string_view::npos) return std::nullopt;
+    const auto rest = offered.substr(at + kPrefix.size());
+    return std::string(rest.substr(0, rest.find_first_of(", ")));
+}
+
+}  // namespace
+
+std::string host_part(std::string_view authority) {
+    if (!authority.empty() && authority.front() == '[')
+        return lower(
+            authority.substr(1, authority.find(']') == std::string_view::npos ? 0 : authority.find(']') - 1));
+    return lower(authority.substr(0, authority.rfind(':')));
+}
+
+bool is_ip_address(std::string_view host) {
+    const std::string text(host);
+    unsigned char ignored[sizeof(in6_addr)];
+    return inet_pton(AF_INET, text.c_str(), ignored) == 1 || inet_pton(AF_INET6, text.c_str(), ignored) == 1;
+}
+
+std::optional<Denied> Gate::wrong_host(const http::Request& request) const {
+    const auto host = host_part(request.header("host"));
+    if (host.empty() && request.http_1_0) return std::nullopt;
+    if (host.empty()) return Denied{400, "the request has no Host"};
+    const auto& ours = options_.hosts;
+    if (is_ip_address(host) || std::find(ours.begin(), ours.end(), host) != ours.end()) return std::nullopt;
+    return Denied{421, "\"" + text::printable(host) + "\" is not a name of this gateway; --host adds one"};
+}
+
+std::string Gate::allowed_origin(const http::Request& request) const {
+    const auto origin = request.header("origin");
+    const auto& allowed = options_.allowed_origins;
+    return std::find(allowed.begin(), allowed.end(), origin) == allowed.end() ? std::string()
+                                                                              : std::string(origin);
+}
+
+// What a page of another origin makes a browser send is refused, whatever cookie or address it comes with.
+std::optional<Denied> Gate::wrong_origin(const http::Request& request) const {
+    if (is_safe(request) && !is_websocket(request)) return std::nullopt;
+    if (!allowed_origin(request).empty()) return std::nullopt;
+    if (const auto site = request.header("sec-fetch-site"); site == "cross-site" || site == "same-site")
+        return Denied{403, "a page of another site may not do this; --allow-origin lets one"};
+    if (!request.has_header("origin")) return std::nullopt;
+    const auto origin = lower(request.header("origin"));
+    const auto authority = lower(request.header("host"));
+    const bool http = origin == "http://" + authority;
+    const bool https = origin == "https://" + authority;
+    if (request.peer.secure ? https : http || (options_.behind_proxy && https)) return std::nullopt;
+    return Denied{403, "a page of " + text::printable(origin) + " may not do this; --allow-origin lets one"};
+}
+
+std::string Gate::cookie_of(const http::Request& request) const {
+    std::string_view rest = request.header("cookie");
+    while (!rest.empty()) {
+        const auto end = rest.find(';');
+        auto pair = rest.substr(0, end);
+        rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
+        while (!pair.empty() && pair.front() == ' ')
+            pair.remove_prefix(1);
+        if (pair.starts_with(options_.cookie) && pair.size() > options_.cookie.size() &&
+            pair[options_.cookie.size()] == '=')
+            return std::string(pair.substr(options_.cookie.size() + 1));
+    }
+    return {};
+}
+
+Expected<Principal, Denied> Gate::who(const http::Request& request, const Instant& now) const {
+    if (const auto token = bearer(request)) {
+        const auto* rights = tokens_.find(*token);
+        if (rights == nullptr || (rights->until && *rights->until <= now.wall))
+            return Unexpected<Denied>(Denied{401, "the token is not known, or has expired"});
+        return Principal{*rights, Principal::Kind::kToken};
+    }
+    if (const auto cookie = cookie_of(request); !cookie.empty()) {
+        if (auto rights = logins_.session(cookie, now.time)) {
+            Principal principal{std::move(*rights), Principal::Kind::kSession};
+            if (still_admitted(principal, now)) return principal;
+        }
+    }
+    if (request.peer.loopback && options_.loopback.role != Role::kNone)
+        return Principal{options_.loopback, Principal::Kind::kLoopback};
+    return Principal{options_.anonymous, Principal::Kind::kAnonymous};
+}
+
+Expected<Principal, Denied> Gate::admit(const http::Request& request, const Instant& now) const {
+    if (auto denied = wrong_host(request)) return Unexpected<Denied>(std::move(*denied));
+    if (auto denied = wrong_origin(request)) return Unexpected<Denied>(std::move(*denied));
+    const bool changes = !is_safe(request) && request.method != "DELETE";
+    if (changes && !is_json(request.header("content-type")))
+        return Unexpected<Denied>(Denied{415, "send Content-Type: application/json"});
+    return who(request, now);
+}
+
+bool Gate::still_admitted(const Principal& principal, const Instant& now) const {
+    const auto& rights = principal.rights;
+    if (rights.until && *rights.until <= now.wall) return false;
+    if (principal.kind == Principal::Kind::kAnonymous || principal.kind == Principal::Kind::kLoopback)
+        return true;
+    if (rights.name == options_.loopback.name) return options_.loopback.role != Role::kNone;
+    if (rights.name == options_.anonymous.name) return options_.anonymous.role != Role::kNone;
+    const auto* token = tokens_.named(rights.name);
+    return token != nullptr && *token == rights;
+}
+
+}  // namespace asip::gateway

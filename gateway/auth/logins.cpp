@@ -1,0 +1,53 @@
+#include "gateway/auth/logins.hpp"
+
+namespace asip::gateway {
+namespace {
+
+constexpr std::size_t kCodeBytes = 16;
+constexpr std::size_t kCookieBytes = 32;
+
+template <class Entries>
+void drop_old(Entries& entries, Time now) {
+    std::erase_if(entries, [&](const auto& each) { return each.second.until <= now; });
+}
+
+}  // namespace
+
+std::string Logins::make_code(const Rights& rights, Time now) {
+    drop_old(codes_, now);
+    if (codes_.size() >= kMaxCodes) return {};
+    auto code = secrets_(kCodeBytes);
+    codes_[hash_of(code)] = {rights, now + kCodeTime};
+    return code;
+}
+
+std::optional<std::string> Logins::redeem(std::string_view code, Time now) {
+    const auto found = codes_.find(hash_of(code));
+    if (found == codes_.end()) return std::nullopt;
+    const Entry entry = std::move(found->second);
+    codes_.erase(found);
+    if (entry.until <= now) return std::nullopt;
+    drop_old(sessions_, now);
+    if (sessions_.size() >= kMaxSessions) sessions_.erase(sessions_.begin());
+    auto cookie = secrets_(kCookieBytes);
+    sessions_[hash_of(cookie)] = {entry.rights, now + kSessionTime};
+    return cookie;
+}
+
+std::optional<Rights> Logins::session(std::string_view cookie, Time now) const {
+    if (cookie.empty()) return std::nullopt;
+    const auto found = sessions_.find(hash_of(cookie));
+    if (found == sessions_.end() || found->second.until <= now) return std::nullopt;
+    return found->second.rights;
+}
+
+void Logins::end(std::string_view cookie) {
+    sessions_.erase(hash_of(cookie));
+}
+
+void Logins::expire(Time now) {
+    drop_old(codes_, now);
+    drop_old(sessions_, now);
+}
+
+}  // namespace asip::gateway

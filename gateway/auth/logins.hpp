@@ -1,0 +1,44 @@
+#pragma once
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "asip/time.hpp"
+#include "gateway/auth/rights.hpp"
+#include "gateway/auth/secret.hpp"
+
+namespace asip::gateway {
+
+/// One-time codes that turn into cookies. Pure: time and randomness are passed in; secrets are kept as
+/// hashes.
+class Logins {
+  public:
+    static constexpr Duration kCodeTime = std::chrono::seconds(30);
+    static constexpr Duration kSessionTime = std::chrono::hours(12);
+    static constexpr std::size_t kMaxCodes = 1000;
+    static constexpr std::size_t kMaxSessions = 10'000;
+
+    explicit Logins(Secrets secrets) : secrets_(std::move(secrets)) {}
+
+    /// A code for whoever opens it within 30 s; empty: too many are open.
+    std::string make_code(const Rights& rights, Time now);
+    /// The cookie's value. A code works once; nothing for one that is not known, used or too old.
+    std::optional<std::string> redeem(std::string_view code, Time now);
+    /// The rights as they were when the code was made; nothing for a cookie that is not known or too old.
+    std::optional<Rights> session(std::string_view cookie, Time now) const;
+    void end(std::string_view cookie);
+    void expire(Time now);
+    std::size_t sessions() const { return sessions_.size(); }
+
+  private:
+    struct Entry {
+        Rights rights;
+        Time until;
+    };
+    Secrets secrets_;
+    std::map<std::string, Entry, std::less<>> codes_;  // by hash
+    std::map<std::string, Entry, std::less<>> sessions_;
+};
+
+}  // namespace asip::gateway

@@ -1,0 +1,120 @@
+#include "gateway/auth/tokens.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include "asip/model/names.hpp"
+#include "gateway/auth/secret.hpp"
+
+namespace asip::gateway {
+namespace {
+
+std::vector<std::string> split(std::string_view text, char separator) {
+    std::vector<std::string> parts;
+    while (!text.empty()) {
+        const auto at = text.find(separator);
+        if (at != 0) parts.emplace_back(text.substr(0, at));
+        text = at == std::string_view::npos ? std::string_view() : text.substr(at + 1);
+    }
+    return parts;
+}
+
+bool is_hash(std::string_view text) {
+    return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
+Expected<void> read_member(Rights& rights, const std::string& word) {
+    const auto equals = word.find('=');
+    const auto name = word.substr(0, equals);
+    const auto value = equals == std::string::npos ? std::string() : word.substr(equals + 1);
+    if (value.empty()) return fail("\"" + word + "\" is not NAME=VALUE");
+    if (name == "until") {
+        rights.until = text::parse_iso_time(value);
+        if (!rights.until) return fail("\"" + value + "\" is not a time such as 2027-01-31T00:00:00.000Z");
+    } else if (name == "boards") {
+        rights.boards = split(value, ',');
+    } else if (name == "services") {
+        rights.services = split(value, ',');
+    } else if (name == "frames") {
+        rights.frames = split(value, ',');
+    } else {
+        return fail("\"" + name + "\" is none of until, boards, services and frames");
+    }
+    return {};
+}
+
+std::string joined(const std::vector<std::string>& parts) {
+    std::string text;
+    for (const auto& part : parts)
+        text += (text.empty() ? "" : ",") + part;
+    return text;
+}
+
+}  // namespace
+
+Expected<Tokens> Tokens::parse(std::string_view text) {
+    Tokens tokens;
+    std::istringstream lines{std::string(text)};
+    int number = 0;
+    for (std::string line; std::getline(lines, line);) {
+        ++number;
+        if (!line.empty() && line.back() == '\r') line.pop_back();
+        const auto words = split(line, ' ');
+        if (words.empty() || words[0].front() == '#') continue;
+        const auto wrong = [&](const std::string& why) {
+            return fail("line " + std::to_string(number) + ": " + why);
+        };
+        if (words.size() < 3) return wrong("expected ROLE NAME HASH");
+        auto rights = parse_role(words[0]);
+        if (!rights) return wrong(rights.error());
+        rights->name = words[1];
+        if (!model::valid_name(rights->name)) return wrong("\"" + words[1] + "\" is not a name");
+        if (!is_hash(words[2]))
+            return wrong("the third word is not a hash; make lines with asip-gateway token");
+        if (tokens.named(rights->name) != nullptr) return wrong("a second token is called " + words[1]);
+        for (std::size_t i = 3; i < words.size(); ++i) {
+            if (auto member = read_member(*rights, words[i]); !member) return wrong(member.error());
+        }
+        tokens.tokens_.push_back({words[2], std::move(*rights)});
+    }
+    return tokens;
+}
+
+Expected<Tokens> Tokens::read(const std::string& path) {
+    std::ifstream file(path);
+    if (!file) return fail("cannot read the tokens file " + path);
+    std::ostringstream text;
+    text << file.rdbuf();
+    auto tokens = parse(text.str());
+    if (!tokens) return fail(path + ", " + tokens.error());
+    return tokens;
+}
+
+const Rights* Tokens::find(std::string_view token) const {
+    if (token.empty()) return nullptr;
+    const auto hash = hash_of(token);
+    const Rights* found = nullptr;
+    for (const auto& each : tokens_) {
+        if (equal_in_constant_time(each.hash, hash)) found = &each.rights;
+    }
+    return found;
+}
+
+const Rights* Tokens::named(std::string_view name) const {
+    const auto found = std::find_if(tokens_.begin(), tokens_.end(),
+                                    [&](const Token& each) { return each.rights.name == name; });
+    return found == tokens_.end() ? nullptr : &found->rights;
+}
+
+std::string token_line(const Rights& rights, std::string_view hash) {
+    std::string line = std::string(to_string(rights.role)) + (rights.raw ? "+raw" : "") + " " + rights.name +
+                       " " + std::string(hash);
+    if (rights.until) line += " until=" + text::iso_time(*rights.until);
+    if (!rights.boards.empty()) line += " boards=" + joined(rights.boards);
+    if (!rights.services.empty()) line += " services=" + joined(rights.services);
+    if (!rights.frames.empty()) line += " frames=" + joined(rights.frames);
+    return line;
+}
+
+}  // namespace asip::gateway

@@ -1,0 +1,36 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/expected.hpp"
+#include "gateway/auth/rights.hpp"
+
+namespace asip::gateway {
+
+/// The tokens file: lines `ROLE NAME HASH [until=TIME] [boards=A,B] [services=C] [frames=ORIGIN]`, `#`
+/// comments. Only hashes are kept.
+class Tokens {
+  public:
+    /// Fails with the line's number and a sentence; two tokens of one name are a fault.
+    static Expected<Tokens> parse(std::string_view text);
+    static Expected<Tokens> read(const std::string& path);
+
+    /// Null: no such token. Each is compared in full and in constant time. Whether it has expired is the
+    /// caller's to judge.
+    const Rights* find(std::string_view token) const;
+    const Rights* named(std::string_view name) const;
+    std::size_t size() const { return tokens_.size(); }
+
+  private:
+    struct Token {
+        std::string hash;
+        Rights rights;
+    };
+    std::vector<Token> tokens_;
+};
+
+/// The line of the file for a new token.
+std::string token_line(const Rights& rights, std::string_view hash);
+
+}  // namespace asip::gateway

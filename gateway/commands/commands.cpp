@@ -1,0 +1,129 @@
+#include "gateway/commands/commands.hpp"
+
+#include <utility>
+
+#include "asip/bus/requester.hpp"
+
+namespace asip::gateway {
+namespace {
+
+std::string key_of(std::string_view session, std::string_view id) {
+    return std::string(session).append(".").append(id);
+}
+
+std::string with_deadline(std::string payload, Duration deadline) {
+    const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(deadline).count();
+    payload.pop_back();
+    return payload + (payload.size() > 1 ? "," : "") + "\"deadline_ms\":" + std::to_string(ms) + "}";
+}
+
+}  // namespace
+
+Commands::Started Commands::start(Start start, bool v5, const Instant& now, Done done,
+                                  mqtt::Message& message) {
+    if (start.id.empty()) start.id = "auto-" + std::to_string(++made_up_);
+    const auto key = key_of(start.session, start.id);
+    const auto found = entries_.find(key);
+    if (found != entries_.end()) {
+        auto& entry = found->second;
+        if (entry.topic != start.topic || entry.record.request != start.payload) return Started::kIdReused;
+        if (entry.told)
+            done(entry.record);
+        else
+            entry.waiting.push_back(std::move(done));
+        return Started::kRepeated;
+    }
+    if (entries_.size() >= kMaxRecords) return Started::kTooMany;
+    message.topic = start.topic;
+    message.qos = 1;
+    message.payload = with_deadline(start.payload, start.deadline);
+    const auto reply_topic = reply_base_ + "/" + start.session;
+    if (v5) {
+        message.response_topic = reply_topic;
+        message.correlation = key;
+    } else {
+        message.payload = bus::with_reply_members(message.payload, reply_topic, key);
+    }
+    message.user_properties = {{"by", start.by}};
+    Entry entry;
+    entry.record = {start.id, start.by, start.target, start.payload, now, std::nullopt, false};
+    entry.topic = start.topic;
+    entry.until = now.time + start.deadline + kGrace;
+    entry.waiting.push_back(std::move(done));
+    entries_.emplace(key, std::move(entry));
+    return Started::kPublish;
+}
+
+bool Commands::take(const mqtt::Message& message, const Instant& now) {
+    if (!message.topic.starts_with(reply_base_ + "/")) return false;
+    const auto session = message.topic.substr(reply_base_.size() + 1);
+    auto reply = bus::parse_reply(message.payload);
+    if (!reply) return false;
+    const auto found = entries_.find(message.correlation.empty() ? reply->id : message.correlation);
+    if (found == entries_.end() || !found->first.starts_with(session + ".")) return false;
+    auto& entry = found->second;
+    if (entry.told && (!entry.record.reply || entry.record.reply->reason != kNoAnswer)) return true;
+    finish(entry, std::move(*reply), now.time);
+    return true;
+}
+
+void Commands::finish(Entry& entry, bus::Reply reply, Time now) {
+    using Status = bus::Reply::Status;
+    reply.id = entry.record.id;
+    entry.record.late = entry.told;
+    entry.until = now + kKeep;
+    auto& counter = reply.status == Status::kOk        ? counters_.ok
+                    : reply.status == Status::kError   ? counters_.error
+                    : reply.status == Status::kTimeout ? counters_.timeout
+                                                       : counters_.refused;
+    if (!entry.told) ++counter;
+    entry.record.reply = std::move(reply);
+    entry.told = true;
+    if (on_finished) on_finished(entry.record, now - entry.record.sent.time);
+    const auto record = entry.record;
+    for (const auto& done : std::exchange(entry.waiting, {}))
+        done(record);
+}
+
+void Commands::tick(const Instant& now) {
+    std::vector<std::string> overdue;
+    for (auto each = entries_.begin(); each != entries_.end();) {
+        auto& entry = each->second;
+        if (entry.until > now.time) {
+            ++each;
+        } else if (entry.told) {
+            each = entries_.erase(each);
+        } else {
+            overdue.push_back(each->first);
+            ++each;
+        }
+    }
+    for (const auto& key : overdue) {
+        const auto found = entries_.find(key);
+        if (found != entries_.end()) finish(found->second, bus::Reply::timeout(kNoAnswer), now.time);
+    }
+}
+
+const CommandRecord* Commands::find(std::string_view session, std::string_view id) const {
+    const auto found = entries_.find(key_of(session, id));
+    return found == entries_.end() ? nullptr : &found->second.record;
+}
+
+int http_status(const bus::Reply& reply) {
+    switch (reply.status) {
+        case bus::Reply::Status::kOk:
+            return 200;
+        case bus::Reply::Status::kError:
+            return 422;
+        case bus::Reply::Status::kTimeout:
+            return 504;
+        case bus::Reply::Status::kRefused:
+            break;
+    }
+    if (reply.reason == bus::kRefusedQueueFull) return 429;
+    if (reply.reason == bus::kRefusedBoardNotThere || reply.reason == bus::kRefusedDeadline) return 503;
+    if (reply.reason == bus::kRefusedInvalid || reply.reason == bus::kRefusedRetained) return 400;
+    return 409;  // id-reused, stopped, ...: it contradicts what was done before
+}
+
+}  // namespace asip::gateway

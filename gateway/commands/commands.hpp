@@ -1,0 +1,88 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/bus/reply.hpp"
+#include "asip/mqtt/message.hpp"
+#include "gateway/instant.hpp"
+
+namespace asip::gateway {
+
+/// A command on its way and what became of it.
+struct CommandRecord {
+    std::string id;       ///< of the client; made up where it gave none
+    std::string by;       ///< who sent it
+    std::string target;   ///< "uno1/servo", or "uno1" for raw lines
+    std::string request;  ///< the payload without `deadline_ms`
+    Instant sent;
+    std::optional<bus::Reply> reply;  ///< empty: under way
+    bool late = false;                ///< the answer came after the client was told of a timeout
+};
+
+/// Commands from their start until a minute after their answer. Pure: the caller publishes and gives what
+/// arrives. Ids belong to a session: the same id in two sessions is two commands, and each session has a
+/// reply topic, and so a queue on the agent, of its own.
+class Commands {
+  public:
+    static constexpr Duration kKeep = std::chrono::seconds(60);
+    static constexpr Duration kGrace = std::chrono::milliseconds(500);  ///< for the answer's way back
+    static constexpr std::size_t kMaxRecords = 65'536;
+    static constexpr std::size_t kMaxIdBytes = 64;
+    static constexpr std::string_view kNoAnswer = "no-answer";  ///< reason: not even the agent answered
+
+    struct Start {
+        std::string session;  ///< letters, digits and dashes: it becomes a level of the reply topic
+        std::string id;       ///< empty: made up, and no repetition is recognised
+        std::string by;
+        std::string target;
+        std::string topic;
+        std::string payload;  ///< JSON object, without `deadline_ms`
+        Duration deadline = std::chrono::seconds(5);
+    };
+    using Done = std::function<void(const CommandRecord&)>;
+    enum class Started { kPublish, kRepeated, kIdReused, kTooMany };
+
+    /// `reply_base`: reply topics are one level below it.
+    explicit Commands(std::string reply_base) : reply_base_(std::move(reply_base)) {}
+
+    /// kPublish: `message` is to be published. kRepeated: nothing is, `done` is called with the first one's
+    /// answer, now or later. Else `done` is not called.
+    Started start(Start start, bool v5, const Instant& now, Done done, mqtt::Message& message);
+    /// False: it answers no command of ours.
+    bool take(const mqtt::Message& message, const Instant& now);
+    void tick(const Instant& now);
+    /// Null: not known, or longer ago than a minute.
+    const CommandRecord* find(std::string_view session, std::string_view id) const;
+    std::size_t size() const { return entries_.size(); }
+    /// How many have ended in each way, and how long answers took.
+    struct Counters {
+        std::uint64_t ok = 0, error = 0, timeout = 0, refused = 0;
+    };
+    const Counters& counters() const { return counters_; }
+    std::function<void(const CommandRecord&, Duration)> on_finished;  ///< may be empty
+
+  private:
+    struct Entry {
+        CommandRecord record;
+        std::string topic;
+        Time until;  // without an answer: the end of waiting; with one: of keeping it
+        bool told = false;
+        std::vector<Done> waiting;
+    };
+    void finish(Entry& entry, bus::Reply reply, Time now);
+
+    std::string reply_base_;
+    std::map<std::string, Entry, std::less<>> entries_;  // by "SESSION.ID"
+    std::uint64_t made_up_ = 0;
+    Counters counters_;
+};
+
+/// What an answer is in HTTP: its status.
+int http_status(const bus::Reply& reply);
+
+}  // namespace asip::gateway

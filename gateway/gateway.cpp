@@ -1,0 +1,140 @@
+#include "gateway/gateway.hpp"
+
+#include "gateway/api/routes.hpp"
+#include "gateway/stream/value_feed.hpp"
+
+namespace asip::gateway {
+namespace {
+
+constexpr Duration kRegistryTime = std::chrono::seconds(3);
+
+Mirror::Options mirror_options(const GatewayOptions& options, registry::UnitsOf units_of) {
+    Mirror::Options result;
+    result.topic_root = options.topic_root;
+    result.forget_after = options.forget_after;
+    result.values = options.values;
+    result.units_of = std::move(units_of);
+    result.own_topic = options.reply_base + "/mark";
+    return result;
+}
+
+}  // namespace
+
+Gateway::Gateway(GatewayOptions options, model::ModelSet models, registry::UnitsOf units_of, Random random,
+                 Secrets secrets, Port port)
+    : options_(std::move(options)),
+      port_(std::move(port)),
+      models_(std::move(models)),
+      mirror_(mirror_options(options_, std::move(units_of)), random,
+              {[this](mqtt::Message message) { port_.publish(std::move(message)); }, port_.subscribe,
+               port_.unsubscribe}),
+      commands_(options_.reply_base),
+      gate_(options_.gate, std::move(secrets)),
+      streams_(options_.streams_per_client),
+      command_rates_(options_.commands_per_second),
+      requester_(random_hex(random, 8), options_.reply_base + "/registry") {}
+
+Gateway::~Gateway() = default;
+
+void Gateway::request(const http::Request& request, const http::Reply& reply) {
+    api::serve(*this, request, reply);
+}
+
+const std::string& Gateway::openapi() {
+    if (openapi_.empty()) openapi_ = api::openapi_document(api::routes());
+    return openapi_;
+}
+
+void Gateway::subscribed() {
+    mirror_.subscribed(now());
+}
+
+void Gateway::disconnected() {
+    mirror_.disconnected(now());
+}
+
+void Gateway::message(const mqtt::Message& message) {
+    if (requester_.take(message)) return;
+    if (commands_.take(message, now())) return;
+    mirror_.message(message, now());
+    finish_waits();
+}
+
+void Gateway::tick() {
+    const auto present = now();
+    mirror_.tick(present);
+    commands_.tick(present);
+    streams_.tick(present, gate_);
+    gate_.logins().expire(present.time);
+    command_rates_.expire(present.time);
+    finish_waits();
+    for (auto each = questions_.begin(); each != questions_.end();) {
+        if (!each->done || each->until <= present.time) {
+            const auto done = std::move(each->done);
+            each = questions_.erase(each);
+            if (done) done(nullptr);
+        } else {
+            ++each;
+        }
+    }
+}
+
+void Gateway::command(Commands::Start start, Commands::Done done) {
+    const auto refused = [&](std::string reason, std::string error) {
+        CommandRecord record{start.id, start.by, start.target, start.payload, now(), {}, false};
+        record.reply = bus::Reply::refused(std::move(reason), std::move(error));
+        record.reply->id = start.id;
+        done(record);
+    };
+    mqtt::Message message;
+    switch (commands_.start(start, port_.v5(), now(), done, message)) {
+        case Commands::Started::kPublish:
+            port_.publish(std::move(message));
+            break;
+        case Commands::Started::kRepeated:
+            break;
+        case Commands::Started::kIdReused:
+            refused(std::string(bus::kRefusedIdReused), "another command had this id within the last minute");
+            break;
+        case Commands::Started::kTooMany:
+            refused(std::string(bus::kRefusedQueueFull), "too many commands are under way");
+            break;
+    }
+}
+
+void Gateway::ask_registry(const std::string& payload, Answered done) {
+    mqtt::Message message;
+    message.topic = mirror_.topics().any_registry_query();
+    message.payload = payload;
+    message.qos = 1;
+    auto& question = questions_.emplace_back();
+    question.done = std::move(done);
+    question.until = now().time + kRegistryTime;
+    question.request = requester_.ask(message, port_.v5(), [&question](const mqtt::Message& received) {
+        const auto answer = bus::parse_answer(received.payload);
+        if (!answer || !question.done) return;
+        std::exchange(question.done, {})(&*answer);
+    });
+    port_.publish(std::move(message));
+}
+
+void Gateway::wait_for_value(std::unique_ptr<Feed> feed, Duration limit, std::function<void()> done) {
+    auto& wait = waits_.emplace_back(Wait{std::move(feed), std::move(done), now().time + limit});
+    // Not finished from inside the wake: it comes while the values call their feeds.
+    wait.feed->wake = [&wait] { wait.ready = true; };
+}
+
+void Gateway::finish_waits() {
+    const auto time = now().time;
+    for (auto each = waits_.begin(); each != waits_.end();) {
+        if (!each->ready && each->until > time) {
+            ++each;
+            continue;
+        }
+        const auto done = std::move(each->done);
+        each = waits_.erase(each);
+        done();
+    }
+}
+
+}  // namespace asip::gateway

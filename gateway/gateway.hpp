@@ -1,0 +1,108 @@
+#pragma once
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "asip/bus/requester.hpp"
+#include "asip/model/model_set.hpp"
+#include "asip/mqtt/message.hpp"
+#include "gateway/auth/gate.hpp"
+#include "gateway/commands/commands.hpp"
+#include "gateway/http/server.hpp"
+#include "gateway/mirror/mirror.hpp"
+#include "gateway/rate.hpp"
+#include "gateway/stream/streams.hpp"
+
+namespace asip::gateway {
+
+struct GatewayOptions {
+    std::string topic_root = "asip";
+    std::string reply_base;  ///< answers come one level below it
+    std::string broker;      ///< for people
+    std::string base_path;   ///< of a proxy, "/asip"; empty: none
+    Duration forget_after = std::chrono::hours(7 * 24);
+    ValueLimits values;
+    Gate::Options gate;
+    double commands_per_second = 50;  ///< of one name; bursts of twice as many
+    std::size_t streams_per_client = 64;
+    std::size_t subscriptions = 64;  ///< of one WebSocket
+    bool page = true;
+    bool metrics = true;
+};
+
+/// The gateway without its sockets: requests, messages of the bus and time go in, answers and messages come
+/// out.
+class Gateway {
+  public:
+    struct Port {
+        std::function<bool(mqtt::Message)> publish;  ///< false: refused
+        std::function<void(std::string filter, bool retained)> subscribe;
+        std::function<void(const std::string& filter)> unsubscribe;
+        std::function<bool()> v5;
+        std::function<Instant()> now;
+        std::function<http::ServerCounters()> server;  ///< for metrics
+    };
+
+    Gateway(GatewayOptions options, model::ModelSet models, registry::UnitsOf units_of, Random random,
+            Secrets secrets, Port port);
+    ~Gateway();
+
+    void request(const http::Request& request, const http::Reply& reply);
+    void subscribed();
+    void disconnected();
+    void message(const mqtt::Message& message);
+    /// Call ten times a second.
+    void tick();
+
+    const GatewayOptions& options() const { return options_; }
+    Instant now() const { return port_.now(); }
+    Mirror& mirror() { return mirror_; }
+    Commands& commands() { return commands_; }
+    Gate& gate() { return gate_; }
+    Streams& streams() { return streams_; }
+    Rates& command_rates() { return command_rates_; }
+    const model::ModelSet& models() const { return models_; }
+    http::ServerCounters server_counters() const { return port_.server(); }
+    const std::string& openapi();
+
+    /// Publishes a command and calls `done` with its answer. A refusal by the gateway itself is an answer,
+    /// too.
+    void command(Commands::Start start, Commands::Done done);
+    /// Asks a registry; `done` is called once, with nothing where none answered within 3 s.
+    using Answered = std::function<void(const bus::Answer*)>;
+    void ask_registry(const std::string& payload, Answered done);
+    /// Waits for the next value of a service behind `after`: `done` is called once, after at most `limit`.
+    void wait_for_value(std::unique_ptr<Feed> feed, Duration limit, std::function<void()> done);
+
+  private:
+    struct Question {
+        bus::Requester::Request request;
+        Answered done;
+        Time until;
+    };
+    struct Wait {
+        std::unique_ptr<Feed> feed;
+        std::function<void()> done;
+        Time until;
+        bool ready = false;
+    };
+    void finish_waits();
+
+    GatewayOptions options_;
+    Port port_;
+    model::ModelSet models_;
+    Mirror mirror_;
+    Commands commands_;
+    Gate gate_;
+    Streams streams_;
+    Rates command_rates_;
+    bus::Requester requester_;
+    std::list<Question> questions_;
+    std::list<Wait> waits_;
+    std::string openapi_;
+};
+
+}  // namespace asip::gateway

@@ -1,0 +1,78 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "gateway/http/server.hpp"
+#include "gateway/http/transport.hpp"
+#include "gateway/http/websocket.hpp"
+
+namespace asip::gateway::http {
+
+/// What the connections of a server share.
+struct Shared {
+    Server::Handler handler;
+    ServerLimits limits;
+    ServerCounters counters;
+};
+
+/// One connection, from its first byte to its last.
+class Connection final : public Responder, public std::enable_shared_from_this<Connection> {
+  public:
+    Connection(std::shared_ptr<Shared> shared, Transport transport, Peer peer, std::string address);
+    ~Connection() override;
+
+    void start(boost::asio::ssl::context* tls);
+    void close();
+    /// Closes what is too slow. Call a few times a second.
+    void sweep(Time now);
+    bool closed() const { return phase_ == Phase::kClosed; }
+    const std::string& address() const { return address_; }
+
+    void respond(std::uint64_t number, Response response) override;
+    void stream(std::uint64_t number, Response head, std::unique_ptr<Source> source) override;
+    void upgrade(std::uint64_t number, std::unique_ptr<Channel> channel) override;
+    bool waits_for(std::uint64_t number) const override {
+        return phase_ == Phase::kHandling && number == number_;
+    }
+
+  private:
+    enum class Phase { kHandshake, kReading, kHandling, kWriting, kStreaming, kWebSocket, kClosed };
+
+    void read();
+    void received(const boost::system::error_code& error, std::size_t bytes);
+    void feed();
+    void handle();
+    void refuse(int status, std::string_view text);
+    void write(std::string head, Response response, bool keep_alive);
+    void written(const boost::system::error_code& error, std::size_t bytes);
+    void next_request();
+    void pump();
+    void chunk_written(const boost::system::error_code& error, std::size_t bytes);
+    void until(Duration time) { deadline_ = Clock::now() + time; }
+
+    std::shared_ptr<Shared> shared_;
+    Transport transport_;
+    Peer peer_;
+    std::string address_;
+    Phase phase_ = Phase::kHandshake;
+    std::optional<Time> deadline_;
+    std::uint64_t number_ = 0;  // of the request
+    bool read_pending_ = false;
+    bool write_pending_ = false;
+    bool keep_alive_ = true;
+    bool head_only_ = false;
+    bool old_client_ = false;  // HTTP/1.0: no chunks
+    bool last_chunk_ = false;
+    std::string in_;
+    std::optional<RequestReader> reader_;
+    std::optional<Request> request_;
+    std::string head_;
+    Response response_;
+    std::unique_ptr<Source> source_;
+    std::shared_ptr<WebSocket> websocket_;
+    std::array<char, 4096> buffer_;
+};
+
+}  // namespace asip::gateway::http

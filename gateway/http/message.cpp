@@ -1,0 +1,207 @@
+#include "gateway/http/message.hpp"
+
+#include <algorithm>
+
+namespace asip::gateway::http {
+namespace {
+
+int hex_digit(char c) {
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+    return -1;
+}
+
+bool showable(std::string_view text) {
+    return std::none_of(text.begin(), text.end(), [](char c) {
+        const auto byte = static_cast<unsigned char>(c);
+        return byte < 0x20 || byte == 0x7f;
+    });
+}
+
+bool add_segment(Request& request, std::string_view raw) {
+    std::string segment;
+    if (!percent_decode(raw, false, segment) || !showable(segment)) return false;
+    if (segment.empty() || segment == "." || segment == "..") return false;
+    if (segment.find_first_of("/\\") != std::string::npos) return false;
+    request.segments.push_back(std::move(segment));
+    return true;
+}
+
+bool add_parameter(Request& request, std::string_view pair) {
+    if (pair.empty()) return true;
+    const auto equals = pair.find('=');
+    std::string name, value;
+    if (!percent_decode(pair.substr(0, equals), true, name)) return false;
+    if (equals != std::string_view::npos && !percent_decode(pair.substr(equals + 1), true, value))
+        return false;
+    if (!showable(name) || !showable(value)) return false;
+    request.query.emplace_back(std::move(name), std::move(value));
+    return true;
+}
+
+std::string_view next_part(std::string_view& rest, char separator) {
+    const auto at = rest.find(separator);
+    const auto part = rest.substr(0, at);
+    rest = at == std::string_view::npos ? std::string_view() : rest.substr(at + 1);
+    return part;
+}
+
+}  // namespace
+
+std::string_view Request::header(std::string_view name) const {
+    for (const auto& [key, value] : headers) {
+        if (key == name) return value;
+    }
+    return {};
+}
+
+bool Request::has_header(std::string_view name) const {
+    return std::any_of(headers.begin(), headers.end(), [&](const auto& each) { return each.first == name; });
+}
+
+const std::string* Request::parameter(std::string_view name) const {
+    for (const auto& [key, value] : query) {
+        if (key == name) return &value;
+    }
+    return nullptr;
+}
+
+bool percent_decode(std::string_view text, bool plus, std::string& decoded) {
+    decoded.clear();
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (text[i] == '+' && plus) {
+            decoded += ' ';
+        } else if (text[i] != '%') {
+            decoded += text[i];
+        } else {
+            if (i + 2 >= text.size()) return false;
+            const int high = hex_digit(text[i + 1]);
+            const int low = hex_digit(text[i + 2]);
+            if (high < 0 || low < 0) return false;
+            decoded += static_cast<char>(high * 16 + low);
+            i += 2;
+        }
+    }
+    return true;
+}
+
+bool split_target(Request& request) {
+    std::string_view rest = request.target;
+    request.segments.clear();
+    request.query.clear();
+    if (rest.empty() || rest.front() != '/') return false;
+    const auto question = rest.find('?');
+    std::string_view path = rest.substr(1, question == std::string_view::npos ? question : question - 1);
+    std::string_view query = question == std::string_view::npos ? "" : rest.substr(question + 1);
+    while (!path.empty()) {
+        const bool last = path.find('/') == std::string_view::npos;
+        if (!add_segment(request, next_part(path, '/'))) return false;
+        if (!last && path.empty()) return false;  // a slash at the end
+    }
+    while (!query.empty()) {
+        if (!add_parameter(request, next_part(query, '&'))) return false;
+    }
+    return true;
+}
+
+bool accepts_gzip(const Request& request) {
+    std::string_view rest = request.header("accept-encoding");
+    while (!rest.empty()) {
+        std::string_view coding = next_part(rest, ',');
+        while (!coding.empty() && coding.front() == ' ')
+            coding.remove_prefix(1);
+        const auto name = coding.substr(0, coding.find_first_of("; "));
+        if (name != "gzip" && name != "*") continue;
+        const auto q = coding.find("q=0");
+        if (q == std::string_view::npos) return true;
+        return coding.find_first_of("123456789", q + 3) != std::string_view::npos;
+    }
+    return false;
+}
+
+std::string_view reason_phrase(int status) {
+    switch (status) {
+        case 101:
+            return "Switching Protocols";
+        case 200:
+            return "OK";
+        case 202:
+            return "Accepted";
+        case 204:
+            return "No Content";
+        case 303:
+            return "See Other";
+        case 304:
+            return "Not Modified";
+        case 400:
+            return "Bad Request";
+        case 401:
+            return "Unauthorized";
+        case 403:
+            return "Forbidden";
+        case 404:
+            return "Not Found";
+        case 405:
+            return "Method Not Allowed";
+        case 406:
+            return "Not Acceptable";
+        case 408:
+            return "Request Timeout";
+        case 409:
+            return "Conflict";
+        case 411:
+            return "Length Required";
+        case 413:
+            return "Content Too Large";
+        case 414:
+            return "URI Too Long";
+        case 415:
+            return "Unsupported Media Type";
+        case 421:
+            return "Misdirected Request";
+        case 422:
+            return "Unprocessable Content";
+        case 426:
+            return "Upgrade Required";
+        case 429:
+            return "Too Many Requests";
+        case 431:
+            return "Request Header Fields Too Large";
+        case 500:
+            return "Internal Server Error";
+        case 501:
+            return "Not Implemented";
+        case 502:
+            return "Bad Gateway";
+        case 503:
+            return "Service Unavailable";
+        case 504:
+            return "Gateway Timeout";
+        case 505:
+            return "HTTP Version Not Supported";
+        default:
+            return "Unknown";
+    }
+}
+
+std::string head_text(const Response& response, bool keep_alive, bool chunked) {
+    std::string text;
+    text.reserve(512);
+    text.append("HTTP/1.1 ").append(std::to_string(response.status)).append(" ");
+    text.append(reason_phrase(response.status)).append("\r\n");
+    const bool bodiless = response.status == 204 || response.status == 304 || response.status == 101;
+    if (!bodiless) text.append("Content-Type: ").append(response.content_type).append("\r\n");
+    if (response.compressed) text.append("Content-Encoding: gzip\r\n");
+    for (const auto& [name, value] : response.headers)
+        text.append(name).append(": ").append(value).append("\r\n");
+    if (chunked) {
+        text.append("Transfer-Encoding: chunked\r\n");
+    } else if (!bodiless) {
+        text.append("Content-Length: ").append(std::to_string(response.text().size())).append("\r\n");
+    }
+    if (response.status != 101) text.append(keep_alive ? "" : "Connection: close\r\n");
+    return text.append("\r\n");
+}
+
+}  // namespace asip::gateway::http

@@ -1,0 +1,68 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+/// HTTP as the rest of the gateway sees it: no socket, no library.
+namespace asip::gateway::http {
+
+struct Peer {
+    std::string address;    ///< without port; empty: a Unix socket
+    bool loopback = false;  ///< connected directly over the loopback interface
+    bool secure = false;    ///< over TLS
+};
+
+struct Request {
+    std::string method;
+    std::string target;                 ///< as received: "/api/boards?limit=10"
+    std::vector<std::string> segments;  ///< of the path, percent-decoded: {"api", "boards"}
+    std::vector<std::pair<std::string, std::string>> query;    ///< decoded, in order
+    std::vector<std::pair<std::string, std::string>> headers;  ///< names in lower case
+    std::string body;
+    bool keep_alive = true;
+    bool http_1_0 = false;
+    Peer peer;
+
+    /// Of a header given once; empty where it is missing. `name` in lower case.
+    std::string_view header(std::string_view name) const;
+    bool has_header(std::string_view name) const;
+    /// The first value of a query parameter; null where it is missing.
+    const std::string* parameter(std::string_view name) const;
+};
+
+struct Response {
+    int status = 200;
+    std::string content_type = "application/json";
+    std::vector<std::pair<std::string, std::string>> headers;
+    std::string body;
+    /// Static text instead of `body`: not copied, so of static storage.
+    std::string_view fixed;
+    bool compressed = false;  ///< `fixed` or `body` is gzip already
+
+    std::string_view text() const { return fixed.empty() ? std::string_view(body) : fixed; }
+};
+
+/// "Not Found"
+std::string_view reason_phrase(int status);
+
+/// Status line and headers, with the empty line; without Content-Length where `chunked`.
+std::string head_text(const Response& response, bool keep_alive, bool chunked);
+
+/// Takes `target` apart into segments and query. False: it is no path that a server may look up: not
+/// beginning with a slash, a broken percent escape, control characters, an empty, `.` or `..` segment, or a
+/// decoded slash.
+bool split_target(Request& request);
+
+/// `%41+b` -> `A b` where `plus` is a blank; false: broken.
+bool percent_decode(std::string_view text, bool plus, std::string& decoded);
+
+/// Whether the client takes gzip (Accept-Encoding).
+bool accepts_gzip(const Request& request);
+
+/// As gzip, quickly rather than small.
+std::string compress(std::string_view text);
+/// What was compressed.
+std::string decompress(std::string_view gzip);
+
+}  // namespace asip::gateway::http

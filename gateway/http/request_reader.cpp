@@ -1,0 +1,93 @@
+#include "gateway/http/request_reader.hpp"
+
+#include <boost/beast/http/error.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <cctype>
+
+namespace asip::gateway::http {
+namespace {
+
+namespace beast_http = boost::beast::http;
+using beast_http::error;
+
+RequestReader::Error error_for(const boost::beast::error_code& code) {
+    if (code == error::header_limit) return {431, "the head of the request is too long"};
+    if (code == error::body_limit) return {413, "the body of the request is too long"};
+    if (code == error::bad_version) return {505, "not HTTP/1.0 or HTTP/1.1"};
+    return {400, "the request is not valid HTTP"};
+}
+
+std::string lower(boost::beast::string_view text) {
+    std::string result(text.data(), text.size());
+    for (char& c : result)
+        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return result;
+}
+
+}  // namespace
+
+struct RequestReader::State {
+    beast_http::request_parser<beast_http::string_body> parser;
+    std::optional<Error> error;
+    bool continue_asked = false;
+};
+
+RequestReader::RequestReader(Limits limits) : state_(std::make_unique<State>()) {
+    state_->parser.header_limit(static_cast<std::uint32_t>(limits.header_bytes));
+    state_->parser.body_limit(limits.body_bytes);
+    state_->parser.eager(true);
+}
+
+RequestReader::~RequestReader() = default;
+RequestReader::RequestReader(RequestReader&&) noexcept = default;
+RequestReader& RequestReader::operator=(RequestReader&&) noexcept = default;
+
+std::size_t RequestReader::feed(std::string_view bytes) {
+    boost::beast::error_code code;
+    const std::size_t used = state_->parser.put(boost::asio::buffer(bytes.data(), bytes.size()), code);
+    if (code && code != error::need_more) state_->error = error_for(code);
+    if (state_->error || !state_->parser.is_header_done()) return used;
+    const auto& head = state_->parser.get();
+    if (head.count(beast_http::field::content_length) > 0 &&
+        head.count(beast_http::field::transfer_encoding) > 0) {
+        state_->error = Error{400, "Content-Length and Transfer-Encoding exclude each other"};
+    }
+    if (head.count(beast_http::field::host) > 1) state_->error = Error{400, "more than one Host"};
+    return used;
+}
+
+bool RequestReader::done() const {
+    return state_->parser.is_done();
+}
+
+bool RequestReader::head_done() const {
+    return state_->parser.is_header_done();
+}
+
+bool RequestReader::wants_continue() {
+    if (state_->continue_asked || !head_done() || done()) return false;
+    state_->continue_asked = true;
+    return lower(state_->parser.get()[beast_http::field::expect]) == "100-continue";
+}
+
+const std::optional<RequestReader::Error>& RequestReader::error() const {
+    return state_->error;
+}
+
+Request RequestReader::take() {
+    auto message = state_->parser.release();
+    Request request;
+    request.method = std::string(message.method_string());
+    request.target = std::string(message.target());
+    for (const auto& field : message) {
+        request.headers.emplace_back(lower(field.name_string()), std::string(field.value()));
+    }
+    request.body = std::move(message.body());
+    request.keep_alive = message.keep_alive();
+    request.http_1_0 = message.version() == 10;
+    if (!split_target(request)) request.segments = {""};
+    return request;
+}
+
+}  // namespace asip::gateway::http

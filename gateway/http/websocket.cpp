@@ -1,0 +1,156 @@
+#include "gateway/http/websocket.hpp"
+
+#include <algorithm>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/websocket/stream.hpp>
+#include <cctype>
+
+namespace asip::gateway::http {
+
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+
+// What Beast asks of a stream of one's own: how it ends.
+void teardown(beast::role_type, Transport& transport, beast::error_code& error) {
+    error = {};
+    transport.close();
+}
+
+template <class Handler>
+void async_teardown(beast::role_type, Transport& transport, Handler&& handler) {
+    transport.close();
+    boost::asio::post(transport.get_executor(),
+                      [ended = std::forward<Handler>(handler)]() mutable { ended(beast::error_code{}); });
+}
+
+void beast_close_socket(Transport& transport) {
+    transport.close();
+}
+
+namespace {
+
+constexpr std::chrono::seconds kHandshakeTime{10};
+constexpr std::chrono::seconds kIdleTime{30};  // then a ping is sent, and as long again waited for its answer
+
+beast::http::request<beast::http::empty_body> beast_request(const Request& request) {
+    beast::http::request<beast::http::empty_body> result;
+    result.method_string(request.method);
+    result.target(request.target);
+    result.version(11);
+    for (const auto& [name, value] : request.headers)
+        result.insert(name, value);
+    return result;
+}
+
+class Running final : public WebSocket, public std::enable_shared_from_this<Running> {
+  public:
+    Running(Transport transport, std::unique_ptr<Channel> channel, const ServerLimits& limits,
+            std::function<void()> ended)
+        : stream_(std::move(transport)), channel_(std::move(channel)), ended_(std::move(ended)) {
+        stream_.read_message_max(limits.message_bytes);
+        websocket::stream_base::timeout timeout{kHandshakeTime, kIdleTime, true};
+        stream_.set_option(timeout);
+        stream_.write_buffer_bytes(512);
+        stream_.text(true);
+    }
+
+    void run(const Request& request) {
+        request_ = beast_request(request);
+        stream_.async_accept(request_, [self = shared_from_this()](const beast::error_code& error) {
+            if (error) return self->end();
+            self->request_ = {};
+            self->open_ = true;
+            self->channel_->wake = [weak = self->weak_from_this()] {
+                if (auto alive = weak.lock()) alive->pump();
+            };
+            self->read();
+            self->pump();
+        });
+    }
+
+    void close() override {
+        stream_.next_layer().close();
+        end();
+    }
+
+  private:
+    void read() {
+        stream_.async_read(in_, [self = shared_from_this()](const beast::error_code& error, std::size_t) {
+            if (error || !self->open_) return self->end();
+            const auto data = self->in_.data();
+            const bool text = self->stream_.got_text();
+            const bool goes_on =
+                text && self->channel_->received({static_cast<const char*>(data.data()), data.size()});
+            self->in_.consume(self->in_.size());
+            if (!goes_on)
+                return self->close_with(text ? websocket::close_code::policy_error
+                                             : websocket::close_code::unknown_data);
+            self->read();
+        });
+    }
+
+    void pump() {
+        if (writing_ || !open_) return;
+        if (const auto code = channel_->close_code(); code != 0) return close_with(code);
+        if (!channel_->take(out_)) return;
+        writing_ = true;
+        stream_.async_write(boost::asio::buffer(out_),
+                            [self = shared_from_this()](const beast::error_code& error, std::size_t) {
+                                self->writing_ = false;
+                                if (error) return self->end();
+                                self->out_.clear();
+                                self->pump();
+                            });
+    }
+
+    void close_with(std::uint16_t code) {
+        if (!open_) return;
+        open_ = false;
+        stream_.async_close(websocket::close_reason(code),
+                            [self = shared_from_this()](const beast::error_code&) { self->end(); });
+    }
+
+    void end() {
+        open_ = false;
+        if (channel_) channel_->wake = [] {};
+        channel_.reset();
+        if (auto ended = std::exchange(ended_, {})) ended();
+    }
+
+    websocket::stream<Transport, false> stream_;  // without compression: 300 kB a client
+    std::unique_ptr<Channel> channel_;
+    std::function<void()> ended_;
+    beast::http::request<beast::http::empty_body> request_;
+    beast::flat_buffer in_;
+    std::string out_;
+    bool open_ = false;
+    bool writing_ = false;
+};
+
+std::string lower(std::string_view text) {
+    std::string result(text);
+    std::transform(result.begin(), result.end(), result.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return result;
+}
+
+}  // namespace
+
+std::shared_ptr<WebSocket> WebSocket::start(Transport transport, const Request& request,
+                                            std::unique_ptr<Channel> channel, const ServerLimits& limits,
+                                            std::function<void()> ended) {
+    auto result =
+        std::make_shared<Running>(std::move(transport), std::move(channel), limits, std::move(ended));
+    result->run(request);
+    return result;
+}
+
+bool is_upgrade(const Request& request) {
+    return request.method == "GET" && lower(request.header("upgrade")) == "websocket" &&
+           lower(request.header("connection")).find("upgrade") != std::string::npos &&
+           request.header("sec-websocket-version") == "13" && !request.header("sec-websocket-key").empty();
+}
+
+}  // namespace asip::gateway::http

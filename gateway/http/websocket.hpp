@@ -1,0 +1,22 @@
+#pragma once
+#include <memory>
+
+#include "gateway/http/server.hpp"
+#include "gateway/http/transport.hpp"
+
+namespace asip::gateway::http {
+
+/// A connection that became a WebSocket.
+class WebSocket {
+  public:
+    virtual ~WebSocket() = default;
+    virtual void close() = 0;
+
+    /// Answers the upgrade and serves `channel` until the end, then calls `ended` once. `request` must be a
+    /// valid upgrade: see is_upgrade().
+    static std::shared_ptr<WebSocket> start(Transport transport, const Request& request,
+                                            std::unique_ptr<Channel> channel, const ServerLimits& limits,
+                                            std::function<void()> ended);
+};
+
+}  // namespace asip::gateway::http

@@ -1,0 +1,19 @@
+#include <exception>
+#include <iostream>
+
+#include "asip/program/exit_status.hpp"
+#include "gateway/application.hpp"
+#include "gateway/options.hpp"
+
+int main(int argc, char** argv) {
+    try {
+        auto line = asip::gateway::read_options(argc, argv);
+        if (!line) return line.error();
+        if (line->token) return asip::gateway::make_token(*line->token);
+        asip::gateway::Application application(std::move(line->run));
+        return application.run();
+    } catch (const std::exception& error) {
+        std::cerr << "asip-gateway: " << error.what() << "\n";
+        return asip::program::kExitFailure;
+    }
+}

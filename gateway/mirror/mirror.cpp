@@ -1,0 +1,223 @@
+#include "gateway/mirror/mirror.hpp"
+
+#include "asip/bus/change_event.hpp"
+#include "asip/model/json.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace asip::gateway {
+namespace {
+
+using bus::TopicKind;
+using registry::Event;
+
+constexpr Duration kSettleTime = std::chrono::seconds(5);
+constexpr std::size_t kMaxRegistries = 64;
+constexpr std::size_t kMaxStatsBytes = 64 * 1024;
+constexpr std::size_t kSnapshotPage = 100;
+
+registry::Instant both(const Instant& now) {
+    return {now.time, now.wall};
+}
+
+bus::ChangeEvent::Kind kind_of(Event::Kind kind) {
+    using Kind = bus::ChangeEvent::Kind;
+    switch (kind) {
+        case Event::Kind::kAdded:
+            return Kind::kAdded;
+        case Event::Kind::kState:
+            return Kind::kState;
+        case Event::Kind::kDescription:
+            return Kind::kDescription;
+        case Event::Kind::kConflict:
+            return Kind::kConflict;
+        case Event::Kind::kResolved:
+            return Kind::kResolved;
+        default:
+            return Kind::kForgotten;
+    }
+}
+
+registry::Catalogue::Options catalogue_options(const Mirror::Options& options, const Random& random) {
+    registry::Catalogue::Options result;
+    result.forget_after = options.forget_after;
+    result.units_of = options.units_of;
+    result.hash_seed = random();
+    return result;
+}
+
+}  // namespace
+
+Mirror::Mirror(Options options, Random random, Port port)
+    : topics_(options.topic_root),
+      options_(std::move(options)),
+      random_(std::move(random)),
+      port_(std::move(port)),
+      log_(random_hex(random_, 8)),
+      values_(log_.epoch(), options_.values),
+      catalogue_(catalogue_options(options_, random_)) {
+    catalogue_.suspend();
+}
+
+std::vector<std::pair<std::string, bool>> Mirror::subscriptions() const {
+    return {{topics_.root() + "/servicebus/#", true},
+            {topics_.service_out("+", "+"), true},
+            {topics_.service_error("+", "+"), false},
+            {topics_.registry_state("+"), true},
+            {topics_.registry_stats("+"), true}};
+}
+
+void Mirror::status(const Instant& now, std::string_view broker) {
+    log_.add("status", {},
+             R"({"at":")" + text::iso_time(now.wall) + R"(","broker":")" + std::string(broker) + "\"}");
+}
+
+void Mirror::subscribed(const Instant& now) {
+    if (subscribed_) return;
+    subscribed_ = true;
+    since_ = now;
+    catalogue_.resume(now.time);
+    status(now, "connected");
+    mark_ = random_hex(random_, 16);
+    mark_sent_ = now.time;
+    mqtt::Message mark;
+    mark.topic = options_.own_topic;
+    mark.payload = mark_;
+    port_.publish(std::move(mark));
+    mqtt::Message probe;
+    probe.topic = topics_.probe();
+    port_.publish(std::move(probe));
+}
+
+void Mirror::disconnected(const Instant& now) {
+    if (!subscribed_) return;
+    subscribed_ = false;
+    mark_.clear();
+    since_ = now;
+    catalogue_.suspend();
+    status(now, "lost");
+}
+
+void Mirror::message(const mqtt::Message& message, const Instant& now) {
+    if (message.topic == options_.own_topic) {
+        if (!mark_.empty() && message.payload == mark_) complete_now(now);
+        return;
+    }
+    const auto topic = topics_.parse(message.topic);
+    if (!topic) return;
+    switch (topic->kind) {
+        case TopicKind::kRegistryState:
+        case TopicKind::kRegistryStats:
+            return registry_message(*topic, message, now);
+        case TopicKind::kServiceError:
+        case TopicKind::kServiceOut: {
+            announcement(message, *topic, now);
+            const bool error = topic->kind == TopicKind::kServiceError;
+            if (catalogue_.knows(topic->board))
+                values_.value(topic->board, topic->service, message.payload, error, now);
+            return;
+        }
+        default:
+            announcement(message, *topic, now);
+    }
+}
+
+void Mirror::announcement(const mqtt::Message& message, const bus::TopicRef& topic, const Instant& now) {
+    const auto applied = catalogue_.apply(
+        {topic.kind, topic.board, message.payload, message.retain, message.expiry_seconds}, now.time);
+    handle(applied.events, now);
+}
+
+void Mirror::registry_message(const bus::TopicRef& topic, const mqtt::Message& message, const Instant& now) {
+    const std::string id(topic.board);
+    const bool known = registries_.count(id) > 0;
+    if (!known && (message.payload.empty() || registries_.size() >= kMaxRegistries)) return;
+    auto& info = registries_[id];
+    info.seen = now.time;
+    if (topic.kind == TopicKind::kRegistryState) {
+        if (message.payload.empty())
+            registries_.erase(id);
+        else if (message.payload.size() <= 32)
+            info.state = message.payload;
+    } else if (message.payload.size() <= kMaxStatsBytes) {
+        info.stats = message.payload;
+    }
+}
+
+void Mirror::handle(const std::vector<Event>& events, const Instant& now) {
+    for (const auto& event : events) {
+        if (event.is_change()) {
+            change(event, now);
+        } else if (event.kind == Event::Kind::kListen) {
+            port_.subscribe(topics_.board_out(event.board), false);
+        } else if (event.kind == Event::Kind::kUnlisten) {
+            port_.unsubscribe(topics_.board_out(event.board));
+        }
+    }
+}
+
+void Mirror::change(const Event& event, const Instant& now) {
+    nlohmann::json object{{"at", text::iso_time(now.wall)}, {"board", {{"board", event.board}}}};
+    if (event.kind == Event::Kind::kForgotten) {
+        values_.forget(event.board);
+    } else if (const auto item = catalogue_.board(event.board, both(now))) {
+        object["board"] = bus::to_json(*item);
+    }
+    if (event.kind == Event::Kind::kState) object["was"] = model::to_text(event.was);
+    if (event.reason != Event::Reason::kNone) object["reason"] = registry::to_text(event.reason);
+    log_.add(bus::to_string(kind_of(event.kind)), event.board, model::dump_json(object));
+}
+
+void Mirror::complete_now(const Instant& now) {
+    mark_.clear();
+    complete_ = true;
+    catalogue_.settle();
+    values_.expire(now);
+}
+
+void Mirror::tick(const Instant& now) {
+    if (subscribed_) handle(catalogue_.expire(now.time), now);
+    if (!mark_.empty() && now.time - mark_sent_ >= kSettleTime) complete_now(now);
+    values_.expire(now);
+}
+
+std::optional<bus::BoardItem> Mirror::board(std::string_view name, const Instant& now) const {
+    return catalogue_.board(name, both(now));
+}
+
+Expected<bus::Answer> Mirror::find(const bus::Query& query, const Instant& now) {
+    auto answer = catalogue_.find(query, both(now));
+    if (answer) {
+        answer->epoch = log_.epoch();
+        answer->seq = log_.last();
+        answer->settling = !complete_;
+    }
+    return answer;
+}
+
+std::vector<std::string> Mirror::board_names() const {
+    std::vector<std::string> names;
+    catalogue_.for_each([&](std::string_view name, model::BoardState) { names.emplace_back(name); });
+    return names;
+}
+
+// Pages by name: a cursor of the catalogue is the same thing, but holds its query.
+ChangeFeed::ReadPage Mirror::read_page() {
+    return [this, cursor = std::string()](const std::string& pattern, const std::string& after,
+                                          const Instant& now) mutable {
+        bus::Query query;
+        query.board = pattern;
+        query.limit = kSnapshotPage;
+        query.cursor = after.empty() ? std::string() : cursor;
+        ChangeFeed::Page page;
+        auto answer = find(query, now);
+        if (!answer) return page;
+        cursor = answer->cursor;
+        page.last = cursor.empty();
+        for (const auto& item : answer->boards)
+            page.boards.emplace_back(item.board, model::dump_json(bus::to_json(item)));
+        return page;
+    };
+}
+
+}  // namespace asip::gateway

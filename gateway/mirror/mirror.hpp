@@ -1,0 +1,101 @@
+#pragma once
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "asip/bus/answer.hpp"
+#include "asip/bus/topics.hpp"
+#include "asip/mqtt/message.hpp"
+#include "asip/random.hpp"
+#include "gateway/instant.hpp"
+#include "gateway/stream/change_feed.hpp"
+#include "gateway/stream/change_log.hpp"
+#include "gateway/stream/values.hpp"
+#include "registry/catalogue/catalogue.hpp"
+
+namespace asip::gateway {
+
+/// What is known of a registry on the bus.
+struct RegistryInfo {
+    std::string state;  ///< as it said
+    std::string stats;  ///< JSON text of its `$stats`; empty: none yet
+    Time seen{};
+};
+
+/// The gateway's picture of the bus: the catalogue, made from the same messages and by the same rules as a
+/// registry's, the last values of services, the changes. Pure: messages and time in, subscriptions out.
+class Mirror {
+  public:
+    struct Port {
+        std::function<void(mqtt::Message)> publish;
+        std::function<void(std::string filter, bool retained)> subscribe;
+        std::function<void(const std::string& filter)> unsubscribe;
+    };
+    struct Options {
+        std::string topic_root = "asip";
+        Duration forget_after = std::chrono::hours(7 * 24);
+        ValueLimits values;
+        registry::UnitsOf units_of;
+        /// For a message to ourselves that comes behind all retained ones; the caller subscribes to it.
+        std::string own_topic;
+    };
+
+    Mirror(Options options, Random random, Port port);
+
+    /// To be subscribed to before connecting.
+    std::vector<std::pair<std::string, bool>> subscriptions() const;
+    void subscribed(const Instant& now);
+    void disconnected(const Instant& now);
+    /// What is none of the mirror's is ignored.
+    void message(const mqtt::Message& message, const Instant& now);
+    void tick(const Instant& now);
+
+    const std::string& epoch() const { return log_.epoch(); }
+    /// The catalogue holds at least what the broker retains, and the bus is heard.
+    bool ready() const { return complete_ && subscribed_; }
+    bool complete() const { return complete_; }
+    bool connected() const { return subscribed_; }
+    Instant connected_since() const { return since_; }
+
+    std::optional<bus::BoardItem> board(std::string_view name, const Instant& now) const;
+    Expected<bus::Answer> find(const bus::Query& query, const Instant& now);
+    std::vector<std::string> board_names() const;
+    registry::CatalogueStats stats() const { return catalogue_.stats(); }
+    std::size_t size() const { return catalogue_.size(); }
+    bool knows(std::string_view board) const { return catalogue_.knows(board); }
+
+    Values& values() { return values_; }
+    const Values& values() const { return values_; }
+    ChangeLog& log() { return log_; }
+    const ChangeLog& log() const { return log_; }
+    ChangeFeed::ReadPage read_page();
+    const std::map<std::string, RegistryInfo>& registries() const { return registries_; }
+    const bus::Topics& topics() const { return topics_; }
+
+  private:
+    void announcement(const mqtt::Message& message, const bus::TopicRef& topic, const Instant& now);
+    void handle(const std::vector<registry::Event>& events, const Instant& now);
+    void change(const registry::Event& event, const Instant& now);
+    void registry_message(const bus::TopicRef& topic, const mqtt::Message& message, const Instant& now);
+    void complete_now(const Instant& now);
+    void status(const Instant& now, std::string_view broker);
+
+    bus::Topics topics_;
+    Options options_;
+    Random random_;
+    Port port_;
+    ChangeLog log_;
+    Values values_;
+    registry::Catalogue catalogue_;
+    std::map<std::string, RegistryInfo> registries_;
+    std::string mark_;
+    Time mark_sent_{};
+    bool subscribed_ = false;
+    bool complete_ = false;
+    Instant since_;
+};
+
+}  // namespace asip::gateway

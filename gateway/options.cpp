@@ -1,0 +1,238 @@
+#include "gateway/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "asip/bus/topics.hpp"
+#include "asip/program/exit_status.hpp"
+#include "asip/program/options.hpp"
+#include "asip/text/duration.hpp"
+
+namespace asip::gateway {
+namespace {
+
+constexpr const char* kAbout =
+    "Shows the bus to those who speak HTTP: boards, services and values as resources and live streams, a "
+    "web\n"
+    "page to see and move everything, and metrics. Needs no configuration next to the broker.";
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  asip-gateway\n"
+    "      For the broker on this machine, at http://127.0.0.1:8080 and from this machine only.\n"
+    "  asip-gateway token operator anna --tokens /etc/asip/tokens\n"
+    "      Makes a token, prints it once and keeps its hash in the file.\n"
+    "  asip-gateway --http 0.0.0.0:8443 --tokens /etc/asip/tokens --http-cert site.pem --http-key site.key\n"
+    "      For the whole network, over TLS, for those who have a token.\n"
+    "  curl http://127.0.0.1:8080/api/boards\n"
+    "      Asks it.\n"
+    "\n"
+    "Exit status: 0 told to stop; 1 failed while running; 2 bad option; 3 the broker refused us.";
+
+struct Raw {
+    program::BrokerOptions broker;
+    program::LogOptions log;
+    std::vector<std::string> http{"127.0.0.1:8080"}, hosts, origins;
+    std::string cert, key, tokens, anonymous = "none", loopback, base_path, services;
+    std::string forget_after = "7d", idle = "75s", header = "10s", value_age = "10m";
+    bool trusted_proxy = false, no_page = false, no_metrics = false;
+    std::size_t value_bytes = 32u << 20;
+    http::ServerLimits limits;
+    GatewayOptions gateway;
+};
+
+void declare_access(CLI::App& app, program::Settings& settings, Raw& raw) {
+    const auto add = [&](CLI::Option* option) { return settings.setting(option)->group("Access"); };
+    add(app.add_option("--tokens", raw.tokens,
+                       "File of tokens: lines ROLE NAME HASH; read again when it changes"));
+    add(app.add_option("--anonymous", raw.anonymous, "What everybody may do without a token")
+            ->check(CLI::IsMember({"none", "viewer", "operator"}))
+            ->capture_default_str());
+    add(app.add_option("--loopback", raw.loopback,
+                       "What programs on this machine may do without a token: none, viewer, operator, admin; "
+                       "default: admin without --tokens, none with it or behind a proxy"));
+    add(app.add_option("--host", raw.hosts, "Further names under which this gateway is reached")
+            ->delimiter(','));
+    add(app.add_option("--allow-origin", raw.origins, "Origins of pages elsewhere that may call the API")
+            ->delimiter(','));
+    add(app.add_option("--base-path", raw.base_path, "Path below which a proxy serves it, such as /asip"));
+    add(app.add_flag("--trusted-proxy", raw.trusted_proxy, "Connections come from a proxy on this machine"));
+    add(app.add_option("--http-cert", raw.cert, "TLS: certificate chain, PEM"));
+    add(app.add_option("--http-key", raw.key, "TLS: private key, PEM"));
+}
+
+void declare_limits(CLI::App& app, program::Settings& settings, Raw& raw) {
+    const auto add = [&](CLI::Option* option) {
+        settings.setting(option)->capture_default_str()->group("Limits");
+    };
+    auto& limits = raw.limits;
+    add(app.add_option("--max-header-bytes", limits.request.header_bytes, "Of one request"));
+    add(app.add_option("--max-body-bytes", limits.request.body_bytes, "Of one request"));
+    add(app.add_option("--max-message-bytes", limits.message_bytes, "Of one message of a WebSocket"));
+    add(app.add_option("--max-connections", limits.connections, "Open at once"));
+    add(app.add_option("--max-connections-per-address", limits.connections_per_address, "Open at once"));
+    add(app.add_option("--header-time", raw.header, "For a request's head, from its first byte"));
+    add(app.add_option("--idle-time", raw.idle, "For a connection without request"));
+    add(app.add_option("--max-streams", raw.gateway.streams_per_client,
+                       "Of one token, or address without one"));
+    add(app.add_option("--max-subscriptions", raw.gateway.subscriptions, "Of one WebSocket"));
+    add(app.add_option("--stream-bytes", limits.stream_bytes, "Handed to a slow reader at once")
+            ->check(CLI::Range(std::size_t{1024}, std::size_t{1} << 20)));
+    add(app.add_option("--commands-per-second", raw.gateway.commands_per_second, "Of one token, or address")
+            ->check(CLI::Range(0.1, 1e6)));
+    add(app.add_option("--value-bytes", raw.value_bytes, "Recent values that are kept, in all"));
+    add(app.add_option("--value-age", raw.value_age, "Recent values older than this are dropped"));
+}
+
+void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
+    settings.setting(
+        app.add_option("--http", raw.http, "Where to listen: ADDRESS:PORT or unix:PATH; several with commas")
+            ->delimiter(',')
+            ->capture_default_str()
+            ->group("Gateway"));
+    settings.setting(app.add_option("--services", raw.services, "Folder of further service models (*.json)")
+                         ->group("Gateway"));
+    settings.setting(app.add_option("--forget-after", raw.forget_after,
+                                    "How long a board that left is shown (90s, 15m, 12h, 7d)")
+                         ->capture_default_str()
+                         ->group("Gateway"));
+    settings.setting(app.add_flag("--no-page", raw.no_page, "No web page")->group("Gateway"));
+    settings.setting(app.add_flag("--no-metrics", raw.no_metrics, "No /metrics")->group("Gateway"));
+    declare_access(app, settings, raw);
+    declare_limits(app, settings, raw);
+    settings.add_broker_options(raw.broker);
+    settings.add_log_options(raw.log);
+}
+
+Unexpected<int> usage(const std::string& text) {
+    std::cerr << "asip-gateway: " << text << "\nTry asip-gateway --help\n";
+    return Unexpected<int>(program::kExitUsage);
+}
+
+bool read_time(const std::string& text, Duration& value, std::string& error, const char* option) {
+    const auto parsed = text::parse_duration(text);
+    if (!parsed)
+        error = std::string(option) + ": " + parsed.error();
+    else
+        value = *parsed;
+    return parsed.has_value();
+}
+
+std::string local_name(std::string name) {
+    for (char& c : name)
+        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return name;
+}
+
+bool is_local(const std::string& address) {
+    return address.starts_with("127.") || address.starts_with("[::1]") || address.starts_with("unix:") ||
+           address.starts_with("localhost:");
+}
+
+}  // namespace
+
+Expected<void> check_access(ProgramOptions& options, const std::string& anonymous,
+                            const std::string& loopback, bool behind_proxy) {
+    const bool everywhere = !std::all_of(options.addresses.begin(), options.addresses.end(), is_local);
+    if (everywhere && options.tokens.empty() && anonymous == "none") {
+        return fail(
+            "--http is an address that others can reach; choose who may do what: --tokens FILE (make tokens "
+            "with asip-gateway token ROLE NAME), or --anonymous viewer or operator for everybody");
+    }
+    auto& gate = options.gateway.gate;
+    if (anonymous != "none") {
+        gate.anonymous = *parse_role(anonymous);
+        gate.anonymous.name = "anonymous";
+    } else {
+        gate.anonymous.name = "nobody";
+    }
+    const bool closed = behind_proxy || !options.tokens.empty();
+    const std::string role = loopback.empty() ? (closed ? "none" : "admin") : loopback;
+    if (role != "none") {
+        auto rights = parse_role(role);
+        if (!rights) return fail("--loopback: " + rights.error());
+        if (behind_proxy)
+            return fail("--loopback: behind a proxy everybody seems to be on this machine; leave it out");
+        gate.loopback = std::move(*rights);
+        gate.loopback.name = "loopback";
+    }
+    gate.behind_proxy = behind_proxy;
+    return {};
+}
+
+Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
+    CLI::App app{kAbout};
+    app.footer(kExamples);
+    program::Settings settings(app, "asip-gateway");
+    Raw raw;
+    declare(app, settings, raw);
+    TokenRequest token;
+    auto* make_token =
+        app.add_subcommand("token", "Make a token: prints it once, keeps its hash in the file");
+    make_token->add_option("role", token.role, "viewer, operator, operator+raw, admin or kiosk")->required();
+    make_token->add_option("name", token.name, "Whose it is: for the log and the history")->required();
+    make_token->add_option("--tokens", token.file, "The file")->envname("ASIP_TOKENS")->required();
+    make_token->add_option("--until", token.until, "How long it is valid: 12h, 30d");
+    make_token->add_option("--boards", token.boards, "Patterns of the boards that it shows")->delimiter(',');
+    make_token->add_option("--services", token.services, "Patterns of the services that it shows")
+        ->delimiter(',');
+    make_token->add_option("--frames", token.frames, "Origins whose pages may show a kiosk's")
+        ->delimiter(',');
+    if (auto status = settings.parse(argc, argv)) return Unexpected<int>(*status);
+
+    CommandLine result;
+    if (make_token->parsed()) {
+        result.token = std::make_unique<TokenRequest>(std::move(token));
+        return result;
+    }
+    auto& options = result.run;
+    options.gateway = raw.gateway;
+    options.limits = raw.limits;
+    options.addresses = raw.http;
+    options.tokens = raw.tokens;
+    options.services = raw.services;
+    options.http_cert = raw.cert;
+    options.http_key = raw.key;
+    if (raw.cert.empty() != raw.key.empty()) return usage("--http-cert and --http-key belong together");
+    std::string error;
+    if (!read_time(raw.forget_after, options.gateway.forget_after, error, "--forget-after") ||
+        !read_time(raw.idle, options.limits.idle_time, error, "--idle-time") ||
+        !read_time(raw.header, options.limits.head_time, error, "--header-time") ||
+        !read_time(raw.value_age, options.gateway.values.age, error, "--value-age")) {
+        return usage(error);
+    }
+    options.gateway.values.bytes = raw.value_bytes;
+    options.gateway.page = !raw.no_page;
+    options.gateway.metrics = !raw.no_metrics;
+    if (!raw.base_path.empty() &&
+        (raw.base_path.front() != '/' || raw.base_path.find('/', 1) != std::string::npos ||
+         raw.base_path.size() < 2))
+        return usage("--base-path: must be one level, such as /asip");
+    options.gateway.base_path = raw.base_path;
+    const bool unix_only = std::all_of(raw.http.begin(), raw.http.end(), [](const std::string& address) {
+        return address.starts_with("unix:");
+    });
+    if (const auto access = check_access(options, raw.anonymous, raw.loopback,
+                                         raw.trusted_proxy || !raw.base_path.empty() || unix_only);
+        !access) {
+        return usage(access.error());
+    }
+    auto& hosts = options.gateway.gate.hosts;
+    hosts = raw.hosts;
+    for (auto& host : hosts)
+        host = local_name(host);
+    hosts.push_back("localhost");
+    hosts.push_back(local_name(program::host_name()));
+    hosts.push_back(local_name(program::host_name()) + ".local");
+    options.gateway.gate.allowed_origins = raw.origins;
+    auto mqtt = program::mqtt_options(raw.broker, "asip-gateway");
+    if (!mqtt) return usage(mqtt.error());
+    options.mqtt = std::move(*mqtt);
+    options.gateway.topic_root = raw.broker.topic_root;
+    options.gateway.broker = options.mqtt.brokers.front().describe();
+    options.gateway.reply_base =
+        bus::Topics(raw.broker.topic_root).reply(options.mqtt.user, options.mqtt.client_id);
+    return result;
+}
+
+}  // namespace asip::gateway

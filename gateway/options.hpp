@@ -1,0 +1,44 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "asip/expected.hpp"
+#include "asip/mqtt/options.hpp"
+#include "gateway/gateway.hpp"
+
+namespace asip::gateway {
+
+/// What the program runs with.
+struct ProgramOptions {
+    GatewayOptions gateway;
+    mqtt::Options mqtt;
+    std::vector<std::string> addresses;
+    std::string http_cert, http_key;  ///< PEM; empty: no TLS
+    std::string tokens;               ///< file; empty: none
+    std::string services;             ///< folder of further models; empty: none
+    http::ServerLimits limits;
+};
+
+/// What is asked of `asip-gateway token ROLE NAME`.
+struct TokenRequest {
+    std::string role;
+    std::string name;
+    std::string file;
+    std::string until;  ///< a duration; empty: it does not expire
+    std::vector<std::string> boards, services, frames;
+};
+
+struct CommandLine {
+    ProgramOptions run;
+    std::unique_ptr<TokenRequest> token;  ///< set: make a token and end
+};
+
+/// From command line, environment and configuration file. Error: the exit status; what is to be said was.
+Expected<CommandLine, int> read_options(int argc, const char* const* argv);
+
+/// What may be done without a token, or the sentence that says why this must not start.
+Expected<void> check_access(ProgramOptions& options, const std::string& anonymous,
+                            const std::string& loopback, bool behind_proxy);
+
+}  // namespace asip::gateway

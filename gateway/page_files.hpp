@@ -1,0 +1,15 @@
+#pragma once
+#include <span>
+#include <string_view>
+
+namespace asip::gateway {
+
+/// A file of the web page, built into the program.
+struct PageFile {
+    std::string_view path;  ///< "index.html", "js/app.js"
+    std::string_view gzip;  ///< compressed content
+    std::string_view etag;  ///< from the content
+};
+std::span<const PageFile> page_files();
+
+}  // namespace asip::gateway

@@ -1,0 +1,124 @@
+#include "gateway/stream/change_feed.hpp"
+
+#include <algorithm>
+
+#include "asip/bus/pattern.hpp"
+
+namespace asip::gateway {
+
+ChangeFeed::ChangeFeed(ChangeLog& log, ReadPage read_page, Options options)
+    : log_(&log),
+      read_page_(std::move(read_page)),
+      pattern_(std::move(options.board)),
+      allowed_(std::move(options.allowed)) {
+    sent_ = placed_ = log.last();
+    if (options.after) {
+        const bool epoch = options.after->epoch == log.epoch();
+        const auto number = options.after->number;
+        if (epoch && (number == log.last() || (number < log.last() && log.change(number + 1) != nullptr))) {
+            sent_ = placed_ = number;
+        } else {
+            reset_reason_ = epoch ? "past-gone" : "another-epoch";
+            phase_ = Phase::kReset;
+        }
+    } else if (options.snapshot) {
+        begin_snapshot();
+    }
+    log.feeds_.push_back(this);
+}
+
+ChangeFeed::~ChangeFeed() {
+    if (log_ == nullptr) return;
+    auto& feeds = log_->feeds_;
+    feeds.erase(std::remove(feeds.begin(), feeds.end(), this), feeds.end());
+}
+
+void ChangeFeed::begin_snapshot() {
+    phase_ = Phase::kSnapshot;
+    sent_ = log_->last();
+    page_ = {{}, false};
+    at_ = 0;
+    last_name_.clear();
+    pages_.clear();
+}
+
+bool ChangeFeed::matches(const ChangeLog::Change& change) const {
+    if (change.board.empty()) return true;
+    return bus::matches_pattern(pattern_, change.board) && (!allowed_ || allowed_(change.board));
+}
+
+bool ChangeFeed::in_snapshot(const ChangeLog::Change& change) const {
+    for (const auto& [last, number] : pages_) {
+        if (change.board <= last) return change.number <= number;
+    }
+    return false;
+}
+
+void ChangeFeed::tick(const Instant& now) {
+    if (phase_ != Phase::kLive || placed_ == sent_ || now.time - quiet_since_ < kBookmarkTime) return;
+    bookmark_due_ = true;
+    wake();
+}
+
+bool ChangeFeed::next(StreamEvent& event, const Instant& now) {
+    if (log_ == nullptr) return false;
+    if (phase_ == Phase::kLive && log_->last() > sent_ && log_->change(sent_ + 1) == nullptr) {
+        reset_reason_ = "too-slow";
+        phase_ = Phase::kReset;
+    }
+    if (phase_ == Phase::kReset) {
+        begin_snapshot();
+        event = {"reset", {}, R"({"reason":")" + std::string(reset_reason_) + "\"}"};
+        return true;
+    }
+    return phase_ == Phase::kSnapshot ? next_board(event, now) : next_change(event, now);
+}
+
+bool ChangeFeed::next_board(StreamEvent& event, const Instant& now) {
+    for (;;) {
+        while (at_ < page_.boards.size()) {
+            auto& [name, data] = page_.boards[at_++];
+            if (allowed_ && !allowed_(name)) continue;
+            event = {"board", {}, R"({"board":)" + data + "}"};
+            return true;
+        }
+        if (page_.last) break;
+        page_ = read_page_(pattern_, last_name_, now);
+        at_ = 0;
+        if (!page_.boards.empty()) last_name_ = page_.boards.back().first;
+        pages_.emplace_back(page_.last ? "\x7f" : last_name_, log_->last());  // 7f: behind every name
+    }
+    page_ = {};
+    phase_ = Phase::kLive;
+    placed_ = sent_;
+    quiet_since_ = now.time;
+    event = {"snapshot-end", Place{log_->epoch(), sent_}.text(), "{}"};
+    return true;
+}
+
+bool ChangeFeed::bookmark(StreamEvent& event, const Instant& now) {
+    bookmark_due_ = false;
+    if (placed_ == sent_) return false;
+    placed_ = sent_;
+    quiet_since_ = now.time;
+    event = {"bookmark", Place{log_->epoch(), sent_}.text(), "{}"};
+    return true;
+}
+
+bool ChangeFeed::next_change(StreamEvent& event, const Instant& now) {
+    while (const auto* change = log_->change(sent_ + 1)) {
+        if (placed_ == sent_) quiet_since_ = now.time;
+        ++sent_;
+        if (!matches(*change) || in_snapshot(*change)) {
+            if (sent_ - placed_ >= kBookmarkAfter) return bookmark(event, now);
+            continue;
+        }
+        placed_ = sent_;
+        event = {change->kind, Place{log_->epoch(), sent_}.text(), change->data};
+        return true;
+    }
+    if (!pages_.empty() && log_->last() >= pages_.back().second) pages_.clear();
+    return bookmark_due_ && bookmark(event, now);
+}
+
+}  // namespace asip::gateway

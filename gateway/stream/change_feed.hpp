@@ -1,0 +1,70 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gateway/stream/change_log.hpp"
+#include "gateway/stream/place.hpp"
+
+namespace asip::gateway {
+
+/// The catalogue and its changes: each board that matches (`board`), `snapshot-end`, then each change. What
+/// changes while the snapshot is being read is in it or follows it, never both, never neither. A filtered
+/// feed moves its place on by `bookmark` events, so that it can be resumed after a quiet time. One that is
+/// too slow for what the log keeps is sent `reset` and begins anew.
+class ChangeFeed : public Feed {
+  public:
+    static constexpr std::uint64_t kBookmarkAfter = 100;  ///< changes that did not match
+    static constexpr Duration kBookmarkTime = std::chrono::seconds(15);
+
+    /// Boards behind `after` in the order of their names.
+    struct Page {
+        std::vector<std::pair<std::string, std::string>> boards;  ///< name, JSON object
+        bool last = true;
+    };
+    using ReadPage =
+        std::function<Page(const std::string& pattern, const std::string& after, const Instant&)>;
+    using Allowed = std::function<bool(std::string_view board)>;
+
+    struct Options {
+        std::string board = "*";
+        std::optional<Place> after;
+        bool snapshot = true;  ///< false: only what changes from now on
+        Allowed allowed;       ///< empty: everything
+    };
+
+    ChangeFeed(ChangeLog& log, ReadPage read_page, Options options);
+    ~ChangeFeed() override;
+
+    bool next(StreamEvent& event, const Instant& now) override;
+    void tick(const Instant& now) override;
+
+  private:
+    friend class ChangeLog;
+    enum class Phase { kReset, kSnapshot, kLive };
+
+    bool matches(const ChangeLog::Change& change) const;
+    bool in_snapshot(const ChangeLog::Change& change) const;
+    bool next_board(StreamEvent& event, const Instant& now);
+    bool next_change(StreamEvent& event, const Instant& now);
+    bool bookmark(StreamEvent& event, const Instant& now);
+    void begin_snapshot();
+
+    ChangeLog* log_;
+    ReadPage read_page_;
+    std::string pattern_;
+    Allowed allowed_;
+    Phase phase_ = Phase::kLive;
+    std::string_view reset_reason_;
+    std::uint64_t sent_ = 0;    // everything up to here is with the reader, or does not concern it
+    std::uint64_t placed_ = 0;  // number of the last place that the reader was given
+    bool bookmark_due_ = false;
+    Time quiet_since_{};
+    Page page_;
+    std::size_t at_ = 0;  // in page_
+    std::string last_name_;
+    std::vector<std::pair<std::string, std::uint64_t>> pages_;  // last name of each, and the change it holds
+};
+
+}  // namespace asip::gateway

@@ -1,0 +1,139 @@
+#include "gateway/stream/channel.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "asip/model/json.hpp"
+
+namespace asip::gateway {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMaxRefBytes = 64;
+
+// The ref of a request as JSON text: a number or a short string.
+std::string ref_of(const json& request, const char* member) {
+    const auto found = request.find(member);
+    if (found == request.end()) return "null";
+    const bool fits = found->is_number() ||
+                      (found->is_string() && found->get_ref<const std::string&>().size() <= kMaxRefBytes);
+    return fits ? model::dump_json(*found) : "null";
+}
+
+std::string error_text(const std::string& ref, const std::string& sentence) {
+    return "{\"ref\":" + ref + ",\"error\":" + model::dump_json(json(sentence)) + "}";
+}
+
+}  // namespace
+
+StreamChannel::StreamChannel(Streams& streams, Dependencies dependencies, Principal principal,
+                             std::string client)
+    : OpenStream(std::move(principal), std::move(client)),
+      streams_(streams),
+      dependencies_(std::move(dependencies)) {
+    streams_.add(*this);
+}
+
+StreamChannel::~StreamChannel() {
+    *alive_ = false;
+    streams_.remove(*this);
+}
+
+void StreamChannel::answer(std::string text) {
+    if (answers_.size() >= kMaxAnswers) return revoke();  // asks on and on, and does not read
+    answers_.push_back(std::move(text));
+    wake();
+}
+
+bool StreamChannel::fault(const std::string& ref, const std::string& sentence) {
+    answer(error_text(ref, sentence));
+    return ++faults_ < kMaxFaults;
+}
+
+bool StreamChannel::received(std::string_view message) {
+    const auto request = model::parse_json(message);
+    if (!request) return fault("null", "not JSON: " + request.error());
+    if (!request->is_object()) return fault("null", "a message is a JSON object");
+    const int kinds = static_cast<int>(request->contains("subscribe")) +
+                      static_cast<int>(request->contains("unsubscribe")) +
+                      static_cast<int>(request->contains("command"));
+    if (kinds != 1)
+        return fault(ref_of(*request, "ref"), "one of subscribe, unsubscribe and command is needed");
+    handle(*request);
+    return true;
+}
+
+void StreamChannel::handle(const json& request) {
+    if (request.contains("subscribe")) return subscribe(request);
+    if (request.contains("unsubscribe")) return unsubscribe(request);
+    dependencies_.command(request, [this, alive = std::weak_ptr<bool>(alive_)](std::string text) {
+        if (const auto still = alive.lock(); still && *still) answer(std::move(text));
+    });
+}
+
+void StreamChannel::subscribe(const json& request) {
+    const auto ref = ref_of(request, "ref");
+    if (ref == "null") return void(fault(ref, "ref: a number or a string of at most 64 bytes"));
+    for (const auto& each : subscriptions_) {
+        if (each.ref == ref) return void(fault(ref, "ref: in use; unsubscribe first"));
+    }
+    if (subscriptions_.size() >= dependencies_.max_subscriptions)
+        return void(fault(ref, "too many subscriptions on this connection"));
+    auto feed = dependencies_.subscribe(request);
+    if (!feed) return void(fault(ref, feed.error()));
+    answer("{\"ref\":" + ref + ",\"ok\":true}");
+    auto& made = subscriptions_.emplace_back(Subscription{ref, std::move(*feed), false});
+    made.feed->wake = [this, &made] {
+        made.idle = false;
+        wake();
+    };
+    wake();
+}
+
+void StreamChannel::unsubscribe(const json& request) {
+    const auto ref = ref_of(request, "unsubscribe");
+    const auto found = std::find_if(subscriptions_.begin(), subscriptions_.end(),
+                                    [&](const Subscription& each) { return each.ref == ref; });
+    if (found == subscriptions_.end()) return void(fault(ref, "there is no subscription of this ref"));
+    subscriptions_.erase(found);
+    answer("{\"ref\":" + ref + ",\"ok\":true}");
+}
+
+bool StreamChannel::take(std::string& message) {
+    if (!answers_.empty()) {
+        message = std::move(answers_.front());
+        answers_.pop_front();
+        return true;
+    }
+    return next_event(message);
+}
+
+// In turn: a subscription with much to send does not keep the others waiting.
+bool StreamChannel::next_event(std::string& message) {
+    const auto now = dependencies_.now();
+    StreamEvent event;
+    for (std::size_t turns = subscriptions_.size(); turns > 0; --turns) {
+        subscriptions_.splice(subscriptions_.end(), subscriptions_, subscriptions_.begin());
+        auto& subscription = subscriptions_.back();
+        if (subscription.idle) continue;
+        if (subscription.feed->next(event, now)) {
+            message = websocket_message(event, subscription.ref);
+            return true;
+        }
+        subscription.idle = true;
+    }
+    return false;
+}
+
+void StreamChannel::tick(const Instant& now) {
+    for (auto& subscription : subscriptions_)
+        subscription.feed->tick(now);
+}
+
+void StreamChannel::revoke() {
+    revoked_ = true;
+    wake();
+}
+
+}  // namespace asip::gateway

@@ -1,0 +1,31 @@
+#pragma once
+#include <charconv>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace asip::gateway {
+
+/// Where an event stands in its stream: `EPOCH-N`. Numbers step by one; another epoch is another count.
+struct Place {
+    std::string epoch;
+    std::uint64_t number = 0;
+
+    std::string text() const { return epoch + "-" + std::to_string(number); }
+    friend bool operator==(const Place&, const Place&) = default;
+};
+
+/// Nothing for any other text.
+inline std::optional<Place> parse_place(std::string_view text) {
+    const auto dash = text.rfind('-');
+    if (dash == std::string_view::npos || dash == 0 || text.size() > 64) return std::nullopt;
+    Place place;
+    place.epoch = text.substr(0, dash);
+    const auto* end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data() + dash + 1, end, place.number);
+    if (error != std::errc() || rest != end) return std::nullopt;
+    return place;
+}
+
+}  // namespace asip::gateway

@@ -1,0 +1,72 @@
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+#include <unordered_set>
+
+#include "gateway/auth/gate.hpp"
+#include "gateway/http/server.hpp"
+#include "gateway/stream/feed.hpp"
+
+namespace asip::gateway {
+
+/// One open stream, of whatever form.
+class OpenStream {
+  public:
+    OpenStream(Principal principal, std::string client)
+        : principal_(std::move(principal)), client_(std::move(client)) {}
+    virtual ~OpenStream() = default;
+    virtual void tick(const Instant& now) = 0;
+    /// Its right to read is gone.
+    virtual void revoke() = 0;
+
+    const Principal& principal() const { return principal_; }
+    const std::string& client() const { return client_; }
+
+  private:
+    Principal principal_;
+    std::string client_;
+};
+
+/// All open streams: time for them, their limits, and their end when the right to them ends.
+class Streams {
+  public:
+    explicit Streams(std::size_t per_client) : per_client_(per_client) {}
+
+    bool has_room(const std::string& client) const;
+    void add(OpenStream& stream);
+    void remove(OpenStream& stream);
+    void tick(const Instant& now, const Gate& gate);
+    std::size_t size() const { return streams_.size(); }
+
+  private:
+    std::size_t per_client_;
+    std::unordered_set<OpenStream*> streams_;
+    std::map<std::string, std::size_t> clients_;
+    Time checked_{};
+};
+
+/// A feed as Server-Sent Events, with a comment every 15 s.
+class SseSource : public http::Source, public OpenStream {
+  public:
+    static constexpr Duration kComment = std::chrono::seconds(15);
+
+    SseSource(Streams& streams, std::unique_ptr<Feed> feed, std::function<Instant()> now, Principal principal,
+              std::string client);
+    ~SseSource() override;
+
+    void take(std::string& out, std::size_t max) override;
+    bool finished() const override { return revoked_; }
+    void tick(const Instant& now) override;
+    void revoke() override;
+
+  private:
+    Streams& streams_;
+    std::unique_ptr<Feed> feed_;
+    std::function<Instant()> now_;
+    Time last_{};
+    bool begun_ = false;
+    bool revoked_ = false;
+};
+
+}  // namespace asip::gateway

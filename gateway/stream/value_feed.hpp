@@ -1,0 +1,70 @@
+#pragma once
+#include <deque>
+#include <optional>
+#include <unordered_map>
+
+#include "gateway/stream/feed.hpp"
+#include "gateway/stream/place.hpp"
+#include "gateway/stream/values.hpp"
+
+namespace asip::gateway {
+
+/// The values of the services that match: the last ones with their age, `snapshot-end`, then each new one. A
+/// reader that falls behind by more than kMaxBehind values of a service gets the newest of each of its
+/// events, and `left_out` says how many came between; services are served in the order in which they had
+/// something.
+class ValueFeed : public Feed {
+  public:
+    static constexpr std::uint64_t kMaxBehind = 64;
+    using Allowed = std::function<bool(std::string_view board, std::string_view service)>;
+
+    struct Options {
+        std::string board = "*";  ///< patterns
+        std::string service = "*";
+        double max_hz = 0;           ///< newest value of a service at most so often; 0: each
+        std::optional<Place> after;  ///< of one service only: resume behind this
+        Allowed allowed;             ///< empty: everything
+    };
+
+    ValueFeed(Values& values, Options options);
+    ~ValueFeed() override;
+
+    bool next(StreamEvent& event, const Instant& now) override;
+    void tick(const Instant& now) override;
+    std::uint64_t left_out() const { return left_out_; }
+
+  private:
+    friend class Values;
+    struct Reading {
+        std::uint64_t sent = 0;  // number of the last point that the reader has, or that one replaced
+        bool queued = false;
+        Time not_before{};
+    };
+    enum class Phase { kReset, kSnapshot, kSnapshotEnd, kLive };
+
+    bool exact() const;
+    void appeared(ServiceValues& service);
+    void arrived(ServiceValues& service, Time now);
+    void vanished(ServiceValues& service);
+    void queue(ServiceValues& service, Reading& reading);
+    bool next_snapshot(StreamEvent& event, const Instant& now);
+    void read_service(ServiceValues& service, Reading& reading, const Instant& now);
+    void newest_of_each(ServiceValues& service, Reading& reading);
+    void put(std::uint64_t number, const ChannelValue& channel, std::string data, bool placed);
+
+    Values* values_;
+    std::string board_;
+    std::string service_;
+    Duration interval_{};
+    std::optional<Place> after_;
+    Allowed allowed_;
+    Phase phase_ = Phase::kSnapshot;
+    std::string_view reset_reason_;
+    std::deque<ServiceValues*> snapshot_;
+    std::deque<ServiceValues*> ready_;
+    std::unordered_map<ServiceValues*, Reading> readings_;
+    std::deque<StreamEvent> out_;
+    std::uint64_t left_out_ = 0;
+};
+
+}  // namespace asip::gateway

@@ -1,0 +1,183 @@
+#include "gateway/stream/values.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "asip/model/json.hpp"
+#include "gateway/stream/value_feed.hpp"
+
+namespace asip::gateway {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kPointBytes = sizeof(Point) + sizeof(void*) + 32;  // beside its text, as allocated
+constexpr std::size_t kMaxMergedBytes = 8 * 1024;
+
+std::string key_of(std::string_view board, std::string_view service) {
+    std::string key;
+    key.reserve(board.size() + service.size() + 1);
+    return key.append(board).append("/").append(service);
+}
+
+// What was published, and under which event it counts.
+struct Parsed {
+    json value;
+    std::string event;
+};
+
+Parsed parse(std::string_view payload) {
+    auto parsed = model::parse_json(payload);
+    if (!parsed) return {json(std::string(payload)), {}};
+    if (parsed->is_object() && parsed->size() == 1) {
+        std::string event = parsed->begin().key();
+        return {std::move(*parsed), event.size() <= 64 ? std::move(event) : std::string()};
+    }
+    return {std::move(*parsed), {}};
+}
+
+// The parts of a map that several reports name, together.
+std::string merged(const std::string& before, const Parsed& now, std::string text) {
+    if (now.event.empty() || !now.value.front().is_object() || before.empty()) return text;
+    auto all = json::parse(before, nullptr, false);
+    if (!all.is_object() || all.size() != 1 || !all.front().is_object()) return text;
+    all.front().update(now.value.front());
+    auto result = model::dump_json(all);
+    return result.size() <= kMaxMergedBytes ? result : text;
+}
+
+}  // namespace
+
+const Point* ServiceValues::point(std::uint64_t number) const {
+    if (points.empty() || number < points.front().number || number > points.back().number) return nullptr;
+    return &points[static_cast<std::size_t>(number - points.front().number)];
+}
+
+const std::string& ServiceValues::text(const Point& point) const {
+    if (cached_number_ == point.number) return cached_;
+    cached_number_ = point.number;
+    cached_.clear();
+    cached_.append(R"({"board":")").append(board).append(R"(","service":")").append(service);
+    cached_.append(R"(","at":")").append(text::iso_time(point.seen.wall)).append(R"(","value":)");
+    cached_.append(point.json).append("}");
+    return cached_;
+}
+
+Values::Values(std::string epoch, ValueLimits limits) : epoch_(std::move(epoch)), limits_(limits) {}
+
+Values::~Values() {
+    for (auto* feed : feeds_)
+        feed->values_ = nullptr;
+}
+
+ServiceValues* Values::make(std::string_view board, std::string_view service) {
+    const auto found = services_.find(key_of(board, service));
+    if (found != services_.end()) return found->second.get();
+    if (services_.size() >= limits_.services) return nullptr;
+    auto made = std::make_unique<ServiceValues>();
+    made->board = board;
+    made->service = service;
+    auto* result = made.get();
+    services_.emplace(key_of(board, service), std::move(made));
+    by_board_[std::string(board)].push_back(result);
+    for (auto* feed : feeds_)
+        feed->appeared(*result);
+    return result;
+}
+
+void Values::value(std::string_view board, std::string_view service, std::string_view payload, bool error,
+                   const Instant& now) {
+    ++received_;
+    auto* values = make(board, service);
+    if (values == nullptr) return;
+    auto parsed = parse(payload);
+    auto& channels = values->channels;
+    auto channel = std::find_if(channels.begin(), channels.end(), [&](const ChannelValue& each) {
+        return each.error == error && (error || each.event == parsed.event);
+    });
+    if (channel == channels.end()) {
+        if (channels.size() >= limits_.channels) return;
+        channel = channels.insert(channels.end(), ChannelValue{error ? "" : parsed.event, error, 0, {}, {}});
+    }
+    Point point{++values->last, now, static_cast<std::uint32_t>(channel - channels.begin()),
+                model::dump_json(parsed.value)};
+    channel->number = point.number;
+    channel->seen = now;
+    channel->json = error ? point.json : merged(channel->json, parsed, point.json);
+    bytes_ += kPointBytes + point.json.size();
+    values->points.push_back(std::move(point));
+    arrivals_.push_back(values);
+    if (values->points.size() > limits_.points) {
+        drop_front(*values);
+        ++values->dropped_ahead;
+    }
+    while (bytes_ > limits_.bytes && !arrivals_.empty())
+        drop_oldest();
+    for (auto* feed : values->listeners)
+        feed->arrived(*values, now.time);
+}
+
+void Values::drop_front(ServiceValues& service) {
+    bytes_ -= kPointBytes + service.points.front().json.size();
+    service.points.pop_front();
+}
+
+void Values::drop_oldest() {
+    auto* service = arrivals_.front();
+    arrivals_.pop_front();
+    if (service->dropped_ahead > 0) {
+        --service->dropped_ahead;
+    } else {
+        drop_front(*service);
+    }
+}
+
+void Values::expire(const Instant& now) {
+    while (!arrivals_.empty()) {
+        auto* service = arrivals_.front();
+        if (service->dropped_ahead == 0 && now.time - service->points.front().seen.time <= limits_.age) break;
+        drop_oldest();
+    }
+}
+
+void Values::forget(std::string_view board) {
+    const auto found = by_board_.find(board);
+    if (found == by_board_.end()) return;
+    const auto gone = std::move(found->second);
+    by_board_.erase(found);
+    const auto is_gone = [&](ServiceValues* each) {
+        return std::find(gone.begin(), gone.end(), each) != gone.end();
+    };
+    arrivals_.erase(std::remove_if(arrivals_.begin(), arrivals_.end(), is_gone), arrivals_.end());
+    for (auto* service : gone) {
+        for (const auto& point : service->points)
+            bytes_ -= kPointBytes + point.json.size();
+        for (auto* feed : service->listeners)
+            feed->vanished(*service);
+        services_.erase(key_of(service->board, service->service));
+    }
+}
+
+const ServiceValues* Values::find(std::string_view board, std::string_view service) const {
+    const auto found = services_.find(key_of(board, service));
+    return found == services_.end() ? nullptr : found->second.get();
+}
+
+void Values::add(ValueFeed& feed) {
+    feeds_.push_back(&feed);
+    if (feed.exact()) {
+        const auto found = services_.find(key_of(feed.board_, feed.service_));
+        if (found != services_.end()) feed.appeared(*found->second);
+        return;
+    }
+    for (auto& [board, services] : by_board_) {
+        for (auto* service : services)
+            feed.appeared(*service);
+    }
+}
+
+void Values::remove(ValueFeed& feed) {
+    feeds_.erase(std::remove(feeds_.begin(), feeds_.end(), &feed), feeds_.end());
+}
+
+}  // namespace asip::gateway
