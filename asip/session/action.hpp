@@ -30,6 +30,7 @@ enum class Ending {
 enum class NotSent {
     kBoardGone,  ///< the link went, or the board fell silent
     kDeadline,   ///< its deadline came first
+    kStopped,    ///< BoardSession::cancel_waiting()
 };
 
 /// Write these bytes to the link, in order.

@@ -29,6 +29,9 @@ Expected<RequestId, Refusal> BoardSession::submit(std::string_view line, const R
                                                   Time now, Actions& out) {
     return machine_->submit(line, request, now, out);
 }
+std::size_t BoardSession::cancel_waiting(Actions& out) {
+    return machine_->cancel_waiting(out);
+}
 std::optional<Time> BoardSession::next_deadline() const {
     return machine_->next_deadline();
 }

@@ -62,13 +62,17 @@ struct RequestOptions {
     char answer_tag = 0;
     /// How long after its execution that event may come.
     Duration answer_time = kDefaultAnswerTime;
+    /// It is sent before all other requests that wait, and while the answer to a fence is overdue, too. Where
+    /// its execution could then not be told from a lost line, it ends in kDoubt.
+    bool urgent = false;
 };
 
 enum class Refusal {
     kInvalid,    ///< not a request line: `S,t[,...]`, printable characters, at most 62 bytes, and neither
                  ///< `#,B` nor `#,C`
-    kQueueFull,  ///< kMaxQueuedPerClient requests of this client wait already, or kMaxQueued of all
-    kNoBoard,    ///< link down, board silent, or not identified since link_up
+    kQueueFull,  ///< kMaxQueuedPerClient requests of this client wait already, or kMaxQueued of all; of
+                 ///< urgent ones kMaxUrgent
+    kNoBoard,  ///< link down, board silent, or not identified since link_up
 };
 
 struct SessionCounters {
@@ -98,6 +102,7 @@ class BoardSession {
     static constexpr std::size_t kReceiveBufferBytes = 63;
     static constexpr std::size_t kMaxQueuedPerClient = 64;
     static constexpr std::size_t kMaxQueued = 4096;
+    static constexpr std::size_t kMaxUrgent = 1024;
 
     /// kSilent: the board was gone, and is looked for.
     enum class State { kDown, kSearching, kIdentifying, kReady, kSilent };
@@ -120,6 +125,8 @@ class BoardSession {
     /// wait, each until its deadline. The Finished of the request may already be among `out`.
     Expected<RequestId, Refusal> submit(std::string_view line, const RequestOptions& request, Time now,
                                         Actions& out);
+    /// Ends every request that waits and is not urgent, with kNotSent. Their number.
+    std::size_t cancel_waiting(Actions& out);
     /// Whether submit() would not refuse a request with kNoBoard.
     bool accepts_requests() const;
     /// How many more requests of this client may be queued now.

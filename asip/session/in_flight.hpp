@@ -48,6 +48,8 @@ class InFlight {
 
     /// `bytes`: on the wire, with line end and checksum.
     void add(Request request, std::size_t bytes, bool reports, Time close_after, Time now);
+    /// The one added last cannot be proven.
+    void doubt_last() { batches_.back().items.back().doubted = true; }
     /// Closes the open batch, or sends a fence with nothing before it.
     void close(Fence fence, std::size_t bytes, Time now);
 

@@ -153,13 +153,15 @@ Expected<RequestId, Refusal> Machine::submit(std::string_view line, const Reques
     if (!may_be_sent(line)) return Unexpected<Refusal>(Refusal::kInvalid);
     const auto parsed = protocol::parse_request(line);
     if (!there_) return Unexpected<Refusal>(Refusal::kNoBoard);
-    if (room(wanted.client) == 0) return Unexpected<Refusal>(Refusal::kQueueFull);
+    if (wanted.urgent ? queue_.waiting().urgent() >= BoardSession::kMaxUrgent : room(wanted.client) == 0)
+        return Unexpected<Refusal>(Refusal::kQueueFull);
     Request request;
     request.id = next_id_++;
     request.client = wanted.client;
     request.line = std::string(line);
     request.deadline = wanted.deadline.value_or(now + kDefaultDeadline);
     request.prove = wanted.prove;
+    request.urgent = wanted.urgent;
     request.answer_tag = wanted.answer_tag;
     request.answer_time = wanted.answer_time;
     request.alone = parsed->service != '#' && identity_.find_service(parsed->service) == nullptr;
@@ -167,6 +169,14 @@ Expected<RequestId, Refusal> Machine::submit(std::string_view line, const Reques
     queue_.waiting().push(std::move(request));
     if (std::holds_alternative<Ready>(state_)) on_time(std::get<Ready>(state_), now, out);
     return id;
+}
+
+std::size_t Machine::cancel_waiting(Actions& out) {
+    std::vector<RequestEnd> ended;
+    queue_.cancel_waiting(ended);
+    const std::size_t count = ended.size();
+    report(ended, out);
+    return count;
 }
 
 std::size_t Machine::room(ClientId client) const {

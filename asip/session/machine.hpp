@@ -29,6 +29,7 @@ class Machine {
     void line_rate_set(bool ok, Time now, Actions& out);
     Expected<RequestId, Refusal> submit(std::string_view line, const RequestOptions& request, Time now,
                                         Actions& out);
+    std::size_t cancel_waiting(Actions& out);
     bool accepts_requests() const { return there_; }
     std::size_t room(ClientId client) const;
     std::optional<Time> next_deadline() const;

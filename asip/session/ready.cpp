@@ -74,7 +74,7 @@ Time Machine::deadline(const Ready&) const {
 void Machine::pump(Time now, Actions& out) {
     switch_checksums();
     queue_.set_reporting(!reports_.empty() && now < last_report_ + kReportsLast);
-    if (queue_.will_resynchronise() && has_checksums() && (wire_.writes_checksums() || wants_checksums()))
+    if ((queue_.will_resynchronise() || queue_.urgent_while_stalled()) && has_checksums() && (wire_.writes_checksums() || wants_checksums()))
         write(wire_.switching_lines(wants_checksums()), now, out);
     write(queue_.pump(now, [&](const Request& request) { return reports_by_itself(request, now); }), now,
           out);

@@ -13,6 +13,7 @@ struct Request {
     std::string line;  ///< without line end
     Time deadline = Time::max();
     bool prove = true;
+    bool urgent = false;
     char answer_tag = 0;     ///< tag of the event that answers it, of the same service; 0: none
     Duration answer_time{};  ///< how long after its fence that event may come
     /// Nothing else between its fences: an error of it would not name it, or it changes how the line works.

@@ -33,7 +33,11 @@ bool RequestQueue::next_is_too_long_for(std::size_t checksum_bytes) const {
 }
 
 bool RequestQueue::switching_line() const {
-    return in_flight_.is_barrier() || (!waiting_.empty() && waiting_.front().changes_line());
+    return in_flight_.is_barrier() || waiting_.changes_line();
+}
+
+bool RequestQueue::urgent_while_stalled() const {
+    return stalled_ && waiting_.urgent() > 0 && in_flight_.bytes() <= kEarlyFence;
 }
 
 bool RequestQueue::may_fence(Time now) const {
@@ -57,15 +61,16 @@ void RequestQueue::send_probe(Time now, std::vector<std::string>& lines) {
 }
 
 bool RequestQueue::next_may_go(Time now, std::vector<std::string>& lines) {
-    if (stalled_ || waiting_.empty() || next_is_too_long_for(checksum_bytes_)) return false;
+    if (waiting_.empty() || next_is_too_long_for(checksum_bytes_)) return false;
     const Request& next = waiting_.front();
+    if (stalled_ && !next.urgent) return false;
     if (in_flight_.has_open_batch() && in_flight_.conflicts(next)) {
         if (!may_fence(now)) return false;
         close(now, lines);
     }
     if (in_flight_.empty()) return true;
     // What has to be proven goes with its fence: an outage between them would go unnoticed.
-    if (!fences_.echo() && next.prove && in_flight_.fence_out()) return false;
+    if (!next.urgent && !fences_.echo() && next.prove && in_flight_.fence_out()) return false;
     const bool joins = !next.changes_line() && !in_flight_.is_barrier() &&
                        !fences_.is_fence_question(next.line) &&
                        in_flight_.bytes() + wire_bytes(next) + fence_bytes() <= room();
@@ -79,7 +84,9 @@ void RequestQueue::send(Request request, bool reports, Time now, std::vector<std
     if (in_flight_.bytes() + bytes + fence_bytes() > room())
         close_after = now + byte_time_ * static_cast<Duration::rep>(bytes) + kReadsAgainWithin;
     lines.push_back(request.line);
+    const bool doubted = request.urgent && !fences_.echo() && in_flight_.fence_out();
     in_flight_.add(std::move(request), bytes, reports, close_after, now);
+    if (doubted) in_flight_.doubt_last();
 }
 
 void RequestQueue::send_last_fence(Time now, std::vector<std::string>& lines) {
@@ -124,6 +131,11 @@ void RequestQueue::abandon_in_flight(Ending ending, std::vector<RequestEnd>& end
 void RequestQueue::abandon_waiting(std::vector<RequestEnd>& ended) {
     for (Request& request : waiting_.take_all())
         ended.push_back({std::move(request), Ending::kNotSent, NotSent::kBoardGone});
+}
+
+void RequestQueue::cancel_waiting(std::vector<RequestEnd>& ended) {
+    for (Request& request : waiting_.take_queued())
+        ended.push_back({std::move(request), Ending::kNotSent, NotSent::kStopped});
 }
 
 void RequestQueue::restart() {

@@ -64,6 +64,7 @@ class RequestQueue {
     /// The link or the board went, or the board restarted. What waits stays.
     void abandon_in_flight(Ending ending, std::vector<RequestEnd>& ended);
     void abandon_waiting(std::vector<RequestEnd>& ended);
+    void cancel_waiting(std::vector<RequestEnd>& ended);
     /// The board was found again: no fence of before is missing any more.
     void restart();
 
@@ -78,6 +79,8 @@ class RequestQueue {
     bool stalled() const { return stalled_; }
     /// The next lines begin with a fence that shows whether the board still executes requests.
     bool will_resynchronise() const { return stalled_ && !in_flight_.fence_out(); }
+    /// The next line does not wait for such a fence, and little is on its way.
+    bool urgent_while_stalled() const;
     /// Fences lost in a row.
     unsigned lost_fences() const { return lost_fences_; }
     std::uint64_t fence_timeouts() const { return fence_timeouts_; }

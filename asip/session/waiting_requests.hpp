@@ -8,15 +8,18 @@
 
 namespace asip::session {
 
-/// Requests that were not sent yet: a queue for each client, served in turn, and before all of them the
-/// session's own requests. Of one client each request comes after the one before.
+/// Requests that were not sent yet: a queue for each client, served in turn, before all of them the session's
+/// own requests, and before those the urgent ones. Of one client each request comes after the one before.
 class WaitingRequests {
   public:
     void push(Request request);
     void push_own(Request request) { own_.push_back(std::move(request)); }
 
-    bool empty() const { return own_.empty() && turns_.empty(); }
-    std::size_t size() const { return size_ + own_.size(); }
+    bool empty() const { return urgent_.empty() && own_.empty() && turns_.empty(); }
+    std::size_t size() const { return size_ + own_.size() + urgent_.size(); }
+    std::size_t urgent() const { return urgent_.size(); }
+    /// One of the session's own turns checksums on or off.
+    bool changes_line() const;
     std::size_t size_of(ClientId client) const;
 
     /// The request whose turn it is. Not when empty().
@@ -29,13 +32,16 @@ class WaitingRequests {
     std::vector<Request> take_expired(Time now);
     /// Takes out all requests of clients, and forgets the session's own.
     std::vector<Request> take_all();
+    /// Takes out what clients wait for, but for what is urgent.
+    std::vector<Request> take_queued();
     void forget_own() { own_.clear(); }
 
   private:
+    std::deque<Request> urgent_;
     std::deque<Request> own_;
     std::unordered_map<ClientId, std::deque<Request>> queues_;  // none of them empty
     std::deque<ClientId> turns_;                                // each client of queues_ once
-    std::size_t size_ = 0;
+    std::size_t size_ = 0;                                      // of queues_
     Time earliest_ = Time::max();
 };
 

@@ -71,7 +71,7 @@ std::string ScriptedBoard::hear(std::string_view bytes, unsigned host_baud, Time
 
 // What real firmware does not execute: lines that are no request, and services it does not have.
 std::optional<std::string> ScriptedBoard::refusal(const std::string& line) const {
-    const bool known = std::string_view("#ISD").find(line[0]) != std::string_view::npos;
+    const bool known = line[0] == '#' || services.find(line[0]) != std::string::npos;
     if (!known) return "~Q,?,1{INVALID_SERVICE}";
     const std::string start{'~', line[0], ','};
     if (line.size() < 3) return start + "?,2{UNKNOWN_REQUEST}";

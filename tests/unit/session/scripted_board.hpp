@@ -24,6 +24,7 @@ class ScriptedBoard {
     std::string chip = "ATmega328P";
     std::string sketch = "Script";
     std::string stored_name = "uno1";
+    std::string services = "ISD";  ///< others are refused
     unsigned fastest_working = 1'000'000;  ///< rates above are accepted and then do not work
     unsigned fastest_allowed = 1'000'000;  ///< rates above are refused
     int lose_lines = 0;                    ///< so many lines from now on are lost on their way to it
