@@ -12,6 +12,9 @@ namespace {
 constexpr Duration kGoodbye = std::chrono::milliseconds(700);
 // Longer than a boot loader and two rounds of asking at the start rate.
 constexpr Duration kSilentAtStart = std::chrono::milliseconds(3500);
+// What is held is undone before the goodbye; a board that does not answer is not waited for longer.
+constexpr Duration kMakeSafe = std::chrono::milliseconds(500);
+constexpr Duration kLookAgain = std::chrono::milliseconds(5);
 constexpr auto kCountersEvery = std::chrono::seconds(10);
 
 link::StreamTarget stream_target(const AgentOptions& options) {
@@ -297,8 +300,21 @@ void Application::tell_rejections() {
 }
 
 void Application::stop() {
-    if (stopping_) return;
+    if (stopping_ || std::exchange(stop_asked_, true)) return;
     log::info("stopping", {});
+    with_bridge([&](Time now, Effects& out) { bridge_.release_holds(now, out); });
+    stop_once_safe(Clock::now() + kMakeSafe);
+}
+
+void Application::stop_once_safe(Time limit) {
+    if (stopping_) return;
+    if (!bridge_.is_safe() && bridge_.session().accepts_requests() && Clock::now() < limit) {
+        reset_timer_.expires_after(kLookAgain);
+        reset_timer_.async_wait([this, limit](boost::system::error_code error) {
+            if (!error) stop_once_safe(limit);
+        });
+        return;
+    }
     Effects effects;
     bridge_.goodbye(Clock::now(), effects);
     effects.link.clear();

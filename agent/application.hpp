@@ -31,6 +31,7 @@ class Application {
     void connect_bus();
     void arm_timer();
     void stop();
+    void stop_once_safe(Time limit);
     void finish(int status);
     void link_opened(const link::StreamOpened& opened);
     void link_lost(const link::StreamError& error);
@@ -65,6 +66,7 @@ class Application {
     mqtt::Outage bus_outage_;
     bool board_ever_known_ = false;
     bool link_tried_ = false;
+    bool stop_asked_ = false;
     bool stopping_ = false;
     int status_ = 0;
 };

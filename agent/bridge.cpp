@@ -52,7 +52,8 @@ Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
       models_(std::move(models)),
       random_(std::move(random)),
       session_(options_.session, random_),
-      control_(topics_, session_, statistics_),
+      safety_(topics_, statistics_),
+      control_(topics_, session_, statistics_, safety_),
       context_(topics_, options_.context) {}
 
 // --- the board's side
@@ -80,11 +81,19 @@ void Bridge::receive(std::string_view bytes, Time now, Effects& out) {
     session::Actions actions;
     session_.receive(bytes, now, actions);
     perform(actions, now, out);
+    send_safe_lines(now, out);
 }
 
 void Bridge::line_rate_set(bool ok, Time now, Effects& out) {
     session::Actions actions;
     session_.line_rate_set(ok, now, actions);
+    perform(actions, now, out);
+}
+
+void Bridge::send_safe_lines(Time now, Effects& out) {
+    if (!safety_.pending()) return;
+    session::Actions actions;
+    safety_.send(session_, now, actions);
     perform(actions, now, out);
 }
 
@@ -161,6 +170,8 @@ void Bridge::on_action(const session::Identified& identified, Time, Effects& out
         name_ = !options_.name.empty()       ? options_.name
                 : !board.stored_name.empty() ? board.stored_name
                                              : name_from_link(facts_.link);
+        safety_.name_board(name_);
+        if (!options_.keep_outputs) safety_.stop_services(services_);
         announcer_ = std::make_unique<Announcer>(
             topics_,
             AnnouncerOptions{name_, options_.lease_seconds, options_.takeover, options_.started_unix},
@@ -182,6 +193,7 @@ void Bridge::on_action(const session::Identified& identified, Time, Effects& out
 }
 
 void Bridge::on_action(const session::BoardReset& reset, Time, Effects& out) {
+    safety_.board_restarted(out);
     out.log(Level::kWarning, "board restarted by itself", {{"why", reset.why}});
 }
 
@@ -220,6 +232,7 @@ void Bridge::on_action(const session::Garbage& garbage, Time now, Effects& out) 
 }
 
 void Bridge::on_action(const session::Finished& end, Time now, Effects& out) {
+    safety_.on_finished(end, now, out);
     control_.on_finished(end, now, out);
     note_settings();
 }
@@ -272,7 +285,7 @@ std::vector<std::string> Bridge::subscriptions() const {
 }
 
 std::vector<std::string> Bridge::control_subscriptions() const {
-    return {topics_.board_in(name_), topics_.service_in(name_, "+")};
+    return {topics_.stop(name_), topics_.board_in(name_), topics_.service_in(name_, "+")};
 }
 
 void Bridge::bus_connected(Time now, const std::string& client_id, Effects& out) {
@@ -297,11 +310,17 @@ void Bridge::bus_message(const mqtt::Message& message, Time now, Effects& out) {
     if (!announcer_) return;
     const auto topic = topics_.parse(message.topic);
     if (!topic) return;
-    if (topic->kind != bus::TopicKind::kBoardIn && topic->kind != bus::TopicKind::kServiceIn)
+    const bool stop = topic->kind == bus::TopicKind::kStop;
+    if (!stop && topic->kind != bus::TopicKind::kBoardIn && topic->kind != bus::TopicKind::kServiceIn)
         return announcer_->on_message(message, now, out);
     if (!announcer_->established()) return;
     session::Actions actions;
-    control_.on_message(message, services_, session_, now, actions, out);
+    if (stop) {
+        safety_.on_stop(message, services_, session_, now, actions, out);
+        send_safe_lines(now, out);
+    } else {
+        control_.on_message(message, services_, session_, now, actions, out);
+    }
     perform(actions, now, out);
 }
 
@@ -311,6 +330,7 @@ Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_v
     if (valid && session_.accepts_requests() && session_.room(client) == 0) return ClientResult::kLater;
     session::Actions actions;
     const auto id = session_.submit(line, {.client = client, .prove = false}, now, actions);
+    if (id) safety_.queued(*id, line, safe_form_of(services_, line), services_);
     perform(actions, now, out);
     if (id) return ClientResult::kAccepted;
     const auto code = valid ? protocol::ErrorCode::DeviceNotAvailable : protocol::ErrorCode::UnknownRequest;
@@ -327,7 +347,8 @@ void Bridge::publish_statistics(const mqtt::Counters& bus, Time now, Effects& ou
     mqtt::Message message;
     message.topic = topics_.stats(name_);
     message.payload = statistics_.document(
-        {session_, bus, name_, announcer_->session(), control_.forgotten_answers(), 0}, now);
+        {session_, bus, name_, announcer_->session(), control_.forgotten_answers(), safety_.holds().size()},
+        now);
     out.publish.push_back({std::move(message), mqtt::Priority::kContext});
 }
 
@@ -335,16 +356,24 @@ void Bridge::tick(Time now, Effects& out) {
     session::Actions actions;
     session_.tick(now, actions);
     perform(actions, now, out);
+    safety_.tick(session_, now, out);
+    send_safe_lines(now, out);
     if (announcer_) announcer_->tick(now, out);
     start_publishing(out);
 }
 
 std::optional<Time> Bridge::next_deadline() const {
     auto deadline = session_.next_deadline();
-    if (!announcer_) return deadline;
-    const auto other = announcer_->next_deadline();
-    if (other && (!deadline || *other < *deadline)) deadline = other;
+    for (const auto& other :
+         {safety_.next_deadline(), announcer_ ? announcer_->next_deadline() : std::nullopt})
+        if (other && (!deadline || *other < *deadline)) deadline = other;
     return deadline;
+}
+
+bool Bridge::release_holds(Time now, Effects& out) {
+    const bool pending = safety_.release_all();
+    send_safe_lines(now, out);
+    return pending && session_.accepts_requests();
 }
 
 void Bridge::goodbye(Time now, Effects& out) {

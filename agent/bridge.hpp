@@ -12,6 +12,7 @@
 #include "agent/control.hpp"
 #include "agent/describe.hpp"
 #include "agent/effects.hpp"
+#include "agent/safety.hpp"
 #include "agent/statistics.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/session/board_session.hpp"
@@ -25,6 +26,7 @@ struct BridgeOptions {
     int lease_seconds = model::kDefaultLeaseSeconds;
     bool takeover = false;
     std::uint64_t started_unix = 0;
+    bool keep_outputs = false;  ///< do not stop the board's services when it is found first
     session::SessionOptions session;
     ContextOptions context;
 };
@@ -63,6 +65,10 @@ class Bridge {
 
     void tick(Time now, Effects& out);
     std::optional<Time> next_deadline() const;
+    /// Undoes what is held, before the goodbye. True: that is not confirmed yet; tick() goes on.
+    bool release_holds(Time now, Effects& out);
+    /// Whether the board has confirmed all that makes it safe.
+    bool is_safe() const { return !safety_.pending(); }
     /// Ends every open command, says `offline`. Nothing is to be called afterwards.
     void goodbye(Time now, Effects& out);
 
@@ -76,6 +82,7 @@ class Bridge {
 
   private:
     void perform(session::Actions& actions, Time now, Effects& out);
+    void send_safe_lines(Time now, Effects& out);
     void on_action(const session::BoardLine& line, Time now, Effects& out);
     void on_action(const session::Identified& identified, Time now, Effects& out);
     void on_action(const session::BoardReset& reset, Time now, Effects& out);
@@ -98,6 +105,7 @@ class Bridge {
     Random random_;
     session::BoardSession session_;
     Statistics statistics_;
+    Safety safety_;
     Control control_;
     Context context_;
     std::unique_ptr<Announcer> announcer_;  // once there is a name

@@ -44,13 +44,27 @@ std::string refusal_text(session::Refusal refusal) {
 }
 
 std::string_view reason_of(const session::Finished& end) {
-    return end.not_sent == session::NotSent::kDeadline ? bus::kRefusedDeadline : bus::kRefusedBoardNotThere;
+    switch (end.not_sent) {
+        case session::NotSent::kDeadline:
+            return bus::kRefusedDeadline;
+        case session::NotSent::kStopped:
+            return bus::kRefusedStopped;
+        case session::NotSent::kBoardGone:
+            break;
+    }
+    return bus::kRefusedBoardNotThere;
 }
 
 std::string not_sent_text(const session::Finished& end) {
-    return end.not_sent == session::NotSent::kDeadline
-               ? "its time was over before the board could be given it; it was not sent"
-               : refusal_text(session::Refusal::kNoBoard);
+    switch (end.not_sent) {
+        case session::NotSent::kDeadline:
+            return "its time was over before the board could be given it; it was not sent";
+        case session::NotSent::kStopped:
+            return "the board was stopped while it waited; it was not sent";
+        case session::NotSent::kBoardGone:
+            break;
+    }
+    return refusal_text(session::Refusal::kNoBoard);
 }
 
 session::ClientId client_of(const std::string& topic) {
@@ -62,6 +76,12 @@ Duration deadline_of(const bus::RequestEnvelope& envelope, const mqtt::Message& 
     if (!message.expiry_seconds) return session::kDefaultDeadline;
     return std::clamp<std::chrono::milliseconds>(std::chrono::seconds(*message.expiry_seconds),
                                                  bus::kMinDeadline, bus::kMaxDeadline);
+}
+
+// `{"renew":"7"}`, unless the service has a command of that name.
+bool is_renewal(const bus::RequestEnvelope& envelope, const model::ServiceModel* model) {
+    return envelope.form == bus::RequestEnvelope::Form::kJson && envelope.object.contains("renew") &&
+           model != nullptr && model->command("renew") == nullptr;
 }
 
 }  // namespace
@@ -96,6 +116,8 @@ void Control::on_message(const mqtt::Message& message, const session::ServiceTab
         command->model_owner = service->model;
         command->model = service->model.get();
     }
+    command->client = client_of(command->reply.wanted() ? command->reply.topic : message.topic);
+    if (is_renewal(*envelope, command->model)) return renew(*command, *envelope, now, out);
     const std::string id = command->reply.key();
     if (!id.empty()) {
         const auto key = RecentAnswers::key(message.topic, command->reply.topic, id);
@@ -112,10 +134,14 @@ void Control::on_message(const mqtt::Message& message, const session::ServiceTab
                               "another command had this id within the last minute", out);
         }
     }
-    command->client = client_of(command->reply.wanted() ? command->reply.topic : message.topic);
     command->deadline = now + deadline_of(*envelope, message);
-    const auto lines = read(*envelope, service);
+    command->hold = envelope->hold;
+    // Nobody is there to renew it after that.
+    if (command->hold) command->deadline = std::min(command->deadline, now + *command->hold);
+    const auto lines = read(*envelope, service, services);
     if (!lines) return refuse(*command, request, bus::kRefusedInvalid, lines.error(), out);
+    if (const auto fault = hold_fault(*command, *lines); !fault.empty())
+        return refuse(*command, request, bus::kRefusedInvalid, fault, out);
     if (const auto why = refusal(*lines, command->client, session)) {
         if (service != nullptr)
             return refuse(*command, request, session::to_string(*why), refusal_text(*why), out);
@@ -126,8 +152,37 @@ void Control::on_message(const mqtt::Message& message, const session::ServiceTab
     execute(std::move(command), *lines, services, session, now, actions, out);
 }
 
+std::string Control::hold_fault(const Command& command, const std::vector<Line>& lines) const {
+    if (!command.hold) return {};
+    if (command.service.empty()) return "only a command on BOARD/SERVICE/in can be held";
+    if (lines.front().safe.empty()) return "nothing undoes this command, so it cannot be held";
+    if (!safety_.holds().room_for(lines.front().safe))
+        return std::to_string(Holds::kMax) + " commands are held on this board already";
+    return {};
+}
+
+// Has no queue to wait in: the board is not asked.
+void Control::renew(Command& command, const bus::RequestEnvelope& envelope, Time now, Effects& out) {
+    const auto& which = envelope.object.at("renew");
+    std::optional<std::string> id;
+    if (which.is_string()) id = which.get<std::string>();
+    if (which.is_number()) id = which.dump();
+    if (!id && which != nlohmann::json(true))
+        return refuse(command, "renew", bus::kRefusedInvalid,
+                      "\"renew\" must be the id of a command, or true", out);
+    const auto count = safety_.holds().renew(command.client, command.service, id, envelope.hold, now);
+    if (count == 0)
+        return refuse(command, "renew", bus::kRefusedNotHeld,
+                      "this client holds nothing here: it was not renewed in time, or another command, a "
+                      "stop or a restart of the board ended it",
+                      out);
+    command.outcome = bus::Reply::ok("renewed");
+    conclude(command, now, out);
+}
+
 Expected<std::vector<Control::Line>> Control::read(const bus::RequestEnvelope& envelope,
-                                                   const session::ServiceTable::Entry* service) const {
+                                                   const session::ServiceTable::Entry* service,
+                                                   const session::ServiceTable& services) const {
     std::vector<Line> result;
     if (!service) {
         if (envelope.form != bus::RequestEnvelope::Form::kRaw)
@@ -138,7 +193,8 @@ Expected<std::vector<Control::Line>> Control::read(const bus::RequestEnvelope& e
         if (!lines) return Unexpected<std::string>(lines.error());
         if (lines->empty()) return fail("no request");
         for (auto line : *lines)
-            result.push_back({std::string(line), answer_of_question(line), session::kDefaultAnswerTime});
+            result.push_back({std::string(line), answer_of_question(line), session::kDefaultAnswerTime,
+                              safe_form_of(services, line)});
         return result;
     }
     const auto* model = service->model.get();
@@ -147,6 +203,7 @@ Expected<std::vector<Control::Line>> Control::read(const bus::RequestEnvelope& e
                              : model::encode_control_text(model, service->letter, envelope.text);
     if (!command) return Unexpected<std::string>(command.error());
     result.push_back({command->line, command->answer});
+    result.back().safe = command->safe;
     if (command->answer_time) result.back().answer_time = *command->answer_time;
     return result;
 }
@@ -178,6 +235,10 @@ void Control::execute(std::shared_ptr<Command> command, const std::vector<Line>&
             ++command->not_sent;
             continue;
         }
+        safety_.queued(*id, line.text, line.safe, services);
+        if (command->hold)
+            safety_.holds().begin({command->client, command->reply.key(), command->service, line.text,
+                                   line.safe, *command->hold, now + *command->hold, *id});
         ++command->open;
         open_.emplace(
             *id,

@@ -8,6 +8,7 @@
 
 #include "agent/effects.hpp"
 #include "agent/recent_answers.hpp"
+#include "agent/safety.hpp"
 #include "agent/statistics.hpp"
 #include "asip/bus/request_envelope.hpp"
 #include "asip/bus/topics.hpp"
@@ -25,8 +26,9 @@ inline constexpr session::ClientId kBusClient = session::ClientId{1} << 63;
 /// is reported on the service's error topic.
 class Control {
   public:
-    Control(const bus::Topics& topics, const session::BoardSession& session, Statistics& statistics)
-        : topics_(topics), session_(session), statistics_(statistics) {}
+    Control(const bus::Topics& topics, const session::BoardSession& session, Statistics& statistics,
+            Safety& safety)
+        : topics_(topics), session_(session), statistics_(statistics), safety_(safety) {}
 
     /// A message on one of the board's `/in` topics.
     void on_message(const mqtt::Message& message, const session::ServiceTable& services,
@@ -49,6 +51,7 @@ class Control {
         session::ClientId client = 0;
         Time arrived;
         Time deadline;
+        std::optional<Duration> hold;
         const model::ServiceModel* model = nullptr;
         model::ModelPtr model_owner;
         std::size_t lines = 0;
@@ -61,6 +64,7 @@ class Control {
         std::string text;
         char answer_tag = 0;
         Duration answer_time = session::kDefaultAnswerTime;
+        std::string safe{};  // what undoes it
     };
     struct Open {
         std::shared_ptr<Command> command;
@@ -71,6 +75,8 @@ class Control {
     void execute(std::shared_ptr<Command> command, const std::vector<Line>& lines,
                  const session::ServiceTable& services, session::BoardSession& session, Time now,
                  session::Actions& actions, Effects& out);
+    void renew(Command& command, const bus::RequestEnvelope& envelope, Time now, Effects& out);
+    std::string hold_fault(const Command& command, const std::vector<Line>& lines) const;
     void refuse(Command& command, std::string_view request, std::string_view reason, std::string text,
                 Effects& out);
     std::optional<session::Refusal> refusal(const std::vector<Line>& lines, session::ClientId client,
@@ -79,12 +85,14 @@ class Control {
     void conclude(Command& command, Time now, Effects& out);
     void send(const bus::ReplyTo& to, const bus::Reply& reply, Effects& out);
     Expected<std::vector<Line>> read(const bus::RequestEnvelope& envelope,
-                                     const session::ServiceTable::Entry* service) const;
+                                     const session::ServiceTable::Entry* service,
+                                     const session::ServiceTable& services) const;
     std::string answer_json(const Command& command, const protocol::ParsedLine& line) const;
 
     bus::Topics topics_;
     const session::BoardSession& session_;
     Statistics& statistics_;
+    Safety& safety_;
     RecentAnswers recent_;
     std::unordered_map<session::RequestId, Open> open_;  // bounded by the session's queue
 };

@@ -47,6 +47,7 @@ struct Raw {
     bool no_step_up = false;
     bool takeover = false;
     bool retain_values = false;
+    bool keep_outputs = false;
     bool checksum = false;
     int lease = model::kDefaultLeaseSeconds;
     double patience = 8;
@@ -83,6 +84,10 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
                "Put a checksum on each line from the start, where the board can; default: on fast lines, "
                "and once the line is damaged")
             ->group("Board"));
+    settings.setting(app.add_flag("--keep-outputs", raw.keep_outputs,
+                                  "Leave motors and other actuators as they are found at the start; "
+                                  "default: stop them")
+                         ->group("Board"));
     settings.setting(app.add_option("--patience", raw.patience,
                                     "Seconds without any answer after which this is not an ASIP board")
                          ->check(CLI::Range(0.1, 3600.0))
@@ -190,6 +195,7 @@ Expected<AgentOptions, int> read_options(int argc, const char* const* argv) {
                                             : ResetPolicy::kIfSilent;
     options.bridge.topic_root = raw.broker.topic_root;
     options.bridge.name = raw.name;
+    options.bridge.keep_outputs = raw.keep_outputs;
     options.bridge.lease_seconds = raw.lease;
     options.bridge.takeover = raw.takeover;
     options.bridge.started_unix = static_cast<std::uint64_t>(std::time(nullptr));

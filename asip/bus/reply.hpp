@@ -58,6 +58,10 @@ inline constexpr std::string_view kRefusedInvalid = "invalid";
 inline constexpr std::string_view kRefusedBoardNotThere = "board-not-there";
 inline constexpr std::string_view kRefusedRetained = "retained";
 inline constexpr std::string_view kRefusedDeadline = "deadline";
+/// It waited while the board was stopped.
+inline constexpr std::string_view kRefusedStopped = "stopped";
+/// There is nothing to renew.
+inline constexpr std::string_view kRefusedNotHeld = "not-held";
 inline constexpr std::string_view kRefusedIdReused = "id-reused";
 
 /// Reasons of Reply::kTimeout: something on the line to the board was lost or damaged, so that it may or may

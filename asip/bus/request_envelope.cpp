@@ -77,12 +77,17 @@ Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request
     if (auto reason = take_reply_members(object, envelope.reply); !reason.empty()) {
         return bad(std::move(envelope.reply), std::move(reason));
     }
-    if (const auto deadline = object.find("deadline_ms"); deadline != object.end()) {
-        const auto ms = deadline->is_number_integer() ? deadline->get<std::int64_t>() : 0;
+    for (const auto& [name, value] :
+         {std::pair("deadline_ms", &envelope.deadline), std::pair("hold_ms", &envelope.hold)}) {
+        static_assert(kMinDeadline == kMinHold && kMaxDeadline == kMaxHold);
+        const auto member = object.find(name);
+        if (member == object.end()) continue;
+        const auto ms = member->is_number_integer() ? member->get<std::int64_t>() : 0;
         if (ms < kMinDeadline.count() || ms > kMaxDeadline.count())
-            return bad(std::move(envelope.reply), "\"deadline_ms\" must be a whole number from 50 to 60000");
-        envelope.deadline = std::chrono::milliseconds(ms);
-        object.erase(deadline);
+            return bad(std::move(envelope.reply),
+                       "\"" + std::string(name) + "\" must be a whole number from 50 to 60000");
+        *value = std::chrono::milliseconds(ms);
+        object.erase(member);
     }
     if (const auto raw = object.find("raw"); raw != object.end()) {
         if (!raw->is_string()) return bad(std::move(envelope.reply), "\"raw\" must be a string");

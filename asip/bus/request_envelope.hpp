@@ -22,6 +22,9 @@ inline constexpr std::size_t kMaxReplyTopicBytes = 512;
 /// Within what time a command is to be answered, at the least and at the most.
 inline constexpr std::chrono::milliseconds kMinDeadline{50};
 inline constexpr std::chrono::milliseconds kMaxDeadline{60'000};
+/// For how long a command may be held without being renewed.
+inline constexpr std::chrono::milliseconds kMinHold{50};
+inline constexpr std::chrono::milliseconds kMaxHold{60'000};
 
 /// A request without what says where its answer goes.
 struct RequestEnvelope {
@@ -30,10 +33,11 @@ struct RequestEnvelope {
         kRaw,   ///< `text` is the request: the payload, or the member of `{"raw":"#,?","id":"..."}`
     };
     Form form = Form::kRaw;
-    nlohmann::json object;  ///< kJson: the object without `reply_to`, `id` and `deadline_ms`
+    nlohmann::json object;  ///< kJson: the object without `reply_to`, `id`, `deadline_ms` and `hold_ms`
     std::string text;       ///< kRaw: ASIP text
     ReplyTo reply;
     std::optional<std::chrono::milliseconds> deadline;  ///< `deadline_ms`, kMinDeadline to kMaxDeadline
+    std::optional<std::chrono::milliseconds> hold;      ///< `hold_ms`, kMinHold to kMaxHold
 
     /// The request in words, for reports about it: the text, or the object's JSON text.
     std::string shown() const;
@@ -48,9 +52,9 @@ struct BadRequest {
 /// Takes the envelope off a control payload or registry query. Where both are given, the MQTT 5 response
 /// topic wins over `reply_to`. A payload whose first character after white space is `{` must be a JSON
 /// object, any other is raw text. Refuses: too long, nested too deeply, broken JSON, an `id` that is neither
-/// a string nor a number or too long, a `deadline_ms` that is not 50 to 60000, a reply topic with wildcards,
-/// control characters, a leading `$` or too long. Any bytes may be given; whether the message was retained is
-/// the caller's to judge.
+/// a string nor a number or too long, a `deadline_ms` or `hold_ms` that is not 50 to 60000, a reply topic
+/// with wildcards, control characters, a leading `$` or too long. Any bytes may be given; whether the message
+/// was retained is the caller's to judge.
 Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request);
 
 }  // namespace asip::bus

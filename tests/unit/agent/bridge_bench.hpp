@@ -72,6 +72,9 @@ class BridgeBench {
         run([&](Effects& out) { result = bridge.client_line(client, line, now, out); });
         return result;
     }
+    void release_holds() {
+        run([&](Effects& out) { bridge.release_holds(now, out); });
+    }
     void publish_statistics() {
         run([&](Effects& out) { bridge.publish_statistics({}, now, out); });
     }

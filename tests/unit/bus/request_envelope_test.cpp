@@ -24,6 +24,19 @@ TEST(Envelope, JsonWithReplyToAndId_IsTakenApart) {
     EXPECT_EQ(envelope->reply, (ReplyTo{"me/answers", "", "7"}));
 }
 
+TEST(Envelope, DeadlineAndHold_AreTakenOutOfTheRequest) {
+    const auto envelope = open_envelope(request(R"({"write":[0,90],"deadline_ms":50,"hold_ms":60000})"));
+    ASSERT_TRUE(envelope);
+    EXPECT_EQ(envelope->object, nlohmann::json::parse(R"({"write":[0,90]})"));
+    EXPECT_EQ(envelope->deadline, std::chrono::milliseconds(50));
+    EXPECT_EQ(envelope->hold, std::chrono::milliseconds(60000));
+    for (const char* hold : {"49", "60001", "1.5", "\"500\"", "null", "true"}) {
+        const auto bad = open_envelope(request(std::string(R"({"write":[0,90],"hold_ms":)") + hold + "}"));
+        ASSERT_FALSE(bad) << hold;
+        EXPECT_EQ(bad.error().error, "\"hold_ms\" must be a whole number from 50 to 60000");
+    }
+}
+
 TEST(Envelope, ResponseTopicOfMqtt5_WinsOverReplyTo) {
     auto message = request(R"({"write":[0,90],"reply_to":"other","id":7})");
     message.response_topic = "mine";
