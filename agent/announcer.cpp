@@ -54,7 +54,7 @@ Announcer::Announcer(const bus::Topics& topics, AnnouncerOptions options, Random
       session_(make_session(options_.started_unix, random_)) {}
 
 mqtt::Message Announcer::will() const {
-    return retained(topics_.state(options_.board), std::string(to_text(model::BoardState::Lost)));
+    return retained(topics_.state(options_.board), std::string(to_text(model::BoardState::kLost)));
 }
 
 void Announcer::describe(model::Description description) {
@@ -205,7 +205,7 @@ std::optional<Time> Announcer::next_deadline() const {
 
 void Announcer::goodbye(Effects& out) {
     const bool known = described_ && established_;
-    state_ = model::BoardState::Offline;
+    state_ = model::BoardState::kOffline;
     if (known) publish_state(out);
     established_ = false;
     renewal_.reset();

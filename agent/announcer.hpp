@@ -79,7 +79,7 @@ class Announcer {
     std::string session_;
     std::uint64_t seq_ = 0;
     model::Description description_;
-    model::BoardState state_ = model::BoardState::Lost;
+    model::BoardState state_ = model::BoardState::kLost;
     bool described_ = false;
     bool connected_ = false;
     bool subscribed_ = false;

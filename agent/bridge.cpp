@@ -70,7 +70,7 @@ void Bridge::link_down(const std::string& why, Time now, Effects& out) {
     // A port that opens and closes with nothing behind it loses no board.
     const bool heard = session_.counters().bytes_in > 0;
     out.log(heard ? Level::kWarning : Level::kDebug, "board lost", {{"why", why}});
-    if (announcer_) announcer_->set_state(model::BoardState::Lost, out);
+    if (announcer_) announcer_->set_state(model::BoardState::kLost, out);
     session::Actions actions;
     session_.link_down(now, actions);
     perform(actions, now, out);
@@ -189,7 +189,7 @@ void Bridge::on_action(const session::Identified& identified, Time, Effects& out
              {"services", letters(services_)},
              {"baud", std::to_string(session_.baud())}});
     describe_again();
-    announcer_->set_state(model::BoardState::Online, out);
+    announcer_->set_state(model::BoardState::kOnline, out);
 }
 
 void Bridge::on_action(const session::BoardReset& reset, Time, Effects& out) {
@@ -199,7 +199,7 @@ void Bridge::on_action(const session::BoardReset& reset, Time, Effects& out) {
 
 void Bridge::on_action(const session::BecameSilent&, Time, Effects& out) {
     out.log(Level::kWarning, "board silent", {{"board", name_}});
-    if (announcer_) announcer_->set_state(model::BoardState::Lost, out);
+    if (announcer_) announcer_->set_state(model::BoardState::kLost, out);
     out.reopen_link = facts_.link.kind == "tcp";
 }
 
@@ -262,7 +262,7 @@ void Bridge::note_facts(const protocol::ParsedLine& line) {
     const auto* service = services_.find(event.service);
     if (!service || !service->model) return;
     const auto* event_model = service->model->event(event.tag);
-    if (!event_model || event_model->shape != model::EventShape::PerElement) return;
+    if (!event_model || event_model->shape != model::EventShape::kPerElement) return;
     const auto body = protocol::parse_body(event.body);
     if (!body) return;
     const int count = static_cast<int>(body->items.size());
@@ -333,7 +333,7 @@ Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_v
     if (id) safety_.queued(*id, line, safe_form_of(services_, line), services_);
     perform(actions, now, out);
     if (id) return ClientResult::kAccepted;
-    const auto code = valid ? protocol::ErrorCode::DeviceNotAvailable : protocol::ErrorCode::UnknownRequest;
+    const auto code = valid ? protocol::ErrorCode::kDeviceNotAvailable : protocol::ErrorCode::kUnknownRequest;
     out.lines.push_back({error_line(line, code), client});
     if (announcer_ && announcer_->may_publish())
         control_.report_refused(name_, line, id.error(), services_, out);

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/model/json.hpp"
+#include "asip/model/names.hpp"
 
 namespace asip::agent {
 
@@ -13,7 +14,7 @@ constexpr std::size_t kMostOfRequest = 128;
 std::string service_named(const session::ServiceTable& services, char letter) {
     if (const auto* service = services.find(letter)) return service->name;
     std::string name(1, letter);
-    return bus::legal_service_name(name) && letter != 'I' ? name : "io";
+    return model::valid_name(name) && letter != 'I' ? name : "io";
 }
 
 void publish_error(const bus::Topics& topics, std::string_view board, std::string_view service,

@@ -7,11 +7,13 @@
 
 namespace asip {
 
-/// Where randomness comes from: each call returns 64 uniformly random bits. Passed in wherever something is
-/// jittered or named at random, so that tests can say what is drawn.
+/// Where randomness comes from: each call returns 64 uniformly random bits. It is passed in wherever a time
+/// is jittered or a name is made up, so that tests decide what is drawn. Never empty, except where a member
+/// that holds one says what an empty one means.
 using Random = std::function<std::uint64_t()>;
 
-/// Randomness of a running program, seeded by the operating system. Not for secrets.
+/// Randomness of a running program, seeded by the operating system. Not for secrets: tokens and keys must
+/// come from elsewhere. Copies share one engine; use them in one thread.
 inline Random system_random() {
     std::random_device device;
     const std::uint64_t seed = (std::uint64_t{device()} << 32) ^ device();
@@ -23,7 +25,7 @@ inline double random_unit(const Random& random) {
     return static_cast<double>(random() >> 11) * 0x1.0p-53;
 }
 
-/// `digits` lower-case hexadecimal digits, for session and client ids.
+/// `digits` (0 or more) lower-case hexadecimal digits, for session and client ids.
 inline std::string random_hex(const Random& random, int digits) {
     std::string text;
     for (int i = 0; i < digits; ++i)

@@ -3,8 +3,11 @@
 
 namespace asip {
 
-/// The monotonic clock that leases, timeouts and ages are measured by. The cores take a Time as an argument
-/// and never read a clock themselves.
+/// The monotonic clock by which leases, timeouts and ages are measured. It has no relation to the time of day
+/// (that is text::WallTime) and none to the clock of another process.
+///
+/// Classes that are called pure take a Time as an argument and never read the clock. They expect times that
+/// do not go back from one call to the next.
 using Clock = std::chrono::steady_clock;
 using Time = Clock::time_point;
 using Duration = Clock::duration;

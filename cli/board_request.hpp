@@ -33,12 +33,12 @@ Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const
 /// What an answer means for the exit status: 0, 1 (refused by the agent or the board) or 4 (the board was
 /// silent).
 int exit_status(const bus::Reply& reply);
-/// What a success says: `ok`, or what the board answered (a raw line as it came, JSON otherwise).
+/// What is printed for a success: `ok`, or what the board answered (a raw line as it came, JSON otherwise).
 std::string answer_text(const bus::Reply& reply);
 /// Why it failed, for a person; empty for a success.
 std::string explain(const bus::Reply& reply);
 
-/// Finds a board that is there to be commanded: known, and neither said goodbye nor lost.
+/// Finds a board that is there to be commanded: known, and neither "offline" nor "lost".
 Outcome<KnownBoard> find_living_board(BoardSource& source, const std::string& name);
 
 }  // namespace asip::cli

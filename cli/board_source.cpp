@@ -211,7 +211,7 @@ std::optional<KnownBoard> BoardSource::retained_board(const std::string& name) {
     listen(context_.topics.description(name));
     listen(context_.topics.state(name));
     const auto here = [&] {
-        return catalogue_.description(name) != nullptr && !catalogue_.board(name, {})->said.empty();
+        return catalogue_.description(name) != nullptr && !catalogue_.board(name, {})->reported.empty();
     };
     wait_retained(here);
     if (catalogue_.description(name) == nullptr) return std::nullopt;

@@ -28,14 +28,14 @@ struct KnownBoard {
     std::vector<std::string> service_names() const;
 };
 
-/// Finds boards: asks a registry, and where none is, reads the service bus itself (and says so once on
+/// Finds boards: asks a registry, and where none is, reads the service bus itself (and reports that once on
 /// standard error).
 class BoardSource {
   public:
     /// Make it before session.connect(): then finding a registry costs no round trip of its own.
     BoardSource(const Context& context, BusSession& session);
 
-    /// All that `query` asks for, every page, by name.
+    /// All that `query` asks for, every page, in the order of their names.
     Outcome<std::vector<bus::BoardItem>> boards(bus::Query query);
     Outcome<std::vector<bus::ServiceItem>> services(bus::Query query);
     /// The same boards as `boards`, as far as a table needs them: in a small part of the time where they are

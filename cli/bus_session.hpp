@@ -17,7 +17,7 @@ namespace asip::cli {
 
 /// One connection to the bus as a command uses it: it waits, in order, for what it asked for. Everything runs
 /// in the caller's thread, inside run_until. SIGINT and SIGTERM end every wait, and so does the end of
-/// whoever reads our output (`| head -1`).
+/// the program that reads our output (`| head -1`).
 class BusSession {
   public:
     using OnMessage = std::function<void(const mqtt::Message&)>;
@@ -26,7 +26,7 @@ class BusSession {
 
     /// `context` must outlive it.
     explicit BusSession(const Context& context);
-    ~BusSession();  ///< says goodbye to the broker
+    ~BusSession();  ///< sends DISCONNECT
     BusSession(const BusSession&) = delete;
     BusSession& operator=(const BusSession&) = delete;
 
@@ -66,7 +66,7 @@ class BusSession {
     }
     /// How many QoS 1 messages of ours the broker has acknowledged.
     std::size_t acknowledged() const;
-    /// Whether the user asked to end (Ctrl-C), or nobody reads the output any more.
+    /// Whether the user asked to end (Ctrl-C), or the reader of the output has ended.
     bool stopped() const;
 
     /// Called when an established connection is lost or back.

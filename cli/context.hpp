@@ -15,7 +15,7 @@
 
 namespace asip::cli {
 
-/// Why a command ends early: what to say on standard error (with what to do next), and the exit status.
+/// Why a command ends early: the text for standard error (with what to do next), and the exit status.
 struct Failure {
     int status = program::kExitFailure;
     std::string text;

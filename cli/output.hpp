@@ -42,7 +42,7 @@ class RecordPrinter {
     enum class Count {
         kOne,    ///< exactly one record: `json` prints it alone
         kList,   ///< `json` prints an array, at the end
-        kStream  ///< nobody knows how many: `json` prints one after the other, indented
+        kStream  ///< the number is unknown: `json` prints one after the other, indented
     };
     /// The options must have been checked. Flushes after each record unless `count` is kList.
     RecordPrinter(const OutputOptions& options, Count count, std::ostream& out);

@@ -22,12 +22,12 @@ std::vector<Retained> read_retained(const Context& context, BusSession& session,
 Outcome<void> clear_retained(const Context& context, BusSession& session,
                              const std::vector<std::string>& topics);
 
-/// Something retained that nobody needs any more, and why.
+/// Something retained that is no longer needed, and why.
 struct Lingering {
     enum class Kind {
-        kGoneBoard,     ///< of a board that said goodbye, was lost, or whose lease ran out
+        kGoneBoard,     ///< of a board that is "offline" or "lost", or whose lease ran out
         kCommand,       ///< would be executed again at each reconnection of a careless client
-        kOrphan,        ///< a value of a board that nobody announces
+        kOrphan,        ///< a value of a board that is not announced
         kInvalidName,   ///< announced under a name that is not valid
         kUnreadable,    ///< a description that cannot be parsed or describes another board, an unknown state
         kGoneRegistry,  ///< of a registry that is not online
@@ -38,15 +38,15 @@ struct Lingering {
     std::string why;    ///< for a person
 };
 
-/// What of `all` nobody needs any more. Pure. Sorted by topic.
+/// What of `all` is no longer needed. Pure. Sorted by topic.
 std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vector<Retained>& all);
 
 /// Every retained topic of one board.
 std::vector<std::string> topics_of_board(const bus::Topics& topics, const std::vector<Retained>& all,
                                          const std::string& board);
 
-/// Whether what is retained says that the board is alive: online (or asleep, or being updated), and described
-/// where descriptions end with their lease.
+/// Whether the board is alive according to what is retained: online (or asleep, or being updated), and
+/// described where descriptions end with their lease.
 bool seems_alive(const bus::Topics& topics, const std::vector<Retained>& all, const std::string& board);
 
 }  // namespace asip::cli

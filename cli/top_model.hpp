@@ -20,7 +20,7 @@ class TopModel {
 
     void value(const std::string& board, const std::string& service, const std::string& payload, Time now);
     void error(const std::string& board, const std::string& service, Time now);
-    /// A service that is announced, so that it is shown before it says anything. `period` in milliseconds,
+    /// A service that is announced, so that it is shown before its first event. `period` in milliseconds,
     /// where known: a value older than three of them is shown as stale.
     void announced(const std::string& board, const std::string& service, std::optional<int> period);
     void state(const std::string& board, const std::string& state);

@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "blink: %s: %s\n", address.c_str(), to_string(board.error()).c_str());
         return 1;
     }
-    if (const auto set = board->set_pin_mode(pin, PinMode::Output); !set) {
+    if (const auto set = board->set_pin_mode(pin, PinMode::kOutput); !set) {
         std::fprintf(stderr, "blink: pin %d: %s\n", pin, to_string(set.error()).c_str());
         return 1;
     }

@@ -38,11 +38,11 @@ Awaitable<void> run_switch(boost::asio::io_context& io, Wiring wiring) {
     if (!led) {
         co_return asip::Unexpected<Error>(led.error());
     }
-    if (auto set = co_await led->set_pin_mode(wiring.led_pin, PinMode::Output); !set) {
+    if (auto set = co_await led->set_pin_mode(wiring.led_pin, PinMode::kOutput); !set) {
         co_return set;
     }
     const auto changes = button->digital_changes(wiring.button_pin);  // from here on, no press is missed
-    if (auto set = co_await button->set_pin_mode(wiring.button_pin, PinMode::InputPullup); !set) {
+    if (auto set = co_await button->set_pin_mode(wiring.button_pin, PinMode::kInputPullup); !set) {
         co_return set;
     }
     std::printf("pin %d of %s switches pin %d of %s\n", wiring.button_pin, button->name().c_str(),

@@ -9,7 +9,7 @@
 namespace asip::registry {
 
 /// Turns what a catalogue decides into the events that watchers receive: numbered without a gap, or a reset
-/// that tells them to query again. Pure.
+/// that asks them to query again. Pure.
 class ChangeFeed {
   public:
     /// Beyond this many messages waiting for the broker, watchers get a reset instead of single changes; it

@@ -140,7 +140,7 @@ Expected<RegistryOptions, int> read_options(int argc, const char* const* argv) {
     options.mqtt = std::move(*mqtt);
     options.topic_root = raw.broker.topic_root;
     options.id = raw.id.empty() ? model::suggest_name(program::host_name()) : raw.id;
-    if (!bus::legal_service_name(options.id) || options.id == "query") {
+    if (!model::valid_name(options.id) || options.id == "query") {
         std::cerr << "asip-registry: --id: \"" << options.id
                   << "\" is not a name; use 1 to 64 of A-Z a-z 0-9 . _ - (and not \"query\")\n";
         return usage;

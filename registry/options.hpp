@@ -22,7 +22,7 @@ struct RegistryOptions {
 };
 
 /// From command line, environment and configuration file. The error is the exit status to end with; whatever
-/// there was to say has been printed.
+/// there was to print has been printed.
 Expected<RegistryOptions, int> read_options(int argc, const char* const* argv);
 
 /// A duration of at least a second: "90", "90s", "15m", "12h", "7d".

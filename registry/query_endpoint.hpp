@@ -16,7 +16,7 @@ class QueryEndpoint {
     /// The broker's limit of a packet; 0: none.
     void set_max_bytes(std::size_t bytes) { max_bytes_ = bytes; }
 
-    /// Publishes the answer, now or later. Retained requests, and those that do not say where their answer
+    /// Publishes the answer, now or later. Retained requests, and those that do not name where their answer
     /// goes, are ignored.
     void request(const mqtt::Message& message);
 

@@ -15,7 +15,7 @@ namespace asip::registry {
 
 /// Clears retained topics that outlived their board:
 ///  - of a ghost: a board whose lease ran out while its description stays retained (brokers without message
-///    expiry). If it still is not alive a moment later, its description is cleared, so that nobody takes it
+///    expiry). If it still is not alive a moment later, its description is cleared, so that it is not taken
 ///    for alive;
 ///  - of a forgotten board: its topics on the service bus at once; then the broker is asked for whatever else
 ///    it retains below the board's name (last values, commands), and that is cleared, one topic after

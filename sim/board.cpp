@@ -198,13 +198,13 @@ int existing(const BoardKind& kind, int pin) {
 }  // namespace
 
 Level Board::pin(int arduino_pin) const {
-    return impl_->wiring_.pin(existing(kind(), arduino_pin)).high ? Level::high : Level::low;
+    return impl_->wiring_.pin(existing(kind(), arduino_pin)).high ? Level::kHigh : Level::kLow;
 }
 bool Board::is_output(int arduino_pin) const {
     return impl_->wiring_.pin(existing(kind(), arduino_pin)).output;
 }
 void Board::drive(int arduino_pin, Level level) {
-    impl_->wiring_.drive(existing(kind(), arduino_pin), level == Level::high);
+    impl_->wiring_.drive(existing(kind(), arduino_pin), level == Level::kHigh);
 }
 void Board::release(int arduino_pin) {
     impl_->wiring_.release(existing(kind(), arduino_pin));
@@ -214,11 +214,11 @@ void Board::set_millivolts(int arduino_pin, int millivolts) {
 }
 
 void Board::on_pin(int arduino_pin, std::function<void(Level)> callback) {
-    const bool high = pin(arduino_pin) == Level::high;
+    const bool high = pin(arduino_pin) == Level::kHigh;
     impl_->wiring_.watch(arduino_pin, [before = high, callback = std::move(callback)](PinState now) mutable {
         if (now.high == before) return;
         before = now.high;
-        callback(now.high ? Level::high : Level::low);
+        callback(now.high ? Level::kHigh : Level::kLow);
     });
 }
 
@@ -242,10 +242,10 @@ void Board::on_change(std::function<void(const Change&)> callback) {
 }
 
 void Board::reset() {
-    impl_->reset_from_outside(ResetCause::external);
+    impl_->reset_from_outside(ResetCause::kExternal);
 }
 void Board::power_cycle() {
-    impl_->reset_from_outside(ResetCause::power_on);
+    impl_->reset_from_outside(ResetCause::kPowerOn);
 }
 
 unsigned Board::resets() const {

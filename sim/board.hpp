@@ -22,7 +22,7 @@ using Cycles = std::uint64_t;
 /// Simulated time since the board was switched on. Never the computer's clock.
 using SimTime = std::chrono::nanoseconds;
 
-enum class Level { low, high };
+enum class Level { kLow, kHigh };
 
 /// One byte the host received, with the cycle at which its stop bit ended.
 struct ReceivedByte {
@@ -46,14 +46,14 @@ struct Change {
 
 /// What was lost or spoilt on the line since the board was switched on.
 struct LineErrors {
-    std::uint64_t receive_overruns = 0;    ///< bytes the chip lost: a third byte came while two were unread
-    std::uint64_t garbled_to_board = 0;    ///< bytes sent at a rate the board did not have
-    std::uint64_t garbled_to_host = 0;     ///< bytes of the board at a rate the host did not have
-    std::uint64_t cut_by_rate_change = 0;  ///< bytes of the board not yet sent completely when it changed its
-                                           ///< rate
+    std::uint64_t receive_overruns = 0;  ///< bytes the chip lost: a third byte came while two were unread
+    std::uint64_t garbled_to_board = 0;  ///< bytes sent at a rate the board did not have
+    std::uint64_t garbled_to_host = 0;   ///< bytes of the board at a rate the host did not have
+    /// Bytes of the board not yet sent completely when it changed its rate
+    std::uint64_t cut_by_rate_change = 0;
 };
 
-enum class ResetCause { power_on, external, watchdog };
+enum class ResetCause { kPowerOn, kExternal, kWatchdog };
 
 /// A simulated Arduino board: real firmware in a simulated chip, with parts on its pins. Time passes only in
 /// the run functions, so that the same calls give the same result on every machine. One thread at a time;

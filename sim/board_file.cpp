@@ -8,19 +8,20 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "asip/text/json_reader.hpp"
 #include "asip/text/nearest.hpp"
 #include "sim/board_kind.hpp"
-#include "sim/json_reader.hpp"
 #include "sim/part_plan.hpp"
 
 namespace asip::sim {
 namespace {
 
 using nlohmann::json;
+using text::JsonReader;
 
 /// Kind and settings are looked at later, when all parts are known.
 PartConfig read_part(JsonReader& reader) {
-    PartConfig part{reader.text("kind", ""), reader.value(), reader.text("name", "")};
+    PartConfig part{reader.text("kind"), reader.value(), reader.text("name")};
     if (!part.settings.is_object()) return part;
     part.settings.erase("kind");
     part.settings.erase("name");
@@ -47,18 +48,18 @@ BoardFile read_board(JsonReader reader, const std::filesystem::path& file) {
                                           text::did_you_mean(board.board, boards), fmt::join(boards, ", ")));
         return result;
     }
-    if (reader.required("image") != nullptr) board.image = beside(file, reader.text("image", ""));
-    board.eeprom = beside(file, reader.text("eeprom", ""));
+    if (reader.required("image") != nullptr) board.image = beside(file, reader.text("image"));
+    board.eeprom = beside(file, reader.text("eeprom"));
     board.frequency = static_cast<std::uint32_t>(reader.number("frequency", 16e6, 1e6, 20e6));
     if (reader.has("uart"))
         board.uart = static_cast<char>('0' + static_cast<int>(reader.number("uart", 0, 0, 3)));
-    result.link = beside(file, reader.text("link", ""));
+    result.link = beside(file, reader.text("link"));
     if (reader.has("tcp")) result.tcp_port = static_cast<int>(reader.number("tcp", 0, 0, 65535));
     result.reset_on_open = reader.flag("reset_on_open");
     for (auto& part : reader.list("parts"))
         board.parts.push_back(read_part(part));
     reader.refuse_others();
-    if (reader.faulty()) return result;
+    if (!reader.ok()) return result;
     const auto planned = plan_parts(board, *kind);
     if (!planned) reader.fault_at(planned.error());
     return result;

@@ -7,7 +7,7 @@
 
 namespace asip::sim {
 
-/// What a board file says beyond the board itself: how asip-sim offers it.
+/// What a board file holds beyond the board itself: how asip-sim offers it.
 struct BoardFile {
     BoardConfig board;
     std::filesystem::path link;  ///< symbolic link to the pseudo-terminal; empty: none

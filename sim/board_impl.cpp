@@ -58,9 +58,9 @@ void Board::Impl::reset_from_outside(ResetCause cause) {
 
 void Board::Impl::was_reset() {
     ++resets_;
-    last_reset_ = cause_from_outside_.value_or(ResetCause::watchdog);
+    last_reset_ = cause_from_outside_.value_or(ResetCause::kWatchdog);
     // After the watchdog simavr sets its flag itself.
-    if (cause_from_outside_) avr().data[kMcusr] = last_reset_ == ResetCause::power_on ? kPowerOn : kExternal;
+    if (cause_from_outside_) avr().data[kMcusr] = last_reset_ == ResetCause::kPowerOn ? kPowerOn : kExternal;
     line_.after_reset();
     clock_.rearm();
     eeprom_time_.after_reset();

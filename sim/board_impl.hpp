@@ -45,7 +45,7 @@ struct Board::Impl {
 
     unsigned resets_ = 0;
     std::optional<ResetCause> cause_from_outside_;
-    ResetCause last_reset_ = ResetCause::power_on;
+    ResetCause last_reset_ = ResetCause::kPowerOn;
 
     std::vector<std::uint8_t> saved_eeprom_;
 

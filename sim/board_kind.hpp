@@ -28,7 +28,7 @@ struct BoardKind {
     /// Null if there is no such board.
     static const BoardKind* find(std::string_view name);
 
-    /// "13", "A0": the Arduino pin number; an error that says which pins there are.
+    /// "13", "A0": the Arduino pin number; an error that names the pins there are.
     Expected<int> parse_pin(std::string_view text) const;
 };
 

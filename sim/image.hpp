@@ -17,7 +17,7 @@ struct Image {
     std::map<std::string, std::uint32_t, std::less<>> symbols;
 };
 
-/// Reads an AVR .elf or an Intel .hex file, told apart by content. The error names the file, and for a .hex
+/// Reads an AVR .elf or an Intel .hex file, recognised by content. The error names the file, and for a .hex
 /// the line.
 Expected<Image> load_image(const std::filesystem::path& file);
 

@@ -7,11 +7,12 @@
 #include <set>
 
 #include "asip/text/nearest.hpp"
-#include "sim/json_reader.hpp"
 #include "sim/part_reader.hpp"
 
 namespace asip::sim {
 namespace {
+
+using text::JsonReader;
 
 constexpr int kReadableChannels = 8;     // simavr's ADC has no more; the mega's A8 to A15 read 0 there
 constexpr unsigned kMaxTimedParts = 32;  // each needs one of simavr's 64 timers
@@ -34,7 +35,7 @@ const PartKind* find_kind(const PartConfig& part, JsonReader& reader) {
         names.push_back(kind->name);
     const auto* kind = PartKind::find(part.kind);
     if (part.kind.empty())
-        reader.fault("kind", fmt::format("missing; one of {}", fmt::join(names, ", ")));
+        reader.fault("kind", fmt::format("is missing; one of {}", fmt::join(names, ", ")));
     else if (kind == nullptr)
         reader.fault("kind", fmt::format("there is no part \"{}\"{}; one of {}", part.kind,
                                          text::did_you_mean(part.kind, names), fmt::join(names, ", ")));
@@ -105,7 +106,7 @@ Expected<std::vector<PlannedPart>> plan_parts(const BoardConfig& config, const B
     std::vector<PlannedPart> plans;
     Pins pins(config, board);
     for (const auto& part : config.parts) {
-        const auto place = fmt::format("parts[{}]", plans.size());
+        const auto place = fmt::format("/parts/{}", plans.size());
         std::string fault;
         JsonReader reader(part.settings, place, fault);
         plans.push_back(plan_part(part, reader, board));

@@ -1,15 +1,15 @@
 #pragma once
 #include <string>
 
+#include "asip/text/json_reader.hpp"
 #include "sim/board_kind.hpp"
-#include "sim/json_reader.hpp"
 
 namespace asip::sim {
 
 /// Reads the settings of one part. After a fault every read gives its default.
 class PartReader {
   public:
-    PartReader(JsonReader& settings, const BoardKind& board) : settings_(settings), board_(board) {}
+    PartReader(text::JsonReader& settings, const BoardKind& board) : settings_(settings), board_(board) {}
 
     bool has(const std::string& key) { return settings_.has(key); }
     /// A required pin: a number, "13" or "A0". 0 after a fault.
@@ -22,7 +22,7 @@ class PartReader {
     bool flag(const std::string& key) { return settings_.flag(key); }
 
   private:
-    JsonReader& settings_;
+    text::JsonReader& settings_;
     const BoardKind& board_;
 };
 

@@ -41,8 +41,8 @@ PinState Wiring::pin(int number) const {
 PinState Wiring::read(const Port& port, std::uint8_t mask) const {
     const auto latch = avr_.data[port.io->r_port];
     if ((avr_.data[port.io->r_ddr] & mask) != 0) return {(latch & mask) != 0, true};
-    const auto level = (port.driven & mask) != 0 ? port.levels : latch;  // a pull-up is a 1 in the latch of
-                                                                         // an input
+    // A pull-up is a 1 in the latch of an input
+    const auto level = (port.driven & mask) != 0 ? port.levels : latch;
     return {(level & mask) != 0, false};
 }
 
@@ -138,8 +138,8 @@ void Wiring::update(Port& port) {
         auto& before = states_[static_cast<std::size_t>(number)];
         if (now == before) continue;
         before = now;
-        for (std::size_t i = 0; i < watchers_.size(); ++i)  // a callback may drive other pins, but adds no
-                                                            // watchers
+        // A callback may drive other pins, but adds no watchers
+        for (std::size_t i = 0; i < watchers_.size(); ++i)
             if (watchers_[i].number == number) watchers_[i].callback(now);
     }
 }

@@ -19,7 +19,7 @@ struct PinState {
 };
 
 /// The board's pins seen from outside the chip: levels, who drives them, and who wants to know. Pins are
-/// Arduino pin numbers and have to exist. One without a port is low, whoever drives it.
+/// Arduino pin numbers and have to exist. One without a port is low, whatever drives it.
 class Wiring {
   public:
     using Callback = std::function<void(PinState)>;

@@ -12,7 +12,8 @@
 
 namespace asip::bus {
 
-/// An answer to a query or a forget. An error has `refused` set and nothing else but `id` and `registry`.
+/// An answer of a registry to a query or a forget. One that refuses has `refused` and `error` set, and
+/// otherwise only `id` and `registry`.
 struct Answer {
     std::string id;         ///< of the request
     std::string registry;   ///< who answers
@@ -29,13 +30,19 @@ struct Answer {
     std::vector<HistoryItem> history;
     std::vector<std::string> forgotten;  ///< board names
     std::string cursor;                  ///< for the next page; empty: this was the last
-    std::string refused;  ///< reason: "invalid", "alive", "unknown-board", "no-history", "too-many"
-    std::string error;    ///< the reason in a sentence
+    /// A word for programs: "invalid", "alive", "unknown-board", "no-history", "too-many"; empty: not
+    /// refused.
+    std::string refused;
+    std::string error;  ///< the reason in a sentence for a person
 
     bool operator==(const Answer&) const = default;
 };
 
+/// The payload of the answer. What is empty is left out.
 std::string encode(const Answer& answer);
+/// Reads what encode() wrote, by whichever version. Members that are unknown are passed over; a missing one,
+/// or one of another type, is read as empty. Fails when it is not a JSON object of at most 16 MiB, or when
+/// its rows are not those of a brief answer.
 Expected<Answer> parse_answer(std::string_view payload);
 
 }  // namespace asip::bus

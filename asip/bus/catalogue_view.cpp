@@ -62,16 +62,16 @@ void CatalogueView::finish_snapshot() {
     complete_ = true;
     cursor_.clear();
     for (const auto& [name, item] : before) {
-        if (boards_.count(name) == 0) tell(ChangeEvent::Kind::kForgotten, item, {}, {});
+        if (boards_.count(name) == 0) notify(ChangeEvent::Kind::kForgotten, item, {}, {});
     }
     for (const auto& [name, item] : boards_) {
         const auto old = before.find(name);
         if (old == before.end()) {
-            tell(ChangeEvent::Kind::kAdded, item, {}, {});
+            notify(ChangeEvent::Kind::kAdded, item, {}, {});
         } else if (old->second.state != item.state) {
-            tell(ChangeEvent::Kind::kState, item, old->second.state, {});
+            notify(ChangeEvent::Kind::kState, item, old->second.state, {});
         } else if (old->second.session != item.session || old->second.services != item.services) {
-            tell(ChangeEvent::Kind::kDescription, item, {}, {});
+            notify(ChangeEvent::Kind::kDescription, item, {}, {});
         }
     }
     seq_ = page_ends_.begin()->second;
@@ -110,11 +110,11 @@ void CatalogueView::apply(const ChangeEvent& event) {
     } else {
         boards_.insert_or_assign(event.board.board, event.board);
     }
-    tell(event.kind, event.board, event.was, event.reason);
+    notify(event.kind, event.board, event.was, event.reason);
 }
 
-void CatalogueView::tell(ChangeEvent::Kind kind, const BoardItem& board, std::string was,
-                         std::string reason) {
+void CatalogueView::notify(ChangeEvent::Kind kind, const BoardItem& board, std::string was,
+                           std::string reason) {
     if (on_change_) on_change_(Change{kind, board, std::move(was), std::move(reason)});
 }
 

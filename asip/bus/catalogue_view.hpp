@@ -18,20 +18,22 @@ namespace asip::bus {
 /// already in it.
 ///
 /// Pure: the caller sends the queries. Whenever `needs_snapshot()` becomes true (at first, after a lost
-/// event, when the registry restarted or said so) the caller queries again from the first page, with
+/// event, when the registry restarted or sent a reset) the caller queries again from the first page, with
 /// `next_query()`.
 class CatalogueView {
   public:
+    /// What happened to one board, as in ChangeEvent.
     struct Change {
         ChangeEvent::Kind kind;
-        BoardItem board;
-        std::string was;     ///< kState
-        std::string reason;  ///< kState
+        BoardItem board;     ///< after the change
+        std::string was;     ///< kState: the effective state before
+        std::string reason;  ///< kState: why
     };
     /// Called for each change once the first snapshot is complete; after a new snapshot, for what differs
     /// from before.
     using OnChange = std::function<void(const Change&)>;
 
+    /// `pattern`: only boards whose names match it; empty: all.
     explicit CatalogueView(OnChange on_change = {}, std::string pattern = {});
 
     /// The query to send now; empty while there is nothing to ask (the snapshot is complete and no event was
@@ -41,8 +43,8 @@ class CatalogueView {
     /// Registry that the snapshot comes from, to send the next page's query to; empty before the first page.
     const std::string& registry() const { return registry_; }
 
-    /// False if it was none of ours (other registry, refused, other epoch than the pages before it): then
-    /// start over.
+    /// Takes the answer to next_query(). False if it is refused, of another registry or of another epoch than
+    /// the pages before it: then call restart() and begin again.
     bool page(const Answer& answer);
     /// Events of other registries and those already in a page are ignored.
     void event(const ChangeEvent& event);
@@ -50,13 +52,15 @@ class CatalogueView {
     /// them.
     void restart();
 
+    /// Whether boards() is a whole snapshot with every event since applied.
     bool complete() const { return complete_; }
+    /// In the order of their names; without descriptions. Changed by page() and event().
     const std::map<std::string, BoardItem>& boards() const { return boards_; }
 
   private:
     void apply(const ChangeEvent& event);
     void finish_snapshot();
-    void tell(ChangeEvent::Kind kind, const BoardItem& board, std::string was, std::string reason);
+    void notify(ChangeEvent::Kind kind, const BoardItem& board, std::string was, std::string reason);
 
     OnChange on_change_;
     std::string pattern_;
@@ -69,7 +73,7 @@ class CatalogueView {
     std::map<std::string, BoardItem> boards_;
     std::map<std::string, BoardItem> incoming_;
     std::map<std::string, std::uint64_t> page_ends_;  // last name of each page -> its sequence number
-    std::vector<ChangeEvent> waiting_;  // arrived while collecting  // in the order of their arrival
+    std::vector<ChangeEvent> waiting_;                // arrived while collecting, in that order
 };
 
 }  // namespace asip::bus

@@ -29,9 +29,9 @@ BoardItem read_board_item(const json& object) {
     BoardItem item;
     item.board = text_of(object, "board");
     item.state = text_of(object, "state");
-    item.said = text_of(object, "said");
-    if (item.said.empty()) item.said = item.state;
-    item.by_name = flag_of(object, "by_name");
+    item.reported = text_of(object, "reported");
+    if (item.reported.empty()) item.reported = item.state;
+    item.names_only = flag_of(object, "names_only");
     item.session = text_of(object, "session");
     item.seq = number_of(object, "seq");
     item.lease = real_of(object, "lease");
@@ -83,8 +83,8 @@ json to_json(const ServiceItem& item, bool with_board) {
 
 json to_json(const BoardItem& item) {
     json object{{"board", item.board}, {"state", item.state}};
-    if (item.said != item.state) put(object, "said", item.said);
-    if (item.by_name) object["by_name"] = true;
+    if (item.reported != item.state) put(object, "reported", item.reported);
+    if (item.names_only) object["names_only"] = true;
     put(object, "session", item.session);
     if (!item.session.empty()) object["seq"] = item.seq;
     if (item.lease > 0) object["lease"] = static_cast<std::int64_t>(item.lease);

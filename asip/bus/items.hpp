@@ -12,13 +12,14 @@
 /// was reported AND the lease not run out.
 namespace asip::bus {
 
+/// A service of a board.
 struct ServiceItem {
     std::string board;
     std::string state;  ///< effective state of the board
     std::string name;   ///< on the bus
     std::string kind;   ///< model name, or the letter where there is no model
     std::string model;  ///< as the description refers to it ("distance@1"); empty: none, or carried in full
-    std::string id;     ///< the letter; empty for a service announced by name only
+    std::string id;     ///< the letter; empty for a service of which only the name is published
     std::string title;
     std::optional<int> count;   ///< elements
     std::optional<int> period;  ///< of its auto-event, milliseconds
@@ -35,15 +36,16 @@ struct Conflict {
     bool operator==(const Conflict&) const = default;
 };
 
+/// A board. What is unknown is empty.
 struct BoardItem {
     std::string board;
-    std::string state;     ///< effective
-    std::string said;      ///< what was last said, by the agent or its will
-    bool by_name = false;  ///< takes part with the published names only: no description
-    std::string session;
-    std::uint64_t seq = 0;
-    double lease = 0;  ///< seconds
-    double age = 0;    ///< seconds since anything was heard from it, when this was written
+    std::string state;        ///< effective
+    std::string reported;     ///< the last state that the agent or its will published
+    bool names_only = false;  ///< takes part with the published names only: no description
+    std::string session;      ///< of its description
+    std::uint64_t seq = 0;    ///< of its description
+    double lease = 0;         ///< seconds
+    double age = 0;           ///< seconds since anything was heard from it, when this was written
     text::WallTime first_seen{};
     text::WallTime last_seen{};
     text::WallTime since{};  ///< when it came into `state`
@@ -73,7 +75,7 @@ struct HistoryItem {
     bool operator==(const HistoryItem&) const = default;
 };
 
-/// As a row of a brief answer.
+/// The same board as a row of a brief answer.
 BriefBoard brief_of(const BoardItem& board);
 
 /// What stands in "items" of an answer.

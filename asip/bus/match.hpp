@@ -7,10 +7,11 @@
 #include "asip/bus/query.hpp"
 
 /// Whether a board or a service is among what a query asks for, sort, limit and cursor aside. The one place
-/// that says so: for whoever reads the bus itself, and for a registry where no index answers.
+/// that decides it: for programs that read the bus itself, and for a registry where no index answers.
 namespace asip::bus {
 
-/// What a query looks at of a board, its services aside. The texts live elsewhere.
+/// What a query looks at of a board, its services aside. The texts are the caller's, for the duration of a
+/// call.
 struct BoardFacts {
     std::string_view board;
     std::string_view state;  ///< effective
@@ -24,11 +25,12 @@ inline unsigned capability_bit(std::string_view word) {
     return word == "digital" ? 1 : word == "analog" ? 2 : word == "pwm" ? 4 : 0;
 }
 
-/// An empty list asks for nothing.
+/// Whether `value` is one of `wanted`; always, where `wanted` is empty.
 inline bool is_among(const std::vector<std::string>& wanted, std::string_view value) {
     return wanted.empty() || std::find(wanted.begin(), wanted.end(), value) != wanted.end();
 }
 
+/// Whether the filters on boards hold: `board`, `state`, `chip`, `sketch`, `capability`.
 inline bool matches_board(const Query& query, const BoardFacts& board) {
     if (!is_among(query.state, board.state) || !matches_pattern(query.board, board.board)) return false;
     if (!query.chip.empty() && !matches_pattern(query.chip, board.chip)) return false;
@@ -36,7 +38,8 @@ inline bool matches_board(const Query& query, const BoardFacts& board) {
     return query.capability.empty() || (board.capabilities & capability_bit(query.capability)) != 0;
 }
 
-/// `has_unit(unit)`: whether some field of the service's events or commands has this unit.
+/// Whether the filters on services hold: `service`, `kind`, `unit`. `has_unit(unit)`: whether some field of
+/// the service's events or commands has this unit.
 template <class HasUnit>
 bool matches_service(const Query& query, std::string_view name, std::string_view kind,
                      const HasUnit& has_unit) {
@@ -44,7 +47,8 @@ bool matches_service(const Query& query, std::string_view name, std::string_view
            (query.unit.empty() || has_unit(query.unit));
 }
 
-/// Whether a board is asked for by its services.
+/// Whether the query has a filter on services: then it asks for boards with at least one service that
+/// matches.
 inline bool asks_for_services(const Query& query) {
     return !query.service.empty() || !query.kind.empty() || !query.unit.empty();
 }

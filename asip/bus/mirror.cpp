@@ -5,6 +5,7 @@
 #include "asip/bus/match.hpp"
 #include "asip/model/board_state.hpp"
 #include "asip/model/names.hpp"
+#include "asip/text/printable.hpp"
 
 namespace asip::bus {
 namespace {
@@ -25,6 +26,11 @@ std::string kind_of(const model::ServiceInfo& service) {
     return service.id == 0 ? service.name : std::string(1, service.id);
 }
 
+/// Whether a board in this state is alive as long as its lease runs.
+bool is_alive_word(std::string_view state) {
+    return state != "offline" && state != "lost";
+}
+
 std::string joined(const std::string& a, const std::string& b) {
     return a.empty() || b.empty() ? a + b : a + " " + b;
 }
@@ -35,26 +41,28 @@ std::string Mirror::apply(const std::string& topic, const std::string& payload, 
     const auto ref = topics_.parse(topic);
     if (!ref) {
         if (topic.starts_with(topics_.root() + "/servicebus/") && !payload.empty())
-            refused_[topic] = "a name that is not valid";
+            refuse(topic, "a name that is not valid");
         return {};
     }
-    if (ref->kind == TopicKind::kBoardNames) {
-        if (!model::valid_board_name(payload)) return {};
-        auto& entry = entries_[payload];
-        entry.named = true;
-        entry.heard = now;
-        return payload;
-    }
-    if (ref->kind != TopicKind::kServiceNames && ref->kind != TopicKind::kState &&
-        ref->kind != TopicKind::kDescription) {
+    if (ref->kind != TopicKind::kBoardNames && ref->kind != TopicKind::kServiceNames &&
+        ref->kind != TopicKind::kState && ref->kind != TopicKind::kDescription) {
         return {};
     }
-    const std::string name(ref->board);
+    const std::string name(ref->kind == TopicKind::kBoardNames ? payload : ref->board);
+    if (!model::valid_board_name(name)) return {};
+    if (entries_.size() >= kMaxBoards && entries_.count(name) == 0) {
+        refuse(topic, "more than " + std::to_string(kMaxBoards) + " boards");
+        return {};
+    }
+    refused_.erase(topic);
     auto& entry = entries_[name];
     if (!retained) entry.heard = now;
     switch (ref->kind) {
+        case TopicKind::kBoardNames:
+            take_name(entry, now);
+            break;
         case TopicKind::kServiceNames:
-            entry.named = true;
+            take_name(entry, now);
             if (model::valid_name(payload) && entry.service_names.size() < kMaxServiceNames &&
                 std::find(entry.service_names.begin(), entry.service_names.end(), payload) ==
                     entry.service_names.end()) {
@@ -62,19 +70,32 @@ std::string Mirror::apply(const std::string& topic, const std::string& payload, 
             }
             break;
         case TopicKind::kState:
-            entry.said = payload;
-            if (!payload.empty() && !model::board_state_from_text(payload))
-                refused_[topic] = "no state: " + payload;
+            take_state(topic, entry, payload);
             break;
         default:
-            take_description(topic, entry, name, payload);
+            take_description(topic, entry, name, payload, now);
     }
-    if (!entry.named && entry.said.empty() && !entry.description) entries_.erase(name);
+    if (!entry.named && entry.reported.empty() && !entry.description) entries_.erase(name);
     return name;
 }
 
+void Mirror::refuse(const std::string& topic, std::string reason) {
+    if (refused_.size() < kMaxRefused || refused_.count(topic) != 0) refused_[topic] = std::move(reason);
+}
+
+void Mirror::take_name(Entry& entry, Time now) {
+    entry.named = true;
+    if (!entry.description) entry.lease_end = now + std::chrono::seconds(model::kDefaultLeaseSeconds);
+}
+
+void Mirror::take_state(const std::string& topic, Entry& entry, const std::string& payload) {
+    if (!payload.empty() && !model::board_state_from_text(payload))
+        return refuse(topic, "not a state: " + text::printable(payload));
+    entry.reported = payload;
+}
+
 void Mirror::take_description(const std::string& topic, Entry& entry, const std::string& name,
-                              const std::string& payload) {
+                              const std::string& payload, Time now) {
     if (payload.empty()) {
         entry.description.reset();
         entry.document.clear();
@@ -82,10 +103,11 @@ void Mirror::take_description(const std::string& topic, Entry& entry, const std:
     }
     auto description = model::parse_description(payload);
     if (!description) {
-        refused_[topic] = description.error();
+        refuse(topic, description.error());
     } else if (description->board != name) {
-        refused_[topic] = "describes another board: " + description->board;
+        refuse(topic, "describes another board: " + description->board);
     } else {
+        entry.lease_end = now + std::chrono::seconds(description->lease);
         entry.description = std::move(*description);
         entry.document = payload;
     }
@@ -94,20 +116,21 @@ void Mirror::take_description(const std::string& topic, Entry& entry, const std:
 BoardItem Mirror::item(const std::string& name, const Entry& entry, Time now) const {
     BoardItem result;
     if (entry.description) {
-        result = board_item(*entry.description, entry.said);
+        result = board_item(*entry.description, entry.reported);
         result.description = entry.document;
     } else {
         result.board = name;
-        result.by_name = entry.named;
+        result.names_only = entry.named;
         for (const auto& service : entry.service_names) {
             ServiceItem one;
             one.name = one.kind = service;
             result.services.push_back(std::move(one));
         }
-        const bool lapsed = entry.said.empty() || entry.said == "online";
-        result.state = entry.named && lapsed ? "online" : lapsed ? "lost" : entry.said;
+        result.state = entry.reported.empty() ? "online" : entry.reported;
     }
-    result.said = entry.said;
+    const bool has_lease = entry.description || entry.named;
+    if (is_alive_word(result.state) && (!has_lease || now >= entry.lease_end)) result.state = "lost";
+    result.reported = entry.reported;
     result.age = entry.heard ? std::chrono::duration<double>(now - *entry.heard).count() : -1;
     for (auto& service : result.services) {
         service.board = name;
@@ -142,11 +165,11 @@ std::vector<std::string> Mirror::names() const {
     return result;
 }
 
-BoardItem board_item(const model::Description& description, std::string said) {
+BoardItem board_item(const model::Description& description, std::string reported) {
     BoardItem result;
     result.board = description.board;
-    result.state = said.empty() ? "online" : said;
-    result.said = std::move(said);
+    result.state = reported.empty() ? "online" : reported;
+    result.reported = std::move(reported);
     result.session = description.session;
     result.seq = description.seq;
     result.lease = description.lease;

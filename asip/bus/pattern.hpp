@@ -3,7 +3,9 @@
 
 namespace asip::bus {
 
-/// `text` against a pattern with `*` and `?`; an empty pattern matches everything.
+/// Whether the whole of `text` matches a pattern in which `*` stands for any text and `?` for any one byte.
+/// An empty pattern matches everything. Takes time in proportion to both lengths multiplied at most, without
+/// recursion.
 bool matches_pattern(std::string_view pattern, std::string_view text);
 
 }  // namespace asip::bus

@@ -7,15 +7,15 @@
 
 #include "asip/expected.hpp"
 
-/// What is said between a registry and those who ask it: queries, their answers and change events. Pure: JSON
-/// in and out, no connection. A query goes to ROOT/registry/query (any registry) or ROOT/registry/ID/query;
-/// its answer to the response topic of the message, or to "reply_to" in the query; events come on
-/// ROOT/registry/ID/events.
+/// What is sent to a registry: queries and requests to forget. Pure: JSON in and out, no connection. A query
+/// goes to ROOT/registry/query (any registry) or ROOT/registry/ID/query; its answer to the response topic of
+/// the message, or to "reply_to" in the query; events come on ROOT/registry/ID/events.
 ///
 /// Board states on this wire are the words of the service bus: "online", "offline", "lost", "sleeping",
-/// "updating". They are effective states: what was said AND the lease not run out.
+/// "updating". They are effective states: what was reported AND the lease not run out.
 namespace asip::bus {
 
+/// What a query lists.
 enum class Find { kBoards, kServices, kHistory };
 /// "boards", "services", "history"
 std::string_view to_string(Find find);
@@ -41,7 +41,7 @@ struct Query {
     bool full = false;   ///< boards with their whole description
     bool brief = false;  ///< boards only with what a table shows: Answer::brief instead of Answer::boards
 
-    static constexpr std::size_t kMaxPage = 1000;
+    static constexpr std::size_t kMaxPage = 1000;  ///< a larger limit is lowered to this
     bool operator==(const Query&) const = default;
 };
 
@@ -64,9 +64,10 @@ struct RegistryRequest {
 
 /// The payload for a request. Members at their defaults are left out.
 std::string encode(const RegistryRequest& request);
-/// What the object of a request's envelope asks for. Error: a sentence that names the member that is wrong.
-/// Unknown members and values are refused, with the nearest that is known: a filter that is misspelt would
-/// let everything pass, and a forget that is misspelt would forget.
+/// What the object of a request's envelope asks for. A member that is null counts as absent. Fails with the
+/// first fault and its place: "/limit: 0 is below 1". Unknown members are refused, with the nearest that is
+/// known: a filter that is misspelt would let everything pass, and a forget that is misspelt would forget.
+/// Texts have at most 256 bytes, lists at most 64 items.
 Expected<std::variant<Query, Forget>> read_registry_request(const nlohmann::json& object);
 
 }  // namespace asip::bus

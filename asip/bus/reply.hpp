@@ -10,14 +10,14 @@ namespace asip::bus {
 
 /// Where and under which names the answer to one request goes.
 struct ReplyTo {
-    std::string topic;        ///< empty: nobody wants an answer
+    std::string topic;        ///< empty: no answer is wanted
     std::string correlation;  ///< MQTT 5 correlation data, sent back as it came
     std::string id;           ///< the requester's `id`, sent back inside the JSON
 
     bool wanted() const { return !topic.empty(); }
 
-    /// What tells this request from others of the same requester: the id, else the correlation data; empty
-    /// when there is neither, and then a repetition cannot be recognised.
+    /// What distinguishes this request from others of the same requester: the id, else the correlation data;
+    /// empty when there is neither, and then a repetition cannot be recognised.
     std::string key() const;
 
     friend bool operator==(const ReplyTo&, const ReplyTo&) = default;
@@ -26,12 +26,14 @@ struct ReplyTo {
 /// The one final answer to a command.
 struct Reply {
     enum class Status {
-        kOk,       ///< executed; `proof` says how that is known, `answer` holds what the board answered, if
-                   ///< anything
-        kError,    ///< the board refused: `code` and `error` are its words
-        kTimeout,  ///< no evidence within the time limit; `reason` may say why
-        kRefused,  ///< never sent to the board: `reason` is a word for programs, `error` a sentence for a
-                   ///< person
+        /// Executed; `proof` says how that is known, `answer` holds what the board answered, if anything.
+        kOk,
+        /// The board refused: `code` and `error` are from its answer.
+        kError,
+        /// No evidence within the time limit; `reason` may name the cause.
+        kTimeout,
+        /// Never sent to the board: `reason` is a word for programs, `error` a sentence for a person.
+        kRefused,
     };
 
     std::string id{};
@@ -39,8 +41,8 @@ struct Reply {
     std::string proof{};   ///< "fence", or "answer"
     std::string answer{};  ///< JSON text; empty: none
     int code = 0;          ///< ASIP error number
-    std::string error{};
-    std::string reason{};
+    std::string error{};   ///< for a person
+    std::string reason{};  ///< one of the words below
 
     static Reply ok(std::string proof, std::string answer = {});
     static Reply board_error(int code, std::string error);
@@ -76,12 +78,12 @@ inline constexpr std::string_view kTimeoutPartly = "partly";
 /// are not UTF-8 are replaced; an `answer` that is not JSON becomes a JSON string.
 std::string to_json_text(const Reply& reply);
 
-/// Reads what to_json_text wrote, by whichever version: unknown members are ignored. Fails on anything that
-/// is not a JSON object with a known `status`.
+/// Reads what to_json_text() wrote, by whichever version: unknown members are ignored. Fails with a reason
+/// for anything that is not a JSON object with a known `status`.
 Expected<Reply> parse_reply(std::string_view text);
 
-/// The message that carries `reply` (its id filled in from `to`) to whom asked, QoS 1; nothing when nobody
-/// did.
+/// The message that carries `reply` (its id filled in from `to`) to the topic in `to`, with QoS 1; nothing
+/// when no answer is wanted.
 std::optional<mqtt::Message> reply_message(const ReplyTo& to, Reply reply);
 
 }  // namespace asip::bus

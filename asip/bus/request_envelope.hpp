@@ -14,19 +14,19 @@ namespace asip::bus {
 
 /// Limits of a request on the bus, for commands and registry queries alike; the only place where they stand.
 /// What is beyond them is refused before it is parsed.
-inline constexpr std::size_t kMaxRequestBytes = 16384;
-inline constexpr int kMaxJsonDepth = 16;
+inline constexpr std::size_t kMaxRequestBytes = 16384;  ///< of the payload
+inline constexpr int kMaxJsonDepth = 16;                ///< of objects and arrays
 inline constexpr std::size_t kMaxRequestIdBytes = 128;
 inline constexpr std::size_t kMaxCorrelationBytes = 256;
 inline constexpr std::size_t kMaxReplyTopicBytes = 512;
-/// Within what time a command is to be answered, at the least and at the most.
+/// The shortest and the longest `deadline_ms`: within what time a command is to be answered.
 inline constexpr std::chrono::milliseconds kMinDeadline{50};
 inline constexpr std::chrono::milliseconds kMaxDeadline{60'000};
 /// For how long a command may be held without being renewed.
 inline constexpr std::chrono::milliseconds kMinHold{50};
 inline constexpr std::chrono::milliseconds kMaxHold{60'000};
 
-/// A request without what says where its answer goes.
+/// A request, apart from where its answer goes.
 struct RequestEnvelope {
     enum class Form {
         kJson,  ///< `object` is the request
@@ -43,7 +43,8 @@ struct RequestEnvelope {
     std::string shown() const;
 };
 
-/// A request that cannot be read, and where to say so: `reply.wanted()` where that much could be made out.
+/// A request that cannot be read, and where to report that. `reply` holds as much as could be read: ask
+/// reply.wanted().
 struct BadRequest {
     ReplyTo reply;
     std::string error;  ///< a sentence for a person

@@ -10,9 +10,9 @@
 
 namespace asip::bus {
 
-/// Asks over MQTT and finds the answers: the ids, the reply topic, and what of it travels as MQTT 5
-/// properties or, on 3.1.1, inside the payload. Pure: the caller publishes the request and gives what arrives
-/// to take().
+/// Sends requests over MQTT and finds their answers: the ids, the reply topic, and what of it travels as MQTT
+/// 5 properties or, on 3.1.1, inside the payload. Pure: the caller publishes the request and gives what
+/// arrives to take().
 class Requester {
   public:
     using OnReply = std::function<void(const mqtt::Message&)>;
@@ -36,19 +36,21 @@ class Requester {
         std::shared_ptr<Entry> entry_;
     };
 
-    /// `name`: nobody else's, as those who answer tell repeated requests by the id.
+    /// `name`: unique among all programs of the bus, because ids begin with it and a repeated id is taken for
+    /// a repeated request. `reply_topic`: of this program alone, see Topics::reply().
     Requester(std::string name, std::string reply_topic)
         : name_(std::move(name)), reply_topic_(std::move(reply_topic)) {}
 
-    /// To be subscribed to before the first request.
+    /// Subscribe to it before the first request.
     const std::string& reply_topic() const { return reply_topic_; }
 
     /// Makes `message` (topic and payload are set) one that is answered. `v5`: the connection speaks MQTT 5.
-    /// On 3.1.1 a payload that is no JSON object becomes the member "raw" of one. `on_reply` is called for
-    /// each answer, until the request ends.
+    /// On 3.1.1 a payload that is not a JSON object becomes the member "raw" of one. `on_reply` is called for
+    /// each answer, as several registries may answer one query, until the returned request is destroyed or
+    /// reset. There is no time limit: that is the caller's.
     Request ask(mqtt::Message& message, bool v5, OnReply on_reply);
 
-    /// True: the message was on the reply topic.
+    /// Give it every message that arrives. True: it was on the reply topic, and is dealt with.
     bool take(const mqtt::Message& message);
 
   private:

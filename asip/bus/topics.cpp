@@ -21,7 +21,7 @@ std::string_view next_level(std::string_view& rest) {
 std::optional<TopicRef> parse_service_bus(std::string_view board, std::string_view rest, bool has_rest) {
     if (board == "$probe")
         return has_rest ? std::nullopt : std::optional(TopicRef{TopicKind::kProbe, {}, {}});
-    if (!legal_board_name(board)) return std::nullopt;
+    if (!model::valid_board_name(board)) return std::nullopt;
     if (!has_rest) return TopicRef{TopicKind::kServiceNames, board, {}};
     if (rest == "$state") return TopicRef{TopicKind::kState, board, {}};
     if (rest == "$description") return TopicRef{TopicKind::kDescription, board, {}};
@@ -34,7 +34,7 @@ std::optional<TopicRef> parse_registry(std::string_view id, std::string_view res
     if (!has_rest) {
         return id == "query" ? std::optional(TopicRef{TopicKind::kAnyRegistryQuery, {}, {}}) : std::nullopt;
     }
-    if (!legal_service_name(id)) return std::nullopt;
+    if (!model::valid_name(id)) return std::nullopt;
     if (rest == "$state") return TopicRef{TopicKind::kRegistryState, id, {}};
     if (rest == "$stats") return TopicRef{TopicKind::kRegistryStats, id, {}};
     if (rest == "events") return TopicRef{TopicKind::kRegistryEvents, id, {}};
@@ -44,14 +44,14 @@ std::optional<TopicRef> parse_registry(std::string_view id, std::string_view res
 
 std::optional<TopicRef> parse_board(std::string_view board, std::string_view second, std::string_view rest,
                                     bool has_rest) {
-    if (!legal_board_name(board)) return std::nullopt;
+    if (!model::valid_board_name(board)) return std::nullopt;
     if (!has_rest) {
         if (second == "out") return TopicRef{TopicKind::kBoardOut, board, {}};
         if (second == "in") return TopicRef{TopicKind::kBoardIn, board, {}};
         if (second == "$stop") return TopicRef{TopicKind::kStop, board, {}};
         return std::nullopt;
     }
-    if (!legal_service_name(second)) return std::nullopt;
+    if (!model::valid_name(second)) return std::nullopt;
     if (rest == "out") return TopicRef{TopicKind::kServiceOut, board, second};
     if (rest == "in") return TopicRef{TopicKind::kServiceIn, board, second};
     if (rest == "error") return TopicRef{TopicKind::kServiceError, board, second};
@@ -60,19 +60,11 @@ std::optional<TopicRef> parse_board(std::string_view board, std::string_view sec
 
 }  // namespace
 
-bool legal_service_name(std::string_view name) {
-    return model::valid_name(name);
-}
-
-bool legal_board_name(std::string_view name) {
-    return model::valid_board_name(name);
-}
-
 Topics::Topics(std::string root) : root_(std::move(root)) {
-    if (!legal_root(root_)) throw std::invalid_argument("not a topic root: \"" + root_ + "\"");
+    if (!valid_root(root_)) throw std::invalid_argument("not a topic root: \"" + root_ + "\"");
 }
 
-bool Topics::legal_root(std::string_view root) {
+bool Topics::valid_root(std::string_view root) {
     if (root.empty() || root.size() > kMaxRootBytes || root.front() == '$') return false;
     const auto forbidden = [](unsigned char c) { return c < 0x20 || c >= 0x7f || c == '+' || c == '#'; };
     if (std::any_of(root.begin(), root.end(), forbidden)) return false;

@@ -36,23 +36,16 @@ struct TopicRef {
     friend bool operator==(const TopicRef&, const TopicRef&) = default;
 };
 
-/// Whether `name` may name a service or a registry: 1 to 64 of `A-Z a-z 0-9 . _ -`.
-bool legal_service_name(std::string_view name);
-
-/// Whether `name` may name a board: as for a service, and none of the reserved names `servicebus` and
-/// `registry`.
-bool legal_board_name(std::string_view name);
-
-/// The topics below one root. Builders trust their arguments: give them valid names, or "+" where a
-/// subscription shall match any.
+/// The topics below one root. Builders do not check their arguments: give them valid names (model/names.hpp),
+/// or "+" for a subscription that matches any.
 class Topics {
   public:
-    /// Throws std::invalid_argument when !legal_root(root).
+    /// Throws std::invalid_argument when !valid_root(root).
     explicit Topics(std::string root = "asip");
 
     /// A root is one or more non-empty levels joined by `/`, at most 128 bytes, without wildcards, control
     /// characters or a leading `$`.
-    static bool legal_root(std::string_view root);
+    static bool valid_root(std::string_view root);
 
     const std::string& root() const { return root_; }
 
@@ -90,8 +83,8 @@ class Topics {
     /// user, or with one whose name cannot be a level of a topic: ROOT/reply/CLIENT.
     std::string reply(std::string_view user, std::string_view client) const;
 
-    /// What `topic` is, or nothing when it is none of ours or carries a name that is not valid. Any bytes may
-    /// be given.
+    /// What `topic` is; nothing when it is not below this root, not one of these topics, or carries a name
+    /// that is not valid. Any bytes may be given.
     std::optional<TopicRef> parse(std::string_view topic) const;
 
   private:

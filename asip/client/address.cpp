@@ -85,14 +85,14 @@ Expected<Address> parse_tcp(std::string_view rest) {
         return fail(place.error());
     }
     Address address;
-    address.kind = Address::Kind::Tcp;
+    address.kind = Address::Kind::kTcp;
     std::tie(address.host, address.port) = std::move(*place);
     return address;
 }
 
 Expected<Address> parse_mqtt(std::string_view rest, bool tls) {
     Address address;
-    address.kind = Address::Kind::Mqtt;
+    address.kind = Address::Kind::kMqtt;
     address.tls = tls;
     const auto slash = rest.find('/');
     if (slash == std::string_view::npos || slash + 1 == rest.size()) {
@@ -142,7 +142,7 @@ Expected<Address> parse_address(std::string_view text) {
                     "\": an address begins with serial:, tcp://, mqtt:// or mqtts://");
     }
     Address address;
-    address.kind = Address::Kind::Mqtt;
+    address.kind = Address::Kind::kMqtt;
     address.host = "127.0.0.1";
     address.port = kMqttPort;
     return parse_board_name(text, std::move(address));

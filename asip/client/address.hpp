@@ -14,18 +14,21 @@ namespace asip::client {
 ///     mqtt://broker:1883/uno1        a board by its name, through a broker (mqtts:// with TLS, port 8883)
 ///     uno1                           a board by its name, through the broker on this machine
 struct Address {
-    enum class Kind { Serial, Tcp, Mqtt };
+    enum class Kind { kSerial, kTcp, kMqtt };
 
-    Kind kind = Kind::Serial;
-    std::string path;        ///< Serial: the device.
-    std::string host;        ///< Tcp, Mqtt.
-    std::uint16_t port = 0;  ///< Tcp, Mqtt.
-    bool tls = false;        ///< Mqtt.
-    std::string user;        ///< Mqtt: mqtt://user@broker/uno1. There is no place for a password on purpose.
-    std::string board;       ///< Mqtt: a valid board name.
+    Kind kind = Kind::kSerial;
+    std::string path;        ///< kSerial: the device
+    std::string host;        ///< kTcp, kMqtt
+    std::uint16_t port = 0;  ///< kTcp, kMqtt
+    bool tls = false;        ///< kMqtt
+    /// kMqtt: mqtt://user@broker/uno1. A password has no place here: it would be seen by all users of a
+    /// machine.
+    std::string user;
+    std::string board;  ///< kMqtt: a valid board name
 };
 
-/// The reason it failed says which part of `text` is wrong and what it should look like.
+/// Fails with a sentence that names the part of `text` that is wrong and what it should look like. Nothing is
+/// looked up or opened.
 Expected<Address> parse_address(std::string_view text);
 
 }  // namespace asip::client

@@ -7,7 +7,8 @@
 
 namespace asip::client {
 
-/// What a call returns to a coroutine: `const auto done = co_await board.digital_write(13, true);`
+/// What a call returns to a coroutine: a value or an Error. Nothing that happens to a board throws.
+/// `const auto done = co_await board.digital_write(13, true);`
 template <class T>
 using Awaitable = boost::asio::awaitable<Result<T>>;
 

@@ -52,7 +52,7 @@ class BlockingBoard::Runner {
 namespace {
 
 Unexpected<Error> none() {
-    return failure(Error::Kind::Closed, "no board was opened");
+    return failure(Error::Kind::kClosed, "no board was opened");
 }
 
 }  // namespace
@@ -151,7 +151,7 @@ Result<Json> BlockingBoard::next_event(const std::string& service, std::chrono::
     return call<Json>([=](Runner& own) -> Awaitable<Json> {
         const auto found = own.streams().find(service);
         if (found == own.streams().end()) {
-            co_return failure(Error::Kind::Invalid, "call watch(\"" + service + "\") first");
+            co_return failure(Error::Kind::kInvalid, "call watch(\"" + service + "\") first");
         }
         co_return co_await found->second.next(timeout);
     });

@@ -19,13 +19,16 @@ namespace asip::client {
 /// fetched with next_event.
 class BlockingBoard {
   public:
-    /// As Board::open.
+    /// As Board::open, and returns when that would. Starts the thread.
     static Result<BlockingBoard> open(const std::string& address, Options options = {});
 
+    /// Refers to no board: every call fails with kClosed.
     BlockingBoard();
     ~BlockingBoard();  ///< Closes the connection.
     BlockingBoard(BlockingBoard&&) noexcept;
     BlockingBoard& operator=(BlockingBoard&&) noexcept;
+
+    // The calls below mean what those of Board with the same names mean, with the same units and errors.
 
     std::string name() const;
     bool online() const;
@@ -45,8 +48,10 @@ class BlockingBoard {
     Result<nlohmann::json> command(const std::string& service, const std::string& name);
 
     /// From now on, keep the events of this service for next_event: the newest 256, older ones are dropped.
+    /// kInvalid if the board has no such service.
     Result<void> watch(const std::string& service);
-    /// The oldest event kept of a watched service, waiting for one at most `timeout`; Timeout if none came.
+    /// The oldest event kept of a watched service, waiting for one at most `timeout`. kTimeout if none came;
+    /// kInvalid if the service is not watched.
     Result<nlohmann::json> next_event(const std::string& service, std::chrono::milliseconds timeout);
 
   private:

@@ -103,7 +103,7 @@ Stream<bool> Board::digital_changes(int pin) const {
 
 Result<Service> Board::service(const std::string& name) const {
     if (!core_) {
-        return failure(Error::Kind::Closed, "the board was closed");
+        return failure(Error::Kind::kClosed, "the board was closed");
     }
     std::string names;
     for (const ServiceInfo& each : core_->transport().services()) {
@@ -112,7 +112,7 @@ Result<Service> Board::service(const std::string& name) const {
         }
         names += (names.empty() ? "" : ", ") + each.name;
     }
-    return failure(Error::Kind::Invalid,
+    return failure(Error::Kind::kInvalid,
                    "board " + this->name() + " has no service \"" + name + "\"; it has " + names);
 }
 

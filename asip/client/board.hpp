@@ -25,21 +25,20 @@ class Service;
 /// answers and their errors are the same over each.
 ///
 /// A Board is a handle: copies refer to the same board, the last one closes it. A default-constructed one
-/// refers to none; every call on it fails with Closed. All calls are made from the one thread that runs the
+/// refers to none; every call on it fails with kClosed. All calls are made from the one thread that runs the
 /// io_context it was opened on; a program without an io_context of its own uses BlockingBoard.
 ///
 /// A call that changes something returns when the board has executed it, which a fence behind the command
-/// proves. A call in progress when the board goes away ends with Unreachable; the Board itself stays usable
+/// proves. A call in progress when the board goes away ends with kUnreachable; the Board itself stays usable
 /// and works again once the board is back. Pin modes and periods that were set are then set again; output
 /// values never are.
 class Board {
   public:
     Board() = default;
-    /// Opens a board. Returns once the board is there and its services are known.
-    /// `address` as parse_address takes it: "/dev/ttyACM0", "tcp://host:6789", "mqtt://broker/uno1", "uno1".
-    /// `io` outlives the board; `address` and `options` are copied before this returns.
-    /// Errors: Invalid (address or topic root), Unreachable (port, broker or board is not there within
-    /// Options::open_timeout).
+    /// Opens a board. Returns once the board is there and its services are known. `address` as parse_address
+    /// takes it: "/dev/ttyACM0", "tcp://host:6789", "mqtt://broker/uno1", "uno1". `io` outlives the board;
+    /// `address` and `options` are copied before this returns. Errors: kInvalid (address or topic root),
+    /// kUnreachable (port, broker or board is not there within Options::open_timeout).
     static Awaitable<Board> open(boost::asio::io_context& io, std::string_view address);
     static Awaitable<Board> open(boost::asio::io_context& io, std::string_view address,
                                  const Options& options);
@@ -50,22 +49,30 @@ class Board {
     std::string name() const;
     /// Whether the board is there now.
     bool online() const;
+    /// The services that the board has, in its order; empty before it was there for the first time.
     std::vector<ServiceInfo> services() const;
+
+    // Every call below may fail with kInvalid (nothing was sent), kRefused, kBoard (its error number is in
+    // Error::code), kTimeout (Options::command_timeout), kUnreachable or kClosed; see Error.
 
     // Pins. `pin` is the number that the Arduino core uses; `channel` counts analog inputs: channel 0 is A0.
 
     Awaitable<void> set_pin_mode(int pin, protocol::PinMode mode) const;
+    /// `level`: true is high. The pin must be in mode kOutput.
     Awaitable<void> digital_write(int pin, bool level) const;
-    /// 0 to 255, of a pin in mode Pwm.
+    /// `value`: 0 to 255, the duty of a pin in mode kPwm.
     Awaitable<void> analog_write(int pin, int value) const;
     /// The level of an input. Boards report changes by themselves, so a level once reported is answered at
-    /// once; the first time the board is asked. Invalid if the pin is no input.
+    /// once; the first time the board is asked. kInvalid if the pin is not an input.
     Awaitable<bool> digital_read(int pin) const;
-    /// 0 to 1023. The newest report if it is younger than Options::analog_max_age, else the next one; Timeout
-    /// if none comes (set_analog_period starts reports, and the pin must be in mode Analog).
+    /// The value, 0 to 1023: the newest report if it is younger than Options::analog_max_age, else the next
+    /// one; Timeout if none comes (set_analog_period starts reports, and the pin must be in mode kAnalog).
     Awaitable<int> analog_read(int channel) const;
     /// How often the board reports its analog inputs; 0 stops. At most 65535 ms.
     Awaitable<void> set_analog_period(std::chrono::milliseconds period) const;
+
+    // Callbacks run on the io_context of the board, one at a time. They end with the Subscription that is
+    // returned.
 
     /// `changed` is called with each level reported for the pin that differs from the one before (the first
     /// one does).
@@ -77,14 +84,14 @@ class Board {
     /// The same levels as on_digital, to be fetched one after another, none missed in between.
     Stream<bool> digital_changes(int pin) const;
 
-    /// A service by its name on the bus ("distance", "servo"); Invalid if the board has none of that name,
+    /// A service by its name on the bus ("distance", "servo"); kInvalid if the board has none of that name,
     /// with those it has in the text.
     Result<Service> service(const std::string& name) const;
 
     /// One ASIP request as on the wire, for what has no call here: "T,P,440,200".
     Awaitable<void> raw(std::string line) const;
 
-    /// Lets go of the port or broker; calls in progress end with Closed.
+    /// Lets go of the port or broker; calls in progress end with kClosed.
     void close() const;
 
   private:
@@ -102,6 +109,7 @@ class Board {
 /// (services/NAME.json).
 class Service {
   public:
+    /// Refers to no service; every call on it fails with kClosed.
     Service() = default;
 
     const ServiceInfo& info() const { return info_; }

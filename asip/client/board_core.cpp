@@ -8,10 +8,10 @@ namespace {
 namespace asio = boost::asio;
 
 Unexpected<Error> closed() {
-    return failure(Error::Kind::Closed, "the board was closed");
+    return failure(Error::Kind::kClosed, "the board was closed");
 }
 Unexpected<Error> away(const std::string& name) {
-    return failure(Error::Kind::Unreachable, "board " + name + " is not there now");
+    return failure(Error::Kind::kUnreachable, "board " + name + " is not there now");
 }
 
 /// Calls `take(number, value)` for each member of {"2":1,"3":0}.
@@ -198,7 +198,7 @@ Awaitable<bool> Board::Core::digital_read(std::shared_ptr<Core> core, int pin) {
     }
     const auto mode = mode_of(*answer, pin);
     if (!mode || !protocol::is_digital_input(*mode)) {
-        co_return failure(Error::Kind::Invalid,
+        co_return failure(Error::Kind::kInvalid,
                           "pin " + std::to_string(pin) + " is not a digital input" +
                               (mode ? ", its mode is " + std::string(to_text(*mode)) : "") +
                               "; set_pin_mode makes it one");
@@ -214,7 +214,7 @@ Awaitable<bool> Board::Core::digital_read(std::shared_ptr<Core> core, int pin) {
         co_return core->levels_.at(pin);
     }
     co_return core->closed_ ? closed()
-    : core->online_ ? failure(Error::Kind::Timeout, "the board did not report pin " + std::to_string(pin))
+    : core->online_ ? failure(Error::Kind::kTimeout, "the board did not report pin " + std::to_string(pin))
                     : away(core->transport_->board_name());
 }
 
@@ -230,7 +230,7 @@ Awaitable<int> Board::Core::analog_read(std::shared_ptr<Core> core, int channel)
         co_return *core->fresh_sample(channel);
     }
     co_return core->closed_ ? closed()
-    : core->online_         ? failure(Error::Kind::Timeout,
+    : core->online_         ? failure(Error::Kind::kTimeout,
                                       "the board did not report analog channel " + std::to_string(channel) +
                                           "; is its pin in analog mode, and are reports on (set_analog_period)?")
                             : away(core->transport_->board_name());

@@ -43,17 +43,17 @@ std::string timeout_text(std::string_view reason) {
 Error error_of(const bus::Reply& reply) {
     switch (reply.status) {
         case bus::Reply::Status::kError:
-            return {Error::Kind::Board, reply.code, reply.error};
+            return {Error::Kind::kBoard, reply.code, reply.error};
         case bus::Reply::Status::kRefused:
             if (reply.reason == bus::kRefusedInvalid) {
-                return {Error::Kind::Invalid, 0, reply.error};
+                return {Error::Kind::kInvalid, 0, reply.error};
             }
             if (reply.reason == bus::kRefusedBoardNotThere) {
-                return {Error::Kind::Unreachable, 0, reply.error};
+                return {Error::Kind::kUnreachable, 0, reply.error};
             }
-            return {Error::Kind::Refused, 0, reply.error.empty() ? reply.reason : reply.error};
+            return {Error::Kind::kRefused, 0, reply.error.empty() ? reply.reason : reply.error};
         default:
-            return {Error::Kind::Timeout, 0, timeout_text(reply.reason)};
+            return {Error::Kind::kTimeout, 0, timeout_text(reply.reason)};
     }
 }
 
@@ -73,14 +73,14 @@ BusTransport::~BusTransport() {
 Awaitable<void> BusTransport::open(Listener& listener) {
     listener_ = &listener;
     if (const auto made = make_client(); !made) {
-        co_return failure(Error::Kind::Invalid, made.error());
+        co_return failure(Error::Kind::kInvalid, made.error());
     }
     calls_.begin(kOpening);
     client_->start();
     const auto done = co_await calls_.wait(kOpening, options_.open_timeout, "");
     if (!done) {
-        const bool late = done.error().kind == Error::Kind::Timeout;
-        co_return failure(late ? Error::Kind::Unreachable : done.error().kind,
+        const bool late = done.error().kind == Error::Kind::kTimeout;
+        co_return failure(late ? Error::Kind::kUnreachable : done.error().kind,
                           late ? why_not_there() : done.error().text);
     }
     co_return Result<void>();
@@ -121,11 +121,11 @@ std::string BusTransport::why_not_there() const {
 
 Awaitable<Json> BusTransport::command(std::string service, Json command) {
     if (!description_ || description_->service(service) == nullptr) {
-        co_return failure(Error::Kind::Invalid,
+        co_return failure(Error::Kind::kInvalid,
                           "board " + address_.board + " has no service \"" + service + "\"");
     }
     if (!command.is_object()) {
-        co_return failure(Error::Kind::Invalid, "a command is a JSON object, {\"write\":[0,90]}");
+        co_return failure(Error::Kind::kInvalid, "a command is a JSON object, {\"write\":[0,90]}");
     }
     co_return co_await request(topics_.service_in(address_.board, service), std::move(command));
 }
@@ -153,7 +153,7 @@ Awaitable<Json> BusTransport::request(std::string topic, Json payload) {
                                        [this, id](const mqtt::Message& answer) { take_reply(id, answer); });
     calls_.begin(id);
     if (client_->publish(std::move(message), mqtt::Priority::kReply) == mqtt::PublishResult::kRefused) {
-        calls_.finish(id, failure(Error::Kind::Refused, "the broker is slower than the commands come"));
+        calls_.finish(id, failure(Error::Kind::kRefused, "the broker is slower than the commands come"));
     }
     co_return co_await calls_.wait(id, deadline + kAnswerTime,
                                    "neither the board nor its agent answered; the agent may be gone");
@@ -175,7 +175,7 @@ void BusTransport::close() {
     }
     closed_ = true;
     alive_.reset();
-    calls_.finish_all({Error::Kind::Closed, 0, "the board was closed"});
+    calls_.finish_all({Error::Kind::kClosed, 0, "the board was closed"});
     if (client_) {
         // This may be called from one of the client's handlers, which must not destroy it.
         boost::asio::post(io_, [client = std::shared_ptr<mqtt::Client>(std::move(client_))] {});
@@ -232,7 +232,7 @@ void BusTransport::look_again() {
     if (there != there_) {
         there_ = there;
         if (!there) {
-            calls_.finish_all({Error::Kind::Unreachable, 0, why_not_there()});
+            calls_.finish_all({Error::Kind::kUnreachable, 0, why_not_there()});
         }
         listener_->on_presence(there);
     }
@@ -249,7 +249,7 @@ void BusTransport::connected() {
 void BusTransport::failed(const mqtt::ConnectionFailure& why) {
     failure_ = why.text;
     if (why.hopeless) {
-        calls_.finish(kOpening, failure(Error::Kind::Unreachable, why.text));
+        calls_.finish(kOpening, failure(Error::Kind::kUnreachable, why.text));
     }
     // What is retained comes again with the next connection; a board that went meanwhile must not seem to be
     // there.

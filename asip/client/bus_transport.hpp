@@ -16,7 +16,7 @@
 namespace asip::client {
 
 /// A board by its name, through an MQTT broker and the board's agent. There while the broker is connected and
-/// the board says that it is online.
+/// the state of the board is "online".
 class BusTransport final : public Transport {
   public:
     /// `address` of kind Mqtt.

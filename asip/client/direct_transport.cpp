@@ -22,7 +22,7 @@ session::SessionOptions session_options(const Options& options) {
 }
 
 link::StreamTarget stream_target(const Address& address, const Options& options) {
-    if (address.kind == Address::Kind::Tcp) {
+    if (address.kind == Address::Kind::kTcp) {
         return link::TcpAddress{address.host, address.port};
     }
     return link::SerialTarget{address.path, options.baud, link::DtrAtOpen::kRaise};
@@ -43,28 +43,29 @@ Error error_of(const session::Finished& end) {
     using session::Ending;
     switch (end.ending) {
         case Ending::kBoardError:
-            return {Error::Kind::Board, end.code, end.text};
+            return {Error::Kind::kBoard, end.code, end.text};
         case Ending::kNotSent:
-            return {Error::Kind::Unreachable, 0,
+            return {Error::Kind::kUnreachable, 0,
                     end.not_sent == session::NotSent::kDeadline ? "the board was busy until it was too late"
                                                                 : "the board went away before it was sent"};
         case Ending::kDoubt:
-            return {Error::Kind::Timeout, 0, "the line was disturbed: the board may have executed it or not"};
+            return {Error::Kind::kTimeout, 0,
+                    "the line was disturbed: the board may have executed it or not"};
         case Ending::kNoValue:
-            return {Error::Kind::Timeout, 0, "the board executed it, but did not send the value"};
+            return {Error::Kind::kTimeout, 0, "the board executed it, but did not send the value"};
         default:
-            return {Error::Kind::Timeout, 0, "the board did not acknowledge it"};
+            return {Error::Kind::kTimeout, 0, "the board did not acknowledge it"};
     }
 }
 
 Error error_of(session::Refusal refusal) {
     switch (refusal) {
         case session::Refusal::kInvalid:
-            return {Error::Kind::Invalid, 0, "not an ASIP request line"};
+            return {Error::Kind::kInvalid, 0, "not an ASIP request line"};
         case session::Refusal::kQueueFull:
-            return {Error::Kind::Refused, 0, "too many requests wait for the board already"};
+            return {Error::Kind::kRefused, 0, "too many requests wait for the board already"};
         default:
-            return {Error::Kind::Unreachable, 0, "the board does not answer now"};
+            return {Error::Kind::kUnreachable, 0, "the board does not answer now"};
     }
 }
 
@@ -110,11 +111,11 @@ Awaitable<void> DirectTransport::open(Listener& listener) {
 Awaitable<Json> DirectTransport::command(std::string service, Json command) {
     const auto* known = services_.find(service);
     if (known == nullptr) {
-        co_return failure(Error::Kind::Invalid, "the board has no service \"" + service + "\"");
+        co_return failure(Error::Kind::kInvalid, "the board has no service \"" + service + "\"");
     }
     auto encoded = model::encode_control_json(known->model.get(), known->letter, command);
     if (!encoded) {
-        co_return failure(Error::Kind::Invalid, encoded.error());
+        co_return failure(Error::Kind::kInvalid, encoded.error());
     }
     co_return co_await request(std::move(encoded->line), encoded->answer, known->model);
 }
@@ -149,7 +150,7 @@ std::string DirectTransport::board_name() const {
     if (!session_.identity().stored_name.empty()) {
         return session_.identity().stored_name;
     }
-    return model::suggest_name(address_.kind == Address::Kind::Tcp
+    return model::suggest_name(address_.kind == Address::Kind::kTcp
                                    ? address_.host + "-" + std::to_string(address_.port)
                                    : address_.path.substr(address_.path.rfind('/') + 1));
 }
@@ -168,7 +169,7 @@ void DirectTransport::close() {
     }
     closed_ = true;
     deadline_.cancel();
-    calls_.finish_all({Error::Kind::Closed, 0, "the board was closed"});
+    calls_.finish_all({Error::Kind::kClosed, 0, "the board was closed"});
     if (link_) {
         link_->stop();
     }
@@ -196,7 +197,7 @@ void DirectTransport::lost(const link::StreamError& error) {
 
 void DirectTransport::failed(const link::StreamError& error) {
     if (!opened_) {
-        calls_.finish(kOpeningRequest, failure(Error::Kind::Unreachable, error.text));
+        calls_.finish(kOpeningRequest, failure(Error::Kind::kUnreachable, error.text));
     }
 }
 
@@ -241,7 +242,7 @@ void DirectTransport::perform_one(const session::Action& action) {
     } else if (const auto* none = std::get_if<session::NoAnswer>(&action)) {
         calls_.finish(
             kOpeningRequest,
-            failure(Error::Kind::Unreachable,
+            failure(Error::Kind::kUnreachable,
                     none->heard_bytes ? "something answers, but not in ASIP: is the rate right, and does the "
                                         "board run an ASIP sketch?"
                                       : "nothing answers: is this the right port, and does the board run an "

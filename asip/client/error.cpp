@@ -7,22 +7,22 @@ namespace asip::client {
 std::string to_string(const Error& error) {
     std::string kind;
     switch (error.kind) {
-        case Error::Kind::Invalid:
+        case Error::Kind::kInvalid:
             kind = "invalid";
             break;
-        case Error::Kind::Refused:
+        case Error::Kind::kRefused:
             kind = "refused";
             break;
-        case Error::Kind::Board:
+        case Error::Kind::kBoard:
             kind = "board error " + std::to_string(error.code);
             break;
-        case Error::Kind::Timeout:
+        case Error::Kind::kTimeout:
             kind = "timeout";
             break;
-        case Error::Kind::Unreachable:
+        case Error::Kind::kUnreachable:
             kind = "unreachable";
             break;
-        case Error::Kind::Closed:
+        case Error::Kind::kClosed:
             kind = "closed";
             break;
     }

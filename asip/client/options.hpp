@@ -20,8 +20,8 @@ struct Options {
     std::chrono::milliseconds analog_max_age{1'000};
 
     // Over MQTT only.
-    std::string topic_root = "asip";
-    std::string user;  ///< Empty: what the address says, else none.
+    std::string topic_root = "asip";  ///< of the agent
+    std::string user;                 ///< empty: the one in the address, else none
     /// Its first line; a password on a command line is seen by every user of a machine.
     std::string password_file;
     std::string ca;  ///< PEM file of the authority that signed the broker's certificate; for mqtts.
@@ -30,7 +30,7 @@ struct Options {
     std::string key;
 
     // Serial only.
-    unsigned baud = 57'600;
+    unsigned baud = 57'600;  ///< rate at which the board starts
     /// Highest rate to step up to where the board can; 0 stays at `baud`.
     unsigned max_baud = 0;
 };

@@ -41,7 +41,7 @@ Awaitable<nlohmann::json> PendingCalls::wait_for(std::shared_ptr<Call> call, Dur
         boost::system::error_code woken;
         co_await call->timer.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, woken));
     }
-    co_return call->outcome ? std::move(*call->outcome) : failure(Error::Kind::Timeout, std::move(late));
+    co_return call->outcome ? std::move(*call->outcome) : failure(Error::Kind::kTimeout, std::move(late));
 }
 
 }  // namespace asip::client

@@ -22,9 +22,9 @@ class PendingCalls {
     explicit PendingCalls(boost::asio::any_io_executor executor) : executor_(std::move(executor)) {}
 
     void begin(Id id);
-    /// Returns what finish() said, or kTimeout with `late` after `limit`. The id is free afterwards.
+    /// Returns what finish() gave, or kTimeout with `late` after `limit`. The id is free afterwards.
     Awaitable<nlohmann::json> wait(Id id, Duration limit, std::string late);
-    /// For an id that nobody waits for (any more) it does nothing.
+    /// Does nothing for an id that is not waited for.
     void finish(Id id, Outcome outcome);
     void finish_all(const Error& error);
 

@@ -15,12 +15,14 @@ class Signal {
   public:
     using Callback = std::function<void(Args...)>;
 
+    /// Calls `callback` at each emit() until the returned subscription is destroyed or reset.
     Subscription connect(Callback callback) {
         auto registration = std::make_shared<Callback>(std::move(callback));
         registered_.push_back(registration);
         return Subscription(registration);
     }
 
+    /// Calls every callback that is registered now.
     void emit(Args... args) {
         // By index: a callback may register another, which moves the vector. New ones wait for the next emit.
         const std::size_t count = registered_.size();

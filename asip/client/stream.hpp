@@ -30,9 +30,10 @@ class Stream {
     /// The oldest event kept, waiting for one if there is none; kClosed once the board was closed. One caller
     /// at a time.
     Awaitable<T> next() const { return next_of(state_, Time::max()); }
-    /// The same, but Timeout when none came for `limit`.
+    /// The same, but kTimeout when none came for `limit`.
     Awaitable<T> next(Duration limit) const { return next_of(state_, Clock::now() + limit); }
 
+    /// How many events were dropped because nobody fetched them.
     std::uint64_t dropped() const { return state_ ? state_->dropped : 0; }
 
     // What feeds it. Both do nothing to a stream nobody holds any more.
@@ -90,10 +91,10 @@ Awaitable<T> Stream<T>::next_of(std::shared_ptr<State> state, Time deadline) {
         co_await state->arrived.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, woken));
     }
     if (state && state->queue.empty() && !state->closed) {
-        co_return failure(Error::Kind::Timeout, "no event in time");
+        co_return failure(Error::Kind::kTimeout, "no event in time");
     }
     if (!state || state->queue.empty()) {
-        co_return failure(Error::Kind::Closed, "the board was closed");
+        co_return failure(Error::Kind::kClosed, "the board was closed");
     }
     Result<T> oldest = std::move(state->queue.front());
     state->queue.pop_front();

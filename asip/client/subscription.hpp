@@ -8,11 +8,13 @@ namespace asip::client {
 /// inside the callback, and may outlive the board.
 class Subscription {
   public:
+    /// Keeps nothing.
     Subscription() = default;
     explicit Subscription(std::shared_ptr<void> registration) : registration_(std::move(registration)) {}
     Subscription(Subscription&&) noexcept = default;
     Subscription& operator=(Subscription&&) noexcept = default;
 
+    /// Ends it now.
     void reset() { registration_.reset(); }
 
   private:

@@ -12,9 +12,9 @@ namespace asip::client {
 
 /// A service a board offers, as far as the caller of Board needs to know it.
 struct ServiceInfo {
-    std::string name;   ///< As on the bus: "distance"; its letter if nobody described it.
-    char id = 0;        ///< Its letter on the wire.
-    std::string title;  ///< For a person.
+    std::string name;   ///< as on the bus: "distance"; its letter if no model describes it
+    char id = 0;        ///< its letter on the wire
+    std::string title;  ///< for a person
 };
 
 /// What carries a board's commands and events: Board's only dependency. DirectTransport (serial, TCP) and
@@ -22,16 +22,16 @@ struct ServiceInfo {
 /// nothing here locks.
 class Transport {
   public:
-    /// What the transport tells its Board, always on the transport's executor and never from inside a call to
-    /// it.
+    /// What the transport reports to its Board, always on the transport's executor and never from inside a
+    /// call to it.
     class Listener {
       public:
         /// One decoded event of one service, named by its model: on_event("distance", {"distance":[42,118]}).
         /// A service without a model arrives as {"tag":"e","body":"..."} under its letter.
         virtual void on_event(const std::string& service, const nlohmann::json& event) = 0;
         /// The board is there and its services are known (`true`), or it is gone (`false`): unplugged, its
-        /// agent lost, the broker away. After `true` nothing said before still holds: a board that came back
-        /// may have been reset.
+        /// agent lost, the broker away. After `true` nothing reported before still holds: a board that came
+        /// back may have been reset.
         virtual void on_presence(bool there) = 0;
 
       protected:
@@ -43,10 +43,11 @@ class Transport {
     Transport(const Transport&) = delete;
     Transport& operator=(const Transport&) = delete;
 
+    /// Where everything happens; valid as long as the transport.
     virtual boost::asio::any_io_executor executor() const = 0;
 
     /// Called once, before anything else: reaches the board and learns its services. Returns when commands
-    /// can be sent, or with the reason why not (Unreachable, Timeout). `listener` outlives the transport or
+    /// can be sent, or with the reason why not (kUnreachable, kTimeout). `listener` outlives the transport or
     /// its close().
     virtual Awaitable<void> open(Listener& listener) = 0;
 
@@ -55,14 +56,15 @@ class Transport {
     virtual Awaitable<nlohmann::json> command(std::string service, nlohmann::json command) = 0;
 
     /// One ASIP request as it is on the wire, without newline ("I,d,13,1"); returns when it was executed or
-    /// refused.
+    /// refused. kInvalid if it is not a request line.
     virtual Awaitable<void> raw(std::string line) = 0;
 
     /// What is known since open(); stable between two on_presence calls.
     virtual std::string board_name() const = 0;
     virtual std::vector<ServiceInfo> services() const = 0;
 
-    /// Lets go of port or broker; calls in progress end with Closed, the listener is not called any more.
+    /// Closes the port or the connection to the broker; calls in progress end with kClosed, the listener is
+    /// not called any more.
     virtual void close() = 0;
 };
 

@@ -9,16 +9,16 @@ namespace asip::link {
 /// Why a stream could not be opened or ended.
 struct StreamError {
     enum class Kind {
-        kNotThere,      ///< no such device, unknown host
-        kBusy,          ///< another program has the port
-        kNoPermission,  ///< the user may not open the device
-        kNotASerialPort,
-        kUnreachable,  ///< TCP: refused, no route, or no answer in time
-        kClosed,       ///< was open: unplugged, or the peer hung up
-        kFailed,       ///< anything else
+        kNotThere,        ///< no such device, unknown host
+        kBusy,            ///< another program has the port
+        kNoPermission,    ///< the user may not open the device
+        kNotASerialPort,  ///< a file or another kind of device
+        kUnreachable,     ///< TCP: refused, no route, or no answer in time
+        kClosed,          ///< was open: unplugged, or the peer hung up
+        kFailed,          ///< anything else
     };
     Kind kind = Kind::kFailed;
-    std::string text{};  ///< one line for a person that says what to do
+    std::string text{};  ///< one line for a person, with what to do
 };
 
 /// Bytes to and from a board, whatever carries them. One thread: all calls and handlers on the io_context it
@@ -52,6 +52,7 @@ class ByteStream {
     /// read before may still be delivered. Safe in a handler of this stream.
     virtual void pause_reading(bool paused) = 0;
 
+    /// What is unsent is dropped. Calling it again does nothing.
     virtual void close() = 0;
 
     /// For logs: `/dev/ttyACM0`, `tcp://127.0.0.1:5000`.

@@ -20,9 +20,10 @@ enum class DtrAtOpen {
     kPulse,  ///< DTR goes low for 100 ms and high again: the board restarts for certain
 };
 
+/// A board at a serial port.
 struct SerialTarget {
     std::string device;  ///< `/dev/ttyACM0`; after the first opening its by-id name is used, where it has one
-    unsigned baud = 57600;
+    unsigned baud = 57600;  ///< rate at each opening
     DtrAtOpen dtr = DtrAtOpen::kLeave;
 };
 
@@ -36,8 +37,8 @@ struct StreamOpened {
 };
 
 /// Keeps the way to a board open: opens the port or the connection, and again 250 ms after it was lost or
-/// could not be opened, until stop(). One thread; all handlers are called on the io_context, never from
-/// inside a call. Handlers may stop or destroy it.
+/// could not be opened, until stop(). One thread: all calls and handlers on the io_context, and no handler is
+/// called from inside a call. Handlers may stop or destroy it.
 class KeptStream {
   public:
     /// A peer that accepts no more bytes is given up when this many wait.
@@ -47,18 +48,20 @@ class KeptStream {
         std::function<void(const StreamOpened&)> on_up;
         /// It was open and is no longer.
         std::function<void(const StreamError&)> on_down;
+        /// Bytes as they came; valid during the call only.
         std::function<void(std::string_view)> on_bytes;
         /// An attempt to open failed; called for each attempt.
         std::function<void(const StreamError&)> on_failed;
     };
 
+    /// `io` must outlive it. Nothing is opened before start().
     KeptStream(boost::asio::io_context& io, StreamTarget target, Handlers handlers);
     ~KeptStream();
     KeptStream(const KeptStream&) = delete;
     KeptStream& operator=(const KeptStream&) = delete;
 
     void start();
-    /// No handler is called any more.
+    /// Closes what is open, without on_down. No handler is called any more.
     void stop();
 
     /// Sends `bytes` after what was written before; nothing where the way is not open. Never blocks.

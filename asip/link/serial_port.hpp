@@ -19,6 +19,7 @@ class SerialPort : public ByteStream {
     /// Sets the speed at once, also mid-stream; call it when nothing is unsent. 500000 and 1000000 work where
     /// the hardware has them. Fails when the driver cannot.
     virtual Expected<void> set_baud(int baud) = 0;
+    /// The rate now.
     virtual int baud() const = 0;
 
     /// Raises or drops DTR. True when the port has that line; pseudo-terminals do not.
@@ -28,6 +29,8 @@ class SerialPort : public ByteStream {
     virtual void flush() = 0;
 };
 
+/// Opens `device`. Fails with kNotThere, kBusy, kNoPermission, kNotASerialPort, or kFailed (the driver cannot
+/// run at `baud`, for example). Does not wait. `io` must outlive the port.
 Expected<std::unique_ptr<SerialPort>, StreamError> open_serial(boost::asio::io_context& io,
                                                                const std::string& device, int baud = 57600);
 

@@ -62,15 +62,15 @@ std::optional<double> number_of(const Field& field, const json& value, Strictnes
     if (!value.is_string()) return std::nullopt;
     const auto& word = value.get_ref<const std::string&>();
     if (const auto named = number_from_name(field, word)) return named;
-    if (field.type == ValueType::Color) {
+    if (field.type == ValueType::kColor) {
         if (const auto color = number_from_color(word)) return color;
     }
-    return strictness == Strictness::Lenient ? number_from_text(word) : std::nullopt;
+    return strictness == Strictness::kLenient ? number_from_text(word) : std::nullopt;
 }
 
 std::string wrong_kind(const Field& field, const json& value) {
-    if (field.type == ValueType::Color) return shown(value) + " is not a color: a number or \"#rrggbb\"";
-    if (field.type == ValueType::Number) return shown(value) + " is not a number";
+    if (field.type == ValueType::kColor) return shown(value) + " is not a color: a number or \"#rrggbb\"";
+    if (field.type == ValueType::kNumber) return shown(value) + " is not a number";
     if (field.names.empty() || !value.is_string()) return shown(value) + " is not an integer";
     std::vector<std::string> names;
     for (const auto& [name, number] : field.names)
@@ -83,7 +83,7 @@ std::string wrong_kind(const Field& field, const json& value) {
 Text write_number(const Field& field, const json& value, Strictness strictness, const std::string& place) {
     const auto number = number_of(field, value, strictness);
     if (!number || !std::isfinite(*number)) return fail(place + ": " + wrong_kind(field, value));
-    const bool whole = field.type != ValueType::Number;
+    const bool whole = field.type != ValueType::kNumber;
     if (whole && std::abs(*number) <= kLargestExact && std::floor(*number) != *number) {
         return fail(place + ": " + number_text(*number) + " is not an integer");
     }
@@ -96,7 +96,7 @@ Text write_number(const Field& field, const json& value, Strictness strictness, 
 }
 
 Text write_text(const Field& field, const json& value, Strictness strictness, const std::string& place) {
-    if (!value.is_string() && (strictness == Strictness::Strict || !value.is_number())) {
+    if (!value.is_string() && (strictness == Strictness::kStrict || !value.is_number())) {
         return fail(place + ": " + shown(value) + " is not a string");
     }
     const auto text = value.is_string() ? value.get<std::string>() : dump_json(value);
@@ -126,7 +126,7 @@ Expected<json> item_values(const Field& list, const json& item, Strictness stric
         if (item.size() != list.items.size()) return fail(place + ": not an item of " + form);
     } else if (item.is_array()) {
         values = item;
-    } else if (item.is_string() && (list.items.size() > 1 || strictness == Strictness::Lenient)) {
+    } else if (item.is_string() && (list.items.size() > 1 || strictness == Strictness::kLenient)) {
         for (const auto part : protocol::split_fields(item.get_ref<const std::string&>()))
             values.push_back(std::string(part));
     } else {
@@ -140,7 +140,7 @@ Text write_item(const Field& list, const json& item, Strictness strictness, cons
     const auto values = item_values(list, item, strictness, place);
     if (!values) return fail(values.error());
     // Text "0:255" carries its numbers as text, whatever stands around it.
-    const auto inner = item.is_string() && list.items.size() > 1 ? Strictness::Lenient : strictness;
+    const auto inner = item.is_string() && list.items.size() > 1 ? Strictness::kLenient : strictness;
     std::string text;
     for (std::size_t i = 0; i < list.items.size(); ++i) {
         const auto& field = list.items[i];
@@ -178,7 +178,7 @@ std::size_t value_index(const CommandModel& command, const std::string& name) {
     std::size_t index = 0;
     for (const auto& argument : command.args) {
         if (argument.name == name) break;
-        if (argument.type != ValueType::Count) ++index;
+        if (argument.type != ValueType::kCount) ++index;
     }
     return index;
 }
@@ -186,8 +186,8 @@ std::size_t value_index(const CommandModel& command, const std::string& name) {
 }  // namespace
 
 Text write_value(const Field& field, const json& value, Strictness strictness, const std::string& place) {
-    if (field.type == ValueType::List) return write_list(field, value, strictness, place);
-    if (field.type == ValueType::Text) return write_text(field, value, strictness, place);
+    if (field.type == ValueType::kList) return write_list(field, value, strictness, place);
+    if (field.type == ValueType::kText) return write_text(field, value, strictness, place);
     return write_number(field, value, strictness, place);
 }
 
@@ -196,7 +196,7 @@ Text write_arguments(const CommandModel& command, const json& values, Strictness
     std::size_t next = 0;
     for (const auto& argument : command.args) {
         text += ',';
-        if (argument.type == ValueType::Count) {
+        if (argument.type == ValueType::kCount) {
             text += std::to_string(values[value_index(command, argument.of)].size());
             continue;
         }

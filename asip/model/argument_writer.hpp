@@ -9,7 +9,7 @@ namespace asip::model {
 
 /// Strict: a number in JSON is a number. Lenient: what a person typed or the wire carries, numbers come as
 /// text.
-enum class Strictness { Strict, Lenient };
+enum class Strictness { kStrict, kLenient };
 
 /// One value as it stands on the wire. `place` names it in the reason: "angle", "pixels/0/color".
 Expected<std::string> write_value(const Field& field, const nlohmann::json& value, Strictness strictness,

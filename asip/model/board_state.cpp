@@ -7,11 +7,11 @@ namespace asip::model {
 namespace {
 
 constexpr std::array<std::pair<BoardState, std::string_view>, 5> kTexts = {{
-    {BoardState::Online, "online"},
-    {BoardState::Offline, "offline"},
-    {BoardState::Lost, "lost"},
-    {BoardState::Sleeping, "sleeping"},
-    {BoardState::Updating, "updating"},
+    {BoardState::kOnline, "online"},
+    {BoardState::kOffline, "offline"},
+    {BoardState::kLost, "lost"},
+    {BoardState::kSleeping, "sleeping"},
+    {BoardState::kUpdating, "updating"},
 }};
 
 }  // namespace

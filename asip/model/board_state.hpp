@@ -4,18 +4,18 @@
 
 namespace asip::model {
 
-/// What `$state` says of a board.
+/// The state of a board, as its retained `$state` topic holds it.
 enum class BoardState {
-    Online,
-    Offline,  // said goodbye
-    Lost,     // its will spoke, or its lease ran out
-    Sleeping,
-    Updating,
+    kOnline,
+    kOffline,   ///< its agent ended in order
+    kLost,      ///< the broker published the will of its agent, or its lease ran out
+    kSleeping,  ///< alive, but does not answer for a while
+    kUpdating,  ///< alive, and being given new firmware
 };
 
-/// "online", "offline", "lost", "sleeping", "updating".
+/// The word on the bus: "online", "offline", "lost", "sleeping", "updating".
 std::string_view to_text(BoardState state);
-/// The exact word; nothing otherwise.
+/// From exactly that word; nothing otherwise.
 std::optional<BoardState> board_state_from_text(std::string_view text);
 
 }  // namespace asip::model

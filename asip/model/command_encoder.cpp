@@ -113,7 +113,7 @@ Expected<json> order_members(const CommandModel& command, const json& members) {
 
 Expected<json> json_values(const CommandModel& command, const json& given) {
     const auto args = given_arguments(command);
-    const bool one_list = args.size() == 1 && args.front()->type == ValueType::List;
+    const bool one_list = args.size() == 1 && args.front()->type == ValueType::kList;
     if (given.is_null()) return json::array();
     if (given.is_object()) return order_members(command, given);
     if (given.is_array()) {
@@ -148,10 +148,10 @@ Expected<json> values_from_text(const CommandModel& command, std::string_view pa
     std::vector<std::pair<const Field*, std::string>> counts;
     for (std::size_t i = 0; i < command.args.size() && any; ++i) {
         const auto& argument = command.args[i];
-        const bool rest = argument.type == ValueType::List || argument.type == ValueType::Text;
+        const bool rest = argument.type == ValueType::kList || argument.type == ValueType::kText;
         const auto comma = rest ? std::string_view::npos : parameters.find(',');
         const auto part = parameters.substr(0, comma);
-        if (argument.type == ValueType::List) {
+        if (argument.type == ValueType::kList) {
             auto items = list_from_text(argument, part);
             if (!items) return items;
             for (const auto& [count, said] : counts) {
@@ -161,7 +161,7 @@ Expected<json> values_from_text(const CommandModel& command, std::string_view pa
                 }
             }
             values.push_back(std::move(*items));
-        } else if (argument.type == ValueType::Count) {
+        } else if (argument.type == ValueType::kCount) {
             counts.emplace_back(&argument, std::string(part));
         } else {
             values.push_back(std::string(part));
@@ -195,7 +195,7 @@ Expected<EncodedCommand> encode_json_command(const ServiceModel& model, const nl
     if (known == nullptr) return unknown_command(model, *name);
     const auto values = json_values(*known, *given);
     if (!values) return fail(values.error());
-    return finish(model, *known, *values, Strictness::Strict);
+    return finish(model, *known, *values, Strictness::kStrict);
 }
 
 Expected<EncodedCommand> encode_text_command(const ServiceModel& model, std::string_view text) {
@@ -207,7 +207,7 @@ Expected<EncodedCommand> encode_text_command(const ServiceModel& model, std::str
     for (const auto& command : model.commands) {
         if (command.tag != request->tag) continue;
         const auto values = values_from_text(command, request->parameters, any);
-        auto result = values ? finish(model, command, *values, Strictness::Lenient) : fail(values.error());
+        auto result = values ? finish(model, command, *values, Strictness::kLenient) : fail(values.error());
         if (result) return result;
         if (!reason) reason = result.error();
     }
@@ -224,13 +224,13 @@ Expected<EncodedCommand> encode_word_command(const ServiceModel& model, std::spa
     json values = json::array();
     for (std::size_t i = 1; i < words.size(); ++i) {
         const bool at_last = values.size() + 1 >= args.size() && !args.empty();
-        const auto type = at_last ? args.back()->type : ValueType::Integer;
-        if (at_last && type == ValueType::List) {
+        const auto type = at_last ? args.back()->type : ValueType::kInteger;
+        if (at_last && type == ValueType::kList) {
             json items = json::array();
             for (; i < words.size(); ++i)
                 items.push_back(words[i]);
             values.push_back(std::move(items));
-        } else if (at_last && type == ValueType::Text && values.size() + 1 == args.size()) {
+        } else if (at_last && type == ValueType::kText && values.size() + 1 == args.size()) {
             std::string text = words[i++];
             for (; i < words.size(); ++i)
                 text += " " + words[i];
@@ -239,7 +239,7 @@ Expected<EncodedCommand> encode_word_command(const ServiceModel& model, std::spa
             values.push_back(words[i]);
         }
     }
-    return finish(model, *known, values, Strictness::Lenient);
+    return finish(model, *known, values, Strictness::kLenient);
 }
 
 }  // namespace asip::model

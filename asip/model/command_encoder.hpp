@@ -11,34 +11,38 @@
 
 namespace asip::model {
 
+/// A checked command, ready to be sent, and what is to be expected of it.
 struct EncodedCommand {
-    std::string line;     // "S,W,0,90", without newline, at most protocol::kMaxRequestBytes
-    std::string command;  // its name in the model; empty for a service without a model
+    std::string line;     ///< "S,W,0,90", without newline, at most protocol::kMaxRequestBytes bytes
+    std::string command;  ///< its name in the model; empty for a service without a model
     char service = 0;
     char tag = 0;
-    char answer = 0;                                       // tag of the event that answers it; 0: none
-    std::optional<std::chrono::milliseconds> answer_time;  // after its execution; none: nothing is known
-    std::string safe;  // the request line that undoes it, "M,s,0"; empty: nothing does
+    char answer = 0;  ///< tag of the event that answers it; 0: none
+    /// How long after its execution that event may come; none: the model does not say.
+    std::optional<std::chrono::milliseconds> answer_time;
+    std::string safe;  ///< the request line that undoes it, "M,s,0"; empty: nothing does
 };
 
-// Each checks name, count, types and ranges, and fails with a reason for a person: "period: 70000 is above
-// 65535", "no command 'wirte'; did you mean 'write'?". Nothing is sent half-checked.
+// Each checks the command's name and the number, types and ranges of its arguments, and fails with a reason
+// for a person: "period: 70000 is above 65535", "no command 'wirte'; did you mean 'write'?". What succeeds
+// fits a request line and is what the board's firmware accepts, as far as its model goes.
 
 /// {"write":[0,90]}, {"write":{"servo":0,"angle":90}}, {"measure":null} (also [] , {} , true), {"report":100}
-/// for one argument. Members "id" and "reply_to" are passed over.
+/// for one argument. The object has one member, the command; members "id" and "reply_to" are passed over.
+/// Numbers must be JSON numbers.
 Expected<EncodedCommand> encode_json_command(const ServiceModel& model, const nlohmann::json& command);
 
-/// The request without its service: "W,0,90". Checked against the model's command with that tag; a tag the
-/// model does not know is refused.
+/// ASIP text without its service: "W,0,90". Checked against the model's commands with that tag; a tag that
+/// the model does not have is refused.
 Expected<EncodedCommand> encode_text_command(const ServiceModel& model, std::string_view text);
 
-/// As typed: {"write","0","90"}; items of a list may be "0:255". The first word is a command's name, or the
-/// tag.
+/// Words as a person typed them: {"write","0","90"}. The first is the name of a command, or its tag; an item
+/// of a list with several fields is one word: "0:255".
 Expected<EncodedCommand> encode_word_command(const ServiceModel& model, std::span<const std::string> words);
 
 /// A command for the service `letter` as its control topic carries it: ASIP text without the service
 /// ("W,0,90", a line end is allowed), or an object as for encode_json_command() or {"raw":"W,0,90"}. `model`
-/// may be null: then only ASIP text is taken, and only its form is checked.
+/// may be null: then only ASIP text and {"raw":...} are taken, and only the form of the line is checked.
 Expected<EncodedCommand> encode_control_text(const ServiceModel* model, char letter, std::string_view text);
 Expected<EncodedCommand> encode_control_json(const ServiceModel* model, char letter,
                                              const nlohmann::json& object);

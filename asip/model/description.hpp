@@ -15,80 +15,95 @@
 
 namespace asip::model {
 
+// Bounds of a `$description`; a larger one is refused by every reader.
 inline constexpr std::size_t kMaxDescriptionBytes = std::size_t{64} * 1024;
 inline constexpr std::size_t kMaxDescriptionServices = 64;
 inline constexpr int kDefaultLeaseSeconds = 60;
 inline constexpr int kMaxLeaseSeconds = 24 * 60 * 60;
 
+/// What the board answered about itself. Texts in a description have at most 256 bytes of UTF-8 without
+/// control characters; empty means unknown and is left out in JSON.
 struct FirmwareInfo {
-    std::string protocol;  // "0.4"
+    std::string protocol;  ///< "0.4"
     std::string chip;
     std::string sketch;
     protocol::Extensions extensions;
     friend bool operator==(const FirmwareInfo&, const FirmwareInfo&) = default;
 };
 
+/// How the agent reaches the board.
 struct LinkInfo {
-    std::string kind;  // "serial", "tcp", "sim", ...
-    std::string path;  // port, or host:port
-    int baud = 0;      // 0: does not apply
+    std::string kind;  ///< "serial", "tcp", "sim", ...
+    std::string path;  ///< port, or host:port
+    int baud = 0;      ///< 0: does not apply
     friend bool operator==(const LinkInfo&, const LinkInfo&) = default;
 };
 
+/// Who serves the board.
 struct AgentInfo {
     std::string version;
-    std::string host;
-    std::string client;  // MQTT client id
+    std::string host;    ///< name of its machine
+    std::string client;  ///< MQTT client id
     friend bool operator==(const AgentInfo&, const AgentInfo&) = default;
 };
 
-/// One character a pin in the three texts, as on the bus; texts that are empty are unknown.
+/// The digital pins: one character for each, from pin 0 on, in each of the three texts; an empty text is
+/// unknown.
 struct PinsInfo {
-    std::string capabilities;  // digits of bits: 1 digital, 2 analog in, 4 PWM
-    std::string owners;        // service letter, '@' system, '-' none
-    std::string modes;         // digits of protocol::PinMode
-    std::vector<std::pair<std::uint8_t, std::uint8_t>> analog;  // digital pin, analog channel
+    std::string capabilities;  ///< a digit, the sum of 1 digital, 2 analog in, 4 PWM
+    std::string owners;        ///< service letter, '@' system, '-' none
+    std::string modes;         ///< the digit of protocol::PinMode
+    /// Digital pin and its analog channel, ascending by pin.
+    std::vector<std::pair<std::uint8_t, std::uint8_t>> analog;
 
     bool empty() const { return capabilities.empty() && owners.empty() && modes.empty() && analog.empty(); }
     friend bool operator==(const PinsInfo&, const PinsInfo&) = default;
 };
 
+/// One service of the board.
 struct ServiceInfo {
-    std::string name;                               // on the bus: the model's name, or the letter
-    char id = 0;                                    // 0: not said (a board that only publishes names)
-    std::string model;                              // "distance@1"; empty: no model, or `own_model`
-    std::shared_ptr<const ServiceModel> own_model;  // carried in full; null for standard ones
-    std::string title;                              // the board's friendly name
-    std::optional<int> count;                       // elements
-    std::optional<int> period;                      // of auto-events, ms
+    std::string name;   ///< on the bus, unique on the board: the model's name, or the letter
+    char id = 0;        ///< its letter; 0: unknown
+    std::string model;  ///< "distance@1"; empty: no model, or `own_model`
+    /// A model that is not built into every program is carried in full; null for standard ones.
+    std::shared_ptr<const ServiceModel> own_model;
+    std::string title;          ///< the board's friendly name
+    std::optional<int> count;   ///< number of elements, 0 to 65535
+    std::optional<int> period;  ///< of its auto-event in milliseconds, 0 to 65535; 0: off
 };
-/// own_model is compared by its source.
+/// Two own models are equal if their sources are.
 bool operator==(const ServiceInfo& a, const ServiceInfo& b);
 
-/// The retained `$description` of a board.
+/// The retained `$description` of a board: all that an agent announces. Published anew whenever it changes,
+/// and in time before the lease runs out.
 struct Description {
     std::string board;
-    std::string session;  // random per agent start
-    std::uint64_t seq = 0;
-    int lease = kDefaultLeaseSeconds;  // seconds
+    std::string session;               ///< random, new with each start of the agent
+    std::uint64_t seq = 0;             ///< counts the descriptions of a session
+    int lease = kDefaultLeaseSeconds;  ///< seconds, 1 to kMaxLeaseSeconds, after which it no longer holds
     FirmwareInfo firmware;
     LinkInfo link;
     AgentInfo agent;
     PinsInfo pins;
     std::vector<ServiceInfo> services;
 
+    /// The service of that name, or null. Valid as long as `services` is not changed.
     const ServiceInfo* service(std::string_view name) const;
     friend bool operator==(const Description&, const Description&) = default;
 };
 
 nlohmann::json to_json(const Description& description);
-/// Compact text of it; what is empty is left out.
+/// The same as compact text. What is empty is left out.
 std::string to_text(const Description& description);
 
 /// From JSON that anyone may have published. Board, session, seq and services must be there; unknown members
-/// are passed over. Fails with "/services/1/name: ..." on wrong types, names that are not valid, texts longer
-/// than 256 bytes, two services with one name, or numbers out of bounds.
+/// are passed over, so that later versions may add some. Fails with the first fault and its place,
+/// "/services/1/name: is not a valid name": members of a wrong type, names that are not valid, texts longer
+/// than 256 bytes or with control characters, two services with one name, numbers out of bounds, an own model
+/// that service_model_from_json() refuses.
 Expected<Description> description_from_json(const nlohmann::json& document);
+/// The same from text; fails also when it is longer than kMaxDescriptionBytes, nested deeper than 16, or not
+/// JSON.
 Expected<Description> parse_description(std::string_view text);
 
 }  // namespace asip::model

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -6,18 +7,19 @@
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
 #include "asip/protocol/limits.hpp"
+#include "asip/text/json_reader.hpp"
 #include "asip/text/printable.hpp"
 
 namespace asip::model {
 namespace {
 
 using nlohmann::json;
+using text::JsonReader;
 
 constexpr std::size_t kMaxTextBytes = 256;
 constexpr JsonLimits kDescriptionLimits = {kMaxDescriptionBytes, 16};
 
-// --- to JSON
-// ---------------------------------------------------------------------------------------------------------
+// To JSON
 
 void put_text(json& object, const char* key, const std::string& text) {
     if (!text.empty()) object[key] = text;
@@ -77,140 +79,83 @@ void put_object(json& document, const char* key, json object) {
     if (!object.empty()) document[key] = std::move(object);
 }
 
-// --- from JSON
-// -------------------------------------------------------------------------------------------------------
+// From JSON
 
-/// Reads members and keeps the first fault; after one, what it returns does not matter.
-class Reader {
-  public:
-    bool ok() const { return fault_.empty(); }
-    const std::string& fault() const { return fault_; }
+/// A text that is fit to be shown to a person.
+std::string read_text(JsonReader& reader, const char* key) {
+    auto text = reader.text(key, {}, kMaxTextBytes);
+    if (!text::is_showable(text)) reader.fault(key, "holds control characters");
+    return text;
+}
 
-    void set_fault(const std::string& place, const std::string& reason) {
-        if (fault_.empty()) fault_ = place + ": " + reason;
-    }
+std::optional<int> read_small(JsonReader& reader, std::string_view key, int max) {
+    const auto value = reader.integer(key, 0, static_cast<std::uint64_t>(max));
+    if (!value) return std::nullopt;
+    return static_cast<int>(*value);
+}
 
-    /// The member, or null where it is absent.
-    const json* find(const json& object, const char* key) {
-        const auto found = object.find(key);
-        return found == object.end() ? nullptr : &*found;
-    }
-
-    const json* find_object(const json& object, const char* key, const std::string& place) {
-        const auto* member = find(object, key);
-        if (member == nullptr || member->is_object()) return member;
-        set_fault(place + "/" + key, "is not an object");
-        return nullptr;
-    }
-
-    std::string text(const json& object, const char* key, const std::string& place) {
-        const auto* member = find(object, key);
-        if (member == nullptr) return {};
-        if (!member->is_string()) {
-            set_fault(place + "/" + key, "is not a string");
-            return {};
-        }
-        const auto& text = member->get_ref<const std::string&>();
-        if (text.size() > kMaxTextBytes) {
-            set_fault(place + "/" + key, "is longer than 256 bytes");
-            return {};
-        }
-        if (!text::is_showable(text)) set_fault(place + "/" + key, "holds control characters");
-        return text;
-    }
-
-    std::optional<std::uint64_t> number(const json& object, const char* key, const std::string& place,
-                                        std::uint64_t max) {
-        const auto* member = find(object, key);
-        if (member == nullptr) return std::nullopt;
-        if (!member->is_number_unsigned() &&
-            !(member->is_number_integer() && member->get<std::int64_t>() >= 0)) {
-            set_fault(place + "/" + key, "is not an integer from 0");
-            return std::nullopt;
-        }
-        const auto number = member->get<std::uint64_t>();
-        if (number > max) {
-            set_fault(place + "/" + key, std::to_string(number) + " is above " + std::to_string(max));
-            return std::nullopt;
-        }
-        return number;
-    }
-
-    std::optional<int> small(const json& object, const char* key, const std::string& place, int max) {
-        const auto value = number(object, key, place, static_cast<std::uint64_t>(max));
-        if (!value) return std::nullopt;
-        return static_cast<int>(*value);
-    }
-
-  private:
-    std::string fault_;
-};
-
-FirmwareInfo read_firmware(Reader& reader, const json& object, const std::string& place) {
-    FirmwareInfo firmware{reader.text(object, "protocol", place),
-                          reader.text(object, "chip", place),
-                          reader.text(object, "sketch", place),
-                          {}};
-    const auto* extensions = reader.find_object(object, "extensions", place);
-    if (extensions == nullptr) return firmware;
-    for (auto it = extensions->begin(); it != extensions->end(); ++it) {
-        const auto inner = place + "/extensions";
-        if (it.key().size() != 1 || it.key() < "!" || it.key() > "~")
-            reader.set_fault(inner, "a tag is one character");
-        const auto version = reader.small(*extensions, it.key().c_str(), inner, 255);
+FirmwareInfo read_firmware(JsonReader reader) {
+    FirmwareInfo firmware{
+        read_text(reader, "protocol"), read_text(reader, "chip"), read_text(reader, "sketch"), {}};
+    auto extensions = reader.object("extensions");
+    if (!extensions) return firmware;
+    for (const auto& [tag, member] : extensions->value().items()) {
+        if (tag.size() != 1 || tag < "!" || tag > "~") extensions->fault({}, "a tag is one character");
+        const auto version = read_small(*extensions, tag, 255);
         if (!reader.ok()) return firmware;
-        firmware.extensions.list.emplace_back(it.key().front(), version.value_or(0));
+        firmware.extensions.list.emplace_back(tag.front(), version.value_or(0));
     }
     return firmware;
 }
 
-LinkInfo read_link(Reader& reader, const json& object, const std::string& place) {
-    return {reader.text(object, "kind", place), reader.text(object, "path", place),
-            reader.small(object, "baud", place, 100'000'000).value_or(0)};
+LinkInfo read_link(JsonReader reader) {
+    return {read_text(reader, "kind"), read_text(reader, "path"),
+            read_small(reader, "baud", 100'000'000).value_or(0)};
 }
 
-AgentInfo read_agent(Reader& reader, const json& object, const std::string& place) {
-    return {reader.text(object, "version", place), reader.text(object, "host", place),
-            reader.text(object, "client", place)};
+AgentInfo read_agent(JsonReader reader) {
+    return {read_text(reader, "version"), read_text(reader, "host"), read_text(reader, "client")};
 }
 
 /// One character a pin, each among those allowed.
-std::string pin_text(Reader& reader, const json& object, const char* key, const std::string& place,
-                     bool (*allowed)(char)) {
-    auto text = reader.text(object, key, place);
-    for (const char c : text) {
-        if (!allowed(c)) reader.set_fault(place + "/" + key, "holds a character that stands for nothing");
-    }
-    return text;
+std::string pin_text(JsonReader& reader, const char* key, bool (*allowed)(char)) {
+    auto pins = read_text(reader, key);
+    if (!std::all_of(pins.begin(), pins.end(), allowed))
+        reader.fault(key, "holds a character that stands for nothing");
+    return pins;
 }
 
-PinsInfo read_pins(Reader& reader, const json& object, const std::string& place) {
+/// The pin that a key names; nothing when it names none.
+std::optional<std::uint8_t> pin_of(const std::string& key) {
+    const bool digits =
+        !key.empty() && key.size() <= 3 && key.find_first_not_of("0123456789") == std::string::npos;
+    const int pin = digits ? std::stoi(key) : 256;
+    if (pin > 255) return std::nullopt;
+    return static_cast<std::uint8_t>(pin);
+}
+
+PinsInfo read_pins(JsonReader reader) {
     static_assert(kMaxTextBytes == protocol::kMaxPins);
     PinsInfo pins;
-    pins.capabilities =
-        pin_text(reader, object, "capabilities", place, [](char c) { return c >= '0' && c <= '7'; });
-    pins.owners = pin_text(reader, object, "owners", place,
-                           [](char c) { return (c >= 'A' && c <= 'Z') || c == '@' || c == '-'; });
-    pins.modes = pin_text(reader, object, "modes", place, [](char c) { return c >= '0' && c <= '8'; });
-    const auto* analog = reader.find_object(object, "analog", place);
-    if (analog == nullptr) return pins;
-    if (analog->size() > protocol::kMaxPins) reader.set_fault(place + "/analog", "has more than 256 members");
-    for (auto it = analog->begin(); it != analog->end() && reader.ok(); ++it) {
-        const auto& key = it.key();
-        const bool digits =
-            !key.empty() && key.size() <= 3 && key.find_first_not_of("0123456789") == std::string::npos;
-        const int pin = digits ? std::stoi(key) : 256;
-        if (pin > 255) reader.set_fault(place + "/analog", "a key is not a pin");
-        const auto channel = reader.small(*analog, key.c_str(), place + "/analog", 255);
+    pins.capabilities = pin_text(reader, "capabilities", [](char c) { return c >= '0' && c <= '7'; });
+    pins.owners =
+        pin_text(reader, "owners", [](char c) { return (c >= 'A' && c <= 'Z') || c == '@' || c == '-'; });
+    pins.modes = pin_text(reader, "modes", [](char c) { return c >= '0' && c <= '8'; });
+    auto analog = reader.object("analog");
+    if (!analog) return pins;
+    if (analog->value().size() > protocol::kMaxPins) analog->fault({}, "has more than 256 members");
+    for (const auto& [key, member] : analog->value().items()) {
+        const auto pin = pin_of(key);
+        if (!pin) analog->fault({}, "a key is not a pin");
+        const auto channel = read_small(*analog, key, 255);
         if (!reader.ok()) return pins;
-        pins.analog.emplace_back(static_cast<std::uint8_t>(pin),
-                                 static_cast<std::uint8_t>(channel.value_or(0)));
+        pins.analog.emplace_back(*pin, static_cast<std::uint8_t>(channel.value_or(0)));
     }
     std::sort(pins.analog.begin(), pins.analog.end());
     return pins;
 }
 
-void read_model(Reader& reader, const json& member, const std::string& place, ServiceInfo& service) {
+void read_model(JsonReader& reader, const json& member, ServiceInfo& service) {
     if (member.is_string()) {
         service.model = member.get<std::string>();
         const auto at = service.model.find('@');
@@ -218,53 +163,44 @@ void read_model(Reader& reader, const json& member, const std::string& place, Se
         const bool valid = valid_name(service.model.substr(0, at)) && !version.empty() &&
                            version.size() <= 4 &&
                            version.find_first_not_of("0123456789") == std::string::npos;
-        if (!valid) reader.set_fault(place, "is not NAME@VERSION");
+        if (!valid) reader.fault("model", "is not NAME@VERSION");
     } else if (member.is_object()) {
         auto model = service_model_from_json(member);
-        if (!model) return reader.set_fault(place, model.error());
+        if (!model) return reader.fault("model", model.error());
         model->example_source.clear();
         service.own_model = std::make_shared<const ServiceModel>(std::move(*model));
     } else {
-        reader.set_fault(place, "is neither a name nor a model");
+        reader.fault("model", "is neither a name nor a model");
     }
 }
 
-ServiceInfo read_service(Reader& reader, const json& object, const std::string& place) {
+ServiceInfo read_service(JsonReader& reader) {
     ServiceInfo service;
-    if (!object.is_object()) {
-        reader.set_fault(place, "is not an object");
-        return service;
-    }
-    service.name = reader.text(object, "name", place);
-    if (reader.ok() && !valid_name(service.name)) reader.set_fault(place + "/name", "is not a valid name");
-    const auto id = reader.text(object, "id", place);
+    service.name = read_text(reader, "name");
+    if (!valid_name(service.name)) reader.fault("name", "is not a valid name");
+    const auto id = read_text(reader, "id");
     if (!id.empty()) {
         service.id = id.front();
         if (id.size() != 1 || id.front() < 'A' || id.front() > 'Z')
-            reader.set_fault(place + "/id", "is not a letter A to Z");
+            reader.fault("id", "is not a letter A to Z");
     }
-    service.title = reader.text(object, "title", place);
-    service.count = reader.small(object, "count", place, 65535);
-    service.period = reader.small(object, "period", place, 65535);
-    const auto* model = reader.find(object, "model");
-    if (model != nullptr && reader.ok()) read_model(reader, *model, place + "/model", service);
+    service.title = read_text(reader, "title");
+    service.count = read_small(reader, "count", 65535);
+    service.period = read_small(reader, "period", 65535);
+    const auto* model = reader.find("model");
+    if (model != nullptr && reader.ok()) read_model(reader, *model, service);
     return service;
 }
 
-std::vector<ServiceInfo> read_services(Reader& reader, const json& document) {
+std::vector<ServiceInfo> read_services(JsonReader& reader) {
     std::vector<ServiceInfo> services;
-    const auto* list = reader.find(document, "services");
-    if (list == nullptr || !list->is_array()) {
-        reader.set_fault("/services", list == nullptr ? "is missing" : "is not an array");
-        return services;
-    }
-    if (list->size() > kMaxDescriptionServices) reader.set_fault("/services", "has more than 64 items");
+    auto readers = reader.list("services", kMaxDescriptionServices);
     std::set<std::string_view> names;
-    services.reserve(std::min(list->size(), kMaxDescriptionServices));
-    for (std::size_t i = 0; i < list->size() && reader.ok(); ++i) {
-        const auto place = "/services/" + std::to_string(i);
-        services.push_back(read_service(reader, (*list)[i], place));
-        if (!names.insert(services.back().name).second) reader.set_fault(place + "/name", "is there twice");
+    services.reserve(readers.size());
+    for (auto& each : readers) {
+        services.push_back(read_service(each));
+        if (!names.insert(services.back().name).second) each.fault("name", "is there twice");
+        if (!reader.ok()) break;
     }
     return services;
 }
@@ -291,31 +227,25 @@ std::string to_text(const Description& description) {
 }
 
 Expected<Description> description_from_json(const nlohmann::json& document) {
-    if (!document.is_object()) return fail("/: is not an object");
-    Reader reader;
+    std::string fault;
+    JsonReader reader(document, "", fault);
+    for (const auto* key : {"board", "session", "seq", "services"})
+        reader.required(key);
+    if (!reader.ok()) return fail(fault);
     Description result;
-    for (const auto* key : {"board", "session", "seq"}) {
-        if (!document.contains(key)) return fail(std::string("/") + key + ": is missing");
-    }
-    result.board = reader.text(document, "board", "");
-    if (reader.ok() && !valid_board_name(result.board))
-        reader.set_fault("/board", explain_board_name(result.board));
-    result.session = reader.text(document, "session", "");
-    if (reader.ok() && !valid_name(result.session)) reader.set_fault("/session", "is not a valid session");
-    result.seq = reader.number(document, "seq", "", std::numeric_limits<std::int64_t>::max()).value_or(0);
-    result.lease = reader.small(document, "lease", "", kMaxLeaseSeconds).value_or(kDefaultLeaseSeconds);
-    if (result.lease == 0) reader.set_fault("/lease", "0 is below 1");
-    if (const auto* member = reader.find_object(document, "firmware", "")) {
-        result.firmware = read_firmware(reader, *member, "/firmware");
-    }
-    if (const auto* member = reader.find_object(document, "link", ""))
-        result.link = read_link(reader, *member, "/link");
-    if (const auto* member = reader.find_object(document, "agent", ""))
-        result.agent = read_agent(reader, *member, "/agent");
-    if (const auto* member = reader.find_object(document, "pins", ""))
-        result.pins = read_pins(reader, *member, "/pins");
-    if (reader.ok()) result.services = read_services(reader, document);
-    if (!reader.ok()) return fail(reader.fault());
+    result.board = read_text(reader, "board");
+    if (!valid_board_name(result.board)) reader.fault("board", explain_board_name(result.board));
+    result.session = read_text(reader, "session");
+    if (!valid_name(result.session)) reader.fault("session", "is not a valid session");
+    result.seq = reader.integer("seq", 0, std::numeric_limits<std::int64_t>::max()).value_or(0);
+    result.lease =
+        static_cast<int>(reader.integer("lease", 1, kMaxLeaseSeconds).value_or(kDefaultLeaseSeconds));
+    if (auto member = reader.object("firmware")) result.firmware = read_firmware(std::move(*member));
+    if (auto member = reader.object("link")) result.link = read_link(std::move(*member));
+    if (auto member = reader.object("agent")) result.agent = read_agent(std::move(*member));
+    if (auto member = reader.object("pins")) result.pins = read_pins(std::move(*member));
+    if (reader.ok()) result.services = read_services(reader);
+    if (!reader.ok()) return fail(fault);
     return result;
 }
 

@@ -19,7 +19,7 @@ std::string in_quotes(std::string_view text) {
 
 /// Boards of different make send 12 or 12.5 for one quantity, so each number that is one passes.
 Expected<json> read_value(const Field& field, std::string_view text) {
-    if (field.type == ValueType::Text) return json(std::string(text));
+    if (field.type == ValueType::kText) return json(std::string(text));
     if (const auto integer = protocol::parse_integer(text)) return json(*integer);
     double number = 0;
     const auto [end, fault] =
@@ -130,21 +130,21 @@ Expected<json> decode_port_map(std::string_view body) {
 
 Expected<json> decode_body(const EventModel& event, std::string_view text, const DecodeContext& context) {
     switch (event.shape) {
-        case EventShape::Plain:
+        case EventShape::kPlain:
             return decode_plain(event, text);
-        case EventShape::Ports:
+        case EventShape::kPorts:
             return decode_ports(text, context);
-        case EventShape::PortMap:
+        case EventShape::kPortMap:
             return decode_port_map(text);
-        case EventShape::PerElement:
-        case EventShape::Once:
-        case EventShape::Map:
+        case EventShape::kPerElement:
+        case EventShape::kOnce:
+        case EventShape::kMap:
             break;
     }
     const auto body = protocol::parse_body(text);
     if (!body) return fail(body.error());
-    if (event.shape == EventShape::Once) return decode_once(event, body->items);
-    if (event.shape == EventShape::Map) return decode_map(event, *body);
+    if (event.shape == EventShape::kOnce) return decode_once(event, body->items);
+    if (event.shape == EventShape::kMap) return decode_map(event, *body);
     return decode_elements(event, *body);
 }
 

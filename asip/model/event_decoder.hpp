@@ -11,19 +11,22 @@
 
 namespace asip::model {
 
-/// What decoding needs to know of the board.
+/// What decoding needs to know of the board. Refers to data of the caller, for the duration of a call.
 struct DecodeContext {
-    const protocol::PortMap* ports = nullptr;       // needed by shape Ports
-    std::span<const protocol::PinMode> modes = {};  // where known, digital events name input pins only
+    /// Needed for events of EventShape::kPorts; they fail without it.
+    const protocol::PortMap* ports = nullptr;
+    /// The mode of each pin, where known: then digital events name input pins only.
+    std::span<const protocol::PinMode> modes = {};
 };
 
 /// `@D,e,2,{42,118}` -> {"distance":[42,118]}: one object with one member, the event's name. Fails when the
-/// model has no event with that tag, or the body does not fit it (values outside min..max pass: a sensor may
-/// be out of range).
+/// model has no event with that tag, or the body does not fit it: a count, a number of fields or a value of
+/// another type. Values outside min..max pass, as a sensor may be out of its range.
 Expected<nlohmann::json> decode_event(const ServiceModel& model, const protocol::Event& event,
                                       const DecodeContext& context = {});
 
-/// What stands for an event that no model describes: {"tag":"e","body":"2,{42,118}"}.
+/// What is published for an event that no model describes, or that does not fit its model:
+/// {"tag":"e","body":"2,{42,118}"}.
 nlohmann::json raw_event(const protocol::Event& event);
 
 }  // namespace asip::model

@@ -11,30 +11,35 @@ namespace asip::model {
 
 using ModelPtr = std::shared_ptr<const ServiceModel>;
 
-/// The service models a program knows. Copies are cheap (models are shared).
+/// The service models that a program knows, one for each name. Copies are cheap, as models are shared and
+/// never change. Safe to read in several threads, to change in one.
 class ModelSet {
   public:
-    /// The models of services/, built into the program.
+    /// The models of services/, built into the program. Made at the first call, which throws std::logic_error
+    /// if one of them is wrong (the tests make sure that none is).
     static const ModelSet& standard();
 
     ModelSet() = default;
 
-    /// Adds every *.json of the folder but schema.json; a model replaces the one of its name. All or nothing.
-    /// Fails with "FILE: /place: reason".
+    /// Adds every *.json of the folder except schema.json; a model replaces the one of its name. Fails, and
+    /// then adds none, with "FILE: /place: reason" when the folder or a file cannot be read, or a file is
+    /// larger than 64 KiB or not a valid model.
     Expected<void> load_directory(const std::string& path);
+    /// Replaces the model of the same name.
     void add(ServiceModel model);
 
-    /// The model of a service of a board. `friendly_name` is what `#,N` says, empty where it says nothing:
-    /// then the letter decides, and of two models with one letter the first by name. Null when no model fits.
+    /// The model of a service of a board. `friendly_name` is what the board answered to `#,N`, empty if
+    /// nothing: then the letter decides, and of two models with one letter the first in the order of their
+    /// names. Null when no model fits.
     ModelPtr match(char letter, std::string_view friendly_name) const;
-    /// By model name; null when unknown.
+    /// The model of that name; null when unknown.
     ModelPtr find(std::string_view name) const;
-    /// By "distance@1"; null when the name or the version differs.
+    /// The model for a reference such as "distance@1"; null when there is none of this name and version.
     ModelPtr find_ref(std::string_view ref) const;
-    /// True when this very version is built into every program, so that a description may refer to it.
+    /// Whether exactly this model is built into every program, so that a description need only refer to it.
     static bool is_standard(const ServiceModel& model);
 
-    /// Sorted by name.
+    /// In the order of their names.
     const std::vector<ModelPtr>& all() const { return models_; }
     std::vector<std::string> names() const;
 

@@ -5,7 +5,8 @@
 
 namespace asip::model {
 
-/// A Markdown page for people: each model with its events, commands, arguments and examples, by name.
+/// A page in Markdown for people: each model with its events, commands, arguments and examples, in the order
+/// of their names. docs/services.md is this page of the standard models.
 std::string reference_page(const ModelSet& models);
 
 }  // namespace asip::model

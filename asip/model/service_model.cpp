@@ -29,17 +29,17 @@ auto find_or_null(const List& list, Test test) -> const typename List::value_typ
 
 std::string_view to_text(ValueType type) {
     switch (type) {
-        case ValueType::Integer:
+        case ValueType::kInteger:
             return "integer";
-        case ValueType::Number:
+        case ValueType::kNumber:
             return "number";
-        case ValueType::Text:
+        case ValueType::kText:
             return "text";
-        case ValueType::Color:
+        case ValueType::kColor:
             return "color";
-        case ValueType::Count:
+        case ValueType::kCount:
             return "count";
-        case ValueType::List:
+        case ValueType::kList:
             return "list";
     }
     return "integer";
@@ -52,7 +52,7 @@ std::string ServiceModel::ref() const {
 std::vector<const Field*> given_arguments(const CommandModel& command) {
     std::vector<const Field*> result;
     for (const auto& argument : command.args)
-        if (argument.type != ValueType::Count) result.push_back(&argument);
+        if (argument.type != ValueType::kCount) result.push_back(&argument);
     return result;
 }
 

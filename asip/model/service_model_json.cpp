@@ -9,89 +9,85 @@
 #include "asip/model/names.hpp"
 #include "asip/model/schema.hpp"
 #include "asip/model/service_model.hpp"
+#include "asip/text/json_reader.hpp"
 #include "asip/text/printable.hpp"
 
 namespace asip::model {
 namespace {
 
 using nlohmann::json;
+using text::JsonReader;
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
-// Reads what check_schema has let through: types and required members are certain here.
-
-std::string text_at(const json& object, const char* key) {
-    return object.value(key, std::string{});
-}
-
 ValueType type_from_text(const std::string& text) {
     for (const auto type :
-         {ValueType::Number, ValueType::Text, ValueType::Color, ValueType::Count, ValueType::List}) {
+         {ValueType::kNumber, ValueType::kText, ValueType::kColor, ValueType::kCount, ValueType::kList}) {
         if (text == to_text(type)) return type;
     }
-    return ValueType::Integer;
+    return ValueType::kInteger;
 }
 
-EventShape shape_of(const json& event) {
-    const auto shape = event.value("shape", std::string("list"));
-    if (shape == "plain") return EventShape::Plain;
-    if (shape == "ports") return EventShape::Ports;
-    if (shape == "port-map") return EventShape::PortMap;
-    if (shape == "map") return EventShape::Map;
-    return event.value("per", std::string("element")) == "event" ? EventShape::Once : EventShape::PerElement;
+EventShape shape_of(JsonReader& event) {
+    const auto shape = event.text("shape");
+    if (shape == "plain") return EventShape::kPlain;
+    if (shape == "ports") return EventShape::kPorts;
+    if (shape == "port-map") return EventShape::kPortMap;
+    if (shape == "map") return EventShape::kMap;
+    return event.text("per") == "event" ? EventShape::kOnce : EventShape::kPerElement;
 }
 
-Field read_field(const json& object) {
+std::optional<double> bound(JsonReader& field, const char* key) {
+    constexpr double kAny = std::numeric_limits<double>::max();
+    if (!field.has(key)) return std::nullopt;
+    return field.number(key, 0, -kAny, kAny);
+}
+
+Field read_field(JsonReader& reader) {
     Field field;
-    field.name = text_at(object, "name");
-    field.type = type_from_text(text_at(object, "type"));
-    field.title = text_at(object, "title");
-    field.unit = text_at(object, "unit");
-    if (object.contains("min")) field.min = object["min"].get<double>();
-    if (object.contains("max")) field.max = object["max"].get<double>();
-    if (field.type == ValueType::Color) {
+    field.name = reader.text("name");
+    field.type = type_from_text(reader.text("type"));
+    field.title = reader.text("title");
+    field.unit = reader.text("unit");
+    field.min = bound(reader, "min");
+    field.max = bound(reader, "max");
+    if (field.type == ValueType::kColor) {
         field.min = 0;
         field.max = 0xffffff;
     }
-    if (object.contains("max_length")) field.max_length = object["max_length"].get<std::size_t>();
-    if (object.contains("names")) {
-        for (const auto& [word, number] : object["names"].items())
+    field.max_length = reader.integer("max_length", 0, std::numeric_limits<std::size_t>::max());
+    if (const auto names = reader.object("names")) {
+        for (const auto& [word, number] : names->value().items())
             field.names.emplace_back(word, number.get<long>());
     }
-    field.of = text_at(object, "of");
-    field.braces = object.value("braces", false);
-    if (object.contains("items")) {
-        for (const auto& item : object["items"])
-            field.items.push_back(read_field(item));
-    }
+    field.of = reader.text("of");
+    field.braces = reader.flag("braces");
+    for (auto& item : reader.list("items"))
+        field.items.push_back(read_field(item));
     return field;
 }
 
-EventModel read_event(const std::string& tag, const json& object) {
+EventModel read_event(const std::string& tag, JsonReader& reader) {
     EventModel event;
     event.tag = tag.front();
-    event.name = text_at(object, "name");
-    event.title = text_at(object, "title");
-    event.shape = shape_of(object);
-    if (object.contains("fields")) {
-        for (const auto& field : object["fields"])
-            event.fields.push_back(read_field(field));
-    }
+    event.name = reader.text("name");
+    event.title = reader.text("title");
+    event.shape = shape_of(reader);
+    for (auto& field : reader.list("fields"))
+        event.fields.push_back(read_field(field));
     return event;
 }
 
-CommandModel read_command(const std::string& name, const json& object) {
+CommandModel read_command(const std::string& name, JsonReader& reader) {
     CommandModel command;
     command.name = name;
-    command.tag = text_at(object, "tag").front();
-    command.title = text_at(object, "title");
-    if (object.contains("answer")) command.answer = text_at(object, "answer").front();
-    if (object.contains("answer_ms"))
-        command.answer_time = std::chrono::milliseconds(object.at("answer_ms").get<int>());
-    if (object.contains("args")) {
-        for (const auto& argument : object["args"])
-            command.args.push_back(read_field(argument));
-    }
+    command.tag = reader.text("tag").front();
+    command.title = reader.text("title");
+    if (const auto answer = reader.text("answer"); !answer.empty()) command.answer = answer.front();
+    if (const auto ms = reader.integer("answer_ms", 0, std::numeric_limits<int>::max()))
+        command.answer_time = std::chrono::milliseconds(*ms);
+    for (auto& argument : reader.list("args"))
+        command.args.push_back(read_field(argument));
     return command;
 }
 
@@ -108,7 +104,7 @@ std::string safe_fault(const ServiceModel& model, const CommandModel& command, c
     for (std::size_t i = 0; i < wanted.size(); ++i) {
         const auto& argument = safe.arguments[i];
         if (!argument.given) {
-            const auto written = write_value(*wanted[i], json(argument.number), Strictness::Strict,
+            const auto written = write_value(*wanted[i], json(argument.number), Strictness::kStrict,
                                              place + "/" + std::to_string(i));
             if (!written) return written.error();
             continue;
@@ -180,19 +176,19 @@ std::string fields_fault(const std::vector<Field>& fields, const std::string& pl
         const auto here = place + "/" + std::to_string(i);
         if (!seen.insert(field.name).second) return here + "/name: \"" + field.name + "\" is there twice";
         if (field.min && field.max && *field.min > *field.max) return here + "/min: is above max";
-        const bool open_ended = field.type == ValueType::List || field.type == ValueType::Text;
+        const bool open_ended = field.type == ValueType::kList || field.type == ValueType::kText;
         if (open_ended && i + 1 != fields.size())
             return here + "/type: a " + std::string(to_text(field.type)) + " must come last";
-        if (field.type == ValueType::List) {
+        if (field.type == ValueType::kList) {
             if (field.items.empty()) return here + ": has no member \"items\"";
             if (auto fault = fields_fault(field.items, here + "/items"); !fault.empty()) return fault;
         } else if (!field.items.empty()) {
             return here + "/items: only a list has items";
         }
-        if (field.type != ValueType::Count) continue;
+        if (field.type != ValueType::kCount) continue;
         const auto counted =
             std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.name == field.of; });
-        if (counted == fields.end() || counted->type != ValueType::List)
+        if (counted == fields.end() || counted->type != ValueType::kList)
             return here + "/of: \"" + field.of + "\" is not a list";
     }
     return {};
@@ -200,10 +196,10 @@ std::string fields_fault(const std::vector<Field>& fields, const std::string& pl
 
 std::string event_fault(const EventModel& event) {
     const auto place = std::string("/events/") + event.tag;
-    const bool needs_fields = event.shape == EventShape::PerElement || event.shape == EventShape::Once ||
-                              event.shape == EventShape::Plain || event.shape == EventShape::Map;
+    const bool needs_fields = event.shape == EventShape::kPerElement || event.shape == EventShape::kOnce ||
+                              event.shape == EventShape::kPlain || event.shape == EventShape::kMap;
     if (needs_fields && event.fields.empty()) return place + ": has no member \"fields\"";
-    if (event.shape == EventShape::Map && event.fields.size() != 1)
+    if (event.shape == EventShape::kMap && event.fields.size() != 1)
         return place + "/fields: a map has one field";
     // Fields of an event are told apart by commas and colons, so a text need not come last.
     std::set<std::string> seen;
@@ -248,24 +244,23 @@ Expected<ServiceModel> service_model_from_json(const nlohmann::json& document) {
     if (auto valid = check_schema(service_model_schema(), document); !valid) return fail(valid.error());
     if (auto place = unshowable_place(document, ""); !place.empty())
         return fail(place + ": holds control characters");
+    // The schema has been checked: types are right and what is required is there, so that no fault is found.
+    std::string fault;
+    JsonReader reader(document, "", fault);
     ServiceModel model;
-    model.name = text_at(document, "name");
+    model.name = reader.text("name");
     model.version = document["version"].get<int>();
-    model.id = text_at(document, "id").front();
-    model.title = text_at(document, "title");
-    model.element = text_at(document, "element");
-    if (document.contains("match")) model.match = document["match"].get<std::vector<std::string>>();
-    if (document.contains("events")) {
-        for (const auto& [tag, event] : document["events"].items())
-            model.events.push_back(read_event(tag, event));
-    }
-    if (document.contains("commands")) {
-        for (const auto& [name, command] : document["commands"].items()) {
-            model.commands.push_back(read_command(name, command));
-        }
-    }
-    if (auto fault = model_fault(model); !fault.empty()) return fail(std::move(fault));
-    if (auto fault = read_safe_forms(model, document); !fault.empty()) return fail(std::move(fault));
+    model.id = reader.text("id").front();
+    model.title = reader.text("title");
+    model.element = reader.text("element");
+    model.match = reader.texts("match", JsonReader::kNoLimit, JsonReader::kNoLimit);
+    for (auto& [tag, event] : reader.members("events"))
+        model.events.push_back(read_event(tag, event));
+    for (auto& [name, command] : reader.members("commands"))
+        model.commands.push_back(read_command(name, command));
+    if (!reader.ok()) return fail(std::move(fault));
+    if (fault = model_fault(model); !fault.empty()) return fail(std::move(fault));
+    if (fault = read_safe_forms(model, document); !fault.empty()) return fail(std::move(fault));
     auto source = document;
     if (document.contains("examples")) {
         model.example_source = dump_json(document["examples"]);
@@ -287,8 +282,11 @@ std::vector<ModelExample> examples(const ServiceModel& model) {
     const auto list = parse_json(model.example_source);
     if (!list) return result;
     for (const auto& example : *list) {
-        result.push_back({text_at(example, "wire"), dump_json(example["json"]), text_at(example, "error"),
-                          text_at(example, "ports")});
+        std::string fault;
+        JsonReader reader(example, "", fault);
+        const auto* value = reader.find("json");
+        result.push_back({reader.text("wire"), value == nullptr ? "null" : dump_json(*value),
+                          reader.text("error"), reader.text("ports")});
     }
     return result;
 }

@@ -12,15 +12,15 @@ std::string number(double value) {
 }  // namespace
 
 std::string describe(const Field& field) {
-    if (field.type == ValueType::List) {
+    if (field.type == ValueType::kList) {
         std::string items;
         for (const auto& item : field.items)
             items += (items.empty() ? "" : ":") + describe(item);
         return field.name + " (" + items + ")...";
     }
     std::string text = field.name;
-    if (field.type == ValueType::Color) return text + " (number or #rrggbb)";
-    if (field.type == ValueType::Text) {
+    if (field.type == ValueType::kColor) return text + " (number or #rrggbb)";
+    if (field.type == ValueType::kText) {
         return field.max_length ? text + " up to " + std::to_string(*field.max_length) + " characters" : text;
     }
     if (field.min && field.max) text += " " + number(*field.min) + ".." + number(*field.max);
@@ -35,7 +35,7 @@ std::string describe(const Field& field) {
 std::string usage(const CommandModel& command) {
     std::string text;
     for (const auto& argument : command.args) {
-        if (argument.type == ValueType::Count) continue;
+        if (argument.type == ValueType::kCount) continue;
         text += (text.empty() ? "" : ", ") + describe(argument);
     }
     return text;

@@ -7,7 +7,7 @@ namespace asip::mqtt {
 Duration Backoff::next(const Random& random) {
     const double part = 0.5 + random_unit(random) / 2;
     const auto wait = std::chrono::duration_cast<Duration>(next_ * part);
-    next_ = std::min(next_ * 2, most_);
+    next_ = std::min(next_ * 2, max_);
     return wait;
 }
 

@@ -6,18 +6,20 @@
 
 namespace asip::mqtt {
 
-/// Waiting times between attempts: doubling from `first` up to `most`, each drawn from its upper half so that
-/// programs that lost the same broker do not return in step.
+/// Waiting times between attempts: doubling from `first` up to `max`, each drawn at random from its upper
+/// half, so that programs that lost the same broker do not return in step.
 class Backoff {
   public:
-    Backoff(Duration first, Duration most) : first_(first), most_(most), next_(first) {}
+    Backoff(Duration first, Duration max) : first_(first), max_(max), next_(first) {}
 
+    /// How long to wait before the next attempt: from half of the present time up to all of it.
     Duration next(const Random& random);
+    /// After a success: begins with `first` again.
     void reset() { next_ = first_; }
 
   private:
     Duration first_;
-    Duration most_;
+    Duration max_;
     Duration next_;
 };
 

@@ -144,7 +144,7 @@ Client::Impl::Impl(asio::io_context& io, Options options, Handlers handlers)
     : io_(io),
       options_(std::move(options)),
       handlers_(std::move(handlers)),
-      backoff_(options_.retry_first, options_.retry_most),
+      backoff_(options_.retry_first, options_.retry_max),
       retry_timer_(io),
       resolver_(io),
       lookup_timer_(io),

@@ -20,7 +20,7 @@ namespace asip::mqtt {
 struct ConnectionFailure {
     enum class Kind {
         kUnreachable,     ///< no TCP connection: refused, no route, unknown host, or no answer in time
-        kNoAnswer,        ///< TCP connected, but the broker does not speak: it hangs, or is something else
+        kNoAnswer,        ///< TCP connected, but no answer: the broker hangs, or is something else
         kTls,             ///< certificates: theirs or ours
         kBadCredentials,  ///< the broker refused user, password or client certificate, or bans us
         kRefused,         ///< the broker refused for another reason
@@ -31,7 +31,7 @@ struct ConnectionFailure {
     Kind kind = Kind::kUnreachable;
     BrokerAddress broker{};
     int code = 0;        ///< reason code of CONNACK or DISCONNECT, where there was one
-    std::string text{};  ///< one line for a person, says what to check
+    std::string text{};  ///< one line for a person, with what to check
     /// The time may come without anybody changing anything: a certificate that is not valid yet by our clock.
     bool may_pass = false;
     /// Every broker of the list has failed fatally, and none has ever accepted the connection: a program
@@ -43,33 +43,37 @@ struct ConnectionFailure {
     bool fatal() const;
 };
 
+/// One word for logs and statistics: "unreachable", "tls", ... Static storage.
 std::string_view name_of(ConnectionFailure::Kind kind);
 
+/// An accepted connection.
 struct Connected {
     BrokerAddress broker;
     bool v5 = false;                   ///< false: 3.1.1, and properties are not carried
     std::string client_id;             ///< ours, or as assigned by the broker
-    std::size_t max_packet_bytes = 0;  ///< the broker's limit; 0: none told
+    std::size_t max_packet_bytes = 0;  ///< the broker's limit; 0: it named none
 };
 
-/// What publish() did. `kQueued` and `kSent` end in on_published for QoS 1 or in a dropped count.
+/// What publish() did. Of a message of QoS 1 that was kSent or kQueued, on_published or on_publish_denied
+/// reports the end, unless it is dropped from the queue and counted.
 enum class PublishResult {
     kSent,     ///< handed to the socket
     kQueued,   ///< waits: not connected, or the broker is slower than we are
     kRefused,  ///< queue full of what may not be dropped, or topic or payload that MQTT cannot carry
 };
 
+/// Counted since construction, except where "now" stands.
 struct Counters {
     std::uint64_t published = 0;  ///< QoS 0: handed over; QoS 1: acknowledged
     std::uint64_t received = 0;
-    std::uint64_t dropped_context = 0;  ///< oldest context values that gave way
+    std::uint64_t dropped_context = 0;  ///< oldest context values that were dropped from a full queue
     std::uint64_t refused = 0;          ///< publish() returned kRefused
     std::uint64_t rejected = 0;         ///< acknowledged by the broker with an error (not authorised, quota)
-    std::uint64_t connects = 0;
-    std::uint64_t failures = 0;
-    std::size_t queued = 0;        ///< now
-    std::size_t queued_bytes = 0;  ///< now
-    std::size_t unacknowledged = 0;
+    std::uint64_t connects = 0;         ///< accepted connections
+    std::uint64_t failures = 0;         ///< failed attempts and lost connections
+    std::size_t queued = 0;             ///< now
+    std::size_t queued_bytes = 0;       ///< now
+    std::size_t unacknowledged = 0;     ///< now: sent with QoS 1 and not acknowledged
 };
 
 /// One connection to a bus, kept up: connects, and after any loss connects again, to the next broker of the
@@ -90,25 +94,27 @@ class Client {
         std::function<void(const ConnectionFailure&)> on_disconnected;
         /// An attempt failed; the next is under way.
         std::function<void(const ConnectionFailure&)> on_connect_failed;
+        /// A message of a subscription. Valid during the call only.
         std::function<void(const Message&)> on_message;
-        /// The broker took this QoS 1 message.
+        /// The broker acknowledged this QoS 1 message.
         std::function<void(const std::string& topic)> on_published;
         /// The broker does not deliver this subscription: access rules, or a broker in trouble. Called for
         /// the first refusal on a connection; the subscription is tried again (1 s to 30 s apart), and a
         /// required one that is refused three times makes the client try the next broker of the list.
         std::function<void(const std::string& filter, const std::string& reason)> on_subscribe_refused;
-        /// What libmosquitto has to say, for debug logs.
+        /// A line of libmosquitto's own log, for debug logs.
         std::function<void(const std::string& line)> on_debug;
         /// Every subscription is granted: what is published from here on reaches us. Called after
         /// on_connected, and again whenever the last missing one is granted.
         std::function<void()> on_subscribed;
         /// The broker denied this QoS 1 message: access rules, quota. It is not sent again. MQTT 5
-        /// only: 3.1.1 brokers deny without a word.
+        /// only: brokers deny in silence on 3.1.1.
         std::function<void(const std::string& topic, const std::string& reason)> on_publish_denied{};
     };
 
+    /// Handlers that are empty are not called. `io` must outlive the client.
     Client(boost::asio::io_context& io, Options options, Handlers handlers);
-    /// Drops the connection without a goodbye: the broker publishes the will.
+    /// Drops the connection without DISCONNECT: the broker publishes the will.
     ~Client();
     Client(const Client&) = delete;
     Client& operator=(const Client&) = delete;
@@ -116,8 +122,8 @@ class Client {
     /// Begins to connect. Call once.
     void start();
 
-    /// Sends what is queued, says goodbye (no will is published) and calls `done` within `limit`, also when
-    /// the broker hangs or there is no connection. Nothing else is called afterwards.
+    /// Sends what is queued, sends DISCONNECT (no will is published) and calls `done` within `limit`, also
+    /// when the broker hangs or there is no connection. Nothing else is called afterwards.
     void stop(Duration limit, std::function<void()> done);
 
     /// Replaces the will from the next connection on.
@@ -125,10 +131,12 @@ class Client {
 
     /// Adds a subscription, now and on each reconnection; the same filter again replaces its options.
     void subscribe(std::string filter, SubscribeOptions options = {});
+    /// Messages that are under way may still arrive.
     void unsubscribe(const std::string& filter);
 
     /// Publishes, or queues in order. Of retained messages that wait, the newest of a topic replaces the
-    /// older.
+    /// older. May be called before start(), and while there is no connection. `priority` decides what is
+    /// dropped first when the queue is full, not the order.
     PublishResult publish(Message message, Priority priority = Priority::kContext);
 
     /// Forgets what is queued and not yet handed over, for a program that announces anew on each connection.
@@ -137,7 +145,9 @@ class Client {
     bool connected() const;
     /// Connected, and the broker has granted every subscription.
     bool subscribed() const;
+    /// Whether the present connection is MQTT 5; false while there is none.
     bool v5() const;
+    /// As in the options; made up by the client where that was empty.
     const std::string& client_id() const;
     Counters counters() const;
 

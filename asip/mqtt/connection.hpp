@@ -14,10 +14,10 @@
 
 namespace asip::mqtt {
 
-/// What one connection tells its owner. Called from the io_context only.
+/// What one connection reports to its owner. Called from the io_context only.
 class ConnectionEvents {
   public:
-    /// How a connection ended, and what that says about the broker.
+    /// How a connection ended, and what that means for the broker.
     struct End {
         ConnectionFailure failure;
         bool version_refused = false;    ///< it does not know this version of MQTT
@@ -51,7 +51,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
     void open();
 
-    /// Says goodbye; connection_down() follows when the broker has seen it, or never if it hangs.
+    /// Sends DISCONNECT; connection_down() follows when the broker has seen it, or never if it hangs.
     void goodbye();
 
     /// Ends without goodbye and reports nothing more.

@@ -4,7 +4,7 @@
 
 #include "asip/mqtt/client.hpp"
 
-/// Telling apart the ways in which a connection fails, in words for a person.
+/// Distinguishes the ways in which a connection fails, in words for a person.
 namespace asip::mqtt {
 
 /// A CONNACK other than success. Codes below 128 are those of MQTT 3.1.1.
@@ -21,7 +21,7 @@ ConnectionFailure unreachable(const BrokerAddress& broker, const std::string& de
 /// with a blank.
 std::string advice_on_topic(std::string_view topic);
 
-/// CONNACK codes that say "not with this version of the protocol".
+/// Whether a CONNACK code means that the broker does not know this version of the protocol.
 bool is_version_refusal(int connack_code);
 
 }  // namespace asip::mqtt

@@ -11,9 +11,9 @@ namespace asip::mqtt {
 /// MQTT 5 properties and are left out, silently, on a 3.1.1 connection.
 struct Message {
     std::string topic{};
-    std::string payload{};
-    int qos = 0;          ///< 0 or 1; this bus does not use 2
-    bool retain = false;  ///< when received: it was stored before we subscribed (so on 3.1.1 and 5 alike)
+    std::string payload{};  ///< any bytes
+    int qos = 0;            ///< 0 or 1; this bus does not use 2
+    bool retain = false;    ///< when received: it was stored before we subscribed (so on 3.1.1 and 5 alike)
 
     std::string response_topic{};  ///< where an answer is wanted; empty: nowhere
     std::string correlation{};     ///< correlation data, any bytes
@@ -24,9 +24,9 @@ struct Message {
 
 /// What is dropped first when the outgoing queue is full.
 enum class Priority {
-    kContext,  ///< what a board reports: the oldest is dropped
-    kReply,    ///< answers to commands: never dropped for context values
-    kAnnouncement,
+    kContext,       ///< what a board reports: the oldest is dropped
+    kReply,         ///< answers to commands: not dropped; refused only when the queue is twice as full
+    kAnnouncement,  ///< descriptions and states of boards: the same
 };
 
 }  // namespace asip::mqtt

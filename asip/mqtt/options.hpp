@@ -14,8 +14,9 @@
 
 namespace asip::mqtt {
 
+/// Where a broker is, and whether the connection is encrypted.
 struct BrokerAddress {
-    std::string host = "127.0.0.1";
+    std::string host = "127.0.0.1";  ///< a name, or an address without brackets
     std::uint16_t port = 1883;
     bool tls = false;
 
@@ -24,14 +25,17 @@ struct BrokerAddress {
 };
 
 /// Reads `HOST`, `HOST:PORT`, `[V6]:PORT`, `mqtt://HOST[:PORT]` (1883) or `mqtts://HOST[:PORT]` (TLS, 8883).
+/// Fails for anything else with a reason that names the text.
 Expected<BrokerAddress> parse_broker(std::string_view text);
 
+/// Which version of MQTT is spoken.
 enum class Version {
     kBest,  ///< 5, and 3.1.1 with a broker that refuses it
     kV5,
     kV311,
 };
 
+/// How a client connects, and its bounds. Only `brokers` is checked by no default: it must not be empty.
 struct Options {
     std::vector<BrokerAddress> brokers{BrokerAddress{}};  ///< at least one; tried in turn
     /// Unique per process: a broker throws out the older of two connections with the same id. Empty: made up.
@@ -57,16 +61,17 @@ struct Options {
     /// Larger packets than this are not delivered to us (MQTT 5; on 3.1.1 only the broker's own limit holds).
     /// It bounds our memory against anyone who may publish. 0: no limit.
     std::uint32_t max_packet_bytes = 1u << 20;
+    /// Waiting time between attempts, see Backoff.
     Duration retry_first = std::chrono::milliseconds(100);
-    Duration retry_most = std::chrono::seconds(2);
+    Duration retry_max = std::chrono::seconds(2);
 
-    /// Bounds of what waits to be sent. Beyond, the oldest context values go; announcements and replies may
-    /// fill twice as much before they are refused.
+    /// Bounds of what waits to be sent, in topics and payloads. Beyond them the oldest context values are
+    /// dropped; announcements and replies may fill twice as much before they are refused.
     std::size_t max_queued_messages = 4096;
     std::size_t max_queued_bytes = 4u << 20;
 
-    std::optional<Message> will;
-    Random random;  ///< empty: system_random()
+    std::optional<Message> will;  ///< published by the broker when the connection is lost
+    Random random;                ///< empty: system_random()
 };
 
 /// The first line of a file, without its line end: where passwords are kept. Error: the file cannot be read,

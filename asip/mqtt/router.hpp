@@ -8,15 +8,15 @@
 
 namespace asip::mqtt {
 
-/// Which part of a program takes which message. Each registration is a handle: when it ends, its callback
-/// ends with it, so that a callback may refer to whatever owns the handle.
+/// Hands each message to the parts of a program that asked for it. Each registration is a handle: when it
+/// ends, its callback ends with it, so that a callback may refer to whatever owns the handle.
 ///
 /// Handles may outlive the router, and may be made and ended inside callbacks: one that has ended is not
-/// called any more, not even for the message that is being dispatched.
+/// called any more, not even for the message that is being dispatched. One thread.
 class Router {
   public:
     using OnMessage = std::function<void(const Message&)>;
-    /// Called when the last handle for this filter has ended.
+    /// Called when the last handle for this filter has ended: the moment to unsubscribe.
     using OnUnused = std::function<void(const std::string& filter)>;
 
     class [[nodiscard]] Subscription {
@@ -36,8 +36,10 @@ class Router {
 
     explicit Router(OnUnused on_unused = {});
 
-    /// `filter` as MQTT matches it: `+` one level, `#` the rest.
+    /// `filter` as MQTT matches it: `+` one level, `#` the rest. Subscribing at the broker is left to the
+    /// caller.
     Subscription add(std::string filter, OnMessage on_message);
+    /// Calls every callback whose filter matches, in the order in which they were added.
     void dispatch(const Message& message);
 
   private:

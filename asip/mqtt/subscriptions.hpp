@@ -12,8 +12,9 @@
 
 namespace asip::mqtt {
 
+/// What is asked of the broker for one filter.
 struct SubscribeOptions {
-    int qos = 0;
+    int qos = 0;            ///< 0 or 1
     bool no_local = false;  ///< MQTT 5: not what this client itself publishes
     /// MQTT 5: whether retained messages are delivered when we subscribe. On 3.1.1 they always are, marked as
     /// retained.
@@ -36,6 +37,7 @@ class Subscriptions {
         bool give_up = false;  ///< required, and refused kMaxRefusals times in a row
     };
 
+    /// The same filter again replaces its options and is due again.
     void add(const std::string& filter, SubscribeOptions options);
     void remove(const std::string& filter) { wanted_.erase(filter); }
 
@@ -44,11 +46,13 @@ class Subscriptions {
 
     /// What is to be sent now; each is to be followed by sent() unless it could not be sent.
     std::vector<Sending> due(Time now) const;
+    /// `id`: the packet id that the broker will answer.
     void sent(int id, const std::string& filter, Time now);
 
     /// The broker's answer to the packet `id`.
     std::optional<Refusal> answered(int id, bool granted, Time now, const Random& random);
 
+    /// Whether the broker has granted all that are wanted; true when there are none.
     bool all_granted() const;
     /// When the oldest packet without an answer was sent.
     std::optional<Time> waiting_since() const;

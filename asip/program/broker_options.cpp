@@ -87,7 +87,7 @@ Expected<mqtt::Options> mqtt_options(const BrokerOptions& options, std::string_v
         made.brokers.push_back(*address);
     }
     if (made.brokers.empty()) return fail("no broker given");
-    if (!bus::Topics::legal_root(options.topic_root)) {
+    if (!bus::Topics::valid_root(options.topic_root)) {
         return fail("--topic-root \"" + options.topic_root +
                     "\": levels joined by /, without wildcards, spaces at most inside, not beginning with $");
     }

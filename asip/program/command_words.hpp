@@ -19,7 +19,7 @@ struct CommandWord {
         kValue,             ///< of the option before it
         kArgument,          ///< positional
         kUnknownOption,     ///< no such option, here or in the program
-        kUnknownSubcommand  ///< the first word that is no option, where a subcommand must stand
+        kUnknownSubcommand  ///< the first word that is not an option, where a subcommand must stand
     };
     Kind kind = Kind::kArgument;
     const CLI::App* app = nullptr;  ///< the subcommand that the word is for, or the program
@@ -28,7 +28,7 @@ struct CommandWord {
     std::size_t position = 0;  ///< kArgument: how many arguments stand before it
 };
 
-/// Whether the option needs a value: it is no flag.
+/// Whether the option needs a value: it is not a flag.
 bool takes_value(const CLI::Option& option);
 
 /// Each word of a command line (without the program's name) as CLI11 will read it. `app` and its options

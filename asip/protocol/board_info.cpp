@@ -65,7 +65,7 @@ Expected<std::vector<PinMode>> parse_pin_modes(std::string_view body) {
     for (const auto item : parsed->items) {
         const auto number = parse_integer(item);
         if (!number) return fail("pin mode is not a number");
-        modes.push_back(pin_mode_from_number(*number).value_or(PinMode::Invalid));
+        modes.push_back(pin_mode_from_number(*number).value_or(PinMode::kInvalid));
     }
     return modes;
 }

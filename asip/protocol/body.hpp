@@ -8,21 +8,24 @@
 
 namespace asip::protocol {
 
-/// `COUNT,{a,b,...}` of any firmware generation: the comma before the brace may be missing, a comma may trail
-/// the last item. Items are not split at `:` and point into the text that was parsed.
+/// A counted body `COUNT,{a,b,...}` of any firmware generation: the comma before the brace may be missing, a
+/// comma may trail the last item.
 struct Body {
+    /// Not split at `:`. Views into the text that was parsed, valid as long as that text.
     std::vector<std::string_view> items;
 };
 
-/// Fails when a brace is missing, COUNT is not a number or differs from the number of items (a damaged line),
-/// or there are more than kMaxBodyItems.
+/// Fails when a brace is missing, when COUNT is not a number or differs from the number of items (a damaged
+/// line), or when there are more than kMaxBodyItems (256).
 Expected<Body> parse_body(std::string_view body);
 
-/// `3000:11` -> {"3000", "11"}; an item without `:` is one field.
+/// `3000:11` -> {"3000", "11"}. An item without `:` is one field; fields may be empty. Views into `item`.
 std::vector<std::string_view> split_fields(std::string_view item, char separator = ':');
 
-/// The whole text as a decimal number, a sign allowed; nothing otherwise. parse_hex takes no sign and no 0x.
+/// The whole text as a decimal number, a sign allowed. Nothing for an empty text, blanks, other characters or
+/// a number that does not fit.
 std::optional<std::int64_t> parse_integer(std::string_view text);
+/// The same for hexadecimal digits of either case, without a sign and without `0x`.
 std::optional<std::uint32_t> parse_hex(std::string_view text);
 
 }  // namespace asip::protocol

@@ -3,23 +3,25 @@
 
 namespace asip::protocol {
 
-/// What a board answers behind `~S,t,`. A board may send numbers that are not listed; keep those as int.
+/// The number in a board's error `~S,t,NUMBER{TEXT}`. Firmware of others may send numbers that are not listed
+/// here, so an error is kept as an int and this is used to compare with.
 enum class ErrorCode : int {
-    NoError = 0,
-    InvalidService = 1,
-    UnknownRequest = 2,
-    InvalidPin = 3,
-    ModeUnavailable = 4,
-    InvalidMode = 5,
-    WrongMode = 6,
-    InvalidDeviceNumber = 7,
-    DeviceNotAvailable = 8,
-    I2cNotEnabled = 9,
-    BadChecksum = 10,  // extension C
-    BadArgument = 11,  // boards with extensions
+    kNoError = 0,
+    kInvalidService = 1,
+    kUnknownRequest = 2,
+    kInvalidPin = 3,
+    kModeUnavailable = 4,
+    kInvalidMode = 5,
+    kWrongMode = 6,
+    kInvalidDeviceNumber = 7,
+    kDeviceNotAvailable = 8,
+    kI2cNotEnabled = 9,
+    kBadChecksum = 10,  ///< extension C
+    kBadArgument = 11,  ///< boards with extensions; in 0.4 the request is dropped or answered at random
 };
 
-/// The name on the wire, such as "INVALID_DEVICE_NUMBER"; "UNKNOWN_ERROR" for numbers that have none.
+/// The text that stands in the braces on the wire, such as "INVALID_DEVICE_NUMBER"; "UNKNOWN_ERROR" for
+/// numbers that have none. Static storage.
 std::string_view error_name(int code);
 inline std::string_view error_name(ErrorCode code) {
     return error_name(static_cast<int>(code));

@@ -7,23 +7,26 @@
 
 namespace asip::protocol {
 
-inline constexpr char kEcho = 'E';
-inline constexpr char kIdentity = 'I';
-inline constexpr char kLineRate = 'B';
-inline constexpr char kChecksum = 'C';
+// The tags of the link extensions of this protocol.
+inline constexpr char kEcho = 'E';      ///< `#,E,TOKEN` comes back as it was sent: proof of execution
+inline constexpr char kIdentity = 'I';  ///< a name kept in EEPROM
+inline constexpr char kLineRate = 'B';  ///< the rate of the serial line can be changed
+inline constexpr char kChecksum = 'C';  ///< lines with `*HH` at their end
 
-/// What a board answered to `#,X`: tags and versions, in the board's order. Empty for a 0.4 board.
+/// What a board answered to `#,X`: tags and versions (0 to 255), in the board's order. Empty for a 0.4 board,
+/// which does not know the question.
 struct Extensions {
     std::vector<std::pair<char, int>> list;
 
-    /// 0 when the board does not have it.
+    /// The version of one extension; 0 when the board does not have it.
     int version(char tag) const;
     bool has(char tag) const { return version(tag) > 0; }
     bool empty() const { return list.empty(); }
     friend bool operator==(const Extensions&, const Extensions&) = default;
 };
 
-/// From the body of `@#,X`: `4,{E:1,I:1,B:1,C:1}`.
+/// From the body of `@#,X`: `4,{E:1,I:1,B:1,C:1}`. Fails with a reason when it is cut off or miscounted, or a
+/// tag is not one character.
 Expected<Extensions> parse_extensions(std::string_view body);
 
 }  // namespace asip::protocol

@@ -3,6 +3,8 @@
 
 namespace asip::protocol {
 
+// Bounds of what is read and sent. Everything beyond is refused or counted and dropped, never cut.
+
 /// Longest line accepted from a board, without its line end. A port map of a 70-pin Mega is about 500 bytes.
 inline constexpr std::size_t kMaxBoardLineBytes = 1024;
 
@@ -10,14 +12,15 @@ inline constexpr std::size_t kMaxBoardLineBytes = 1024;
 /// 64-byte receive buffer of an Arduino.
 inline constexpr std::size_t kMaxRequestBytes = 62;
 
-/// Most request lines accepted in one control payload, and the payload's longest size.
+/// Maximum number of request lines in one control payload, and the maximum size of that payload in bytes.
 inline constexpr std::size_t kMaxRequestsPerPayload = 64;
 inline constexpr std::size_t kMaxPayloadBytes = kMaxRequestsPerPayload * (kMaxRequestBytes + 2);
 
-/// Most pins a board may claim, and most items in one body.
+/// Maximum number of pins that a board may claim, and of items in one body.
 inline constexpr std::size_t kMaxPins = 256;
 inline constexpr std::size_t kMaxBodyItems = 256;
 
+/// The rate at which every board starts.
 inline constexpr int kDefaultBaud = 57600;
 
 }  // namespace asip::protocol

@@ -8,10 +8,12 @@
 
 namespace asip::protocol {
 
-/// Cuts a byte stream into lines ended by `\n`; a `\r` before it is dropped, empty lines are skipped.
-/// A line longer than the limit is dropped to its end and counted; memory never exceeds the limit.
+/// Cuts a byte stream into lines ended by `\n`; a `\r` before it is dropped, empty lines are skipped. Any
+/// bytes may be given, in pieces of any size. A line longer than the limit is dropped to its end and counted,
+/// and the next one is read as usual; memory never exceeds the limit.
 class LineReader {
   public:
+    /// `max_line_bytes`: without the line end.
     explicit LineReader(std::size_t max_line_bytes = kMaxBoardLineBytes);
 
     /// Calls `on_line(std::string_view)` for each line that these bytes complete. The view is valid during
@@ -31,7 +33,9 @@ class LineReader {
 
     /// Bytes of the line that has not ended yet (0 while an overlong one is being dropped).
     std::size_t partial_bytes() const { return line_.size(); }
+    /// The line that has not ended yet; valid until the next call of push() or reset().
     std::string_view partial() const { return line_; }
+    /// How many lines were dropped since construction.
     std::uint64_t overlong_lines() const { return overlong_lines_; }
 
   private:

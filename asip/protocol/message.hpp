@@ -4,21 +4,22 @@
 
 namespace asip::protocol {
 
-// What one line from a board says. All views point into the line that was parsed.
+// What one line from a board means. All views point into the line that was parsed and are valid as long as
+// it; ParsedLine keeps both.
 
 /// `@S,t,BODY`: an answer or an auto-event. The body may be empty.
 struct Event {
-    char service;
+    char service;  ///< its letter, or `#` for the system
     char tag;
-    std::string_view body;
+    std::string_view body;  ///< see body.hpp and the service's model
 };
 
 /// `~S,t,NUMBER{TEXT}`. See error_code.hpp for the numbers; others are possible.
 struct ErrorReply {
     char service;
     char tag;
-    int code;
-    std::string_view text;
+    int code;               ///< 0 or more
+    std::string_view text;  ///< between the braces; may be empty
 };
 
 /// `!TEXT`: banner or debug text, without the `!`.
@@ -26,7 +27,8 @@ struct Info {
     std::string_view text;
 };
 
-/// Anything else. `reason` has static storage.
+/// Anything else: a damaged line, or a board that does not speak ASIP. `reason` has static storage and says
+/// for a log what is wrong.
 struct Malformed {
     std::string_view reason;
 };

@@ -12,14 +12,16 @@ namespace asip::protocol {
 class ParsedLine {
   public:
     ParsedLine() = default;
-    /// `line` has no line end.
+    /// Parses `line`, which has no line end.
     explicit ParsedLine(std::string line);
     /// `message` is what parse_line(line) returned for this very `line`.
     ParsedLine(std::string_view line, const Message& message);
 
+    /// The whole line.
     const std::string& text() const { return text_; }
     bool empty() const { return text_.empty(); }
 
+    // Info and malformed lines are neither.
     bool is_event() const { return kind_ == Kind::kEvent; }
     bool is_error() const { return kind_ == Kind::kError; }
 

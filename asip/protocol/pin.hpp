@@ -5,31 +5,35 @@
 
 namespace asip::protocol {
 
+/// The mode of a digital pin, with its number on the wire.
 enum class PinMode : std::uint8_t {
-    Unallocated = 0,
-    Input = 1,
-    InputPullup = 2,
-    Output = 3,
-    Analog = 4,
-    Pwm = 5,
-    Reserved = 6,
-    OtherService = 7,
-    Invalid = 8,
+    kUnallocated = 0,
+    kInput = 1,
+    kInputPullup = 2,
+    kOutput = 3,
+    kAnalog = 4,
+    kPwm = 5,
+    kReserved = 6,      ///< by the system: the serial line, for example
+    kOtherService = 7,  ///< another service than I has it
+    kInvalid = 8,       ///< a number that this version does not know
 };
 
-/// "unallocated", "input", "input-pullup", "output", "analog", "pwm", "reserved", "other-service", "invalid".
+/// The word for people and for JSON: "unallocated", "input", "input-pullup", "output", "analog", "pwm",
+/// "reserved", "other-service", "invalid".
 std::string_view to_text(PinMode mode);
-/// By name (any case, `_` or `-`, also "pullup") or number; nothing when there is no such mode.
+/// From its word (any case, `_` or `-`, also "pullup") or its number as text. Nothing when there is no such
+/// mode.
 std::optional<PinMode> pin_mode_from_text(std::string_view text);
+/// From its number, 0 to 8. Nothing for others.
 std::optional<PinMode> pin_mode_from_number(std::int64_t number);
 
-/// Modes in which a pin's level appears in digital events.
+/// Whether a pin in this mode is one whose level appears in digital events.
 constexpr bool is_digital_input(PinMode mode) {
-    return mode == PinMode::Input || mode == PinMode::InputPullup;
+    return mode == PinMode::kInput || mode == PinMode::kInputPullup;
 }
-/// Modes that `I,P` can ask for.
+/// Whether `I,P` can ask for this mode.
 constexpr bool is_settable(PinMode mode) {
-    return mode >= PinMode::Input && mode <= PinMode::Pwm;
+    return mode >= PinMode::kInput && mode <= PinMode::kPwm;
 }
 
 /// Bits of a pin's capabilities, as `I,c` answers them.
@@ -37,7 +41,7 @@ inline constexpr std::uint8_t kCapabilityDigital = 1;
 inline constexpr std::uint8_t kCapabilityAnalogIn = 2;
 inline constexpr std::uint8_t kCapabilityPwm = 4;
 
-/// "digital", "analog", "pwm" to its bit; nothing for other words.
+/// The bit of "digital", "analog" or "pwm"; nothing for other words.
 std::optional<std::uint8_t> capability_from_text(std::string_view text);
 
 }  // namespace asip::protocol

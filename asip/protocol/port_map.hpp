@@ -8,6 +8,7 @@
 
 namespace asip::protocol {
 
+/// One digital pin and its level.
 struct PinLevel {
     int pin;
     bool high;
@@ -16,31 +17,35 @@ struct PinLevel {
 
 /// The body of a digital event: `PORT,HEXMASK`.
 struct PortState {
-    int port;
-    std::uint32_t levels;
+    int port;              ///< 0 to 255, the chip's own number
+    std::uint32_t levels;  ///< one bit for each pin of the port
 };
+/// Fails when it is not two numbers of that form.
 Expected<PortState> parse_port_state(std::string_view body);
 
-/// Which port and bit each pin is, from the answer to `I,M`. Without it a digital event names no pins.
+/// Which port and bit each digital pin is, from the answer to `I,M`. Digital events name ports only, so that
+/// without this map they cannot be assigned to pins.
 class PortMap {
   public:
     struct Position {
         int port;
-        std::uint32_t mask;  // 0: the pin is on no port
+        std::uint32_t mask;  ///< its bit in PortState::levels; 0: the pin is on no port
     };
 
     PortMap() = default;
+    /// One position for each pin, from pin 0 on.
     explicit PortMap(std::vector<Position> positions) : positions_(std::move(positions)) {}
 
-    /// From the body of `@I,M`: `20,{4:1,4:2,...}`, port decimal, mask hexadecimal.
+    /// From the body of `@I,M`: `20,{4:1,4:2,...}`, port decimal, mask hexadecimal. Fails when it is cut
+    /// off or miscounted.
     static Expected<PortMap> parse(std::string_view body);
 
     bool empty() const { return positions_.empty(); }
     std::size_t pin_count() const { return positions_.size(); }
     const std::vector<Position>& positions() const { return positions_; }
 
-    /// Levels of every pin of that port, ascending by pin; empty when no pin is on it. Callers who know the
-    /// modes leave out pins that are no inputs.
+    /// The levels of every pin of that port, ascending by pin; empty when no pin is on it. Pins that are not
+    /// inputs are among them, with a level that means nothing; callers who know the modes leave them out.
     std::vector<PinLevel> levels(const PortState& state) const;
 
   private:

@@ -10,44 +10,55 @@
 
 namespace asip::protocol {
 
-// Request lines, all without a newline.
+// Request lines, all without a newline. Builders do not check their arguments; the board does.
+
+// Questions: the board answers each with an event of the same service and tag, as board_info.hpp reads it.
 
 inline constexpr std::string_view kAskInfo = "#,?";
 inline constexpr std::string_view kAskServiceNames = "#,N";
 inline constexpr std::string_view kAskPinOwners = "#,S";
 inline constexpr std::string_view kAskExtensions = "#,X";
 inline constexpr std::string_view kAskIdentity = "#,I";
-inline constexpr std::string_view kRestart = "#,R";
 inline constexpr std::string_view kAskPortMap = "I,M";
 inline constexpr std::string_view kAskAnalogMap = "I,m";
 inline constexpr std::string_view kAskPinModes = "I,p";
 inline constexpr std::string_view kAskPinCapabilities = "I,c";
 
+/// Resets every service of the board and turns all auto-events off; has no answer.
+inline constexpr std::string_view kRestart = "#,R";
+
 /// make_request('S', 'W', {0, 90}) -> "S,W,0,90".
 std::string make_request(char service, char tag, std::initializer_list<int> parameters = {});
+/// `mode` is one of is_settable().
 std::string set_pin_mode(int pin, PinMode mode);
 std::string digital_write(int pin, bool high);
+/// `value`: 0 to 255, the duty of a PWM pin.
 std::string analog_write(int pin, int value);
+/// How often analog inputs are reported: 1 to 65535; 0 stops them.
 std::string analog_period(int milliseconds);
-/// Token: 1 to 8 letters or digits.
+/// `token`: 1 to 8 letters or digits, which come back. Boards with the echo extension only.
 std::string echo(std::string_view token);
+/// `name`: at most 32 characters, kept in EEPROM. Boards with the identity extension only.
 std::string set_identity(std::string_view name);
+/// Boards with the line-rate extension only. The board answers at the old rate and then changes.
 std::string set_line_rate(int baud);
+/// Boards with the checksum extension only.
 std::string set_checksum(bool on);
 
-/// `S,t[,params]` taken apart; views into the line.
+/// A request `S,t[,params]` taken apart; `parameters` is a view into the line.
 struct Request {
     char service;
     char tag;
-    std::string_view parameters;  // without the comma before them; may be empty
+    std::string_view parameters;  ///< without the comma before them; may be empty
 };
 
 /// Fails when the line is longer than kMaxRequestBytes, holds anything but printable ASCII, or is not a
 /// request. A trailing line end is not allowed here; split_requests takes it off.
 Expected<Request> parse_request(std::string_view line);
 
-/// Control payload to request lines: newline or CR LF between them and at the end optional, empty lines
-/// skipped. All or nothing: one bad line refuses the payload with the reason. Views point into the payload.
+/// Cuts a control payload into request lines: newline or CR LF between them, optional at the end; empty lines
+/// are skipped. Fails as a whole, with the reason, for one line that parse_request() refuses, and for more
+/// than kMaxRequestsPerPayload lines. The views point into the payload.
 Expected<std::vector<std::string_view>> split_requests(std::string_view payload);
 
 }  // namespace asip::protocol

@@ -9,18 +9,21 @@
 
 namespace asip::protocol {
 
-/// Java's DataOutput.writeUTF: two bytes of big-endian length, then the text. Told apart from plain lines by
-/// the first byte of a connection: a length below 8 kB starts below space, a line never does.
+// The framing of clients written in Java (DataOutput.writeUTF): two bytes of big-endian length, then the
+// text.
+
+/// Whether a connection whose first byte is this one sends such frames. A length below 8 kB begins with a
+/// byte below the blank, a plain line never does.
 constexpr bool starts_utf_frame(unsigned char first_byte) {
     return first_byte < 0x20 && first_byte != '\n' && first_byte != '\r';
 }
 
-/// Fails when the text is longer than 65535 bytes or is not ASCII without NUL (what is beyond has another
-/// encoding there).
+/// One frame with its length. Fails when the text is longer than 65535 bytes or is not ASCII without NUL, as
+/// Java encodes other characters differently.
 Expected<std::string> encode_utf_frame(std::string_view text);
 
-/// Cuts a byte stream into frames. A frame longer than the limit is skipped and counted; memory stays bounded
-/// by it.
+/// Cuts a byte stream into frames, given in pieces of any size. A frame longer than the limit is skipped and
+/// counted, and the next one is read as usual; memory never exceeds the limit.
 class UtfFrameReader {
   public:
     explicit UtfFrameReader(std::size_t max_frame_bytes = kMaxPayloadBytes);
@@ -36,6 +39,7 @@ class UtfFrameReader {
         }
     }
 
+    /// How many frames were skipped since construction.
     std::uint64_t overlong_frames() const { return overlong_frames_; }
 
   private:

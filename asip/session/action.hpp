@@ -9,27 +9,38 @@
 
 namespace asip::session {
 
+// What a BoardSession gives its caller: what it has to do, and what it has to know. Values that own their
+// texts.
+
+/// Names one submitted request; not used twice by one session, never 0.
 using RequestId = std::uint64_t;
 /// Whoever sends requests; chosen by the caller. Requests of one client keep their order.
 using ClientId = std::uint64_t;
 
 /// How a request ended. Each submitted request ends exactly once, not later than its deadline.
 enum class Ending {
-    kExecuted,    ///< its fence came back, and there was no sign of damage since it was sent; where a value
-                  ///< was asked for, it is in `answer`
-    kUnproven,    ///< the same, for a request that asked for no proof
-    kBoardError,  ///< the board refused it: see `code`
-    kDoubt,       ///< sent, but something on the line was lost or damaged meanwhile, or the board restarted:
-                  ///< it may or may not have been executed
-    kNoValue,     ///< executed, but the value it asked for did not come
-    kTimeout,     ///< sent, and no answer in time: it may or may not have been executed
-    kNotSent,     ///< not sent, and never will be: see `not_sent`
+    /// Its fence came back, and there was no sign of damage since it was sent. Where a value was asked for,
+    /// it is in Finished::answer.
+    kExecuted,
+    /// The same, for a request that asked for no proof.
+    kUnproven,
+    /// The board refused it: see Finished::code.
+    kBoardError,
+    /// Sent, but something on the line was lost or damaged meanwhile, or the board restarted: it may or may
+    /// not have been executed.
+    kDoubt,
+    /// Executed, but the value that it asked for did not come.
+    kNoValue,
+    /// Sent, and no answer in time: it may or may not have been executed.
+    kTimeout,
+    /// Not sent, and never will be: see Finished::not_sent.
+    kNotSent,
 };
 
 /// Why a request was not sent.
 enum class NotSent {
-    kBoardGone,  ///< the link went, or the board fell silent
-    kDeadline,   ///< its deadline came first
+    kBoardGone,  ///< the link was lost, or the board no longer answers
+    kDeadline,   ///< its deadline came before its turn
     kStopped,    ///< BoardSession::cancel_waiting()
 };
 
@@ -38,7 +49,8 @@ struct Write {
     std::string bytes;
 };
 
-/// Drain what was written, then set the link's rate, then call BoardSession::line_rate_set().
+/// Wait until all that was written has left, set the rate of the link, then call
+/// BoardSession::line_rate_set() with whether that succeeded. Nothing is written in between.
 struct SetLineRate {
     unsigned baud = 0;
 };
@@ -46,40 +58,40 @@ struct SetLineRate {
 /// One complete line from the board that did not answer a question of the session itself.
 struct BoardLine {
     protocol::ParsedLine line;
-    /// Set where the line is an error or an answer that belongs to one request: the client that sent it.
-    /// Events, and whatever cannot be attributed, have none.
+    /// The client whose request this line answers, or whose request it is an error of. Events, and whatever
+    /// cannot be attributed to one request, have none and concern everybody.
     std::optional<ClientId> owner;
 };
 
-/// The board is known (again) and requests are sent. What it is: BoardSession::identity().
+/// The board is known, or known again, and requests are sent. What it is: BoardSession::identity().
 struct Identified {
     bool changed = true;  ///< false: the same board with the same services as before
 };
 
-/// The board restarted by itself. Settings are being restored; an Identified follows.
+/// The board restarted, but the link stayed. Its settings are being restored; an Identified follows.
 struct BoardReset {
-    std::string why;
+    std::string why;  ///< how it was noticed, for a log
 };
 
-/// The board no longer answers although the link is up. The session goes on asking; requests are refused
+/// The board no longer answers although the link is up. The session continues to ask; requests are refused
 /// until the next Identified.
 struct BecameSilent {};
 
-/// Nothing that speaks ASIP answered since link_up, at any rate; reported once per link_up. The session goes
-/// on asking.
+/// Nothing that speaks ASIP answered since link_up, at any rate; reported once per link_up. The session
+/// continues to ask.
 struct NoAnswer {
-    bool heard_bytes = false;  ///< something arrived, but no ASIP: a wrong rate or not an ASIP board
+    bool heard_bytes = false;  ///< something arrived, but not ASIP: a wrong rate, or not an ASIP board
 };
 
-/// The line rate in use changed; reported after link_up's rate was left and whenever it is left again.
+/// The line rate in use changed, for logs and descriptions.
 struct LineRateChanged {
     unsigned baud = 0;
-    std::string why;
+    std::string why;  ///< for a log
 };
 
 /// Bytes that are no message of this protocol were dropped.
 struct Garbage {
-    std::string reason;
+    std::string reason;  ///< for a log
     std::string sample;  ///< the first bytes, at most 32, unprintable ones replaced by '?'
 };
 

@@ -20,16 +20,17 @@ enum class ChecksumPolicy {
     kNever,
 };
 
+/// How a session behaves; each member has a default that suits real boards.
 struct SessionOptions {
     /// Highest line rate to step up to; 0 leaves the rate alone.
     unsigned max_baud = 1'000'000;
     ChecksumPolicy checksum = ChecksumPolicy::kAuto;
-    /// Probe a board that said nothing for this long.
+    /// A board that sent nothing for this long is probed.
     Duration silence = std::chrono::seconds(2);
     /// A fence or an answer not back after this long is overdue. A 0.4 board waits up to a second inside a
     /// cut-off message.
     Duration answer_timeout = std::chrono::milliseconds(1500);
-    /// A board that was asked something and sent no byte for this long is gone.
+    /// A board that was asked something and has sent no byte for this long since then is gone.
     Duration gone_after = std::chrono::seconds(4);
     /// How long after link_up without any answer until NoAnswer is reported. An Uno's boot loader takes two
     /// seconds. Also how long a board that is there may answer nothing that can be understood until it is
@@ -54,7 +55,7 @@ struct RequestOptions {
     ClientId client = 0;
     /// It ends at this time at the latest, and is not sent later. None: kDefaultDeadline from now.
     std::optional<Time> deadline{};
-    /// Whether the end must say what it proves. Requests without cost no fence of their own.
+    /// Whether its execution must be proven. Requests without cost no fence of their own.
     bool prove = true;
     /// Tag of the event that answers this request, of the same service; 0 if none is expected. The request
     /// then ends when that event has come, even where the board executes it sooner. While the board also
@@ -67,22 +68,27 @@ struct RequestOptions {
     bool urgent = false;
 };
 
+/// Why submit() did not take a request. Nothing of it was sent.
 enum class Refusal {
-    kInvalid,    ///< not a request line: `S,t[,...]`, printable characters, at most 62 bytes, and neither
-                 ///< `#,B` nor `#,C`
-    kQueueFull,  ///< kMaxQueuedPerClient requests of this client wait already, or kMaxQueued of all; of
-                 ///< urgent ones kMaxUrgent
-    kNoBoard,  ///< link down, board silent, or not identified since link_up
+    /// Not a request line: `S,t[,...]`, printable characters, at most 62 bytes, and neither `#,B` nor `#,C`,
+    /// which are the session's own.
+    kInvalid,
+    /// kMaxQueuedPerClient requests of this client wait already, or kMaxQueued of all clients; of urgent ones
+    /// kMaxUrgent.
+    kQueueFull,
+    /// The link is down, the board is silent, or it was not identified since link_up.
+    kNoBoard,
 };
 
+/// Counted since construction.
 struct SessionCounters {
-    std::uint64_t lines_in = 0;
+    std::uint64_t lines_in = 0;  ///< complete lines, understood or not
     std::uint64_t bytes_in = 0;
     std::uint64_t bytes_out = 0;
-    std::uint64_t garbage = 0;
-    std::uint64_t resets = 0;
-    std::uint64_t fence_timeouts = 0;
-    std::uint64_t checksum_errors = 0;
+    std::uint64_t garbage = 0;             ///< lines and pieces that are no message, see Garbage
+    std::uint64_t resets = 0;              ///< restarts of the board that were noticed
+    std::uint64_t fence_timeouts = 0;      ///< fences that did not come back in time
+    std::uint64_t checksum_errors = 0;     ///< received lines whose checksum is wrong or missing
     std::uint64_t unexplained_errors = 0;  ///< errors of the board that belong to no request
 };
 
@@ -94,12 +100,13 @@ class Machine;
 /// output values).
 ///
 /// Pure: it reads no clock and does no input or output. Each call appends what the caller has to do, in
-/// order. The caller calls tick() when next_deadline() has come, and each call with a time not before the one
-/// of the call before. Randomness is drawn while constructing only.
+/// order. The caller performs it, calls tick() when next_deadline() has come, and passes times that do not go
+/// back. Randomness is drawn while constructing only. One thread at a time.
 class BoardSession {
   public:
     /// Never more than this is on its way to the board and not proven to be read.
     static constexpr std::size_t kReceiveBufferBytes = 63;
+    /// How many requests may wait, of one client and of all.
     static constexpr std::size_t kMaxQueuedPerClient = 64;
     static constexpr std::size_t kMaxQueued = 4096;
     static constexpr std::size_t kMaxUrgent = 1024;
@@ -112,13 +119,16 @@ class BoardSession {
     BoardSession(BoardSession&&) noexcept;
     BoardSession& operator=(BoardSession&&) noexcept;
 
+    /// The link is open: the board is looked for and asked what it is.
     void link_up(const LinkTraits& traits, Time now, Actions& out);
     /// Everything in flight times out, everything that waits is not sent. What clients had set is kept for
     /// the next link_up.
     void link_down(Time now, Actions& out);
+    /// Bytes from the board, any number, cut anywhere. Ignored while the link is down.
     void receive(std::string_view bytes, Time now, Actions& out);
+    /// Time has passed. May be called at any time; must be called when next_deadline() has come.
     void tick(Time now, Actions& out);
-    /// The answer to SetLineRate.
+    /// The answer to SetLineRate: `ok` if the link now has that rate.
     void line_rate_set(bool ok, Time now, Actions& out);
 
     /// Queues one request line (line end optional). While the board restarts or is identified again, requests
@@ -142,6 +152,7 @@ class BoardSession {
     unsigned baud() const;
     /// What may be in the board's receive buffer; never above kReceiveBufferBytes.
     std::size_t bytes_in_flight() const;
+    /// Requests that wait to be sent, of all clients and of the session itself.
     std::size_t queued() const;
     /// Whether lines carry checksums now.
     bool checksums() const;

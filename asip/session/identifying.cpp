@@ -19,7 +19,7 @@ void Machine::on_event(Identifying& state, const protocol::Event& event, std::st
 void Machine::on_error(Identifying& state, const protocol::ErrorReply& error, std::string_view, Time now,
                        Actions& out) {
     std::vector<std::string> lines;
-    if (error.code == static_cast<int>(protocol::ErrorCode::BadChecksum) && !wire_.writes_checksums()) {
+    if (error.code == static_cast<int>(protocol::ErrorCode::kBadChecksum) && !wire_.writes_checksums()) {
         // It still has them on, or has them on again.
         checksums_seen_ = true;
         lines = wire_.switching_lines(false);

@@ -9,7 +9,7 @@
 
 namespace asip::session {
 
-/// What a board told about itself. Whatever it did not answer is empty; nothing here is guessed.
+/// What a board answered about itself. Whatever it did not answer is empty; nothing here is guessed.
 struct Identity {
     protocol::BoardInfo info;
     std::string stored_name;                      ///< from the identity extension; empty if it has none
@@ -21,10 +21,12 @@ struct Identity {
     protocol::AnalogMap analog_pins;
     protocol::PortMap port_map;
 
+    /// The service with this letter, or null. Valid as long as `services` is not changed.
     const protocol::ServiceName* find_service(char letter) const;
 };
 
-/// Whether both are the same board with the same services, whatever their pins are doing.
+/// Whether both are the same board with the same services, whatever the modes of their pins and
+/// the line rate are.
 bool same_board(const Identity& a, const Identity& b);
 
 }  // namespace asip::session

@@ -22,14 +22,14 @@ bool answers_question(const protocol::Event& event, const Request& request) {
 bool names(const protocol::ErrorReply& error, const Request& request) {
     if (error.service == request.service() && error.tag == request.tag()) return true;
     // A service that the board does not have: the error names no tag, and on some boards not even the letter.
-    return request.alone && error.code == static_cast<int>(protocol::ErrorCode::InvalidService) &&
+    return request.alone && error.code == static_cast<int>(protocol::ErrorCode::kInvalidService) &&
            error.tag == '?' && (error.service == 'Q' || error.service == request.service());
 }
 
 // Nothing else can come of two requests between which the line end was lost.
 bool is_of_syntax(const protocol::ErrorReply& error) {
-    return error.code == static_cast<int>(protocol::ErrorCode::UnknownRequest) ||
-           error.code == static_cast<int>(protocol::ErrorCode::BadArgument);
+    return error.code == static_cast<int>(protocol::ErrorCode::kUnknownRequest) ||
+           error.code == static_cast<int>(protocol::ErrorCode::kBadArgument);
 }
 
 }  // namespace

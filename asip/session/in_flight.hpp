@@ -78,9 +78,9 @@ class InFlight {
         bool ended = false;
         bool asked = false;  // a question whose answer has not come
         bool doubted = false;
-        std::uint64_t number = 0;   // in the order of sending
-        bool behind_fence = false;  // events of that tag may come that are older: only those behind its fence
-                                    // count
+        std::uint64_t number = 0;  // in the order of sending
+        // Events of that tag may come that are older: only those behind its fence count
+        bool behind_fence = false;
         bool has_value = false;
         protocol::ParsedLine answer;
         std::optional<std::pair<int, std::string>> error;

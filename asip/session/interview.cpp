@@ -150,7 +150,7 @@ bool Interview::on_error(const protocol::ErrorReply& error, Time now, std::vecto
     const bool named = error.service == question[0] && error.tag == question[2];
     if (!named && error.service != '#' && error.service != 'Q' && error.tag != '?') return false;
     // An error that names something else was caused by a damaged question.
-    const bool damaged = !named || error.code == static_cast<int>(protocol::ErrorCode::BadArgument);
+    const bool damaged = !named || error.code == static_cast<int>(protocol::ErrorCode::kBadArgument);
     damaged ? ask_again_or_pass(now, lines) : pass(now, lines);
     return true;
 }

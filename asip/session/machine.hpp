@@ -163,7 +163,7 @@ class Machine {
     std::vector<Report> reports_;  // what the board sends by itself
     struct NewPeriod {
         char service;
-        bool in_doubt;  // nobody knows whether it is in force
+        bool in_doubt;  // unknown whether it is in force
         Time at;
     };
     std::vector<NewPeriod> new_periods_;  // the last one of each service

@@ -29,7 +29,7 @@ void Machine::on_event(Searching& state, const protocol::Event& event, std::stri
 void Machine::on_error(Searching& state, const protocol::ErrorReply& error, std::string_view, Time now,
                        Actions& out) {
     state.search.heard();
-    if (error.code != static_cast<int>(protocol::ErrorCode::BadChecksum) || checksums_seen_) return;
+    if (error.code != static_cast<int>(protocol::ErrorCode::kBadChecksum) || checksums_seen_) return;
     // Left with checksums on by somebody before us.
     checksums_seen_ = true;
     auto lines = wire_.switching_lines(false);

@@ -11,7 +11,7 @@ namespace asip::session {
 /// periods. Output values are never in here: a relay must not click because a board rebooted.
 class SettingsMemory {
   public:
-    /// A request the board executed. `#,R` forgets everything: whoever sent it wanted a fresh board.
+    /// A request the board executed. `#,R` forgets everything: its sender wanted a fresh board.
     void executed(std::string_view line);
     /// A request that was taken for executed and then refused.
     void refused(std::string_view line);

@@ -6,16 +6,17 @@
 
 namespace asip::text {
 
-/// Number of insertions, deletions, substitutions and swaps of neighbours that turn `a` into `b`. Upper and
-/// lower case are equal. Only the first 128 bytes of each are compared.
+/// The number of insertions, deletions, substitutions and swaps of neighbours that turn `a` into `b`. Upper
+/// and lower case are equal. Bytes are compared, not characters, and only the first 128 of each text.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// How far a candidate is from `word`; nothing when it is too far to be a misspelling: more edits than a
-/// third of the word's bytes (rounded up, at least 1). A candidate that begins with a word of three or more
-/// bytes is as near as one edit.
+/// How many edits a candidate is away from `word`; nothing when it is too far to be a misspelling: more edits
+/// than a third of the word's bytes (rounded up, at least 1). A candidate that begins with a word of three or
+/// more bytes is as near as one edit.
 std::optional<std::size_t> misspelling_distance(std::string_view word, std::string_view candidate);
 
-/// The candidate that was probably meant by `word`, or nothing when none is near. The first of equals.
+/// The candidate that was probably meant by `word`, or nothing when none is near. Of several that are equally
+/// near, the first. `candidates` is any range of strings or string views.
 template <class Range>
 std::optional<std::string> nearest(std::string_view word, const Range& candidates) {
     std::optional<std::string> found;
@@ -29,7 +30,8 @@ std::optional<std::string> nearest(std::string_view word, const Range& candidate
     return found;
 }
 
-/// ` (did you mean "uno1"?)`, or nothing when no candidate is near: to be put behind an error.
+/// ` (did you mean "uno1"?)`, to be put behind an error; an empty text when no candidate is near. The
+/// candidate is not escaped: give names that may be shown.
 template <class Range>
 std::string did_you_mean(std::string_view word, const Range& candidates) {
     const auto found = nearest(word, candidates);

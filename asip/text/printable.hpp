@@ -4,15 +4,17 @@
 
 namespace asip::text {
 
-/// Text for a message of one line: control characters, the backslash and bytes beyond ASCII become `\xNN`;
-/// what is longer than `max_bytes` is cut, with `...` behind it.
+/// Text from anywhere, made fit for one line of a message or log: control characters, the backslash and bytes
+/// beyond ASCII become `\xNN`. Of a text longer than `max_bytes` the first `max_bytes` are shown, with `...`
+/// behind them; escaping makes the result up to four times as long.
 std::string printable(std::string_view text, std::size_t max_bytes = 80);
 
-/// The whole text in one line, UTF-8 kept: only control characters (below U+0020, U+007F to U+009F) become
-/// `\xNN`. The result is always showable.
+/// The whole text in one line, for a person. UTF-8 is kept: only control characters (below U+0020, U+007F to
+/// U+009F) become `\xNN`. The result is always showable.
 std::string escape_controls(std::string_view text);
 
-/// Whether text from another program can be written to a terminal as it is: it holds no control characters.
+/// Whether text from another program can be written to a terminal as it is: it holds no control
+/// characters, so that it cannot move the cursor or change colours. Whether it is UTF-8 is not checked.
 bool is_showable(std::string_view text);
 
 }  // namespace asip::text

@@ -86,7 +86,7 @@ class Examination {
     void ping_boards() {
         std::vector<BusSession::Request> requests;
         for (const auto& board : seen_.boards) {
-            if (board.state != "online" || board.by_name || requests.size() >= kMaxPingedBoards) continue;
+            if (board.state != "online" || board.names_only || requests.size() >= kMaxPingedBoards) continue;
             auto& result = seen_.pings[board.board];
             requests.push_back(session_.ask(
                 context_.topics.board_in(board.board), std::string(protocol::kAskInfo),

@@ -14,7 +14,7 @@ struct ForgetOptions {
 };
 
 /// `asipctl forget`: a board that is gone leaves every registry, and its retained topics are emptied.
-/// kExitFailure when nobody knows the board.
+/// kExitFailure when the board is unknown.
 int run_forget(const ForgetOptions& options, Context& context);
 
 }  // namespace asip::cli

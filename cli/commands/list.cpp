@@ -248,7 +248,7 @@ Run declare_list(Declaration& verb) {
     verb.flag("-r,--reverse", options->reverse, "Sort the other way round");
     verb.flag("-w,--watch", options->watch, "Continue and show what changes, until Ctrl-C");
     verb.output(options->output, {Output::kTable, Output::kWide, Output::kName},
-                {"board", "state", "said", "chip", "sketch", "protocol", "lease", "age", "link", "agent",
+                {"board", "state", "reported", "chip", "sketch", "protocol", "lease", "age", "link", "agent",
                  "session", "services", "name", "kind", "title", "count", "period", "id", "model"});
     return [options](Context& context) { return run_list(*options, context); };
 }

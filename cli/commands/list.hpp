@@ -40,7 +40,8 @@ std::string brief_text(const std::vector<bus::BriefBoard>& boards, Output output
 std::string services_text(const std::vector<bus::ServiceItem>& services, Output output, std::size_t width,
                           bool colour);
 
-/// Sorts by a word of ListOptions::sort; what has no such member, or the same, stays by name.
+/// Sorts by a word of ListOptions::sort; what has no such member, or the same value, stays in the order of
+/// names.
 void sort_list(std::vector<bus::BriefBoard>& boards, const std::string& by, bool reverse);
 void sort_list(std::vector<bus::BoardItem>& boards, const std::string& by, bool reverse);
 void sort_list(std::vector<bus::ServiceItem>& services, const std::string& by, bool reverse);

@@ -16,7 +16,7 @@ namespace {
 using protocol::PinMode;
 
 struct Reading {
-    PinMode mode = PinMode::Invalid;
+    PinMode mode = PinMode::kInvalid;
     std::optional<int> value;
 };
 
@@ -38,7 +38,7 @@ class PinAccess {
         for (const auto& number : (*document)["modes"]) {
             const auto mode =
                 number.is_number_integer() ? protocol::pin_mode_from_number(number.get<int>()) : std::nullopt;
-            result.push_back(mode.value_or(PinMode::Invalid));
+            result.push_back(mode.value_or(PinMode::kInvalid));
         }
         return result;
     }
@@ -56,7 +56,7 @@ class PinAccess {
     Outcome<Reading> read(int pin, PinMode mode) {
         Reading result{mode, std::nullopt};
         if (protocol::is_digital_input(mode)) return read_level(pin, result);
-        if (mode == PinMode::Analog) return read_analog(pin, result);
+        if (mode == PinMode::kAnalog) return read_analog(pin, result);
         return result;
     }
 
@@ -138,7 +138,7 @@ void print(const PinOptions& options, Context& context, int pin, const Reading& 
     }
     context.out << pin << ' ' << mode;
     if (reading.value) {
-        if (reading.mode == PinMode::Analog) {
+        if (reading.mode == PinMode::kAnalog) {
             context.out << ' ' << *reading.value;
         } else {
             context.out << (*reading.value == 0 ? " low" : " high");
@@ -228,11 +228,11 @@ std::string why_taken(const model::Description& description, int pin) {
 }
 
 Outcome<PinAction> parse_pin_word(std::string_view word) {
-    if (word == "high" || word == "on") return PinAction{PinAction::Kind::kWrite, PinMode::Output, 1};
-    if (word == "low" || word == "off") return PinAction{PinAction::Kind::kWrite, PinMode::Output, 0};
+    if (word == "high" || word == "on") return PinAction{PinAction::Kind::kWrite, PinMode::kOutput, 1};
+    if (word == "low" || word == "off") return PinAction{PinAction::Kind::kWrite, PinMode::kOutput, 0};
     if (const auto number = protocol::parse_integer(word)) {
         if (*number >= 0 && *number <= 255)
-            return PinAction{PinAction::Kind::kPwm, PinMode::Pwm, static_cast<int>(*number)};
+            return PinAction{PinAction::Kind::kPwm, PinMode::kPwm, static_cast<int>(*number)};
         return failure(program::kExitUsage, "PWM goes from 0 to 255, not " + std::string(word));
     }
     const auto mode = protocol::pin_mode_from_text(word);

@@ -13,7 +13,7 @@ namespace asip::cli {
 
 struct PinOptions {
     std::string board;
-    std::string pin;   ///< empty: all of them, as the board says
+    std::string pin;   ///< empty: all of them, as the board reports them
     std::string word;  ///< empty: read it
     OutputOptions output{};
 };
@@ -32,8 +32,8 @@ std::string why_taken(const model::Description& description, int pin);
 struct PinAction {
     enum class Kind { kMode, kWrite, kPwm };
     Kind kind = Kind::kMode;
-    protocol::PinMode mode = protocol::PinMode::Input;  ///< that the pin must have
-    int value = 0;                                      ///< level or duty
+    protocol::PinMode mode = protocol::PinMode::kInput;  ///< that the pin must have
+    int value = 0;                                       ///< level or duty
 };
 /// A mode's name, `high`, `low`, `on`, `off`, or 0 to 255 for PWM. Fails with kExitUsage and the nearest
 /// word.

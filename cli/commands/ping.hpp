@@ -19,7 +19,7 @@ struct PingOptions {
     OutputOptions output{};
 };
 
-/// How many when nobody can press Ctrl-C.
+/// How many when no terminal can send Ctrl-C.
 inline constexpr std::size_t kPingsInScripts = 5;
 
 /// `asipctl ping`: the time a request takes to the board and back. kExitNoAnswer when no answer came at all.

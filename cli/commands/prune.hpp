@@ -13,7 +13,7 @@ struct PruneOptions {
     OutputOptions output{};
 };
 
-/// `asipctl prune`: clears everything retained that nobody needs any more.
+/// `asipctl prune`: clears everything retained that is no longer needed.
 int run_prune(const PruneOptions& options, Context& context);
 
 }  // namespace asip::cli

@@ -123,7 +123,7 @@ std::string field_text(const model::Field& field) {
             return written;
         };
         text += " " + number(*field.min) + ".." + number(*field.max);
-    } else if (field.type != model::ValueType::Integer) {
+    } else if (field.type != model::ValueType::kInteger) {
         text += " " + std::string(to_text(field.type));
     }
     return field.unit.empty() ? text : text + " " + field.unit;
@@ -179,7 +179,7 @@ std::string model_text(const model::ServiceModel& model, std::size_t width, bool
         for (const auto& command : model.commands) {
             std::string args;
             for (const auto& field : command.args) {
-                if (field.type == model::ValueType::Count) continue;
+                if (field.type == model::ValueType::kCount) continue;
                 args += (args.empty() ? "" : ", ") + field_text(field);
             }
             commands.add({command.name, args, command.title});
@@ -218,7 +218,8 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
     const auto& item = board.item;
     auto text = painted(item.board, Colour::kBold, colour) + "  " +
                 painted(item.state, state_colour(item.state), colour) + "\n";
-    if (!item.said.empty() && item.said != item.state) text += labelled("said", item.said, colour);
+    if (!item.reported.empty() && item.reported != item.state)
+        text += labelled("reported", item.reported, colour);
     if (item.conflict) {
         text += labelled("CONFLICT",
                          "two agents claim this name: session " + item.conflict->holder + " and " +

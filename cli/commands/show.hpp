@@ -27,7 +27,7 @@ std::vector<nlohmann::json> pin_records(const model::Description& description);
 std::string service_text(const std::string& board, const model::ServiceInfo& service,
                          const model::ServiceModel* model, std::size_t width, bool colour);
 
-/// What a model says that its services report and take, as tables.
+/// The events and commands of a model, as tables.
 std::string model_text(const model::ServiceModel& model, std::size_t width, bool colour);
 
 /// A field or argument in words: `angle 0..180 degrees`.

@@ -76,7 +76,8 @@ class Top {
             model_.round_trip(name, std::nullopt);
         pings_.clear();
         for (const auto& board : catalogue_.boards(Clock::now())) {
-            if (!wanted(board.board) || board.state != "online" || board.by_name || ++count > kMaxPingsAtOnce)
+            if (!wanted(board.board) || board.state != "online" || board.names_only ||
+                ++count > kMaxPingsAtOnce)
                 continue;
             const auto begin = Clock::now();
             const auto name = board.board;

@@ -79,7 +79,7 @@ class Waiter {
         const auto known = catalogue_.board(board(), Clock::now());
         if (!known || known->state != options_.what) return false;
         // Of an online board the description tells that it can be used.
-        return options_.what != "online" || known->by_name || catalogue_.description(board()) != nullptr;
+        return options_.what != "online" || known->names_only || catalogue_.description(board()) != nullptr;
     }
 
     int print() const {

@@ -136,7 +136,7 @@ Findings check_states(const Observations& seen) {
     for (const auto& board : seen.boards) {
         const auto kept = retained_payload(seen, seen.topics.state(board.board));
         const bool described = !retained_payload(seen, seen.topics.description(board.board)).empty();
-        if (kept == "online" && !described && !board.by_name) {
+        if (kept == "online" && !described && !board.names_only) {
             result.push_back(problem(
                 board.board + " is retained as online, but its description has expired",
                 "it died without a will: asipctl forget " + board.board + ", or start its agent again"));

@@ -27,7 +27,7 @@ using Findings = std::vector<Finding>;
 
 /// What one board answered to a request that only it can answer.
 struct PingResult {
-    std::optional<bus::Reply> reply;  ///< none: nobody answered at all
+    std::optional<bus::Reply> reply;  ///< none: there was no answer at all
 };
 
 /// Everything that was seen, for the checks below, which are pure.
@@ -44,7 +44,7 @@ struct Observations {
     std::map<std::string, std::string> bad_documents{};  ///< topic, reason
     /// Of each board, seen announcing while we looked.
     std::map<std::string, std::set<std::string>> sessions{};
-    std::map<std::string, PingResult> pings{};    ///< of boards that are said to be online
+    std::map<std::string, PingResult> pings{};    ///< of boards whose state is "online"
     std::chrono::system_clock::time_point now{};  ///< by our clock, when the registry answered
     Machine machine{};
 };

@@ -36,7 +36,7 @@ inline constexpr std::string_view kComponents = R"json({
     "count": {"type": "integer"}, "period": {"type": "integer"}}},
   "Board": {"type": "object", "required": ["board", "state", "services"], "properties": {
     "board": {"type": "string"}, "state": {"$ref": "#/components/schemas/State"}, "age": {"type": "number"},
-    "by_name": {"type": "boolean"}, "session": {"type": "string"}, "seq": {"type": "integer"},
+    "names_only": {"type": "boolean"}, "session": {"type": "string"}, "seq": {"type": "integer"},
     "lease": {"type": "integer"}, "first_seen": {"type": "string"}, "last_seen": {"type": "string"},
     "since": {"type": "string"}, "chip": {"type": "string"}, "sketch": {"type": "string"},
     "protocol": {"type": "string"}, "agent": {"type": "string"}, "link": {"type": "string"},

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "asip/model/description.hpp"
+#include "asip/model/names.hpp"
 #include "registry/catalogue/catalogue_impl.hpp"
 
 namespace asip::registry {
@@ -59,7 +60,7 @@ Applied Catalogue::Impl::apply(const Announcement& a, Time now) {
 
 std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time now, Events& events) {
     if (a.payload.empty()) return std::nullopt;  // emptied by whoever tidies up; what is known stays
-    if (!bus::legal_board_name(a.board)) return Refusal::kBadName;
+    if (!model::valid_board_name(a.board)) return Refusal::kBadName;
     if (a.payload.size() > model::kMaxDescriptionBytes) return Refusal::kTooLong;
     std::uint32_t slot = slot_of(a.board);
     Board* known = slot == NameTable::kNone ? nullptr : &board(slot);
@@ -104,14 +105,14 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
     const auto lease = std::chrono::seconds(b.lease_seconds);
     if (live) {
         // A goodbye is older than a description with a new number, but not than a repetition of the last one.
-        if (!renews && !is_alive_word(b.said)) b.said = BoardState::Online;
-        if (is_alive_word(b.said)) b.deadline = now + lease;
+        if (!renews && !is_alive_word(b.reported)) b.reported = BoardState::kOnline;
+        if (is_alive_word(b.reported)) b.deadline = now + lease;
         b.proven = true;
         b.retained_without_expiry = !a.expiry_seconds;
         b.names_only = false;
         listen(b, false, events);
         heard(b, now);
-    } else if (is_alive_word(b.said)) {
+    } else if (is_alive_word(b.reported)) {
         b.retained_without_expiry = !a.expiry_seconds;
         if (a.expiry_seconds) {
             b.deadline = std::max(b.deadline,
@@ -131,7 +132,7 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
 }
 
 std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, Events& events) {
-    if (!bus::legal_board_name(a.board)) return Refusal::kBadName;
+    if (!model::valid_board_name(a.board)) return Refusal::kBadName;
     std::uint32_t slot = slot_of(a.board);
     const bool added = slot == NameTable::kNone;
     if (a.payload.empty()) {
@@ -139,8 +140,8 @@ std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, E
         if (!added && !is_alive_word(board(slot).effective)) release(slot, events);
         return std::nullopt;
     }
-    const auto said = model::board_state_from_text(a.payload);
-    if (!said) return Refusal::kBadState;
+    const auto reported = model::board_state_from_text(a.payload);
+    if (!reported) return Refusal::kBadState;
     if (added) {
         slot = make(a.board, now);
         if (slot == NameTable::kNone) return Refusal::kTooMany;
@@ -148,8 +149,8 @@ std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, E
     Board& b = board(slot);
     const bool live = !a.retained;
     if (!live && !added && b.epoch_heard == epoch_) return Refusal::kOldHint;
-    b.said = *said;
-    if (live && is_alive_word(*said)) {
+    b.reported = *reported;
+    if (live && is_alive_word(*reported)) {
         b.deadline = now + std::chrono::seconds(b.lease_seconds);
         heard(b, now);
     } else if (live) {
@@ -157,7 +158,7 @@ std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, E
         b.epoch_heard = epoch_;
     }
     auto reason = Event::Reason::kRetained;
-    if (live) reason = *said == BoardState::Lost ? Event::Reason::kWill : Event::Reason::kSaid;
+    if (live) reason = *reported == BoardState::kLost ? Event::Reason::kWill : Event::Reason::kReported;
     update_state(slot, now, reason, events, added);
     if (added) emit(events, Event::Kind::kAdded, b, reason);
     return std::nullopt;
@@ -166,12 +167,12 @@ std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, E
 std::optional<Refusal> Catalogue::Impl::board_name(const Announcement& a, Time now, Events& events) {
     const std::string_view name = without_line_end(a.payload);
     if (name.empty() && a.retained) return std::nullopt;
-    if (!bus::legal_board_name(name)) return Refusal::kBadName;
+    if (!model::valid_board_name(name)) return Refusal::kBadName;
     std::uint32_t slot = slot_of(name);
     const bool added = slot == NameTable::kNone;
     if (added) slot = make(name, now);
     if (slot == NameTable::kNone) return Refusal::kTooMany;
-    const auto refused = renewed_by_name(slot, a.retained, added, now, events);
+    const auto refused = renewed_by_names(slot, a.retained, added, now, events);
     if (added) {
         emit(events, Event::Kind::kAdded, board(slot),
              a.retained ? Event::Reason::kRetained : Event::Reason::kAnnounced);
@@ -182,7 +183,7 @@ std::optional<Refusal> Catalogue::Impl::board_name(const Announcement& a, Time n
 std::optional<Refusal> Catalogue::Impl::service_name(const Announcement& a, Time now, Events& events) {
     if (a.payload.empty()) return std::nullopt;
     const std::string_view name = without_line_end(a.payload);
-    if (!bus::legal_board_name(a.board) || !bus::legal_service_name(name)) return Refusal::kBadName;
+    if (!model::valid_board_name(a.board) || !model::valid_name(name)) return Refusal::kBadName;
     std::uint32_t slot = slot_of(a.board);
     const bool added = slot == NameTable::kNone;
     if (added) slot = make(a.board, now);
@@ -190,7 +191,7 @@ std::optional<Refusal> Catalogue::Impl::service_name(const Announcement& a, Time
     Board& b = board(slot);
     bool changed = false;
     if (!b.described) {
-        auto& named = b.uncommon_data().services_by_name;
+        auto& named = b.uncommon_data().service_names;
         const auto place = std::lower_bound(named.begin(), named.end(), name);
         if (place == named.end() || *place != name) {
             if (named.size() == model::kMaxDescriptionServices) return Refusal::kTooMany;
@@ -199,7 +200,7 @@ std::optional<Refusal> Catalogue::Impl::service_name(const Announcement& a, Time
             changed = true;
         }
     }
-    const auto refused = renewed_by_name(slot, a.retained, added, now, events);
+    const auto refused = renewed_by_names(slot, a.retained, added, now, events);
     if (added) {
         emit(events, Event::Kind::kAdded, b,
              a.retained ? Event::Reason::kRetained : Event::Reason::kAnnounced);
@@ -210,8 +211,8 @@ std::optional<Refusal> Catalogue::Impl::service_name(const Announcement& a, Time
 }
 
 // A name renews the lease of its board, unless a description does that already: it has its own lease.
-std::optional<Refusal> Catalogue::Impl::renewed_by_name(std::uint32_t slot, bool retained, bool added,
-                                                        Time now, Events& events) {
+std::optional<Refusal> Catalogue::Impl::renewed_by_names(std::uint32_t slot, bool retained, bool added,
+                                                         Time now, Events& events) {
     Board& b = board(slot);
     if (retained) {
         update_state(slot, now, Event::Reason::kRetained, events, added);
@@ -220,7 +221,7 @@ std::optional<Refusal> Catalogue::Impl::renewed_by_name(std::uint32_t slot, bool
     if (b.described && alive(b, now)) return std::nullopt;
     b.names_only = true;
     listen(b, true, events);
-    if (!is_alive_word(b.said)) b.said = BoardState::Online;
+    if (!is_alive_word(b.reported)) b.reported = BoardState::kOnline;
     if (!b.described) {
         b.lease_seconds = static_cast<std::uint32_t>(
             std::chrono::duration_cast<std::chrono::seconds>(options_.default_lease).count());
@@ -235,7 +236,7 @@ std::optional<Refusal> Catalogue::Impl::traffic(const Announcement& a, Time now,
     if (a.retained) return Refusal::kNotForUs;
     const std::uint32_t slot = slot_of(a.board);
     if (slot == NameTable::kNone || !board(slot).names_only) return Refusal::kNotForUs;
-    return renewed_by_name(slot, false, false, now, events);
+    return renewed_by_names(slot, false, false, now, events);
 }
 
 std::vector<Event> Catalogue::Impl::expire(Time now) {

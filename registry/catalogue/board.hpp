@@ -24,9 +24,9 @@ struct Challenger {
 
 /// What few boards have; kept apart, so that the others stay small.
 struct UncommonBoardData {
-    std::vector<std::pair<std::string, std::uint64_t>> old_sessions;  // the newest last, with the highest seq
-                                                                      // seen
-    std::vector<std::string> services_by_name;                        // announced by name, sorted
+    // the newest last, with the highest seq seen
+    std::vector<std::pair<std::string, std::uint64_t>> old_sessions;
+    std::vector<std::string> service_names;  // published names, sorted
     std::unique_ptr<Challenger> challenger;
 };
 
@@ -47,8 +47,8 @@ struct Board {
     Time first_seen{};
     Time since{};  // of `effective`
     std::unique_ptr<UncommonBoardData> uncommon;
-    model::BoardState said = model::BoardState::Online;
-    model::BoardState effective = model::BoardState::Lost;
+    model::BoardState reported = model::BoardState::kOnline;
+    model::BoardState effective = model::BoardState::kLost;
     bool in_use = false;
     bool described = false;
     bool names_only = false;  // its lease is renewed by names and traffic, not by descriptions
@@ -71,7 +71,7 @@ struct Board {
 };
 
 constexpr bool is_alive_word(model::BoardState state) {
-    return state != model::BoardState::Offline && state != model::BoardState::Lost;
+    return state != model::BoardState::kOffline && state != model::BoardState::kLost;
 }
 
 }  // namespace asip::registry

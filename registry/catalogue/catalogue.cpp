@@ -41,8 +41,8 @@ std::string_view to_text(Event::Reason reason) {
     switch (reason) {
         case Event::Reason::kNone:
             return "";
-        case Event::Reason::kSaid:
-            return "said";
+        case Event::Reason::kReported:
+            return "reported";
         case Event::Reason::kWill:
             return "will";
         case Event::Reason::kLease:

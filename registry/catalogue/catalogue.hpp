@@ -25,7 +25,7 @@ struct Announcement {
     std::string_view board;
     std::string_view payload;
     bool retained = false;  ///< stored before we subscribed: a hint of what was, no sign of life
-    std::optional<std::uint32_t> expiry_seconds;  ///< what the broker says is left of it
+    std::optional<std::uint32_t> expiry_seconds;  ///< what is left of it, as the broker reports
 };
 
 /// Why a message changed nothing. Counted; the first of a board is worth a log line.
@@ -38,7 +38,7 @@ enum class Refusal {
     kWrongBoard,   ///< the description names another board than its topic
     kOldSequence,  ///< older than what is known of its session
     kOldSession,   ///< of a session that another replaced
-    kUnproven,     ///< retained, while a living session says otherwise
+    kUnproven,     ///< retained, while a living session contradicts it
     kConflict,     ///< of a second living session
     kOldHint,      ///< retained `$state`, while something newer was heard
     kTooMany,      ///< the catalogue is full
@@ -60,13 +60,13 @@ struct Event {
         kListen,    ///< takes part by names only: subscribe to its context traffic, which renews its lease
         kUnlisten,  ///< no longer
     };
-    enum class Reason { kNone, kSaid, kWill, kLease, kAnnounced, kRetained };
+    enum class Reason { kNone, kReported, kWill, kLease, kAnnounced, kRetained };
 
     Kind kind;
     std::string board;
-    std::uint64_t seq = 0;                              ///< of changes
-    model::BoardState state = model::BoardState::Lost;  ///< effective, after it
-    model::BoardState was = model::BoardState::Lost;    ///< kState: before it
+    std::uint64_t seq = 0;                               ///< of changes
+    model::BoardState state = model::BoardState::kLost;  ///< effective, after it
+    model::BoardState was = model::BoardState::kLost;    ///< kState: before it
     Reason reason = Reason::kNone;
 
     bool is_change() const { return kind < Kind::kGhost; }
@@ -78,7 +78,7 @@ struct Applied {
     std::optional<Refusal> refused;
 };
 
-/// Counts since the catalogue was made, but for the numbers that say how it is now.
+/// Counts since the catalogue was made, except for the numbers that describe it now.
 struct CatalogueStats {
     std::array<std::size_t, kStates> boards{};    ///< now, by effective state
     std::array<std::size_t, kStates> services{};  ///< now, by effective state of their board
@@ -110,11 +110,11 @@ struct Instant {
 /// (last seen, lease) are those of the newest message that counted, so a duplicate may extend a lease by at
 /// most its length.
 ///
-/// Retained messages are hints: they tell what a board is, but only a lease makes it alive. A retained
-/// description opens a lease of what the broker says is left of it, or, where the broker does not say, of
-/// `grace`: long enough for the agent to answer a probe.
+/// Retained messages are hints: they describe what a board is, but only a lease makes it alive. A retained
+/// description opens a lease of what is left of it according to the broker, or, where the broker does not
+/// report that, of `grace`: long enough for the agent to answer a probe.
 ///
-/// Names are checked (illegal ones refused), texts bounded, memory bounded by `max_boards`. Not copyable.
+/// Names are checked (invalid ones are refused), texts bounded, memory bounded by `max_boards`. Not copyable.
 class Catalogue {
   public:
     /// What is known of a board from before this catalogue was made.
@@ -130,9 +130,10 @@ class Catalogue {
         Duration grace = std::chrono::seconds(10);
         std::size_t max_boards = 1'000'000;
         UnitsOf units_of = {};  ///< units that the fields of a standard model ("distance@1") have
-        /// Asked when a board is added: where it is known already, its times go on.
+        /// Asked when a board is added: where it is known already, its times continue.
         std::function<std::optional<Remembered>(std::string_view board)> remembered = {};
-        std::uint64_t hash_seed = 1;  ///< random in programs, so that nobody can choose names that collide
+        /// random in programs, so that strangers cannot choose names that collide
+        std::uint64_t hash_seed = 1;
     };
 
     Catalogue();
@@ -150,8 +151,8 @@ class Catalogue {
 
     /// The bus cannot be heard: leases are not judged until resume().
     void suspend();
-    /// The bus is heard again and its retained messages will be replayed: what was alive has `grace` to say
-    /// so.
+    /// The bus is heard again and its retained messages will be replayed: what was alive has `grace` to
+    /// report so.
     void resume(Time now);
     bool suspended() const;
 
@@ -177,7 +178,7 @@ class Catalogue {
     /// Services now, by kind.
     std::vector<std::pair<std::string, std::size_t>> services_by_kind() const;
 
-    /// Puts what changed in its place in the indices; find() does it, too. Call it now and then when nobody
+    /// Puts what changed in its place in the indices; find() does it, too. Call it now and then when nothing
     /// asks.
     void settle();
 

@@ -57,8 +57,8 @@ class Catalogue::Impl {
     std::optional<Refusal> board_name(const Announcement& a, Time now, Events& events);
     std::optional<Refusal> service_name(const Announcement& a, Time now, Events& events);
     std::optional<Refusal> traffic(const Announcement& a, Time now, Events& events);
-    std::optional<Refusal> renewed_by_name(std::uint32_t slot, bool retained, bool added, Time now,
-                                           Events& events);
+    std::optional<Refusal> renewed_by_names(std::uint32_t slot, bool retained, bool added, Time now,
+                                            Events& events);
 
     // sessions.cpp: which description may replace which
     enum class Verdict { kAccept, kRenew, kRefuse };
@@ -89,11 +89,11 @@ class Catalogue::Impl {
     void index(Board& b, std::uint32_t slot, bool present);
     void update_state(std::uint32_t slot, Time now, Event::Reason reason, Events& events, bool added = false);
     void emit(Events& events, Event::Kind kind, const Board& b, Event::Reason reason = Event::Reason::kNone,
-              model::BoardState was = model::BoardState::Lost);
+              model::BoardState was = model::BoardState::kLost);
     void listen(Board& b, bool wanted, Events& events);
     std::uint32_t make(std::string_view name, Time now);
     void release(std::uint32_t slot, Events& events);
-    bool alive(const Board& b, Time now) const { return is_alive_word(b.said) && now < b.deadline; }
+    bool alive(const Board& b, Time now) const { return is_alive_word(b.reported) && now < b.deadline; }
     void heard(Board& b, Time now) { b.last_heard = now, b.epoch_heard = epoch_; }
 
     // find.cpp: one page of a query

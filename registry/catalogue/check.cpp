@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <set>
 
+#include "asip/model/names.hpp"
 #include "asip/text/wall_time.hpp"
 #include "registry/catalogue/catalogue_impl.hpp"
 
@@ -36,9 +37,9 @@ std::string Catalogue::Impl::check() const {
     for (const std::uint32_t slot : slots) {
         const Board& b = board(slot);
         if (slot_of(b.name) != slot) return b.name + ": not found by its name";
-        if (!bus::legal_board_name(b.name)) return b.name + ": illegal name";
-        if (b.effective != b.said && b.effective != model::BoardState::Lost)
-            return b.name + ": state nobody said";
+        if (!model::valid_board_name(b.name)) return b.name + ": invalid name";
+        if (b.effective != b.reported && b.effective != model::BoardState::kLost)
+            return b.name + ": a state that nobody reported";
         if (b.described == b.session.empty())
             return b.name + ": description without session, or the other way";
         const auto due = wheel_.due(slot);
@@ -95,7 +96,7 @@ std::string Catalogue::Impl::fingerprint() const {
         const Board& b = board(slot);
         if (!b.in_use) continue;
         std::string line = b.name + " " + std::string(model::to_text(b.effective)) + " " +
-                           std::string(model::to_text(b.said)) + (b.names_only ? " by-name " : " ") +
+                           std::string(model::to_text(b.reported)) + (b.names_only ? " names-only " : " ") +
                            board_item(b, now, true).description;
         if (!b.described && b.services != nullptr) line += b.services->text;
         if (b.conflict() != nullptr) line += " conflict with " + b.conflict()->session;

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/json_scanner.hpp"
-#include "asip/bus/topics.hpp"
 #include "asip/model/description.hpp"
+#include "asip/model/names.hpp"
 
 namespace asip::registry {
 namespace {
@@ -69,7 +69,7 @@ bool read_service(JsonScanner& in, RawService& service) {
             return false;
         }
     }
-    return in.left() && bus::legal_service_name(service.name) && service.title.size() <= kMaxTextBytes &&
+    return in.left() && model::valid_name(service.name) && service.title.size() <= kMaxTextBytes &&
            service.model.size() <= kMaxTextBytes;
 }
 
@@ -82,7 +82,7 @@ std::string kind_of(const RawService& raw, std::vector<std::string>& units) {
             for (const char* const part : {"events", "commands"}) {
                 if (const auto found = own.find(part); found != own.end()) collect_units(*found, units);
             }
-            if (auto name = string_member(own, "name"); bus::legal_service_name(name)) return name;
+            if (auto name = string_member(own, "name"); model::valid_name(name)) return name;
         }
     }
     return raw.id.empty() ? std::string(raw.name) : std::string(raw.id);
@@ -113,14 +113,14 @@ bool read_into(ServicesPart& part, KindTable& kinds) {
         }
         std::vector<std::string> units;
         const std::string kind_name = kind_of(raw, units);
-        if (!bus::legal_service_name(kind_name)) return false;
+        if (!model::valid_name(kind_name)) return false;
         Service service;
         service.name = raw.name;
         service.model = raw.model;
         service.title = raw.title;
         // A service announced by its name only is taken for the standard one of that name.
-        const bool by_name = raw.model.empty() && raw.own_model.empty() && raw.id.empty();
-        service.kind = kinds.refer(kind_name, by_name ? raw.name : raw.model);
+        const bool name_only = raw.model.empty() && raw.own_model.empty() && raw.id.empty();
+        service.kind = kinds.refer(kind_name, name_only ? raw.name : raw.model);
         service.id = raw.id.empty() ? '\0' : raw.id.front();
         if (raw.has_count) service.count = static_cast<std::int32_t>(raw.count);
         if (raw.has_period) service.period = static_cast<std::int32_t>(raw.period);

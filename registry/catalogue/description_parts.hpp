@@ -17,9 +17,9 @@ struct Service {
     std::string_view model;  // "distance@1"; empty: none, or carried in full
     std::string_view title;  // raw JSON text between the quotes
     Kind* kind = nullptr;
-    std::int32_t count = -1;  // -1: not said
+    std::int32_t count = -1;  // -1: unknown
     std::int32_t period = -1;
-    char id = 0;  // 0: not said
+    char id = 0;  // 0: unknown
 };
 
 // Parts of descriptions that many boards have in common (same sketch, same pins) are kept once. Each holds
@@ -90,7 +90,7 @@ class PartPool {
 /// Each from JSON text that bus::JsonScanner has accepted; null if it is not what the member should hold.
 std::unique_ptr<FirmwarePart> read_firmware(std::string_view text);
 std::unique_ptr<PinsPart> read_pins(std::string_view text);
-/// The kinds in it are referred to; whoever deletes the part releases them.
+/// The kinds in it are referred to; the one that deletes the part releases them.
 std::unique_ptr<ServicesPart> read_services(std::string_view text, KindTable& kinds);
 
 /// What stood between the quotes of a JSON string, escapes undone.

@@ -5,9 +5,9 @@
 
 namespace asip::registry {
 
-/// A hash of bytes that strangers choose: without knowing the seed nobody can pick texts that collide.
+/// A hash of bytes that strangers choose: who does not know the seed cannot pick texts that collide.
 inline std::uint64_t hash_bytes(std::string_view text, std::uint64_t seed) {
-    const auto fold = [](std::uint64_t a, std::uint64_t b) {
+    const auto mix = [](std::uint64_t a, std::uint64_t b) {
         __extension__ using Wide = unsigned __int128;
         const Wide product = static_cast<Wide>(a) * b;
         return static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64);
@@ -20,7 +20,7 @@ inline std::uint64_t hash_bytes(std::string_view text, std::uint64_t seed) {
         std::uint64_t b = 0;
         std::memcpy(&a, at, 8);
         std::memcpy(&b, at + 8, 8);
-        state = fold(a ^ state, b ^ (seed | 1));
+        state = mix(a ^ state, b ^ (seed | 1));
         at += 16;
         left -= 16;
     }
@@ -28,8 +28,8 @@ inline std::uint64_t hash_bytes(std::string_view text, std::uint64_t seed) {
     std::uint64_t b = 0;
     std::memcpy(&a, at, left < 8 ? left : 8);
     if (left > 8) std::memcpy(&b, at + 8, left - 8);
-    state = fold(a ^ state ^ 0xA0761D6478BD642Fu, b ^ seed ^ 0xE7037ED1A0B428DBu);
-    return fold(state, 0x8EBC6AF09C88C6E3u);
+    state = mix(a ^ state ^ 0xA0761D6478BD642Fu, b ^ seed ^ 0xE7037ED1A0B428DBu);
+    return mix(state, 0x8EBC6AF09C88C6E3u);
 }
 
 }  // namespace asip::registry

@@ -60,8 +60,8 @@ bus::BoardItem Catalogue::Impl::board_item(const Board& b, Instant now, bool ful
     bus::BoardItem item;
     item.board = b.name;
     item.state = model::to_text(b.effective);
-    item.said = model::to_text(b.said);
-    item.by_name = b.names_only || !b.described;
+    item.reported = model::to_text(b.reported);
+    item.names_only = b.names_only || !b.described;
     item.session = b.session;
     item.seq = b.seq;
     item.lease = b.lease_seconds;

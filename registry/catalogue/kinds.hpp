@@ -36,7 +36,7 @@ class KindTable {
   public:
     explicit KindTable(UnitsOf units_of) : units_of_(std::move(units_of)) {}
 
-    /// Adds a reference; makes the kind if it is new. `model` ("distance@1") tells its units; may be empty.
+    /// Adds a reference; makes the kind if it is new. `model` ("distance@1") gives its units; may be empty.
     Kind* refer(std::string_view name, std::string_view model);
     void release(Kind* kind);
     void mark_dirty(Kind* kind);

@@ -76,8 +76,8 @@ class NameOrder {
     std::vector<std::uint64_t> labels_;
 };
 
-/// Some of the boards, by name: those in one state that have one kind of service. Changes wait until settled,
-/// too.
+/// Some of the boards in the order of their names: those in one state that have one kind of service. Changes
+/// wait until settled, too.
 class BoardSet {
   public:
     void add(std::uint32_t slot) { pending_.emplace_back(slot, true), ++size_; }

@@ -10,8 +10,9 @@ namespace {
 
 using model::BoardState;
 
-constexpr std::array<BoardState, kStates> kAllStates{
-    BoardState::Online, BoardState::Offline, BoardState::Lost, BoardState::Sleeping, BoardState::Updating};
+constexpr std::array<BoardState, kStates> kAllStates{BoardState::kOnline, BoardState::kOffline,
+                                                     BoardState::kLost, BoardState::kSleeping,
+                                                     BoardState::kUpdating};
 
 constexpr std::array<std::pair<std::string_view, QueryPlan::Sort>, 5> kSorts{
     {{"name", QueryPlan::Sort::kName},

@@ -11,7 +11,7 @@
 namespace asip::registry {
 
 /// Where the previous page ended. As text "BOARD/SERVICE/KEY": names hold no '/'; the key of sort orders
-/// other than by name comes last.
+/// by anything but the name comes last.
 struct Cursor {
     std::string board, service, key;
 

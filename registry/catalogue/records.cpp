@@ -105,7 +105,7 @@ bool Catalogue::Impl::store(std::uint32_t slot, const DescriptionMembers& member
         b.link_bytes = static_cast<std::uint32_t>(members.link.size());
     }
     b.described = true;
-    if (b.uncommon) b.uncommon->services_by_name.clear();
+    if (b.uncommon) b.uncommon->service_names.clear();
     return changed;
 }
 
@@ -121,7 +121,7 @@ void Catalogue::Impl::set_services(std::uint32_t slot, ServicesPart* services) {
 
 void Catalogue::Impl::set_named_services(std::uint32_t slot) {
     std::string text = "[";
-    for (const std::string& name : board(slot).uncommon->services_by_name) {
+    for (const std::string& name : board(slot).uncommon->service_names) {
         text.append(text.size() > 1 ? ",{\"name\":\"" : "{\"name\":\"").append(name).append("\"}");
     }
     text += ']';
@@ -154,7 +154,7 @@ void Catalogue::Impl::update_state(std::uint32_t slot, Time now, Event::Reason r
     Board& b = board(slot);
     const bool living = alive(b, now);
     const model::BoardState was = b.effective;
-    const model::BoardState is = living || !is_alive_word(b.said) ? b.said : model::BoardState::Lost;
+    const model::BoardState is = living || !is_alive_word(b.reported) ? b.reported : model::BoardState::kLost;
     if (is != was) {
         index(b, slot, false);
         all_[index_of(was)].remove(slot);

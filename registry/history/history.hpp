@@ -31,7 +31,7 @@ class History {
     static constexpr std::size_t kMaxRowsPerQuery = 20'000;
 
     /// Opens or makes the file; a file of an earlier version is brought up to date. Throws std::runtime_error
-    /// that names the file and says what is wrong with it.
+    /// that names the file and what is wrong with it.
     explicit History(Options options);
     ~History();
     History(const History&) = delete;

@@ -6,7 +6,7 @@ namespace asip::registry {
 namespace {
 
 bool is_alive(model::BoardState state) {
-    return state != model::BoardState::Offline && state != model::BoardState::Lost;
+    return state != model::BoardState::kOffline && state != model::BoardState::kLost;
 }
 
 bus::HistoryItem row(std::string_view board, text::WallTime at, std::string_view what) {
@@ -80,7 +80,7 @@ void Journal::complete(const Catalogue& catalogue, text::WallTime at, Rows& rows
 void Journal::end_absent(const Catalogue& catalogue, text::WallTime at, Rows& rows) {
     for (auto& [board, known] : known_) {
         if (!is_alive(known.state) || catalogue.knows(board)) continue;
-        came_into(board, known, model::BoardState::Lost, to_text(Event::Reason::kLease), at, rows);
+        came_into(board, known, model::BoardState::kLost, to_text(Event::Reason::kLease), at, rows);
     }
 }
 

@@ -16,15 +16,15 @@ namespace asip::registry {
 struct JournalBoard {
     text::WallTime first{};  ///< when it was added
     text::WallTime since{};  ///< when it came into `state`
-    model::BoardState state = model::BoardState::Lost;
+    model::BoardState state = model::BoardState::kLost;
 
     bool operator==(const JournalBoard&) const = default;
 };
 using JournalBoards = std::map<std::string, JournalBoard, std::less<>>;
 
 /// Decides which rows a history gets. A registry that starts or connects again learns of every board anew;
-/// that is no change and leaves no row. What did change meanwhile is found by comparing once the catalogue is
-/// complete. Pure.
+/// that is not a change and leaves no row. What did change meanwhile is found by comparing once the catalogue
+/// is complete. Pure.
 class Journal {
   public:
     using Rows = std::vector<bus::HistoryItem>;
@@ -41,7 +41,7 @@ class Journal {
     /// Rows for a change. Events that are not changes are ignored.
     void change(const Event& event, text::WallTime at, Rows& rows);
     /// Rows for the boards that are known as alive and of which the catalogue has heard nothing. To be called
-    /// a lease after complete(): boards that take part by names only say nothing earlier.
+    /// a lease after complete(): boards that take part by names only send nothing earlier.
     void end_absent(const Catalogue& catalogue, text::WallTime at, Rows& rows);
 
   private:

@@ -59,7 +59,7 @@ class Ultrasonic final : public Part {
         return {};
     }
 
-    enum class Phase { idle, burst, echo };
+    enum class Phase { kIdle, kBurst, kEcho };
 
     bool one_pin() const { return spec_.echo == spec_.trigger; }
 
@@ -68,7 +68,7 @@ class Ultrasonic final : public Part {
     }
 
     void on_trigger(PinState pin) {
-        if (phase_ != Phase::idle) return;
+        if (phase_ != Phase::kIdle) return;
         const auto now = context_.clock.cycle();
         if (pin.output && pin.high) {
             if (!rose_at_) rose_at_ = now;
@@ -77,22 +77,22 @@ class Ultrasonic final : public Part {
         const bool triggered = rose_at_ && now - *rose_at_ >= cycles(kMinTriggerUs);
         rose_at_.reset();
         if (!triggered || unplugged_) return;
-        phase_ = Phase::burst;
+        phase_ = Phase::kBurst;
         context_.wiring.drive(spec_.echo, false);
         echo_.at(now + cycles(kBurstUs));
     }
 
     void step() {
-        if (phase_ == Phase::burst) {
+        if (phase_ == Phase::kBurst) {
             const bool in_range = spec_.distance_cm <= kMaxRangeCm;
-            phase_ = Phase::echo;
+            phase_ = Phase::kEcho;
             context_.wiring.drive(spec_.echo, true);
             // From the moment the pin really rose: the width of the pulse is the measurement.
             echo_.at(context_.clock.cycle() +
                      cycles(in_range ? spec_.distance_cm * kEchoMicrosecondsPerCm : kNothingInRangeUs));
             return;
         }
-        phase_ = Phase::idle;
+        phase_ = Phase::kIdle;
         context_.wiring.drive(spec_.echo, false);
         if (one_pin()) context_.wiring.release(spec_.echo);
     }
@@ -100,7 +100,7 @@ class Ultrasonic final : public Part {
     UltrasonicSpec spec_;
     PartContext& context_;
     Alarm echo_;
-    Phase phase_ = Phase::idle;
+    Phase phase_ = Phase::kIdle;
     std::optional<std::uint64_t> rose_at_;
     bool unplugged_ = false;
 };

@@ -18,7 +18,7 @@ class ControlSocket {
     /// Does a command; may reply from another thread.
     using Execute = std::function<void(std::string_view line, Reply reply)>;
 
-    /// Replaces a socket on which no program answers; refuses one that is in use, or a file that is no
+    /// Replaces a socket on which no program answers; refuses one that is in use, or a file that is not a
     /// socket.
     static Expected<std::unique_ptr<ControlSocket>> open(boost::asio::io_context& context,
                                                          const std::filesystem::path& path, Execute execute);

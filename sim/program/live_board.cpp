@@ -43,8 +43,8 @@ LiveBoard::LiveBoard(BoardFile file, Reporter& reporter, std::unique_ptr<Board> 
     board_->on_change([this](const Change& change) { reporter_.changed(name(), change); });
     board_->on_byte([this](char byte) { to_host_.push_back(byte); });
     board_->on_reset([this](ResetCause cause) {
-        if (cause == ResetCause::power_on) return;
-        happened("reset", json{{"cause", cause == ResetCause::watchdog ? "watchdog" : "external"}});
+        if (cause == ResetCause::kPowerOn) return;
+        happened("reset", json{{"cause", cause == ResetCause::kWatchdog ? "watchdog" : "external"}});
     });
 }
 

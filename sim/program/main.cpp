@@ -85,7 +85,7 @@ int run_boards(const Options& options) {
     auto files = load_boards(options);
     if (!files) return complain(program::kExitUsage, files.error());
 
-    Reporter reporter(options.json ? Reporter::Format::json : Reporter::Format::text, write_stdout);
+    Reporter reporter(options.json ? Reporter::Format::kJson : Reporter::Format::kText, write_stdout);
     std::vector<std::unique_ptr<LiveBoard>> boards;
     for (std::size_t i = 0; i < files->size(); ++i) {
         auto board = LiveBoard::create((*files)[i], reporter);

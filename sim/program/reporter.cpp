@@ -24,7 +24,7 @@ Reporter::Reporter(Format format, std::function<void(std::string_view)> write_li
     : format_(format), write_line_(std::move(write_line)) {}
 
 void Reporter::changed(const std::string& board, const Change& change) {
-    if (format_ == Format::text) {
+    if (format_ == Format::kText) {
         write(fmt::format("{} {:.6f} {} {}", board, seconds(change.time), change.part, change.value));
         return;
     }
@@ -38,7 +38,7 @@ void Reporter::changed(const std::string& board, const Change& change) {
 
 void Reporter::happened(const std::string& board, SimTime time, std::string_view event,
                         const nlohmann::ordered_json& details) {
-    if (format_ == Format::text) {
+    if (format_ == Format::kText) {
         auto line = fmt::format("{} {:.6f} {}", board, seconds(time), event);
         for (const auto& [key, value] : details.items())
             line += fmt::format(" {}={}", key, value.is_string() ? value.get<std::string>() : value.dump());

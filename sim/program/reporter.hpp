@@ -13,13 +13,13 @@ namespace asip::sim {
 /// from the boards' threads.
 class Reporter {
   public:
-    enum class Format { text, json };
+    enum class Format { kText, kJson };
     /// `write_line` gets a line without its end, one call at a time.
     Reporter(Format format, std::function<void(std::string_view)> write_line);
 
     void changed(const std::string& board, const Change& change);
-    /// Something that is no part's change: "reset", "unplugged". `details` is an object whose values follow
-    /// in the text.
+    /// Something other than a change of a part: "reset", "unplugged". `details` is an object whose values
+    /// follow in the text.
     void happened(const std::string& board, SimTime time, std::string_view event,
                   const nlohmann::ordered_json& details);
 

@@ -12,7 +12,7 @@
 
 namespace asip::test {
 
-/// A plain MQTT client that shares no code with ours: records what it sees, publishes what it is told. Has a
+/// A plain MQTT client that shares no code with ours: records what it sees, publishes what it is given. Has a
 /// thread of its own, so that a test can just wait.
 class BusProbe {
   public:
@@ -61,7 +61,7 @@ class BusProbe {
                                        std::chrono::milliseconds limit = kDeadline);
 
     bool connected() const;
-    /// Cuts the TCP connection without a goodbye: the will is published.
+    /// Cuts the TCP connection without DISCONNECT: the will is published.
     void drop();
 
   private:

@@ -14,7 +14,7 @@ namespace asip::test {
 struct Certificates {
     std::string ca, server_cert, server_key, client_cert, client_key, other_ca;
 };
-/// What the server certificate says.
+/// What the server certificate contains.
 struct ServerCertificate {
     std::string names = "DNS:localhost,IP:127.0.0.1";  ///< subjectAltName
     std::string from{};                                ///< YYYYMMDDHHMMSSZ; empty: now

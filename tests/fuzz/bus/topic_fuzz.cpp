@@ -19,12 +19,18 @@ std::string rebuilt(const asip::bus::Topics& topics, const asip::bus::TopicRef& 
             return topics.state(ref.board);
         case kDescription:
             return topics.description(ref.board);
+        case kStats:
+            return topics.stats(ref.board);
+        case kLog:
+            return topics.log(ref.board);
         case kProbe:
             return topics.probe();
         case kBoardOut:
             return topics.board_out(ref.board);
         case kBoardIn:
             return topics.board_in(ref.board);
+        case kStop:
+            return topics.stop(ref.board);
         case kServiceOut:
             return topics.service_out(ref.board, ref.service);
         case kServiceIn:
@@ -51,7 +57,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static const asip::bus::Topics topics("asip");
     const std::string topic(reinterpret_cast<const char*>(data), size);
     if (const auto ref = topics.parse(topic); ref && rebuilt(topics, *ref) != topic) std::abort();
-    if (asip::bus::Topics::legal_root(topic)) {
+    if (asip::bus::Topics::valid_root(topic)) {
         const asip::bus::Topics other(topic);
         if (!other.parse(other.state("uno1"))) std::abort();
     }

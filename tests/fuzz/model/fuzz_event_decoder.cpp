@@ -14,7 +14,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto* event = std::get_if<protocol::Event>(&message);
     if (event == nullptr) return 0;
     static const auto ports = protocol::PortMap::parse("4,{4:1,4:2,5:80,5:ff}").value();
-    static const std::vector<protocol::PinMode> modes = {protocol::PinMode::Input, protocol::PinMode::Output};
+    static const std::vector<protocol::PinMode> modes = {protocol::PinMode::kInput,
+                                                         protocol::PinMode::kOutput};
     for (const auto& model : model::ModelSet::standard().all()) {
         if (model->id != event->service) continue;
         const auto decoded = model::decode_event(*model, *event, {&ports, modes});

@@ -56,7 +56,7 @@ class BoardOverEachLink : public ::testing::TestWithParam<Way> {
 };
 
 TEST_P(BoardOverEachLink, DigitalWrite_LightsTheLed) {
-    ASSERT_TRUE(board_.set_pin_mode(13, PinMode::Output));
+    ASSERT_TRUE(board_.set_pin_mode(13, PinMode::kOutput));
     ASSERT_TRUE(board_.digital_write(13, true));
     EXPECT_TRUE(boards_.wait_for_led("on")) << boards_.output();
     ASSERT_TRUE(board_.digital_write(13, false));
@@ -64,7 +64,7 @@ TEST_P(BoardOverEachLink, DigitalWrite_LightsTheLed) {
 }
 
 TEST_P(BoardOverEachLink, DigitalRead_FollowsTheButton) {
-    ASSERT_TRUE(board_.set_pin_mode(2, PinMode::InputPullup));
+    ASSERT_TRUE(board_.set_pin_mode(2, PinMode::kInputPullup));
     EXPECT_EQ(board_.digital_read(2), Result<bool>(true));
     boards_.press();
     EXPECT_TRUE(wait_until([&] { return board_.digital_read(2) == Result<bool>(false); }));
@@ -99,22 +99,22 @@ TEST_P(BoardOverEachLink, ServiceByName_AnswersCommandsAndReportsEvents) {
 TEST_P(BoardOverEachLink, WhatTheBoardRefuses_IsItsErrorNotSilence) {
     const auto no_servo = board_.command("servo", "write", json::array({7, 90}));
     ASSERT_FALSE(no_servo);
-    EXPECT_EQ(no_servo.error().kind, Error::Kind::Board);
+    EXPECT_EQ(no_servo.error().kind, Error::Kind::kBoard);
     EXPECT_EQ(no_servo.error().code, 7);
 
     const auto system_pin = board_.digital_write(0, true);
     ASSERT_FALSE(system_pin);
-    EXPECT_EQ(system_pin.error().kind, Error::Kind::Board);
-    EXPECT_TRUE(board_.set_pin_mode(13, PinMode::Output)) << "the next call works";
+    EXPECT_EQ(system_pin.error().kind, Error::Kind::kBoard);
+    EXPECT_TRUE(board_.set_pin_mode(13, PinMode::kOutput)) << "the next call works";
 }
 
 TEST_P(BoardOverEachLink, WhatTheModelForbids_NeverReachesTheBoard) {
     const auto angle = board_.command("servo", "write", json::array({0, 900}));
     ASSERT_FALSE(angle);
-    EXPECT_EQ(angle.error().kind, Error::Kind::Invalid);
+    EXPECT_EQ(angle.error().kind, Error::Kind::kInvalid);
     EXPECT_THAT(angle.error().text, HasSubstr("900"));
-    EXPECT_EQ(board_.command("servo", "wirte", json::array({0, 90})).error().kind, Error::Kind::Invalid);
-    EXPECT_EQ(board_.analog_write(9, 256).error().kind, Error::Kind::Invalid);
+    EXPECT_EQ(board_.command("servo", "wirte", json::array({0, 90})).error().kind, Error::Kind::kInvalid);
+    EXPECT_EQ(board_.analog_write(9, 256).error().kind, Error::Kind::kInvalid);
     EXPECT_THAT(board_.command("motor", "stop").error().text, HasSubstr("it has"));
 }
 
@@ -122,17 +122,17 @@ TEST_P(BoardOverEachLink, RawRequest_IsExecuted) {
     ASSERT_TRUE(board_.raw("I,P,13,3"));
     ASSERT_TRUE(board_.raw("I,d,13,1"));
     EXPECT_TRUE(boards_.wait_for_led("on")) << boards_.output();
-    EXPECT_EQ(board_.raw("no request").error().kind, Error::Kind::Invalid);
+    EXPECT_EQ(board_.raw("no request").error().kind, Error::Kind::kInvalid);
 }
 
 TEST_P(BoardOverEachLink, BoardUnplugged_CallsFailAndWorkAgainWhenItIsBackWithItsModes) {
     if (GetParam().link == "tcp") {
         GTEST_SKIP() << "asip-sim unplugs serial ports";
     }
-    ASSERT_TRUE(board_.set_pin_mode(13, PinMode::Output));
+    ASSERT_TRUE(board_.set_pin_mode(13, PinMode::kOutput));
     boards_.command("unplug uno");
     ASSERT_TRUE(wait_until([&] { return !board_.online(); }));
-    EXPECT_EQ(board_.digital_write(13, true).error().kind, Error::Kind::Unreachable);
+    EXPECT_EQ(board_.digital_write(13, true).error().kind, Error::Kind::kUnreachable);
     boards_.command("replug uno");
     ASSERT_TRUE(wait_until([&] { return board_.online(); })) << boards_.output();
     const auto lit = board_.digital_write(13, true);
@@ -158,7 +158,7 @@ INSTANTIATE_TEST_SUITE_P(Links, BoardOverEachLink, ::testing::ValuesIn(ways()), 
 TEST(BlockingBoardOpen, PortThatIsNotThere_SaysSo) {
     const auto board = BlockingBoard::open("/dev/asip-no-such-port");
     ASSERT_FALSE(board);
-    EXPECT_EQ(board.error().kind, Error::Kind::Unreachable);
+    EXPECT_EQ(board.error().kind, Error::Kind::kUnreachable);
     EXPECT_THAT(board.error().text, HasSubstr("/dev/asip-no-such-port"));
 }
 
@@ -168,7 +168,7 @@ TEST(BlockingBoardOpen, BoardThatIsNotOnTheBroker_IsNamed) {
     options.open_timeout = 500ms;
     const auto board = BlockingBoard::open(broker.url() + "/nowhere", options);
     ASSERT_FALSE(board);
-    EXPECT_EQ(board.error().kind, Error::Kind::Unreachable);
+    EXPECT_EQ(board.error().kind, Error::Kind::kUnreachable);
     EXPECT_THAT(board.error().text, HasSubstr("no board nowhere"));
 }
 
@@ -178,7 +178,7 @@ TEST(BlockingBoardOpen, BrokerThatIsNotThere_SaysSo) {
     const auto board =
         BlockingBoard::open("mqtt://127.0.0.1:" + std::to_string(test::free_port()) + "/uno1", options);
     ASSERT_FALSE(board);
-    EXPECT_EQ(board.error().kind, Error::Kind::Unreachable);
+    EXPECT_EQ(board.error().kind, Error::Kind::kUnreachable);
 }
 
 TEST(BlockingBoardOpen, BrokerRefusesThePassword_SaysSoAtOnce) {
@@ -192,13 +192,13 @@ TEST(BlockingBoardOpen, BrokerRefusesThePassword_SaysSoAtOnce) {
     const auto begun = std::chrono::steady_clock::now();
     const auto board = BlockingBoard::open(broker.url() + "/uno1", options);
     ASSERT_FALSE(board);
-    EXPECT_EQ(board.error().kind, Error::Kind::Unreachable);
+    EXPECT_EQ(board.error().kind, Error::Kind::kUnreachable);
     EXPECT_LT(std::chrono::steady_clock::now() - begun, 5s) << "trying again cannot help";
 }
 
 TEST(BlockingBoardOpen, MovedFromOrDefault_FailsCallsAsClosed) {
     BlockingBoard board;
-    EXPECT_EQ(board.digital_write(13, true).error().kind, Error::Kind::Closed);
+    EXPECT_EQ(board.digital_write(13, true).error().kind, Error::Kind::kClosed);
     EXPECT_EQ(board.name(), "");
     EXPECT_TRUE(board.services().empty());
 }

@@ -51,7 +51,7 @@ class BusAnswers : public ::testing::Test {
             agent_.publish(answer);
         }
         const auto done = call.get();
-        return done ? Error{Error::Kind::Closed, -1, "succeeded"} : done.error();
+        return done ? Error{Error::Kind::kClosed, -1, "succeeded"} : done.error();
     }
 
     test::MosquittoBroker broker_;
@@ -69,29 +69,29 @@ TEST_F(BusAnswers, Command_CarriesItsDeadline) {
 
 TEST_F(BusAnswers, TimeoutInDoubt_SaysThatItMayHaveBeenExecuted) {
     const Error doubt = ends_with(R"({"status":"timeout","reason":"doubt"})");
-    EXPECT_EQ(doubt.kind, Error::Kind::Timeout);
+    EXPECT_EQ(doubt.kind, Error::Kind::kTimeout);
     EXPECT_THAT(doubt.text, HasSubstr("may have executed it or not"));
     const Error late = ends_with(R"({"status":"timeout"})");
-    EXPECT_EQ(late.kind, Error::Kind::Timeout);
+    EXPECT_EQ(late.kind, Error::Kind::kTimeout);
     EXPECT_THAT(late.text, HasSubstr("did not acknowledge"));
 }
 
 TEST_F(BusAnswers, Refusals_AreInvalidUnreachableOrRefused) {
     EXPECT_EQ(ends_with(R"({"status":"refused","reason":"invalid","error":"pin: 99 is above 69"})"),
-              (Error{Error::Kind::Invalid, 0, "pin: 99 is above 69"}));
+              (Error{Error::Kind::kInvalid, 0, "pin: 99 is above 69"}));
     EXPECT_EQ(ends_with(R"({"status":"refused","reason":"board-not-there","error":"gone"})").kind,
-              Error::Kind::Unreachable);
+              Error::Kind::kUnreachable);
     EXPECT_EQ(ends_with(R"({"status":"refused","reason":"queue-full"})"),
-              (Error{Error::Kind::Refused, 0, "queue-full"}));
+              (Error{Error::Kind::kRefused, 0, "queue-full"}));
     EXPECT_EQ(ends_with(R"({"status":"error","code":6,"error":"WRONG_MODE"})"),
-              (Error{Error::Kind::Board, 6, "WRONG_MODE"}));
+              (Error{Error::Kind::kBoard, 6, "WRONG_MODE"}));
 }
 
 TEST_F(BusAnswers, NobodyAnswers_TheCallEndsSoonAfterItsDeadline) {
     const auto began = std::chrono::steady_clock::now();
     const auto done = board_.digital_write(13, true);
     ASSERT_FALSE(done);
-    EXPECT_EQ(done.error().kind, Error::Kind::Timeout);
+    EXPECT_EQ(done.error().kind, Error::Kind::kTimeout);
     EXPECT_GE(std::chrono::steady_clock::now() - began, 1500ms);
 }
 

@@ -116,7 +116,7 @@ class SecuredBus : public ::testing::Test {
 TEST_F(SecuredBus, Operator_CommandsTheBoardThroughItsAgent) {
     auto board = open_as("operator");
     ASSERT_TRUE(board) << to_string(board.error()) << agent_.errors();
-    ASSERT_TRUE(board->set_pin_mode(13, protocol::PinMode::Output));
+    ASSERT_TRUE(board->set_pin_mode(13, protocol::PinMode::kOutput));
     ASSERT_TRUE(board->digital_write(13, true));
     EXPECT_TRUE(boards_.wait_for_led("on"));
 }
@@ -127,7 +127,7 @@ TEST_F(SecuredBus, OptionsOfTheDocumentation_OpenTheBoard) {
     const std::string documented_ca = broker_.certificates().ca;
 #include "documented/options.inc"
     ASSERT_TRUE(board) << to_string(board.error()) << agent_.errors();
-    EXPECT_TRUE(board->set_pin_mode(13, protocol::PinMode::Output));
+    EXPECT_TRUE(board->set_pin_mode(13, protocol::PinMode::kOutput));
 }
 
 TEST_F(SecuredBus, Viewer_SeesTheBoardAndCannotCommandIt) {
@@ -137,7 +137,7 @@ TEST_F(SecuredBus, Viewer_SeesTheBoardAndCannotCommandIt) {
     EXPECT_FALSE(board->raw("I,P,13,3"));
     auto commander = open_as("operator");
     ASSERT_TRUE(commander);
-    EXPECT_TRUE(commander->set_pin_mode(13, protocol::PinMode::Output)) << "the agent itself is well";
+    EXPECT_TRUE(commander->set_pin_mode(13, protocol::PinMode::kOutput)) << "the agent itself is well";
 }
 
 TEST_F(SecuredBus, AgentOfOneBoard_CannotSpeakForAnotherNorCommandIt) {
@@ -167,7 +167,7 @@ TEST_F(SecuredBus, AnswerToTheOperator_IsReadByNobodyElse) {
     BusProbe own(broker_.port(), {"asip/reply/operator/#"}, broker_.probe("operator"));
     auto board = open_as("operator");
     ASSERT_TRUE(board) << to_string(board.error()) << agent_.errors();
-    ASSERT_TRUE(board->set_pin_mode(13, protocol::PinMode::Output));
+    ASSERT_TRUE(board->set_pin_mode(13, protocol::PinMode::kOutput));
     const auto is_answer = [](const mqtt::Message& m) { return m.topic.starts_with("asip/reply/operator/"); };
     ASSERT_TRUE(own.wait_for(is_answer));
     viewer.publish("asip/reply/viewer/x", "mark");
@@ -226,7 +226,7 @@ TEST_F(SecuredBus, AuthorityThatDidNotSignTheBroker_IsNotTrusted) {
     options.ca = broker_.certificates().other_ca;
     const auto board = BlockingBoard::open("mqtts://" + broker_.host() + "/uno", options);
     ASSERT_FALSE(board);
-    EXPECT_EQ(board.error().kind, client::Error::Kind::Unreachable);
+    EXPECT_EQ(board.error().kind, client::Error::Kind::kUnreachable);
     EXPECT_THAT(board.error().text, HasSubstr("certificate"));
 }
 

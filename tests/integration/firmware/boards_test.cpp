@@ -63,9 +63,9 @@ TEST(MegaTest, InputsOfEveryPort_MakeEvents) {
     for (const auto& [pin, event] : {Pin{22, "@I,d,1,1"}, Pin{10, "@I,d,2,10"}, Pin{37, "@I,d,3,1"},
                                      Pin{21, "@I,d,4,1"}, Pin{5, "@I,d,5,8"}, Pin{41, "@I,d,7,1"},
                                      Pin{6, "@I,d,8,8"}, Pin{14, "@I,d,10,2"}, Pin{49, "@I,d,12,1"}}) {
-        board->drive(pin, sim::Level::high);
+        board->drive(pin, sim::Level::kHigh);
         EXPECT_EQ(board.next_line(), event) << pin;
-        board->drive(pin, sim::Level::low);
+        board->drive(pin, sim::Level::kLow);
         board.next_line();
     }
 }
@@ -102,9 +102,9 @@ TEST(Atmega1284Test, InputsOfEveryPort_MakeEventsAndTheSerialPinsAreReserved) {
     board.ask("I,P,31,1");
     for (const auto& [pin, event] :
          {Pin{31, "@I,d,1,80"}, Pin{7, "@I,d,2,80"}, Pin{16, "@I,d,3,1"}, Pin{10, "@I,d,4,4"}}) {
-        board->drive(pin, sim::Level::high);
+        board->drive(pin, sim::Level::kHigh);
         EXPECT_EQ(board.next_line(), event) << pin;
-        board->drive(pin, sim::Level::low);
+        board->drive(pin, sim::Level::kLow);
         board.next_line();
     }
 }

@@ -34,7 +34,7 @@ std::function<std::string(FirmwareBoard&)> duty_at(std::uint16_t address) {
 
 std::function<std::string(FirmwareBoard&)> level_of(int pin) {
     return [pin](FirmwareBoard& board) {
-        return board->pin(pin) == sim::Level::high ? std::string(" high") : std::string(" low");
+        return board->pin(pin) == sim::Level::kHigh ? std::string(" high") : std::string(" low");
     };
 }
 

@@ -165,7 +165,7 @@ TEST(FlowTest, FloodThatOverflows_ExecutesNoMixtureOfRequests) {
     board->take_output();
     for (int pin = 2; pin < 14; ++pin) {
         if (pin == 12) continue;
-        EXPECT_EQ(board->pin(pin), sim::Level::low) << pin;
+        EXPECT_EQ(board->pin(pin), sim::Level::kLow) << pin;
     }
     // What was lost last may have been a line end.
     board->send("\n");

@@ -89,7 +89,7 @@ bool follows(unsigned hertz, unsigned baud) {
     const int edges = static_cast<int>(hertz);  // half a second of them
     const auto begin = board->now();
     for (int edge = 1; edge <= edges; ++edge) {
-        board->drive(2, edge % 2 == 1 ? sim::Level::high : sim::Level::low);
+        board->drive(2, edge % 2 == 1 ? sim::Level::kHigh : sim::Level::kLow);
         const auto next = begin + std::chrono::nanoseconds(static_cast<long long>(half_ns * edge));
         if (next > board->now()) board->run_for(next - board->now());
     }

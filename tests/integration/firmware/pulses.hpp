@@ -11,7 +11,7 @@ struct Pulses {
         const double cycles_per_us = board->config().frequency / 1e6;
         board->on_pin(pin, [this, &board, cycles_per_us](sim::Level level) {
             const double now = static_cast<double>(board->cycles()) / cycles_per_us;
-            if (level == sim::Level::high) {
+            if (level == sim::Level::kHigh) {
                 if (rose != 0) periods.push_back(now - rose);
                 rose = now;
             } else if (rose != 0) {

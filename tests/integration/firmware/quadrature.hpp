@@ -36,7 +36,7 @@ class Quadrature {
   private:
     void put() {
         constexpr std::array<bool, 4> kLead = {false, true, true, false}, kLag = {false, false, true, true};
-        const auto level = [](bool high) { return high ? sim::Level::high : sim::Level::low; };
+        const auto level = [](bool high) { return high ? sim::Level::kHigh : sim::Level::kLow; };
         for (const auto& encoder : encoders_) {
             board_->drive(encoder.first, level((encoder.backwards ? kLag : kLead)[phase_]));
             board_->drive(encoder.second, level((encoder.backwards ? kLead : kLag)[phase_]));

@@ -88,7 +88,7 @@ TEST_P(RandomLinesTest, NeitherResetNorHang) {
     }
     EXPECT_EQ(board.ask("I,P,13,3"), "");
     EXPECT_EQ(board.ask("I,d,13,1"), "");
-    EXPECT_EQ(board->pin(13), sim::Level::high);
+    EXPECT_EQ(board->pin(13), sim::Level::kHigh);
 }
 
 INSTANTIATE_TEST_SUITE_P(Boards, RandomLinesTest,

@@ -99,7 +99,7 @@ TEST(RequestsTest, DigitalWriteAndEvent_GoThroughTheWire) {
     EXPECT_EQ(board.ask("I,P,13,3"), "");
     EXPECT_EQ(board.ask("I,P,2,1"), "@I,d,4,0");
     EXPECT_EQ(board.ask("I,d,13,1"), "@I,d,4,4");
-    EXPECT_EQ(board->pin(13), sim::Level::high);
+    EXPECT_EQ(board->pin(13), sim::Level::kHigh);
     EXPECT_EQ(board.ask("I,d,13,0"), "@I,d,4,0");
 }
 

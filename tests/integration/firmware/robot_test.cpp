@@ -22,20 +22,20 @@ TEST(RobotTest, Banner_NamesAllServices) {
 TEST(MotorsTest, Power_SetsDirectionAndPwm) {
     FirmwareBoard board(kRobotImage);
     EXPECT_EQ(board.ask("M,m,0,128"), "");
-    EXPECT_EQ(board->pin(7), sim::Level::high);
-    EXPECT_EQ(board->pin(8), sim::Level::low);
+    EXPECT_EQ(board->pin(7), sim::Level::kHigh);
+    EXPECT_EQ(board->pin(8), sim::Level::kLow);
     EXPECT_EQ(board->peek(kOcr0b), 128);
     EXPECT_EQ(board.ask("M,M,-100,200"), "");
-    EXPECT_EQ(board->pin(7), sim::Level::low);
-    EXPECT_EQ(board->pin(8), sim::Level::high);
-    EXPECT_EQ(board->pin(12), sim::Level::high);
+    EXPECT_EQ(board->pin(7), sim::Level::kLow);
+    EXPECT_EQ(board->pin(8), sim::Level::kHigh);
+    EXPECT_EQ(board->pin(12), sim::Level::kHigh);
     EXPECT_EQ(board->peek(kOcr0b), 100);
     EXPECT_EQ(board->peek(kOcr0a), 200);
     EXPECT_EQ(board.ask("M,s,0"), "");
-    EXPECT_EQ(board->pin(8), sim::Level::low);
-    EXPECT_EQ(board->pin(12), sim::Level::high);
+    EXPECT_EQ(board->pin(8), sim::Level::kLow);
+    EXPECT_EQ(board->pin(12), sim::Level::kHigh);
     EXPECT_EQ(board.ask("M,S"), "");
-    EXPECT_EQ(board->pin(12), sim::Level::low);
+    EXPECT_EQ(board->pin(12), sim::Level::kLow);
 }
 
 TEST(MotorsTest, PowerBeyondItsBounds_IsTheBound) {
@@ -43,9 +43,9 @@ TEST(MotorsTest, PowerBeyondItsBounds_IsTheBound) {
     EXPECT_EQ(board.ask("M,m,0,12.5"), "");
     EXPECT_EQ(board->peek(kOcr0b), 12);
     EXPECT_EQ(board.ask("M,M,-300, 254.9"), "");
-    EXPECT_EQ(board->pin(8), sim::Level::high);
+    EXPECT_EQ(board->pin(8), sim::Level::kHigh);
     EXPECT_EQ(board->peek(kOcr0b), 12) << "full power needs no timer";
-    EXPECT_EQ(board->pin(5), sim::Level::high);
+    EXPECT_EQ(board->pin(5), sim::Level::kHigh);
     EXPECT_EQ(board->peek(kOcr0a), 254);
 }
 
@@ -57,7 +57,7 @@ TEST(MotorsTest, Errors_ChangeNothing) {
     EXPECT_EQ(board.ask("M,S,0"), "~M,S,11{BAD_ARGUMENT}");
     EXPECT_EQ(board.ask("M,x"), "~M,x,2{UNKNOWN_REQUEST}");
     EXPECT_EQ(board.ask("M,A,9"), "~M,A,2{UNKNOWN_REQUEST}");
-    EXPECT_EQ(board->pin(7), sim::Level::low);
+    EXPECT_EQ(board->pin(7), sim::Level::kLow);
 }
 
 TEST(BumpTest, Touched_IsZeroAndFreeIsOne) {
@@ -77,12 +77,12 @@ TEST(ReflectanceTest, Values_AreReadWithTheEmittersOn) {
     board->set_millivolts(15, 2500);
     board->set_millivolts(16, 5000);
     int rises = 0;
-    board->on_pin(17, [&](sim::Level level) { rises += level == sim::Level::high; });
+    board->on_pin(17, [&](sim::Level level) { rises += level == sim::Level::kHigh; });
     board.ask("R,A,50");
     EXPECT_EQ(board.next_line(), "@R,e,3,{0,511,1023}");
     EXPECT_EQ(board.next_line(), "@R,e,3,{0,511,1023}");
     EXPECT_EQ(rises, 2);
-    EXPECT_EQ(board->pin(17), sim::Level::low);
+    EXPECT_EQ(board->pin(17), sim::Level::kLow);
 }
 
 TEST(ToneTest, Tone_SoundsForItsTimeWhileTheBoardGoesOn) {

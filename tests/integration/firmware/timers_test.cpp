@@ -58,7 +58,7 @@ TEST(LeonardoTimersTest, ToneWhileMotorsRun_LeavesTheirPwm) {
     EXPECT_EQ(board.ask("T,P,1000,100"), "");
     board->run_for(milliseconds(300));
     EXPECT_NEAR(edges, 200, 2);
-    EXPECT_EQ(board->pin(22), sim::Level::low);
+    EXPECT_EQ(board->pin(22), sim::Level::kLow);
     EXPECT_EQ(board->peek(kOcr3a), 128);
     EXPECT_EQ(board->peek(kTccr3a), 0x81) << "8-bit phase-correct PWM on pin 5";
     EXPECT_EQ(board->peek(kTccr3b), 0x03);
@@ -74,7 +74,7 @@ TEST(LeonardoTimersTest, Tones_HaveTheirFrequencyUntilTheyAreEnded) {
         board->run_for(milliseconds(500));
         EXPECT_NEAR(edges, hertz, 2);
         board.ask("T,P,0,0");
-        EXPECT_EQ(board->pin(22), sim::Level::low);
+        EXPECT_EQ(board->pin(22), sim::Level::kLow);
         edges = 0;
         board->run_for(milliseconds(50));
         EXPECT_EQ(edges, 0);

@@ -49,7 +49,7 @@ TEST(Registry, LifeOfABoard_IsToldAsNumberedEvents) {
     EXPECT_EQ(events[1].was, "online");
     EXPECT_EQ(events[1].board.state, "sleeping");
     EXPECT_EQ(events[2].board.state, "offline");
-    EXPECT_EQ(events[2].reason, "said");
+    EXPECT_EQ(events[2].reason, "reported");
     for (std::size_t i = 0; i < 3; ++i)
         EXPECT_EQ(events[i].seq, i + 1);
 }

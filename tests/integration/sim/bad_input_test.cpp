@@ -49,16 +49,16 @@ TEST(BadInput, PinThatIsTakenOrDoesNotExist_NamesThePart) {
     const TempDir folder;
     const auto taken = board_file(folder, "taken.json", R"(, "parts": [
         {"kind": "led", "name": "lamp", "pin": 2}, {"kind": "button", "name": "push", "pin": 2}])");
-    EXPECT_EQ(refusal({taken}), "asip-sim: " + taken + ": parts[1]: push: pin 2 is taken by lamp\n");
+    EXPECT_EQ(refusal({taken}), "asip-sim: " + taken + ": /parts/1: push: pin 2 is taken by lamp\n");
     const auto missing = board_file(folder, "missing.json", R"(, "parts": [{"kind": "led", "pin": 99}])");
-    EXPECT_THAT(refusal({missing}), HasSubstr("parts[0].pin: there is no pin 99 on the uno"));
+    EXPECT_THAT(refusal({missing}), HasSubstr("/parts/0/pin: there is no pin 99 on the uno"));
 }
 
 TEST(BadInput, UnknownPart_NamesTheNearestKind) {
     const TempDir folder;
     const auto file = board_file(folder, "uno.json", R"(, "parts": [{"kind": "sevo", "pin": 9}])");
     EXPECT_THAT(refusal({file}),
-                HasSubstr("parts[0].kind: there is no part \"sevo\" (did you mean \"servo\"?)"));
+                HasSubstr("/parts/0/kind: there is no part \"sevo\" (did you mean \"servo\"?)"));
 }
 
 TEST(BadInput, LinkThatIsSomethingElse_IsNotReplaced) {

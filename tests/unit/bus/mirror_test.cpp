@@ -72,14 +72,50 @@ TEST_F(MirrorTest, NamesAlone_MakeABoardThatIsThere) {
     catalogue_.apply("asip/servicebus/esp", "distance", false, kNow + 2s);
     const auto board = catalogue_.board("esp", kNow + 5s);
     ASSERT_TRUE(board);
-    EXPECT_TRUE(board->by_name);
+    EXPECT_TRUE(board->names_only);
     EXPECT_EQ(board->state, "online");
     ASSERT_EQ(board->services.size(), 1U);
     EXPECT_EQ(board->services[0].name, "distance");
     EXPECT_DOUBLE_EQ(board->age, 3.0);
 }
 
-TEST_F(MirrorTest, DescriptionOfAnotherBoard_IsRefusedAndTold) {
+TEST_F(MirrorTest, LeaseRunOut_IsLostUntilTheNextDescription) {
+    retained("asip/servicebus/uno1/$state", "online");
+    retained("asip/servicebus/uno1/$description", cli::kUno1);
+    const auto lease = std::chrono::seconds(catalogue_.description("uno1")->lease);
+    EXPECT_EQ(catalogue_.board("uno1", kNow + lease - 1s)->state, "online");
+    EXPECT_EQ(catalogue_.board("uno1", kNow + lease)->state, "lost");
+    catalogue_.apply("asip/servicebus/uno1/$description", cli::kUno1, false, kNow + lease);
+    EXPECT_EQ(catalogue_.board("uno1", kNow + lease)->state, "online");
+}
+
+TEST_F(MirrorTest, NamesNotHeardForAMinute_AreLost) {
+    catalogue_.apply("asip/servicebus", "esp", false, kNow);
+    EXPECT_EQ(catalogue_.board("esp", kNow + 59s)->state, "online");
+    EXPECT_EQ(catalogue_.board("esp", kNow + 60s)->state, "lost");
+    catalogue_.apply("asip/servicebus/esp", "distance", false, kNow + 60s);
+    EXPECT_EQ(catalogue_.board("esp", kNow + 61s)->state, "online");
+}
+
+TEST_F(MirrorTest, ValidMessageAfterARefusedOne_EndsTheRefusal) {
+    retained("asip/servicebus/uno1/$description", "{");
+    retained("asip/servicebus/uno1/$state", "sideways\x1b");
+    EXPECT_EQ(catalogue_.refused().at("asip/servicebus/uno1/$state"), "not a state: sideways\\x1b");
+    EXPECT_EQ(state_of("uno1"), "unknown");
+    retained("asip/servicebus/uno1/$description", cli::kUno1);
+    retained("asip/servicebus/uno1/$state", "online");
+    EXPECT_THAT(catalogue_.refused(), IsEmpty());
+    EXPECT_EQ(state_of("uno1"), "online");
+}
+
+TEST_F(MirrorTest, MoreBadTopicsThanAreRemembered_GrowNothing) {
+    for (std::size_t i = 0; i < Mirror::kMaxRefused + 10; ++i)
+        retained("asip/servicebus/uno" + std::to_string(i) + "/$description", "{");
+    EXPECT_EQ(catalogue_.refused().size(), Mirror::kMaxRefused);
+    EXPECT_THAT(catalogue_.names(), IsEmpty());
+}
+
+TEST_F(MirrorTest, DescriptionOfAnotherBoard_IsRefusedAndReported) {
     EXPECT_EQ(retained("asip/servicebus/evil/$description", cli::kUno1), "evil");
     EXPECT_EQ(catalogue_.description("evil"), nullptr);
     EXPECT_THAT(catalogue_.refused().at("asip/servicebus/evil/$description"), HasSubstr("another board"));

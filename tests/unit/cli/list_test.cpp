@@ -102,7 +102,7 @@ TEST(ChangePrinter, OnlyWhatDiffers_IsPrintedAgain) {
     later.age = 7;
     later.seq = 9;
     EXPECT_EQ(printer.changed(later), "");
-    later.state = later.said = "lost";
+    later.state = later.reported = "lost";
     const auto row = printer.changed(later);
     EXPECT_THAT(row, HasSubstr("lost"));
     EXPECT_THAT(row, Not(HasSubstr("BOARD")));
@@ -125,7 +125,7 @@ TEST(ShowBoard, NamesOnly_SaysSo) {
     bus::BoardItem item;
     item.board = "esp";
     item.state = "online";
-    item.by_name = true;
+    item.names_only = true;
     EXPECT_THAT(board_text({item, std::nullopt}, model::ModelSet::standard(), 0, false),
                 HasSubstr("its names only"));
 }

@@ -97,10 +97,10 @@ TEST(ParsePin, NumbersAndArduinoNames_AreUnderstood) {
 
 TEST(PinWords, BringTheModeTheyNeed) {
     using protocol::PinMode;
-    EXPECT_THAT(pin_requests(13, *parse_pin_word("high"), PinMode::Input), ElementsAre("P,13,3", "d,13,1"));
-    EXPECT_THAT(pin_requests(13, *parse_pin_word("low"), PinMode::Output), ElementsAre("d,13,0"));
-    EXPECT_THAT(pin_requests(3, *parse_pin_word("128"), PinMode::Output), ElementsAre("P,3,5", "a,3,128"));
-    EXPECT_THAT(pin_requests(2, *parse_pin_word("pullup"), PinMode::InputPullup), ElementsAre("P,2,2"));
+    EXPECT_THAT(pin_requests(13, *parse_pin_word("high"), PinMode::kInput), ElementsAre("P,13,3", "d,13,1"));
+    EXPECT_THAT(pin_requests(13, *parse_pin_word("low"), PinMode::kOutput), ElementsAre("d,13,0"));
+    EXPECT_THAT(pin_requests(3, *parse_pin_word("128"), PinMode::kOutput), ElementsAre("P,3,5", "a,3,128"));
+    EXPECT_THAT(pin_requests(2, *parse_pin_word("pullup"), PinMode::kInputPullup), ElementsAre("P,2,2"));
 }
 
 TEST(PinWords, Unknown_AreRefusedWithTheNearest) {

@@ -17,7 +17,7 @@ TEST(AddressTest, PathOrSerialPrefix_IsASerialPort) {
     for (const char* text : {"/dev/ttyACM0", "serial:/dev/ttyACM0"}) {
         const auto address = parse_address(text);
         ASSERT_TRUE(address) << text;
-        EXPECT_EQ(address->kind, Address::Kind::Serial);
+        EXPECT_EQ(address->kind, Address::Kind::kSerial);
         EXPECT_EQ(address->path, "/dev/ttyACM0");
     }
 }
@@ -25,7 +25,7 @@ TEST(AddressTest, PathOrSerialPrefix_IsASerialPort) {
 TEST(AddressTest, TcpUrl_NeedsAPort) {
     const auto address = parse_address("tcp://192.168.1.7:6789");
     ASSERT_TRUE(address);
-    EXPECT_EQ(address->kind, Address::Kind::Tcp);
+    EXPECT_EQ(address->kind, Address::Kind::kTcp);
     EXPECT_EQ(address->host, "192.168.1.7");
     EXPECT_EQ(address->port, 6789);
     EXPECT_THAT(reason("tcp://192.168.1.7"), HasSubstr("the port is missing"));
@@ -45,7 +45,7 @@ TEST(AddressTest, Ipv6_IsWrittenInBrackets) {
 TEST(AddressTest, MqttUrl_HasBrokerUserAndBoard) {
     const auto address = parse_address("mqtts://ann@broker.example/uno1");
     ASSERT_TRUE(address);
-    EXPECT_EQ(address->kind, Address::Kind::Mqtt);
+    EXPECT_EQ(address->kind, Address::Kind::kMqtt);
     EXPECT_TRUE(address->tls);
     EXPECT_EQ(address->user, "ann");
     EXPECT_EQ(address->host, "broker.example");
@@ -57,7 +57,7 @@ TEST(AddressTest, MqttUrl_HasBrokerUserAndBoard) {
 TEST(AddressTest, BareName_IsABoardOnTheLocalBroker) {
     const auto address = parse_address("uno1");
     ASSERT_TRUE(address);
-    EXPECT_EQ(address->kind, Address::Kind::Mqtt);
+    EXPECT_EQ(address->kind, Address::Kind::kMqtt);
     EXPECT_EQ(address->host, "127.0.0.1");
     EXPECT_EQ(address->port, 1883);
     EXPECT_EQ(address->board, "uno1");

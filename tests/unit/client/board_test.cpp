@@ -44,7 +44,7 @@ class BoardTest : public ::testing::Test {
         io.restart();
         while (!result && io.run_one() > 0) {
         }
-        return result ? std::move(*result) : Result<T>(failure(Error::Kind::Timeout, "never finished"));
+        return result ? std::move(*result) : Result<T>(failure(Error::Kind::kTimeout, "never finished"));
     }
 
     static ScriptedTransport::Step answers(json answer) {
@@ -61,7 +61,7 @@ class BoardTest : public ::testing::Test {
 };
 
 TEST_F(BoardTest, PinCalls_BecomeCommandsOfTheIoService) {
-    EXPECT_TRUE(run(board.set_pin_mode(13, PinMode::Output)));
+    EXPECT_TRUE(run(board.set_pin_mode(13, PinMode::kOutput)));
     EXPECT_TRUE(run(board.digital_write(13, true)));
     EXPECT_TRUE(run(board.analog_write(9, 128)));
     EXPECT_TRUE(run(board.set_analog_period(std::chrono::milliseconds(50))));
@@ -72,10 +72,10 @@ TEST_F(BoardTest, PinCalls_BecomeCommandsOfTheIoService) {
 }
 
 TEST_F(BoardTest, BoardRefusesAWrite_CallFailsWithItsCode) {
-    transport->script.push_back([](auto&) { return failure(Error::Kind::Board, "WRONG_MODE", 6); });
+    transport->script.push_back([](auto&) { return failure(Error::Kind::kBoard, "WRONG_MODE", 6); });
     const auto done = run(board.digital_write(2, true));
     ASSERT_FALSE(done);
-    EXPECT_EQ(done.error().kind, Error::Kind::Board);
+    EXPECT_EQ(done.error().kind, Error::Kind::kBoard);
     EXPECT_EQ(to_string(done.error()), "board error 6: WRONG_MODE");
     EXPECT_TRUE(run(board.digital_write(13, true))) << "the next call works";
 }
@@ -101,7 +101,7 @@ TEST_F(BoardTest, ReadOfAnOutput_IsInvalidAndSaysItsMode) {
     transport->script.push_back(answers(json::parse(R"({"modes":{"13":3}})")));
     const auto level = run(board.digital_read(13));
     ASSERT_FALSE(level);
-    EXPECT_EQ(level.error().kind, Error::Kind::Invalid);
+    EXPECT_EQ(level.error().kind, Error::Kind::kInvalid);
     EXPECT_THAT(level.error().text, HasSubstr("its mode is output"));
 }
 
@@ -109,12 +109,12 @@ TEST_F(BoardTest, BoardNeverReportsThePin_ReadTimesOut) {
     transport->script.push_back(answers(json::parse(R"({"modes":[1]})")));
     const auto level = run(board.digital_read(0));
     ASSERT_FALSE(level);
-    EXPECT_EQ(level.error().kind, Error::Kind::Timeout);
+    EXPECT_EQ(level.error().kind, Error::Kind::kTimeout);
 }
 
 TEST_F(BoardTest, PinBecomesAnOutput_ItsOldLevelIsForgotten) {
     report("io", R"({"digital":{"2":1}})");
-    EXPECT_TRUE(run(board.set_pin_mode(2, PinMode::Output)));
+    EXPECT_TRUE(run(board.set_pin_mode(2, PinMode::kOutput)));
     transport->script.push_back(answers(json::parse(R"({"modes":[6,6,3]})")));
     EXPECT_FALSE(run(board.digital_read(2)));
 }
@@ -125,7 +125,7 @@ TEST_F(BoardTest, AnalogReport_AnswersReadsUntilItIsTooOld) {
     EXPECT_EQ(run(board.analog_read(1)), Result<int>(7));
     const auto other = run(board.analog_read(5));
     ASSERT_FALSE(other);
-    EXPECT_EQ(other.error().kind, Error::Kind::Timeout);
+    EXPECT_EQ(other.error().kind, Error::Kind::kTimeout);
     EXPECT_THAT(other.error().text, HasSubstr("set_analog_period"));
 }
 
@@ -187,9 +187,9 @@ TEST_F(BoardTest, Close_EndsStreamsAndCalls) {
     boost::asio::post(io, [this] { board.close(); });
     const auto change = run(changes.next());
     ASSERT_FALSE(change);
-    EXPECT_EQ(change.error().kind, Error::Kind::Closed);
+    EXPECT_EQ(change.error().kind, Error::Kind::kClosed);
     EXPECT_TRUE(transport->closed);
-    EXPECT_EQ(run(board.digital_write(13, true)).error().kind, Error::Kind::Closed);
+    EXPECT_EQ(run(board.digital_write(13, true)).error().kind, Error::Kind::kClosed);
     EXPECT_TRUE(transport->asked.empty());
 }
 
@@ -199,8 +199,8 @@ TEST_F(BoardTest, BoardGoesAway_CallsFailUntilItIsBackAndOldLevelsAreForgotten) 
     report("io", R"({"digital":{"2":1}})");
     transport->listener->on_presence(false);
     EXPECT_FALSE(board.online());
-    EXPECT_EQ(run(board.digital_read(2)).error().kind, Error::Kind::Unreachable);
-    EXPECT_EQ(run(board.digital_write(13, true)).error().kind, Error::Kind::Unreachable);
+    EXPECT_EQ(run(board.digital_read(2)).error().kind, Error::Kind::kUnreachable);
+    EXPECT_EQ(run(board.digital_write(13, true)).error().kind, Error::Kind::kUnreachable);
     transport->listener->on_presence(true);
     EXPECT_TRUE(run(board.digital_write(13, true)));
     EXPECT_FALSE(run(board.digital_read(2))) << "a level of before may not be answered";
@@ -236,14 +236,14 @@ TEST_F(BoardTest, LastHandleGone_TransportIsClosed) {
     // The transport goes with the last handle, so watch the stream that ends with it.
     const auto changes = copy.digital_changes(2);
     copy = Board();
-    EXPECT_EQ(run(changes.next()).error().kind, Error::Kind::Closed);
+    EXPECT_EQ(run(changes.next()).error().kind, Error::Kind::kClosed);
 }
 
 TEST_F(BoardTest, DefaultBoard_FailsEveryCallAsClosed) {
     const Board none;
-    EXPECT_EQ(run(none.digital_write(13, true)).error().kind, Error::Kind::Closed);
-    EXPECT_EQ(run(none.digital_read(2)).error().kind, Error::Kind::Closed);
-    EXPECT_EQ(run(none.digital_changes(2).next()).error().kind, Error::Kind::Closed);
+    EXPECT_EQ(run(none.digital_write(13, true)).error().kind, Error::Kind::kClosed);
+    EXPECT_EQ(run(none.digital_read(2)).error().kind, Error::Kind::kClosed);
+    EXPECT_EQ(run(none.digital_changes(2).next()).error().kind, Error::Kind::kClosed);
     EXPECT_FALSE(none.service("io"));
     EXPECT_FALSE(none.online());
 }
@@ -251,7 +251,7 @@ TEST_F(BoardTest, DefaultBoard_FailsEveryCallAsClosed) {
 TEST(BoardOpenTest, TransportCannotOpen_ItsReasonIsReturned) {
     boost::asio::io_context io;
     auto transport = std::make_unique<ScriptedTransport>(io);
-    transport->opening = failure(Error::Kind::Unreachable, "/dev/ttyACM0: no such device");
+    transport->opening = failure(Error::Kind::kUnreachable, "/dev/ttyACM0: no such device");
     std::string reason;
     boost::asio::co_spawn(
         io,

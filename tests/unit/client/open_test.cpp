@@ -49,8 +49,8 @@ TEST(BoardOpenTest, AddressOrTopicRootThatCannotBe_IsInvalidWithTheReason) {
     boost::asio::co_spawn(io, open, boost::asio::detached);
     io.run();
     ASSERT_EQ(errors.size(), 2u);
-    EXPECT_EQ(errors[0].kind, Error::Kind::Invalid);
-    EXPECT_EQ(errors[1].kind, Error::Kind::Invalid);
+    EXPECT_EQ(errors[0].kind, Error::Kind::kInvalid);
+    EXPECT_EQ(errors[1].kind, Error::Kind::kInvalid);
     EXPECT_NE(errors[1].text.find("\"#\""), std::string::npos) << errors[1].text;
 }
 

@@ -84,8 +84,8 @@ TEST(Description, HostileMembers_AreRefusedWithPlaceAndReason) {
     EXPECT_EQ(fault("/board", "a/b"), "/board: 'a/b' is not a name: allowed are letters, digits and . _ -");
     EXPECT_EQ(fault("/board", "registry"), "/board: 'registry' is reserved");
     EXPECT_EQ(fault("/board", 7), "/board: is not a string");
-    EXPECT_EQ(fault("/seq", -1), "/seq: is not an integer from 0");
-    EXPECT_EQ(fault("/seq", 1.5), "/seq: is not an integer from 0");
+    EXPECT_EQ(fault("/seq", -1), "/seq: -1 is below 0");
+    EXPECT_EQ(fault("/seq", 1.5), "/seq: is not an integer");
     EXPECT_EQ(fault("/seq", 18446744073709551615u),
               "/seq: 18446744073709551615 is above 9223372036854775807");
     EXPECT_EQ(fault("/lease", 0), "/lease: 0 is below 1");
@@ -95,7 +95,7 @@ TEST(Description, HostileMembers_AreRefusedWithPlaceAndReason) {
     EXPECT_EQ(fault("/firmware/extensions/EE", 1), "/firmware/extensions: a tag is one character");
     EXPECT_EQ(fault("/firmware/extensions/\x1b", 1), "/firmware/extensions: a tag is one character");
     EXPECT_EQ(fault("/services/1/title", "\x1b[2J"), "/services/1/title: holds control characters");
-    EXPECT_EQ(fault("/link/baud", "fast"), "/link/baud: is not an integer from 0");
+    EXPECT_EQ(fault("/link/baud", "fast"), "/link/baud: is not an integer");
     EXPECT_EQ(fault("/pins/capabilities", "9"),
               "/pins/capabilities: holds a character that stands for nothing");
     EXPECT_EQ(fault("/pins/owners", std::string(257, 'I')), "/pins/owners: is longer than 256 bytes");

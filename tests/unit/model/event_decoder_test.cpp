@@ -17,8 +17,8 @@ Expected<nlohmann::json> decode(const char* model, std::string_view line, const 
 
 TEST(DecodeEvent, DigitalWithModes_NamesInputPinsOnly) {
     const auto ports = protocol::PortMap::parse("3,{4:1,4:2,4:4}").value();
-    const std::vector<protocol::PinMode> modes = {protocol::PinMode::Input, protocol::PinMode::Output,
-                                                  protocol::PinMode::InputPullup};
+    const std::vector<protocol::PinMode> modes = {protocol::PinMode::kInput, protocol::PinMode::kOutput,
+                                                  protocol::PinMode::kInputPullup};
     EXPECT_EQ(dump_json(decode("io", "@I,d,4,5", {&ports, modes}).value()), R"({"digital":{"0":1,"2":1}})");
 }
 

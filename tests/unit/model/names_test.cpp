@@ -49,8 +49,8 @@ TEST(SuggestName, AnyText_GivesAValidName) {
 }
 
 TEST(BoardState, EachState_IsFoundByItsText) {
-    for (const auto state : {BoardState::Online, BoardState::Offline, BoardState::Lost, BoardState::Sleeping,
-                             BoardState::Updating}) {
+    for (const auto state : {BoardState::kOnline, BoardState::kOffline, BoardState::kLost,
+                             BoardState::kSleeping, BoardState::kUpdating}) {
         EXPECT_EQ(board_state_from_text(to_text(state)), state);
     }
     for (const std::string_view text : {"", "Online", "online ", "dead"})

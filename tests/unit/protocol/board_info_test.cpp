@@ -76,7 +76,7 @@ TEST(PinOwners, UnreadableOwner_IsADash) {
 
 TEST(PinModes, UnknownNumber_IsInvalid) {
     EXPECT_THAT(parse_pin_modes("4,{6,1,3,77}").value(),
-                ElementsAre(PinMode::Reserved, PinMode::Input, PinMode::Output, PinMode::Invalid));
+                ElementsAre(PinMode::kReserved, PinMode::kInput, PinMode::kOutput, PinMode::kInvalid));
     EXPECT_FALSE(parse_pin_modes("1,{x}"));
 }
 

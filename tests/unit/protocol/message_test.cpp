@@ -72,9 +72,9 @@ TEST(ParseLine, DamagedLine_IsMalformed) {
 }
 
 TEST(ErrorName, KnownAndUnknownCodes_HaveAName) {
-    EXPECT_EQ(error_name(ErrorCode::NoError), "NO_ERROR");
+    EXPECT_EQ(error_name(ErrorCode::kNoError), "NO_ERROR");
     EXPECT_EQ(error_name(9), "I2C_NOT_ENABLED");
-    EXPECT_EQ(error_name(ErrorCode::BadArgument), "BAD_ARGUMENT");
+    EXPECT_EQ(error_name(ErrorCode::kBadArgument), "BAD_ARGUMENT");
     EXPECT_EQ(error_name(12), "UNKNOWN_ERROR");
     EXPECT_EQ(error_name(-1), "UNKNOWN_ERROR");
 }

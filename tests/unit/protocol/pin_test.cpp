@@ -15,8 +15,8 @@ TEST(PinMode, EachMode_IsFoundByItsTextAndItsNumber) {
 }
 
 TEST(PinMode, OtherSpellings_AreUnderstood) {
-    EXPECT_EQ(pin_mode_from_text("INPUT_PULLUP"), PinMode::InputPullup);
-    EXPECT_EQ(pin_mode_from_text("Pullup"), PinMode::InputPullup);
+    EXPECT_EQ(pin_mode_from_text("INPUT_PULLUP"), PinMode::kInputPullup);
+    EXPECT_EQ(pin_mode_from_text("Pullup"), PinMode::kInputPullup);
 }
 
 TEST(PinMode, UnknownTextOrNumber_IsNothing) {

@@ -13,7 +13,7 @@ using testing::HasSubstr;
 TEST(MakeRequest, Helpers_WriteTheWire) {
     EXPECT_EQ(make_request('S', 'W', {0, 90}), "S,W,0,90");
     EXPECT_EQ(make_request('D', 'M'), "D,M");
-    EXPECT_EQ(set_pin_mode(13, PinMode::Output), "I,P,13,3");
+    EXPECT_EQ(set_pin_mode(13, PinMode::kOutput), "I,P,13,3");
     EXPECT_EQ(digital_write(13, true), "I,d,13,1");
     EXPECT_EQ(analog_write(3, 128), "I,a,3,128");
     EXPECT_EQ(analog_period(50), "I,A,50");

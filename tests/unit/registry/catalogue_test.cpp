@@ -279,7 +279,7 @@ TEST_F(CatalogueTest, NamesAlone_MakeAFullMember) {
     EXPECT_THAT(give(service_name("esp1", "Servos\n")), ElementsAre(Kind::kDescription));
     EXPECT_THAT(give(service_name("esp1", "Servos")), IsEmpty());
     const auto item = board("esp1");
-    EXPECT_TRUE(item.by_name);
+    EXPECT_TRUE(item.names_only);
     EXPECT_EQ(item.state, "online");
     ASSERT_EQ(item.services.size(), 2u);
     EXPECT_EQ(item.services[0].name, "Distance");
@@ -306,7 +306,7 @@ TEST_F(CatalogueTest, TrafficOfUnknownOrDescribedBoards_ChangesNothing) {
 TEST_F(CatalogueTest, DescriptionAfterNames_Replaces) {
     give(service_name("uno1", "Distance"));
     EXPECT_THAT(give(description("uno1")), ElementsAre(Kind::kUnlisten, Kind::kDescription));
-    EXPECT_FALSE(board("uno1").by_name);
+    EXPECT_FALSE(board("uno1").names_only);
     EXPECT_EQ(board("uno1").services.size(), 2u);
     EXPECT_THAT(give(service_name("uno1", "Other")), IsEmpty());
     EXPECT_EQ(board("uno1").services.size(), 2u);
@@ -446,19 +446,19 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"ServicesNoList", with_services("{}"), Refusal::kMalformed},
         Bad{"ServiceNoObject", with_services("[1]"), Refusal::kMalformed},
         Bad{"ServiceWithoutName", with_services(R"([{"id":"D"}])"), Refusal::kMalformed},
-        Bad{"ServiceWithIllegalName", with_services(R"([{"name":"a/b"}])"), Refusal::kMalformed},
+        Bad{"ServiceWithInvalidName", with_services(R"([{"name":"a/b"}])"), Refusal::kMalformed},
         Bad{"ServiceTwice", with_services(R"([{"name":"a"},{"name":"a"}])"), Refusal::kMalformed},
         Bad{"ServiceWithLongId", with_services(R"([{"name":"a","id":"DD"}])"), Refusal::kMalformed},
-        Bad{"ServiceWithIllegalModel", with_services(R"([{"name":"a","model":"a b@1"}])"),
+        Bad{"ServiceWithInvalidModel", with_services(R"([{"name":"a","model":"a b@1"}])"),
             Refusal::kMalformed},
         Bad{"ServiceWithNegativeCount", with_services(R"([{"name":"a","count":-1}])"), Refusal::kMalformed},
         Bad{"UnknownState", state("uno1", "dead"), Refusal::kBadState},
-        Bad{"StateOfIllegalName", state("a b", "online"), Refusal::kBadName},
+        Bad{"StateOfInvalidName", state("a b", "online"), Refusal::kBadName},
         Bad{"EmptyBoardName", board_name(""), Refusal::kBadName},
         Bad{"BoardNameWithSlash", board_name("a/b"), Refusal::kBadName},
         Bad{"BoardNameReserved", board_name("servicebus"), Refusal::kBadName},
         Bad{"LongBoardName", board_name(std::string(65, 'a')), Refusal::kBadName},
-        Bad{"ServiceNameIllegal", service_name("uno1", "a+b"), Refusal::kBadName}),
+        Bad{"ServiceNameInvalid", service_name("uno1", "a+b"), Refusal::kBadName}),
     [](const auto& param) { return param.param.name; });
 
 TEST_F(CatalogueTest, TooManyServices_AreRefused) {

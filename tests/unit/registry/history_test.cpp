@@ -59,7 +59,7 @@ TEST(History, Boards_HaveTheTimeOfTheirFirstRowAndOfTheirState) {
     History history({.path = file.path()});
     EXPECT_THAT(
         history.boards(),
-        ElementsAre(std::pair("uno1", JournalBoard{wall(1000), wall(2000), model::BoardState::Lost})));
+        ElementsAre(std::pair("uno1", JournalBoard{wall(1000), wall(2000), model::BoardState::kLost})));
     history.write({{"uno2", wall(9000), "added", "online", "", ""}});
     EXPECT_EQ(history.boards().at("uno2").first, wall(9000)) << "a forgotten board begins anew";
 }
@@ -83,7 +83,7 @@ TEST(History, FileOfTheFirstVersion_ItsBoardsHaveTheStateOfTheirLastRow) {
     History history({.path = file.path()});
     EXPECT_THAT(
         history.boards(),
-        ElementsAre(std::pair("uno1", JournalBoard{wall(1000), wall(2000), model::BoardState::Lost})));
+        ElementsAre(std::pair("uno1", JournalBoard{wall(1000), wall(2000), model::BoardState::kLost})));
     EXPECT_THAT(found(history), ElementsAre("uno1", "uno1"));
 }
 

@@ -11,7 +11,7 @@ namespace {
 using model::BoardState;
 using testing::IsEmpty;
 
-const JournalBoard kOnline{wall(1000), wall(1000), BoardState::Online};
+const JournalBoard kOnline{wall(1000), wall(1000), BoardState::kOnline};
 
 void put(Catalogue& catalogue, const OwnedMessage& message) {
     ASSERT_FALSE(catalogue.apply(message.view(), at(0s)).refused);
@@ -33,8 +33,8 @@ TEST(Journal, RegistryStartsAgain_BoardsThatStayedLeaveNoRow) {
     Catalogue catalogue;
     put(catalogue, description("uno1"));
     Journal::Rows rows;
-    journal.change({Event::Kind::kAdded, "uno1", 1, BoardState::Lost}, wall(5000), rows);
-    journal.change({Event::Kind::kState, "uno1", 2, BoardState::Online}, wall(5000), rows);
+    journal.change({Event::Kind::kAdded, "uno1", 1, BoardState::kLost}, wall(5000), rows);
+    journal.change({Event::Kind::kState, "uno1", 2, BoardState::kOnline}, wall(5000), rows);
     journal.complete(catalogue, wall(6000), rows);
     EXPECT_THAT(texts(rows), IsEmpty());
     EXPECT_EQ(*journal.find("uno1"), kOnline);
@@ -55,11 +55,11 @@ TEST(Journal, RegistryStartsAgain_WhatChangedMeanwhileIsOneRow) {
 }
 
 TEST(Journal, BoardHeardAgainAfterCompletion_IsNotAddedTwice) {
-    Journal journal({{"esp1", {wall(1000), wall(2000), BoardState::Lost}}});
+    Journal journal({{"esp1", {wall(1000), wall(2000), BoardState::kLost}}});
     Journal::Rows rows;
     journal.complete(Catalogue(), wall(6000), rows);
     journal.change(
-        {Event::Kind::kAdded, "esp1", 1, BoardState::Online, BoardState::Lost, Event::Reason::kAnnounced},
+        {Event::Kind::kAdded, "esp1", 1, BoardState::kOnline, BoardState::kLost, Event::Reason::kAnnounced},
         wall(7000), rows);
     EXPECT_THAT(texts(rows), testing::ElementsAre("esp1 state lost->online announced"));
 }
@@ -79,9 +79,9 @@ TEST(Journal, ForgottenBoardSeenAgain_IsAdded) {
     Journal journal({{"uno1", kOnline}});
     Journal::Rows rows;
     journal.complete(Catalogue(), wall(6000), rows);
-    journal.change({Event::Kind::kForgotten, "uno1", 1, BoardState::Lost}, wall(7000), rows);
+    journal.change({Event::Kind::kForgotten, "uno1", 1, BoardState::kLost}, wall(7000), rows);
     EXPECT_EQ(journal.find("uno1"), nullptr);
-    journal.change({Event::Kind::kAdded, "uno1", 2, BoardState::Online}, wall(8000), rows);
+    journal.change({Event::Kind::kAdded, "uno1", 2, BoardState::kOnline}, wall(8000), rows);
     EXPECT_THAT(texts(rows), testing::ElementsAre("uno1 forgotten", "uno1 added online"));
 }
 
@@ -89,9 +89,9 @@ TEST(Journal, WhileReadingAgain_ConflictsAndForgettingAreWrittenAllTheSame) {
     Journal journal({{"uno1", kOnline}});
     Journal::Rows rows;
     journal.begin_reading();
-    journal.change({Event::Kind::kConflict, "uno1", 1, BoardState::Online}, wall(7000), rows);
-    journal.change({Event::Kind::kDescription, "uno1", 2, BoardState::Online}, wall(7000), rows);
-    journal.change({Event::Kind::kForgotten, "uno1", 3, BoardState::Lost}, wall(7000), rows);
+    journal.change({Event::Kind::kConflict, "uno1", 1, BoardState::kOnline}, wall(7000), rows);
+    journal.change({Event::Kind::kDescription, "uno1", 2, BoardState::kOnline}, wall(7000), rows);
+    journal.change({Event::Kind::kForgotten, "uno1", 3, BoardState::kLost}, wall(7000), rows);
     EXPECT_THAT(texts(rows), testing::ElementsAre("uno1 conflict", "uno1 forgotten"));
 }
 

@@ -24,7 +24,7 @@ BoardItem some_board(const std::string& name, const std::string& state = "online
     BoardItem item;
     item.board = name;
     item.state = state;
-    item.said = "online";
+    item.reported = "online";
     item.session = "5f3a";
     item.seq = 7;
     item.lease = 60;
@@ -126,7 +126,7 @@ TEST(QueryWire, UnknownMember_IsRefusedWithTheNearestThatIsKnown) {
              {R"({"find":"services","kinds":["distance"]})", "kinds", "kind"}}) {
         const auto parsed = read(text);
         ASSERT_FALSE(parsed) << text;
-        EXPECT_THAT(parsed.error(), HasSubstr(wrong + ": no member"));
+        EXPECT_THAT(parsed.error(), HasSubstr("/" + wrong + ": is unknown"));
         EXPECT_THAT(parsed.error(), HasSubstr("did you mean \"" + meant + "\"?"));
     }
     EXPECT_FALSE(read(R"({"bord":"x"})")) << "says nothing to find";

@@ -234,7 +234,7 @@ TEST_F(RegistryTest, NamesOnlyBoardWhoseDescriptionWasMissed_IsAskedAndThenDescr
     mqtt::Message query = bus_message("asip/registry/query", R"({"find":"boards","board":"uno1"})");
     query.response_topic = "answers";
     registry.message(query, moment(4s));
-    EXPECT_EQ(connection.last("answers").at("items").at(0).value("by_name", false), false);
+    EXPECT_EQ(connection.last("answers").at("items").at(0).value("names_only", false), false);
 }
 
 TEST(RefusalLogTest, MalformedDescription_LineSaysWhichMember) {

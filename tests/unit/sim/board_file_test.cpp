@@ -69,38 +69,38 @@ TEST(BoardFile, NotJson_NamesLineAndColumn) {
 }
 
 TEST(BoardFile, WrongShape_NamesThePlace) {
-    EXPECT_EQ(refusal("[]"), "boards/x.json: the document: is not an object");
-    EXPECT_EQ(refusal("{}"), "boards/x.json: image: missing");
-    EXPECT_EQ(refusal(R"({"image":5})"), "boards/x.json: image: is not a string");
-    EXPECT_EQ(refusal(R"({"image":"a","parts":{}})"), "boards/x.json: parts: is not a list");
-    EXPECT_EQ(refusal(with_parts("5")), "boards/x.json: parts[0]: is not an object");
+    EXPECT_EQ(refusal("[]"), "boards/x.json: /: is not an object");
+    EXPECT_EQ(refusal("{}"), "boards/x.json: /image: is missing");
+    EXPECT_EQ(refusal(R"({"image":5})"), "boards/x.json: /image: is not a string");
+    EXPECT_EQ(refusal(R"({"image":"a","parts":{}})"), "boards/x.json: /parts: is not an array");
+    EXPECT_EQ(refusal(with_parts("5")), "boards/x.json: /parts/0: is not an object");
     EXPECT_EQ(refusal(R"({"image":"a","tcp":70000})"),
-              "boards/x.json: tcp: 70000 is not a number from 0 to 65535");
+              "boards/x.json: /tcp: 70000 is not a number from 0 to 65535");
     EXPECT_EQ(refusal(R"({"image":"a","reset_on_open":1})"),
-              "boards/x.json: reset_on_open: is not true or false");
+              "boards/x.json: /reset_on_open: is not true or false");
     EXPECT_EQ(refusal(R"({"image":"a","name":"a b"})"),
-              "boards/x.json: name: a board's name has no spaces and no \"/\" in it");
+              "boards/x.json: /name: a board's name has no spaces and no \"/\" in it");
 }
 
 TEST(BoardFile, UnknownWord_NamesTheNearestOne) {
     EXPECT_THAT(refusal(with_parts(R"({"kind":"buton","pin":2})")),
-                StartsWith("boards/x.json: parts[0].kind: there is no part \"buton\" (did you mean "
+                StartsWith("boards/x.json: /parts/0/kind: there is no part \"buton\" (did you mean "
                            "\"button\"?); one of led"));
     EXPECT_EQ(refusal(with_parts(R"({"kind":"led","pin":2,"active-low":true})")),
-              "boards/x.json: parts[0].active-low: unknown (did you mean \"active_low\"?)");
+              "boards/x.json: /parts/0/active-low: is unknown (did you mean \"active_low\"?)");
     EXPECT_THAT(refusal(R"({"image":"a","board":"leonard"})"), HasSubstr("(did you mean \"leonardo\"?)"));
-    EXPECT_EQ(refusal(R"({"imag":"a"})"), "boards/x.json: image: missing");
+    EXPECT_EQ(refusal(R"({"imag":"a"})"), "boards/x.json: /image: is missing");
 }
 
 TEST(BoardFile, PinProblems_NameThePart) {
     EXPECT_EQ(refusal(with_parts(R"({"kind":"led","pin":20})")),
-              "boards/x.json: parts[0].pin: there is no pin 20 on the uno (0 to 19, A0 to A5)");
-    EXPECT_EQ(refusal(with_parts(R"({"kind":"led"})")), "boards/x.json: parts[0].pin: missing");
+              "boards/x.json: /parts/0/pin: there is no pin 20 on the uno (0 to 19, A0 to A5)");
+    EXPECT_EQ(refusal(with_parts(R"({"kind":"led"})")), "boards/x.json: /parts/0/pin: is missing");
     EXPECT_EQ(refusal(with_parts(R"({"kind":"led","pin":true})")),
-              "boards/x.json: parts[0].pin: there is no pin true on the uno (0 to 19, A0 to A5)");
+              "boards/x.json: /parts/0/pin: there is no pin true on the uno (0 to 19, A0 to A5)");
     EXPECT_EQ(
         refusal(with_parts(R"({"kind":"led","pin":2,"name":"a"},{"kind":"button","pin":2,"name":"b"})")),
-        "boards/x.json: parts[1]: b: pin 2 is taken by a");
+        "boards/x.json: /parts/1: b: pin 2 is taken by a");
 }
 
 TEST(BoardFile, Examples_AreAllCorrect) {

@@ -124,7 +124,7 @@ TEST(Board, Reset_IsSeenAsExternalAndReported) {
     monitor->power_cycle();
     EXPECT_EQ(monitor->read_line(100ms)->text, "!\x01");
     EXPECT_THAT(causes,
-                testing::ElementsAre(ResetCause::external, ResetCause::watchdog, ResetCause::power_on));
+                testing::ElementsAre(ResetCause::kExternal, ResetCause::kWatchdog, ResetCause::kPowerOn));
     EXPECT_EQ(monitor->resets(), 3u);
 }
 

@@ -18,30 +18,30 @@ std::string fault(std::vector<PartConfig> parts, const std::string& board = "uno
 
 TEST(PartPlan, PinThatDoesNotExist_Refused) {
     EXPECT_EQ(fault({{"led", {{"pin", 13}}}, {"led", {{"pin", 20}}}}),
-              "parts[1].pin: there is no pin 20 on the uno (0 to 19, A0 to A5)");
+              "/parts/1/pin: there is no pin 20 on the uno (0 to 19, A0 to A5)");
     EXPECT_EQ(fault({{"led", {{"pin", 20}}}}, "mega"), "");
     EXPECT_EQ(fault({{"led", {{"pin", -1}}}}),
-              "parts[0].pin: there is no pin -1 on the uno (0 to 19, A0 to A5)");
+              "/parts/0/pin: there is no pin -1 on the uno (0 to 19, A0 to A5)");
     EXPECT_EQ(fault({{"led", {{"pin", "A9"}}}}),
-              "parts[0].pin: there is no pin A9 on the uno (0 to 19, A0 to A5)");
-    EXPECT_EQ(fault({PartConfig{"led"}}), "parts[0].pin: missing");
+              "/parts/0/pin: there is no pin A9 on the uno (0 to 19, A0 to A5)");
+    EXPECT_EQ(fault({PartConfig{"led"}}), "/parts/0/pin: is missing");
 }
 
 TEST(PartPlan, PinWithTwoParts_RefusedByTheFirstOnesName) {
     EXPECT_EQ(fault({{"button", {{"pin", 2}}, "a"}, {"square-wave", {{"pin", 2}}, "b"}}),
-              "parts[1]: b: pin 2 is taken by a");
+              "/parts/1: b: pin 2 is taken by a");
     EXPECT_EQ(fault({{"led", {{"pin", 2}}}, {"servo", {{"pin", 2}}}}),
-              "parts[1]: servo2: pin 2 is taken by led2");
+              "/parts/1: servo2: pin 2 is taken by led2");
     EXPECT_EQ(fault({{"ultrasonic", {{"trigger", 4}, {"echo", 5}}, "a"}, {"button", {{"pin", 5}}, "b"}}),
-              "parts[1]: b: pin 5 is taken by a");
+              "/parts/1: b: pin 5 is taken by a");
     EXPECT_EQ(fault({{"button", {{"pin", 2}}, "a"}, {"wire", {{"from", 3}, {"to", 2}}, "b"}}),
-              "parts[1]: b: pin 2 is taken by a");
+              "/parts/1: b: pin 2 is taken by a");
 }
 
 TEST(PartPlan, SerialPort_HasItsPins) {
-    EXPECT_EQ(fault({{"led", {{"pin", 1}}}}), "parts[0]: led1: pin 1 is taken by the serial port");
+    EXPECT_EQ(fault({{"led", {{"pin", 1}}}}), "/parts/0: led1: pin 1 is taken by the serial port");
     EXPECT_EQ(fault({{"led", {{"pin", 18}}}}, "mega", '1'),
-              "parts[0]: led18: pin 18 is taken by the serial port");
+              "/parts/0: led18: pin 18 is taken by the serial port");
     EXPECT_EQ(fault({{"led", {{"pin", 1}}}}, "mega", '1'), "");
 }
 
@@ -54,16 +54,16 @@ TEST(PartPlan, WireAndListeners_ShareAPin) {
 
 TEST(PartPlan, PotentiometerOnDigitalPin_Refused) {
     EXPECT_EQ(fault({{"potentiometer", {{"pin", 13}}, "a"}}),
-              "parts[0]: a: pin 13 of the uno is not an analog input");
+              "/parts/0: a: pin 13 of the uno is not an analog input");
     EXPECT_EQ(fault({{"potentiometer", {{"pin", 62}}, "a"}}, "mega"),
-              "parts[0]: a: simavr cannot read pin 62: it has only the first 8 analog channels");
+              "/parts/0: a: simavr cannot read pin 62: it has only the first 8 analog channels");
 }
 
 TEST(PartPlan, SameNameTwice_Refused) {
     EXPECT_EQ(fault({{"led", {{"pin", 13}}, "a"}, {"led", {{"pin", 12}}, "a"}}),
-              "parts[1]: a: another part has this name");
+              "/parts/1: a: another part has this name");
     EXPECT_EQ(fault({{"led", {{"pin", 13}}, "a b"}}),
-              "parts[0].name: a part's name has no spaces and no \"/\" in it");
+              "/parts/0/name: a part's name has no spaces and no \"/\" in it");
 }
 
 TEST(PartPlan, NoName_IsKindAndFirstPin) {
@@ -78,19 +78,19 @@ TEST(PartPlan, NoName_IsKindAndFirstPin) {
 TEST(PartPlan, UnknownKindOrSetting_NamesTheNearest) {
     EXPECT_EQ(
         fault({{"buton", {{"pin", 2}}}}),
-        "parts[0].kind: there is no part \"buton\" (did you mean \"button\"?); one of led, button, wire, "
+        "/parts/0/kind: there is no part \"buton\" (did you mean \"button\"?); one of led, button, wire, "
         "potentiometer, ultrasonic, servo, square-wave");
     EXPECT_EQ(fault({{"led", {{"pin", 2}, {"active-low", true}}}}),
-              "parts[0].active-low: unknown (did you mean \"active_low\"?)");
+              "/parts/0/active-low: is unknown (did you mean \"active_low\"?)");
     EXPECT_EQ(fault({{"potentiometer", {{"pin", "A0"}, {"position", 2}}}}),
-              "parts[0].position: 2 is not a number from 0 to 1");
+              "/parts/0/position: 2 is not a number from 0 to 1");
 }
 
 TEST(PartPlan, MoreTimedPartsThanTimers_Refused) {
     std::vector<PartConfig> parts;
     for (int pin = 2; pin < 2 + 33; ++pin)
         parts.push_back({"square-wave", {{"pin", pin}}});
-    EXPECT_EQ(fault(parts, "mega"), "parts[32]: square-wave34: more than 32 parts with a timer on one board");
+    EXPECT_EQ(fault(parts, "mega"), "/parts/32: square-wave34: more than 32 parts with a timer on one board");
     parts.pop_back();
     EXPECT_EQ(fault(parts, "mega"), "");
 }

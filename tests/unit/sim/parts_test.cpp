@@ -219,7 +219,7 @@ TEST(Servo, PulseThatIsNoCommand_DoesNotMoveIt) {
 TEST(SquareWave, Runs_AtItsFrequencyExactly) {
     Monitor monitor({{"square-wave", {{"pin", 2}, {"hertz", 333}}, "wave"}});
     int rises = 0;
-    monitor->on_pin(2, [&](Level level) { rises += level == Level::high ? 1 : 0; });
+    monitor->on_pin(2, [&](Level level) { rises += level == Level::kHigh ? 1 : 0; });
     monitor->run_for(10s);
     EXPECT_NEAR(rises, 3330, 1);
 }
@@ -231,14 +231,14 @@ TEST(SquareWave, SetToZero_StaysLow) {
     monitor->on_pin(2, [&](Level) { ++changes; });
     monitor->run_for(100ms);
     EXPECT_EQ(changes, 0);
-    EXPECT_EQ(monitor->pin(2), Level::low);
+    EXPECT_EQ(monitor->pin(2), Level::kLow);
 }
 
 TEST(SquareWave, WatchdogReset_GoesOn) {
     Monitor monitor({{"square-wave", {{"pin", 2}, {"hertz", 1000}}, "wave"}});
     monitor.tell("X");
     monitor->run_for(100ms);
-    ASSERT_EQ(monitor->last_reset(), ResetCause::watchdog);
+    ASSERT_EQ(monitor->last_reset(), ResetCause::kWatchdog);
     int changes = 0;
     monitor->on_pin(2, [&](Level) { ++changes; });
     monitor->run_for(100ms);

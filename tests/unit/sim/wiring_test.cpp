@@ -17,24 +17,24 @@ constexpr unsigned kPortD2 = 1 << 2;
 TEST(Wiring, PullUpAndOutsideLow_StaysLowWhenThePortIsWritten) {
     Monitor monitor;
     monitor.write_register(kPortD, kPortD2);
-    EXPECT_EQ(monitor->pin(2), Level::high);
-    monitor->drive(2, Level::low);
+    EXPECT_EQ(monitor->pin(2), Level::kHigh);
+    monitor->drive(2, Level::kLow);
     EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, 0u);
     monitor.write_register(kPortD, kPortD2 | 1 << 5);
     monitor.write_register(kDdrD, 1 << 5);
     EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, 0u);
-    EXPECT_EQ(monitor->pin(2), Level::low);
-    EXPECT_EQ(monitor->pin(5), Level::high);
+    EXPECT_EQ(monitor->pin(2), Level::kLow);
+    EXPECT_EQ(monitor->pin(5), Level::kHigh);
 }
 
 TEST(Wiring, ReleasedPin_GoesToItsPullUpOrLow) {
     Monitor monitor;
-    monitor->drive(2, Level::high);
+    monitor->drive(2, Level::kHigh);
     EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, kPortD2);
     monitor->release(2);
     EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, 0u);
     monitor.write_register(kPortD, kPortD2);
-    monitor->drive(2, Level::low);
+    monitor->drive(2, Level::kLow);
     monitor->release(2);
     EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, kPortD2);
 }
@@ -42,11 +42,11 @@ TEST(Wiring, ReleasedPin_GoesToItsPullUpOrLow) {
 TEST(Wiring, OutputOfTheChip_WinsOverWhatDrivesItFromOutside) {
     Monitor monitor;
     monitor.write_register(kDdrD, kPortD2);
-    monitor->drive(2, Level::high);
-    EXPECT_EQ(monitor->pin(2), Level::low);
+    monitor->drive(2, Level::kHigh);
+    EXPECT_EQ(monitor->pin(2), Level::kLow);
     EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, 0u);
     monitor.write_register(kDdrD, 0);
-    EXPECT_EQ(monitor->pin(2), Level::high) << "an input again, it sees what still drives it";
+    EXPECT_EQ(monitor->pin(2), Level::kHigh) << "an input again, it sees what still drives it";
     EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, kPortD2);
 }
 
@@ -54,18 +54,18 @@ TEST(Wiring, ToggledThroughThePinRegister_IsSeen) {
     Monitor monitor;
     monitor.write_register(kDdrD, kPortD2);
     monitor.write_register(kPinD, kPortD2);
-    EXPECT_EQ(monitor->pin(2), Level::high);
+    EXPECT_EQ(monitor->pin(2), Level::kHigh);
     monitor.write_register(kPinD, kPortD2);
-    EXPECT_EQ(monitor->pin(2), Level::low);
+    EXPECT_EQ(monitor->pin(2), Level::kLow);
 }
 
 TEST(Wiring, OutsideChange_RaisesThePinChangeInterrupt) {
     Monitor monitor;
     monitor.tell("I");
     for (int i = 0; i < 5; ++i) {
-        monitor->drive(2, Level::high);
+        monitor->drive(2, Level::kHigh);
         monitor->run_for(100us);
-        monitor->drive(2, Level::low);
+        monitor->drive(2, Level::kLow);
         monitor->run_for(100us);
     }
     EXPECT_EQ(monitor.ask("i", 1), std::string(1, 10));
@@ -95,17 +95,17 @@ TEST(Wiring, ExternalInterrupts_AreNotPolledWhileThePinIsLowEvenAfterResets) {
     ASSERT_TRUE(monitor->read_line(100ms));
     monitor.tell("X");
     monitor->run_for(100ms);
-    ASSERT_EQ(monitor->last_reset(), ResetCause::watchdog);
+    ASSERT_EQ(monitor->last_reset(), ResetCause::kWatchdog);
     EXPECT_EQ(polled(0), 0);
     EXPECT_EQ(polled(1), 0);
 }
 
 TEST(Wiring, DrivenPin_StaysDrivenAfterReset) {
     Monitor monitor;
-    monitor->drive(2, Level::high);
+    monitor->drive(2, Level::kHigh);
     monitor->reset();
     ASSERT_TRUE(monitor->read_line(100ms));
-    EXPECT_EQ(monitor->pin(2), Level::high);
+    EXPECT_EQ(monitor->pin(2), Level::kHigh);
     EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, kPortD2);
 }
 
@@ -124,7 +124,7 @@ TEST(Wiring, PullUpThatWasOnBeforeAReset_WorksAgainAfterIt) {
 TEST(Wiring, PinThatDoesNotExist_Throws) {
     Monitor monitor;
     EXPECT_THROW(monitor->pin(20), std::out_of_range);
-    EXPECT_THROW(monitor->drive(-1, Level::low), std::out_of_range);
+    EXPECT_THROW(monitor->drive(-1, Level::kLow), std::out_of_range);
 }
 
 }  // namespace
