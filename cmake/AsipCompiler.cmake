@@ -17,9 +17,7 @@ endfunction()
 # Programs as their users get them, with lines in every backtrace and with assertions. Tests themselves are not optimised
 # (AsipTest): compiling them costs more than running them.
 asip_build_type(DEV "-O2 -g1")
-# Fuzz targets: more inputs a second are worth some time of the compiler.
-asip_build_type(FUZZ "-O1 -g1")
-# Unoptimised: compiling with sanitizers costs more than what runs, and GCC 12 warns falsely when it does both.
+# Unoptimised: compiling with sanitizers costs more than what runs.
 asip_build_type(SANITIZE "-O0 -g1")
 
 # Interface target that each target of ours links: warnings, and sanitizers where asked for.
@@ -40,10 +38,10 @@ target_compile_features(asip_options INTERFACE cxx_std_20)
 target_compile_definitions(asip_options INTERFACE ASIP_VERSION="${PROJECT_VERSION}")
 
 if(ASIP_SANITIZE)
-  add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
-  add_link_options(-fsanitize=address,undefined)
-elseif(ASIP_FUZZ)
-  # Instruments the code under test; the fuzz targets themselves add the driver.
-  add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    message(FATAL_ERROR "ASIP_SANITIZE needs clang (its libFuzzer): use the preset asan")
+  endif()
+  # One build for programs, unit tests and fuzz targets; the fuzz targets themselves add the driver.
+  add_compile_options(-fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=address,undefined)
 endif()

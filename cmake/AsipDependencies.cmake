@@ -9,24 +9,24 @@ find_package(GTest REQUIRED)
 find_package(Boost 1.74 REQUIRED) # headers: Asio, Beast
 find_package(ZLIB REQUIRED)
 
-# Debian's fuzz build uses clang 14, whose coroutine headers differ: what is fuzzed includes no Asio.
 add_library(asip_asio INTERFACE)
 target_link_libraries(asip_asio INTERFACE Boost::headers Threads::Threads)
 target_compile_definitions(asip_asio INTERFACE BOOST_ASIO_NO_DEPRECATED)
 target_compile_options(asip_asio INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fcoroutines>)
+# Boost 1.74 looks for what clang offered before C++20 had coroutines.
+target_compile_definitions(asip_asio INTERFACE
+  $<$<CXX_COMPILER_ID:Clang>:BOOST_ASIO_HAS_CO_AWAIT;BOOST_ASIO_HAS_STD_COROUTINE>)
 
-if(NOT ASIP_FUZZ)
-  find_package(CLI11 REQUIRED)
-  find_package(OpenSSL REQUIRED)
-  pkg_check_modules(mosquitto REQUIRED IMPORTED_TARGET libmosquitto)
-  pkg_check_modules(utf8proc REQUIRED IMPORTED_TARGET libutf8proc)
-  pkg_check_modules(sqlite3 REQUIRED IMPORTED_TARGET sqlite3)
+find_package(CLI11 REQUIRED)
+find_package(OpenSSL REQUIRED)
+pkg_check_modules(mosquitto REQUIRED IMPORTED_TARGET libmosquitto)
+pkg_check_modules(utf8proc REQUIRED IMPORTED_TARGET libutf8proc)
+pkg_check_modules(sqlite3 REQUIRED IMPORTED_TARGET sqlite3)
 
-  # simavr's own .pc file adds include paths of its build machine; the library and libelf are all it needs.
-  find_path(SIMAVR_INCLUDE_DIR simavr/sim_avr.h REQUIRED)
-  find_library(SIMAVR_LIBRARY NAMES libsimavr.a simavr REQUIRED)
-  find_library(ELF_LIBRARY elf REQUIRED)
-  add_library(simavr INTERFACE)
-  target_include_directories(simavr SYSTEM INTERFACE "${SIMAVR_INCLUDE_DIR}" "${SIMAVR_INCLUDE_DIR}/simavr")
-  target_link_libraries(simavr INTERFACE "${SIMAVR_LIBRARY}" "${ELF_LIBRARY}")
-endif()
+# simavr's own .pc file adds include paths of its build machine; the library and libelf are all it needs.
+find_path(SIMAVR_INCLUDE_DIR simavr/sim_avr.h REQUIRED)
+find_library(SIMAVR_LIBRARY NAMES libsimavr.a simavr REQUIRED)
+find_library(ELF_LIBRARY elf REQUIRED)
+add_library(simavr INTERFACE)
+target_include_directories(simavr SYSTEM INTERFACE "${SIMAVR_INCLUDE_DIR}" "${SIMAVR_INCLUDE_DIR}/simavr")
+target_link_libraries(simavr INTERFACE "${SIMAVR_LIBRARY}" "${ELF_LIBRARY}")

@@ -23,7 +23,7 @@ void on_set(std::uint8_t pin, asip::hw::Fake::Set what, int value) {
     effects->push_back({kind, pin, value});
 }
 
-class Marks : public asip::Service {
+class Marks final : public asip::Service {
   public:
     Marks() : Service('W') {}
     asip::FlashText name() const override { return F("Marks"); }
@@ -42,7 +42,7 @@ class Marks : public asip::Service {
     }
 };
 
-class Ranger : public asip::Service {
+class Ranger final : public asip::Service {
   public:
     Ranger() : Service('D', 1) {}
     asip::FlashText name() const override { return F("Distance"); }
