@@ -97,7 +97,7 @@ std::string openapi_document(const std::vector<Route>& routes) {
                    {{"title", "ASIP gateway"},
                     {"version", ASIP_VERSION},
                     {"description", "Boards and services of an ASIP service bus"},
-                    {"license", {{"name", "See the project"}}}}},
+                    {"license", {{"name", "Apache-2.0"}, {"identifier", "Apache-2.0"}}}}},
                   {"servers", {{{"url", "/"}}}},
                   {"security", json::parse(R"([{"token":[]},{"cookie":[]},{}])")},
                   {"components", json::parse(kComponents)}};
