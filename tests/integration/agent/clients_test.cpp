@@ -5,6 +5,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <deque>
+
 #include "tests/integration/agent/fake_port.hpp"
 #include "tests/integration/agent/rig.hpp"
 
@@ -43,6 +46,13 @@ class Socket {
                 return received.find(wanted) != std::string::npos;
             },
             limit);
+    }
+    bool closed_by_peer() {
+        return wait_until([&] {
+            char buffer[256];
+            const auto count = recv(fd_, buffer, sizeof buffer, MSG_DONTWAIT);
+            return count == 0 || (count < 0 && errno == ECONNRESET);
+        });
     }
     std::string received;
 
@@ -94,6 +104,58 @@ TEST(AgentClients, ClientThatDoesNotRead_IsDroppedAndTheOthersStay) {
     fake.flood("");
     good.send("I,d,2,1\n");
     EXPECT_TRUE(wait_until([&] { return fake.executed("I,d,2,1"); }));
+}
+
+TEST(AgentClients, SixtyFourIdleConnections_LockNobodyOutForLong) {
+    constexpr std::size_t kMaxClients = 64;
+    MosquittoBroker broker;
+    FakePort fake;
+    BusProbe probe(broker.port(), {"asip/servicebus/#"});
+    const auto port = free_port();
+    Agent agent(broker, fake.path(), {"--listen", std::to_string(port)});
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    std::deque<Socket> idle;
+    while (idle.size() < kMaxClients)
+        ASSERT_TRUE(idle.emplace_back(port).connected());
+    Socket active(port);  // before the others were idle for long: refused
+    EXPECT_TRUE(active.closed_by_peer());
+    const bool answered = wait_until(
+        [&] {
+            Socket late(port);
+            late.send("#,?\n");
+            return late.receive("@#,?", 1s);
+        },
+        30s);
+    EXPECT_TRUE(answered) << agent.process().errors();
+    EXPECT_TRUE(agent.process().wait_for_errors("another wants its place"));
+}
+
+TEST(AgentClients, ThousandRefusedConnections_AreLoggedAFewTimes) {
+    MosquittoBroker broker;
+    FakePort fake;
+    BusProbe probe(broker.port(), {"asip/servicebus/#"});
+    const auto port = free_port();
+    Agent agent(broker, fake.path(), {"--listen", std::to_string(port)});
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    std::deque<Socket> kept;
+    while (kept.size() < 64)
+        ASSERT_TRUE(kept.emplace_back(port).connected());
+    const auto began = std::chrono::steady_clock::now();
+    for (int i = 0; i < 1000; ++i) {
+        if (i % 100 == 0)
+            for (Socket& socket : kept)
+                socket.send("#,?\n");  // they are not idle
+        Socket refused(port);
+        ASSERT_TRUE(refused.connected() && refused.closed_by_peer()) << i;
+    }
+    const auto seconds = std::chrono::steady_clock::now() - began;
+    const std::string log = agent.process().errors();
+    std::size_t lines = 0;
+    for (auto at = log.find("client refused"); at != std::string::npos;
+         at = log.find("client refused", at + 1))
+        ++lines;
+    EXPECT_GE(lines, 1u);
+    EXPECT_LE(lines, 1u + static_cast<std::size_t>(seconds / 10s)) << "one in ten seconds";
 }
 
 TEST(AgentClients, JavaClientThatConnectsWhileTheBoardReports_GetsNothingButFrames) {
