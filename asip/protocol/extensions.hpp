@@ -8,10 +8,11 @@
 namespace asip::protocol {
 
 // The tags of the link extensions of this protocol.
-inline constexpr char kEcho = 'E';      ///< `#,E,TOKEN` comes back as it was sent: proof of execution
-inline constexpr char kIdentity = 'I';  ///< a name kept in EEPROM
-inline constexpr char kLineRate = 'B';  ///< the rate of the serial line can be changed
-inline constexpr char kChecksum = 'C';  ///< lines with `*HH` at their end
+inline constexpr char kEcho = 'E';           ///< `#,E,TOKEN` comes back as it was sent: proof of execution
+inline constexpr char kIdentity = 'I';       ///< a name kept in EEPROM
+inline constexpr char kLineRate = 'B';       ///< the rate of the serial line can be changed
+inline constexpr char kChecksum = 'C';       ///< lines with `*HH` at their end
+inline constexpr char kVerifiedFence = 'V';  ///< fences are answered with a digest of the requests
 
 /// What a board answered to `#,X`: tags and versions (0 to 255), in the board's order. Empty for a 0.4 board,
 /// which does not know the question.

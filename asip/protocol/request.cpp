@@ -30,6 +30,10 @@ std::string analog_period(int milliseconds) {
 std::string echo(std::string_view token) {
     return "#,E," + std::string(token);
 }
+
+std::string verified_fence(std::string_view token) {
+    return "#,V," + std::string(token);
+}
 std::string set_identity(std::string_view name) {
     return "#,I," + std::string(name);
 }

@@ -38,6 +38,8 @@ std::string analog_write(int pin, int value);
 std::string analog_period(int milliseconds);
 /// `token`: 1 to 8 letters or digits, which come back. Boards with the echo extension only.
 std::string echo(std::string_view token);
+/// The same as echo(), for boards with the extension of verified fences: a digest comes behind the token.
+std::string verified_fence(std::string_view token);
 /// `name`: at most 32 characters, kept in EEPROM. Boards with the identity extension only.
 std::string set_identity(std::string_view name);
 /// Boards with the line-rate extension only. The board answers at the old rate and then changes.

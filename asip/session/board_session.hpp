@@ -70,8 +70,8 @@ struct RequestOptions {
 
 /// Why submit() did not take a request. Nothing of it was sent.
 enum class Refusal {
-    /// Not a request line: `S,t[,...]`, printable characters, at most 62 bytes, and neither `#,B` nor `#,C`,
-    /// which are the session's own.
+    /// Not a request line: `S,t[,...]`, printable characters, at most 62 bytes, and none of `#,B`, `#,C`
+    /// and `#,V`, which are the session's own.
     kInvalid,
     /// kMaxQueuedPerClient requests of this client wait already, or kMaxQueued of all clients; of urgent ones
     /// kMaxUrgent.
@@ -90,6 +90,7 @@ struct SessionCounters {
     std::uint64_t fence_timeouts = 0;      ///< fences that did not come back in time
     std::uint64_t checksum_errors = 0;     ///< received lines whose checksum is wrong or missing
     std::uint64_t unexplained_errors = 0;  ///< errors of the board that belong to no request
+    std::uint64_t contradictions = 0;      ///< fences by which the board said that it read something else
 };
 
 class Machine;

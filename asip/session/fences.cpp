@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "asip/protocol/body.hpp"
+#include "asip/protocol/extensions.hpp"
 #include "asip/protocol/request.hpp"
 
 namespace asip::session {
@@ -14,7 +16,18 @@ constexpr std::string_view kDigits = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdef
 
 bool Fence::is_answered_by(const protocol::Event& event) const {
     if (!sent() || event.service != line[0] || event.tag != line[2]) return false;
-    return token.empty() || token == event.body;
+    return token.empty() || token == fence_token(event);
+}
+
+std::string_view fence_token(const protocol::Event& event) {
+    if (event.service != '#') return {};
+    if (event.tag == protocol::kEcho) return event.body;
+    return event.tag == protocol::kVerifiedFence ? event.body.substr(0, event.body.find(','))
+                                                 : std::string_view{};
+}
+
+std::optional<std::int64_t> fence_digest(const protocol::Event& event) {
+    return protocol::parse_integer(event.body.substr(event.body.find(',') + 1));
 }
 
 Fences::Fences(const Random& random)
@@ -50,7 +63,7 @@ Fence Fences::next() {
     std::uint32_t rest = token_;
     for (char& digit : token)
         digit = kDigits[std::exchange(rest, rest / 62) % 62];
-    std::string line = protocol::echo(token);
+    std::string line = verified_ ? protocol::verified_fence(token) : protocol::echo(token);
     return {std::move(line), std::move(token)};
 }
 

@@ -49,7 +49,7 @@ void Machine::follow(Identifying& state, Time now, Actions& out) {
     if (interview.progress() == Interview::Progress::kFailed) return search(now, now, out);
     if (interview.progress() != Interview::Progress::kDone) return;
     if (interview.identity().extensions.has(protocol::kEcho)) {
-        queue_.use_echo();
+        queue_.use_echo(interview.identity().extensions.has(protocol::kVerifiedFence));
     } else {
         queue_.use_questions(interview.other_question());
     }

@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kMaxLostTokens = 64;
 constexpr std::size_t kMaxOwed = 16;
+constexpr std::size_t kMaxMaybeErrors = 2;
 
 bool answers_question(const protocol::Event& event, const Request& request) {
     if (event.service != request.service() || event.tag != request.tag()) return false;
@@ -69,6 +70,19 @@ bool InFlight::is_barrier() const {
            batches_.back().items.front().request.changes_line();
 }
 
+bool InFlight::awaits_value_of(const Request& next) const {
+    if (next.answer_tag == 0 || next.is_question()) return false;
+    const auto waits = [&](const Item& item) {
+        return !item.ended && !item.has_value && item.request.service() == next.service() &&
+               item.request.answer_tag == next.answer_tag;
+    };
+    return std::any_of(awaiting_.begin(), awaiting_.end(),
+                       [&](const Awaiting& one) { return waits(one.item); }) ||
+           std::any_of(batches_.begin(), batches_.end(), [&](const Batch& batch) {
+               return std::any_of(batch.items.begin(), batch.items.end(), waits);
+           });
+}
+
 void InFlight::add(Request request, std::size_t bytes, bool reports, Time close_after, Time now) {
     if (!has_open_batch()) batches_.emplace_back();
     Batch& batch = batches_.back();
@@ -96,6 +110,7 @@ void InFlight::close(Fence fence, std::size_t bytes, Time now) {
         batch.bytes = 0;
     }
     batch.fence = std::move(fence);
+    batch.number = next_number_++;
     batch.bytes += bytes;
     bytes_ += bytes;
     batch.last_sent = now;
@@ -129,12 +144,38 @@ InFlight::Meaning InFlight::on_event(const protocol::Event& event, const protoco
     }
     if (found) {
         meaning.is_fence = true;
-        fences_back(*found, matches > 1, now, ended);
+        meaning.contradicts = contradicts(batches_[*found], event);
+        fences_back(*found, matches > 1 || meaning.contradicts, now, ended);
         return meaning;
     }
     meaning.is_fence = is_late(event);
     if (!meaning.is_fence) meaning.is_value = note_value(event, line, ended);
     return meaning;
+}
+
+// One of several requests may have had an error: then the digest says which.
+bool InFlight::confirms(const std::vector<Item>& items, std::size_t next, protocol::Digest digest,
+                        const Fence& fence, std::int64_t answer) {
+    if (next == items.size()) {
+        digest.add(fence.line);
+        return digest.value() == answer;
+    }
+    const Item& item = items[next];
+    const auto with = [&](int error) {
+        auto more = digest;
+        more.add(item.request.line, error);
+        return confirms(items, next + 1, more, fence, answer);
+    };
+    if (item.error && with(item.error->first)) return true;
+    // An error that comes instead of a value is none of the request as such.
+    if (item.error && !item.wants_value()) return false;
+    return with(0) || std::any_of(item.maybe_errors.begin(), item.maybe_errors.end(), with);
+}
+
+bool InFlight::contradicts(const Batch& batch, const protocol::Event& event) {
+    if (!batch.fence.verifies) return false;
+    const auto answer = fence_digest(event);
+    return !answer || !confirms(batch.items, 0, {}, batch.fence, *answer);
 }
 
 void InFlight::fences_back(std::size_t number, bool ambiguous, Time now, std::vector<RequestEnd>& ended) {
@@ -148,6 +189,7 @@ void InFlight::fences_back(std::size_t number, bool ambiguous, Time now, std::ve
     }
     Batch batch = std::move(batches_.front());
     batches_.pop_front();
+    if (!ambiguous) forget_owed(batch.number);
     finish(std::move(batch), number > 0 || ambiguous, now, ended);
 }
 
@@ -186,15 +228,23 @@ void InFlight::end(Item& item, Ending ending, std::vector<RequestEnd>& ended) {
 void InFlight::note_owed(const Item& item, Ending ending) {
     if (!item.wants_value() || item.has_value || item.request.is_question()) return;
     if (ending == Ending::kExecuted || ending == Ending::kBoardError || owed_.size() >= kMaxOwed) return;
-    owed_.push_back({item.number, item.request.service(), item.request.answer_tag});
+    owed_.push_back({item.number, item.request.service(), item.request.answer_tag, ending == Ending::kNoValue,
+                     next_number_});
+}
+
+// What was on the way before a fence has come when the fence is back.
+void InFlight::forget_owed(std::uint64_t fence) {
+    std::erase_if(owed_, [&](const Owed& one) { return one.was_sent && one.ended <= fence; });
 }
 
 // An event answers the oldest request for it, or one that ended before it came.
-void InFlight::settle_owed(const protocol::Event& event, std::uint64_t oldest_taker) {
+bool InFlight::settle_owed(const protocol::Event& event, std::uint64_t oldest_taker) {
     const auto owed = std::find_if(owed_.begin(), owed_.end(), [&](const Owed& one) {
         return one.service == event.service && one.tag == event.tag && one.number < oldest_taker;
     });
-    if (owed != owed_.end()) owed_.erase(owed);
+    if (owed == owed_.end()) return false;
+    owed_.erase(owed);
+    return true;
 }
 
 bool InFlight::note_value(const protocol::Event& event, const protocol::ParsedLine& line,
@@ -220,8 +270,8 @@ bool InFlight::note_value(const protocol::Event& event, const protocol::ParsedLi
             if (oldest_taker == kNone && !item.ended && answers(item) && !item.has_value &&
                 !item.behind_fence)
                 take(item);
-    settle_owed(event, oldest_taker);
-    return oldest_taker != kNone;
+    const bool was_owed = settle_owed(event, oldest_taker);
+    return was_owed || oldest_taker != kNone;
 }
 
 InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error, bool checksums) {
@@ -249,8 +299,10 @@ InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error, bool che
         return meaning;
     }
     // Requests without proof that look alike: one of them failed.
-    for (Item* const item : named)
+    for (Item* const item : named) {
         item->doubted = true;
+        if (item->maybe_errors.size() < kMaxMaybeErrors) item->maybe_errors.push_back(error.code);
+    }
     return meaning;
 }
 
@@ -310,8 +362,8 @@ void InFlight::end_all(Ending ending, std::vector<RequestEnd>& ended) {
 }
 
 bool InFlight::is_late(const protocol::Event& event) const {
-    return event.service == '#' && event.tag == 'E' &&
-           std::find(lost_tokens_.begin(), lost_tokens_.end(), event.body) != lost_tokens_.end();
+    const auto token = fence_token(event);
+    return !token.empty() && std::find(lost_tokens_.begin(), lost_tokens_.end(), token) != lost_tokens_.end();
 }
 
 void InFlight::remember_lost(const Fence& fence) {

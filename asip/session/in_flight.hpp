@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "asip/protocol/digest.hpp"
 #include "asip/protocol/parsed_line.hpp"
 #include "asip/session/fences.hpp"
 #include "asip/session/request.hpp"
@@ -21,8 +22,9 @@ class InFlight {
     struct Meaning {
         bool is_fence = false;          ///< the answer to a fence of ours, of now or of before
         std::optional<ClientId> owner;  ///< the answer to this client's question, or its error
-        bool is_value = false;          ///< a request waits for such an event
+        bool is_value = false;          ///< a request waits for such an event, or ended before it came
         bool unexplained = false;       ///< an error that belongs to no request
+        bool contradicts = false;       ///< a fence: the board read something else than what was sent
     };
 
     bool empty() const { return batches_.empty(); }
@@ -45,6 +47,10 @@ class InFlight {
     bool conflicts(const Request& next) const;
     /// Whether some batch holds a request with this line, or was closed with it.
     bool holds_question(std::string_view line) const;
+
+    /// Whether one that waits for the same kind of event is under way: one event may be the end of both, and
+    /// come too early for the second.
+    bool awaits_value_of(const Request& next) const;
 
     /// `bytes`: on the wire, with line end and checksum.
     void add(Request request, std::size_t bytes, bool reports, Time close_after, Time now);
@@ -84,6 +90,7 @@ class InFlight {
         bool has_value = false;
         protocol::ParsedLine answer;
         std::optional<std::pair<int, std::string>> error;
+        std::vector<int> maybe_errors{};  // of one that looks alike, or its own
         bool wants_value() const { return request.answer_tag != 0; }
     };
     /// A request that ended without its value, which may still come.
@@ -91,11 +98,14 @@ class InFlight {
         std::uint64_t number;
         char service;
         char tag;
+        bool was_sent;        // it was executed so long ago that its value is on the way at most
+        std::uint64_t ended;  // as next_number_
     };
     struct Batch {
         std::vector<Item> items;
         Fence fence;
         std::size_t bytes = 0;
+        std::uint64_t number = 0;  // of its fence, in the order of sending
         Time last_sent{};
         Time close_after{};
         bool overdue = false;
@@ -105,14 +115,18 @@ class InFlight {
         Time until;
     };
 
+    static bool confirms(const std::vector<Item>& items, std::size_t next, protocol::Digest digest,
+                         const Fence& fence, std::int64_t answer);
+    static bool contradicts(const Batch& batch, const protocol::Event& event);
     Item* find_question(const protocol::Event& event);
     void fences_back(std::size_t batch, bool ambiguous, Time now, std::vector<RequestEnd>& ended);
     void finish(Batch batch, bool missing, Time now, std::vector<RequestEnd>& ended);
     void end(Item& item, Ending ending, std::vector<RequestEnd>& ended);
     bool note_value(const protocol::Event& event, const protocol::ParsedLine& line,
                     std::vector<RequestEnd>& ended);
+    void forget_owed(std::uint64_t fence);
     void note_owed(const Item& item, Ending ending);
-    void settle_owed(const protocol::Event& event, std::uint64_t oldest_taker);
+    bool settle_owed(const protocol::Event& event, std::uint64_t oldest_taker);
     bool is_late(const protocol::Event& event) const;
     void remember_lost(const Fence& fence);
 

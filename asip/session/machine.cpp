@@ -142,8 +142,9 @@ void Machine::fall_silent(Time now, Actions& out) {
 
 bool may_be_sent(std::string_view line) {
     const auto parsed = protocol::parse_request(line);
-    // The line rate and checksums are between the board and us.
-    return parsed && (parsed->service != '#' || (parsed->tag != 'B' && parsed->tag != 'C'));
+    // The line rate, checksums and the digest of requests are between the board and us.
+    return parsed &&
+           (parsed->service != '#' || std::string_view("BCV").find(parsed->tag) == std::string_view::npos);
 }
 
 Expected<RequestId, Refusal> Machine::submit(std::string_view line, const RequestOptions& wanted, Time now,

@@ -20,6 +20,10 @@ void Machine::on_event(Ready&, const protocol::Event& event, std::string_view li
     std::vector<RequestEnd> ended;
     protocol::ParsedLine parsed(line, event);
     const auto meaning = queue_.on_event(event, parsed, now, ended);
+    if (meaning.contradicts) {
+        ++counters_.contradictions;
+        damaged();
+    }
     if (!meaning.is_fence) {
         if (!meaning.owner && !meaning.is_value) note_report(event, now);
         out.emplace_back(BoardLine{std::move(parsed), meaning.owner});
@@ -74,8 +78,11 @@ Time Machine::deadline(const Ready&) const {
 void Machine::pump(Time now, Actions& out) {
     switch_checksums();
     queue_.set_reporting(!reports_.empty() && now < last_report_ + kReportsLast);
-    if ((queue_.will_resynchronise() || queue_.urgent_while_stalled()) && has_checksums() && (wire_.writes_checksums() || wants_checksums()))
+    if ((queue_.will_resynchronise() || queue_.urgent_while_stalled()) && has_checksums() &&
+        (wire_.writes_checksums() || wants_checksums())) {
         write(wire_.switching_lines(wants_checksums()), now, out);
+        queue_.forget_digest();
+    }
     write(queue_.pump(now, [&](const Request& request) { return reports_by_itself(request, now); }), now,
           out);
     queue_.set_checksum_bytes(wire_.writes_checksums() ? Wire::kChecksumBytes : 0);

@@ -49,6 +49,7 @@ void RequestQueue::close(Time now, std::vector<std::string>& lines) {
     Fence fence = fences_.next();
     if (!fences_.echo() && in_flight_.holds_question(fence.line)) fence = fences_.next_but(fence.line);
     lines.push_back(fence.line);
+    fence.verifies = fences_.verified() && std::exchange(digest_known_, true);
     in_flight_.close(std::move(fence), fence_bytes(), now);
 }
 
@@ -61,9 +62,13 @@ void RequestQueue::send_probe(Time now, std::vector<std::string>& lines) {
 }
 
 bool RequestQueue::next_may_go(Time now, std::vector<std::string>& lines) {
-    if (waiting_.empty() || next_is_too_long_for(checksum_bytes_)) return false;
+    if (waiting_.empty()) return false;
+    if (!waiting_.turn_to([&](const Request& one) { return !in_flight_.awaits_value_of(one); })) return false;
     const Request& next = waiting_.front();
-    if (stalled_ && !next.urgent) return false;
+    if (next_is_too_long_for(checksum_bytes_) || now >= next.deadline || (stalled_ && !next.urgent))
+        return false;
+    // From its answer on it is known what the board's digest begins with.
+    if (fences_.verified() && !digest_known_ && !in_flight_.has_open_batch()) close(now, lines);
     if (in_flight_.has_open_batch() && in_flight_.conflicts(next)) {
         if (!may_fence(now)) return false;
         close(now, lines);
@@ -85,6 +90,8 @@ void RequestQueue::send(Request request, bool reports, Time now, std::vector<std
         close_after = now + byte_time_ * static_cast<Duration::rep>(bytes) + kReadsAgainWithin;
     lines.push_back(request.line);
     const bool doubted = request.urgent && !fences_.echo() && in_flight_.fence_out();
+    if (checksum_bytes_ == 0)
+        request.line.erase(request.line.find_last_not_of(' ') + 1);  // as the board reads it
     in_flight_.add(std::move(request), bytes, reports, close_after, now);
     if (doubted) in_flight_.doubt_last();
 }
@@ -143,6 +150,7 @@ void RequestQueue::restart() {
     stalled_ = false;
     probe_wanted_ = false;
     lost_fences_ = 0;
+    forget_digest();
 }
 
 void RequestQueue::probe() {

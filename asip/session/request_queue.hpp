@@ -22,12 +22,18 @@ class RequestQueue {
     explicit RequestQueue(const Random& random) : fences_(random) {}
 
     // --- what is known of the board and the line
-    void use_echo() { fences_.use_echo(); }
+    /// `verified`: the board digests what it reads.
+    void use_echo(bool verified) { fences_.use_echo(verified); }
     void use_questions(std::string second) { fences_.use_questions(std::move(second)); }
     /// Bytes each line gets more on the wire.
     void set_checksum_bytes(std::size_t bytes) { checksum_bytes_ = bytes; }
     /// Time one byte takes on the line; zero where it has no rate.
     void set_byte_time(Duration time) { byte_time_ = time; }
+    /// The board read what is not in flight here.
+    void forget_digest() {
+        digest_known_ = false;
+        if (fences_.verified()) doubt();
+    }
     /// The board sends events by itself, at least now and then.
     void set_reporting(bool on) { reporting_ = on; }
 
@@ -99,6 +105,8 @@ class RequestQueue {
     WaitingRequests waiting_;
     InFlight in_flight_;
     Fences fences_;
+    bool digest_known_ = false;  // the board's digest begins behind the last fence
+                                 // known
     std::size_t checksum_bytes_ = 0;
     Duration byte_time_{};
     bool reporting_ = false;

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <deque>
 #include <unordered_map>
@@ -22,6 +23,18 @@ class WaitingRequests {
     bool changes_line() const;
     std::size_t size_of(ClientId client) const;
 
+    /// Passes over clients whose next request is not to be sent now; they keep their place. False: all of
+    /// them.
+    template <class MayGo>
+    bool turn_to(MayGo&& may_go) {
+        if (!urgent_.empty() || !own_.empty()) return true;
+        const auto turn = std::find_if(turns_.begin(), turns_.end(), [&](ClientId client) {
+            return may_go(queues_.find(client)->second.front());
+        });
+        if (turn == turns_.end()) return false;
+        std::rotate(turns_.begin(), turn, turn + 1);
+        return true;
+    }
     /// The request whose turn it is. Not when empty().
     const Request& front() const;
     Request pop();

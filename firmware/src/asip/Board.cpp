@@ -116,7 +116,7 @@ static char printable(char c) {
 void Board::execute() {
     uint8_t length = length_;
     length_ = 0;
-    if (io_.executePrepared()) return;
+    const bool executed = io_.executePrepared();
     const bool spoiled = length & kSpoiled;
     length &= static_cast<uint8_t>(~kSpoiled);
     while (length != 0 && (line_[length - 1] == '\r' || line_[length - 1] == ' '))
@@ -126,8 +126,11 @@ void Board::execute() {
     if (kExtensions && out.usesChecksum() && !acceptChecksum(length)) {
         return out.error('#', 'C', Error::kBadChecksum);
     }
+    if (kExtensions) digestLine();
+    if (executed) return;
     const Error error = spoiled ? Error::kBadArgument : process(length);
     if (error == Error::kNone) return;
+    if (kExtensions) digest_ ^= static_cast<uint8_t>(error);
     const char id = line_[0];
     if (id != '#' && find(id) == nullptr)
         return out.error(id >= 'A' && id <= 'Z' ? id : 'Q', '?', Error::kInvalidService);

@@ -83,6 +83,7 @@ class Board {
     Error lineRate(Request& request);
     Error checksum(Request& request);
     bool acceptChecksum(uint8_t& length);
+    void digestLine();
     void continueExtension();
     void storeName();
     void sendName();
@@ -98,6 +99,7 @@ class Board {
     uint8_t listIndex_;
     uint8_t listCount_;
     Service* listService_;  // of the last list; null: the system
+    uint16_t digest_;       // of the requests since the last verified fence and their errors
     uint16_t rateTrialMs_;  // left to hear a fence at a new rate; 0 when none is on trial
 };
 

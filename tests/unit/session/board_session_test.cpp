@@ -229,15 +229,24 @@ TEST(BoardSession, BoardError_EndsTheRequestAndIsHandedOn) {
     EXPECT_EQ(bench.finished.size(), 1u);
 }
 
-class BothGenerations : public testing::TestWithParam<bool> {
+enum class Generation { kPlain04, kExtended, kVerified };
+
+class EachGeneration : public testing::TestWithParam<Generation> {
   protected:
-    BothGenerations() { bench.board.extensions = GetParam(); }
+    EachGeneration() {
+        bench.board.extensions = GetParam() != Generation::kPlain04;
+        bench.board.verified_fences = GetParam() == Generation::kVerified;
+    }
     Bench bench;
 };
-INSTANTIATE_TEST_SUITE_P(Boards, BothGenerations, testing::Bool(),
-                         [](const auto& param) { return param.param ? "Extended" : "Plain04"; });
+INSTANTIATE_TEST_SUITE_P(Boards, EachGeneration,
+                         testing::Values(Generation::kPlain04, Generation::kExtended, Generation::kVerified),
+                         [](const auto& tested) -> std::string {
+                             if (tested.param == Generation::kPlain04) return "Plain04";
+                             return tested.param == Generation::kVerified ? "Verified" : "Extended";
+                         });
 
-TEST_P(BothGenerations, AlikeRequestsAtOnce_EachEndsWithItsOwnOutcome) {
+TEST_P(EachGeneration, AlikeRequestsAtOnce_EachEndsWithItsOwnOutcome) {
     bench.board.replies["S,W,9,1"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
     bench.plug();
     ASSERT_TRUE(bench.ready_within());
@@ -268,7 +277,7 @@ TEST_P(BothGenerations, AlikeRequestsAtOnce_EachEndsWithItsOwnOutcome) {
     EXPECT_LE(bench.most_in_flight, BoardSession::kReceiveBufferBytes);
 }
 
-TEST_P(BothGenerations, ThousandRequestsOfManyClients_NeverMoreThanTheBufferInFlight) {
+TEST_P(EachGeneration, ThousandRequestsOfManyClients_NeverMoreThanTheBufferInFlight) {
     bench.plug();
     ASSERT_TRUE(bench.ready_within());
     for (int i = 0; i < 1000; ++i)
@@ -279,7 +288,7 @@ TEST_P(BothGenerations, ThousandRequestsOfManyClients_NeverMoreThanTheBufferInFl
     EXPECT_EQ(bench.board.executed.size(), 1000u);
 }
 
-TEST_P(BothGenerations, FenceLost_RequestIsInDoubtAndTheNextWorks) {
+TEST_P(EachGeneration, FenceLost_RequestIsInDoubtAndTheNextWorks) {
     bench.plug();
     ASSERT_TRUE(bench.ready_within());
     bench.board.swallow_fences = 1;
@@ -296,20 +305,21 @@ TEST_P(BothGenerations, FenceLost_RequestIsInDoubtAndTheNextWorks) {
     EXPECT_EQ(bench.count("silent"), 0);
 }
 
-TEST_P(BothGenerations, UnprovenRequests_CostNoFenceEach) {
+TEST_P(EachGeneration, UnprovenRequests_CostNoFenceEach) {
     bench.plug();
     ASSERT_TRUE(bench.ready_within());
+    bench.request("#,?");  // from now on its digest is known, where it has one
     bench.board.heard.clear();
     bench.request("I,d,13,1", {.prove = false});
     bench.request("I,d,13,0", {.prove = false});
     EXPECT_THAT(bench.board.heard, ElementsAre("I,d,13,1", "I,d,13,0"));
     bench.pass(200ms);
     EXPECT_EQ(bench.board.heard.size(), 3u) << "one fence when nothing else is to do";
-    EXPECT_EQ(bench.finished.size(), 2u);
+    EXPECT_EQ(bench.finished.size(), 3u);
     EXPECT_EQ(bench.session.bytes_in_flight(), 0u);
 }
 
-TEST_P(BothGenerations, ClientAsksForInformation_GetsTheAnswer) {
+TEST_P(EachGeneration, ClientAsksForInformation_GetsTheAnswer) {
     bench.plug();
     ASSERT_TRUE(bench.ready_within());
     const auto id = bench.request("#,?", {.prove = true, .answer_tag = '?'});
@@ -317,6 +327,73 @@ TEST_P(BothGenerations, ClientAsksForInformation_GetsTheAnswer) {
     EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
     EXPECT_EQ(bench.end_of(id)->answer.text(), "@#,?,0,4,ATmega328P,6,Script");
     EXPECT_THAT(bench.lines, ElementsAre("@#,?,0,4,ATmega328P,6,Script"));
+}
+
+class VerifiedFences : public testing::TestWithParam<ChecksumPolicy> {
+  protected:
+    VerifiedFences() : bench({.checksum = GetParam()}) {
+        bench.board.verified_fences = true;
+        bench.plug();
+        EXPECT_TRUE(bench.ready_within());
+        EXPECT_EQ(ending_of("I,d,13,0"), Ending::kExecuted);
+    }
+    std::optional<Ending> ending_of(const std::string& line) {
+        const auto id = bench.request(line);
+        bench.pass(1s);
+        const auto* const end = bench.end_of(id);
+        return end ? std::optional(end->ending) : std::nullopt;
+    }
+    Bench bench;
+};
+INSTANTIATE_TEST_SUITE_P(Checksums, VerifiedFences,
+                         testing::Values(ChecksumPolicy::kNever, ChecksumPolicy::kAlways),
+                         [](const auto& tested) -> std::string {
+                             return tested.param == ChecksumPolicy::kNever ? "Without" : "With";
+                         });
+
+TEST_P(VerifiedFences, WholeRequestIsLostWithItsLineEnd_DoubtAndTheNextIsProven) {
+    bench.board.lose_lines = 1;
+    EXPECT_EQ(ending_of("I,d,13,1"), Ending::kDoubt);
+    EXPECT_EQ(bench.session.counters().contradictions, 1u);
+    EXPECT_EQ(ending_of("I,d,13,1"), Ending::kExecuted);
+}
+
+TEST_P(VerifiedFences, RequestBecomesAnotherOfTheSameChecksum_DoubtAndTheNextIsProven) {
+    bench.board.misreads["I,d,13,1"] = "I,d,12,0";
+    EXPECT_EQ(ending_of("I,d,13,1"), Ending::kDoubt);
+    bench.board.misreads.clear();
+    EXPECT_EQ(ending_of("I,d,13,1"), Ending::kExecuted);
+}
+
+TEST_P(VerifiedFences, ErrorOfTheBoardIsLost_DoubtNotOk) {
+    bench.board.replies["S,W,9,90"] = "";
+    EXPECT_EQ(ending_of("S,W,9,90"), Ending::kExecuted);
+    bench.board.lost_errors["S,W,9,90"] = 7;
+    EXPECT_EQ(ending_of("S,W,9,90"), Ending::kDoubt);
+    bench.board.replies["S,W,8,90"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    EXPECT_EQ(ending_of("S,W,8,90"), Ending::kBoardError);
+}
+
+TEST_P(VerifiedFences, ErrorOfOneOfTwoThatLookAlike_IsNoContradiction) {
+    bench.board.replies["S,W,8,90"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    bench.request("S,W,8,90", {.prove = false});
+    bench.request("S,W,0,90", {.prove = false});
+    EXPECT_EQ(ending_of("I,d,13,1"), Ending::kExecuted);
+    EXPECT_EQ(bench.session.counters().contradictions, 0u);
+}
+
+TEST_P(VerifiedFences, ManyRequestsOfManyClients_AllAreProven) {
+    std::vector<RequestId> ids;
+    for (int i = 0; i < 200; ++i)
+        ids.push_back(bench.request(i % 3 ? "I,d,13,1 " : "S,W,0,90", {.client = ClientId(i % 7)}));
+    bench.pass(5s);
+    for (const auto id : ids)
+        ASSERT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.session.counters().contradictions, 0u);
+}
+
+TEST_P(VerifiedFences, RequestThatBeginsTheDigestAnew_IsForTheSessionAlone) {
+    EXPECT_EQ(bench.refused("#,V,mine"), Refusal::kInvalid);
 }
 
 TEST(BoardSession, ClientSendsAFence_GetsItsOwnAnswerOnly) {
@@ -465,7 +542,7 @@ TEST(BoardSession, Tokens_DifferBetweenSessionsAndDoNotRepeat) {
 
 // --- the line
 
-TEST_P(BothGenerations, LongestRequestsWithReportsOn_NeverMoreThanTheBufferAndAllExecuted) {
+TEST_P(EachGeneration, LongestRequestsWithReportsOn_NeverMoreThanTheBufferAndAllExecuted) {
     bench.plug();
     ASSERT_TRUE(bench.ready_within());
     const std::string line = "S,W,0," + std::string(56, '1');
@@ -540,6 +617,25 @@ TEST(BoardSession, ValueDoesNotCome_EndsWithoutIt) {
     EXPECT_EQ(bench.end_of(id)->ending, Ending::kNoValue);
 }
 
+TEST(BoardSession, TwoClientsAskForAMeasurementAtOnce_TheSecondWaitsForTheFirstAndBothGetValues) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto first = bench.request("D,M", {.client = 1, .answer_tag = 'e'});
+    const auto second = bench.request("D,M", {.client = 2, .answer_tag = 'e'});
+    const auto other = bench.request("I,d,13,1", {.client = 2});
+    const auto third = bench.request("I,d,13,0", {.client = 3});
+    EXPECT_EQ(bench.end_of(third)->ending, Ending::kExecuted) << "nobody else waits for it";
+    EXPECT_EQ(bench.end_of(other), nullptr) << "the order of a client is kept";
+    bench.say_line("@D,e,1,{42}");
+    EXPECT_EQ(bench.end_of(first)->answer.text(), "@D,e,1,{42}");
+    EXPECT_EQ(bench.end_of(second), nullptr) << "the measurement had begun before it was asked for";
+    bench.say_line("@D,e,1,{43}");
+    ASSERT_NE(bench.end_of(second), nullptr);
+    EXPECT_EQ(bench.end_of(second)->answer.text(), "@D,e,1,{43}");
+    EXPECT_EQ(bench.end_of(other)->ending, Ending::kExecuted);
+}
+
 TEST(BoardSession, ReportBeforeTheFence_IsNotTakenForTheValue) {
     Bench bench(no_step_up());
     bench.plug();
@@ -595,7 +691,7 @@ TEST(BoardSession, DeadlineWhileWaiting_IsNotSentAndNeverWillBe) {
 
 // --- restarts and silence
 
-TEST_P(BothGenerations, BannerInMidStream_ModesAndPeriodsAreRestoredValuesAreNot) {
+TEST_P(EachGeneration, BannerInMidStream_ModesAndPeriodsAreRestoredValuesAreNot) {
     SessionOptions options = no_step_up();
     bench.session = Bench::make_session(options);
     bench.plug();
@@ -611,7 +707,7 @@ TEST_P(BothGenerations, BannerInMidStream_ModesAndPeriodsAreRestoredValuesAreNot
     EXPECT_EQ(bench.session.period('D'), 100u);
 }
 
-TEST_P(BothGenerations, BannerCutInHalf_IsStillARestart) {
+TEST_P(EachGeneration, BannerCutInHalf_IsStillARestart) {
     bench.session = Bench::make_session(no_step_up());
     bench.plug();
     ASSERT_TRUE(bench.ready_within());
@@ -689,7 +785,7 @@ TEST(BoardSession, QueuedWhileRestarting_IsExecutedAfterwards) {
     EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
 }
 
-TEST_P(BothGenerations, QuietBoard_IsProbedAndStaysReady) {
+TEST_P(EachGeneration, QuietBoard_IsProbedAndStaysReady) {
     bench.plug();
     ASSERT_TRUE(bench.ready_within());
     bench.pass(1min);
@@ -699,7 +795,7 @@ TEST_P(BothGenerations, QuietBoard_IsProbedAndStaysReady) {
     EXPECT_THAT(bench.lines, IsEmpty());
 }
 
-TEST_P(BothGenerations, BoardStopsAnswering_IsSilentWithinFourSecondsAndFoundAgain) {
+TEST_P(EachGeneration, BoardStopsAnswering_IsSilentWithinFourSecondsAndFoundAgain) {
     bench.plug();
     ASSERT_TRUE(bench.ready_within());
     bench.board.mute = true;
@@ -714,7 +810,7 @@ TEST_P(BothGenerations, BoardStopsAnswering_IsSilentWithinFourSecondsAndFoundAga
 
 // --- garbage
 
-TEST_P(BothGenerations, GarbageInManyForms_IsCountedAndTheNextMessageWorks) {
+TEST_P(EachGeneration, GarbageInManyForms_IsCountedAndTheNextMessageWorks) {
     bench.session = Bench::make_session(no_step_up());
     bench.plug();
     ASSERT_TRUE(bench.ready_within());

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cstdlib>
 #include <random>
+#include <utility>
 
 #include "asip/protocol/checksum.hpp"
 
@@ -28,6 +29,7 @@ std::string ScriptedBoard::reboot() {
     next_baud_.reset();
     trial_ends_.reset();
     checksum = false;
+    digest_ = {};
     return banner();
 }
 
@@ -94,7 +96,25 @@ std::string ScriptedBoard::answer(const std::string& received, Time) {
         if (!checked) return say("~#,C,10{BAD_CHECKSUM}");
         line = std::string(*checked);
     }
+    while (!checksum && line.ends_with(' '))
+        line.pop_back();
+    if (const auto other = misreads.find(line); other != misreads.end()) line = other->second;
     heard.push_back(line);
+    if (verified_fences && line.starts_with("#,V,")) {
+        digest_.add(line);
+        if (swallow_fences > 0) return --swallow_fences, std::string();
+        return say("@#,V," + line.substr(4) + ',' + std::to_string(std::exchange(digest_, {}).value()));
+    }
+    const std::string said = execute(line);
+    const auto number = said.starts_with('~') ? said.find(',', 3) : std::string::npos;
+    const auto lost = lost_errors.find(line);
+    const int error = number == std::string::npos ? 0 : std::atoi(said.c_str() + number + 1);
+    digest_.add(line, lost == lost_errors.end() ? error : lost->second);
+    return said;
+}
+
+std::string ScriptedBoard::execute(const std::string& line) {
+    const auto say = [this](const std::string& text) { return framed(text); };
     if (const auto error = refusal(line)) return say(*error);
     if (const auto reply = replies.find(line); reply != replies.end()) {
         if (line[0] != '#') executed.push_back(line);
@@ -108,7 +128,8 @@ std::string ScriptedBoard::answer(const std::string& received, Time) {
     if (const auto known = kAnswers.find(line); known != kAnswers.end()) return say(known->second);
     if (line[0] == '#' && extensions) {
         const std::string rest = line.size() > 4 ? line.substr(4) : "";
-        if (line == "#,X") return say("@#,X,4,{E:1,I:1,B:1,C:1}");
+        if (line == "#,X")
+            return say(verified_fences ? "@#,X,5,{E:1,I:1,B:1,C:1,V:1}" : "@#,X,4,{E:1,I:1,B:1,C:1}");
         if (line == "#,I") return say("@#,I," + stored_name);
         if (line[2] == 'E') {
             const bool token =

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "asip/protocol/checksum.hpp"
+#include "asip/protocol/digest.hpp"
 #include "asip/session/board_session.hpp"
 
 namespace asip::session {
@@ -18,6 +19,7 @@ using namespace std::chrono_literals;
 class ScriptedBoard {
   public:
     bool extensions = true;
+    bool verified_fences = false;
     unsigned baud = 57600;
     bool mute = false;  ///< hears and says nothing
     bool answers_info = true;
@@ -32,7 +34,9 @@ class ScriptedBoard {
     bool checksum = false;
     /// Servo requests are `S,W,N,N`, the same number twice: what the line makes of one is refused.
     bool servo_numbers_twice = false;
-    std::map<std::string, std::string> replies;  ///< request line to answer line, before everything else
+    std::map<std::string, std::string> misreads;  ///< request line to what the line makes of it
+    std::map<std::string, int> lost_errors;       ///< request line to the error that does not arrive
+    std::map<std::string, std::string> replies;   ///< request line to answer line, before everything else
 
     std::vector<std::string> executed;  ///< every line that is no question of an interview and no fence
     std::vector<std::string> heard;     ///< every whole line
@@ -50,9 +54,11 @@ class ScriptedBoard {
 
   private:
     std::string answer(const std::string& line, Time now);
+    std::string execute(const std::string& line);
     std::optional<std::string> refusal(const std::string& line) const;
 
     std::string partial_;
+    protocol::Digest digest_;
     std::optional<unsigned> next_baud_;
     std::optional<Time> trial_ends_;
 };
