@@ -1,5 +1,7 @@
 // A board session that is told anything, in any order: it never has too much in flight, never writes a line
-// that is not a request, and ends each request exactly once.
+// that is not a request, ends each request exactly once and in time, sends none after its end or its
+// deadline, proves none without its fence or where the line showed damage, and is silent where there is no
+// link.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -9,6 +11,7 @@
 
 #include "asip/session/board_session.hpp"
 #include "tests/fuzz/require.hpp"
+#include "tests/fuzz/session/marks.hpp"
 
 namespace {
 
@@ -23,13 +26,15 @@ class Run {
         Actions actions;
         switch (operation % 8) {
             case 0:
+                if (linked_) break;
+                linked_ = true;
                 session_.link_up({operation & 8 ? 57600u : 0u, (operation & 16) != 0}, now_, actions);
                 break;
             case 1:
-                session_.link_down(now_, actions);
-                break;
+                return unlink();
             case 2:
             case 3:
+                marks_.heard(linked_ ? data : std::string_view{});
                 session_.receive(data, now_, actions);
                 break;
             case 4:
@@ -41,8 +46,8 @@ class Run {
                 session_.line_rate_set((operation & 8) != 0, now_, actions);
                 break;
             case 6:
-                submit(data, {.prove = (operation & 8) != 0, .answer_tag = operation & 16 ? 'e' : '\0'},
-                       actions);
+                submit(operation & 32 ? std::string(data) : marks_.next(data), (operation & 32) == 0,
+                       {.prove = (operation & 8) != 0, .answer_tag = operation & 16 ? 'e' : '\0'}, actions);
                 break;
             default:
                 now_ += std::chrono::milliseconds(operation);
@@ -53,11 +58,14 @@ class Run {
             REQUIRE(now_ < due || (deadline && *deadline <= now_));
     }
 
-    void end() {
+    void unlink() {
         Actions actions;
         session_.link_down(now_, actions);
+        linked_ = false;
+        marks_.doubt();
         check(actions);
         REQUIRE(open_.empty());
+        REQUIRE(!session_.next_deadline());
     }
 
   private:
@@ -69,17 +77,29 @@ class Run {
         if (flags & 2) options.max_baud = 0;
         return options;
     }
-    void submit(std::string_view line, RequestOptions wanted, Actions& actions) {
+    void submit(const std::string& line, bool is_mark, RequestOptions wanted, Actions& actions) {
+        if (!is_mark && line.starts_with("W,w,")) return;
         wanted.client = line.size() % 3;
         wanted.deadline = now_ + std::chrono::milliseconds(50 + 37 * line.size());
         const auto id = session_.submit(line, wanted, now_, actions);
-        if (id) REQUIRE(open_.emplace(*id, *wanted.deadline).second);
+        if (id) REQUIRE(linked_ && open_.emplace(*id, *wanted.deadline).second);
+        if (id && is_mark) marks_.accepted(*id, line, *wanted.deadline);
+        if (!id && is_mark) marks_.refused();
+    }
+    void wrote(std::string_view bytes) {
+        REQUIRE(linked_ && !bytes.empty() && bytes.back() == '\n');
+        for (; !bytes.empty(); bytes.remove_prefix(bytes.find('\n') + 1))
+            marks_.wrote(bytes.substr(0, bytes.find('\n')), now_);
     }
     void check(const Actions& actions) {
         for (const Action& action : actions) {
-            if (const auto* end = std::get_if<Finished>(&action)) REQUIRE(open_.erase(end->id) == 1);
-            if (const auto* write = std::get_if<Write>(&action))
-                REQUIRE(!write->bytes.empty() && write->bytes.back() == '\n');
+            if (const auto* end = std::get_if<Finished>(&action)) {
+                REQUIRE(open_.erase(end->id) == 1);
+                marks_.ended(*end);
+            }
+            if (std::holds_alternative<Garbage>(action) || std::holds_alternative<BoardReset>(action))
+                marks_.doubt();
+            if (const auto* write = std::get_if<Write>(&action)) wrote(write->bytes);
         }
         REQUIRE(session_.bytes_in_flight() <= BoardSession::kReceiveBufferBytes);
         REQUIRE(session_.queued() <= BoardSession::kMaxQueued + 512);
@@ -88,6 +108,8 @@ class Run {
     BoardSession session_;
     asip::Time now_{};
     std::map<RequestId, asip::Time> open_;
+    Marks marks_;
+    bool linked_ = false;
 };
 
 }  // namespace
@@ -103,6 +125,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         run.step(operation, rest.substr(2, length));
         rest.remove_prefix(2 + length);
     }
-    run.end();
+    run.unlink();
     return 0;
 }
