@@ -12,6 +12,11 @@ namespace {
 
 constexpr unsigned kStartBaud = 57'600;
 
+// A board that was asked something and is silent for so long is gone; a last question may still wait for its
+// answer then.
+constexpr Micros kSilence = 4 * kSecond;
+constexpr Micros kLastAnswer = 1500 * kMillisecond;
+
 asip::Time at(Micros now) {
     return asip::Time{} + std::chrono::hours(1) + std::chrono::microseconds(now);
 }
@@ -66,7 +71,8 @@ void Agent::link_up(bool restarting, Micros now) {
     note_(fmt::format("link up{}", restarting ? ", the board restarts" : ""));
     session::Actions actions;
     baud_ = kStartBaud;
-    rate_set_at_ = kNever;
+    rate_set_at_ = asked_ = kNever;
+    last_byte_ = now;
     session_->link_up({plan_.tcp ? 0 : baud_, restarting}, at(now), actions);
     perform(actions, now);
 }
@@ -90,6 +96,8 @@ void Agent::restart(Micros now) {
 
 // Line by line, so that the ledger knows what the session knew at each of its decisions.
 void Agent::receive(std::string_view bytes, Micros now) {
+    last_byte_ = now;
+    asked_ = kNever;
     while (!bytes.empty()) {
         const auto end = std::min(bytes.find('\n'), bytes.size() - 1) + 1;
         ledger_.delivered(bytes.substr(0, end), now);
@@ -120,7 +128,14 @@ void Agent::submit(Command command, Micros now) {
     perform(actions, now);
 }
 
+void Agent::check_silence(Micros now) {
+    if (asked_ == kNever || !session_->accepts_requests()) return;
+    if (now > std::max(last_byte_ + kSilence, asked_ + kLastAnswer) + kLastAnswer)
+        ledger_.fail("the board is silent, and the session still accepts commands");
+}
+
 void Agent::tick(Micros now) {
+    check_silence(now);
     if (rate_set_at_ <= now) {
         rate_set_at_ = kNever;
         const bool fails = dice_.chance(plan_.rate_fails);
@@ -177,6 +192,7 @@ void Agent::note_state() {
 }
 
 void Agent::write(const std::string& bytes, Micros now) {
+    asked_ = std::min(asked_, now);
     std::size_t begin = 0;
     while (begin < bytes.size()) {
         std::size_t end = bytes.find('\n', begin);

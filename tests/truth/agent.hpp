@@ -35,6 +35,7 @@ class Agent {
     void write(const std::string& bytes, Micros now);
     void finished(const asip::session::Finished& end, Micros now);
     void note_state();
+    void check_silence(Micros now);
 
     const Plan& plan_;
     Dice& dice_;
@@ -48,6 +49,8 @@ class Agent {
     Micros rate_set_at_ = kNever;
     Micros last_tick_ = -1;
     unsigned ticks_at_once_ = 0;
+    Micros last_byte_ = 0;
+    Micros asked_ = kNever;  // the first write since the last byte
     asip::session::BoardSession::State noted_ = asip::session::BoardSession::State::kDown;
 };
 

@@ -21,7 +21,9 @@ int hardware_mode(unsigned mode) {
 Command CommandSource::draw(unsigned client, const ClientPlan& plan) {
     Command command;
     const auto kind = dice_.below(10);
-    if (dice_.chance(plan.bad)) {
+    if (plan.only_marks) {
+        command = mark(static_cast<std::size_t>(dice_.chance(plan.longs) ? dice_.between(30, 62) : 0));
+    } else if (dice_.chance(plan.bad)) {
         command = bad();
     } else if (dice_.chance(plan.longs)) {
         command = mark(static_cast<std::size_t>(dice_.between(30, 62)));

@@ -20,6 +20,7 @@ constexpr Micros kSlack = kMillisecond;
 constexpr Micros kLongestStall = 4 * kSecond;
 // And executes within this what was sent.
 constexpr Micros kCalmDelay = 150 * kMillisecond;
+constexpr Micros kPeriodChanges = 1200 * kMillisecond;
 constexpr Micros kCalmAnswer = 800 * kMillisecond;
 
 std::string_view without_checksum(std::string_view line) {
@@ -59,9 +60,9 @@ void Counts::add(const Counts& other) {
     commands += other.commands;
     refused += other.refused;
     incidents += other.incidents;
-    invisible += other.invisible;
-    invisible_values += other.invisible_values;
-    invisible_sum += other.invisible_sum;
+    not_executed += other.not_executed;
+    wrong_values += other.wrong_values;
+    wrong_summed += other.wrong_summed;
     false_errors += other.false_errors;
     for (unsigned i = 0; i < kOutcomes; ++i)
         outcomes[i] += other.outcomes[i];
@@ -88,6 +89,8 @@ std::size_t Ledger::submitted(Command command, Micros now) {
     entry.command = std::move(command);
     last_deadline_ = std::max(last_deadline_, entry.deadline);
     by_line_[entry.command.line].push_back(entries_.size());
+    turns_.waits(entry.command.client, entries_.size());
+    if (entry.command.answer_tag != 0) turns_.give_up();  // it may have to wait for another's value
     entries_.push_back(std::move(entry));
     ++open_;
     ++counts.commands;
@@ -97,6 +100,7 @@ std::size_t Ledger::submitted(Command command, Micros now) {
 void Ledger::refused(std::size_t command, Micros) {
     entries_[command].state = State::kEnded;
     entries_[command].ended = entries_[command].submitted;
+    turns_.gone(entries_[command].command.client, command);
     --open_;
     ++counts.refused;
 }
@@ -127,15 +131,28 @@ std::uint32_t Ledger::wrote(const std::string& written, Micros now) {
         entry->wire_line = wire_line_;
         entry->checksum = checksum;
         entry->arrived = arrived_.size();
+        take_turn(*entry);
         if (now > entry->deadline) fail(describe(*entry) + " was sent after its deadline");
     } else if (!may_be_own(line)) {
         fail(fmt::format("`{}` was sent, and no command waits for it", line));
     }
-    if (line.starts_with("#,E,")) fences_.push_back({now, line.substr(4)});
+    if (line.starts_with("#,E,") || line.starts_with("#,V,")) fences_.push_back({now, '@' + line});
     return wire_line_;
 }
 
+void Ledger::take_turn(const Entry& entry) {
+    const auto index = static_cast<std::size_t>(&entry - entries_.data());
+    const auto& alike = by_line_[entry.command.line];
+    const bool unknown =
+        may_be_own(entry.command.line) || std::any_of(alike.begin(), alike.end(), [&](std::size_t other) {
+            return other != index && entries_[other].state == State::kWaiting && !entries_[other].abandoned;
+        });
+    if (unknown) turns_.give_up();
+    if (const auto wrong = turns_.sent(entry.command.client, index)) fail("not in turn: " + *wrong);
+}
+
 void Ledger::session_ended(Micros now) {
+    turns_.all_gone();
     for (Entry& entry : entries_) {
         if (entry.state == State::kEnded || entry.abandoned) continue;
         entry.abandoned = true;
@@ -205,8 +222,10 @@ void Ledger::answered(std::size_t index, Answer answer, Micros now) {
     if (entry.state == State::kEnded) return fail(describe(entry) + " was answered twice");
     if ((entry.state == State::kSent) == (answer.outcome == Outcome::kNotSent)) swap_with_twin(entry);
     const bool was_sent = entry.state == State::kSent;
+    if (!was_sent) turns_.gone(entry.command.client, index);
     entry.state = State::kEnded;
     entry.ended = now;
+    entry.doubted = answer.outcome == Outcome::kDoubt;
     --open_;
     if (now > entry.deadline + kSlack)
         fail(fmt::format("{} was answered {} ms after its deadline", describe(entry),
@@ -229,6 +248,7 @@ void Ledger::swap_with_twin(Entry& entry) {
         Entry& twin = entries_[index];
         if (twin.state != wanted || twin.abandoned) continue;
         std::swap(entry.state, twin.state);
+        turns_.give_up();
         std::swap(entry.sent, twin.sent);
         std::swap(entry.wire_line, twin.wire_line);
         std::swap(entry.checksum, twin.checksum);
@@ -254,8 +274,19 @@ void Ledger::check_calm(const Entry& entry, const Answer& answer, Micros now) {
         !entry.checksum && std::any_of(executions_.begin(), executions_.end(), [&](const auto& one) {
             return (one.error == 2 || one.error == 11) && one.read.at >= entry.sent - kCalmDelay;
         });
-    // One measurement may be the end of two requests, and then come too early for the second.
-    const bool unsure = answer.outcome == Outcome::kTimeout;
+    // It ends what was being measured; and while the period changes, only a value behind the fence counts.
+    const bool excused = std::any_of(executions_.begin(), executions_.end(), [&](const Execution& one) {
+        return (one.read.text == "#,R" && one.read.at >= entry.sent) ||
+               (one.error < 0 && is_period(one.read.text) && one.read.at >= entry.sent - kPeriodChanges);
+    });
+    // One that ended in doubt, just before it, may have got the value that was measured for both.
+    const auto& twins = by_line_[entry.command.line];
+    const bool after_doubt = std::any_of(twins.begin(), twins.end(), [&](std::size_t twin) {
+        return entries_[twin].doubted && entries_[twin].ended <= entry.sent &&
+               entries_[twin].ended >= entry.sent - kCalmDelay;
+    });
+    const bool unsure = answer.outcome == Outcome::kTimeout ||
+                        (answer.outcome == Outcome::kNoValue && !excused && !after_doubt);
     if ((answer.outcome == Outcome::kDoubt && entry.command.prove && !behind_error) || (unsure && !hurried))
         fail(fmt::format("{} was answered `{}` on a calm line", describe(entry), to_string(answer.outcome)));
 }
@@ -316,12 +347,18 @@ void Ledger::check_error(const Entry& entry, const Answer& answer, Micros now) {
     note_(fmt::format("{}: an error that is not its own ({:.6f} s)", describe(entry), now * 1e-6));
 }
 
+bool Ledger::verified(const Entry& entry) const {
+    return std::any_of(fences_.rbegin(), fences_.rend(), [&](const Line& fence) {
+        return fence.at >= entry.sent && fence.text.starts_with("@#,V,");
+    });
+}
+
 void Ledger::untrue(const Entry& entry, std::string what, bool is_value, Micros now) {
     const std::string text = describe(entry) + ": " + what;
     if (!damage_since(entry.sent) && !merged(entry)) return fail(text + "; the line was good");
     if (const auto sign = sign_since(entry, now)) return fail(text + "; a sign of damage: " + *sign);
-    ++(entry.checksum ? counts.invisible_sum : counts.invisible);
-    if (is_value) ++counts.invisible_values;
+    if (!is_value && verified(entry)) return fail(text + "; its fence was verified");
+    ++(!is_value ? counts.not_executed : entry.checksum ? counts.wrong_summed : counts.wrong_values);
     note_(text + "; nothing showed that");
 }
 
@@ -346,11 +383,11 @@ std::optional<std::string> Ledger::sign_since(const Entry& entry, Micros now) co
             return fmt::format("`{}` at {:.6f} s", arrived_[i].text, arrived_[i].at * 1e-6);
     bool later_answered = false;
     for (std::size_t i = fences_.size(); i-- > 0 && fences_[i].at >= entry.sent;) {
-        const std::string answer = "@#,E," + fences_[i].text;
+        const std::string& answer = fences_[i].text;
         const bool answered = std::any_of(arrived_.rbegin(), arrived_.rend(), [&](const Line& line) {
             return line.at <= now && line.text.starts_with(answer);
         });
-        if (!answered && later_answered) return "fence " + fences_[i].text + " never came back";
+        if (!answered && later_answered) return answer + " never came";
         later_answered = later_answered || answered;
     }
     return std::nullopt;

@@ -8,6 +8,7 @@
 
 #include "tests/truth/board_model.hpp"
 #include "tests/truth/command.hpp"
+#include "tests/truth/turns.hpp"
 
 namespace truth {
 
@@ -29,19 +30,20 @@ struct Counts {
     std::array<std::uint64_t, kOutcomes> outcomes{};
     std::array<std::uint64_t, kFaults> faults{};
     std::uint64_t incidents = 0;
-    std::uint64_t invisible = 0;         ///< false `ok` without a checksum that left no sign: see Ledger
-    std::uint64_t invisible_sum = 0;     ///< the same with a checksum
-    std::uint64_t invisible_values = 0;  ///< of both: executed, but the value was changed
-    std::uint64_t false_errors = 0;      ///< the same for errors
+    std::uint64_t not_executed = 0;  ///< `ok` without a digest that left no sign: see Ledger
+    std::uint64_t wrong_values = 0;  ///< executed, but the value was changed: without a checksum
+    std::uint64_t wrong_summed = 0;  ///< the same with one
+    std::uint64_t false_errors = 0;  ///< the same for errors
     void add(const Counts& other);
 };
 
 /// Knows what was asked for, what went over the line, what the board really did and what was answered, and
 /// whether all of that is true.
 ///
-/// Without checksums, a request or a reply that the line changed into another valid one, or swallowed whole,
-/// leaves no sign. Such an `ok` is false and excused, and counted: only where damage happened, and where
-/// nothing that reached the session while the command was under way was a sign of it.
+/// Where fences have no digest, as on boards of ASIP 0.4, a request that the line changed into another valid
+/// one, or swallowed whole, leaves no sign; nor does, on any board, a reply that the line changed into
+/// another valid one of the same checksum. Such an `ok` is false and excused, and counted: only where damage
+/// happened, and where nothing that reached the session while the command was under way was a sign of it.
 class Ledger {
   public:
     using Note = std::function<void(const std::string&)>;
@@ -82,6 +84,7 @@ class Ledger {
         Micros ended = kNever;
         bool abandoned = false;
         bool checksum = false;
+        bool doubted = false;
         std::uint32_t wire_line = 0;
         std::size_t arrived = 0;  // lines that the session had got when it was sent
     };
@@ -104,10 +107,12 @@ class Ledger {
     Micros sent(const Entry& entry) const;
     Entry* waiting_for(const std::string& line);
     bool may_be_own(const std::string& line) const;
+    void take_turn(const Entry& entry);
     bool is_sign(const Entry& entry, const std::string& line, Micros at) const;
     bool merged(const Entry& entry) const;
     bool damage_since(Micros from) const;
     std::optional<std::string> sign_since(const Entry& entry, Micros now) const;
+    bool verified(const Entry& entry) const;
     void untrue(const Entry& entry, std::string what, bool is_value, Micros now);
     bool blames_another(const Entry& entry, Micros then, char service, char tag) const;
     std::string describe(const Entry& entry) const;
@@ -117,10 +122,11 @@ class Ledger {
     std::string failure_;
     std::vector<Entry> entries_;
     std::unordered_map<std::string, std::vector<std::size_t>> by_line_;
+    Turns turns_;
     std::vector<Execution> executions_;
     std::vector<Line> board_lines_;       // as sent
     std::vector<Line> arrived_;           // as the session got them
-    std::vector<Line> fences_;            // written and with a token
+    std::vector<Line> fences_;            // how the answers to those with a token begin
     std::vector<bool> damaged_to_board_;  // by number on the wire
     std::vector<Micros> damage_;
     std::string partial_;

@@ -111,6 +111,9 @@ Plan draw_plan(std::uint64_t seed, Dice& dice) {
     }
     for (auto count = dice.below(3) + 1; count > 0; --count)
         plan.clients.push_back(draw_client(dice));
+    const bool only_marks = dice.chance(0.2);
+    for (ClientPlan& client : plan.clients)
+        client.only_marks = only_marks;
     return plan;
 }
 

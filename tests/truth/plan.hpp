@@ -50,6 +50,7 @@ struct ClientPlan {
     double longs = 0;
     double burst = 0;  ///< chance that several commands come at once
     bool settings = false;
+    bool only_marks = false;  ///< requests of which each looks different
 };
 
 /// Everything about a history that is decided before it begins.

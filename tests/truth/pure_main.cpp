@@ -29,9 +29,13 @@ void print(const truth::Counts& counts, unsigned failures, double seconds) {
     for (unsigned i = 0; i < truth::kOutcomes; ++i)
         fmt::print(", {} {}", to_string(static_cast<truth::Outcome>(i)), counts.outcomes[i]);
     fmt::print(
-        "\nhistories with a wrong, late or missing answer: {}; false ok that left no sign: {} without a "
-        "checksum, {} with one ({} of them executed, with another value); false errors that left none: {}\n",
-        failures, counts.invisible, counts.invisible_sum, counts.invisible_values, counts.false_errors);
+        "\nhistories with a wrong, late or missing answer: {}; documented exceptions, which left no sign: {} "
+        "ok of "
+        "boards without a digest that executed something else; {} values changed without a checksum, {} with "
+        "one; {} "
+        "errors of "
+        "another request\n",
+        failures, counts.not_executed, counts.wrong_values, counts.wrong_summed, counts.false_errors);
     std::fflush(stdout);
 }
 
