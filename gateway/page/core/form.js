@@ -19,9 +19,11 @@ function field_of(argument, model, service) {
     return { ...field, kind: "list", items: argument.items.map((item) => field_of(item, model, service)) };
   }
   if (argument.type === "text" || argument.type === "color") return { ...field, kind: argument.type };
-  if (argument.name === model.element && service.count > 0 && argument.type === "integer") {
+  if (argument.name === model.element && argument.type === "integer") {
+    const first = model.name === "io" ? undefined : argument.min ?? 0; // no pin is the usual one
+    if (!(service.count > 0)) return { ...field, kind: "integer", preset: first };
     const choices = Array.from({ length: service.count }, (_, value) => ({ value, name: `${model.element} ${value}` }));
-    return { ...field, kind: "choice", choices, preset: 0, element: true };
+    return { ...field, kind: "choice", choices, preset: 0 };
   }
   const choices = choices_of(argument);
   if (choices) return { ...field, kind: "choice", choices };
@@ -33,6 +35,16 @@ function field_of(argument, model, service) {
 export function fields_of(command, model, service = {}) {
   return (command.args ?? []).filter((argument) => argument.type !== "count")
     .map((argument) => field_of(argument, model, service));
+}
+
+/// The names of the commands: first what moves something, then what asks, then settings.
+export function command_order(model) {
+  const rank = (name) => {
+    const { args = [], safe, answer } = model.commands[name];
+    if (safe !== undefined || fields_of(model.commands[name], model).some((field) => field.slider)) return 0;
+    return answer && args.length === 0 ? 1 : 2;
+  };
+  return Object.keys(model.commands ?? {}).sort((a, b) => rank(a) - rank(b));
 }
 
 function range_text(field) {

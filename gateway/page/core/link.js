@@ -17,6 +17,7 @@ export class Link {
     this.actions = [];
     this.subscriptions = new Map(); // ref -> {request, place}
     this.commands = new Map();      // id -> deadline
+    this.held = new Set();          // ids of commands that are renewed
     this.failures = 0;
     this.heard_at = 0;
     this.asked_at = undefined;
@@ -81,8 +82,11 @@ export class Link {
     this.actions.push({ send: { ...request, id } });
   }
 
+  /// Keeps a command with `hold_ms` in force. There is an answer, of the command's own id, only once it is not held any more.
   renew(id, request) {
-    if (this.state === "open") this.actions.push({ send: { ...request, id, renew: true } });
+    if (this.state !== "open") return;
+    this.held.add(id);
+    this.actions.push({ send: { ...request, id, renew: true } });
   }
 
   received(message, now) {
@@ -97,7 +101,7 @@ export class Link {
       if (message.event === "reset") subscription.place = undefined;
       else if (message.place) subscription.place = message.place;
     } else if (message.id !== undefined) {
-      if (!this.commands.delete(message.id) && message.status !== undefined) return;
+      if (!this.commands.delete(message.id) && !this.held.delete(message.id)) return;
     }
     this.deliver(message);
   }
@@ -105,7 +109,9 @@ export class Link {
   closed(now) {
     if (this.state === "idle" || this.state === "waiting") return;
     for (const id of this.commands.keys()) this.deliver({ id, status: "timeout", reason: "connection" });
+    for (const id of this.held) this.deliver({ id, status: "timeout", reason: "connection" });
     this.commands.clear();
+    this.held.clear();
     const wait = Math.min(kMaxWaitMs, kFirstWaitMs * 2 ** this.failures) * (0.5 + this.random() / 2);
     this.failures = Math.min(this.failures + 1, 10);
     this.retry_at = now + wait;

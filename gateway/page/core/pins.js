@@ -72,13 +72,17 @@ export class PinValues {
     (value.modes ?? []).forEach((mode, pin) => this.modes.set(pin, mode));
   }
 
+  /// A command is about to be sent: in another mode the pin's level is another one. The board may report it before it answers.
+  asked(command, args) {
+    if (command !== "mode") return;
+    this.levels.delete(args.pin);
+    this.duties.delete(args.pin);
+  }
+
   /// A command that the board has executed.
   executed(command, args) {
     if (command === "mode") {
-      const mode = typeof args.mode === "string" ? mode_names.indexOf(args.mode) : args.mode;
-      this.modes.set(args.pin, mode);
-      this.levels.delete(args.pin);
-      this.duties.delete(args.pin);
+      this.modes.set(args.pin, typeof args.mode === "string" ? mode_names.indexOf(args.mode) : args.mode);
     } else if (command === "write") {
       this.levels.set(args.pin, Number(args.level));
     } else if (command === "pwm") {

@@ -23,7 +23,7 @@ export function numbers_of(name, value, event, element) {
 
 /// The points of several lines: times and one array of values a line (NaN: none at that time).
 export class Series {
-  constructor(max_points = 3600, max_age_ms = 10 * 60 * 1000) {
+  constructor(max_points = 12_000, max_age_ms = 10 * 60 * 1000) {
     this.max_points = max_points;
     this.max_age_ms = max_age_ms;
     this.times = [];

@@ -1,7 +1,7 @@
 // What a tab knows of the gateway: subscriptions, commands, requests.
 import { Hub } from "./hub.js";
 
-export const base = new URL("./", document.baseURI);
+export const base = new URL("../", import.meta.url);
 const kHeartbeatMs = 60_000;
 
 class Bus extends EventTarget {
@@ -56,13 +56,24 @@ class Bus extends EventTarget {
     };
   }
 
-  /// {id, answer}: `answer` is a promise of the bus's answer; it always comes.
+  /// {answer, ...}: `answer` is a promise of the bus's answer; it always comes. `renew` keeps a command with `hold_ms` in force
+  /// until `release`; should it not be held any more before that, `lost` gets the reason.
   command(board, service, name, args, more = {}) {
     const id = `${this.prefix}-${this.next++}`;
-    const target = `${board}/${service}`;
+    const command = `${board}/${service}`;
     const answer = new Promise((resolve) => this.waiting.set(id, resolve));
-    this.port.postMessage({ command: { command: target, [name]: args, ...more }, id });
-    return { id, answer, renew: () => this.port.postMessage({ renew: { command: target }, id }) };
+    this.port.postMessage({ command: { command, [name]: args, ...more }, id });
+    return {
+      answer,
+      renew: (lost) => {
+        this.waiting.set(id, lost);
+        this.port.postMessage({ renew: { command }, id });
+      },
+      release: () => {
+        this.waiting.delete(id);
+        this.port.postMessage({ release: id });
+      },
+    };
   }
 
   hurry() { this.port.postMessage({ hurry: true }); }

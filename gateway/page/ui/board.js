@@ -23,7 +23,9 @@ class Board extends Part {
     this.facts = h("dl", { class: "facts" });
     this.pins = document.createElement("asip-pins");
     this.pins_box = h("section", { "aria-label": "Pins", hidden: true }, h("h2", {}, "Pins"));
-    this.services = h("section", { class: "services", "aria-label": "Services" });
+    this.shown_services = new Map();
+    this.no_service = h("p", { class: "empty", hidden: true }, "This board offers no service.");
+    this.services = h("section", { class: "services", "aria-label": "Services" }, h("h2", {}, "Services"), this.no_service);
     this.problem = h("p", { class: "empty", role: "status", hidden: true });
     this.tools = h("span", { class: "tools" });
     this.append(h("p", { class: "back" }, h("a", { href: "#/" }, "← All boards")), h("div", { class: "title-row" }, this.heading, this.mark, this.since, this.tools),
@@ -106,15 +108,21 @@ class Board extends Part {
     if (!this.pins_box.hidden && !this.pins.isConnected) this.pins_box.append(this.pins);
   }
 
+  // Services that stay keep their element: what is entered in a form must not vanish when the board says something new.
   show_services(services) {
-    const key = JSON.stringify(services.map(({ name, model, count }) => [name, model, count]));
-    if (key === this.services_key) return;
-    this.services_key = key;
     const pins = !this.pins_box.hidden;
     const order = [...services].sort((a, b) => (a.name === "io") - (b.name === "io"));
-    this.services.replaceChildren(h("h2", {}, "Services"), ...(order.length ? [] : [h("p", { class: "empty" }, "This board offers no service.")]),
-      ...order.map((service) => document.createElement("asip-service").begin(this.name, service, {
-        pins: pins && service.name === "io", on_value: service.name === "io" ? (value) => this.pins.reported?.(value) : undefined })));
+    const known = this.shown_services;
+    this.shown_services = new Map(order.map((service) => {
+      const key = JSON.stringify([service.name, service.model, pins]);
+      const element = known.get(key) ?? document.createElement("asip-service").begin(this.name, service, {
+        pins: pins && service.name === "io", on_value: service.name === "io" ? (value) => this.pins.reported?.(value) : undefined });
+      if (known.has(key)) element.update(service);
+      return [key, element];
+    }));
+    for (const [key, element] of known) if (!this.shown_services.has(key)) element.remove();
+    for (const element of this.shown_services.values()) if (!element.isConnected) this.services.append(element);
+    this.no_service.hidden = order.length > 0;
   }
 }
 

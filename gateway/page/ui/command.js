@@ -24,7 +24,7 @@ class Command extends Part {
     this.inputs = new Map();
     this.output = h("output", { class: "answer", "aria-live": "polite" });
     this.actions = h("span", { class: "actions" }, this.buttons());
-    this.form = h("form", { "aria-label": title, novalidate: true, class: this.fields.length === 0 ? "bare" : "",
+    this.form = h("form", { "aria-label": `${this.service.name}: ${title}`, novalidate: true, class: this.fields.length === 0 ? "bare" : "",
       onsubmit: (event) => { event.preventDefault(); this.send(); } },
       h("div", { class: "title" }, h("span", {}, title), this.output), this.fields.map((field) => this.control(field)), this.actions);
     this.append(this.form);
@@ -101,7 +101,7 @@ class Command extends Part {
   finished(answer, args, ms) {
     const { kind, text } = answer_text(answer);
     this.tell(kind, text, kind === "ok" ? ` ${Math.round(ms)} ms, proof: ${answer.proof}` : "");
-    if (answer.status === "ok") this.dispatchEvent(new CustomEvent("executed", { bubbles: true, detail: { service: this.service.name, command: this.name, args, answer: answer.answer } }));
+    if (answer.status === "ok") this.executed(this.name, args, answer.answer);
   }
 
   tell(kind, text, detail = "") {
@@ -120,25 +120,40 @@ class Command extends Part {
   }
 
   renew() {
+    const { held } = this;
     const { args } = arguments_of(this.fields, this.entered());
-    if (args && JSON.stringify(args) !== JSON.stringify(this.held.args) && performance.now() - this.held.at >= kNewestMs) this.send_held(args);
-    else this.held.sent.renew();
+    if (args && JSON.stringify(args) !== JSON.stringify(held.args) && performance.now() - held.at >= kNewestMs) return this.send_held(args);
+    if (held.begun) held.sent.renew((answer) => this.lost(held, answer)); // before that there is nothing to renew
+    return undefined;
+  }
+
+  lost(held, answer) {
+    if (this.held !== held) return;
+    this.release(false);
+    this.tell("timeout", `Not held any more: ${answer.error ?? "the connection was lost"}`);
   }
 
   async send_held(args) {
     const { held } = this;
-    held.args = args;
-    held.at = performance.now();
-    held.sent = bus.command(this.board, this.service.name, this.name, args, { hold_ms: kHoldMs });
-    const answer = await held.sent.answer;
+    if (held.begun) held.sent.release();
+    const sent = bus.command(this.board, this.service.name, this.name, args, { hold_ms: kHoldMs });
+    Object.assign(held, { args, sent, at: performance.now(), begun: false });
+    const answer = await sent.answer;
+    const current = this.held === held && held.sent === sent;
     if (answer.status !== "ok") {
       this.finished(answer, args);
-      if (this.held === held) this.release(false);
-    } else if (this.held === held) {
-      last_values.set(this.key, this.entered());
-      this.tell("ok", "Held.");
-      this.dispatchEvent(new CustomEvent("executed", { bubbles: true, detail: { service: this.service.name, command: this.name, args } }));
+      if (current) this.release(false);
+      return;
     }
+    this.executed(this.name, args);
+    if (!current) return;
+    held.begun = true;
+    last_values.set(this.key, this.entered());
+    this.tell("ok", "Held.");
+  }
+
+  executed(command, args, answer) {
+    this.dispatchEvent(new CustomEvent("executed", { bubbles: true, detail: { service: this.service.name, command, args, answer } }));
   }
 
   /// Made safe at once; should that be lost on its way, the agent does it by itself within the hold time.
@@ -147,42 +162,46 @@ class Command extends Part {
     if (!held) return;
     this.held = undefined;
     clearInterval(held.timer);
+    if (held.begun) held.sent.release();
     held.button.setAttribute("aria-pressed", "false");
     const safe = safe_form(this.model, this.name, held.args);
     if (!make_safe || !safe) return;
     const answer = await bus.command(this.board, this.service.name, safe.command, safe.args).answer;
-    if (answer.status === "ok") this.dispatchEvent(new CustomEvent("executed", { bubbles: true, detail: { service: this.service.name, command: safe.command, args: safe.args } }));
-    if (!this.held && this.isConnected) this.tell(answer.status === "ok" ? "ok" : "timeout", answer.status === "ok" ? "Let go: safe." : answer_text(answer).text);
+    if (answer.status === "ok") this.executed(safe.command, safe.args);
+    const { kind, text } = answer.status === "ok" ? { kind: "ok", text: "Let go: safe." } : answer_text(answer);
+    if (!this.held && this.isConnected) this.tell(kind, text);
   }
 }
 
 function is_press(event) { return event.key === " " || event.key === "Enter"; }
 
-function make_number(form, field, id, known) {
+function make_number(form, field, id, known = field.preset) {
   const hint = hint_of(field);
   const number = h("input", { id, type: "number", inputmode: field.min < 0 ? "text" : "numeric", min: field.min, max: field.max,
-    step: field.kind === "integer" ? 1 : "any", placeholder: hint, value: known, oninput: () => follow(number.value) });
-  if (!field.slider) return { elements: [number], focusable: number, value: () => number.value };
+    step: field.kind === "integer" ? 1 : "any", placeholder: hint, value: known });
+  const value = () => number.value;
+  if (!field.slider) return { elements: [number], focusable: number, value };
   const slider = h("input", { type: "range", min: field.min, max: field.max, step: field.kind === "integer" ? 1 : (field.max - field.min) / 1000,
-    "aria-label": `${words(field.name)}, ${hint}`, oninput: () => { number.value = slider.value; known_now(); }, onchange: () => form.slid() });
-  const known_now = () => {
+    "aria-label": `${words(field.name)}, ${hint}`, onchange: () => form.slid() });
+  const show = (text) => {
+    slider.value = text;
     slider.classList.remove("unknown");
     slider.removeAttribute("aria-valuetext");
   };
-  const follow = (text) => {
-    if (parse_field(field, text).error) return;
-    slider.value = text;
-    known_now();
-  };
-  if (known === undefined) {
+  number.addEventListener("input", () => { if (!parse_field(field, number.value).error) show(number.value); });
+  slider.addEventListener("input", () => {
+    number.value = slider.value;
+    show(slider.value);
+  });
+  if (known !== undefined) {
+    show(known);
+  } else {
     // Not known yet: the slider must not look as if this were the present value.
     slider.classList.add("unknown");
-    slider.value = (field.min + field.max) / 2;
     slider.setAttribute("aria-valuetext", "not known yet");
-  } else {
-    slider.value = known;
+    slider.value = (field.min + field.max) / 2;
   }
-  return { elements: [slider, number], focusable: number, value: () => number.value };
+  return { elements: [slider, number], focusable: number, value };
 }
 
 function make_choice(form, field, id, known) {

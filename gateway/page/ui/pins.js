@@ -6,7 +6,7 @@ import { bus } from "../net/bus.js";
 import { before_picture, h, Part, set_class, set_text } from "./dom.js";
 import { status } from "./model.js";
 
-const short = { unallocated: "", input: "in", "input-pullup": "in ↑", output: "out", analog: "analog", pwm: "PWM", reserved: "", "other-service": "", invalid: "" };
+const short = { unallocated: "", input: "in", "input-pullup": "in ↑", output: "out", analog: "A in", pwm: "PWM", reserved: "", "other-service": "", invalid: "" };
 const kinds = ["digital", "analog in", "PWM"];
 
 class Pins extends Part {
@@ -138,6 +138,7 @@ class Pins extends Part {
     this.output.className = "answer";
     set_text(this.output, "Waiting for the board …");
     const { output } = this;
+    this.values.asked(command, args);
     const answer = await bus.command(this.board, "io", command, args).answer;
     const { kind, text } = answer_text(answer);
     output.className = `answer ${kind}`;

@@ -244,7 +244,7 @@ function draw_line(context, line, x_of, y_of) {
   context.lineJoin = "round";
   context.beginPath();
   let before;
-  let step = Infinity;
+  let step = 0;
   for (const { time, value } of line.points) {
     const gap = time - before;
     if (gap > kGapMs && gap > 10 * step) context.moveTo(x_of(time), y_of(value)); // nothing is known of the time between

@@ -1,4 +1,5 @@
 // One service of a board: its live values, a plot, and a form for each command.
+import { command_order } from "../core/form.js";
 import { numbers_of, Series } from "../core/series.js";
 import { duration_text, moment_text, plural, time_of, with_unit, words } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
@@ -19,7 +20,7 @@ class Service extends Part {
   async shown() {
     this.events = new Map(); // name of the event -> {series, numbers, at, model}
     this.left_out = 0;
-    this.values = h("dl", { class: "values" });
+    this.values = h("div", { class: "values" });
     this.note = h("p", { class: "muted note" });
     this.plots = h("div", { class: "plots" });
     this.commands = h("div", { class: "commands" });
@@ -39,6 +40,12 @@ class Service extends Part {
     return parts.join(", ");
   }
 
+  /// The same service with another count or title; what is entered and drawn stays.
+  update(service) {
+    this.service = service;
+    set_text(this.querySelector("small"), this.subtitle());
+  }
+
   async load_model() {
     const path = path_of("boards", this.board, "services", this.service.name);
     try {
@@ -53,7 +60,7 @@ class Service extends Part {
   }
 
   add_commands() {
-    const names = Object.keys(this.model.commands ?? {});
+    const names = command_order(this.model);
     const first = names.filter((name) => !(this.pins && kOwnCommands.has(name)));
     const form = (name) => document.createElement("asip-command").begin(this.board, this.service, this.model, name);
     if (!this.pins) return this.commands.append(...first.map(form));
@@ -120,16 +127,14 @@ class Service extends Part {
   add_event(event) {
     event.boxes = new Map();
     event.age = h("span", { class: "age muted" });
-    event.group = h("div", { class: "event" }, h("dt", { class: "hidden" }, words(event.name)));
-    event.list = h("dd", {});
-    event.group.append(event.list, event.age);
-    this.values.append(event.group);
+    event.list = h("div", { class: "event", role: "group", "aria-label": words(event.name) }, event.age);
+    this.values.append(event.list);
     if (event.numbers.some((number) => typeof number.value === "number")) this.add_plot(event);
   }
 
   add_box(event, number) {
     const value = h("span", { class: "value" });
-    event.list.append(h("span", { class: "number" }, h("span", { class: "muted" }, number.name), value));
+    event.age.before(h("span", { class: "number" }, h("span", { class: "muted" }, number.name), value));
     return value;
   }
 

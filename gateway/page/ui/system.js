@@ -13,7 +13,7 @@ class System extends Part {
     this.lost_note = h("p", { class: "muted", role: "status" });
     this.lost_table = h("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Boards that are not there" },
       h("table", {}, h("thead", {}, h("tr", {}, ["Board", "State", "Since", "For"].map((head) => h("th", { scope: "col" }, head)))), this.lost_body));
-    this.append(h("h1", { tabindex: "-1" }, "Bus"), this.cards, h("section", {}, h("h2", {}, "Not there"), this.lost_note, this.lost_table));
+    this.append(h("h1", { tabindex: "-1" }, "Bus"), this.cards, h("section", {}, h("h2", {}, "Boards that are not there"), this.lost_note, this.lost_table));
     this.listen(status, "change", () => this.show_cards());
     this.listen(boards, "change", () => this.show_lost());
     this.every(2000, () => status.refresh());
