@@ -1,0 +1,85 @@
+"""The connection lost and back, and several tabs on one connection."""
+
+import signal
+import unittest
+
+from selenium.webdriver.common.by import By
+
+from rig import PageTest, eventually
+
+
+class Connection(PageTest):
+    expected_errors = ("ERR_CONNECTION_REFUSED", "WebSocket connection", "Failed to load resource", "ERR_CONNECTION_RESET")
+
+    def online(self, *boards):
+        def shown():
+            rows = {row.find_element(By.TAG_NAME, "a").text: row.text for row in self.browser.find(".filler .row:not([hidden])")}
+            return all("online" in rows.get(board, "") for board in boards)
+        eventually(shown, f"{boards} online")
+
+    def test_GatewayGoneAndBack_IsSeenAndTheTableIsTrueAgain(self):
+        self.open()
+        self.online("desk", "lamp")
+        self.browser.run("window.same_page = true")
+        self.bus.end("gateway", signal.SIGKILL)
+        eventually(lambda: "lost since" in self.browser.text("asip-banner"), "the sign that the connection is lost")
+        self.assertEqual(self.browser.text("asip-link"), "not connected")
+        self.browser.screenshot("connection-lost")
+        self.bus.end("agent-lamp")
+        self.bus.start_gateway()
+        eventually(lambda: self.browser.text("asip-banner") == "", "the sign gone", 30)
+        eventually(lambda: self.browser.text("asip-link") == "live", "live", 30)
+        eventually(lambda: "offline" in self.browser.text(".filler") or "lost" in self.browser.text(".filler"), "what changed meanwhile", 30)
+        self.assertTrue(self.browser.run("return window.same_page"))
+        self.bus.start_agent("lamp")
+        self.online("desk", "lamp")
+
+    def test_CommandWithoutConnection_IsRefusedAtOnceAndNotSentLater(self):
+        self.open_board()
+        form = self.browser.shown("form[aria-label^='servo: Turn']")
+        form.find_elements(By.CSS_SELECTOR, "input[type=number]")[-1].send_keys("20")
+        before = self.bus.part("desk/servo")
+        self.bus.end("gateway", signal.SIGKILL)
+        eventually(lambda: "lost since" in self.browser.text("asip-banner"), "the sign")
+        form.find_element(By.CSS_SELECTOR, "button.main").click()
+        eventually(lambda: "no connection" in form.text, "the refusal")
+        self.bus.start_gateway()
+        eventually(lambda: self.browser.text("asip-link") == "live", "live", 30)
+        eventually(lambda: self.bus.state("desk") == "online", "desk online")
+        self.assertEqual(self.bus.part("desk/servo"), before)
+
+    def test_BrokerGone_IsSaid(self):
+        self.open()
+        self.online("desk")
+        self.bus.end("broker")
+        eventually(lambda: "no connection to the broker" in self.browser.text("asip-banner"), "the sign", 30)
+        self.assertEqual(self.browser.text("asip-link"), "no broker")
+        self.bus.start_broker()
+        eventually(lambda: self.browser.text("asip-link") == "live", "live", 30)
+        self.online("desk", "lamp")
+
+    def test_TwoTabs_ShareOneConnectionAndBothAreLive(self):
+        driver = self.browser.driver
+        self.open()
+        self.online("desk", "lamp")
+        first = driver.current_window_handle
+        driver.switch_to.new_window("tab")
+        self.browser.desktop()
+        self.open_board()
+        self.assertEqual(self.bus.get("/api/status")["streams"]["clients"], 1)
+        form = self.browser.shown("form[aria-label^='servo: Turn']")
+        form.find_elements(By.CSS_SELECTOR, "input[type=number]")[-1].send_keys("100")
+        form.find_element(By.CSS_SELECTOR, "button.main").click()
+        eventually(lambda: "Done" in form.text, "the answer in the second tab")
+        self.bus.end("agent-lamp")
+        driver.switch_to.window(first)
+        eventually(lambda: "offline" in self.browser.text(".filler"), "the change in the first tab")
+        driver.switch_to.window(driver.window_handles[-1])
+        driver.close()
+        driver.switch_to.window(first)
+        self.bus.start_agent("lamp")
+        self.online("desk", "lamp")
+
+
+if __name__ == "__main__":
+    unittest.main()

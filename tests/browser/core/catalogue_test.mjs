@@ -1,0 +1,69 @@
+import assert from "node:assert/strict";
+import test from "node:test";
+import { Catalogue } from "../../../gateway/page/core/catalogue.js";
+
+const board = (name, more = {}) => ({ board: name, state: "online", services: [{ name: "io" }], ...more });
+const names = (rows) => rows.map((row) => row.name);
+
+function catalogue(...boards) {
+  const result = new Catalogue();
+  for (const each of boards) result.apply({ event: "board", board: each });
+  result.apply({ event: "snapshot-end", place: "e-1" });
+  return result;
+}
+
+test("Names_AreSortedAsPeopleCount", () => {
+  assert.deepEqual(names(catalogue(board("uno10"), board("uno9"), board("Uno1")).view()), ["Uno1", "uno9", "uno10"]);
+});
+
+test("StateChange_KeepsTheRestAndSaysSinceWhen", () => {
+  const all = catalogue(board("uno1"), board("uno2"));
+  all.apply({ event: "state", at: "2026-01-01T00:00:00Z", was: "online", board: board("uno1", { state: "lost" }) });
+  assert.deepEqual(names(all.view({ state: "lost" })), ["uno1"]);
+  assert.equal(all.rows.get("uno1").since, Date.parse("2026-01-01T00:00:00Z"));
+  assert.deepEqual([...all.counts()], [["lost", 1], ["online", 1]]);
+});
+
+test("AddedAndForgotten_AppearAndGo", () => {
+  const all = catalogue(board("uno1"));
+  all.apply({ event: "added", board: board("uno0") });
+  assert.deepEqual(names(all.view()), ["uno0", "uno1"]);
+  all.apply({ event: "forgotten", board: { board: "uno1" } });
+  assert.deepEqual(names(all.view()), ["uno0"]);
+});
+
+test("Reset_KeepsRowsUntilTheSnapshotIsThere_ThenDropsWhatIsNotInIt", () => {
+  const all = catalogue(board("uno1"), board("uno2"));
+  all.apply({ event: "reset", reason: "past-gone" });
+  all.apply({ event: "board", board: board("uno2") });
+  assert.deepEqual(names(all.view()), ["uno1", "uno2"]);
+  all.apply({ event: "snapshot-end", place: "e-9" });
+  assert.deepEqual(names(all.view()), ["uno2"]);
+});
+
+test("Search_FindsEachWordInNameChipSketchAndServices", () => {
+  const all = catalogue(board("kitchen", { chip: "ATmega328P", services: ["io", "servo"] }), board("hall", { sketch: "AsipHello" }));
+  assert.deepEqual(names(all.view({ text: "SERVO kit" })), ["kitchen"]);
+  assert.deepEqual(names(all.view({ text: "hello" })), ["hall"]);
+  assert.deepEqual(names(all.view({ kind: "servo" })), ["kitchen"]);
+  assert.deepEqual(names(all.view({ text: "nothing" })), []);
+});
+
+test("EveryOrder_WorksInBothDirections", () => {
+  const all = catalogue(board("a", { state: "lost", chip: "X", since: 1e12 }), board("b", { chip: "Y", since: 2e12, services: ["io", "servo"] }));
+  for (const [sort, first] of [["name", "a"], ["state", "b"], ["services", "a"], ["chip", "a"], ["since", "b"]]) {
+    assert.equal(all.view({ sort })[0].name, first, sort);
+    assert.equal(all.view({ sort, descending: true })[1].name, first, sort);
+  }
+});
+
+test("BriefServices_AreReadFromText", () => {
+  assert.deepEqual(catalogue(board("a", { services: "io distance" })).kinds(), ["distance", "io"]);
+});
+
+test("EventOfNoBoard_ChangesNothing", () => {
+  const all = catalogue(board("a"));
+  all.apply({ event: "status", broker: "lost" });
+  all.apply({ event: "bookmark", place: "e-5" });
+  assert.deepEqual(names(all.view()), ["a"]);
+});

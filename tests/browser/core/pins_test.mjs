@@ -1,0 +1,83 @@
+import assert from "node:assert/strict";
+import test from "node:test";
+import { board_rows, pins_of, PinValues, settable_modes } from "../../../gateway/page/core/pins.js";
+
+const uno = {
+  pins: { capabilities: "11151511155511333333", owners: "@@IIIII-ISIIIIIIIIII", modes: "66111111171111444444", analog: { 14: 0, 15: 1, 16: 2, 17: 3, 18: 4, 19: 5 } },
+  services: [{ name: "io", id: "I" }, { name: "servo", id: "S" }],
+};
+const mega = { pins: { capabilities: "1".repeat(54) + "3".repeat(16), owners: "I".repeat(70), modes: "1".repeat(70), analog: Object.fromEntries(Array.from({ length: 16 }, (_, i) => [54 + i, i])) }, services: [] };
+
+test("Description_SaysOwnerLabelAndMode", () => {
+  const pins = pins_of(uno);
+  assert.equal(pins.length, 20);
+  assert.deepEqual([pins[0].owner, pins[2].owner, pins[7].owner, pins[9].owner], ["system", "", "", "servo"]);
+  assert.deepEqual([pins[13].label, pins[14].label, pins[19].label], ["13", "A0", "A5"]);
+  assert.equal(pins[14].channel, 0);
+});
+
+test("NoPinsInDescription_IsEmpty", () => {
+  assert.deepEqual(pins_of({ services: [] }), []);
+  assert.deepEqual(pins_of(undefined), []);
+});
+
+test("UnoRows_AreAsOnTheBoard", () => {
+  const rows = board_rows(pins_of(uno)).map((row) => row.map((group) => group.map((pin) => pin.label).join(" ")));
+  assert.deepEqual(rows, [["13 12 11 10 9 8", "7 6 5 4 3 2 1 0"], ["A0 A1 A2 A3 A4 A5"]]);
+});
+
+test("MegaRows_HoldEachPinOnce", () => {
+  const all = board_rows(pins_of(mega)).flat(2).map((pin) => pin.number);
+  assert.equal(all.length, 70);
+  assert.equal(new Set(all).size, 70);
+});
+
+test("Modes_FollowFromWhatThePinCanDo", () => {
+  assert.deepEqual(settable_modes({ can: 1 }), ["input", "input-pullup", "output"]);
+  assert.deepEqual(settable_modes({ can: 5 }), ["input", "input-pullup", "output", "pwm"]);
+  assert.deepEqual(settable_modes({ can: 2 }), ["analog"]);
+  assert.deepEqual(settable_modes({ can: 0 }), []);
+});
+
+test("Reports_AreShownByMode", () => {
+  const pins = pins_of(uno);
+  const values = new PinValues();
+  values.reported({ digital: { 2: 1, 3: 0 } });
+  values.reported({ analog: { 0: 1023 } });
+  assert.deepEqual(values.state_of(pins[2]), { mode: "input", text: "high", level: 1 });
+  assert.deepEqual(values.state_of(pins[3]), { mode: "input", text: "low", level: 0 });
+  assert.deepEqual(values.state_of(pins[14]), { mode: "analog", text: "1023", level: 1 });
+  assert.deepEqual(values.state_of(pins[4]), { mode: "input", text: "", level: undefined });
+});
+
+test("ExecutedCommands_ChangeModeAndLevel_AndANewModeForgetsTheLevel", () => {
+  const pins = pins_of(uno);
+  const values = new PinValues();
+  values.executed("mode", { pin: 13, mode: "output" });
+  assert.deepEqual(values.state_of(pins[13]), { mode: "output", text: "", level: undefined });
+  values.executed("write", { pin: 13, level: 1 });
+  assert.equal(values.state_of(pins[13]).text, "high");
+  values.asked("mode", { pin: 13, mode: 1 });
+  values.executed("mode", { pin: 13, mode: 1 });
+  assert.deepEqual(values.state_of(pins[13]), { mode: "input", text: "", level: undefined });
+  values.executed("mode", { pin: 10, mode: "pwm" });
+  values.executed("pwm", { pin: 10, duty: 255 });
+  assert.equal(values.state_of(pins[10]).text, "100%");
+});
+
+test("LevelReportedBeforeTheAnswerToANewMode_Stays", () => {
+  const pins = pins_of(uno);
+  const values = new PinValues();
+  values.reported({ digital: { 2: 0 } });
+  values.asked("mode", { pin: 2, mode: "input-pullup" });
+  values.reported({ digital: { 2: 1 } });
+  values.executed("mode", { pin: 2, mode: "input-pullup" });
+  assert.equal(values.state_of(pins[2]).text, "high");
+});
+
+test("ReportedModes_ReplaceThoseOfTheDescription", () => {
+  const pins = pins_of(uno);
+  const values = new PinValues();
+  values.reported({ modes: [6, 6, 3] });
+  assert.equal(values.state_of(pins[2]).mode, "output");
+});

@@ -1,0 +1,93 @@
+import assert from "node:assert/strict";
+import test from "node:test";
+import { numbers_of, Series, thinned, ticks } from "../../../gateway/page/core/series.js";
+
+const one = (value) => [{ key: "a", name: "a", value }];
+
+test("Numbers_AreFoundInEveryShapeOfAnEvent", () => {
+  const cm = { fields: [{ name: "distance", unit: "cm" }] };
+  assert.deepEqual(numbers_of("distance", [42, 118], cm, "sensor").map(({ name, value, unit }) => [name, value, unit]),
+    [["sensor 0", 42, "cm"], ["sensor 1", 118, "cm"]]);
+  assert.deepEqual(numbers_of("distance", [42], cm, "sensor").map(({ name }) => name), ["distance"]);
+  assert.deepEqual(numbers_of("encoders", [{ pulse: 3000, count: 11 }, { pulse: 1, count: 2 }], { fields: [{ name: "pulse", unit: "us" }] }, "encoder")
+    .map(({ key, name, value, unit }) => [key, name, value, unit]),
+  [["0.pulse", "encoder 0 pulse", 3000, "us"], ["0.count", "encoder 0 count", 11, undefined], ["1.pulse", "encoder 1 pulse", 1, "us"], ["1.count", "encoder 1 count", 2, undefined]]);
+  assert.deepEqual(numbers_of("acceleration", { x: 1, y: -2 }, undefined).map(({ name, value }) => [name, value]), [["x", 1], ["y", -2]]);
+  assert.deepEqual(numbers_of("analog", { 0: 320 }, { fields: [{ name: "value", max: 1023 }] }).map(({ key, name, value, max }) => [key, name, value, max]), [["0", "0", 320, 1023]]);
+  assert.deepEqual(numbers_of("count", 16, undefined).map(({ value }) => value), [16]);
+  assert.deepEqual(numbers_of("text", "hello", undefined), []);
+  assert.deepEqual(numbers_of("nothing", null, undefined), []);
+});
+
+test("MorePointsThanFit_DropsTheOldest", () => {
+  const series = new Series(100, 1e9);
+  for (let i = 0; i < 1000; ++i) series.add(i, one(i));
+  assert.ok(series.times.length <= 125);
+  assert.equal(series.times.at(-1), 999);
+  assert.equal(series.lines.get("a").values.length, series.times.length);
+});
+
+test("PointsOlderThanTheAge_AreDropped", () => {
+  const series = new Series(100, 1000);
+  for (let i = 0; i < 50; ++i) series.add(i, one(i));
+  series.add(5000, one(1));
+  assert.deepEqual(series.times, [5000]);
+});
+
+test("PointThatIsNotNewer_IsSkipped", () => {
+  const series = new Series();
+  series.add(10, one(1));
+  assert.equal(series.add(10, one(2)), false);
+  assert.equal(series.add(9, one(3)), false);
+  assert.deepEqual(series.lines.get("a").values, [1]);
+});
+
+test("LineThatAppearsLater_HasNothingBefore", () => {
+  const series = new Series();
+  series.add(1, one(1));
+  series.add(2, [{ key: "b", name: "b", value: 5 }]);
+  assert.deepEqual(series.lines.get("b").values, [NaN, 5]);
+  assert.deepEqual(series.lines.get("a").values, [1, NaN]);
+});
+
+test("ManyPoints_ThinnedKeepsEveryPeakAndBothEnds", () => {
+  const series = new Series(20_000, 1e9);
+  for (let i = 0; i < 10_000; ++i) series.add(i, one(i === 5003 ? 99 : i === 7001 ? -99 : i % 2));
+  const points = thinned(series, series.lines.get("a").values, 0, 10_000, 100);
+  assert.ok(points.length <= 404, `${points.length}`);
+  assert.ok(points.some(({ time, value }) => time === 5003 && value === 99));
+  assert.ok(points.some(({ time, value }) => time === 7001 && value === -99));
+  assert.equal(points[0].time, 0);
+  assert.equal(points.at(-1).time, 9999);
+  assert.ok(points.every((point, i) => i === 0 || point.time > points[i - 1].time));
+});
+
+test("Window_TakesOnePointBeyondEachEdge", () => {
+  const series = new Series();
+  for (let i = 0; i < 100; ++i) series.add(i * 10, one(i));
+  const points = thinned(series, series.lines.get("a").values, 205, 295, 100);
+  assert.equal(points[0].time, 200);
+  assert.equal(points.at(-1).time, 300);
+});
+
+test("Csv_HasTimeUnitsAndAllPoints", () => {
+  const series = new Series();
+  series.add(0, [{ key: "0", name: "sensor 0", unit: "cm", value: 42 }]);
+  series.add(1000, [{ key: "1", name: "=cmd, \"x\"", value: 7 }]);
+  assert.equal(series.csv(), 'time,sensor 0 (cm),"=cmd, ""x"""\r\n1970-01-01T00:00:00.000Z,42,\r\n1970-01-01T00:00:01.000Z,,7\r\n');
+  assert.equal(series.csv(500, 2000).split("\r\n").length, 3);
+});
+
+test("FrozenSeries_DoesNotChange", () => {
+  const series = new Series();
+  series.add(1, one(1));
+  const frozen = series.frozen();
+  series.add(2, one(2));
+  assert.deepEqual(frozen.times, [1]);
+});
+
+test("Ticks_AreRoundAndWithin", () => {
+  assert.deepEqual(ticks(0, 100, 5), [0, 20, 40, 60, 80, 100]);
+  assert.deepEqual(ticks(-0.3, 0.3, 3), [-0.2, 0, 0.2]);
+  assert.deepEqual(ticks(17, 18, 2), [17, 17.5, 18]);
+});

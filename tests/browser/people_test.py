@@ -1,0 +1,98 @@
+"""The page for people who use no mouse, read with a screen reader, or hold a phone."""
+
+import pathlib
+import unittest
+
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.keys import Keys
+
+from rig import BUILD, PageTest, eventually
+
+ROUTES = {"boards": "", "board": "board/desk", "history": "history", "bus": "bus", "unknown": "nowhere"}
+AXE = pathlib.Path(BUILD, "axe-core/node_modules/axe-core/axe.min.js")
+
+
+class People(PageTest):
+    def settle(self, route):
+        self.open(route)
+        self.browser.shown("main > *")
+        if route.startswith("board/"):
+            self.browser.shown("asip-command form")
+            self.browser.shown(".pin:not(.taken)").click()
+            self.browser.run("document.querySelectorAll('details').forEach((each) => { each.open = true; })")
+
+    def test_EveryScreen_HasNoAccessibilityFault(self):
+        axe = AXE.read_text()
+        for scheme in ("light", "dark"):
+            self.browser.color_scheme(scheme)
+            for name, route in ROUTES.items():
+                self.browser.driver.get("about:blank")
+                self.settle(route)
+                self.browser.run(axe)
+                rules = {"runOnly": ["color-contrast"]} if scheme == "dark" else {}  # nothing else depends on it
+                found = self.browser.driver.execute_async_script(
+                    "const [rules, done] = arguments; axe.run({ resultTypes: ['violations'], ...rules }).then((result) => done(result.violations))", rules)
+                faults = [f"{each['id']}: {each['nodes'][0]['html'][:120]}" for each in found]
+                self.assertEqual(faults, [], f"{name}, {scheme}")
+            self.browser.screenshot(f"bus-{scheme}")
+        self.browser.color_scheme("dark")
+        self.settle("board/desk")
+        self.browser.screenshot("board-dark")
+        self.browser.color_scheme("light")
+
+    def test_PhoneWidth_NothingIsWiderThanTheScreen(self):
+        self.browser.size(360, 740, mobile=True)
+        for name, route in ROUTES.items():
+            self.browser.driver.get("about:blank")
+            self.settle(route)
+            width = self.browser.run("return document.documentElement.scrollWidth")
+            self.assertLessEqual(width, 360, name)
+            stop = self.browser.shown("button.stop").rect
+            self.assertLessEqual(stop["x"] + stop["width"], 360, name)
+            self.browser.screenshot(f"phone-{name}")
+
+    def keys(self, *keys):
+        actions = ActionChains(self.browser.driver)
+        for key in keys:
+            actions = actions.send_keys(key)
+        actions.perform()
+
+    def focused(self):
+        return self.browser.run("return document.activeElement.getAttribute('aria-label') ?? document.activeElement.textContent")
+
+    def tab_to(self, text, most=80):
+        for _ in range(most):
+            self.keys(Keys.TAB)
+            if text in (self.focused() or ""):
+                return
+        self.fail(f"Tab does not reach {text}")
+
+    def test_KeyboardOnly_OpensABoardAndMovesItsServo(self):
+        self.open()
+        eventually(lambda: len(self.browser.find(".filler .row:not([hidden]) a")) == 2, "both boards")
+        self.tab_to("desk")
+        self.keys(Keys.ARROW_DOWN)
+        self.assertEqual(self.focused(), "lamp")
+        self.keys(Keys.ARROW_UP, Keys.ENTER)
+        self.browser.shown("form[aria-label^='servo: Turn']")
+        self.assertEqual(self.focused(), "desk")  # the heading of the new screen
+        self.tab_to("Angle")
+        self.keys(Keys.TAB, "135", Keys.ENTER)
+        form = self.browser.shown("form[aria-label^='servo: Turn']")
+        eventually(lambda: "Done" in form.text, "the answer")
+        eventually(lambda: abs(float(self.bus.part("desk/servo")) - 135) < 2, "the servo at 135 degrees")
+
+    def test_KeyboardOnly_SetsAPin(self):
+        self.open_board("lamp")
+        self.tab_to("Pin 13:")
+        self.keys(Keys.ENTER)
+        self.tab_to("Output")
+        self.keys(Keys.ENTER)
+        eventually(lambda: "output" in self.browser.shown(".pin[aria-label^='Pin 13:']").get_attribute("aria-label"), "pin 13 as output")
+        self.tab_to("High")
+        self.keys(Keys.ENTER)
+        eventually(lambda: self.bus.part("lamp/lamp") == "on", "the lamp is lit")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,40 @@
+"""What the page weighs, and what it must not contain. No browser is needed."""
+
+import gzip
+import pathlib
+import re
+import unittest
+
+PAGE = pathlib.Path(__file__).resolve().parents[2] / "gateway" / "page"
+LIMIT = 80_000
+AIM = 45_000
+
+
+class Size(unittest.TestCase):
+    def files(self):
+        names = [line for line in (PAGE / "files.txt").read_text().splitlines() if line and not line.startswith("#")]
+        return {name: (PAGE / name).read_bytes() for name in names}
+
+    def test_WholePage_IsSmallWhenCompressed(self):
+        total = sum(len(gzip.compress(content, 9, mtime=0)) for content in self.files().values())
+        print(f"the page is {total} bytes, compressed")
+        self.assertLess(total, LIMIT)
+        self.assertLess(total, AIM)
+
+    def test_EveryFile_IsListed(self):
+        there = {str(path.relative_to(PAGE)) for path in PAGE.rglob("*") if path.suffix in (".js", ".css", ".html", ".svg")}
+        self.assertEqual(there, set(self.files()))
+
+    def test_Nothing_IsLoadedFromElsewhere(self):
+        for name, content in self.files().items():
+            addresses = re.findall(rb"https?://[^\s\"')]+", content)
+            self.assertEqual([each for each in addresses if each != b"http://www.w3.org/2000/svg"], [], name)
+
+    def test_Names_NeverBecomeHtml(self):
+        forbidden = re.compile(rb"innerHTML|outerHTML|insertAdjacentHTML|document\.write|\beval\(|new Function|style=|onclick=")
+        for name, content in self.files().items():
+            self.assertEqual(forbidden.findall(content), [], name)
+
+
+if __name__ == "__main__":
+    unittest.main()
