@@ -33,6 +33,13 @@ std::string_view without_return(std::string_view line) {
     return line;
 }
 
+// As the board reads it: what is behind its last character does not count.
+std::string_view without_end(std::string_view line) {
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' '))
+        line.remove_suffix(1);
+    return line;
+}
+
 int error_code(const std::string& reply) {
     if (reply.empty() || reply[0] != '~') return -1;
     const auto message = protocol::parse_line(std::string_view(reply).substr(0, reply.find('}') + 1));
@@ -180,7 +187,7 @@ void Ledger::fault(bool to_board, Fault fault, const WireByte& byte, Micros now)
 }
 
 void Ledger::board_read(BoardRead read) {
-    read.text = without_return(without_checksum(without_return(read.text)));
+    read.text = without_end(without_checksum(without_end(read.text)));
     Execution execution{std::move(read)};
     execution.error = error_code(execution.read.reply);
     if (execution.error < 0) check_late(execution.read);
@@ -277,7 +284,7 @@ void Ledger::check_calm(const Entry& entry, const Answer& answer, Micros now) {
     // It ends what was being measured; and while the period changes, only a value behind the fence counts.
     const bool excused = std::any_of(executions_.begin(), executions_.end(), [&](const Execution& one) {
         return (one.read.text == "#,R" && one.read.at >= entry.sent) ||
-               (one.error < 0 && is_period(one.read.text) && one.read.at >= entry.sent - kPeriodChanges);
+               (is_period(one.read.text) && (one.error >= 0 || one.read.at >= entry.sent - kPeriodChanges));
     });
     // One that ended in doubt, just before it, may have got the value that was measured for both.
     const auto& twins = by_line_[entry.command.line];

@@ -34,8 +34,7 @@ class Run {
                 return unlink();
             case 2:
             case 3:
-                marks_.heard(linked_ ? data : std::string_view{});
-                session_.receive(data, now_, actions);
+                receive(data, actions);
                 break;
             case 4:
                 if (const auto deadline = session_.next_deadline(); deadline && *deadline > now_)
@@ -85,6 +84,18 @@ class Run {
         if (id) REQUIRE(linked_ && open_.emplace(*id, *wanted.deadline).second);
         if (id && is_mark) marks_.accepted(*id, line, *wanted.deadline);
         if (!id && is_mark) marks_.refused();
+    }
+    // Line by line: what a line makes the session write is not answered by the next one.
+    void receive(std::string_view bytes, Actions& actions) {
+        while (!bytes.empty()) {
+            const auto size = std::min(bytes.find('\n'), bytes.size() - 1) + 1;
+            if (linked_) marks_.heard(bytes.substr(0, size));
+            session_.receive(bytes.substr(0, size), now_, actions);
+            bytes.remove_prefix(size);
+            if (bytes.empty()) return;
+            check(actions);
+            actions.clear();
+        }
     }
     void wrote(std::string_view bytes) {
         REQUIRE(linked_ && !bytes.empty() && bytes.back() == '\n');

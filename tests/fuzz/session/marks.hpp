@@ -42,7 +42,7 @@ class Marks {
         std::string proof = "@" + std::string(line.substr(0, 3));
         if (line.starts_with("#,E,") || line.starts_with("#,V,")) proof += line.substr(3);
         if (line.starts_with("#,V,")) proof += ',' + std::to_string(std::exchange(digest_, {}).value());
-        fences_.push_back({std::move(proof), ++written_, heard_.size()});
+        fences_.push_back({std::move(proof), ++written_, heard_.rfind('\n') + 1});
     }
     void heard(std::string_view bytes) { heard_ += bytes; }
     /// The session found out that something on the line was lost or damaged, or lost the link.
@@ -71,7 +71,7 @@ class Marks {
     struct Fence {
         std::string proof;  // what an answer to it contains
         std::size_t written;
-        std::size_t heard;  // bytes of the board before it was written
+        std::size_t heard;  // the line that was under way when it was written, and what follows
     };
 
     void sent(std::string_view line, asip::Time now) {
