@@ -1,0 +1,75 @@
+#include "gateway/http/message.hpp"
+
+#include <gmock/gmock.h>
+
+namespace asip::gateway::http {
+namespace {
+
+using testing::ElementsAre;
+using testing::Pair;
+
+Request request_to(std::string target) {
+    Request request;
+    request.target = std::move(target);
+    return request;
+}
+
+TEST(HttpTarget, PathAndQuery_AreTakenApartAndDecoded) {
+    auto request = request_to("/api/boards/uno%31?board=a%2Ab&sketch=two+words&full");
+    ASSERT_TRUE(split_target(request));
+    EXPECT_THAT(request.segments, ElementsAre("api", "boards", "uno1"));
+    EXPECT_THAT(request.query,
+                ElementsAre(Pair("board", "a*b"), Pair("sketch", "two words"), Pair("full", "")));
+}
+
+TEST(HttpTarget, Root_HasNoSegments) {
+    auto request = request_to("/?code=x");
+    ASSERT_TRUE(split_target(request));
+    EXPECT_TRUE(request.segments.empty());
+}
+
+class PathTrick : public testing::TestWithParam<const char*> {};
+
+TEST_P(PathTrick, IsNoTarget) {
+    auto request = request_to(GetParam());
+    EXPECT_FALSE(split_target(request));
+}
+
+INSTANTIATE_TEST_SUITE_P(HttpTarget, PathTrick,
+                         testing::Values("", "api", "http://other/api", "*", "/../etc/passwd", "/a/../b",
+                                         "/a/./b", "/%2e%2e/etc", "/%2E%2E%2Fetc", "/a%2fb", "/a%5cb",
+                                         "/a\\b", "//etc", "/a//b", "/a/", "/%00", "/a%0d%0ab", "/%", "/%4",
+                                         "/%zz", "/a?x=%1", "/a?x=%00"));
+
+TEST(HttpGzip, QualityZero_IsARefusal) {
+    const auto accepts = [](const char* text) {
+        Request request;
+        request.headers = {{"accept-encoding", text}};
+        return accepts_gzip(request);
+    };
+    EXPECT_TRUE(accepts("deflate, gzip"));
+    EXPECT_TRUE(accepts("gzip;q=0.5"));
+    EXPECT_TRUE(accepts("*"));
+    EXPECT_FALSE(accepts("gzip;q=0"));
+    EXPECT_FALSE(accepts("gzip;q=0.00, br"));
+    EXPECT_FALSE(accepts("br"));
+    EXPECT_FALSE(accepts(""));
+}
+
+TEST(HttpGzip, Text_ComesBackAsItWas) {
+    std::string text;
+    for (int i = 0; i < 5000; ++i)
+        text += "line " + std::to_string(i) + "\n";
+    const auto small = compress(text);
+    EXPECT_LT(small.size(), text.size() / 3);
+    EXPECT_EQ(decompress(small), text);
+}
+
+TEST(HttpHead, OfNotModified_HasNoLengthAndNoType) {
+    Response response;
+    response.status = 304;
+    EXPECT_EQ(head_text(response, true, false), "HTTP/1.1 304 Not Modified\r\n\r\n");
+}
+
+}  // namespace
+}  // namespace asip::gateway::http

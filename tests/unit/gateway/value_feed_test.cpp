@@ -1,0 +1,251 @@
+#include "gateway/stream/value_feed.hpp"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "clock.hpp"
+
+namespace asip::gateway {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+
+class ValueFeedTest : public testing::Test {
+  protected:
+    void report(const std::string& service, const std::string& payload,
+                std::chrono::milliseconds time = 0ms) {
+        values_.value("uno1", service, payload, false, at(time));
+    }
+    void distances(int from, int to) {
+        for (int cm = from; cm <= to; ++cm)
+            report("distance", R"({"distance":[)" + std::to_string(cm) + "]}");
+    }
+    ValueFeed::Options one() const {
+        return {.board = "uno1", .service = "distance", .max_hz = 0, .after = {}, .allowed = {}};
+    }
+    // "value 3 [7]": kind, number of the place ("-" for none), the value.
+    static std::string shown(const StreamEvent& event) {
+        const auto place = parse_place(event.place);
+        const auto data = json::parse(event.data);
+        std::string text(event.kind);
+        text += place ? " " + std::to_string(place->number) : std::string(" -");
+        if (data.contains("value")) text += " " + data["value"].dump();
+        if (data.contains("left_out")) text += " left out " + data["left_out"].dump();
+        if (data.contains("reason")) text += " " + data["reason"].get<std::string>();
+        return text;
+    }
+    static std::vector<std::string> read(Feed& feed, std::chrono::milliseconds time = 0ms) {
+        std::vector<std::string> all;
+        for (StreamEvent event; feed.next(event, at(time));)
+            all.push_back(shown(event));
+        return all;
+    }
+
+    Values values_{"e1"};
+};
+
+TEST_F(ValueFeedTest, Begin_LastValueThenSnapshotEndThenEachNewOne) {
+    distances(1, 3);
+    ValueFeed feed(values_, one());
+    EXPECT_THAT(read(feed), ElementsAre(R"(value - {"distance":[3]})", "snapshot-end 3"));
+    distances(4, 5);
+    EXPECT_THAT(read(feed), ElementsAre(R"(value 4 {"distance":[4]})", R"(value 5 {"distance":[5]})"));
+    EXPECT_THAT(read(feed), ElementsAre());
+}
+
+TEST_F(ValueFeedTest, NothingHeardYet_SnapshotIsEmptyAndTheFirstValueComes) {
+    ValueFeed feed(values_, one());
+    EXPECT_THAT(read(feed), ElementsAre("snapshot-end 0"));
+    distances(1, 1);
+    EXPECT_THAT(read(feed), ElementsAre(R"(value 1 {"distance":[1]})"));
+}
+
+TEST_F(ValueFeedTest, AgeOfTheSnapshot_IsInSeconds) {
+    report("distance", "[1]", 0ms);
+    ValueFeed feed(values_, one());
+    StreamEvent event;
+    ASSERT_TRUE(feed.next(event, at(2500ms)));
+    EXPECT_EQ(json::parse(event.data)["age"], 2.5);
+    EXPECT_EQ(json::parse(event.data)["at"], "2023-11-14T22:13:20.000Z");
+}
+
+// The connection is cut behind each event in turn; the two parts together are the whole, once each.
+TEST_F(ValueFeedTest, CutAtEveryEvent_ResumesWithoutGapOrDuplicate) {
+    distances(1, 1);
+    for (int cut = 0; cut <= 20; ++cut) {
+        Values values("e1");
+        const auto put = [&](int number) {
+            values.value("uno1", "distance", "[" + std::to_string(number) + "]", false, at(0ms));
+        };
+        put(1);
+        ValueFeed first(values, one());
+        std::vector<std::uint64_t> seen;
+        std::optional<Place> last;
+        const auto take = [&](Feed& feed, int limit) {
+            StreamEvent event;
+            while (limit-- > 0 && feed.next(event, at(0ms))) {
+                if (auto place = parse_place(event.place)) last = place;
+                if (event.kind == "value" && !event.place.empty()) seen.push_back(last->number);
+                ASSERT_NE(event.kind, "reset");
+            }
+        };
+        take(first, 2);
+        for (int n = 2; n <= 21; ++n)
+            put(n);
+        take(first, cut);
+        auto again = one();
+        again.after = last;
+        for (int n = 22; n <= 30; ++n)
+            put(n);
+        ValueFeed second(values, again);
+        take(second, 1000);
+        std::vector<std::uint64_t> whole;
+        for (std::uint64_t n = 2; n <= 30; ++n)
+            whole.push_back(n);
+        EXPECT_EQ(seen, whole) << "cut behind " << cut;
+    }
+}
+
+TEST_F(ValueFeedTest, ResumeFromAnotherRun_ResetWithAReasonAndASnapshot) {
+    distances(1, 2);
+    auto options = one();
+    options.after = Place{"e0", 1};
+    ValueFeed feed(values_, options);
+    EXPECT_THAT(read(feed),
+                ElementsAre("reset - another-epoch", R"(value - {"distance":[2]})", "snapshot-end 2"));
+}
+
+TEST_F(ValueFeedTest, ResumeFromWhatIsGone_ResetWithAReason) {
+    distances(1, 1300);
+    auto options = one();
+    options.after = Place{"e1", 3};
+    ValueFeed feed(values_, options);
+    EXPECT_EQ(read(feed).front(), "reset - past-gone");
+}
+
+TEST_F(ValueFeedTest, SlowReader_GetsTheNewestAndTheNumberLeftOut) {
+    ValueFeed feed(values_, one());
+    read(feed);
+    distances(1, 500);
+    EXPECT_THAT(read(feed), ElementsAre(R"(value 500 {"distance":[500]} left out 499)"));
+    distances(501, 501);
+    EXPECT_THAT(read(feed), ElementsAre(R"(value 501 {"distance":[501]})"));
+    EXPECT_EQ(values_.left_out(), 499u);
+}
+
+TEST_F(ValueFeedTest, SlowReaderOfParts_GetsThemTogether) {
+    auto options = one();
+    options.service = "io";
+    ValueFeed feed(values_, options);
+    read(feed);
+    for (int pin = 2; pin < 80; ++pin)
+        report("io", R"({"digital":{")" + std::to_string(pin % 4) + R"(":)" + std::to_string(pin) + "}}");
+    report("io", R"({"analog":{"0":7}})");
+    EXPECT_THAT(read(feed), ElementsAre(R"(value - {"digital":{"0":76,"1":77,"2":78,"3":79}})",
+                                        R"(value 79 {"analog":{"0":7}} left out 77)"));
+}
+
+TEST_F(ValueFeedTest, CutInsideWhatStandsForMany_NothingIsLost) {
+    auto options = one();
+    options.service = "io";
+    ValueFeed feed(values_, options);
+    read(feed);
+    report("io", R"({"analog":{"0":1}})");
+    for (int i = 0; i < 80; ++i)
+        report("io", R"({"digital":{"2":1}})");
+    StreamEvent event;
+    ASSERT_TRUE(feed.next(event, at(0ms)));
+    EXPECT_TRUE(event.place.empty()) << "a place here would skip what comes behind it";
+    ASSERT_TRUE(feed.next(event, at(0ms)));
+    EXPECT_EQ(event.place, "e1-81");
+}
+
+TEST_F(ValueFeedTest, MaxHz_NewestAtMostSoOften) {
+    auto options = one();
+    options.max_hz = 20;
+    ValueFeed feed(values_, options);
+    int woken = 0;
+    feed.wake = [&] { ++woken; };
+    read(feed);
+    distances(1, 1);
+    EXPECT_THAT(read(feed, 0ms), ElementsAre(R"(value 1 {"distance":[1]})"));
+    woken = 0;
+    report("distance", "[2]", 10ms);
+    report("distance", "[3]", 20ms);
+    EXPECT_EQ(woken, 0);
+    EXPECT_THAT(read(feed, 20ms), ElementsAre());
+    feed.tick(at(60ms));
+    EXPECT_EQ(woken, 1);
+    EXPECT_THAT(read(feed, 60ms), ElementsAre("value 3 [3] left out 1"));
+}
+
+TEST_F(ValueFeedTest, Pattern_ServicesThatComeLaterBelongToIt) {
+    auto options = one();
+    options.board = "u*";
+    options.service = "*";
+    ValueFeed feed(values_, options);
+    EXPECT_THAT(read(feed), ElementsAre("snapshot-end -"));
+    report("distance", "[1]");
+    report("servo", "[2]");
+    values_.value("mega", "servo", "[3]", false, at(0ms));
+    EXPECT_THAT(read(feed), ElementsAre("value 1 [1]", "value 1 [2]"));
+}
+
+TEST_F(ValueFeedTest, NotAllowed_IsAsIfItWereNotThere) {
+    auto options = one();
+    options.service = "*";
+    options.allowed = [](std::string_view, std::string_view service) { return service == "servo"; };
+    report("distance", "[1]");
+    ValueFeed feed(values_, options);
+    EXPECT_THAT(read(feed), ElementsAre("snapshot-end -"));
+    report("servo", "[2]");
+    report("distance", "[3]");
+    EXPECT_THAT(read(feed), ElementsAre("value 1 [2]"));
+}
+
+TEST_F(ValueFeedTest, BoardForgotten_NothingOfItIsKept) {
+    distances(1, 10);
+    ValueFeed feed(values_, one());
+    values_.forget("uno1");
+    EXPECT_EQ(values_.services(), 0u);
+    EXPECT_EQ(values_.bytes(), 0u);
+    EXPECT_THAT(read(feed), ElementsAre("snapshot-end 0"));
+    distances(1, 1);
+    EXPECT_THAT(read(feed), ElementsAre(R"(value 1 {"distance":[1]})"));
+}
+
+TEST(Values, BeyondTheirBytes_TheOldestOfAllGiveWayAndTheLastOfEachStays) {
+    Values values("e1", {.points = 1000, .age = 1h, .bytes = 20'000, .services = 100, .channels = 4});
+    values.value("uno1", "quiet", R"({"a":1})", false, at(0ms));
+    for (int i = 0; i < 2000; ++i)
+        values.value("uno1", i % 2 == 0 ? "loud" : "louder", "[" + std::to_string(i) + "]", false, at(0ms));
+    EXPECT_LE(values.bytes(), 20'000u);
+    EXPECT_TRUE(values.find("uno1", "quiet")->points.empty());
+    EXPECT_EQ(values.find("uno1", "quiet")->channels.at(0).json, R"({"a":1})");
+    EXPECT_NE(values.find("uno1", "loud")->point(1000), nullptr);
+}
+
+TEST(Values, OlderThanTheirAge_AreGone) {
+    Values values("e1");
+    values.value("uno1", "a", "1", false, at(0ms));
+    for (int i = 0; i < 1300; ++i)
+        values.value("uno1", "b", "2", false, at(1min));
+    values.expire(at(10min));
+    EXPECT_EQ(values.find("uno1", "a")->points.size(), 1u);
+    values.expire(at(10min + 1ms));
+    EXPECT_TRUE(values.find("uno1", "a")->points.empty());
+    EXPECT_EQ(values.find("uno1", "b")->points.size(), 1200u);
+    values.expire(at(1h));
+    EXPECT_EQ(values.bytes(), 0u);
+}
+
+TEST(Values, NoJson_IsAString) {
+    Values values("e1");
+    values.value("B4", "S1", "12 \xff\n", false, at(0ms));
+    EXPECT_EQ(values.find("B4", "S1")->channels.at(0).json, "\"12 \xEF\xBF\xBD\\n\"");
+}
+
+}  // namespace
+}  // namespace asip::gateway
