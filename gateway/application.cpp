@@ -46,7 +46,10 @@ Application::Application(ProgramOptions options) : options_(std::move(options)),
     auto mqtt = options_.mqtt;
     mqtt.max_queued_messages = 20'000;
     mqtt.max_queued_bytes = 32u << 20;
+    auto urgent = mqtt;
+    urgent.client_id += "-stop";
     client_ = std::make_unique<mqtt::Client>(io_, std::move(mqtt), handlers());
+    urgent_ = std::make_unique<mqtt::Client>(io_, std::move(urgent), mqtt::Client::Handlers{});
     gateway_ = std::make_unique<Gateway>(options_.gateway, std::move(models), std::move(units_of),
                                          system_random(), random_secret, port());
     read_tokens(true);
@@ -69,6 +72,10 @@ Gateway::Port Application::port() {
     Gateway::Port port;
     port.publish = [this](mqtt::Message message) {
         return client_->publish(std::move(message), mqtt::Priority::kReply) != mqtt::PublishResult::kRefused;
+    };
+    port.publish_first = [this](mqtt::Message message) {
+        auto& client = urgent_->connected() ? urgent_ : client_;
+        return client->publish(std::move(message), mqtt::Priority::kReply) != mqtt::PublishResult::kRefused;
     };
     port.subscribe = [this](std::string filter, bool retained) {
         mqtt::SubscribeOptions subscription;
@@ -154,6 +161,7 @@ int Application::run() {
     replies.qos = 1;
     client_->subscribe(options_.gateway.reply_base + "/+", replies);
     client_->start();
+    urgent_->start();
     server_->start();
     log_access();
     schedule_tick();
@@ -176,6 +184,7 @@ void Application::schedule_tick() {
 
 void Application::stop() {
     server_->stop();
+    urgent_->stop(std::chrono::seconds(1), [] {});
     client_->stop(std::chrono::seconds(2), [this] { end(); });
 }
 

@@ -40,6 +40,7 @@ class Application {
     boost::asio::steady_timer timer_;
     std::unique_ptr<program::StopSignal> stop_signal_;
     std::unique_ptr<mqtt::Client> client_;
+    std::unique_ptr<mqtt::Client> urgent_;  // for stops: what waits in the other does not wait in this
     std::unique_ptr<Gateway> gateway_;
     std::unique_ptr<http::Server> server_;
     std::optional<std::filesystem::file_time_type> tokens_read_;

@@ -32,7 +32,11 @@ Gateway::Gateway(GatewayOptions options, model::ModelSet models, registry::Units
       gate_(options_.gate, std::move(secrets)),
       streams_(options_.streams_per_client),
       command_rates_(options_.commands_per_second),
-      requester_(random_hex(random, 8), options_.reply_base + "/registry") {}
+      requester_(random_hex(random, 8), options_.reply_base + "/registry") {
+    commands_.on_finished = [this](const CommandRecord& record, Duration time) {
+        if (!record.late) durations_.add(std::chrono::duration<double>(time).count());
+    };
+}
 
 Gateway::~Gateway() = default;
 
@@ -87,9 +91,13 @@ void Gateway::command(Commands::Start start, Commands::Done done) {
         done(record);
     };
     mqtt::Message message;
+    const bool urgent = start.urgent;
     switch (commands_.start(start, port_.v5(), now(), done, message)) {
         case Commands::Started::kPublish:
-            port_.publish(std::move(message));
+            if (urgent)
+                port_.publish_first(std::move(message));
+            else
+                port_.publish(std::move(message));
             break;
         case Commands::Started::kRepeated:
             break;

@@ -12,6 +12,7 @@
 #include "gateway/auth/gate.hpp"
 #include "gateway/commands/commands.hpp"
 #include "gateway/http/server.hpp"
+#include "gateway/metrics/histogram.hpp"
 #include "gateway/mirror/mirror.hpp"
 #include "gateway/rate.hpp"
 #include "gateway/stream/streams.hpp"
@@ -39,6 +40,8 @@ class Gateway {
   public:
     struct Port {
         std::function<bool(mqtt::Message)> publish;  ///< false: refused
+        /// Ahead of all that waits: over a connection of its own.
+        std::function<bool(mqtt::Message)> publish_first;
         std::function<void(std::string filter, bool retained)> subscribe;
         std::function<void(const std::string& filter)> unsubscribe;
         std::function<bool()> v5;
@@ -64,6 +67,7 @@ class Gateway {
     Gate& gate() { return gate_; }
     Streams& streams() { return streams_; }
     Rates& command_rates() { return command_rates_; }
+    const metrics::Histogram& command_durations() const { return durations_; }
     const model::ModelSet& models() const { return models_; }
     http::ServerCounters server_counters() const { return port_.server(); }
     const std::string& openapi();
@@ -99,6 +103,7 @@ class Gateway {
     Gate gate_;
     Streams streams_;
     Rates command_rates_;
+    metrics::Histogram durations_;
     bus::Requester requester_;
     std::list<Question> questions_;
     std::list<Wait> waits_;

@@ -21,10 +21,6 @@ std::string session_name(const std::string& who) {
     return hash_of(who).substr(0, kSessionDigits);
 }
 
-std::string session_of(const Call& call) {
-    return session_name(call.client() + "\n" + std::string(call.request.header("asip-session")));
-}
-
 std::string reply_text(const CommandRecord& record) {
     return bus::to_json_text(*record.reply);
 }
@@ -35,6 +31,12 @@ std::string sentence_of(const bus::Reply& reply) {
     if (reply.reason == Commands::kNoAnswer)
         return "nothing answered in time: the command may or may not have been executed";
     return "the board gave no proof in time: the command may or may not have been executed";
+}
+
+}  // namespace
+
+std::string session_of(const Call& call) {
+    return session_name(call.client() + "\n" + std::string(call.request.header("asip-session")));
 }
 
 http::Response response_for(const CommandRecord& record) {
@@ -52,6 +54,8 @@ http::Response response_for(const CommandRecord& record) {
     response.headers.emplace_back("Location", location);
     return response;
 }
+
+namespace {
 
 Expected<Duration> deadline_of(const Call& call) {
     const auto ms =
@@ -136,14 +140,18 @@ void post_command(Call& call) {
     if (!arguments) return send_problem(call, 400, arguments.error());
     const json payload{{command, std::move(*arguments)}};
     const auto model = model_of(call, board->board, service->name);
+    const auto hold = number_parameter(call, "hold_ms", 0, 50, 60'000);
+    if (!hold) return send_problem(call, 400, hold.error());
     if (const auto fault = wrong(model, *service, command, payload))
         return send_problem(call, fault->first, fault->second);
     if (!is_alive(board->state)) {
         return call.reply.send(
             problem(503, "board " + board->board + " is " + board->state, {{"reason", "board-not-there"}}));
     }
+    json sent = payload;
+    if (*hold > 0) sent["hold_ms"] = static_cast<int>(*hold);
     start(call, board->board + "/" + service->name,
-          call.gateway.mirror().topics().service_in(board->board, service->name), payload);
+          call.gateway.mirror().topics().service_in(board->board, service->name), std::move(sent));
 }
 
 void post_raw(Call& call) {
@@ -190,6 +198,34 @@ void get_command(Call& call) {
     send_json(call, body);
 }
 
+namespace {
+
+// What is renewed needs no answer: only if it is not held any more there is one.
+void renew(Gateway& gateway, const Principal& principal, const std::string& session,
+           const std::string& target, const std::string& id, const json& request,
+           const std::function<void(std::string)>& answer) {
+    const auto& which = request["renew"];
+    const auto named = which.is_string() ? which.get<std::string>() : id;
+    json payload{{"renew", true}};
+    if (!named.empty()) payload["renew"] = Commands::bus_id(session, named);
+    if (const auto hold = request.find("hold_ms"); hold != request.end()) payload["hold_ms"] = *hold;
+    const auto slash = target.find('/');
+    Commands::Start start;
+    start.session = session;
+    start.by = principal.rights.name;
+    start.target = target;
+    start.topic = gateway.mirror().topics().service_in(target.substr(0, slash), target.substr(slash + 1));
+    start.payload = model::dump_json(payload);
+    gateway.command(std::move(start), [answer, named](const CommandRecord& record) {
+        if (record.reply->succeeded()) return;
+        auto reply = *record.reply;
+        reply.id = named;
+        answer(bus::to_json_text(reply));
+    });
+}
+
+}  // namespace
+
 void websocket_command(Gateway& gateway, const Principal& principal, const std::string& session,
                        const json& request, const std::function<void(std::string)>& answer) {
     std::string id;
@@ -213,8 +249,10 @@ void websocket_command(Gateway& gateway, const Principal& principal, const std::
     const auto service_name = text.substr(slash + 1);
     const auto board = gateway.mirror().board(name, gateway.now());
     if (!board || !principal.rights.sees_service(name, service_name)) {
+        auto names = gateway.mirror().board_names();
+        std::erase_if(names, [&](const std::string& each) { return !principal.rights.sees_board(each); });
         return refuse("invalid", "no board \"" + text::printable(name) + "\" is known" +
-                                     text::did_you_mean(name, gateway.mirror().board_names()));
+                                     text::did_you_mean(name, names));
     }
     const auto service = std::find_if(board->services.begin(), board->services.end(),
                                       [&](const auto& each) { return each.name == service_name; });
@@ -225,6 +263,8 @@ void websocket_command(Gateway& gateway, const Principal& principal, const std::
     if (!is_alive(board->state)) return refuse("board-not-there", "board " + name + " is " + board->state);
     if (!gateway.command_rates().take(principal.rights.name + session, gateway.now().time))
         return refuse("too-many", "too many commands; try again in a moment");
+    if (request.contains("renew"))
+        return renew(gateway, principal, session_name(session), text, id, request, answer);
     json payload = request;
     for (const char* member : {"command", "id", "deadline_ms"})
         payload.erase(member);

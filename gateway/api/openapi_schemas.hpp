@@ -71,6 +71,8 @@ inline constexpr std::string_view kComponents = R"json({
   "Command": {"type": "object", "required": ["id", "target", "by", "at", "request"], "properties": {
     "id": {"type": "string"}, "target": {"type": "string"}, "by": {"type": "string"}, "at": {"type": "string"},
     "request": {}, "late": {"type": "boolean"}, "answer": {"$ref": "#/components/schemas/CommandAnswer"}}},
+  "Stopped": {"type": "object", "required": ["boards"], "properties": {
+    "boards": {"type": "object", "additionalProperties": {"$ref": "#/components/schemas/CommandAnswer"}}}},
   "Models": {"type": "object", "required": ["items"], "properties": {"items": {"type": "array", "items": {
     "type": "object", "required": ["name", "version", "id", "title"], "properties": {"name": {"type": "string"},
       "version": {"type": "integer"}, "id": {"type": "string"}, "title": {"type": "string"}}}}}},

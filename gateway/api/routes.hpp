@@ -59,6 +59,9 @@ void get_model(Call& call);
 void post_command(Call& call);
 void post_raw(Call& call);
 void get_command(Call& call);
+void post_renew(Call& call);
+void post_stop_board(Call& call);
+void post_stop(Call& call);
 void get_events(Call& call);
 void get_service_stream(Call& call);
 void get_stream(Call& call);
@@ -73,6 +76,10 @@ void get_readyz(Call& call);
 void serve_page(Gateway& gateway, const http::Request& request, const http::Reply& reply);
 
 std::string openapi_document(const std::vector<Route>& routes);
+
+/// The name of the session to which the ids of a request belong: a level of a topic.
+std::string session_of(const Call& call);
+http::Response response_for(const CommandRecord& record);
 
 /// For `{"command":"uno1/servo",...}` of a WebSocket.
 void websocket_command(Gateway& gateway, const Principal& principal, const std::string& session,

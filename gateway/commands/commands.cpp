@@ -7,10 +7,6 @@
 namespace asip::gateway {
 namespace {
 
-std::string key_of(std::string_view session, std::string_view id) {
-    return std::string(session).append(".").append(id);
-}
-
 std::string with_deadline(std::string payload, Duration deadline) {
     const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(deadline).count();
     payload.pop_back();
@@ -19,10 +15,14 @@ std::string with_deadline(std::string payload, Duration deadline) {
 
 }  // namespace
 
+std::string Commands::bus_id(std::string_view session, std::string_view id) {
+    return std::string(session).append(".").append(id);
+}
+
 Commands::Started Commands::start(Start start, bool v5, const Instant& now, Done done,
                                   mqtt::Message& message) {
     if (start.id.empty()) start.id = "auto-" + std::to_string(++made_up_);
-    const auto key = key_of(start.session, start.id);
+    const auto key = bus_id(start.session, start.id);
     const auto found = entries_.find(key);
     if (found != entries_.end()) {
         auto& entry = found->second;
@@ -105,8 +105,13 @@ void Commands::tick(const Instant& now) {
 }
 
 const CommandRecord* Commands::find(std::string_view session, std::string_view id) const {
-    const auto found = entries_.find(key_of(session, id));
+    const auto found = entries_.find(bus_id(session, id));
     return found == entries_.end() ? nullptr : &found->second.record;
+}
+
+std::string Commands::topic_of(std::string_view session, std::string_view id) const {
+    const auto found = entries_.find(bus_id(session, id));
+    return found == entries_.end() ? std::string() : found->second.topic;
 }
 
 int http_status(const bus::Reply& reply) {

@@ -43,6 +43,7 @@ class Commands {
         std::string topic;
         std::string payload;  ///< JSON object, without `deadline_ms`
         Duration deadline = std::chrono::seconds(5);
+        bool urgent = false;  ///< passes every queue on the way: a stop
     };
     using Done = std::function<void(const CommandRecord&)>;
     enum class Started { kPublish, kRepeated, kIdReused, kTooMany };
@@ -58,6 +59,10 @@ class Commands {
     void tick(const Instant& now);
     /// Null: not known, or longer ago than a minute.
     const CommandRecord* find(std::string_view session, std::string_view id) const;
+    /// Where a command was sent to; empty: not known.
+    std::string topic_of(std::string_view session, std::string_view id) const;
+    /// The id by which the agent knows a command.
+    static std::string bus_id(std::string_view session, std::string_view id);
     std::size_t size() const { return entries_.size(); }
     /// How many have ended in each way, and how long answers took.
     struct Counters {

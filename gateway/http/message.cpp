@@ -128,6 +128,8 @@ std::string_view reason_phrase(int status) {
             return "OK";
         case 202:
             return "Accepted";
+        case 207:
+            return "Multi-Status";
         case 204:
             return "No Content";
         case 303:

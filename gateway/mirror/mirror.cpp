@@ -15,6 +15,8 @@ constexpr Duration kSettleTime = std::chrono::seconds(5);
 constexpr std::size_t kMaxRegistries = 64;
 constexpr std::size_t kMaxStatsBytes = 64 * 1024;
 constexpr std::size_t kSnapshotPage = 100;
+constexpr std::size_t kMaxBoardStatsBytes = 8 * 1024;
+constexpr Duration kStatsTime = std::chrono::seconds(45);  // three of the agents' intervals
 
 registry::Instant both(const Instant& now) {
     return {now.time, now.wall};
@@ -109,6 +111,10 @@ void Mirror::message(const mqtt::Message& message, const Instant& now) {
         case TopicKind::kRegistryState:
         case TopicKind::kRegistryStats:
             return registry_message(*topic, message, now);
+        case TopicKind::kStats:
+            if (message.payload.size() <= kMaxBoardStatsBytes && catalogue_.knows(topic->board))
+                board_stats_[std::string(topic->board)] = {message.payload, now.time};
+            return;
         case TopicKind::kServiceError:
         case TopicKind::kServiceOut: {
             announcement(message, *topic, now);
@@ -179,6 +185,7 @@ void Mirror::tick(const Instant& now) {
     if (subscribed_) handle(catalogue_.expire(now.time), now);
     if (!mark_.empty() && now.time - mark_sent_ >= kSettleTime) complete_now(now);
     values_.expire(now);
+    std::erase_if(board_stats_, [&](const auto& each) { return now.time - each.second.seen > kStatsTime; });
 }
 
 std::optional<bus::BoardItem> Mirror::board(std::string_view name, const Instant& now) const {

@@ -25,6 +25,12 @@ struct RegistryInfo {
     Time seen{};
 };
 
+/// What an agent counted last.
+struct BoardStats {
+    std::string text;  ///< JSON
+    Time seen{};
+};
+
 /// The gateway's picture of the bus: the catalogue, made from the same messages and by the same rules as a
 /// registry's, the last values of services, the changes. Pure: messages and time in, subscriptions out.
 class Mirror {
@@ -73,6 +79,11 @@ class Mirror {
     const ChangeLog& log() const { return log_; }
     ChangeFeed::ReadPage read_page();
     const std::map<std::string, RegistryInfo>& registries() const { return registries_; }
+    /// Of agents that published some within the last 45 s.
+    const std::map<std::string, BoardStats>& board_stats() const { return board_stats_; }
+    std::vector<std::pair<std::string, std::size_t>> services_by_kind() const {
+        return catalogue_.services_by_kind();
+    }
     const bus::Topics& topics() const { return topics_; }
 
   private:
@@ -91,6 +102,7 @@ class Mirror {
     Values values_;
     registry::Catalogue catalogue_;
     std::map<std::string, RegistryInfo> registries_;
+    std::map<std::string, BoardStats> board_stats_;
     std::string mark_;
     Time mark_sent_{};
     bool subscribed_ = false;

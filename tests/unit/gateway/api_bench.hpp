@@ -50,6 +50,7 @@ class ApiTest : public testing::Test {
             published_.push_back(std::move(message));
             return true;
         };
+        port.publish_first = port.publish;
         port.subscribe = [](const std::string&, bool) {};
         port.unsubscribe = [](const std::string&) {};
         port.v5 = [] { return true; };

@@ -1,0 +1,105 @@
+#include <nlohmann/json.hpp>
+
+#include "asip/bus/request_envelope.hpp"
+#include "asip/model/json.hpp"
+#include "asip/text/printable.hpp"
+#include "gateway/api/routes.hpp"
+
+namespace asip::gateway::api {
+namespace {
+
+using nlohmann::json;
+
+/// The answers of several boards, sent once all have come.
+struct Stopping {
+    explicit Stopping(http::Reply to) : reply(std::move(to)) {}
+
+    http::Reply reply;
+    json boards = json::object();
+    std::size_t missing = 0;
+
+    void answered(const std::string& board, const bus::Reply& answer) {
+        boards[board] = json::parse(bus::to_json_text(answer), nullptr, false);
+        boards[board].erase("id");
+        if (--missing == 0) send();
+    }
+    void send() {
+        const bool all = std::all_of(boards.begin(), boards.end(),
+                                     [](const json& each) { return each.value("status", "") == "ok"; });
+        reply.send(json_response({{"boards", std::move(boards)}}, all ? 200 : 207));
+    }
+};
+
+void send_stop(const Call& call, const std::string& board, Commands::Done done) {
+    Commands::Start start;
+    start.session = "stop";
+    start.by = call.principal.rights.name;
+    start.target = board;
+    start.topic = call.gateway.mirror().topics().stop(board);
+    start.payload = "{}";
+    start.urgent = true;
+    call.gateway.command(std::move(start), std::move(done));
+}
+
+void stop(Call& call, const std::vector<std::string>& boards) {
+    auto stopping = std::make_shared<Stopping>(call.reply);
+    stopping->missing = boards.size();
+    if (boards.empty()) return stopping->send();
+    for (const auto& board : boards) {
+        send_stop(call, board, [stopping, board](const CommandRecord& record) {
+            stopping->answered(board, *record.reply);
+        });
+    }
+}
+
+}  // namespace
+
+void post_stop_board(Call& call) {
+    if (!bus_is_there(call)) return;
+    const auto board = board_of(call);
+    if (!board) return;
+    stop(call, {board->board});
+}
+
+// A board that is lost may have an agent that stops it once it is back: it is sent the stop, and not waited
+// for.
+void post_stop(Call& call) {
+    if (!bus_is_there(call)) return;
+    std::vector<std::string> alive, lost;
+    for (auto& board : call.gateway.mirror().board_names()) {
+        const auto item = call.gateway.mirror().board(board, call.now());
+        if (!item || item->by_name || !call.sees(board)) continue;
+        (item->state == "lost" || item->state == "offline" ? lost : alive).push_back(std::move(board));
+    }
+    for (const auto& board : lost)
+        send_stop(call, board, [](const CommandRecord&) {});
+    stop(call, alive);
+}
+
+void post_renew(Call& call) {
+    if (!bus_is_there(call)) return;
+    const auto& id = call.path.find("id")->second;
+    const auto session = session_of(call);
+    std::optional<int> hold;
+    if (call.request.parameter("hold_ms") != nullptr) {
+        const auto ms = number_parameter(call, "hold_ms", 0, 50, 60'000);
+        if (!ms) return send_problem(call, 400, ms.error());
+        hold = static_cast<int>(*ms);
+    }
+    const auto topic = call.gateway.commands().topic_of(session, id);
+    if (topic.empty())
+        return send_problem(call, 404, "no command \"" + text::printable(id) + "\" of yours is known");
+    json payload{{"renew", Commands::bus_id(session, id)}};
+    if (hold) payload["hold_ms"] = *hold;
+    Commands::Start start;
+    start.session = session;
+    start.by = call.principal.rights.name;
+    start.target = id;
+    start.topic = topic;
+    start.payload = model::dump_json(payload);
+    call.gateway.command(std::move(start), [reply = call.reply](const CommandRecord& record) {
+        reply.send(response_for(record));
+    });
+}
+
+}  // namespace asip::gateway::api

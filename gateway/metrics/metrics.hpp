@@ -1,0 +1,47 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "gateway/commands/commands.hpp"
+#include "gateway/http/server.hpp"
+#include "gateway/metrics/exposition.hpp"
+#include "gateway/metrics/histogram.hpp"
+
+namespace asip::gateway::metrics {
+
+/// All that is shown, as it is at one moment.
+struct Snapshot {
+    http::ServerCounters server;
+    Commands::Counters commands;
+    Histogram durations;
+    bool broker_connected = false;
+    std::size_t streams = 0;
+    std::uint64_t values_received = 0;
+    std::uint64_t values_left_out = 0;
+    std::size_t values_bytes = 0;
+    std::vector<std::pair<std::string, std::size_t>> boards_by_state;
+    std::vector<std::pair<std::string, std::size_t>> services_by_kind;
+    std::vector<std::pair<std::string, std::string>> registries;  ///< id, JSON of its `$stats`
+    std::vector<std::pair<std::string, std::string>> boards;      ///< name, JSON of its `$stats`
+    double resident_bytes = 0;
+    double processor_seconds = 0;
+    double open_files = 0;
+    double started_at = 0;  ///< seconds since 1970
+};
+
+/// Beyond these many different values of a label the rest is left out, or counted together.
+inline constexpr std::size_t kMaxBoards = 2000;
+inline constexpr std::size_t kMaxKinds = 100;
+inline constexpr std::size_t kMaxOutcomes = 20;
+
+/// Pure.
+std::string exposition(const Snapshot& snapshot, Exposition::Format format);
+
+/// What the operating system counts of this process.
+void read_process(Snapshot& snapshot);
+
+}  // namespace asip::gateway::metrics

@@ -1,0 +1,284 @@
+// What a stranger may send: the gateway answers or closes, lives on, and serves the others meanwhile.
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+
+#include "running_gateway.hpp"
+
+namespace asip::test {
+namespace {
+
+using testing::AnyOf;
+using testing::HasSubstr;
+
+class GatewayAttack : public GatewayTest {
+  protected:
+    GatewayAttack()
+        : GatewayTest(
+              {"--header-time", "1s", "--idle-time", "2s", "--max-connections-per-address", "15000"}) {}
+};
+
+TEST_F(GatewayAttack, ForeignHost_Is421) {
+    EXPECT_EQ(get(port(), "/api/boards", {{"Host", "evil.example"}}).status, 421);
+    EXPECT_EQ(get(port(), "/", {{"Host", "evil.example"}}).status, 421) << "not even the page";
+    EXPECT_EQ(get(port(), "/metrics", {{"Host", "evil.example"}}).status, 421);
+    EXPECT_EQ(get(port(), "/api/boards", {{"Host", "127.0.0.1"}}).status, 200);
+}
+
+TEST_F(GatewayAttack, PageOfAnotherOrigin_SendsNothing) {
+    announce("uno1");
+    const std::string command = "/api/boards/uno1/services/servo/commands/write";
+    EXPECT_EQ(post(port(), command, "[0,90]", {{"Origin", "http://evil.example"}}).status, 403);
+    EXPECT_EQ(post(port(), "/api/stop", "{}", {{"Origin", "http://evil.example"}}).status, 403);
+    EXPECT_EQ(post(port(), command, "[0,90]", {{"Content-Type", "text/plain"}}).status, 415);
+    EXPECT_EQ(request(port(), "DELETE", "/api/boards/uno1", "", {{"Origin", "null"}}).status, 403);
+    EXPECT_EQ(Socket(port(), {{"Origin", "http://evil.example"}}).status(), 403);
+    EXPECT_EQ(probe_.count("asip/uno1/servo/in"), 0u);
+    const auto plain = get(port(), "/api/boards", {{"Origin", "http://evil.example"}});
+    EXPECT_EQ(plain.headers.count("access-control-allow-origin"), 0u) << "a browser keeps it from the page";
+    const auto preflight =
+        request(port(), "OPTIONS", command, "",
+                {{"Origin", "http://evil.example"}, {"Access-Control-Request-Method", "POST"}});
+    EXPECT_EQ(preflight.headers.count("access-control-allow-origin"), 0u);
+    EXPECT_EQ(preflight.headers.count("access-control-allow-methods"), 0u);
+}
+
+TEST_F(GatewayAttack, PathTricks_LeadNowhere) {
+    for (const char* target :
+         {"/../../../../etc/passwd", "/..%2f..%2fetc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "//etc/passwd",
+          "/etc/passwd", "/index.html%00.png", "/api/boards/../../etc/passwd", "/api/boards/%2e%2e",
+          "/page/../main.cpp", "/C:\\boot.ini", "/api/boards/a%2fb", "/proc/self/environ"}) {
+        const auto answer = ask(target);
+        EXPECT_THAT(answer.status, AnyOf(400, 404)) << target;
+        EXPECT_EQ(answer.body.find("root:"), std::string::npos) << target;
+    }
+    EXPECT_EQ(get(port(), "http://localhost/api/boards").status, 404) << "no proxy";
+    EXPECT_TRUE(alive());
+}
+
+TEST_F(GatewayAttack, BodyOfAHundredMegabytes_Is413BeforeItIsRead) {
+    Wire wire(port());
+    wire.send(
+        "POST /api/stop HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+        "Content-Length: 104857600\r\n\r\n");
+    EXPECT_EQ(read_answer(wire).status, 413);
+    Wire chunked(port());
+    chunked.send("POST /api/stop HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n");
+    const std::string piece = "10000\r\n" + std::string(0x10000, 'x') + "\r\n";
+    for (int i = 0; i < 1600 && chunked.send(piece); ++i) {
+    }
+    EXPECT_LT(gateway_.process().resident_bytes(), memory_limit(60u << 20));
+    EXPECT_TRUE(alive());
+}
+
+TEST_F(GatewayAttack, HeadWithoutEnd_Is431) {
+    Wire wire(port());
+    wire.send("GET / HTTP/1.1\r\nHost: localhost\r\n");
+    for (int i = 0; i < 100; ++i)
+        wire.send("X-" + std::to_string(i) + ": " + std::string(1000, 'x') + "\r\n");
+    EXPECT_THAT(read_answer(wire).status, AnyOf(431, 0));
+    EXPECT_TRUE(alive());
+}
+
+TEST_F(GatewayAttack, SlowHeads_AreClosedAndOthersServed) {
+    std::vector<Wire> slow;
+    for (int i = 0; i < 200; ++i) {
+        slow.emplace_back(port());
+        slow.back().send("GET /api/boards HTTP/1.1\r\nHo");
+    }
+    EXPECT_TRUE(alive());
+    for (auto& wire : slow) {
+        wire.send("s");
+        EXPECT_TRUE(wire.closed(std::chrono::seconds(6)));
+    }
+}
+
+TEST_F(GatewayAttack, SaysNothingAtAll_IsClosed) {
+    Wire silent(port());
+    EXPECT_TRUE(silent.closed(std::chrono::seconds(5)));
+    Wire idle(port());
+    idle.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    EXPECT_EQ(read_answer(idle).status, 200);
+    EXPECT_TRUE(idle.closed(std::chrono::seconds(6)));
+}
+
+TEST_F(GatewayAttack, Smuggling_IsRefused) {
+    Wire both(port());
+    both.send(
+        "POST /api/codes HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: "
+        "40\r\n"
+        "Transfer-Encoding: chunked\r\n\r\n0\r\n\r\nGET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    EXPECT_EQ(read_answer(both).status, 400);
+    EXPECT_TRUE(both.closed());
+    Wire twice(port());
+    twice.send("GET / HTTP/1.1\r\nHost: localhost\r\nHost: evil.example\r\n\r\n");
+    EXPECT_EQ(read_answer(twice).status, 400);
+}
+
+TEST_F(GatewayAttack, Pipelined_AreAnsweredInOrder) {
+    Wire wire(port());
+    std::string many;
+    for (int i = 0; i < 50; ++i)
+        many += "GET /api/models/" + std::string(i % 2 == 0 ? "servo" : "nothing") +
+                " HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    wire.send(many);
+    for (int i = 0; i < 50; ++i)
+        EXPECT_EQ(read_answer(wire).status, i % 2 == 0 ? 200 : 404) << i;
+}
+
+TEST_F(GatewayAttack, TenThousandConnections_AreHeldAndOthersServed) {
+    rlimit limit{};
+    getrlimit(RLIMIT_NOFILE, &limit);
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+    ASSERT_GT(limit.rlim_cur, 10'500u) << "this test needs as many file descriptors";
+    const auto before = gateway_.process().resident_bytes();
+    std::vector<Wire> all;
+    all.reserve(10'000);
+    for (int i = 0; i < 10'000; ++i) {
+        all.emplace_back(port());
+        all.back().send("GET /api/events HTTP/1.1\r\nHost: localhost\r\n");  // never ends: closed in time
+        if (i == 5'000) {
+            EXPECT_TRUE(alive());
+        }
+    }
+    EXPECT_TRUE(alive());
+    const auto each = (gateway_.process().resident_bytes() - before) / 10'000;
+    EXPECT_LT(each, memory_limit(16'000)) << "bytes a connection";
+    all.clear();
+    EXPECT_TRUE(alive());
+}
+
+TEST_F(GatewayAttack, BrokenWebSocketFrames_EndThatConnectionOnly) {
+    struct Case {
+        const char* what;
+        std::vector<std::pair<unsigned char, std::string>> frames;
+        bool masked;
+        std::vector<int> codes;
+    };
+    const std::vector<Case> cases{
+        {"not masked", {{0x81, "{}"}}, false, {1002}},
+        {"reserved bit", {{0xC1, "{}"}}, true, {1002}},
+        {"unknown operation", {{0x83, "x"}}, true, {1002}},
+        {"fragmented ping", {{0x09, "x"}}, true, {1002}},
+        {"long ping", {{0x89, std::string(126, 'x')}}, true, {1002}},
+        {"continuation of nothing", {{0x80, "x"}}, true, {1002}},
+        {"two beginnings", {{0x01, "a"}, {0x81, "b"}}, true, {1002}},
+        {"not UTF-8", {{0x81, "\xff\xfe"}}, true, {1007}},
+        {"binary", {{0x82, "{}"}}, true, {1003}},
+        {"close of one byte", {{0x88, "x"}}, true, {1002}},
+        {"close with a code that is none", {{0x88, std::string("\x03\xe7", 2)}}, true, {1002}},
+    };
+    Socket other(port());
+    ASSERT_EQ(other.status(), 101);
+    for (const auto& [what, frames, masked, codes] : cases) {
+        Socket socket(port());
+        ASSERT_EQ(socket.status(), 101) << what;
+        for (const auto& [first, payload] : frames)
+            socket.frame(first, payload, masked);
+        EXPECT_THAT(socket.close_code(), AnyOf(0, codes[0])) << what;
+    }
+    other.send(R"({"subscribe":"*/*","ref":1})");
+    EXPECT_EQ(other.message(), R"({"ref":1,"ok":true})");
+}
+
+TEST_F(GatewayAttack, WebSocketMessageBeyondTheLimit_Is1009) {
+    Socket socket(port());
+    socket.frame(0x01, std::string(60'000, 'x'));
+    socket.frame(0x80, std::string(60'000, 'x'));
+    EXPECT_THAT(socket.close_code(), AnyOf(0, 1009));
+    Socket long_frame(port());
+    long_frame.wire().send(std::string("\x81\xff\x7f\xff\xff\xff\xff\xff\xff\xff\1\2\3\4", 14));
+    EXPECT_THAT(long_frame.close_code(), AnyOf(0, 1009, 1002));
+    EXPECT_TRUE(alive());
+}
+
+TEST_F(GatewayAttack, UpgradeThatIsNone_Is426) {
+    EXPECT_EQ(ask("/api/stream").status, 426);
+    EXPECT_EQ(get(port(), "/api/stream", {{"Upgrade", "websocket"}, {"Connection", "Upgrade"}}).status, 426);
+    EXPECT_EQ(get(port(), "/api/stream",
+                  {{"Upgrade", "websocket"},
+                   {"Connection", "Upgrade"},
+                   {"Sec-WebSocket-Version", "8"},
+                   {"Sec-WebSocket-Key", "dGhlIHNhbXBsZSBub25jZQ=="}})
+                  .status,
+              426);
+}
+
+TEST_F(GatewayAttack, SlowReader_IsNotClosedAndSlowsNobody) {
+    announce("uno1");
+    EventStream slow(port(), "/api/boards/uno1/services/distance/stream");
+    ASSERT_EQ(slow.head().status, 200);
+    EventStream quick(port(), "/api/boards/uno1/services/distance/stream");
+    ASSERT_EQ(quick.next("snapshot-end").kind, "snapshot-end");
+    const std::string filler(2000, 'x');
+    constexpr int kValues = 5000;  // 10 MB: more than any buffer on the way
+    for (int i = 1; i <= kValues; ++i) {
+        probe_.publish("asip/uno1/distance/out",
+                       R"({"n":)" + std::to_string(i) + R"(,"x":")" + filler + "\"}", false, 0);
+        if (i % 50 == 0) {
+            EventStream::Event event;
+            do {
+                event = quick.next("value");
+            } while (!event.kind.empty() &&
+                     event.data.find("\"n\":" + std::to_string(i) + ",") == std::string::npos);
+            ASSERT_FALSE(event.kind.empty()) << "the quick reader waits at " << i;
+        }
+    }
+    EXPECT_LT(gateway_.process().resident_bytes(), memory_limit(100u << 20));
+    std::uint64_t seen = 0, left_out = 0, last = 0;
+    while (last < kValues) {
+        const auto event = slow.next("value");
+        ASSERT_FALSE(event.kind.empty()) << "still connected, and told the newest";
+        const auto data = nlohmann::json::parse(event.data);
+        last = data["value"]["n"];
+        ++seen;
+        left_out += data.value("left_out", 0);
+    }
+    EXPECT_GT(left_out, 0u);
+    EXPECT_EQ(seen + left_out, static_cast<std::uint64_t>(kValues));
+}
+
+TEST(GatewayLimits, ConnectionsBeyondThem_Are503AndTheirPlaceComesBack) {
+    MosquittoBroker broker;
+    RunningGateway gateway(broker.address(), {"--max-connections-per-address", "5"});
+    {
+        std::vector<Wire> held;
+        for (int i = 0; i < 5; ++i)
+            held.emplace_back(gateway.port());
+        EXPECT_TRUE(wait_until([&] { return get(gateway.port(), "/healthz").status == 503; }));
+    }
+    EXPECT_TRUE(wait_until([&] { return get(gateway.port(), "/healthz").status == 200; }));
+}
+
+TEST(GatewayLimits, StreamsBeyondThem_Are429) {
+    MosquittoBroker broker;
+    RunningGateway gateway(broker.address(), {"--max-streams", "2"});
+    ASSERT_TRUE(gateway.ready());
+    EventStream one(gateway.port(), "/api/events");
+    EventStream two(gateway.port(), "/api/events");
+    EXPECT_EQ(get(gateway.port(), "/api/events").status, 429);
+}
+
+TEST(GatewayBinding, ReachableByOthersAndNothingChosen_DoesNotStart) {
+    const auto refused = run({ASIP_PROGRAMS "/asip-gateway", "--http", "0.0.0.0:0"});
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_THAT(refused.errors, HasSubstr("--tokens"));
+    EXPECT_THAT(refused.errors, HasSubstr("--anonymous"));
+}
+
+TEST(GatewayBinding, UnixSocket_ServesAndKnowsNobody) {
+    MosquittoBroker broker;
+    TempDir folder;
+    const auto path = folder.file("gateway.sock");
+    ChildProcess gateway(
+        {ASIP_PROGRAMS "/asip-gateway", "--broker", broker.address(), "--http", "unix:" + path});
+    ASSERT_TRUE(gateway.wait_for_errors("listening"));
+    const auto health = run({"curl", "-s", "--unix-socket", path, "http://localhost/healthz"});
+    EXPECT_EQ(health.output, R"({"status":"ok"})");
+    const auto boards = run({"curl", "-s", "-o", "/dev/null", "-w", "%{http_code}", "--unix-socket", path,
+                             "http://localhost/api/boards"});
+    EXPECT_EQ(boards.output, "401") << "a proxy's clients are not this machine's";
+}
+
+}  // namespace
+}  // namespace asip::test

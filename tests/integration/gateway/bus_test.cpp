@@ -1,0 +1,117 @@
+// Everything real: Mosquitto, registry, agent, firmware in the simulator.
+#include <gmock/gmock.h>
+
+#include "running_gateway.hpp"
+#include "tests/integration/agent/rig.hpp"
+
+namespace asip::test {
+namespace {
+
+using testing::HasSubstr;
+
+class GatewayBus : public testing::Test {
+  protected:
+    void SetUp() override {
+        ASSERT_TRUE(registry_.wait_for_errors("catalogue is complete"));
+        ASSERT_TRUE(gateway_.becomes("uno1", "online")) << gateway_.process().errors();
+    }
+    std::uint16_t port() const { return gateway_.port(); }
+    HttpAnswer ask(const std::string& target) const { return get(port(), target); }
+
+    MosquittoBroker broker_;
+    TempDir folder_;
+    ChildProcess registry_{{ASIP_PROGRAMS "/asip-registry", "--broker", broker_.address(), "--id", "r1",
+                            "--history", folder_.file("history.db")}};
+    SimulatedUno uno_;
+    Agent agent_{broker_, uno_.port(), {"--statistics", "1s"}};
+    RunningGateway gateway_{broker_.address()};
+};
+
+TEST_F(GatewayBus, Command_IsExecutedAndItsProofComesBack) {
+    const std::string servo = "/api/boards/uno1/services/servo";
+    const auto model = ask(servo).json()["model"];
+    EXPECT_EQ(model["name"], "servo");
+    const auto moved = post(port(), servo + "/commands/write", "[0,90]");
+    EXPECT_EQ(moved.status, 200) << moved.body;
+    EXPECT_EQ(moved.json()["proof"], "fence");
+    const auto refused = post(port(), servo + "/commands/write", R"({"servo":9,"angle":90})");
+    EXPECT_EQ(refused.status, 422) << refused.body;
+    EXPECT_GT(refused.json()["code"].get<int>(), 0);
+    EXPECT_EQ(post(port(), servo + "/commands/write", "[0,900]").status, 400);
+}
+
+TEST_F(GatewayBus, Values_ComeLive) {
+    EventStream stream(port(), "/api/boards/uno1/services/distance/stream");
+    ASSERT_EQ(stream.next("snapshot-end").kind, "snapshot-end");
+    const auto measured = post(port(), "/api/boards/uno1/services/distance/commands/measure");
+    EXPECT_EQ(measured.status, 200) << measured.body;
+    EXPECT_EQ(measured.json()["proof"], "answer");
+    const auto event = stream.next("value");
+    EXPECT_NEAR(nlohmann::json::parse(event.data)["value"]["distance"][0].get<int>(), 42, 1);
+}
+
+TEST_F(GatewayBus, WebSocketCommands_SameIdInTwoTabsAreTwoCommands) {
+    Socket one(port()), two(port());
+    for (auto* socket : {&one, &two})
+        socket->send(R"({"command":"uno1/servo","write":[0,45],"id":"7"})");
+    for (auto* socket : {&one, &two}) {
+        const auto answer = socket->json();
+        EXPECT_EQ(answer["id"], "7");
+        EXPECT_EQ(answer["status"], "ok") << answer;
+    }
+    one.send(R"({"command":"uno1/servo","write":[0,46],"id":"7"})");
+    EXPECT_EQ(one.json()["reason"], "id-reused");
+    one.send(R"({"command":"uno1/nothing","write":[],"id":"8"})");
+    EXPECT_EQ(one.json()["status"], "refused");
+}
+
+TEST_F(GatewayBus, RawLinesAndTheirErrors) {
+    const auto set = post(port(), "/api/boards/uno1/raw", R"({"lines":["I,P,13,3","I,d,13,1"]})");
+    EXPECT_EQ(set.status, 200) << set.body;
+    EXPECT_EQ(post(port(), "/api/boards/uno1/raw", R"({"lines":["I,d,99,1"]})").status, 422);
+}
+
+TEST_F(GatewayBus, Stop_RunsTheSafeFormsAndAnswers) {
+    EXPECT_EQ(post(port(), "/api/boards/uno1/raw", R"({"lines":["I,P,13,3"]})").status, 200);
+    EXPECT_EQ(post(port(), "/api/boards/uno1/services/io/commands/write", "[13,1]").status / 100, 2)
+        << ask("/api/boards/uno1/services/io").body;
+    const auto stopped = post(port(), "/api/boards/uno1/stop");
+    EXPECT_EQ(stopped.status, 200) << stopped.body;
+    EXPECT_EQ(stopped.json()["boards"]["uno1"]["status"], "ok") << stopped.body;
+    const auto all = post(port(), "/api/stop");
+    EXPECT_EQ(all.status, 200) << all.body;
+    EXPECT_EQ(all.json()["boards"].size(), 1u);
+}
+
+TEST_F(GatewayBus, History_IsTheRegistrys) {
+    const auto history = ask("/api/boards/uno1/history");
+    ASSERT_EQ(history.status, 200) << history.body;
+    EXPECT_THAT(history.body, HasSubstr("\"what\":\"added\""));
+    EXPECT_EQ(ask("/api/history?limit=1").json()["items"].size(), 1u);
+}
+
+TEST_F(GatewayBus, Forget_OnlyOnceTheBoardIsGone) {
+    EXPECT_EQ(request(port(), "DELETE", "/api/boards/uno1").status, 409);
+    agent_.process().signal(15);
+    ASSERT_TRUE(gateway_.becomes("uno1", "offline"));
+    EXPECT_EQ(post(port(), "/api/boards/uno1/services/servo/commands/write", "[0,90]").status, 503);
+    ASSERT_TRUE(wait_until([&] { return request(port(), "DELETE", "/api/boards/uno1").status == 200; }));
+    EXPECT_TRUE(wait_until([&] { return ask("/api/boards/uno1").status == 404; }));
+}
+
+TEST_F(GatewayBus, HungAgent_Is504AndTheLateAnswerIsKept) {
+    agent_.process().signal(19);
+    const auto late = post(port(), "/api/boards/uno1/services/servo/commands/write?deadline_ms=300", "[0,10]",
+                           {{"Idempotency-Key", "k1"}});
+    EXPECT_EQ(late.status, 504);
+    EXPECT_EQ(late.json()["reason"], "no-answer");
+    EXPECT_EQ(late.headers.at("location"), "/api/commands/k1");
+    agent_.process().signal(18);
+    EXPECT_TRUE(wait_until([&] {
+        const auto found = ask("/api/commands/k1").json();
+        return found.value("late", false);
+    })) << ask("/api/commands/k1").body;
+}
+
+}  // namespace
+}  // namespace asip::test
