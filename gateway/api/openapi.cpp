@@ -73,7 +73,7 @@ json responses_of(const Route& route) {
     if (route.need != Need::kNothing) add(401, "Unauthorized");
     const bool changes = route.method != "GET";
     if (changes || route.need > Need::kRead) add(403, "Forbidden");
-    if (route.method == "POST") add(415, "WrongType"), add(429, "TooMany");
+    if (route.method == "POST") add(415, "WrongType");
     return object;
 }
 

@@ -19,8 +19,6 @@ inline constexpr std::string_view kComponents = R"json({
   "WrongType": {"description": "The body is not application/json",
     "content": {"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}}},
   "WrongHost": {"description": "Host is not a name of this gateway",
-    "content": {"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}}},
-  "TooMany": {"description": "Too many requests; Retry-After says when to try again",
     "content": {"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}}}
 },
 "schemas": {

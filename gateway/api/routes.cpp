@@ -52,6 +52,8 @@ std::vector<Answer> command_answers() {
             {404, "No such board, service or command", "Problem", "application/problem+json"},
             {409, "Refused: `id-reused` or `stopped`", "Problem", "application/problem+json"},
             {422, "The board refused it: `code`, `error`", "Problem", "application/problem+json"},
+            {429, "Too many commands, of one client or for the board (`queue-full`)", "Problem",
+             "application/problem+json"},
             {503, "The board or the broker is not there", "Problem", "application/problem+json"},
             {504, "No proof in time: it may or may not have been executed", "Problem",
              "application/problem+json"}};
@@ -60,6 +62,8 @@ std::vector<Answer> command_answers() {
 const Answer kNotFound{404, "No such board, service or other thing; the nearest name is said", "Problem",
                        "application/problem+json"};
 const Answer kNotReady{503, "The broker is not connected", "Problem", "application/problem+json"};
+const Answer kTooMany{429, "Too many; Retry-After says when to try again", "Problem",
+                      "application/problem+json"};
 const Answer kUnchanged{304, "Unchanged since the ETag that was sent", ""};
 
 std::vector<Route> make_routes() {
@@ -186,7 +190,11 @@ std::vector<Route> make_routes() {
          Need::kCommand,
          {kHold},
          "",
-         command_answers(),
+         {{200, "Held for another while", "CommandAnswer"},
+          {404, "No command of yours has this id", "Problem", "application/problem+json"},
+          {409, "It is not held: `not-held`", "Problem", "application/problem+json"},
+          kNotReady,
+          {504, "Nobody answered", "Problem", "application/problem+json"}},
          post_renew},
         {"POST",
          "/api/boards/{board}/stop",
@@ -245,7 +253,7 @@ std::vector<Route> make_routes() {
          Need::kRead,
          {{"board", kText, "Pattern of board names", R"("*")"}, kLastEventId},
          "",
-         {{200, "A stream without end", "EventStream", "text/event-stream"}, kNotReady},
+         {{200, "A stream without end", "EventStream", "text/event-stream"}, kNotReady, kTooMany},
          get_events},
         {"GET",
          "/api/boards/{board}/services/{service}/stream",
@@ -256,7 +264,7 @@ std::vector<Route> make_routes() {
            "20"},
           kLastEventId},
          "",
-         {{200, "A stream without end", "EventStream", "text/event-stream"}, kNotFound, kNotReady},
+         {{200, "A stream without end", "EventStream", "text/event-stream"}, kNotFound, kNotReady, kTooMany},
          get_service_stream},
         {"GET",
          "/api/stream",
@@ -266,7 +274,8 @@ std::vector<Route> make_routes() {
          {{"session", kText, "Names the session to which ids of commands belong", ""}},
          "",
          {{101, "The protocol is WebSocket from here on", ""},
-          {426, "No WebSocket was asked for", "Problem", "application/problem+json"}},
+          {426, "No WebSocket was asked for", "Problem", "application/problem+json"},
+          kTooMany},
          get_stream},
         {"GET",
          "/api/status",
@@ -284,7 +293,7 @@ std::vector<Route> make_routes() {
          Need::kRead,
          {},
          "",
-         {{200, "The code", "Code"}},
+         {{200, "The code", "Code"}, kTooMany},
          post_code},
         {"DELETE",
          "/api/session",

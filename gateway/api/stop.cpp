@@ -68,7 +68,7 @@ void post_stop(Call& call) {
     std::vector<std::string> alive, lost;
     for (auto& board : call.gateway.mirror().board_names()) {
         const auto item = call.gateway.mirror().board(board, call.now());
-        if (!item || item->by_name || !call.sees(board)) continue;
+        if (!item || item->names_only || !call.sees(board)) continue;
         (item->state == "lost" || item->state == "offline" ? lost : alive).push_back(std::move(board));
     }
     for (const auto& board : lost)
