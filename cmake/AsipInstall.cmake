@@ -16,7 +16,7 @@ set(inner_headers
   client/board_core client/bus_transport client/direct_transport client/pending_calls
   link/baud link/stream_base
   model/argument_writer model/embedded
-  mqtt/connection mqtt/failure mqtt/outbox mqtt/properties mqtt/tls
+  mqtt/broker_list mqtt/client_impl mqtt/connection mqtt/failure mqtt/host_lookup mqtt/outbox mqtt/properties mqtt/tls
   session/fences session/in_flight session/interview session/machine session/rate_change session/request
   session/request_queue session/search session/settings_memory session/waiting_requests session/wire)
 list(TRANSFORM inner_headers REPLACE "(.+)" "PATTERN;asip/\\1.hpp;EXCLUDE")

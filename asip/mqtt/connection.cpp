@@ -12,7 +12,6 @@
 #include <cstring>
 
 #include "asip/mqtt/failure.hpp"
-#include "asip/mqtt/properties.hpp"
 
 namespace asip::mqtt {
 namespace {
@@ -24,16 +23,11 @@ using Kind = ConnectionFailure::Kind;
 /// turn.
 constexpr int kReadsPerTurn = 64;
 constexpr int kInvalidSocket = -1;
-constexpr int kMinKeepalive = 5;  // of libmosquitto
 
 struct Library {
     Library() { mosquitto_lib_init(); }
     ~Library() { mosquitto_lib_cleanup(); }
 };
-
-const char* or_null(const std::string& text) {
-    return text.empty() ? nullptr : text.c_str();
-}
 
 }  // namespace
 
@@ -69,77 +63,6 @@ void Connection::open() {
     }
     auto reason = why_closed(error);
     asio::post(io_, [self = shared_from_this(), reason = std::move(reason)] { self->end(reason); });
-}
-
-int Connection::configure() {
-    auto* m = mosquitto_.get();
-    mosquitto_int_option(m, MOSQ_OPT_PROTOCOL_VERSION, v5_ ? MQTT_PROTOCOL_V5 : MQTT_PROTOCOL_V311);
-    // Without it a QoS 1 round trip waits for a delayed acknowledgement: 44 ms instead of 0.09.
-    mosquitto_int_option(m, MOSQ_OPT_TCP_NODELAY, 1);
-    if (!options_.user.empty()) {
-        mosquitto_username_pw_set(m, options_.user.c_str(), or_null(options_.password));
-    }
-    if (options_.will) {
-        const auto& will = *options_.will;
-        auto properties = v5_ ? will_properties(will) : Properties{};
-        const int error = mosquitto_will_set_v5(m, will.topic.c_str(), static_cast<int>(will.payload.size()),
-                                                will.payload.data(), will.qos, will.retain, properties.get());
-        if (error != MOSQ_ERR_SUCCESS) return error;
-        static_cast<void>(properties.release());  // taken over by libmosquitto, on success only
-    }
-    if (v5_ && options_.max_packet_bytes != 0) limit_packets();
-    return broker_.tls ? configure_tls() : MOSQ_ERR_SUCCESS;
-}
-
-/// libmosquitto takes properties of CONNECT only in its blocking call. With a port that is none, that call
-/// keeps the properties and ends before it connects.
-void Connection::limit_packets() {
-    mosquitto_property* list = nullptr;
-    mosquitto_property_add_int32(&list, MQTT_PROP_MAXIMUM_PACKET_SIZE, options_.max_packet_bytes);
-    mosquitto_connect_bind_v5(mosquitto_.get(), host_.c_str(), -1, kMinKeepalive, nullptr, list);
-    mosquitto_property_free_all(&list);
-}
-
-int Connection::configure_tls() {
-    auto made = Tls::make(options_, broker_.host);
-    if (!made) {
-        tls_detail_ = made.error();
-        return MOSQ_ERR_TLS;
-    }
-    tls_ = std::move(*made);
-    auto* m = mosquitto_.get();
-    mosquitto_int_option(m, MOSQ_OPT_SSL_CTX_WITH_DEFAULTS, 0);
-    return mosquitto_void_option(m, MOSQ_OPT_SSL_CTX, tls_->context());
-}
-
-void Connection::set_callbacks() {
-    auto* m = mosquitto_.get();
-    mosquitto_connect_v5_callback_set(
-        m, [](mosquitto*, void* self, int code, int, const mosquitto_property* properties) {
-            static_cast<Connection*>(self)->on_connect(code, properties);
-        });
-    mosquitto_disconnect_v5_callback_set(m, [](mosquitto*, void* self, int code, const mosquitto_property*) {
-        static_cast<Connection*>(self)->on_disconnect(code);
-    });
-    mosquitto_message_v5_callback_set(m, [](mosquitto*, void* self, const mosquitto_message* message,
-                                            const mosquitto_property* properties) {
-        static_cast<Connection*>(self)->on_message(*message, properties);
-    });
-    mosquitto_publish_v5_callback_set(
-        m, [](mosquitto*, void* self, int id, int code, const mosquitto_property*) {
-            auto& connection = *static_cast<Connection*>(self);
-            ++connection.packets_seen_;
-            connection.events_.publish_answered(id, code);
-        });
-    mosquitto_subscribe_v5_callback_set(
-        m, [](mosquitto*, void* self, int id, int count, const int* granted, const mosquitto_property*) {
-            auto& connection = *static_cast<Connection*>(self);
-            ++connection.packets_seen_;
-            connection.events_.subscribe_answered(id, std::vector<int>(granted, granted + count));
-        });
-    mosquitto_log_callback_set(m, [](mosquitto*, void* self, int level, const char* line) {
-        static_cast<Connection*>(self)->on_log(level, line);
-    });
 }
 
 void Connection::watch() {
@@ -182,9 +105,9 @@ bool Connection::tcp_established() {
     socklen_t size = sizeof problem;
     getsockopt(socket_.native_handle(), SOL_SOCKET, SO_ERROR, &problem, &size);
     if (problem != 0) {
-        // A refused connection is ECONNREFUSED: a reset one was taken, and closed before we looked.
+        // A refused connection is ECONNREFUSED: a reset one was accepted, and closed before we looked.
         end(problem == ECONNRESET ? closed_unanswered()
-                                  : ConnectionEvents::End{unreachable(broker_, std::strerror(problem))});
+                                  : ConnectionEnd{unreachable(broker_, std::strerror(problem))});
         return false;
     }
     sockaddr_storage peer{};
@@ -288,7 +211,7 @@ void Connection::goodbye() {
 }
 
 /// Closing a socket that still holds unread bytes resets it, and the broker may then lose our last messages
-/// and with them the goodbye. So the duplicate stays open until the broker has closed its side.
+/// and with them DISCONNECT. So the duplicate stays open until the broker has closed its side.
 void Connection::await_close() {
     shutdown(socket_.native_handle(), SHUT_WR);
     auto scratch = std::make_shared<std::string>(4096, '\0');
@@ -315,13 +238,13 @@ void Connection::fail(ConnectionFailure failure) {
     asio::post(io_, [self = shared_from_this(), failure = std::move(failure)] { self->end({failure}); });
 }
 
-void Connection::end(const ConnectionEvents::End& reason) {
+void Connection::end(const ConnectionEnd& reason) {
     if (phase_ == Phase::kDown) return;
     abandon();
     events_.connection_down(reason);
 }
 
-ConnectionEvents::End Connection::why_closed(int error) const {
+ConnectionEnd Connection::why_closed(int error) const {
     if (connack_code_ != 0) {
         return {refused_by(broker_, connack_code_, options_), v5_ && is_version_refusal(connack_code_)};
     }
@@ -343,7 +266,7 @@ ConnectionEvents::End Connection::why_closed(int error) const {
     return closed_unanswered();
 }
 
-ConnectionEvents::End Connection::closed_unanswered() const {
+ConnectionEnd Connection::closed_unanswered() const {
     const char* question =
         broker_.tls ? "does it demand a client certificate?" : "is it an MQTT broker, does it expect TLS?";
     return {{Kind::kNoAnswer, broker_, 0,
@@ -351,69 +274,6 @@ ConnectionEvents::End Connection::closed_unanswered() const {
                  (options_.will ? advice_on_topic(options_.will->topic) : "")},
             false,
             true};
-}
-
-int Connection::publish(const Message& message, int& id) {
-    const auto properties = v5_ ? publish_properties(message) : Properties{};
-    const int error = mosquitto_publish_v5(mosquitto_.get(), &id, message.topic.c_str(),
-                                           static_cast<int>(message.payload.size()), message.payload.data(),
-                                           message.qos, message.retain, properties.get());
-    if (!serving_) arm();
-    return error;
-}
-
-int Connection::subscribe(const std::string& filter, const SubscribeOptions& options, int& id) {
-    int flags = 0;
-    if (v5_ && options.no_local) flags |= MQTT_SUB_OPT_NO_LOCAL;
-    if (v5_ && !options.retained) flags |= MQTT_SUB_OPT_SEND_RETAIN_NEVER;
-    const int error =
-        mosquitto_subscribe_v5(mosquitto_.get(), &id, filter.c_str(), options.qos, flags, nullptr);
-    if (!serving_) arm();
-    return error;
-}
-
-int Connection::unsubscribe(const std::string& filter) {
-    const int error = mosquitto_unsubscribe_v5(mosquitto_.get(), nullptr, filter.c_str(), nullptr);
-    if (!serving_) arm();
-    return error;
-}
-
-void Connection::on_connect(int code, const mosquitto_property* properties) {
-    ++packets_seen_;
-    if (code != 0) {
-        connack_code_ = code;
-        return;
-    }
-    phase_ = Phase::kUp;
-    Connected connected{broker_, v5_, options_.client_id, 0};
-    std::uint32_t limit = 0;
-    if (mosquitto_property_read_int32(properties, MQTT_PROP_MAXIMUM_PACKET_SIZE, &limit, false) != nullptr) {
-        connected.max_packet_bytes = limit;
-    }
-    events_.connection_up(connected);
-}
-
-void Connection::on_disconnect(int code) {
-    ++packets_seen_;
-    if (code >= 128) disconnect_code_ = code;
-}
-
-void Connection::on_message(const mosquitto_message& received, const mosquitto_property* properties) {
-    ++packets_seen_;
-    if (phase_ == Phase::kDown) return;
-    Message message;
-    message.topic = received.topic;
-    message.payload.assign(static_cast<const char*>(received.payload),
-                           static_cast<std::size_t>(received.payloadlen));
-    message.qos = received.qos;
-    message.retain = received.retain;
-    read_properties(properties, message);
-    events_.message_received(std::move(message));
-}
-
-void Connection::on_log(int level, const char* line) {
-    if (level == MOSQ_LOG_ERR && std::strncmp(line, "OpenSSL Error", 13) == 0) tls_detail_ = line;
-    if (phase_ != Phase::kDown) events_.debug_line(line);
 }
 
 }  // namespace asip::mqtt

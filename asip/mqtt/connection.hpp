@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "asip/mqtt/client.hpp"
+#include "asip/mqtt/failure.hpp"
 #include "asip/mqtt/message.hpp"
 #include "asip/mqtt/tls.hpp"
 
@@ -17,16 +18,9 @@ namespace asip::mqtt {
 /// What one connection reports to its owner. Called from the io_context only.
 class ConnectionEvents {
   public:
-    /// How a connection ended, and what that means for the broker.
-    struct End {
-        ConnectionFailure failure;
-        bool version_refused = false;    ///< it does not know this version of MQTT
-        bool closed_unanswered = false;  ///< it took the connection and hung up before CONNACK
-    };
-
     virtual void connection_up(const Connected& connected) = 0;
     /// Once, and the last call: the attempt failed, the connection was lost, or goodbye() is through.
-    virtual void connection_down(const End& end) = 0;
+    virtual void connection_down(const ConnectionEnd& end) = 0;
     virtual void message_received(Message message) = 0;
     virtual void publish_answered(int id, int reason_code) = 0;
     virtual void subscribe_answered(int id, const std::vector<int>& granted) = 0;
@@ -72,6 +66,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     int unsubscribe(const std::string& filter);
 
   private:
+    static constexpr int kMinKeepalive = 5;  ///< of libmosquitto, in seconds
     enum class Phase { kConnecting, kUp, kLeaving, kDown };
     struct Destroy {
         void operator()(mosquitto* instance) const { mosquitto_destroy(instance); }
@@ -90,9 +85,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
     void schedule_tick();
     void tick();
     void await_close();
-    void end(const ConnectionEvents::End& reason);
-    ConnectionEvents::End why_closed(int error) const;
-    ConnectionEvents::End closed_unanswered() const;
+    void end(const ConnectionEnd& reason);
+    ConnectionEnd why_closed(int error) const;
+    ConnectionEnd closed_unanswered() const;
 
     void on_connect(int code, const mosquitto_property* properties);
     void on_disconnect(int code);

@@ -17,6 +17,13 @@ ConnectionFailure closed_by(const BrokerAddress& broker, int disconnect_code);
 ConnectionFailure tls_failed(const BrokerAddress& broker, const std::string& detail, bool may_pass = false);
 ConnectionFailure unreachable(const BrokerAddress& broker, const std::string& detail);
 
+/// How a connection or an attempt to connect ended, and what that means for the broker.
+struct ConnectionEnd {
+    ConnectionFailure failure;
+    bool version_refused = false;    ///< it does not know this version of MQTT
+    bool closed_unanswered = false;  ///< it accepted the TCP connection and closed it before CONNACK
+};
+
 /// What to check where a topic holds a dot or a space, which some brokers (NATS) refuse; else empty. Begins
 /// with a blank.
 std::string advice_on_topic(std::string_view topic);

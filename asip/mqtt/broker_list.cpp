@@ -1,0 +1,82 @@
+#include "asip/mqtt/broker_list.hpp"
+
+#include <algorithm>
+
+namespace asip::mqtt {
+namespace {
+
+/// "Closed before answering" can be a broker that is just going down; only the second time in a row it is
+/// taken as "does not know MQTT 5".
+constexpr int kSuspicionsUntilFallback = 2;
+constexpr int kUnansweredUntilTls = 3;
+constexpr auto kHeldLongEnough = std::chrono::seconds(5);
+
+}  // namespace
+
+BrokerList::BrokerList(std::vector<BrokerAddress> brokers, Version version, Backoff backoff)
+    : version_(version), backoff_(backoff) {
+    for (auto& address : brokers)
+        brokers_.push_back({std::move(address)});
+}
+
+bool BrokerList::with_v5() const {
+    const auto& broker = brokers_[current_];
+    return version_ == Version::kV5 ||
+           (version_ == Version::kBest && broker.speaks_v5 && broker.suspicions < kSuspicionsUntilFallback);
+}
+
+void BrokerList::accepted() {
+    auto& broker = brokers_[current_];
+    ever_accepted_ = true;
+    broker.suspicions = broker.unanswered = 0;
+    broker.failed_fatally = false;
+}
+
+BrokerList::Next BrokerList::lost(const ConnectionEnd& end, Duration held, const Random& random) {
+    using Kind = ConnectionFailure::Kind;
+    // A broker that accepts connections and ends them at once must not be asked without a pause.
+    if (held >= kHeldLongEnough) backoff_.reset();
+    failures_this_round_ = brokers_.size();
+    const bool at_once = end.failure.kind != Kind::kStalled && end.failure.kind != Kind::kRefused;
+    return {advance(at_once, random), end.failure};
+}
+
+BrokerList::Next BrokerList::failed(const ConnectionEnd& end, bool tried_v5, const Random& random) {
+    auto& broker = brokers_[current_];
+    learn(broker, end, tried_v5);
+    Next next{advance(end.version_refused, random), std::nullopt};
+    // A version below which there is another is not a failure of interest to anybody.
+    if (end.version_refused && version_ == Version::kBest) return next;
+    auto failure = end.failure;
+    // A broker that misses our certificate reports it in an alert, which its closing of the socket often
+    // overtakes.
+    if (failure.broker.tls && broker.unanswered >= kUnansweredUntilTls)
+        failure.kind = ConnectionFailure::Kind::kTls;
+    broker.failed_fatally = failure.fatal();
+    failure.hopeless = hopeless();
+    next.failure = std::move(failure);
+    return next;
+}
+
+void BrokerList::learn(Broker& broker, const ConnectionEnd& end, bool tried_v5) const {
+    broker.unanswered = end.closed_unanswered ? broker.unanswered + 1 : 0;
+    if (end.version_refused) broker.speaks_v5 = false;
+    // When 3.1.1 fares no better the suspicion was wrong.
+    broker.suspicions = end.closed_unanswered && tried_v5 ? broker.suspicions + 1 : 0;
+}
+
+Duration BrokerList::advance(bool same_broker_at_once, const Random& random) {
+    const bool suspected = version_ == Version::kBest && brokers_[current_].suspicions > 0;
+    if (!same_broker_at_once && !suspected) current_ = (current_ + 1) % brokers_.size();
+    // The whole list is tried without waiting, then there is a pause.
+    if (++failures_this_round_ < brokers_.size()) return {};
+    failures_this_round_ = 0;
+    return backoff_.next(random);
+}
+
+bool BrokerList::hopeless() const {
+    return !ever_accepted_ && std::all_of(brokers_.begin(), brokers_.end(),
+                                          [](const Broker& each) { return each.failed_fatally; });
+}
+
+}  // namespace asip::mqtt

@@ -1,0 +1,98 @@
+#include <algorithm>
+
+#include "asip/mqtt/client_impl.hpp"
+
+namespace asip::mqtt {
+namespace {
+
+using Kind = ConnectionFailure::Kind;
+
+}  // namespace
+
+void Client::Impl::attempt() {
+    if (silent()) return;
+    addresses_.clear();
+    lookup_.start(
+        brokers_.current(), options_.connect_timeout,
+        [self = shared_from_this()](Expected<std::vector<std::string>> addresses) {
+            if (self->silent()) return;
+            if (!addresses)
+                return self->connection_down({unreachable(self->brokers_.current(), addresses.error())});
+            self->addresses_ = std::move(*addresses);
+            self->connect_next_address();
+        });
+}
+
+void Client::Impl::connect_next_address() {
+    const auto host = addresses_.back();
+    addresses_.pop_back();
+    was_up_ = false;
+    tried_v5_ = brokers_.with_v5();
+    connection_ = std::make_shared<Connection>(io_, options_, brokers_.current(), host, tried_v5_, *this);
+    connection_->open();
+}
+
+void Client::Impl::connection_up(const Connected& connected) {
+    was_up_ = true;
+    up_since_ = last_granted_ = Clock::now();
+    ++counters_.connects;
+    brokers_.accepted();
+    subscriptions_.restart();
+    send_subscriptions();
+    if (!silent() && handlers_.on_connected) handlers_.on_connected(connected);
+    flush();
+}
+
+void Client::Impl::connection_down(const ConnectionEnd& end) {
+    connection_.reset();
+    requeue_unacknowledged();
+    if (stopped_) {
+        finish();
+        return;
+    }
+    if (was_up_) {
+        was_up_ = false;
+        ++counters_.failures;
+        retry_after(brokers_.lost(end, Clock::now() - up_since_, options_.random).wait);
+        if (handlers_.on_disconnected) handlers_.on_disconnected(end.failure);
+        return;
+    }
+    if (end.failure.kind == Kind::kUnreachable && !addresses_.empty()) {
+        connect_next_address();
+        return;
+    }
+    ++counters_.failures;
+    const auto next = brokers_.failed(end, tried_v5_, options_.random);
+    retry_after(next.wait);
+    if (next.failure && !silent() && handlers_.on_connect_failed) handlers_.on_connect_failed(*next.failure);
+}
+
+void Client::Impl::retry_after(Duration wait) {
+    retry_timer_.expires_after(wait);
+    retry_timer_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
+        if (!error) self->attempt();
+    });
+}
+
+void Client::Impl::tick(Time now) {
+    fail_if_stalled(now);
+    if (connected()) send_subscriptions();
+}
+
+void Client::Impl::fail_if_stalled(Time now) {
+    if (options_.ack_timeout == Duration::zero()) return;
+    const auto stalled = [&](const char* what) {
+        connection_->fail({Kind::kStalled, brokers_.current(), 0, brokers_.current().describe() + what});
+    };
+    if (const auto since = subscriptions_.waiting_since()) {
+        if (now - *since >= options_.subscribe_timeout) stalled(" does not answer a subscription");
+        return;
+    }
+    for (const auto& [id, sent] : unacknowledged_) {
+        if (now - std::max(sent.sent, last_granted_) < options_.ack_timeout) continue;
+        stalled(" acknowledges nothing any more");
+        return;
+    }
+}
+
+}  // namespace asip::mqtt

@@ -1,0 +1,96 @@
+#pragma once
+#include <boost/asio/steady_timer.hpp>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "asip/mqtt/broker_list.hpp"
+#include "asip/mqtt/client.hpp"
+#include "asip/mqtt/connection.hpp"
+#include "asip/mqtt/host_lookup.hpp"
+#include "asip/mqtt/outbox.hpp"
+
+namespace asip::mqtt {
+
+/// What is behind a Client; lives until its last asynchronous operation has ended.
+class Client::Impl final : public ConnectionEvents, public std::enable_shared_from_this<Impl> {
+  public:
+    Impl(boost::asio::io_context& io, Options options, Handlers handlers);
+
+    void start() { attempt(); }
+    void stop(Duration limit, std::function<void()> done);
+    void close();
+
+    void set_will(Message will) { options_.will = std::move(will); }
+    void subscribe(std::string filter, SubscribeOptions options);
+    void unsubscribe(const std::string& filter);
+    PublishResult publish(Message message, Priority priority);
+    void discard_queued(Priority priority) { outbox_.discard(priority); }
+
+    bool connected() const { return connection_ && connection_->up(); }
+    bool subscribed() const { return connected() && subscriptions_.all_granted(); }
+    bool v5() const { return connected() && connection_->v5(); }
+    const std::string& client_id() const { return options_.client_id; }
+    Counters counters() const;
+
+  private:
+    struct Unacknowledged {
+        Outbox::Entry entry;
+        Time sent;
+    };
+
+    // Connecting (client_connecting.cpp)
+    void connection_up(const Connected& connected) override;
+    void connection_down(const ConnectionEnd& end) override;
+    void tick(Time now) override;
+    void attempt();
+    void connect_next_address();
+    void retry_after(Duration wait);
+    void fail_if_stalled(Time now);
+
+    // Subscriptions and messages (client_messages.cpp)
+    void message_received(Message message) override;
+    void publish_answered(int id, int reason_code) override;
+    void subscribe_answered(int id, const std::vector<int>& granted) override;
+    void may_write() override { flush(); }
+    void debug_line(const std::string& line) override;
+    void send_subscriptions();
+    int send(Outbox::Entry entry);
+    void flush();
+    void requeue_unacknowledged();
+    bool window_open(const Message& message) const;
+
+    // Stopping (client.cpp)
+    /// Handlers are kept, and no longer called: one of them may be what called stop().
+    bool silent() const { return closed_ || stopped_; }
+    void leave_when_sent();
+    void finish();
+
+    boost::asio::io_context& io_;
+    Options options_;
+    Handlers handlers_;
+
+    BrokerList brokers_;
+    boost::asio::steady_timer retry_timer_;
+    HostLookup lookup_;
+    std::vector<std::string> addresses_;  ///< of this attempt, those not yet tried; the next one last
+    std::shared_ptr<Connection> connection_;
+    bool was_up_ = false;
+    Time up_since_{};
+    bool tried_v5_ = false;
+
+    Subscriptions subscriptions_;
+    Time last_granted_{};  ///< or refused: when the broker was last busy with a subscription
+    Outbox outbox_;
+    std::map<int, Unacknowledged> unacknowledged_;
+    Counters counters_;
+
+    bool closed_ = false;
+    bool leaving_ = false;
+    std::function<void()> stopped_;
+    boost::asio::steady_timer stop_timer_;
+};
+
+}  // namespace asip::mqtt

@@ -1,0 +1,151 @@
+#include <mosquitto.h>
+#include <mqtt_protocol.h>
+
+#include "asip/mqtt/client_impl.hpp"
+
+namespace asip::mqtt {
+namespace {
+
+/// Unacknowledged QoS 1 messages: what libmosquitto and Mosquitto both allow unless configured otherwise.
+constexpr std::size_t kMaxUnacknowledged = 20;
+constexpr std::size_t kMaxPropertyBytes = 65535;
+constexpr int kFirstErrorCode = 128;
+
+bool can_be_published(const Message& message) {
+    return !message.topic.empty() && message.qos >= 0 && message.qos <= 1 &&
+           mosquitto_pub_topic_check(message.topic.c_str()) == 0 &&
+           message.topic.find('\0') == std::string::npos && message.topic.size() <= kMaxPropertyBytes &&
+           mosquitto_validate_utf8(message.topic.data(), static_cast<int>(message.topic.size())) == 0 &&
+           message.payload.size() <= MQTT_MAX_PAYLOAD && message.correlation.size() <= kMaxPropertyBytes &&
+           message.response_topic.size() <= kMaxPropertyBytes;
+}
+
+/// Errors that mean that the connection is gone, and nothing about the message.
+bool is_connection_error(int error) {
+    return error == MOSQ_ERR_NO_CONN || error == MOSQ_ERR_CONN_LOST || error == MOSQ_ERR_ERRNO ||
+           error == MOSQ_ERR_TLS || error == MOSQ_ERR_NOMEM;
+}
+
+}  // namespace
+
+void Client::Impl::message_received(Message message) {
+    ++counters_.received;
+    if (!silent() && handlers_.on_message) handlers_.on_message(message);
+}
+
+void Client::Impl::debug_line(const std::string& line) {
+    if (!silent() && handlers_.on_debug) handlers_.on_debug(line);
+}
+
+void Client::Impl::subscribe(std::string filter, SubscribeOptions options) {
+    subscriptions_.add(filter, options);
+    if (connected()) send_subscriptions();
+}
+
+void Client::Impl::unsubscribe(const std::string& filter) {
+    subscriptions_.remove(filter);
+    if (connected()) connection_->unsubscribe(filter);
+}
+
+void Client::Impl::send_subscriptions() {
+    const auto now = Clock::now();
+    for (const auto& [filter, options] : subscriptions_.due(now)) {
+        int id = 0;
+        if (connection_->subscribe(filter, options, id) == MOSQ_ERR_SUCCESS)
+            subscriptions_.sent(id, filter, now);
+    }
+}
+
+void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
+    const auto now = Clock::now();
+    last_granted_ = now;
+    const int code = granted.empty() ? 0 : granted.front();
+    const bool complete_before = subscriptions_.all_granted();
+    const auto refusal = subscriptions_.answered(id, code < kFirstErrorCode, now, options_.random);
+    if (silent()) return;
+    if (!complete_before && subscriptions_.all_granted() && handlers_.on_subscribed)
+        handlers_.on_subscribed();
+    if (!refusal) return;
+    const std::string reason = mosquitto_reason_string(code);
+    if (refusal->first && handlers_.on_subscribe_refused)
+        handlers_.on_subscribe_refused(refusal->filter, reason + advice_on_topic(refusal->filter));
+    if (refusal->give_up && brokers_.size() > 1 && connection_) {
+        connection_->fail({ConnectionFailure::Kind::kRefused, brokers_.current(), code,
+                           brokers_.current().describe() + " refuses the subscription to " + refusal->filter +
+                               ": " + reason});
+    }
+}
+
+PublishResult Client::Impl::publish(Message message, Priority priority) {
+    if (closed_ || !can_be_published(message)) {
+        ++counters_.refused;
+        return PublishResult::kRefused;
+    }
+    if (!outbox_.push(std::move(message), priority)) {
+        ++counters_.refused;
+        return PublishResult::kRefused;
+    }
+    flush();
+    return outbox_.empty() ? PublishResult::kSent : PublishResult::kQueued;
+}
+
+/// libmosquitto's own queue has no bound: it is given the next message only when it has written the one
+/// before.
+void Client::Impl::flush() {
+    while (!outbox_.empty() && connection_ && connection_->ready_to_write() &&
+           window_open(outbox_.front().message)) {
+        const int error = send(outbox_.pop());
+        if (is_connection_error(error)) {
+            connection_->fail(closed_by(brokers_.current(), 0));
+            break;
+        }
+    }
+    leave_when_sent();
+}
+
+int Client::Impl::send(Outbox::Entry entry) {
+    int id = 0;
+    const int error = connection_->publish(entry.message, id);
+    if (is_connection_error(error)) {
+        outbox_.put_back(std::move(entry));
+    } else if (error != MOSQ_ERR_SUCCESS) {
+        ++counters_.rejected;
+        debug_line("not published on " + entry.message.topic + ": " + mosquitto_strerror(error));
+    } else if (entry.message.qos == 0) {
+        ++counters_.published;
+    } else {
+        unacknowledged_.emplace(id, Unacknowledged{std::move(entry), Clock::now()});
+    }
+    return error;
+}
+
+void Client::Impl::publish_answered(int id, int reason_code) {
+    const auto sent = unacknowledged_.find(id);
+    if (sent == unacknowledged_.end()) return;  // QoS 0: libmosquitto reports these as well
+    const auto topic = std::move(sent->second.entry.message.topic);
+    unacknowledged_.erase(sent);
+    if (reason_code >= kFirstErrorCode) {
+        ++counters_.rejected;
+        debug_line("broker rejected what was published on " + topic + ": " +
+                   mosquitto_reason_string(reason_code));
+        if (!silent() && handlers_.on_publish_denied) {
+            handlers_.on_publish_denied(topic, mosquitto_reason_string(reason_code));
+        }
+    } else {
+        ++counters_.published;
+        if (!silent() && handlers_.on_published) handlers_.on_published(topic);
+    }
+    leave_when_sent();
+}
+
+void Client::Impl::requeue_unacknowledged() {
+    for (auto& [id, sent] : unacknowledged_)
+        outbox_.put_back(std::move(sent.entry));
+    unacknowledged_.clear();
+}
+
+bool Client::Impl::window_open(const Message& message) const {
+    return message.qos == 0 || unacknowledged_.size() < kMaxUnacknowledged;
+}
+
+}  // namespace asip::mqtt
