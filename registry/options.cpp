@@ -1,7 +1,6 @@
 #include "registry/options.hpp"
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <iostream>
 #include <limits>
 
@@ -16,7 +15,8 @@ namespace {
 
 constexpr const char* kAbout =
     "Keeps the live catalogue of boards and services: listens to the service bus, judges leases, answers\n"
-    "queries and tells changes. Needs no configuration next to the broker. Any number may run side by side.";
+    "queries and reports changes. Needs no configuration next to the broker. Any number may run side by "
+    "side.";
 
 constexpr const char* kExamples =
     "Examples:\n"
@@ -29,14 +29,19 @@ constexpr const char* kExamples =
     "  asipctl list\n"
     "      Asks it.\n"
     "\n"
-    "Exit status: 0 told to stop; 1 failed while running; 2 bad option; 3 the broker refused us.";
+    "Exit status: 0 stopped by a signal; 1 failed while running; 2 bad option; 3 the broker refused the "
+    "connection.";
+
+constexpr std::uint64_t kMinHistoryBytes = 64u << 10;
+constexpr std::uint64_t kMaxHistoryBytes = std::numeric_limits<std::int64_t>::max();
 
 struct Raw {
     program::BrokerOptions broker;
     program::LogOptions log;
     std::string id, services, history;
-    std::string forget_after = "7d", stats_interval = "10s", history_age = "90d", history_size = "256M";
+    std::string forget_after = "7d", stats_interval = "10s", history_age = "90d";
     std::size_t max_boards = 1'000'000;
+    std::uint64_t history_bytes = std::uint64_t{256} << 20;
 };
 
 void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
@@ -62,10 +67,13 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
     settings.setting(app.add_option("--history-age", raw.history_age, "Changes older than this are dropped")
                          ->capture_default_str()
                          ->group("History"));
-    settings.setting(app.add_option("--history-size", raw.history_size,
-                                    "Largest size of the file (512k, 256M, 2G); the oldest changes give way")
-                         ->capture_default_str()
-                         ->group("History"));
+    settings.setting(
+        app.add_option("--history-size", raw.history_bytes,
+                       "Maximum size of the file (512k, 256M, 2G); the oldest changes are dropped")
+            ->transform(CLI::AsSizeValue(false))
+            ->check(CLI::Range(kMinHistoryBytes, kMaxHistoryBytes, "64k or more"))
+            ->option_text("SIZE=256M")
+            ->group("History"));
 }
 
 template <class Value, class Parse>
@@ -79,15 +87,6 @@ bool convert(const char* option, const std::string& text, const Parse& parse, Va
     return true;
 }
 
-// Splits "12h" into 12 and "h".
-bool split(const std::string& text, std::uint64_t& number, std::string& unit) {
-    const auto end = text.data() + text.size();
-    const auto [rest, error] = std::from_chars(text.data(), end, number);
-    if (error != std::errc()) return false;
-    unit.assign(rest, end);
-    return true;
-}
-
 }  // namespace
 
 Expected<Duration> parse_period(const std::string& text) {
@@ -95,23 +94,6 @@ Expected<Duration> parse_period(const std::string& text) {
     if (!period) return Unexpected<std::string>(period.error());
     if (*period < std::chrono::seconds(1)) return fail("'" + text + "' is less than a second");
     return *period;
-}
-
-Expected<std::size_t> parse_size(const std::string& text) {
-    std::uint64_t number = 0;
-    std::string unit;
-    const auto wrong = fail("\"" + text + "\" is not a size; write for example 512k, 256M or 2G");
-    if (!split(text, number, unit)) return wrong;
-    std::uint64_t factor = 0;
-    if (unit.empty()) factor = 1;
-    if (unit == "k" || unit == "K") factor = 1u << 10;
-    if (unit == "M") factor = 1u << 20;
-    if (unit == "G") factor = 1u << 30;
-    if (factor == 0) return wrong;
-    if (number > std::numeric_limits<std::int64_t>::max() / factor)
-        return fail("\"" + text + "\" is too much");
-    if (number * factor < (64u << 10)) return fail("\"" + text + "\" is less than 64k");
-    return static_cast<std::size_t>(number * factor);
 }
 
 Expected<RegistryOptions, int> read_options(int argc, const char* const* argv) {
@@ -128,10 +110,10 @@ Expected<RegistryOptions, int> read_options(int argc, const char* const* argv) {
     RegistryOptions options;
     if (!convert("--forget-after", raw.forget_after, parse_period, options.forget_after) ||
         !convert("--stats-interval", raw.stats_interval, parse_period, options.stats_interval) ||
-        !convert("--history-age", raw.history_age, parse_period, options.history_age) ||
-        !convert("--history-size", raw.history_size, parse_size, options.history_bytes)) {
+        !convert("--history-age", raw.history_age, parse_period, options.history_age)) {
         return usage;
     }
+    options.history_bytes = static_cast<std::size_t>(raw.history_bytes);
     auto mqtt = program::mqtt_options(raw.broker, "asip-registry");
     if (!mqtt) {
         std::cerr << "asip-registry: " << mqtt.error() << "\n";

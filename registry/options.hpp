@@ -27,7 +27,5 @@ Expected<RegistryOptions, int> read_options(int argc, const char* const* argv);
 
 /// A duration of at least a second: "90", "90s", "15m", "12h", "7d".
 Expected<Duration> parse_period(const std::string& text);
-/// "1048576", "512k", "256M", "2G"
-Expected<std::size_t> parse_size(const std::string& text);
 
 }  // namespace asip::registry
