@@ -110,14 +110,14 @@ class KeptStream::Impl : public std::enable_shared_from_this<Impl> {
             const auto self = weak.lock();
             if (!self || self->stopped_) return;
             if (!stream) return self->failed(stream.error());
-            opened_tcp(*self, std::move(*stream));
+            self->opened_tcp(std::move(*stream));
         });
     }
 
-    static void opened_tcp(Impl& self, std::unique_ptr<ByteStream> stream) {
-        self.opened(std::move(stream));
-        const auto& address = std::get<TcpAddress>(self.target_);
-        self.handlers_.on_up({0, false, address.host + ":" + std::to_string(address.port)});
+    void opened_tcp(std::unique_ptr<ByteStream> stream) {
+        opened(std::move(stream));
+        const auto& address = std::get<TcpAddress>(target_);
+        handlers_.on_up({0, false, address.host + ":" + std::to_string(address.port)});
     }
 
     void opened(std::unique_ptr<ByteStream> stream) {

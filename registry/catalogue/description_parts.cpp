@@ -32,7 +32,7 @@ void collect_units(const nlohmann::json& value, std::vector<std::string>& units)
     }
 }
 
-// The text of a JSON value that is a string; else nothing. Cut where it is longer than anybody needs.
+// The text of a JSON value that is a string; else nothing. Cut where it is longer than a person needs.
 std::string text_of(std::string_view value) {
     if (value.size() < 2 || value.front() != '"') return {};
     return unescape(value.substr(1, std::min(value.size() - 2, kMaxTextBytes)));
@@ -135,10 +135,10 @@ bool read_into(ServicesPart& part, KindTable& kinds) {
     return in.left();
 }
 
-}  // namespace
-
-std::unique_ptr<FirmwarePart> read_firmware(std::string_view text) {
-    auto part = std::make_unique<FirmwarePart>();
+/// A part made of an object's members, each given to `take`; null when the text is not an object.
+template <class Part, class Take>
+std::unique_ptr<Part> read_object(std::string_view text, Take take) {
+    auto part = std::make_unique<Part>();
     part->text = text;
     JsonScanner in(text);
     std::string_view key;
@@ -146,28 +146,29 @@ std::unique_ptr<FirmwarePart> read_firmware(std::string_view text) {
     if (!in.enter_object()) return nullptr;
     while (in.next_member(key)) {
         if (!in.value(value)) return nullptr;
-        if (key == "chip") part->chip = text_of(value);
-        if (key == "sketch") part->sketch = text_of(value);
-        if (key == "protocol") part->protocol = text_of(value);
+        take(*part, key, value);
     }
     return in.left() ? std::move(part) : nullptr;
 }
 
+}  // namespace
+
+std::unique_ptr<FirmwarePart> read_firmware(std::string_view text) {
+    return read_object<FirmwarePart>(text,
+                                     [](FirmwarePart& part, std::string_view key, std::string_view value) {
+                                         if (key == "chip") part.chip = text_of(value);
+                                         if (key == "sketch") part.sketch = text_of(value);
+                                         if (key == "protocol") part.protocol = text_of(value);
+                                     });
+}
+
 std::unique_ptr<PinsPart> read_pins(std::string_view text) {
-    auto part = std::make_unique<PinsPart>();
-    part->text = text;
-    JsonScanner in(text);
-    std::string_view key;
-    std::string_view value;
-    if (!in.enter_object()) return nullptr;
-    while (in.next_member(key)) {
-        if (!in.value(value)) return nullptr;
-        if (key != "capabilities") continue;
+    return read_object<PinsPart>(text, [](PinsPart& part, std::string_view key, std::string_view value) {
+        if (key != "capabilities") return;
         for (const char digit : text_of(value)) {
-            if (digit >= '0' && digit <= '7') part->capabilities |= static_cast<unsigned>(digit - '0');
+            if (digit >= '0' && digit <= '7') part.capabilities |= static_cast<unsigned>(digit - '0');
         }
-    }
-    return in.left() ? std::move(part) : nullptr;
+    });
 }
 
 std::unique_ptr<ServicesPart> read_services(std::string_view text, KindTable& kinds) {
