@@ -73,7 +73,7 @@ TEST(RegistryHistory, StartedThreeTimes_TimesGoOnAndNoRowIsWritten) {
     }
 }
 
-TEST(RegistryAccess, MayNotClearWhatABoardLeft_ReportsItOnceAndForgettingGoesOn) {
+TEST(RegistryAccess, MayNotClearWhatABoardLeft_ReportsItOnceAndForgettingContinues) {
     const TempDir folder;
     const std::string rules = folder.write("acl",
                                            "user registry\ntopic read asip/#\ntopic write asip/servicebus/#\n"

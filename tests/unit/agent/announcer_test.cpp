@@ -213,7 +213,7 @@ TEST(Announcer, BrokerBack_AnnouncesAtOnceWithoutAnotherClaim) {
     EXPECT_THAT(bench.on(kProbe), IsEmpty());
 }
 
-TEST(Announcer, Goodbye_SaysOffline) {
+TEST(Announcer, Goodbye_PublishesOffline) {
     BridgeBench bench;
     bench.go_online();
     Effects effects;

@@ -20,7 +20,7 @@ struct AgentStatistics : testing::Test {
     BridgeBench bench;
 };
 
-TEST_F(AgentStatistics, Document_SaysWhoseItIsAndSinceWhen) {
+TEST_F(AgentStatistics, Document_NamesItsAgentAndItsStart) {
     const auto first = document();
     EXPECT_EQ(first["board"], "uno1");
     EXPECT_EQ(first["number"], 1);

@@ -1,43 +1,14 @@
-#include "registry/catalogue/catalogue.hpp"
-
 #include <gmock/gmock.h>
 
-#include "bus_messages.hpp"
+#include "catalogue_bench.hpp"
 
 namespace asip::registry {
 namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
+
 using Kind = Event::Kind;
-
-class CatalogueTest : public testing::Test {
-  protected:
-    std::vector<Kind> give(const OwnedMessage& message, Duration when = 0s) {
-        auto applied = catalogue.apply(message.view(), at(when));
-        refused = applied.refused;
-        EXPECT_EQ(catalogue.check(), "");
-        return kinds(applied.events);
-    }
-    std::vector<Kind> expire(Duration when) {
-        auto events = catalogue.expire(at(when));
-        EXPECT_EQ(catalogue.check(), "");
-        return kinds(events);
-    }
-    static std::vector<Kind> kinds(const std::vector<Event>& events) {
-        std::vector<Kind> result;
-        for (const Event& event : events)
-            result.push_back(event.kind);
-        return result;
-    }
-    bus::BoardItem board(const std::string& name, Duration when = 0s) {
-        return catalogue.board(name, instant(at(when))).value_or(bus::BoardItem{});
-    }
-    std::string state_of(const std::string& name) { return board(name).state; }
-
-    Catalogue catalogue;
-    std::optional<Refusal> refused;
-};
 
 TEST_F(CatalogueTest, FirstDescription_AddsBoardOnline) {
     EXPECT_THAT(give(description("uno1")), ElementsAre(Kind::kAdded));
@@ -132,147 +103,6 @@ TEST_F(CatalogueTest, SleepingAndUpdatingAreBelievedWhileTheLeaseRuns) {
     EXPECT_EQ(state_of("uno1"), "lost");
 }
 
-TEST_F(CatalogueTest, RestartedAgent_TakesOverAtOnceAndReplaysOfTheOldSessionChangeNothing) {
-    give(description("uno1", {.session = "a", .seq = 40}));
-    EXPECT_THAT(give(description("uno1", {.session = "b", .seq = 1})), ElementsAre(Kind::kDescription));
-    for (std::uint64_t seq = 1; seq <= 40; ++seq) {
-        EXPECT_THAT(give(description("uno1", {.session = "a", .seq = seq, .services = "[]"})), IsEmpty());
-        EXPECT_EQ(refused, Refusal::kOldSession);
-    }
-    EXPECT_EQ(board("uno1").session, "b");
-    EXPECT_EQ(board("uno1").services.size(), 2u);
-}
-
-TEST_F(CatalogueTest, TwoLivingSessions_OneConflictReportedAndNoAlternation) {
-    give(description("uno1", {.session = "a", .seq = 1}), 0s);
-    give(description("uno1", {.session = "b", .seq = 1}), 1s);
-    std::vector<Kind> all;
-    std::vector<std::string> holders;
-    for (std::uint64_t round = 2; round < 12; ++round) {
-        for (const char* session : {"a", "b"}) {
-            const auto events = give(description("uno1", {.session = session, .seq = round}), round * 1s);
-            all.insert(all.end(), events.begin(), events.end());
-            holders.push_back(board("uno1").session);
-        }
-    }
-    EXPECT_THAT(all, ElementsAre(Kind::kConflict));
-    EXPECT_THAT(holders, testing::Each("b"));
-    const auto item = board("uno1");
-    ASSERT_TRUE(item.conflict);
-    EXPECT_EQ(item.conflict->holder, "b");
-    EXPECT_EQ(item.conflict->other, "a");
-    EXPECT_EQ(item.conflict->other_agent, "pi asip-agent-1");
-    EXPECT_EQ(catalogue.stats().conflicts, 1u);
-}
-
-TEST_F(CatalogueTest, TwoLivingSessionsWithTheSmallerLast_TheLargerStillEndsAsHolder) {
-    give(description("uno1", {.session = "b", .seq = 1}), 0s);
-    give(description("uno1", {.session = "a", .seq = 1}), 1s);
-    int changes_of_hand = 0;
-    std::string holder = "a";
-    for (std::uint64_t round = 2; round < 12; ++round) {
-        for (const char* session : {"b", "a"}) {
-            give(description("uno1", {.session = session, .seq = round}), round * 1s);
-            if (board("uno1").session != holder) ++changes_of_hand;
-            holder = board("uno1").session;
-        }
-    }
-    EXPECT_EQ(holder, "b");
-    EXPECT_EQ(changes_of_hand, 1);
-    EXPECT_EQ(catalogue.stats().conflicts, 1u);
-}
-
-TEST_F(CatalogueTest, OneMessageOfTheReplacedSessionUnderWay_IsNoConflict) {
-    give(description("uno1", {.session = "a", .seq = 1}), 0s);
-    give(description("uno1", {.session = "b", .seq = 1}), 1s);
-    give(description("uno1", {.session = "a", .seq = 2}), 1s);
-    for (std::uint64_t seq = 2; seq < 9; ++seq) {
-        EXPECT_THAT(give(description("uno1", {.session = "b", .seq = seq}), seq * 20s), IsEmpty());
-    }
-    EXPECT_EQ(board("uno1").session, "b");
-    EXPECT_FALSE(board("uno1").conflict);
-}
-
-TEST_F(CatalogueTest, OtherSessionFallsSilent_ConflictIsResolved) {
-    give(description("uno1", {.session = "a", .seq = 1}), 0s);
-    give(description("uno1", {.session = "b", .seq = 1}), 1s);
-    give(description("uno1", {.session = "a", .seq = 2}), 2s);
-    give(description("uno1", {.session = "b", .seq = 2}), 3s);
-    EXPECT_THAT(give(description("uno1", {.session = "a", .seq = 3}), 4s), ElementsAre(Kind::kConflict));
-    EXPECT_THAT(give(description("uno1", {.session = "b", .seq = 3}), 40s), IsEmpty());
-    EXPECT_THAT(give(description("uno1", {.session = "b", .seq = 4}), 64s), ElementsAre(Kind::kResolved));
-    EXPECT_EQ(catalogue.stats().conflicts, 0u);
-}
-
-TEST_F(CatalogueTest, HolderFallsSilent_OtherSessionHoldsTheBoard) {
-    give(description("uno1", {.session = "a", .seq = 1}), 0s);
-    give(description("uno1", {.session = "b", .seq = 1}), 1s);
-    give(description("uno1", {.session = "a", .seq = 2}), 2s);
-    give(description("uno1", {.session = "b", .seq = 2}), 3s);
-    give(description("uno1", {.session = "a", .seq = 3}), 50s);
-    EXPECT_THAT(expire(63s), ElementsAre(Kind::kState, Kind::kResolved, Kind::kGhost));
-    give(description("uno1", {.session = "a", .seq = 4}), 64s);
-    EXPECT_EQ(state_of("uno1"), "online");
-    EXPECT_EQ(board("uno1").session, "a");
-}
-
-TEST_F(CatalogueTest, RetainedDescriptionWithExpiry_LivesForWhatIsLeft) {
-    give(retained(description("uno1"), 17));
-    EXPECT_EQ(state_of("uno1"), "online");
-    EXPECT_THAT(expire(17s), ElementsAre(Kind::kState));
-}
-
-TEST_F(CatalogueTest, RetainedDescriptionWithoutExpiry_LivesForTheTimeToAnswerAProbe) {
-    give(retained(description("uno1")));
-    EXPECT_EQ(state_of("uno1"), "online");
-    EXPECT_THAT(expire(10s), ElementsAre(Kind::kState, Kind::kGhost));
-    give(retained(description("uno1")), 11s);
-    EXPECT_EQ(state_of("uno1"), "lost") << "the same replay again proves nothing";
-}
-
-TEST_F(CatalogueTest, RetainedStateAloneMakesNobodyAlive) {
-    EXPECT_THAT(give(retained(state("uno1", "online"))), ElementsAre(Kind::kAdded));
-    EXPECT_EQ(state_of("uno1"), "lost");
-    EXPECT_THAT(give(description("uno1")), ElementsAre(Kind::kState, Kind::kDescription));
-    EXPECT_EQ(state_of("uno1"), "online");
-}
-
-TEST_F(CatalogueTest, RetainedLostAndDescriptionInEitherOrder_IsLost) {
-    give(retained(description("uno1"), 40));
-    give(retained(state("uno1", "lost")));
-    give(retained(state("uno2", "lost")));
-    give(retained(description("uno2"), 40));
-    EXPECT_EQ(state_of("uno1"), "lost");
-    EXPECT_EQ(state_of("uno2"), "lost");
-    EXPECT_EQ(board("uno2").services.size(), 2u);
-}
-
-TEST_F(CatalogueTest, ReplayedStateAgainstALivingBoard_IsOnlyAHint) {
-    give(description("uno1"));
-    give(retained(state("uno1", "lost")));
-    EXPECT_EQ(refused, Refusal::kOldHint);
-    EXPECT_EQ(state_of("uno1"), "online");
-    catalogue.suspend();
-    catalogue.resume(at(5s));
-    give(retained(state("uno1", "offline")), 5s);
-    EXPECT_EQ(state_of("uno1"), "offline") << "it may have said so while we were away";
-}
-
-TEST_F(CatalogueTest, RetainedDescriptionOfAnUnknownSessionAgainstALivingBoard_IsRefused) {
-    give(description("uno1", {.session = "b"}));
-    give(retained(description("uno1", {.session = "old", .seq = 99, .services = "[]"})));
-    EXPECT_EQ(refused, Refusal::kUnproven);
-    EXPECT_EQ(board("uno1").session, "b");
-}
-
-TEST_F(CatalogueTest, LiveSessionAfterAnUnprovenRetainedOne_TakesOverWithoutConflict) {
-    give(retained(description("uno1", {.session = "old", .seq = 99}), 50));
-    give(description("uno1", {.session = "b"}), 1s);
-    EXPECT_EQ(board("uno1").session, "b");
-    give(retained(description("uno1", {.session = "old", .seq = 99}), 50), 2s);
-    EXPECT_EQ(refused, Refusal::kOldSession);
-}
-
 TEST_F(CatalogueTest, NamesAlone_MakeAFullMember) {
     EXPECT_THAT(give(board_name("esp1")), ElementsAre(Kind::kListen, Kind::kAdded));
     EXPECT_THAT(give(service_name("esp1", "Distance")), ElementsAre(Kind::kDescription));
@@ -286,7 +116,7 @@ TEST_F(CatalogueTest, NamesAlone_MakeAFullMember) {
     EXPECT_EQ(item.services[1].kind, "Servos");
 }
 
-TEST_F(CatalogueTest, TrafficRenewsABoardThatLivesByNames) {
+TEST_F(CatalogueTest, Traffic_RenewsABoardOfNamesOnly) {
     give(board_name("esp1"), 0s);
     give(traffic("esp1"), 50s);
     EXPECT_THAT(expire(109s), IsEmpty());
@@ -377,116 +207,6 @@ TEST_F(CatalogueTest, Full_RefusesNewBoardsAndKeepsTheOld) {
     EXPECT_EQ(small.apply(board_name("uno4").view(), at(0s)).refused, Refusal::kTooMany);
     EXPECT_EQ(small.size(), 1u);
     EXPECT_EQ(small.check(), "");
-}
-
-struct Bad {
-    const char* name;
-    OwnedMessage message;
-    Refusal refusal;
-};
-
-class BadMessageTest : public testing::TestWithParam<Bad> {};
-
-TEST_P(BadMessageTest, IsRefusedWithItsReason_ChangesNothing_AndTheNextGoodOneWorks) {
-    Catalogue catalogue;
-    catalogue.apply(description("uno1").view(), at(0s));
-    const std::string before = catalogue.fingerprint();
-    const auto applied = catalogue.apply(GetParam().message.view(), at(1s));
-    EXPECT_EQ(applied.refused, GetParam().refusal);
-    EXPECT_THAT(applied.events, IsEmpty());
-    EXPECT_EQ(catalogue.fingerprint(), before);
-    EXPECT_EQ(catalogue.check(), "");
-    EXPECT_EQ(catalogue.stats().refused[static_cast<std::size_t>(GetParam().refusal)], 1u);
-    EXPECT_FALSE(catalogue.apply(description("uno1", {.seq = 2}).view(), at(2s)).refused);
-    EXPECT_FALSE(catalogue.apply(description("uno2").view(), at(2s)).refused);
-}
-
-OwnedMessage raw_description(const std::string& payload, const std::string& board = "uno1") {
-    return {bus::TopicKind::kDescription, board, payload};
-}
-OwnedMessage with_services(const std::string& services) {
-    return description("uno1", {.seq = 2, .services = services});
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Each, BadMessageTest,
-    testing::Values(
-        Bad{"NoJson", raw_description("hello"), Refusal::kMalformed},
-        Bad{"CutOff", raw_description(R"({"board":"uno1","session":"a","seq":2,"services":[)"),
-            Refusal::kMalformed},
-        Bad{"TrailingBytes", raw_description(R"({"board":"uno1","session":"a","seq":2,"services":[]} x)"),
-            Refusal::kMalformed},
-        Bad{"NoServices", raw_description(R"({"board":"uno1","session":"a","seq":2})"), Refusal::kMalformed},
-        Bad{"NegativeSeq", raw_description(R"({"board":"uno1","session":"a","seq":-2,"services":[]})"),
-            Refusal::kMalformed},
-        Bad{"FractionalSeq", raw_description(R"({"board":"uno1","session":"a","seq":2.5,"services":[]})"),
-            Refusal::kMalformed},
-        Bad{"HugeSeq",
-            raw_description(R"({"board":"uno1","session":"a","seq":99999999999999999999,"services":[]})"),
-            Refusal::kMalformed},
-        Bad{"EmptySession", raw_description(R"({"board":"uno1","session":"","seq":2,"services":[]})"),
-            Refusal::kMalformed},
-        Bad{"BoardTwice",
-            raw_description(R"({"board":"uno1","board":"uno1","session":"a","seq":2,"services":[]})"),
-            Refusal::kMalformed},
-        Bad{"NoUtf8",
-            raw_description(
-                "{\"board\":\"uno1\",\"session\":\"a\",\"seq\":2,\"services\":[],\"x\":\"\xff\"}"),
-            Refusal::kMalformed},
-        Bad{"TooDeep",
-            raw_description(R"({"board":"uno1","session":"a","seq":2,"services":[],"x":)" +
-                            std::string(5000, '[') + std::string(5000, ']') + "}"),
-            Refusal::kMalformed},
-        Bad{"TooLong", raw_description(std::string(65 * 1024, ' ')), Refusal::kTooLong},
-        Bad{"OtherBoard", raw_description(R"({"board":"uno2","session":"a","seq":2,"services":[]})"),
-            Refusal::kWrongBoard},
-        Bad{"ReservedName",
-            raw_description(R"({"board":"registry","session":"a","seq":2,"services":[]})", "registry"),
-            Refusal::kBadName},
-        Bad{"ServicesNoList", with_services("{}"), Refusal::kMalformed},
-        Bad{"ServiceNoObject", with_services("[1]"), Refusal::kMalformed},
-        Bad{"ServiceWithoutName", with_services(R"([{"id":"D"}])"), Refusal::kMalformed},
-        Bad{"ServiceWithInvalidName", with_services(R"([{"name":"a/b"}])"), Refusal::kMalformed},
-        Bad{"ServiceTwice", with_services(R"([{"name":"a"},{"name":"a"}])"), Refusal::kMalformed},
-        Bad{"ServiceWithLongId", with_services(R"([{"name":"a","id":"DD"}])"), Refusal::kMalformed},
-        Bad{"ServiceWithInvalidModel", with_services(R"([{"name":"a","model":"a b@1"}])"),
-            Refusal::kMalformed},
-        Bad{"ServiceWithNegativeCount", with_services(R"([{"name":"a","count":-1}])"), Refusal::kMalformed},
-        Bad{"UnknownState", state("uno1", "dead"), Refusal::kBadState},
-        Bad{"StateOfInvalidName", state("a b", "online"), Refusal::kBadName},
-        Bad{"EmptyBoardName", board_name(""), Refusal::kBadName},
-        Bad{"BoardNameWithSlash", board_name("a/b"), Refusal::kBadName},
-        Bad{"BoardNameReserved", board_name("servicebus"), Refusal::kBadName},
-        Bad{"LongBoardName", board_name(std::string(65, 'a')), Refusal::kBadName},
-        Bad{"ServiceNameInvalid", service_name("uno1", "a+b"), Refusal::kBadName}),
-    [](const auto& param) { return param.param.name; });
-
-TEST_F(CatalogueTest, TooManyServices_AreRefused) {
-    std::string services = "[";
-    for (int i = 0; i < 65; ++i)
-        services += (i > 0 ? "," : "") + (R"({"name":"s)" + std::to_string(i) + "\"}");
-    give(description("uno1", {.services = services + "]"}));
-    EXPECT_EQ(refused, Refusal::kMalformed);
-    for (int i = 0; i < 64; ++i)
-        give(service_name("esp1", "s" + std::to_string(i)));
-    EXPECT_EQ(refused, std::nullopt);
-    give(service_name("esp1", "s64"));
-    EXPECT_EQ(refused, Refusal::kTooMany);
-}
-
-TEST_F(CatalogueTest, UnknownMembersAndOwnModels_AreKeptInTheFullDescription) {
-    const std::string payload =
-        R"({"x-note":"hi \"there\"","board":"uno1","session":"a","seq":1,"services":[{"name":"foo","id":"F",)"
-        R"("model":{"name":"foo","events":{"e":{"fields":[{"name":"v","unit":"lux"}]}}}}]})";
-    give(raw_description(payload));
-    bus::Query query;
-    query.full = true;
-    const auto answer = catalogue.find(query, instant(at(0s)));
-    ASSERT_TRUE(answer);
-    ASSERT_EQ(answer->boards.size(), 1u);
-    EXPECT_THAT(answer->boards[0].description, testing::HasSubstr(R"("x-note":"hi \"there\"")"));
-    EXPECT_THAT(answer->boards[0].description, testing::HasSubstr(R"("unit":"lux")"));
-    EXPECT_EQ(answer->boards[0].services[0].kind, "foo");
 }
 
 }  // namespace

@@ -205,7 +205,7 @@ TEST_F(CatalogueViewTest, PagesAndEventsBetweenThem_JoinWithoutGapOrDuplicate) {
     EXPECT_EQ(view.boards().count("b"), 0u);
 }
 
-TEST_F(CatalogueViewTest, LostEventResetOrRestart_AsksForANewSnapshotAndTellsOnlyWhatDiffers) {
+TEST_F(CatalogueViewTest, LostEventResetOrRestart_AsksForANewSnapshotAndReportsOnlyWhatDiffers) {
     view.page(page(1, {some_board("a"), some_board("b")}));
     view.event(change(2, ChangeEvent::Kind::kState, some_board("a", "lost")));
     changes.clear();

@@ -14,7 +14,7 @@ namespace asip::session {
 
 using namespace std::chrono_literals;
 
-/// A board of either generation as far as its peer can tell, in plain text. Bytes at a rate it does not have
+/// A board of either generation as far as its peer can know, in plain text. Bytes at a rate it does not have
 /// are garbage to both sides. Time passes only when the Bench says so.
 class ScriptedBoard {
   public:
@@ -26,7 +26,7 @@ class ScriptedBoard {
     std::string chip = "ATmega328P";
     std::string sketch = "Script";
     std::string stored_name = "uno1";
-    std::string services = "ISD";  ///< others are refused
+    std::string services = "ISD";          ///< others are refused
     unsigned fastest_working = 1'000'000;  ///< rates above are accepted and then do not work
     unsigned fastest_allowed = 1'000'000;  ///< rates above are refused
     int lose_lines = 0;                    ///< so many lines from now on are lost on their way to it

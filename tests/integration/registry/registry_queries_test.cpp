@@ -1,0 +1,146 @@
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "running_registry.hpp"
+#include "tests/support/temp_dir.hpp"
+
+namespace asip::test {
+namespace {
+
+TEST(Registry, BadQuery_IsAnsweredWithAReason) {
+    MosquittoBroker broker;
+    RunningRegistry registry(broker.address());
+    ASSERT_TRUE(registry.complete());
+    BusProbe probe(broker.port());
+    for (const char* query :
+         {R"({"find":"shoes"})", R"({"find":"boards","limit":-1})", "{}", R"({"find":"boards","sort":"x"})",
+          R"({"find":"boards","state":["undead"]})", R"({"find":"boards","cursor":"x"})"}) {
+        const auto answer = ask(probe, query);
+        ASSERT_TRUE(answer) << query;
+        EXPECT_EQ(answer->refused, "invalid") << query;
+        EXPECT_NE(answer->error, "") << query;
+    }
+    EXPECT_EQ(ask(probe, R"({"forget":"nobody"})")->refused, "unknown-board");
+    EXPECT_EQ(ask(probe, R"({"find":"history"})")->refused, "no-history");
+}
+
+TEST(Registry, QueryOverMqtt311_IsAnsweredByReplyToAndId) {
+    MosquittoBroker broker;
+    RunningRegistry registry(broker.address());
+    ASSERT_TRUE(registry.complete());
+    BusProbe::Options old;
+    old.v5 = false;
+    BusProbe probe(broker.port(), {"#"}, old);
+    probe.publish("asip/registry/query", R"({"find":"boards","reply_to":"answers/here","id":"77"})");
+    const auto message = probe.wait_for("answers/here");
+    ASSERT_TRUE(message);
+    EXPECT_EQ(bus::parse_answer(message->payload)->id, "77");
+}
+
+TEST(Registry, PagesOfAQuery_HoldEachBoardOnce) {
+    MosquittoBroker broker;
+    RunningRegistry registry(broker.address());
+    ASSERT_TRUE(registry.complete());
+    BusProbe probe(broker.port(), {"nothing"});
+    for (int i = 0; i < 250; ++i) {
+        const std::string board = "board" + std::to_string(i);
+        probe.publish(announcement(board, description_text(board, "a", 1), 60));
+    }
+    ASSERT_TRUE(becomes(probe, "board249", "online"));
+    std::set<std::string> seen;
+    std::string cursor;
+    int pages = 0;
+    do {
+        const auto answer =
+            ask(probe, R"({"find":"services","kind":"distance","limit":40,"cursor":")" + cursor + "\"}");
+        ASSERT_TRUE(answer);
+        for (const auto& item : answer->services)
+            EXPECT_TRUE(seen.insert(item.board).second) << item.board;
+        cursor = answer->cursor;
+        ++pages;
+    } while (!cursor.empty() && pages < 20);
+    EXPECT_EQ(seen.size(), 250u);
+    EXPECT_EQ(pages, 7);
+}
+
+TEST(Registry, ForgottenBoard_LeavesNoRetainedTopicBehind) {
+    MosquittoBroker broker;
+    RunningRegistry registry(broker.address());
+    ASSERT_TRUE(registry.complete());
+    BusProbe probe(broker.port());
+    probe.publish(announcement("uno1", description_text("uno1", "a", 1)));
+    probe.publish("asip/servicebus/uno1", "Distance", true, 1);
+    probe.publish("asip/uno1/distance/out", R"({"distance":[42]})", true, 1);
+    probe.publish("asip/uno1/in", "I,d,13,1", true, 1);
+    probe.publish("asip/uno2/in", "not mine", true, 1);
+    ASSERT_TRUE(becomes(probe, "uno1", "online"));
+    EXPECT_EQ(ask(probe, R"({"forget":"uno1"})")->refused, "alive");
+    probe.publish("asip/servicebus/uno1/$state", "offline", true, 1);
+    ASSERT_TRUE(becomes(probe, "uno1", "offline"));
+    EXPECT_THAT(ask(probe, R"({"forget":"uno*","dry_run":true})")->forgotten, testing::ElementsAre("uno1"));
+    EXPECT_EQ(state_of(probe, "uno1"), "offline");
+    EXPECT_THAT(ask(probe, R"({"forget":"uno1"})")->forgotten, testing::ElementsAre("uno1"));
+    for (const char* topic : {"asip/servicebus/uno1/$description", "asip/servicebus/uno1/$state",
+                              "asip/servicebus/uno1", "asip/uno1/distance/out", "asip/uno1/in"}) {
+        EXPECT_TRUE(probe.wait_for(topic, "")) << topic;
+    }
+    EXPECT_EQ(state_of(probe, "uno1"), "unknown");
+    BusProbe late(broker.port());
+    ASSERT_TRUE(late.wait_for("asip/uno2/in"));
+    ASSERT_TRUE(late.wait_for("asip/registry/r1/$state"));
+    for (const auto& message : late.messages())
+        EXPECT_EQ(message.topic.find("uno1"), std::string::npos) << message.topic;
+}
+
+TEST(Registry, Flood_NothingIsLostAndQueriesAreStillAnswered) {
+    MosquittoBroker broker;
+    RunningRegistry registry(broker.address());
+    ASSERT_TRUE(registry.complete());
+    BusProbe flood(broker.port(), {"nothing"});
+    BusProbe probe(broker.port(), {"nothing"});
+    for (int i = 0; i < 20'000; ++i) {
+        const std::string board = "board" + std::to_string(i % 2000);
+        flood.publish(announcement(board, description_text(board, "a", i + 1), 60));
+        if (i % 5000 == 4999) {
+            EXPECT_TRUE(ask(probe, R"({"find":"boards","limit":1})"));
+        }
+    }
+    EXPECT_TRUE(wait_until([&] {
+        const auto answer = ask(probe, R"({"find":"boards","state":["online"],"limit":1})");
+        return answer && answer->total == 2000u;
+    }));
+    EXPECT_TRUE(wait_until([&] {
+        const auto answer = ask(probe, R"({"find":"boards","board":"board1999"})");
+        return answer && answer->boards.at(0).seq == 20'000u;
+    }));
+}
+
+TEST(Registry, History_HoldsWhatHappenedAlsoAfterARestart) {
+    MosquittoBroker broker;
+    TempDir folder;
+    const std::string file = folder.file("history.db");
+    BusProbe probe(broker.port());
+    {
+        RunningRegistry registry(broker.address(), "r1", {"--history", file});
+        ASSERT_TRUE(registry.complete());
+        probe.publish(announcement("uno1", description_text("uno1", "a", 1), 60));
+        probe.publish("asip/servicebus/uno1/$state", "offline", true, 1);
+        ASSERT_TRUE(becomes(probe, "uno1", "offline"));
+        registry.process().signal(15);
+        EXPECT_EQ(registry.process().wait_exit(), 0);
+    }
+    EXPECT_EQ(probe.last("asip/registry/r1/$state"), "offline") << "said goodbye";
+    RunningRegistry registry(broker.address(), "r1", {"--history", file});
+    ASSERT_TRUE(registry.complete());
+    const auto answer = ask(probe, R"({"find":"history","board":"uno1"})");
+    ASSERT_TRUE(answer);
+    ASSERT_GE(answer->history.size(), 2u);
+    const auto& first = answer->history.back();
+    EXPECT_EQ(first.what, "added");
+    EXPECT_EQ(first.state, "online");
+    EXPECT_EQ(answer->history[answer->history.size() - 2].was, "online");
+}
+
+}  // namespace
+}  // namespace asip::test

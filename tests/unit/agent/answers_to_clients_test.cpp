@@ -1,0 +1,113 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/agent/online_bridge.hpp"
+
+namespace asip::agent {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+TEST_F(OnlineBridge, AnswersAndErrorsOfAClient_GoToItAlone) {
+    bench.board.replies["S,W,9,9"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    bench.client_says("#,?", 1);
+    bench.client_says("S,W,9,9", 2);
+    bench.client_says("#,E,mine", 3);
+    bench.ask("asip/uno1/in", {{"raw", "#,N"}});
+    bench.pass(1s);
+    EXPECT_THAT(bench.client_lines, IsEmpty());
+    ASSERT_EQ(bench.lines_for_one.size(), 3u);
+    EXPECT_EQ(bench.lines_for_one[0].line.substr(0, 5), "@#,?,");
+    EXPECT_EQ(bench.lines_for_one[0].client, 1u);
+    EXPECT_EQ(bench.lines_for_one[1].client, 2u);
+    EXPECT_EQ(bench.lines_for_one[2].line, "@#,E,mine");
+    EXPECT_EQ(bench.lines_for_one[2].client, 3u);
+    bench.say("@D,e,1,{42}\r\n~S,W,7{INVALID_DEVICE_NUMBER}\r\n");
+    EXPECT_EQ(bench.client_lines.size(), 2u) << "events, and what nobody asked for, go to all";
+}
+
+TEST_F(OnlineBridge, ClientAsksForExtensions_IsNotOfferedThoseOfTheLine) {
+    bench.client_says("#,X", 1);
+    ASSERT_EQ(bench.lines_for_one.size(), 1u);
+    EXPECT_EQ(bench.lines_for_one[0].line, "@#,X,2,{E:1,I:1}");
+    bench.client_says("#,C,1", 1);
+    ASSERT_EQ(bench.lines_for_one.size(), 2u);
+    EXPECT_EQ(bench.lines_for_one[1].line, "~#,C,2{UNKNOWN_REQUEST}");
+}
+
+TEST_F(OnlineBridge, ClientTooFast_IsAskedToWaitAndLosesNothing) {
+    bench.board.mute = true;
+    int accepted = 0;
+    while (bench.client_says("I,d,13,1", 1) == Bridge::ClientResult::kAccepted && accepted < 1000)
+        ++accepted;
+    EXPECT_LT(accepted, 100);
+    EXPECT_EQ(bench.client_says("I,d,13,1", 1), Bridge::ClientResult::kLater);
+    EXPECT_EQ(bench.client_says("I,d,13,0", 2), Bridge::ClientResult::kAccepted) << "another client";
+    EXPECT_THAT(bench.on("asip/uno1/io/error"), IsEmpty());
+}
+
+TEST_F(OnlineBridge, ServiceWithoutAModel_PublishesTagAndBody) {
+    bench.board.replies["#,N"] = "@#,N,2,{I:ASIP core IO,Z:A thing}";
+    bench.say(bench.board.banner());
+    bench.pass(1s);
+    bench.say("@Z,e,2,{1,2}\r\n");
+    EXPECT_THAT(bench.on("asip/uno1/Z/out"), ElementsAre(R"({"body":"2,{1,2}","tag":"e"})"));
+}
+
+TEST_F(OnlineBridge, TwoServicesOfOneKind_BothAreReached) {
+    bench.board.replies["#,N"] = "@#,N,3,{I:ASIP core IO,D:Distance,S:Servos}";
+    bench.say(bench.board.banner());
+    bench.pass(1s);
+    const session::ServiceTable table(bench.bridge.session().identity(), model::ModelSet::standard());
+    EXPECT_EQ(table.find('D')->name, "distance");
+    session::Identity two = bench.bridge.session().identity();
+    two.services.push_back({'D', "Distance"});
+    const session::ServiceTable both(two, model::ModelSet::standard());
+    EXPECT_EQ(both.entries()[1].name, "distance");
+    EXPECT_EQ(both.entries()[3].name, "D");
+    EXPECT_NE(both.entries()[3].model, nullptr);
+}
+
+TEST_F(OnlineBridge, ResponseTopic_IsAnsweredWithTheCorrelationData) {
+    mqtt::Message command;
+    command.topic = "asip/uno1/servo/in";
+    command.payload = R"({"write":[0,90]})";
+    command.response_topic = "me";
+    command.correlation = std::string("\0\xff", 2);
+    bench.hear(command);
+    const auto at = std::find_if(bench.published.begin(), bench.published.end(),
+                                 [](const auto& p) { return p.message.topic == "me"; });
+    ASSERT_NE(at, bench.published.end());
+    EXPECT_EQ(at->message.correlation, command.correlation);
+    EXPECT_EQ(at->priority, mqtt::Priority::kReply);
+}
+
+TEST_F(OnlineBridge, BoardNotThere_IsRefusedAndWhatWasSentTimesOut) {
+    bench.board.mute = true;
+    bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "sent");
+    bench.unplug();
+    EXPECT_EQ(json::parse(bench.on("answers").back())["status"], "timeout");
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "after")["reason"], "board-not-there");
+}
+
+TEST_F(OnlineBridge, QueueFull_IsRefusedAndEveryCommandIsAnsweredOnce) {
+    bench.board.mute = true;
+    for (int i = 0; i < 2000; ++i)
+        bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "n" + std::to_string(i));
+    EXPECT_GE(bench.on("answers").size(), 1400u);
+    EXPECT_EQ(json::parse(bench.on("answers").back())["reason"], "queue-full");
+    bench.unplug();
+    EXPECT_EQ(bench.on("answers").size(), 2000u);
+}
+
+TEST_F(OnlineBridge, LineOfAClient_ReachesTheBoardAndBadOnesDoNot) {
+    EXPECT_EQ(bench.client_says("I,d,13,1"), Bridge::ClientResult::kAccepted);
+    EXPECT_EQ(bench.client_says("#,B,500000"), Bridge::ClientResult::kRefused);
+    EXPECT_EQ(bench.client_says("nonsense"), Bridge::ClientResult::kRefused);
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,d,13,1"));
+}
+
+}  // namespace
+}  // namespace asip::agent

@@ -1,0 +1,211 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/agent/online_bridge.hpp"
+
+namespace asip::agent {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+TEST_F(OnlineBridge, Command_IsExecutedAndAnsweredWithItsProof) {
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}),
+              json::parse(R"({"id":"1","status":"ok","proof":"fence"})"));
+    EXPECT_THAT(bench.board.executed, ElementsAre("S,W,0,90"));
+}
+
+TEST_F(OnlineBridge, CommandWithAnAnswer_CarriesItDecoded) {
+    bench.board.replies["D,M"] = "@D,e,2,{42,118}";
+    EXPECT_EQ(bench.ask("asip/uno1/distance/in", {{"measure", nullptr}})["answer"],
+              json::parse(R"({"distance":[42,118]})"));
+}
+
+TEST_F(OnlineBridge, BoardRefuses_ItsWordsAreTheAnswer) {
+    bench.board.replies["S,W,9,90"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {9, 90}}}),
+              json::parse(R"({"id":"1","status":"error","code":7,"error":"INVALID_DEVICE_NUMBER"})"));
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "2")["status"], "ok");
+}
+
+TEST_F(OnlineBridge, BoardDoesNotAnswer_TimeoutAndTheNextWorks) {
+    bench.board.swallow_fences = 1;
+    EXPECT_TRUE(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}).is_null());
+    bench.say("@I,a,1,{0:1}\r\n");
+    bench.pass(1s);
+    bench.say("@I,a,1,{0:1}\r\n");
+    bench.pass(1s);
+    ASSERT_EQ(bench.on("answers").size(), 1u);
+    EXPECT_EQ(json::parse(bench.on("answers")[0])["status"], "timeout");
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "2")["status"], "ok");
+}
+
+TEST_F(OnlineBridge, BadCommands_AreRefusedWithAReasonAndNothingIsSent) {
+    int id = 0;
+    for (const char* command : {R"({"wirte":[0,90]})", R"({"write":[0]})", R"({"write":[0,900]})",
+                                R"({"write":["x",1]})", R"({"write":{"servo":0,"ankle":90}})", R"({})"}) {
+        const auto answer =
+            bench.ask("asip/uno1/servo/in", json::parse(command), "bad" + std::to_string(++id));
+        EXPECT_EQ(answer["status"], "refused") << command;
+        EXPECT_EQ(answer["reason"], "invalid") << command;
+        EXPECT_FALSE(answer["error"].get<std::string>().empty()) << command;
+    }
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}})["status"], "ok");
+}
+
+TEST_F(OnlineBridge, ServiceTheBoardDoesNotHave_IsRefused) {
+    EXPECT_EQ(bench.ask("asip/uno1/tone/in", {{"play", {440, 100}}})["status"], "refused");
+}
+
+TEST_F(OnlineBridge, TextAndRawLines_AreExecuted) {
+    bench.hear("asip/uno1/servo/in", "W,0,90");
+    bench.hear("asip/uno1/in", "I,d,13,1\nI,d,13,0\r\n");
+    EXPECT_THAT(bench.board.executed, ElementsAre("S,W,0,90", "I,d,13,1", "I,d,13,0"));
+}
+
+TEST_F(OnlineBridge, ManyLinesInOnePayload_OneAnswerWithTheFirstError) {
+    bench.board.replies["S,W,9,90"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    const auto answer = bench.ask("asip/uno1/in", {{"raw", "I,d,13,1\nS,W,9,90\nI,d,13,0"}});
+    EXPECT_EQ(answer["code"], 7);
+    EXPECT_EQ(bench.on("answers").size(), 1u);
+    EXPECT_EQ(bench.board.executed.size(), 3u);
+}
+
+TEST_F(OnlineBridge, RetainedCommand_IsRefusedAndNotSent) {
+    bench.hear("asip/uno1/servo/in", R"({"write":[0,90],"id":"1","reply_to":"answers"})", true);
+    bench.hear("asip/uno1/in", "I,d,13,1", true);
+    ASSERT_EQ(bench.on("answers").size(), 1u);
+    EXPECT_EQ(json::parse(bench.on("answers")[0])["reason"], "retained");
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST_F(OnlineBridge, SameIdWithinAMinute_IsAnsweredAgainNotExecutedAgain) {
+    const auto first = bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "a");
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "a"), first);
+    EXPECT_EQ(bench.board.executed.size(), 1u);
+    EXPECT_EQ(bench.on("answers").size(), 2u);
+    bench.pass(61s);
+    bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "a");
+    EXPECT_EQ(bench.board.executed.size(), 2u);
+}
+
+TEST_F(OnlineBridge, SameIdWithAnotherCommand_IsRefusedAndNotExecuted) {
+    bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "a");
+    const auto other = bench.ask("asip/uno1/servo/in", {{"write", {0, 10}}}, "a");
+    EXPECT_EQ(other["status"], "refused");
+    EXPECT_EQ(other["reason"], "id-reused");
+    EXPECT_EQ(bench.ask("asip/uno1/distance/in", {{"report", 100}}, "a")["status"], "ok") << "another topic";
+    EXPECT_THAT(bench.board.executed, ElementsAre("S,W,0,90", "D,A,100"));
+}
+
+TEST_F(OnlineBridge, Refused_IsTriedAgainUnderTheSameId) {
+    bench.unplug();
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "a")["reason"], "board-not-there");
+    bench.plug();
+    bench.pass(1s);
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "a")["status"], "ok");
+}
+
+TEST_F(OnlineBridge, IdRepeatedAfterTenThousandOthers_IsStillKnown) {
+    bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "first");
+    for (int i = 0; i < 10'000; ++i) {
+        bench.ask("asip/uno1/servo/in", {{"write", {0, 80}}}, std::to_string(i));
+        bench.published.clear();
+    }
+    bench.board.executed.clear();
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "first")["status"], "ok");
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST_F(OnlineBridge, BoardMute_EachCommandIsAnsweredAtItsDeadline) {
+    bench.board.mute = true;
+    bench.hear("asip/uno1/servo/in", R"({"write":[0,90],"id":"1","reply_to":"answers","deadline_ms":200})");
+    bench.hear("asip/uno1/servo/in", R"({"write":[0,91],"id":"2","reply_to":"answers","deadline_ms":200})");
+    bench.pass(200ms);
+    EXPECT_EQ(bench.on("answers").size(), 2u);
+    mqtt::Message expiring;
+    expiring.topic = "asip/uno1/servo/in";
+    expiring.payload = R"({"write":[0,92],"id":"3","reply_to":"answers"})";
+    expiring.expiry_seconds = 1;
+    bench.hear(expiring);
+    bench.pass(1s);
+    EXPECT_EQ(bench.on("answers").size(), 3u);
+}
+
+TEST_F(OnlineBridge, DeadlineOutOfRange_IsRefused) {
+    for (const char* deadline : {"49", "60001", "-1", "1.5", "\"100\""}) {
+        bench.hear("asip/uno1/servo/in",
+                   std::string(R"({"write":[0,90],"reply_to":"answers","deadline_ms":)") + deadline + "}");
+        EXPECT_EQ(json::parse(bench.on("answers").back())["reason"], "invalid") << deadline;
+    }
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST_F(OnlineBridge, BoardDiesAfterItsBanner_IsLostAndAllIsAnsweredAndNothingRunsLater) {
+    bench.board.mute = true;
+    bench.say(bench.board.banner());
+    for (int i = 0; i < 8; ++i)
+        bench.ask("asip/uno1/servo/in", {{"write", {0, i}}}, std::to_string(i));
+    bench.pass(6s);
+    EXPECT_EQ(bench.on("answers").size(), 8u);
+    EXPECT_EQ(bench.on("asip/servicebus/uno1/$state").back(), "lost");
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 9}}}, "9")["reason"], "board-not-there");
+    bench.board.mute = false;
+    bench.pass(30s);
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST_F(OnlineBridge, LinkBackToAMuteBoard_CommandsAreRefusedAndNoneRunsLater) {
+    bench.unplug();
+    bench.board.mute = true;
+    bench.plug();
+    for (int i = 0; i < 600; ++i)
+        EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, std::to_string(i))["reason"],
+                  "board-not-there");
+    bench.board.mute = false;
+    bench.pass(30s);
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST_F(OnlineBridge, SomeLinesSentAndOthersNot_IsNotCalledRefused) {
+    bench.board.mute = true;
+    bench.ask("asip/uno1/in",
+              {{"raw", "S,W,0,1\nS,W,0,2\nS,W,0,3\nS,W,0,4\nS,W,0,5\nS,W,0,6\nS,W,0,7\nS,W,0,8"}});
+    bench.pass(6s);
+    ASSERT_EQ(bench.on("answers").size(), 1u);
+    EXPECT_EQ(json::parse(bench.on("answers")[0])["status"], "timeout");
+}
+
+TEST_F(OnlineBridge, MoreLinesThanThereIsRoomFor_NoneIsSent) {
+    bench.board.mute = true;
+    std::string lines;
+    for (int i = 0; i < 60; ++i)
+        lines += "S,W,0," + std::to_string(i) + "\n";
+    bench.hear("asip/uno1/in", lines);
+    bench.hear("asip/uno1/in", lines);
+    bench.board.mute = false;
+    bench.pass(5s);
+    EXPECT_LE(std::count(bench.board.executed.begin(), bench.board.executed.end(), "S,W,0,59"), 1);
+    EXPECT_LE(std::count(bench.board.executed.begin(), bench.board.executed.end(), "S,W,0,0"), 1);
+    ASSERT_FALSE(bench.on("asip/uno1/servo/error").empty());
+    EXPECT_EQ(json::parse(bench.on("asip/uno1/servo/error").front())["reason"], "queue-full");
+}
+
+TEST_F(OnlineBridge, LastLineNotAllowed_NoneIsSent) {
+    EXPECT_EQ(bench.ask("asip/uno1/in", {{"raw", "I,d,13,1\n#,B,500000"}})["status"], "refused");
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST_F(OnlineBridge, DamageWhileACommandIsUnderWay_IsAnsweredAsDoubt) {
+    bench.board.swallow_fences = 1;
+    bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}});
+    bench.pass(2s);
+    ASSERT_EQ(bench.on("answers").size(), 1u);
+    EXPECT_EQ(json::parse(bench.on("answers")[0]),
+              json::parse(R"({"id":"1","status":"timeout","reason":"doubt"})"));
+}
+
+}  // namespace
+}  // namespace asip::agent

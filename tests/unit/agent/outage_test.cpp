@@ -1,0 +1,37 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "agent/outage.hpp"
+
+namespace asip::agent {
+namespace {
+
+TEST(Outage, FourAttemptsASecond_AreReportedOnceThenOnceAMinute) {
+    Outage outage;
+    int reported = 0;
+    for (Time now{}; now < Time{} + 150s; now += 250ms)
+        reported += outage.failed(link::StreamError::Kind::kNotThere, now);
+    EXPECT_EQ(reported, 3);
+}
+
+TEST(Outage, KindsOfFailureInTurns_AreReportedOnceEach) {
+    Outage outage;
+    int reported = 0;
+    for (Time now{}; now < Time{} + 30s; now += 500ms) {
+        reported += outage.failed(link::StreamError::Kind::kNotThere, now);
+        reported += outage.failed(link::StreamError::Kind::kClosed, now + 250ms);
+    }
+    EXPECT_EQ(reported, 2);
+}
+
+TEST(Outage, BoardHeard_IsReportedOnceAndTheNextOutageAtOnce) {
+    Outage outage;
+    EXPECT_FALSE(outage.heard()) << "there was none";
+    EXPECT_TRUE(outage.failed(link::StreamError::Kind::kNotThere, Time{}));
+    EXPECT_TRUE(outage.heard());
+    EXPECT_FALSE(outage.heard());
+    EXPECT_TRUE(outage.failed(link::StreamError::Kind::kNotThere, Time{} + 1s));
+}
+
+}  // namespace
+}  // namespace asip::agent

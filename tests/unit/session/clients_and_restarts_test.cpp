@@ -1,0 +1,199 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/session/board_session_bench.hpp"
+#include "tests/unit/session/scripted_board.hpp"
+
+namespace asip::session {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::Not;
+
+TEST(BoardSession, FloodOfOneClient_AnotherWaitsForOneRequestOnly) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.mute = true;
+    for (int i = 0; i < 64; ++i)
+        bench.request("S,W,0," + std::to_string(i), {.client = 1});
+    const auto polite = bench.request("I,d,13,1", {.client = 2});
+    EXPECT_NE(polite, 0u);
+    bench.board.mute = false;
+    bench.board.executed.clear();
+    bench.pass(10s);
+    const auto& executed = bench.board.executed;
+    const auto at = std::find(executed.begin(), executed.end(), "I,d,13,1");
+    ASSERT_NE(at, executed.end());
+    EXPECT_LE(at - executed.begin(), 1);
+}
+
+TEST(BoardSession, DeadlineWhileWaiting_IsNotSentAndNeverWillBe) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.mute = true;
+    std::vector<RequestId> ids;
+    for (int i = 0; i < 10; ++i)
+        ids.push_back(bench.request("S,W,0," + std::to_string(i), {.deadline = bench.now + 300ms}));
+    bench.pass(300ms);
+    ASSERT_NE(bench.end_of(ids.back()), nullptr);
+    EXPECT_EQ(bench.end_of(ids.back())->ending, Ending::kNotSent);
+    EXPECT_EQ(bench.end_of(ids.back())->not_sent, NotSent::kDeadline);
+    EXPECT_EQ(bench.end_of(ids.front())->ending, Ending::kTimeout);
+    bench.board.mute = false;
+    bench.pass(20s);
+    EXPECT_THAT(bench.board.executed, Not(Contains("S,W,0,9")));
+}
+
+TEST_P(EachGeneration, BannerInMidStream_ModesAndPeriodsAreRestoredValuesAreNot) {
+    SessionOptions options = no_step_up();
+    bench.session = Bench::make_session(options);
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    for (const char* line : {"I,P,13,3", "I,d,13,1", "D,A,100", "S,W,0,90", "I,P,12,2"})
+        bench.request(line);
+    bench.board.executed.clear();
+    bench.say(bench.board.reboot());
+    ASSERT_TRUE(bench.ready_within(1s));
+    EXPECT_EQ(bench.count("reset"), 1);
+    EXPECT_EQ(bench.count("identified"), 2);
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,P,12,2", "I,P,13,3", "D,A,100"));
+    EXPECT_EQ(bench.session.period('D'), 100u);
+}
+
+TEST_P(EachGeneration, BannerCutInHalf_IsStillARestart) {
+    bench.session = Bench::make_session(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("I,P,13,3");
+    bench.board.executed.clear();
+    bench.say("ing on ATmega328P with Services: I S D \r\n");
+    ASSERT_TRUE(bench.ready_within(1s));
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,P,13,3"));
+}
+
+TEST(BoardSession, RestartAtAFastRate_IsNoticedByGarbageAndRestored) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("I,P,13,3");
+    bench.board.executed.clear();
+    bench.board.reboot();
+    bench.say("\x80\x91\n");
+    bench.pass(5s);
+    ASSERT_TRUE(bench.ready_within());
+    EXPECT_EQ(bench.session.baud(), 1'000'000u);
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,P,13,3"));
+}
+
+TEST(BoardSession, RefusedMode_IsNotRestored) {
+    Bench bench(no_step_up());
+    bench.board.replies["I,P,1,3"] = "~I,P,3{INVALID_PIN}";
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("I,P,1,3");
+    bench.board.executed.clear();
+    bench.say(bench.board.reboot());
+    ASSERT_TRUE(bench.ready_within(1s));
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST(BoardSession, ClientRestartsTheBoard_NothingIsRestored) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("I,P,13,3");
+    bench.request("#,R");
+    bench.board.executed.clear();
+    bench.say(bench.board.reboot());
+    ASSERT_TRUE(bench.ready_within(1s));
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST(BoardSession, Replugged_SettingsAreRestored) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("I,P,13,3");
+    bench.unplug();
+    bench.board.reboot();
+    bench.board.executed.clear();
+    bench.pass(1min);
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(3s));
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,P,13,3"));
+}
+
+TEST(BoardSession, QueuedWhileRestarting_IsExecutedAfterwards) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("I,P,13,3");
+    bench.board.mute = true;
+    bench.say(bench.board.reboot());
+    bench.board.executed.clear();
+    const auto id = bench.request("I,d,13,1");
+    bench.board.mute = false;
+    ASSERT_TRUE(bench.ready_within(5s));
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,P,13,3", "I,d,13,1"));
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+}
+
+TEST_P(EachGeneration, QuietBoard_IsProbedAndStaysReady) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.pass(1min);
+    EXPECT_EQ(bench.session.state(), BoardSession::State::kReady);
+    EXPECT_EQ(bench.count("silent"), 0);
+    EXPECT_GE(bench.board.heard.size(), 20u);
+    EXPECT_THAT(bench.lines, IsEmpty());
+}
+
+TEST_P(EachGeneration, BoardStopsAnswering_IsSilentWithinFourSecondsAndFoundAgain) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.mute = true;
+    bench.pass(4s);
+    EXPECT_EQ(bench.count("silent"), 1);
+    EXPECT_EQ(bench.session.state(), BoardSession::State::kSilent);
+    EXPECT_EQ(bench.refused("I,d,13,1"), Refusal::kNoBoard);
+    bench.board.mute = false;
+    ASSERT_TRUE(bench.ready_within(5s));
+    EXPECT_EQ(bench.count("identified"), 2);
+}
+
+TEST_P(EachGeneration, GarbageInManyForms_IsCountedAndTheNextMessageWorks) {
+    bench.session = Bench::make_session(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const std::string long_line(10'000, 'x');
+    for (const std::string& bytes :
+         {std::string("\0\xff\x80\n", 4), long_line + "\n", std::string("@\n"), std::string("~I,d,\n"),
+          std::string("@I\xfe,d\n"), std::string("nonsense\n")}) {
+        const auto before = bench.session.counters().garbage;
+        bench.say(bytes);
+        EXPECT_EQ(bench.session.counters().garbage, before + 1) << bytes.substr(0, 20);
+        bench.pass(1ms);
+        bench.lines.clear();
+        bench.say_line("@I,d,4,c");
+        EXPECT_THAT(bench.lines, ElementsAre("@I,d,4,c"));
+    }
+}
+
+TEST(BoardSession, NoNewlineForAMinute_BoardIsAskedAndStays) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.say("@I,a,1,{");
+    bench.pass(1min);
+    ASSERT_TRUE(bench.ready_within(5s));
+    const auto id = bench.request("I,d,13,1");
+    bench.pass(2s);
+    ASSERT_NE(bench.end_of(id), nullptr);
+}
+
+}  // namespace
+}  // namespace asip::session

@@ -1,0 +1,178 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/session/board_session_bench.hpp"
+#include "tests/unit/session/scripted_board.hpp"
+
+namespace asip::session {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+TEST(BoardSession, BoardWithExtensions_IsIdentifiedAndSteppedUp) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(1s));
+    const Identity& board = bench.session.identity();
+    EXPECT_EQ(board.info.chip, "ATmega328P");
+    EXPECT_EQ(board.stored_name, "uno1");
+    EXPECT_EQ(board.services.size(), 3u);
+    EXPECT_EQ(board.pin_owners, "@@IISD");
+    EXPECT_EQ(board.port_map.pin_count(), 6u);
+    EXPECT_EQ(bench.session.baud(), 1'000'000u);
+    EXPECT_EQ(bench.board.baud, 1'000'000u);
+    EXPECT_EQ(bench.count("identified"), 1);
+    EXPECT_THAT(bench.lines, IsEmpty());
+}
+
+TEST_F(OldBoard, IsIdentifiedAndLeftAtItsRate) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(1s));
+    EXPECT_TRUE(bench.session.identity().extensions.empty());
+    EXPECT_EQ(bench.session.identity().stored_name, "");
+    EXPECT_THAT(bench.rates, IsEmpty());
+}
+
+TEST(BoardSession, RestartingBoard_IsNotWrittenToBeforeItsBanner) {
+    Bench bench;
+    bench.plug({57600, true});
+    bench.pass(2s);
+    EXPECT_THAT(bench.board.heard, IsEmpty());
+    bench.say(bench.board.banner());
+    EXPECT_TRUE(bench.ready_within(100ms));
+}
+
+TEST(BoardSession, RestartingBoardWithoutBanner_IsAskedAfterTheBootTime) {
+    Bench bench;
+    bench.plug({57600, true});
+    EXPECT_TRUE(bench.ready_within(3s));
+}
+
+TEST(BoardSession, BoardLeftAtAFastRate_IsFound) {
+    Bench bench;
+    bench.board.baud = 500'000;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(3s));
+    EXPECT_EQ(bench.board.baud, 1'000'000u);
+}
+
+TEST(BoardSession, BoardLeftWithChecksums_IsFound) {
+    Bench bench(no_step_up());
+    bench.board.checksum = true;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(3s));
+    EXPECT_FALSE(bench.board.checksum);
+}
+
+TEST(BoardSession, NothingAnswers_ReportsItOnceAndKeepsAsking) {
+    Bench bench;
+    bench.board.mute = true;
+    bench.plug();
+    bench.pass(30s);
+    EXPECT_EQ(bench.count("no-answer"), 1);
+    bench.board.mute = false;
+    EXPECT_TRUE(bench.ready_within(5s));
+}
+
+TEST(BoardSession, RateAfterRateFailsForLong_IsNotCalledNoAnswer) {
+    SessionOptions options;
+    options.patience = 1s;
+    Bench bench(options);
+    bench.board.fastest_working = 57600;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(20s));
+    EXPECT_GT(bench.now, Time{} + 1s);
+    EXPECT_EQ(bench.count("no-answer"), 0);
+}
+
+TEST(BoardSession, OneQuestionUnanswered_RestIsKnown) {
+    Bench bench(no_step_up());
+    bench.board.replies["I,c"] = "";
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(10s));
+    EXPECT_THAT(bench.session.identity().pin_capabilities, IsEmpty());
+    EXPECT_EQ(bench.session.identity().port_map.pin_count(), 6u);
+}
+
+TEST(BoardSession, QuestionRefused_IsNotAskedAgain) {
+    Bench bench(no_step_up());
+    bench.board.replies["#,S"] = "~#,S,2{UNKNOWN_REQUEST}";
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(100ms));
+    EXPECT_EQ(bench.session.identity().pin_owners, "");
+    EXPECT_EQ(std::count(bench.board.heard.begin(), bench.board.heard.end(), "#,S"), 1);
+}
+
+TEST(BoardSession, NamesNotAnswered_LettersOfTheBannerServe) {
+    Bench bench(no_step_up());
+    bench.board.replies["#,N"] = "~#,N,2{UNKNOWN_REQUEST}";
+    bench.plug({57600, true});
+    bench.say(bench.board.banner());
+    ASSERT_TRUE(bench.ready_within(1s));
+    ASSERT_EQ(bench.session.identity().services.size(), 3u);
+    EXPECT_EQ(bench.session.identity().services[1].id, 'S');
+}
+
+TEST(BoardSession, EventsWhileAsking_AreHandedOn) {
+    Bench bench;
+    bench.board.answers_info = false;
+    bench.plug();
+    bench.say("@I,a,1,{0:320}\r\n");
+    EXPECT_THAT(bench.lines, ElementsAre("@I,a,1,{0:320}"));
+}
+
+TEST(BoardSession, FastestRateDoesNotWork_NextIsTaken) {
+    Bench bench;
+    bench.board.fastest_working = 500'000;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(5s));
+    EXPECT_EQ(bench.session.baud(), 500'000u);
+    EXPECT_EQ(bench.board.baud, 500'000u);
+}
+
+TEST(BoardSession, FastestRateRefused_NextIsTakenWithoutSearching) {
+    Bench bench;
+    bench.board.fastest_allowed = 250'000;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(100ms));
+    EXPECT_EQ(bench.session.baud(), 250'000u);
+    EXPECT_THAT(bench.rates, ElementsAre(250'000u));
+}
+
+TEST(BoardSession, NoFastRateWorks_StaysAtTheStartRate) {
+    Bench bench;
+    bench.board.fastest_working = 57600;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(20s));
+    EXPECT_EQ(bench.session.baud(), 57600u);
+}
+
+TEST(BoardSession, PortCannotSetTheRate_StaysAtTheStartRate) {
+    Bench bench;
+    bench.rate_works = false;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(20s));
+    EXPECT_EQ(bench.board.baud, 57600u);
+}
+
+TEST(BoardSession, OnTcp_NoRateIsTouched) {
+    Bench bench;
+    bench.board.baud = 0;
+    bench.plug({0, false});
+    ASSERT_TRUE(bench.ready_within(1s));
+    EXPECT_THAT(bench.rates, IsEmpty());
+}
+
+TEST(BoardSession, GarbageAtAFastRate_GoesToASlowerOne) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    for (int i = 0; i < 3; ++i)
+        bench.say("\x81\x82garbage\n");
+    ASSERT_TRUE(bench.ready_within(5s));
+    EXPECT_EQ(bench.session.baud(), 500'000u);
+}
+
+}  // namespace
+}  // namespace asip::session

@@ -1,0 +1,137 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/session/board_session_bench.hpp"
+#include "tests/unit/session/scripted_board.hpp"
+
+namespace asip::session {
+namespace {
+
+using testing::Contains;
+using testing::IsEmpty;
+
+TEST_P(EachGeneration, LongestRequestsWithReportsOn_NeverMoreThanTheBufferAndAllExecuted) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const std::string line = "S,W,0," + std::string(56, '1');
+    ASSERT_EQ(line.size(), 62u);
+    std::vector<RequestId> ids;
+    for (int i = 0; i < 50; ++i) {
+        bench.say_line("@I,a,1,{0:320}");
+        ids.push_back(bench.request(line));
+        bench.pass(20ms);
+    }
+    bench.pass(10s);
+    for (const auto id : ids) {
+        ASSERT_NE(bench.end_of(id), nullptr);
+        EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    }
+    EXPECT_LE(bench.most_in_flight, BoardSession::kReceiveBufferBytes);
+    EXPECT_EQ(bench.count("silent"), 0);
+}
+
+TEST(BoardSession, FastLine_CarriesChecksumsUnasked) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    EXPECT_EQ(bench.session.baud(), 1'000'000u);
+    EXPECT_TRUE(bench.board.checksum);
+}
+
+TEST(BoardSession, SlowLine_CarriesChecksumsFromTheFirstDamageOn) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    EXPECT_FALSE(bench.board.checksum);
+    bench.say("nonsense\n");
+    EXPECT_TRUE(bench.board.checksum);
+    EXPECT_EQ(bench.end_of(bench.request("I,d,13,1"))->ending, Ending::kExecuted);
+}
+
+TEST(BoardSession, ChecksumsStillOnAndTurningThemOffIsLost_IdentityIsWhole) {
+    for (int lost = 0; lost < 12; ++lost) {
+        Bench bench(no_step_up());
+        bench.board.checksum = true;
+        bench.board.lose_lines = lost;
+        bench.plug();
+        ASSERT_TRUE(bench.ready_within(10s)) << lost;
+        EXPECT_EQ(bench.session.identity().info.sketch, "Script");
+        EXPECT_EQ(bench.session.identity().services.size(), 3u);
+    }
+}
+
+TEST(BoardSession, ValueComesAfterTheFence_IsWaitedFor) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("D,M", {.answer_tag = 'e'});
+    EXPECT_EQ(bench.end_of(id), nullptr) << "executed, but not measured yet";
+    bench.pass(25ms);
+    bench.say_line("@D,e,1,{42}");
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.end_of(id)->answer.text(), "@D,e,1,{42}");
+}
+
+TEST(BoardSession, ValueDoesNotCome_EndsWithoutIt) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("D,M", {.answer_tag = 'e', .answer_time = 500ms});
+    bench.pass(500ms);
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kNoValue);
+}
+
+TEST(BoardSession, TwoClientsAskForAMeasurementAtOnce_TheSecondWaitsForTheFirstAndBothGetValues) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto first = bench.request("D,M", {.client = 1, .answer_tag = 'e'});
+    const auto second = bench.request("D,M", {.client = 2, .answer_tag = 'e'});
+    const auto other = bench.request("I,d,13,1", {.client = 2});
+    const auto third = bench.request("I,d,13,0", {.client = 3});
+    EXPECT_EQ(bench.end_of(third)->ending, Ending::kExecuted) << "nobody else waits for it";
+    EXPECT_EQ(bench.end_of(other), nullptr) << "the order of a client is kept";
+    bench.say_line("@D,e,1,{42}");
+    EXPECT_EQ(bench.end_of(first)->answer.text(), "@D,e,1,{42}");
+    EXPECT_EQ(bench.end_of(second), nullptr) << "the measurement had begun before it was asked for";
+    bench.say_line("@D,e,1,{43}");
+    ASSERT_NE(bench.end_of(second), nullptr);
+    EXPECT_EQ(bench.end_of(second)->answer.text(), "@D,e,1,{43}");
+    EXPECT_EQ(bench.end_of(other)->ending, Ending::kExecuted);
+}
+
+TEST(BoardSession, ReportBeforeTheFence_IsNotTakenForTheValue) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("D,A,100");
+    bench.pass(1s);
+    bench.board.replies["D,M"] = "@D,e,1,{1}";
+    const auto id = bench.request("D,M", {.answer_tag = 'e'});
+    EXPECT_THAT(bench.lines, Contains("@D,e,1,{1}"));
+    EXPECT_EQ(bench.end_of(id), nullptr) << "it may be a report from before";
+    bench.say_line("@D,e,1,{2}");
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->answer.text(), "@D,e,1,{2}");
+}
+
+TEST(BoardSession, ChecksumWanted_LinesCarryItBothWays) {
+    SessionOptions options = no_step_up();
+    options.checksum = ChecksumPolicy::kAlways;
+    Bench bench(options);
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("I,d,13,1");
+    EXPECT_TRUE(bench.board.checksum);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    bench.say("@I,d,4,c*00\r\n");
+    EXPECT_EQ(bench.session.counters().checksum_errors, 1u);
+    EXPECT_THAT(bench.lines, IsEmpty());
+    bench.say("@I,d,4,c*26\r\n");
+    EXPECT_THAT(bench.lines.size() + bench.session.counters().checksum_errors, 2u);
+}
+
+}  // namespace
+}  // namespace asip::session

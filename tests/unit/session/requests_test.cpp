@@ -1,0 +1,283 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/unit/session/board_session_bench.hpp"
+#include "tests/unit/session/scripted_board.hpp"
+
+namespace asip::session {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+INSTANTIATE_TEST_SUITE_P(Boards, EachGeneration,
+                         testing::Values(Generation::kPlain04, Generation::kExtended, Generation::kVerified),
+                         [](const auto& tested) -> std::string {
+                             if (tested.param == Generation::kPlain04) return "Plain04";
+                             return tested.param == Generation::kVerified ? "Verified" : "Extended";
+                         });
+
+TEST(BoardSession, Request_EndsExecutedWhenItsFenceIsBack) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("I,d,13,1\n");
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,d,13,1"));
+    EXPECT_EQ(bench.session.bytes_in_flight(), 0u);
+}
+
+TEST_F(OldBoard, Request_IsProvenByTheInformationRequest) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("I,d,13,1");
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.board.heard.back(), "#,?");
+    EXPECT_THAT(bench.lines, IsEmpty());
+}
+
+TEST(BoardSession, BoardError_EndsTheRequestAndIsHandedOn) {
+    Bench bench;
+    bench.board.replies["S,W,9,90"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("S,W,9,90");
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kBoardError);
+    EXPECT_EQ(bench.end_of(id)->code, 7);
+    EXPECT_EQ(bench.end_of(id)->text, "INVALID_DEVICE_NUMBER");
+    EXPECT_THAT(bench.lines, ElementsAre("~S,W,7{INVALID_DEVICE_NUMBER}"));
+    EXPECT_EQ(bench.finished.size(), 1u);
+}
+
+TEST_P(EachGeneration, AlikeRequestsAtOnce_EachEndsWithItsOwnOutcome) {
+    bench.board.replies["S,W,9,1"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    std::vector<RequestId> good, bad;
+    bench.board.mute = true;  // they pile up
+    for (int i = 0; i < 50; ++i) {
+        bad.push_back(bench.request("S,W,9,1", {.client = 1}));
+        good.push_back(bench.request("S,W,0,1", {.client = 2}));
+    }
+    bench.board.mute = false;
+    bench.pass(1ms);
+    bench.say("");
+    // What was swallowed while mute times out; everything else ends as the board says.
+    bench.pass(10s);
+    int timeouts = 0;
+    for (int i = 0; i < 50; ++i) {
+        ASSERT_NE(bench.end_of(bad[i]), nullptr);
+        ASSERT_NE(bench.end_of(good[i]), nullptr);
+        timeouts += bench.end_of(bad[i])->ending != Ending::kExecuted &&
+                    bench.end_of(bad[i])->ending != Ending::kBoardError;
+        if (bench.end_of(bad[i])->ending == Ending::kExecuted)
+            ADD_FAILURE() << "bad request " << i << " proven";
+        if (bench.end_of(good[i])->ending == Ending::kBoardError)
+            ADD_FAILURE() << "good request " << i << " refused";
+    }
+    EXPECT_GE(timeouts, 1);
+    EXPECT_EQ(bench.finished.size(), 100u);
+    EXPECT_LE(bench.most_in_flight, BoardSession::kReceiveBufferBytes);
+}
+
+TEST_P(EachGeneration, ThousandRequestsOfManyClients_NeverMoreThanTheBufferInFlight) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    for (int i = 0; i < 1000; ++i)
+        bench.request(i % 3 ? "I,d,13,1" : "S,W,0,90", {.client = ClientId(i / 60), .prove = i % 2 == 0});
+    bench.pass(5s);
+    EXPECT_EQ(bench.finished.size(), 1000u);
+    EXPECT_LE(bench.most_in_flight, BoardSession::kReceiveBufferBytes);
+    EXPECT_EQ(bench.board.executed.size(), 1000u);
+}
+
+TEST_P(EachGeneration, FenceLost_RequestIsInDoubtAndTheNextWorks) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.swallow_fences = 1;
+    const auto lost = bench.request("I,d,13,1");
+    bench.say_line("@I,a,1,{0:1}");
+    bench.pass(1s);
+    bench.say_line("@I,a,1,{0:1}");
+    bench.pass(1s);
+    ASSERT_NE(bench.end_of(lost), nullptr);
+    EXPECT_EQ(bench.end_of(lost)->ending, Ending::kDoubt);
+    const auto next = bench.request("I,d,13,0");
+    ASSERT_NE(bench.end_of(next), nullptr);
+    EXPECT_EQ(bench.end_of(next)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.count("silent"), 0);
+}
+
+TEST_P(EachGeneration, UnprovenRequests_CostNoFenceEach) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("#,?");  // from now on its digest is known, where it has one
+    bench.board.heard.clear();
+    bench.request("I,d,13,1", {.prove = false});
+    bench.request("I,d,13,0", {.prove = false});
+    EXPECT_THAT(bench.board.heard, ElementsAre("I,d,13,1", "I,d,13,0"));
+    bench.pass(200ms);
+    EXPECT_EQ(bench.board.heard.size(), 3u) << "one fence when nothing else is to do";
+    EXPECT_EQ(bench.finished.size(), 3u);
+    EXPECT_EQ(bench.session.bytes_in_flight(), 0u);
+}
+
+TEST_P(EachGeneration, ClientAsksForInformation_GetsTheAnswer) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("#,?", {.prove = true, .answer_tag = '?'});
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.end_of(id)->answer.text(), "@#,?,0,4,ATmega328P,6,Script");
+    EXPECT_THAT(bench.lines, ElementsAre("@#,?,0,4,ATmega328P,6,Script"));
+}
+
+TEST(BoardSession, ClientSendsAFence_GetsItsOwnAnswerOnly) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("#,E,mine");
+    EXPECT_THAT(bench.lines, ElementsAre("@#,E,mine"));
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+}
+
+TEST(BoardSession, AnswerEvent_ComesWithTheEnd) {
+    Bench bench;
+    bench.board.replies["D,M"] = "@D,e,2,{42,118}";
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("D,M", {.prove = true, .answer_tag = 'e'});
+    EXPECT_EQ(bench.end_of(id)->answer.text(), "@D,e,2,{42,118}");
+    EXPECT_THAT(bench.lines, ElementsAre("@D,e,2,{42,118}"));
+}
+
+TEST(BoardSession, ServiceTheBoardDoesNotHave_ErrorWithoutNameIsAttributed) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto before = bench.request("I,d,13,1");
+    const auto id = bench.request("Z,x,1");
+    const auto after = bench.request("I,a,3,1");
+    EXPECT_EQ(bench.end_of(before)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kBoardError);
+    EXPECT_EQ(bench.end_of(id)->code, 1);
+    EXPECT_EQ(bench.end_of(after)->ending, Ending::kExecuted);
+}
+
+TEST(BoardSession, NotARequest_IsRefused) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    for (const char* line :
+         {"", "x", "@I,d,4,1", "I", "i,d,1", "I,d,\x01", "#,B,500000", "#,C,1", "I,d,13,1\nI,d,13,0"})
+        EXPECT_EQ(bench.refused(line), Refusal::kInvalid) << line;
+    EXPECT_EQ(bench.refused(std::string("I,d,") + std::string(80, '1')), Refusal::kInvalid);
+}
+
+TEST(BoardSession, QueueFull_IsRefused) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.mute = true;
+    int accepted = 0;
+    while (!bench.refused("I,d,13,1") && accepted < 10000)
+        ++accepted;
+    EXPECT_EQ(bench.refused("I,d,13,1"), Refusal::kQueueFull);
+    EXPECT_GE(accepted, static_cast<int>(BoardSession::kMaxQueuedPerClient));
+    EXPECT_LE(accepted, static_cast<int>(BoardSession::kMaxQueuedPerClient) + 6);
+}
+
+TEST(BoardSession, NoBoard_IsRefused) {
+    Bench bench;
+    EXPECT_EQ(bench.refused("I,d,13,1"), Refusal::kNoBoard);
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.unplug();
+    EXPECT_EQ(bench.refused("I,d,13,1"), Refusal::kNoBoard);
+}
+
+TEST(BoardSession, LinkGoes_SentTimesOutAndQueuedIsNotSent) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.mute = true;
+    std::vector<RequestId> ids;
+    for (int i = 0; i < 10; ++i)
+        ids.push_back(bench.request("I,d,13,1"));
+    bench.unplug();
+    EXPECT_EQ(bench.end_of(ids.front())->ending, Ending::kTimeout);
+    EXPECT_EQ(bench.end_of(ids.back())->ending, Ending::kNotSent);
+    EXPECT_EQ(bench.finished.size(), 10u);
+}
+
+TEST_F(OldBoard, FenceComesLate_ProvesItsOwnRequestAndNothingNewer) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.mute = true;
+    const auto slow = bench.request("S,W,0,1");
+    const auto next = bench.request("S,W,0,2");
+    bench.pass(1700ms);
+    bench.say("@#,?,0,4,ATmega328P,6,Script\r\n");
+    ASSERT_NE(bench.end_of(slow), nullptr);
+    EXPECT_EQ(bench.end_of(slow)->ending, Ending::kExecuted) << "its own answer, late";
+    EXPECT_EQ(bench.end_of(next), nullptr);
+    bench.pass(5s);
+    ASSERT_NE(bench.end_of(next), nullptr);
+    EXPECT_NE(bench.end_of(next)->ending, Ending::kExecuted);
+}
+
+TEST_F(OldBoard, FencesTakeTurns) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.heard.clear();
+    for (int i = 0; i < 4; ++i)
+        bench.request("I,d,13,1");
+    EXPECT_EQ(std::count(bench.board.heard.begin(), bench.board.heard.end(), "#,?"), 2);
+    EXPECT_EQ(std::count(bench.board.heard.begin(), bench.board.heard.end(), "#,N"), 2);
+}
+
+TEST(BoardSession, ErrorThatBelongsToNoRequest_PutsWhatIsInFlightInDoubt) {
+    for (const char* error : {"~#,,,2{UNKNOWN_REQUEST}", "~Q,?,1{INVALID_SERVICE}", "~#,E,11{BAD_ARGUMENT}",
+                              "~#,C,10{BAD_CHECKSUM}", "~D,A,11{BAD_ARGUMENT}"}) {
+        Bench bench(no_step_up());
+        bench.plug();
+        ASSERT_TRUE(bench.ready_within());
+        bench.board.replies["S,W,0,1"] = error;
+        const auto id = bench.request("S,W,0,1");
+        bench.pass(2s);
+        ASSERT_NE(bench.end_of(id), nullptr) << error;
+        EXPECT_EQ(bench.end_of(id)->ending, Ending::kDoubt) << error;
+        EXPECT_EQ(bench.end_of(bench.request("S,W,0,2"))->ending, Ending::kExecuted);
+    }
+}
+
+TEST(BoardSession, Tokens_DifferBetweenSessionsAndDoNotRepeat) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.heard.clear();
+    for (int i = 0; i < 70'000; ++i) {
+        bench.request("I,d,13,1");
+        bench.finished.clear();
+        bench.board.executed.clear();
+    }
+    std::set<std::string> tokens;
+    for (const std::string& line : bench.board.heard)
+        if (line.starts_with("#,E,")) tokens.insert(line);
+    EXPECT_EQ(tokens.size(), 70'000u);
+    Bench other;
+    other.session = Bench::make_session({}, 2);
+    other.plug();
+    ASSERT_TRUE(other.ready_within());
+    other.board.heard.clear();
+    other.request("I,d,13,1");
+    EXPECT_NE(other.board.heard.back(), *tokens.begin());
+}
+
+}  // namespace
+}  // namespace asip::session
