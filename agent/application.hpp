@@ -21,7 +21,7 @@ class Application {
     explicit Application(AgentOptions options);
     ~Application();
 
-    /// Until told to stop, or a fault that retrying cannot mend. The exit status.
+    /// Runs until it is stopped, or a fault that retrying cannot mend. Returns the exit status.
     int run();
 
   private:

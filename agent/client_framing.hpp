@@ -10,7 +10,7 @@
 namespace asip::agent {
 
 /// How one point-to-point client frames its messages: plain lines, or Java's writeUTF frames. Either given,
-/// or told apart by the first byte that it sends; until then nothing can be sent to it.
+/// or recognised by the first byte that it sends; until then nothing can be sent to it.
 class ClientFraming {
   public:
     enum class Kind { kUnknown, kLines, kFrames };

@@ -32,7 +32,8 @@ constexpr const char* kExamples =
     "  asip-agent --serial /dev/ttyACM0 --listen 6789\n"
     "      Clients without MQTT may connect to port 6789, with plain lines or Java's writeUTF frames.\n"
     "\n"
-    "Exit status: 0 told to stop; 2 bad option; 3 the broker refused us; 5 port busy, no permission, or no "
+    "Exit status: 0 stopped by a signal; 2 bad option; 3 the broker refused the connection; 5 port busy, no "
+    "permission, or no "
     "ASIP\n"
     "board there; 6 another agent holds the board's name.";
 

@@ -8,21 +8,21 @@
 
 namespace asip::agent {
 
-/// Says when to tell a person that the way to the board is closed: each kind of failure once, then once a
-/// minute, however often it is tried. It is over when the board is heard, not when its port opens: some ports
-/// open and close again for as long as nothing is behind them.
+/// Decides when to report to a person that the way to the board is closed: each kind of failure once, then
+/// once a minute, however often it is tried. It is over when the board is heard, not when its port opens:
+/// some ports open and close again for as long as nothing is behind them.
 class Outage {
   public:
     static constexpr Duration kRemindEvery = std::chrono::minutes(1);
 
-    /// An attempt failed. True: say so.
+    /// An attempt failed. True: report it.
     bool failed(link::StreamError::Kind kind, Time now) {
         const bool is_new = kinds_.insert(kind).second;
         if (!is_new && last_told_ && now < *last_told_ + kRemindEvery) return false;
         last_told_ = now;
         return true;
     }
-    /// Bytes came from the board. True: say that the outage is over.
+    /// Bytes came from the board. True: report that the outage is over.
     bool heard() {
         kinds_.clear();
         return std::exchange(last_told_, std::nullopt).has_value();

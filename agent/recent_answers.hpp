@@ -20,7 +20,7 @@ class RecentAnswers {
     static constexpr std::size_t kMaxBytes = 2 << 20;
     static constexpr Duration kKept = std::chrono::minutes(1);
 
-    /// What tells a request from others: who sent it where, under which id.
+    /// What distinguishes a request from others: who sent it where, under which id.
     using Key = std::uint64_t;
     static Key key(std::string_view topic, std::string_view reply_topic, std::string_view id);
 
@@ -46,7 +46,7 @@ class RecentAnswers {
   private:
     struct Entry {
         std::uint64_t payload = 0;
-        std::uint32_t number = 0;  // tells it from one that had the key before
+        std::uint32_t number = 0;  // distinguishes it from one that had the key before
         bool answered = false;
         // Absent for a pending one and for the most frequent answer, "ok, by a fence".
         std::unique_ptr<bus::Reply> reply;

@@ -124,7 +124,7 @@ Latency direct(const std::string& port, int baud) {
     };
     for (const char* setup : {"\n", "I,A,0\n", "I,P,13,3\n", "I,P,12,1\n"}) {
         if (write(fd, setup, strlen(setup)) < 0) break;
-        // For a while, not until it is silent: it reports its analog inputs until told not to.
+        // For a while, not until it is silent: it reports its analog inputs until that is turned off.
         const auto settled = Clock::now() + std::chrono::milliseconds(100);
         while (Clock::now() < settled)
             line(std::chrono::milliseconds(10));

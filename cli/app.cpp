@@ -28,7 +28,7 @@ int run_verb(CommandLine& line, Context& context) {
     return line.run(context);
 }
 
-/// The data must have arrived: a full disk is a failure. A reader that has seen enough (`| head -1`) is none.
+/// The data must have arrived: a full disk is a failure. A reader that has seen enough (`| head -1`) is not.
 int status_after_output(const Context& context, int status) {
     errno = 0;
     context.out.flush();

@@ -78,7 +78,7 @@ Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const
     session.run_until([&reply] { return reply.has_value(); }, Clock::now() + context.timeout);
     if (session.stopped()) return failure(program::kExitFailure, "interrupted");
     if (!reply) {
-        return failure(program::kExitNoAnswer, "nobody answered " + command.line + " on " + command.topic +
+        return failure(program::kExitNoAnswer, "no answer to " + command.line + " on " + command.topic +
                                                    " within " + std::to_string(context.timeout.count()) +
                                                    " ms; is the board's agent running? Try: asipctl doctor");
     }
@@ -122,7 +122,7 @@ Outcome<KnownBoard> find_living_board(BoardSource& source, const std::string& na
     if (!board) return board;
     if (board->item.state == "offline") {
         return failure(program::kExitFailure,
-                       name + " is offline: its agent said goodbye; start asip-agent again");
+                       name + " is offline: its agent has ended; start asip-agent again");
     }
     if (board->item.state == "lost") {
         return failure(program::kExitFailure,

@@ -33,13 +33,13 @@ Outcome<bus::Answer> BoardSource::ask(const bus::Query& query) {
                                       });
     const auto mark = registry_.empty() ? session_.mark_retained() : BusSession::Mark{};
     const auto asked = Clock::now();
-    const auto nobody = [&] {
+    const auto none_there = [&] {
         const auto waited = Clock::now() - mark.passed_at().value_or(asked);
         return registry_.empty() && online_registries_.empty() &&
                waited >= (mark.passed() ? kRetainedPatience : kMarkPatience);
     };
     const auto deadline = Clock::now() + context_.timeout;
-    session_.run_until([&] { return answer || nobody(); }, deadline);
+    session_.run_until([&] { return answer || none_there(); }, deadline);
     if (session_.stopped()) return failure(program::kExitFailure, "interrupted");
     if (!answer)
         return failure(program::kExitNoAnswer,
@@ -75,9 +75,10 @@ Outcome<bus::Answer> BoardSource::ask_all_pages(bus::Query query) {
 
 void BoardSource::without_registry(const std::string& why) {
     no_registry_ = true;
-    context_.note(why == "no registry"
-                      ? "no registry answers; reading the bus itself (start asip-registry, or say --from-bus)"
-                      : why + "; reading the bus itself");
+    context_.note(
+        why == "no registry"
+            ? "no registry answers; reading the bus itself (start asip-registry, or give --from-bus)"
+            : why + "; reading the bus itself");
 }
 
 std::string BoardSource::find_registry() {

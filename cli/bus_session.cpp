@@ -48,7 +48,7 @@ struct BusSession::State {
         if (!first && connection_changed) connection_changed(true, {});
     }
 
-    /// Each broker of the list is out of reach or has refused: waiting for another attempt is no use.
+    /// Each broker of the list is out of reach or has refused: waiting for another attempt is useless.
     bool no_broker_left() const {
         return failed.size() == brokers.size() &&
                std::all_of(failed.begin(), failed.end(), [](const auto& one) {

@@ -168,7 +168,7 @@ std::vector<std::string> for_bash(std::vector<std::string> candidates, const std
 
 namespace {
 
-/// The options of every command that were typed with their values: they say where the bus is.
+/// The options of every command that were typed with their values: they name the bus.
 Words common_options(const CLI::App& app, const Words& words) {
     const auto read = program::classify(app, words);
     const auto own = app.get_options();

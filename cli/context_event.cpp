@@ -109,7 +109,7 @@ std::vector<std::string> context_filters(const bus::Topics& topics, const std::v
         if (raw) {
             all.push_back(topics.board_out(board));
         } else {
-            // A letter stands for a service whose name its description says.
+            // A letter stands for a service whose name is in its description.
             const auto service = is_letter(target.service) ? "+" : level(target.service);
             all.push_back(topics.service_out(board, service));
             all.push_back(topics.service_error(board, service));

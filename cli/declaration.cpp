@@ -21,7 +21,7 @@ std::vector<std::string> words_of(const std::string& type) {
     return words;
 }
 
-/// Help and completion read the type; words are all that may be said.
+/// Help and completion read the type; its words are all that is valid.
 CLI::Option* typed(CLI::Option* option, const std::string& type) {
     const auto words = words_of(type);
     const bool any = words.size() < 2 || std::find(words.begin(), words.end(), kAnyOther) != words.end();
@@ -29,7 +29,7 @@ CLI::Option* typed(CLI::Option* option, const std::string& type) {
 }
 
 CLI::Option* positional(CLI::Option* option, const std::string& type, Declaration::Needed needed) {
-    // The name says it all: no type beside it.
+    // The name is enough: no type beside it.
     typed(option, type)->type_name("");
     return needed == Declaration::Needed::kYes ? option->required() : option;
 }

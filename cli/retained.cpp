@@ -11,7 +11,7 @@
 namespace asip::cli {
 namespace {
 
-/// What the retained topics say of each board and registry.
+/// What the retained topics hold of each board and registry.
 struct Claims {
     std::map<std::string, std::string> states;
     std::set<std::string> described;
@@ -35,7 +35,7 @@ struct Claims {
     /// Empty for a board that seems alive.
     std::string why_gone(const std::string& board) const {
         const auto state = states.find(board);
-        if (state != states.end() && state->second == "offline") return "the board said goodbye";
+        if (state != states.end() && state->second == "offline") return "the board is offline";
         if (state != states.end() && state->second == "lost") return "the board is lost";
         if (described.count(board) == 0) return "its lease ran out";
         return {};
@@ -43,9 +43,9 @@ struct Claims {
 };
 
 bool is_command(bus::TopicKind kind) {
-    return kind == bus::TopicKind::kBoardIn || kind == bus::TopicKind::kStop || kind == bus::TopicKind::kServiceIn ||
-           kind == bus::TopicKind::kProbe || kind == bus::TopicKind::kAnyRegistryQuery ||
-           kind == bus::TopicKind::kRegistryQuery;
+    return kind == bus::TopicKind::kBoardIn || kind == bus::TopicKind::kStop ||
+           kind == bus::TopicKind::kServiceIn || kind == bus::TopicKind::kProbe ||
+           kind == bus::TopicKind::kAnyRegistryQuery || kind == bus::TopicKind::kRegistryQuery;
 }
 
 bool is_of_registry(bus::TopicKind kind) {
@@ -104,7 +104,7 @@ std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vect
     for (const auto& message : all) {
         const auto ref = topics.parse(message.topic);
         if (!ref) {
-            // What else somebody keeps below our root is none of our business.
+            // Other topics below our root belong to other programs.
             if (looks_like_command(message.topic)) {
                 result.push_back({Lingering::Kind::kCommand, message.topic, {}, "a retained command"});
             } else if (message.topic.starts_with(topics.board_names() + "/")) {
@@ -130,7 +130,7 @@ std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vect
             result.push_back(
                 {Lingering::Kind::kOrphan, message.topic, {}, "an announcement is not to be retained"});
         } else if (!claims.announced(name)) {
-            result.push_back({Lingering::Kind::kOrphan, message.topic, name, "nobody announces this board"});
+            result.push_back({Lingering::Kind::kOrphan, message.topic, name, "this board is not announced"});
         } else if (auto why = claims.why_gone(name); !why.empty()) {
             result.push_back({Lingering::Kind::kGoneBoard, message.topic, name, std::move(why)});
         }

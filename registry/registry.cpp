@@ -186,7 +186,7 @@ void Registry::identity(const mqtt::Message& message) {
         id_taken_by_ = *other;
         return;
     }
-    // The other one's will or goodbye may still come over our state.
+    // The will or the "offline" of the other one may still replace our state.
     state_due_ = now_.time + kStateRepeat;
     if (identity_logged_ == Time{} || now_.time - identity_logged_ >= kIdentityLogInterval) {
         identity_logged_ = now_.time;

@@ -26,7 +26,7 @@ Wiring::Port& Wiring::port_of(int number) const {
     const char name = kind_.pins[static_cast<std::size_t>(number)].port;
     for (auto& port : ports_)
         if (port.io->name == name) return port;
-    std::abort();  // the board's pin table names a port that its chip has not
+    std::abort();  // the board's pin table names a port that its chip does not have
 }
 
 std::uint8_t Wiring::mask_of(int number) const {

@@ -54,8 +54,8 @@ bool CatalogueView::page(const Answer& answer) {
     return true;
 }
 
-// What differs between the boards before and the new snapshot is told as changes; then the events that are
-// newer than the page their board was in.
+// What differs between the boards before and the new snapshot is reported as changes; then the events that
+// are newer than the page their board was in.
 void CatalogueView::finish_snapshot() {
     auto before = std::exchange(boards_, std::exchange(incoming_, {}));
     collecting_ = false;
@@ -85,7 +85,7 @@ void CatalogueView::finish_snapshot() {
 
 void CatalogueView::event(const ChangeEvent& event) {
     if (collecting_) {
-        // Before the first page it is not known whose events matter; a registry that tells more than this
+        // Before the first page it is not known whose events matter; a registry that reports more than this
         // while it answers one query makes the next snapshot necessary anyway.
         constexpr std::size_t kMostWaiting = 100'000;
         if (waiting_.size() < kMostWaiting) waiting_.push_back(event);

@@ -29,7 +29,7 @@ void for_each_number(const nlohmann::json& members, Take take) {
     }
 }
 
-/// The mode of a pin in the answer to `modes`; nothing when the board did not say.
+/// The mode of a pin in the answer to `modes`; nothing when the board did not report it.
 std::optional<protocol::PinMode> mode_of(const nlohmann::json& answer, int pin) {
     std::optional<protocol::PinMode> mode;
     const auto modes = answer.is_object() ? answer.find("modes") : answer.end();

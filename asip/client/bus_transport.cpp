@@ -137,8 +137,8 @@ Awaitable<void> BusTransport::raw(std::string line) {
     co_return done ? Result<void>() : Result<void>(Unexpected<Error>(done.error()));
 }
 
-/// At most once: a command that is sent again after the connection was lost could come when nobody wants it
-/// any more. The answer is what tells that it arrived.
+/// At most once: a command that is sent again after the connection was lost could arrive when it is
+/// no longer wanted. Its answer shows that it arrived.
 Awaitable<Json> BusTransport::request(std::string topic, Json payload) {
     const PendingCalls::Id id = next_id_++;
     mqtt::Message message;
@@ -146,7 +146,7 @@ Awaitable<Json> BusTransport::request(std::string topic, Json payload) {
     const auto deadline = std::clamp(options_.command_timeout, bus::kMinDeadline, bus::kMaxDeadline);
     payload["deadline_ms"] = deadline.count();
     message.payload = model::dump_json(payload);
-    // What reaches the broker while the agent is away is not delivered when nobody wants it any more.
+    // What reaches the broker while the agent is away is not delivered when it is no longer wanted.
     message.expiry_seconds =
         static_cast<std::uint32_t>(std::chrono::ceil<std::chrono::seconds>(deadline).count());
     const auto asked = requester_->ask(message, client_->v5(),

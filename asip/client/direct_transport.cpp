@@ -212,7 +212,7 @@ void DirectTransport::set_line_rate(unsigned baud) {
     });
 }
 
-// --- what the session says
+// --- what the session reports
 
 void DirectTransport::perform(const session::Actions& actions) {
     const std::weak_ptr<bool> alive = alive_;

@@ -117,7 +117,7 @@ Expected<std::unique_ptr<SerialPort>, StreamError> open_serial(asio::io_context&
     Fd fd(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
     if (fd.get() < 0) return Unexpected<StreamError>(open_error(device, errno));
     if (!isatty(fd.get())) return error(Kind::kNotASerialPort, device + " is not a serial port");
-    // TIOCEXCL keeps later openers out, except those of root; the lock tells us of programs that opened
+    // TIOCEXCL keeps later openers out, except those of root; the lock shows which programs opened
     // before.
     if (flock(fd.get(), LOCK_EX | LOCK_NB) != 0) return Unexpected<StreamError>(open_error(device, EBUSY));
     ioctl(fd.get(), TIOCEXCL);

@@ -14,7 +14,8 @@ std::string stable_path(const std::string& device, const std::string& by_id) {
     for (const auto& entry : fs::directory_iterator(by_id, error)) {
         std::error_code ignored;
         if (fs::canonical(entry.path(), ignored) != target) continue;
-        // One device can have several links; the first by name, so that each run picks the same.
+        // One device can have several links; the first in the order of names, so that each run picks the
+        // same.
         if (found.empty() || entry.path().string() < found) found = entry.path().string();
     }
     return found.empty() ? device : found;

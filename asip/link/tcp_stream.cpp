@@ -25,7 +25,7 @@ std::string url(const TcpAddress& address) {
 }
 
 /// The kernel asks a silent peer after 4 s, then each 2 s, and gives up after three questions (RFC 1122,
-/// 4.2.3.6); bytes that nobody acknowledges for 10 s end the connection, too (RFC 5482).
+/// 4.2.3.6); bytes that are not acknowledged for 10 s end the connection, too (RFC 5482).
 void notice_vanished_peer(tcp::socket& socket) {
     const int fd = socket.native_handle();
     const auto set = [fd](int level, int option, int value) {
@@ -157,7 +157,7 @@ class Acceptor : public std::enable_shared_from_this<Acceptor> {
     }
 
   private:
-    /// Out of file descriptors, most likely: trying again at once would only burn the processor.
+    /// Out of file descriptors, most likely: trying again at once would only use up the processor.
     void accept_later() {
         pause_.expires_after(std::chrono::milliseconds(100));
         pause_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {

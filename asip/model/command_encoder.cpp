@@ -154,9 +154,9 @@ Expected<json> values_from_text(const CommandModel& command, std::string_view pa
         if (argument.type == ValueType::kList) {
             auto items = list_from_text(argument, part);
             if (!items) return items;
-            for (const auto& [count, said] : counts) {
-                if (count->of == argument.name && said != std::to_string(items->size())) {
-                    return fail(count->name + ": says " + said + ", but " + argument.name + " holds " +
+            for (const auto& [count, given] : counts) {
+                if (count->of == argument.name && given != std::to_string(items->size())) {
+                    return fail(count->name + " is " + given + ", but " + argument.name + " holds " +
                                 std::to_string(items->size()));
                 }
             }
@@ -190,7 +190,7 @@ Expected<EncodedCommand> encode_json_command(const ServiceModel& model, const nl
         name = &it.key();
         given = &it.value();
     }
-    if (name == nullptr) return fail("there is no command in it");
+    if (name == nullptr) return fail("it has no command");
     const auto* known = model.command(*name);
     if (known == nullptr) return unknown_command(model, *name);
     const auto values = json_values(*known, *given);
@@ -216,7 +216,7 @@ Expected<EncodedCommand> encode_text_command(const ServiceModel& model, std::str
 }
 
 Expected<EncodedCommand> encode_word_command(const ServiceModel& model, std::span<const std::string> words) {
-    if (words.empty()) return fail("there is no command in it");
+    if (words.empty()) return fail("it has no command");
     const auto* known = model.command(words.front());
     if (known == nullptr && words.front().size() == 1) known = model.command_with_tag(words.front().front());
     if (known == nullptr) return unknown_command(model, words.front());

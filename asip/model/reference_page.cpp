@@ -48,7 +48,7 @@ std::string commands_table(const ServiceModel& model) {
 
 std::string events_table(const ServiceModel& model) {
     if (model.events.empty()) return {};
-    std::string text = "| event | tag | what it says | fields |\n| --- | --- | --- | --- |\n";
+    std::string text = "| event | tag | meaning | fields |\n| --- | --- | --- | --- |\n";
     for (const auto& event : model.events) {
         std::vector<std::string> fields;
         for (const auto& field : event.fields)
@@ -93,10 +93,10 @@ std::string reference_page(const ModelSet& models) {
     std::string text =
         "# Standard services\n\n"
         "<!-- Generated from services/*.json: see the end of service-models.md. -->\n\n"
-        "What the service models say of each service that this project knows. Commands go as JSON to\n"
+        "What the service models define for each service that this project knows. Commands go as JSON to\n"
         "`asip/BOARD/SERVICE/in`, events come as JSON on `asip/BOARD/SERVICE/out`; the last column is what "
         "the board\n"
-        "itself hears and says.\n\n";
+        "itself receives and sends.\n\n";
     for (const auto& model : models.all())
         text += section(*model);
     while (text.ends_with("\n\n"))

@@ -201,7 +201,7 @@ std::string event_fault(const EventModel& event) {
     if (needs_fields && event.fields.empty()) return place + ": has no member \"fields\"";
     if (event.shape == EventShape::kMap && event.fields.size() != 1)
         return place + "/fields: a map has one field";
-    // Fields of an event are told apart by commas and colons, so a text need not come last.
+    // Fields of an event are separated by commas and colons, so a text need not come last.
     std::set<std::string> seen;
     for (const auto& field : event.fields) {
         if (!seen.insert(field.name).second) return place + "/fields: \"" + field.name + "\" is there twice";

@@ -82,7 +82,7 @@ Expected<mqtt::Options> mqtt_options(const BrokerOptions& options, std::string_v
     for (const auto& text : options.brokers) {
         auto address = mqtt::parse_broker(text);
         if (!address) return fail(address.error());
-        // Whoever gives certificates means TLS, unless the address says otherwise.
+        // Certificates mean TLS, unless the address names another scheme.
         if (tls_files && text.find("://") == std::string::npos) address->tls = true;
         made.brokers.push_back(*address);
     }

@@ -171,7 +171,7 @@ std::optional<int> Settings::parse(std::vector<std::string> arguments, const Env
         if (!config) config = environment("ASIP_CONFIG");
         if (config && !config->empty()) state_->apply_file(*config);
         state_->apply_environment(environment);
-        // The environment has had its turn; CLI11 must not look again, with its own precedence.
+        // The environment was read already; CLI11 must not read it again, with its own precedence.
         for (auto* option : state_->settings)
             option->envname({});
         std::reverse(arguments.begin(), arguments.end());

@@ -26,7 +26,7 @@ Machine::Machine(SessionOptions options, const Random& random)
 
 void Machine::link_up(const LinkTraits& traits, Time now, Actions& out) {
     wire_.open(traits.baud);
-    there_ = was_silent_ = no_answer_said_ = false;
+    there_ = was_silent_ = no_answer_reported_ = false;
     counters_.bytes_in = 0;
     suspect_baud_ = 0;
     ready_baud_ = traits.baud;
@@ -90,7 +90,7 @@ void Machine::set_up_line(Identity found, Time now, Actions& out) {
     changed_ = changed_ || changed;
     identity_ = std::move(found);
     known_ = true;
-    no_answer_said_ = true;  // whatever becomes of the rate: it answered
+    no_answer_reported_ = true;  // whatever becomes of the rate: it answered
     const unsigned best = can_step ? rates_.best(options_.max_baud) : wire_.baud();
     if (best == wire_.baud()) return become_ready(now, out);
     std::vector<std::string> lines;
@@ -100,7 +100,7 @@ void Machine::set_up_line(Identity found, Time now, Actions& out) {
 }
 
 void Machine::become_ready(Time now, Actions& out) {
-    there_ = no_answer_said_ = true;
+    there_ = no_answer_reported_ = true;
     was_silent_ = false;
     ready_baud_ = wire_.baud();
     state_ = Ready{now, 0};
@@ -142,7 +142,7 @@ void Machine::fall_silent(Time now, Actions& out) {
 
 bool may_be_sent(std::string_view line) {
     const auto parsed = protocol::parse_request(line);
-    // The line rate, checksums and the digest of requests are between the board and us.
+    // The line rate, checksums and the digest of requests are the session's own.
     return parsed &&
            (parsed->service != '#' || std::string_view("BCV").find(parsed->tag) == std::string_view::npos);
 }
@@ -233,8 +233,8 @@ void Machine::report(std::vector<RequestEnd>& ended, Actions& out) {
 void Machine::tick(Time now, Actions& out) {
     if (std::holds_alternative<Down>(state_)) return;
     if (const auto gone = gone_at(); gone && now >= *gone) return fall_silent(now, out);
-    if (!no_answer_said_ && now >= link_up_at_ + options_.patience) {
-        no_answer_said_ = true;
+    if (!no_answer_reported_ && now >= link_up_at_ + options_.patience) {
+        no_answer_reported_ = true;
         out.emplace_back(NoAnswer{counters_.bytes_in > 0});
     }
     std::vector<RequestEnd> ended;
@@ -248,11 +248,11 @@ std::optional<Time> Machine::next_deadline() const {
     if (std::holds_alternative<Down>(state_)) return std::nullopt;
     Time deadline = queue_.next_deadline(options_.answer_timeout);
     if (const auto gone = gone_at()) deadline = std::min(deadline, *gone);
-    if (!no_answer_said_) deadline = std::min(deadline, link_up_at_ + options_.patience);
+    if (!no_answer_reported_) deadline = std::min(deadline, link_up_at_ + options_.patience);
     return std::min(deadline, std::visit([&](const auto& state) { return this->deadline(state); }, state_));
 }
 
-// A board that was never there, or is known to be gone, cannot go.
+// A board that was never there, or is known to be gone, cannot be lost.
 std::optional<Time> Machine::gone_at() const {
     if (!there_ || !asked_at_) return std::nullopt;
     Time gone = std::max(last_byte_ + options_.gone_after, *asked_at_ + options_.answer_timeout);

@@ -144,14 +144,14 @@ class Machine {
     std::string token_start_;
     std::uint64_t overlong_seen_ = 0;
     RequestId next_id_ = 1;
-    bool known_ = false;           // identified at least once, since construction
-    bool there_ = false;           // identified since link_up, and not gone since
-    bool was_silent_ = false;      // state to report while searching
-    bool no_answer_said_ = false;  // since link_up, or need not be: it answered
-    bool damage_seen_ = false;     // on this line, at any time
-    bool checksums_seen_ = false;  // the board sent one, or asked for one, while we sent none
-    bool changed_ = false;         // the next Identified is of another board than the last
-    bool restore_ = false;         // settings are to be restored once the board is ready
+    bool known_ = false;               // identified at least once, since construction
+    bool there_ = false;               // identified since link_up, and not gone since
+    bool was_silent_ = false;          // state to report while searching
+    bool no_answer_reported_ = false;  // since link_up, or need not be: it answered
+    bool damage_seen_ = false;         // on this line, at any time
+    bool checksums_seen_ = false;      // the board sent one, or asked for one, while we sent none
+    bool changed_ = false;             // the next Identified is of another board than the last
+    bool restore_ = false;             // settings are to be restored once the board is ready
     std::string banner_services_;
     unsigned suspect_baud_ = 0;  // rate at which there was too much garbage
     unsigned ready_baud_ = 0;    // rate at which the board was last ready

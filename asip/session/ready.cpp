@@ -111,7 +111,7 @@ bool Machine::reports_by_itself(const Request& request, Time now) const {
     return known != reports_.end();
 }
 
-// Of what nobody asked for.
+// Of events that come without a request.
 void Machine::note_report(const protocol::Event& event, Time now) {
     if (event.service == '#') return;
     last_report_ = now;

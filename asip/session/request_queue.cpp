@@ -13,8 +13,8 @@ namespace {
 // a fence keeps the line busy for 6 ms.
 constexpr Duration kLazyFence = std::chrono::milliseconds(100);
 
-// Half of what may be in flight: the fence is then back before the other half is used up, and nobody waits
-// for it.
+// Half of what may be in flight: the fence is then back before the other half is used up, and no request
+// waits for it.
 constexpr std::size_t kEarlyFence = 32;
 
 // A board that writes a long report reads nothing meanwhile.

@@ -121,7 +121,7 @@ int print(const Findings& findings, const DoctorOptions& options, Context& conte
 std::string broker_advice(const std::string& broker) {
     return "is a broker running there? Try: mosquitto_sub -h HOST -p PORT -t '$SYS/#' -C 1. Mosquitto 2 "
            "takes only local and no "
-           "anonymous clients unless its configuration says so; ours: packaging/mosquitto/asip.conf. We "
+           "anonymous clients unless its configuration allows it; ours: packaging/mosquitto/asip.conf. We "
            "tried " +
            broker;
 }
@@ -157,7 +157,7 @@ Run declare_doctor(Declaration& verb) {
 Verb doctor_verb() {
     return {
         "doctor", "Find what is wrong with broker, registry, boards and this machine",
-        "Each finding says what to do. Exit status: 0 nothing is wrong, 1 something is, 3 the broker is.\n"
+        "Each finding names what to do. Exit status: 0 nothing is wrong, 1 something is, 3 the broker is.\n"
         "Example:\n"
         "  asipctl doctor --broker pi.local",
         declare_doctor};

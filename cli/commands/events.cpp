@@ -69,7 +69,7 @@ class Follower {
         retained_.emplace(session_.mark_retained());
     }
 
-    /// What was there before we looked is no change.
+    /// What was there before the first look is not a change.
     void take_announcement(const mqtt::Message& message) {
         const auto name = catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
         if (name.empty()) return;

@@ -15,7 +15,7 @@
 namespace asip::cli {
 namespace {
 
-/// Whether an agent (or the board itself) still speaks for it, whatever is retained.
+/// Whether an agent (or the board itself) still answers for it, whatever is retained.
 bool answers(Context& context, BusSession& session, const std::string& board) {
     bool heard = false;
     const auto hear = [&heard](const mqtt::Message& message) { heard = heard || !message.retain; };
@@ -40,7 +40,7 @@ void print_topics(const std::vector<std::string>& topics, const OutputOptions& o
 }
 
 int nobody_knows(Context& context, BoardSource& source, const std::string& board) {
-    return context.fail_with({program::kExitFailure, "nobody knows a board \"" + board + "\"" +
+    return context.fail_with({program::kExitFailure, "unknown board \"" + board + "\"" +
                                                          text::did_you_mean(board, source.names()) +
                                                          ": nothing is retained of it; see asipctl list"});
 }

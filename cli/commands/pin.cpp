@@ -32,7 +32,7 @@ class PinAccess {
         const auto document = model::parse_json(answer->answer);
         if (!document || !document->is_object() || !document->contains("modes") ||
             !(*document)["modes"].is_array()) {
-            return failure(program::kExitFailure, "the board did not say its pin modes");
+            return failure(program::kExitFailure, "the board did not report its pin modes");
         }
         std::vector<PinMode> result;
         for (const auto& number : (*document)["modes"]) {
@@ -106,8 +106,8 @@ class PinAccess {
             }
         }
         if (!channel)
-            return failure(program::kExitFailure,
-                           "the board did not say which analog channel pin " + std::to_string(pin) + " is");
+            return failure(program::kExitFailure, "the board did not report which analog channel pin " +
+                                                      std::to_string(pin) + " is");
         const auto key = std::to_string(*channel);
         const auto patience = std::min<Duration>(context_.timeout, std::chrono::seconds(2));
         session_.run_until([&] { return latest("analog", key).has_value(); }, Clock::now() + patience);

@@ -115,7 +115,7 @@ Run declare_prune(Declaration& verb) {
 }  // namespace
 
 Verb prune_verb() {
-    return {"prune", "Clear everything retained that nobody needs any more",
+    return {"prune", "Clear everything retained that is no longer needed",
             "Examples:\n  asipctl prune --dry-run\n  asipctl prune --only commands", declare_prune};
 }
 

@@ -121,7 +121,7 @@ class Sender {
         if (!done.answer) {
             const auto text = session_.stopped()
                                   ? "interrupted before " + done.command.line + " was answered"
-                                  : "nobody answered " + done.command.line + " on " + done.command.topic +
+                                  : "no answer to " + done.command.line + " on " + done.command.topic +
                                         " within " + std::to_string(context_.timeout.count()) + " ms";
             print(done, {{"status", "timeout"}, {"reason", "no-answer"}, {"error", text}});
             report_failure(done.where, {program::kExitNoAnswer, text});

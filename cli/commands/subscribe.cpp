@@ -101,7 +101,7 @@ class Subscriber {
     std::vector<BusSession::Subscription> subscriptions_;
 };
 
-/// A name that nobody has is reported at once, but a board may still come.
+/// A name that no board has is reported at once, but one may still come.
 void note_unknown(const std::vector<Target>& targets, Context& context, BoardSource& source) {
     for (const auto& target : targets) {
         if (target.is_pattern()) continue;

@@ -78,7 +78,7 @@ class Waiter {
         if (!for_state_) return event_.has_value();
         const auto known = catalogue_.board(board(), Clock::now());
         if (!known || known->state != options_.what) return false;
-        // Of an online board the description tells that it can be used.
+        // An online board can be used once it has a description.
         return options_.what != "online" || known->names_only || catalogue_.description(board()) != nullptr;
     }
 

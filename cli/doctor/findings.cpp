@@ -48,7 +48,7 @@ std::string retained_payload(const Observations& seen, const std::string& topic)
 
 Finding ping_finding(const std::string& board, const PingResult& ping) {
     if (!ping.reply) {
-        return problem(board + " is said to be online, but nobody answers for it",
+        return problem(board + " is reported online, but nothing answers for it",
                        "its agent is gone or stuck: restart it (systemctl restart asip-agent@" + board +
                            "), else: asipctl forget " + board);
     }
@@ -101,7 +101,7 @@ Findings check_broker(const Observations& seen) {
 Findings check_registry(const Observations& seen) {
     if (!seen.registry.empty()) return {fine("registry " + seen.registry + " answers")};
     if (!seen.registries.empty()) {
-        return {problem("registry " + some_of(seen.registries) + " is said to be online, but does not answer",
+        return {problem("registry " + some_of(seen.registries) + " is reported online, but does not answer",
                         "restart it: systemctl restart asip-registry")};
     }
     return {note("no registry runs; what follows comes from the bus itself",
@@ -174,7 +174,7 @@ Findings check_retained(const Observations& seen) {
                     "asipctl prune --only commands; and publish commands without the retain flag"));
     }
     if (!orphans.empty()) {
-        result.push_back(note("retained values of boards that nobody announces: " + some_of(orphans),
+        result.push_back(note("retained values of boards that are not announced: " + some_of(orphans),
                               "asipctl prune --only orphans"));
     }
     return result;
@@ -187,7 +187,7 @@ Findings check_names(const Observations& seen) {
     }
     if (bad.empty()) return {};
     return {problem(
-        "announced under names that are not valid, so that nobody sees them: " + some_of(bad),
+        "announced under names that are not valid, so that they are ignored: " + some_of(bad),
         "names are 1 to 64 of A-Z a-z 0-9 . _ -; rename the board, then: asipctl prune --only names")};
 }
 

@@ -59,7 +59,7 @@ Applied Catalogue::Impl::apply(const Announcement& a, Time now) {
 }
 
 std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time now, Events& events) {
-    if (a.payload.empty()) return std::nullopt;  // emptied by whoever tidies up; what is known stays
+    if (a.payload.empty()) return std::nullopt;  // emptied by a program that tidies up; what is known stays
     if (!model::valid_board_name(a.board)) return Refusal::kBadName;
     if (a.payload.size() > model::kMaxDescriptionBytes) return Refusal::kTooLong;
     std::uint32_t slot = slot_of(a.board);
@@ -104,7 +104,7 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
 
     const auto lease = std::chrono::seconds(b.lease_seconds);
     if (live) {
-        // A goodbye is older than a description with a new number, but not than a repetition of the last one.
+        // "offline" is older than a description with a new number, but not than a repetition of the last one.
         if (!renews && !is_alive_word(b.reported)) b.reported = BoardState::kOnline;
         if (is_alive_word(b.reported)) b.deadline = now + lease;
         b.proven = true;
@@ -136,7 +136,7 @@ std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, E
     std::uint32_t slot = slot_of(a.board);
     const bool added = slot == NameTable::kNone;
     if (a.payload.empty()) {
-        // Somebody forgot this board: so do we, unless we know that it lives.
+        // Another program forgot this board: so does the catalogue, unless the board is known to be alive.
         if (!added && !is_alive_word(board(slot).effective)) release(slot, events);
         return std::nullopt;
     }

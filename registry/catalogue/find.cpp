@@ -45,7 +45,7 @@ std::vector<const Service*> matching_services(const QueryPlan& plan, const Board
     return matching;
 }
 
-// Orders other than by name compare texts.
+// Orders by other members than the name compare texts.
 std::string sort_key(const Board& b, QueryPlan::Sort sort) {
     constexpr std::size_t kDigits = 20;
     switch (sort) {

@@ -147,8 +147,8 @@ void Catalogue::Impl::index(Board& b, std::uint32_t slot, bool present) {
     stats_.services[state] += present ? b.services->services.size() : 0 - b.services->services.size();
 }
 
-// Brings the effective state into line with what was said and the lease, the indices with it, and the wheel
-// with both.
+// Brings the effective state into line with what was reported and the lease, the indices with it, and the
+// wheel with both.
 void Catalogue::Impl::update_state(std::uint32_t slot, Time now, Event::Reason reason, Events& events,
                                    bool added) {
     Board& b = board(slot);

@@ -20,7 +20,7 @@
 namespace asip::sim {
 namespace {
 
-int complain(int status, const std::string& text) {
+int report(int status, const std::string& text) {
     std::cerr << "asip-sim: " << text << '\n';
     return status;
 }
@@ -65,8 +65,8 @@ int run_control(const Options& options) {
         std::cout << *answer;
         return 0;
     }
-    return complain(answer.error().reached ? program::kExitFailure : program::kExitNoAnswer,
-                    answer.error().text);
+    return report(answer.error().reached ? program::kExitFailure : program::kExitNoAnswer,
+                  answer.error().text);
 }
 
 void write_stdout(std::string_view line) {
@@ -83,7 +83,7 @@ std::chrono::microseconds slice_for(const Options& options, std::size_t boards, 
 
 int run_boards(const Options& options) {
     auto files = load_boards(options);
-    if (!files) return complain(program::kExitUsage, files.error());
+    if (!files) return report(program::kExitUsage, files.error());
 
     Reporter reporter(options.json ? Reporter::Format::kJson : Reporter::Format::kText, write_stdout);
     std::vector<std::unique_ptr<LiveBoard>> boards;
@@ -91,8 +91,8 @@ int run_boards(const Options& options) {
         auto board = LiveBoard::create((*files)[i], reporter);
         if (!board) {
             const auto& source = options.boards[i];
-            const bool says_where = board.error().rfind(source, 0) == 0;
-            return complain(program::kExitUsage, says_where ? board.error() : source + ": " + board.error());
+            const bool has_place = board.error().rfind(source, 0) == 0;
+            return report(program::kExitUsage, has_place ? board.error() : source + ": " + board.error());
         }
         boards.push_back(std::move(*board));
     }
@@ -115,7 +115,7 @@ int run_boards(const Options& options) {
         if (opened)
             socket = std::move(*opened);
         else if (options.socket)
-            return complain(program::kExitUsage, opened.error());
+            return report(program::kExitUsage, opened.error());
         else
             std::cerr << "asip-sim: no control socket: " << opened.error() << '\n';
     }

@@ -156,8 +156,8 @@ Expected<std::pair<const RunningBoards::Place*, std::string>> RunningBoards::par
     if (found.empty())
         return fail(fmt::format("there is no part {}{}", part, text::did_you_mean(part, names)));
     if (found.size() > 1)
-        return fail(
-            fmt::format("{0} boards have a part {1}; say {2}/{1}", found.size(), part, found.front()->board));
+        return fail(fmt::format("{0} boards have a part {1}; name it {2}/{1}", found.size(), part,
+                                found.front()->board));
     return std::pair{found.front(), std::string(part)};
 }
 

@@ -156,7 +156,7 @@ void BusProbe::subscribe(const std::string& filter, int qos) {
     mosquitto_subscribe(state_->client, &id, filter.c_str(), qos);
     state_->expect(id);
     if (!wait_until([&] { return state_->settled(id); }))
-        throw std::runtime_error("no answer to subscribing " + filter);
+        throw std::runtime_error("no answer to the subscription of " + filter);
 }
 
 void BusProbe::publish(const mqtt::Message& message) {

@@ -75,8 +75,8 @@ ClientPlan draw_client(Dice& dice) {
 
 Incident draw_incident(Micros active, Dice& dice) {
     Incident incident{static_cast<Incident::Kind>(dice.below(6)), dice.between(0, active), 0};
-    const bool lasting = dice.chance(0.25);
-    incident.lasts = dice.between(20, lasting ? 7000 : 1500) * kMillisecond;
+    const bool is_long = dice.chance(0.25);
+    incident.lasts = dice.between(20, is_long ? 7000 : 1500) * kMillisecond;
     return incident;
 }
 

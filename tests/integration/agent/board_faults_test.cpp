@@ -118,7 +118,7 @@ TEST(AgentBoard, PortThatTalksSomethingElse_EndsWithStatus5) {
     EXPECT_THAT(ended.errors, HasSubstr("not ASIP"));
 }
 
-TEST(AgentBoard, PortBusy_EndsWithStatus5AndSaysSo) {
+TEST(AgentBoard, PortBusy_EndsWithStatus5AndThatReason) {
     MosquittoBroker broker;
     SimulatedUno uno;
     BusProbe probe(broker.port());

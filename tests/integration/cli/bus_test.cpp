@@ -56,7 +56,7 @@ TEST(WrongUse, EachEndsWithStatus2) {
     }
 }
 
-TEST_F(BusTest, NoRegistry_ListReadsTheBusAndSaysSo) {
+TEST_F(BusTest, NoRegistry_ListReadsTheBusAndReportsThat) {
     announce("uno1");
     announce("uno2", "lost");
     const auto list = asipctl({"list"});
@@ -197,7 +197,7 @@ TEST_F(BusTest, Doctor_NamesEachFaultAndWhatToDo) {
     const auto doctor = asipctl({"doctor", "--timeout", "1s"});
     EXPECT_EQ(doctor.status, 1);
     EXPECT_THAT(doctor.output, HasSubstr("note     no registry runs"));
-    EXPECT_THAT(doctor.output, HasSubstr("problem  ghost is said to be online, but nobody answers"));
+    EXPECT_THAT(doctor.output, HasSubstr("problem  ghost is reported online, but nothing answers"));
     EXPECT_THAT(doctor.output,
                 HasSubstr("retained commands, delivered again at each reconnection: asip/ghost/in"));
     EXPECT_THAT(doctor.output, HasSubstr("a b"));

@@ -95,7 +95,7 @@ TEST_F(ChangesTest, RegistryWithAHistory_IsFollowedAndAsked) {
     EXPECT_THAT(asipctl({"history", "--all", "-n", "1"}).output, HasSubstr("BOARD"));
 }
 
-TEST_F(ChangesTest, RegistryWithoutAHistory_SaysSo) {
+TEST_F(ChangesTest, RegistryWithoutAHistory_ReportsThat) {
     EXPECT_EQ(asipctl({"history", "uno1"}).status, 4) << "there is no registry at all";
     const auto child = registry();
     const auto history = asipctl({"history", "uno1"});

@@ -155,7 +155,7 @@ INSTANTIATE_TEST_SUITE_P(Links, BoardOverEachLink, ::testing::ValuesIn(ways()), 
 
 // --- what cannot be opened says why
 
-TEST(BlockingBoardOpen, PortThatIsNotThere_SaysSo) {
+TEST(BlockingBoardOpen, PortThatIsNotThere_IsReported) {
     const auto board = BlockingBoard::open("/dev/asip-no-such-port");
     ASSERT_FALSE(board);
     EXPECT_EQ(board.error().kind, Error::Kind::kUnreachable);
@@ -172,7 +172,7 @@ TEST(BlockingBoardOpen, BoardThatIsNotOnTheBroker_IsNamed) {
     EXPECT_THAT(board.error().text, HasSubstr("no board nowhere"));
 }
 
-TEST(BlockingBoardOpen, BrokerThatIsNotThere_SaysSo) {
+TEST(BlockingBoardOpen, BrokerThatIsNotThere_IsReported) {
     Options options;
     options.open_timeout = 500ms;
     const auto board =
@@ -181,7 +181,7 @@ TEST(BlockingBoardOpen, BrokerThatIsNotThere_SaysSo) {
     EXPECT_EQ(board.error().kind, Error::Kind::kUnreachable);
 }
 
-TEST(BlockingBoardOpen, BrokerRefusesThePassword_SaysSoAtOnce) {
+TEST(BlockingBoardOpen, BrokerRefusesThePassword_IsReportedAtOnce) {
     test::MosquittoBroker::Options secured;
     secured.users = {{"ann", "secret"}};
     const test::MosquittoBroker broker(secured);

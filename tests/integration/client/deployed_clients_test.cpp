@@ -175,7 +175,7 @@ TEST_F(DeployedClients, AnalogEvents_ComeOneToAMessage) {
     EXPECT_EQ(event->payload.back(), '}');
 }
 
-TEST(DeployedClientsWithNewline, PythonOverMqtt_GetsItWhereTheAgentIsToldTo) {
+TEST(DeployedClientsWithNewline, PythonOverMqtt_GetsItWhereTheAgentIsConfiguredTo) {
     const MosquittoBroker broker;
     BusProbe probe(broker.port(), {"asip/uno/out", "asip/servicebus/#"});
     SimulatedBoards boards({"asip_uno_04"});

@@ -287,7 +287,7 @@ TEST(Client, FloodWhileTheBrokerHangs_DropsOldestContextAndKeepsReplies) {
     EXPECT_TRUE(probe.wait_for("context", std::to_string(kFlood - 1) + big));
 }
 
-TEST(Client, WrongPassword_IsFatalAndSaysSo) {
+TEST(Client, WrongPassword_IsFatalWithThatReason) {
     MosquittoBroker broker({.users = {{"ada", "right"}}});
     for (const auto version : {mqtt::Version::kBest, mqtt::Version::kV311}) {
         auto options = options_for(broker);

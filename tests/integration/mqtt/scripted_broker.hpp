@@ -10,7 +10,7 @@
 namespace asip::test {
 
 /// Speaks just enough of MQTT 5 to accept a connection and to answer SUBSCRIBE, QoS 1 PUBLISH and PINGREQ as
-/// it is told: what Mosquitto never does with its own rules. One io_context of its own, run by run().
+/// it is given: what Mosquitto never does with its own rules. One io_context of its own, run by run().
 class ScriptedBroker {
   public:
     ScriptedBroker() : acceptor_(io_, {boost::asio::ip::address_v4::loopback(), 0}) { accept(); }

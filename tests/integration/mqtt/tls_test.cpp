@@ -61,7 +61,7 @@ TEST(MqttTls, SystemCertificateFolder_IsTrustedAlsoWithAClientCertificate) {
     EXPECT_TRUE(bus.connect()) << (bus.failures.empty() ? "" : bus.failures[0].text);
 }
 
-TEST(MqttTls, UnknownToTheSystem_IsATlsFailureThatSaysSo) {
+TEST(MqttTls, UnknownToTheSystem_IsATlsFailureWithThatReason) {
     MosquittoBroker broker({.tls = true});
     const auto failure = first_failure(options_for(broker));
     EXPECT_EQ(failure.kind, Kind::kTls) << failure.text;
@@ -81,7 +81,7 @@ TEST(MqttTls, CertificateForAnotherName_IsRefusedByNameAndByAddress) {
     }
 }
 
-TEST(MqttTls, CertificateExpired_IsFatalAndSaysSo) {
+TEST(MqttTls, CertificateExpired_IsFatalWithThatReason) {
     MosquittoBroker broker(
         {.tls = true, .certificate = {.from = "20200101000000Z", .until = "20210101000000Z"}});
     const auto failure = first_failure(tls_options(broker));

@@ -16,7 +16,7 @@ using Kind = mqtt::ConnectionFailure::Kind;
 
 constexpr std::size_t kVersionOffset = 8;  // CONNECT: type, length, 0 4 M Q T T, version
 
-/// Answers each CONNECT by its version, with the bytes it was told; no bytes: closes.
+/// Answers each CONNECT by its version, with the bytes it was given; no bytes: closes.
 class VersionBroker {
   public:
     VersionBroker(asio::io_context& io, std::string to_v5, std::string to_v311)
@@ -131,7 +131,7 @@ TEST_F(MqttVersion, OnlyVersion5Allowed_DoesNotFallBack) {
         EXPECT_EQ(version, 5);
 }
 
-TEST_F(MqttVersion, ClosedInEveryVersion_GoesOnTrying) {
+TEST_F(MqttVersion, ClosedInEveryVersion_TriesOn) {
     EXPECT_FALSE(connects("", ""));
     EXPECT_EQ(failures.at(0).kind, Kind::kNoAnswer);
 }
@@ -158,7 +158,7 @@ TEST_F(MqttVersion, ClosesOnAWillWithADot_SaysThatTheNameMayBeWhy) {
     EXPECT_EQ(failures.at(0).text.find("dot"), std::string::npos) << failures.at(0).text;
 }
 
-TEST_F(MqttVersion, SpeaksSomethingElse_FailsAndGoesOnTrying) {
+TEST_F(MqttVersion, SpeaksSomethingElse_FailsAndTriesOn) {
     EXPECT_FALSE(connects("HTTP/1.1 400 Bad Request\r\n\r\n", "HTTP/1.1 400 Bad Request\r\n\r\n"));
     EXPECT_FALSE(failures.empty());
 }

@@ -107,7 +107,7 @@ TEST(Control, SeveralBoards_PartIsNamedWithItsBoardWhereItHasTo) {
         folder, "two.json",
         R"(, "parts": [{"kind": "button", "name": "b", "pin": 2}, {"kind": "button", "name": "c", "pin": 3}])");
     SimProgram sim(folder, {one, two}, 2);
-    EXPECT_THAT(sim.control({"press", "b"}).errors, HasSubstr("2 boards have a part b; say one/b"));
+    EXPECT_THAT(sim.control({"press", "b"}).errors, HasSubstr("2 boards have a part b; name it one/b"));
     EXPECT_EQ(sim.control({"press", "two/b"}).status, 0);
     EXPECT_EQ(sim.control({"press", "c"}).status, 0);
     EXPECT_THAT(sim.control({"reset"}).errors, HasSubstr("which board? one, two"));

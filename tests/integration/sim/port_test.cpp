@@ -42,7 +42,7 @@ TEST(Port, NothingOpenAtBoot_WhatWasSaidThenIsNotKept) {
     EXPECT_EQ(client.received().find('!'), std::string::npos);
 }
 
-TEST(Port, AtAWrongRate_GarblesAndSaysSoAndTheRightRateWorks) {
+TEST(Port, AtAWrongRate_GarblesAndReportsThatAndTheRightRateWorks) {
     const TempDir folder;
     SimProgram sim(folder, {board_file(folder, "uno.json")});
     auto client = StreamClient::terminal(sim.port(), 9600);

@@ -84,7 +84,7 @@ Observations healthy() {
 }
 
 /// What is wrong, without what is fine.
-std::vector<std::string> complaints(const Findings& findings) {
+std::vector<std::string> problems(const Findings& findings) {
     std::vector<std::string> result;
     for (const auto& finding : findings) {
         if (finding.level == Level::kFine) continue;
@@ -94,8 +94,8 @@ std::vector<std::string> complaints(const Findings& findings) {
     return result;
 }
 
-TEST(Doctor, HealthyBus_HasNothingToComplainOf) {
-    EXPECT_THAT(complaints(check_all(healthy())), IsEmpty());
+TEST(Doctor, HealthyBus_HasNoProblems) {
+    EXPECT_THAT(problems(check_all(healthy())), IsEmpty());
     EXPECT_FALSE(has_problem(check_all(healthy())));
 }
 
@@ -103,7 +103,7 @@ TEST(Doctor, SlowAcknowledgement_PointsAtTcpNodelay) {
     auto seen = healthy();
     seen.acknowledged = 44ms;
     const auto findings = check_broker(seen);
-    EXPECT_THAT(complaints(findings), ElementsAre(HasSubstr("TCP_NODELAY")));
+    EXPECT_THAT(problems(findings), ElementsAre(HasSubstr("TCP_NODELAY")));
     EXPECT_THAT(findings.back().advice, HasSubstr("set_tcp_nodelay true"));
 }
 
@@ -124,48 +124,48 @@ TEST(Doctor, RegistryMissingOrSilent_IsReported) {
 TEST(Doctor, OnlineBoardNobodyAnswersFor_AndAgentWithoutBoard_AreDistinguished) {
     auto seen = healthy();
     seen.pings["uno1"].reply.reset();
-    EXPECT_THAT(complaints(check_boards(seen)), ElementsAre(HasSubstr("nobody answers")));
+    EXPECT_THAT(problems(check_boards(seen)), ElementsAre(HasSubstr("nothing answers")));
     seen.pings["uno1"].reply = bus::Reply::refused("board-not-there", "unplugged");
-    EXPECT_THAT(complaints(check_boards(seen)), ElementsAre(HasSubstr("board-not-there")));
+    EXPECT_THAT(problems(check_boards(seen)), ElementsAre(HasSubstr("board-not-there")));
     seen.pings["uno1"].reply = bus::Reply::timeout();
-    EXPECT_THAT(complaints(check_boards(seen)), ElementsAre(HasSubstr("the board does not")));
+    EXPECT_THAT(problems(check_boards(seen)), ElementsAre(HasSubstr("the board does not")));
 }
 
 TEST(Doctor, RetainedStateAgainstLease_IsReported) {
     auto seen = healthy();
     seen.retained.pop_back();
-    EXPECT_THAT(complaints(check_states(seen)), ElementsAre(HasSubstr("description has expired")));
+    EXPECT_THAT(problems(check_states(seen)), ElementsAre(HasSubstr("description has expired")));
     seen = healthy();
     seen.boards[0].state = "lost";
-    EXPECT_THAT(complaints(check_states(seen)), ElementsAre(HasSubstr("its lease ran out")));
+    EXPECT_THAT(problems(check_states(seen)), ElementsAre(HasSubstr("its lease ran out")));
     seen = healthy();
     seen.retained[0].payload = "lost";
-    EXPECT_THAT(complaints(check_states(seen)), ElementsAre(HasSubstr("late will")));
+    EXPECT_THAT(problems(check_states(seen)), ElementsAre(HasSubstr("late will")));
 }
 
 TEST(Doctor, RetainedCommandsAndInvalidNames_AreReported) {
     auto seen = healthy();
     seen.retained.push_back({"asip/uno1/servo/in", "W,0,90"});
     seen.retained.push_back({"asip/servicebus/a b/$state", "online"});
-    EXPECT_THAT(complaints(check_retained(seen)), ElementsAre(HasSubstr("asip/uno1/servo/in")));
-    EXPECT_THAT(complaints(check_names(seen)), ElementsAre(HasSubstr("a b")));
+    EXPECT_THAT(problems(check_retained(seen)), ElementsAre(HasSubstr("asip/uno1/servo/in")));
+    EXPECT_THAT(problems(check_names(seen)), ElementsAre(HasSubstr("a b")));
 }
 
 TEST(Doctor, TwoAgentsWithOneName_AreReported) {
     auto seen = healthy();
     EXPECT_THAT(check_conflicts(seen), IsEmpty());
     seen.sessions["uno1"] = {"5f3a9c01", "00000001"};
-    EXPECT_THAT(complaints(check_conflicts(seen)), ElementsAre(HasSubstr("two agents")));
+    EXPECT_THAT(problems(check_conflicts(seen)), ElementsAre(HasSubstr("two agents")));
     seen.sessions.clear();
     seen.boards[0].conflict = bus::Conflict{"a", "b", "pi2 asip-agent-9"};
-    EXPECT_THAT(complaints(check_conflicts(seen)), ElementsAre(HasSubstr("pi2")));
+    EXPECT_THAT(problems(check_conflicts(seen)), ElementsAre(HasSubstr("pi2")));
 }
 
 TEST(Doctor, ClockAwayFromTheRegistrys_IsReported) {
     auto seen = healthy();
-    EXPECT_THAT(complaints(check_clocks(seen)), IsEmpty());
+    EXPECT_THAT(problems(check_clocks(seen)), IsEmpty());
     seen.now += 5min;
-    EXPECT_THAT(complaints(check_clocks(seen)), ElementsAre(HasSubstr("ahead")));
+    EXPECT_THAT(problems(check_clocks(seen)), ElementsAre(HasSubstr("ahead")));
 }
 
 TEST(Doctor, PortsWithoutRightAndModemManager_AreReported) {
@@ -173,10 +173,10 @@ TEST(Doctor, PortsWithoutRightAndModemManager_AreReported) {
     machine.ports = {{"/dev/ttyACM0", false, "dialout"}, {"/dev/ttyUSB0", true, "dialout"}};
     machine.modem_manager = true;
     const auto findings = check_machine(machine);
-    EXPECT_THAT(complaints(findings), ElementsAre(HasSubstr("/dev/ttyACM0"), HasSubstr("ModemManager")));
+    EXPECT_THAT(problems(findings), ElementsAre(HasSubstr("/dev/ttyACM0"), HasSubstr("ModemManager")));
     EXPECT_THAT(findings[0].advice, HasSubstr("usermod -aG dialout"));
     machine.udev_rule = true;
-    EXPECT_EQ(complaints(check_machine(machine)).size(), 1U);
+    EXPECT_EQ(problems(check_machine(machine)).size(), 1U);
 }
 
 TEST(LookAtMachine, FilesOfAMachine_AreRead) {

@@ -110,7 +110,7 @@ TEST(ChangePrinter, OnlyWhatDiffers_IsPrintedAgain) {
     EXPECT_EQ(printer.gone("uno1"), "");
 }
 
-TEST(ShowBoard, DescribedBoard_TellsChipPinsServicesAndUnits) {
+TEST(ShowBoard, DescribedBoard_ShowsChipPinsServicesAndUnits) {
     const KnownBoard board{uno1(), *model::parse_description(kUno1)};
     const auto text = board_text(board, model::ModelSet::standard(), 0, false);
     EXPECT_THAT(text, HasSubstr("serial /dev/ttyACM0 at 500000 baud"));
@@ -121,7 +121,7 @@ TEST(ShowBoard, DescribedBoard_TellsChipPinsServicesAndUnits) {
     EXPECT_THAT(text, HasSubstr("none known: events come as tag and body"));
 }
 
-TEST(ShowBoard, NamesOnly_SaysSo) {
+TEST(ShowBoard, NamesOnly_IsShown) {
     bus::BoardItem item;
     item.board = "esp";
     item.state = "online";

@@ -12,7 +12,7 @@
 namespace asip::client {
 
 /// A transport that answers from a script and records what it was asked. Each command takes the next step of
-/// the script, which may tell the listener things before it answers.
+/// the script, which may report things to the listener before it answers.
 class ScriptedTransport : public Transport {
   public:
     using Json = nlohmann::json;

@@ -87,7 +87,7 @@ TEST(EncodeJson, IdAndReplyTo_ArePassedOver) {
 
 TEST(EncodeJson, NotOneCommand_IsRefused) {
     EXPECT_EQ(from_json("servo", "[]"), "! a command is an object such as {\"NAME\":[ARGUMENTS]}");
-    EXPECT_EQ(from_json("servo", R"({"id":"7"})"), "! there is no command in it");
+    EXPECT_EQ(from_json("servo", R"({"id":"7"})"), "! it has no command");
     EXPECT_EQ(from_json("servo", R"({"remap":[1],"write":[0,1]})"),
               "! one command at a time: 'remap' or 'write'");
 }
@@ -142,7 +142,7 @@ TEST(EncodeText, Request_IsCheckedByTheModel) {
 
 TEST(EncodeText, List_MustAgreeWithItsCount) {
     EXPECT_EQ(from_text("servo", "M,2,9,10"), "S,M,2,9,10");
-    EXPECT_EQ(from_text("servo", "M,3,9,10"), "! count: says 3, but pins holds 2");
+    EXPECT_EQ(from_text("servo", "M,3,9,10"), "! count is 3, but pins holds 2");
     EXPECT_EQ(from_text("pixels", "P,1,{0:255}"), "P,P,1,{0:255}");
     EXPECT_EQ(from_text("pixels", "P,1,0:255"), "! pixels: needs braces { }");
     EXPECT_EQ(from_text("pixels", "P,1,{0}"), "! pixels/0: not an item of pixel:color");
@@ -167,7 +167,7 @@ TEST(EncodeWords, AsTyped_IsUnderstood) {
 }
 
 TEST(EncodeWords, Faults_AreNamed) {
-    EXPECT_EQ(from_words("servo", {}), "! there is no command in it");
+    EXPECT_EQ(from_words("servo", {}), "! it has no command");
     EXPECT_EQ(from_words("servo", {"wirte"}), "! no command 'wirte'; did you mean 'write'?");
     EXPECT_EQ(from_words("servo", {"write", "0"}), "! write: argument 'angle' is missing");
     EXPECT_EQ(from_words("servo", {"write", "0", "90", "1"}),

@@ -9,7 +9,7 @@
 namespace asip::model {
 namespace {
 
-TEST(ReferencePage, CommittedPage_IsWhatTheModelsSay) {
+TEST(ReferencePage, CommittedPage_IsThatOfTheModels) {
     const std::string path = ASIP_SOURCE_DIR "/docs/services.md";
     const auto page = reference_page(ModelSet::standard());
     if (std::getenv("ASIP_REGENERATE") != nullptr) std::ofstream(path) << page;

@@ -51,7 +51,7 @@ TEST(EncodeUtfFrame, WhatJavaEncodesOtherwise_IsRefused) {
     EXPECT_FALSE(encode_utf_frame(std::string(65536, 'x')));
 }
 
-TEST(StartsUtfFrame, FirstByte_TellsFramesFromLines) {
+TEST(StartsUtfFrame, FirstByte_DistinguishesFramesFromLines) {
     EXPECT_TRUE(starts_utf_frame(0));
     EXPECT_TRUE(starts_utf_frame(1));
     for (const char c : {'I', '#', '!', '\n', '\r'})

@@ -24,7 +24,7 @@ TEST(Board, Created_BootsFromPowerOn) {
 TEST(Board, SameCalls_GiveTheSameResultToTheCycle) {
     const auto run = [] {
         Monitor monitor({{"square-wave", {{"pin", 2}, {"hertz", 777}}, "wave"}});
-        monitor.tell("I");
+        monitor.send("I");
         monitor->run_for(50ms);
         monitor->send("iE!T\x05");
         monitor->run_for(50ms);
@@ -59,14 +59,14 @@ TEST(Board, EepromWrite_TakesItsTimeOnTheChip) {
     constexpr unsigned kEecr = 0x3f, kEepe = 1 << 1;
     Monitor monitor;
     const std::string write{'e', '\x05', '\x00', 'x'};
-    monitor.tell(write);
+    monitor.send(write);
     EXPECT_EQ(monitor->peek(kEecr) & kEepe, kEepe);
     EXPECT_EQ(monitor.read_register(kEecr) & kEepe, kEepe) << "a look at the register does not end it";
     const bool done = monitor->run_until([&] { return (monitor->peek(kEecr) & kEepe) == 0; }, 10ms);
     EXPECT_TRUE(done);
     EXPECT_EQ(monitor->eeprom()[5], 'x');
     const auto began = monitor->now();
-    monitor.tell(write);
+    monitor.send(write);
     monitor->run_until([&] { return (monitor->peek(kEecr) & kEepe) != 0; }, 10ms);
     const auto busy = monitor->now();
     monitor->run_until([&] { return (monitor->peek(kEecr) & kEepe) == 0; }, 10ms);
@@ -84,7 +84,7 @@ TEST(Board, RunUntilNeverTrue_StopsAtItsLimit) {
 
 TEST(Board, ReadLineWithNoneComing_GivesNothingAfterItsLimit) {
     Monitor monitor;
-    monitor.tell("Ea");
+    monitor.send("Ea");
     EXPECT_FALSE(monitor->read_line(20ms));
     EXPECT_EQ(monitor->take_output(), "a") << "what came without a line end is still there";
 }
@@ -107,7 +107,7 @@ TEST(Board, OnByte_GetsTheBytesInsteadOfTheBuffer) {
     Monitor monitor;
     std::string bytes;
     monitor->on_byte([&](char byte) { bytes.push_back(byte); });
-    monitor.tell("Ea");
+    monitor.send("Ea");
     monitor->run_for(1ms);
     EXPECT_EQ(bytes, "a");
     EXPECT_EQ(monitor->take_output(), "");
@@ -119,7 +119,7 @@ TEST(Board, Reset_IsSeenAsExternalAndReported) {
     monitor->on_reset([&](ResetCause cause) { causes.push_back(cause); });
     monitor->reset();
     EXPECT_EQ(monitor->read_line(100ms)->text, "!\x02");
-    monitor.tell("X");
+    monitor.send("X");
     EXPECT_EQ(monitor->read_line(100ms)->text, "!\x08");
     monitor->power_cycle();
     EXPECT_EQ(monitor->read_line(100ms)->text, "!\x01");
@@ -130,7 +130,7 @@ TEST(Board, Reset_IsSeenAsExternalAndReported) {
 
 TEST(Board, FirmwareStopsTheChip_TimePassesAndResetRevives) {
     Monitor monitor;
-    monitor.tell("Z");
+    monitor.send("Z");
     monitor->run_for(1ms);
     EXPECT_FALSE(monitor->alive());
     const auto before = monitor->now();
@@ -141,7 +141,7 @@ TEST(Board, FirmwareStopsTheChip_TimePassesAndResetRevives) {
     EXPECT_TRUE(monitor->read_line(100ms));
 }
 
-TEST(Board, WatchedStack_TellsTheDeepestUse) {
+TEST(Board, WatchedStack_ReportsTheDeepestUse) {
     Monitor monitor;
     monitor->watch_stack();
     monitor.ask("K\x01", 1);
@@ -183,7 +183,7 @@ TEST(Board, EepromFile_KeepsItFromRunToRun) {
     EXPECT_FALSE(std::filesystem::exists(folder / "uno.eeprom.new"));
 }
 
-TEST(Board, EepromFileThatCannotBeWritten_IsTold) {
+TEST(Board, EepromFileThatCannotBeWritten_IsReported) {
     TemporaryFolder folder;
     auto config = Monitor::config();
     config.eeprom = folder / "missing" / "uno.eeprom";

@@ -49,7 +49,7 @@ Monitor::Monitor(BoardConfig config) {
     if (!board_->read_line(100ms)) throw std::runtime_error("the sketch does not start");
 }
 
-void Monitor::tell(std::string_view command) {
+void Monitor::send(std::string_view command) {
     board_->send(command);
     board_->run_until([&] { return board_->sending() == 0; }, 1s);
     board_->run_for(100us);
@@ -77,7 +77,7 @@ unsigned Monitor::ask_word(std::string_view command) {
 void Monitor::write_register(unsigned address, unsigned value) {
     const char command[] = {'W', static_cast<char>(address), static_cast<char>(address >> 8),
                             static_cast<char>(value)};
-    tell({command, 4});
+    send({command, 4});
 }
 
 unsigned Monitor::read_register(unsigned address) {

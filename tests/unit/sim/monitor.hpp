@@ -33,7 +33,7 @@ class Monitor {
     Board& board() { return *board_; }
 
     /// Sends a command and waits until it is on the chip.
-    void tell(std::string_view command);
+    void send(std::string_view command);
     /// Sends a command and gives the `count` bytes that it answers; fewer if they do not come.
     std::string ask(std::string_view command, std::size_t count);
     unsigned ask_word(std::string_view command);

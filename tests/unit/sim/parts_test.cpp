@@ -199,7 +199,7 @@ TEST(Servo, Pulses_MoveItToTheirAngle) {
     record(monitor, values);
     EXPECT_EQ(monitor->part("servo").state(), "none");
     for (const unsigned microseconds : {544u, 1472u, 1472u, 2400u}) {
-        monitor.tell(pulse(microseconds));
+        monitor.send(pulse(microseconds));
         monitor->run_for(20ms);
     }
     EXPECT_THAT(values, ElementsAre("servo 0", "servo 90", "servo 180"));
@@ -207,10 +207,10 @@ TEST(Servo, Pulses_MoveItToTheirAngle) {
 
 TEST(Servo, PulseThatIsNoCommand_DoesNotMoveIt) {
     Monitor monitor({{"servo", {{"pin", 9}}, "servo"}});
-    monitor.tell(pulse(1472));
+    monitor.send(pulse(1472));
     monitor->run_for(20ms);
     for (const unsigned microseconds : {100u, 5000u}) {
-        monitor.tell(pulse(microseconds));
+        monitor.send(pulse(microseconds));
         monitor->run_for(20ms);
     }
     EXPECT_EQ(monitor->part("servo").state(), "90");
@@ -236,7 +236,7 @@ TEST(SquareWave, SetToZero_StaysLow) {
 
 TEST(SquareWave, WatchdogReset_GoesOn) {
     Monitor monitor({{"square-wave", {{"pin", 2}, {"hertz", 1000}}, "wave"}});
-    monitor.tell("X");
+    monitor.send("X");
     monitor->run_for(100ms);
     ASSERT_EQ(monitor->last_reset(), ResetCause::kWatchdog);
     int changes = 0;

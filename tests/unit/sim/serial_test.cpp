@@ -26,7 +26,7 @@ void step_up(Monitor& monitor, char divider) {
 // simavr's own USART takes eleven bit times for a byte.
 TEST(SerialLine, SendingManyBytes_TakesTenBitsEach) {
     Monitor monitor;
-    monitor.tell("T\x64");
+    monitor.send("T\x64");
     monitor->run_for(50ms);
     const auto bytes = monitor->take_bytes();
     ASSERT_THAT(bytes, SizeIs(100));
@@ -36,7 +36,7 @@ TEST(SerialLine, SendingManyBytes_TakesTenBitsEach) {
 TEST(SerialLine, SendingAt500k_UsesTheBufferBeforeTheShiftRegister) {
     Monitor monitor;
     step_up(monitor, kDivider500k);
-    monitor.tell("T\x64");
+    monitor.send("T\x64");
     monitor->run_for(5ms);
     const auto bytes = monitor->take_bytes();
     ASSERT_THAT(bytes, SizeIs(100));
@@ -67,18 +67,18 @@ TEST(SerialLine, EchoByInterruptsFromSleep_LosesNothingAtAnyRate) {
         std::string text;
         for (int i = 0; i < 500; ++i)
             text.push_back(static_cast<char>('A' + i % 26));
-        monitor.tell("Q");
+        monitor.send("Q");
         EXPECT_EQ(monitor.ask(text + "q", 501), text + "q");
         EXPECT_EQ(monitor->line_errors().receive_overruns, 0u);
         EXPECT_EQ(monitor.ask("Ez", 1), "z") << "polling works again";
     }
 }
 
-TEST(SerialLine, RateSetByFirmware_IsToldAsTheChipRoundsIt) {
+TEST(SerialLine, RateSetByFirmware_IsReportedAsTheChipRoundsIt) {
     Monitor monitor;
     EXPECT_EQ(monitor->board_baud(), 57143u);
     step_up(monitor, kDivider500k);
-    monitor.tell("T\x01");
+    monitor.send("T\x01");
     EXPECT_EQ(monitor->board_baud(), 500000u);
     monitor->take_output();
     step_up(monitor, kDivider1M);
@@ -88,7 +88,7 @@ TEST(SerialLine, RateSetByFirmware_IsToldAsTheChipRoundsIt) {
 
 TEST(SerialLine, FirmwareDoesNotRead_LosesWhatTheChipWouldLoseAndCountsIt) {
     Monitor monitor;
-    monitor.tell("D\x05");      // five milliseconds deaf
+    monitor.send("D\x05");      // five milliseconds deaf
     monitor->send("E1E2E3E4");  // all there after 1.4 ms
     monitor->run_for(20ms);
     // Two bytes in the buffer and one in the shift register survive: E 1 E; the next 'E' that comes is the
@@ -101,7 +101,7 @@ TEST(SerialLine, FirmwareDoesNotRead_LosesWhatTheChipWouldLoseAndCountsIt) {
 
 TEST(SerialLine, ThreeBytesUnread_NothingLost) {
     Monitor monitor;
-    monitor.tell("D\x05");
+    monitor.send("D\x05");
     monitor->send("E1E");
     monitor->run_for(20ms);
     EXPECT_EQ(monitor->line_errors().receive_overruns, 0u);
@@ -112,12 +112,12 @@ TEST(SerialLine, ThreeBytesUnread_NothingLost) {
 TEST(SerialLine, HostAtAnotherRate_BothDirectionsGarbled) {
     Monitor monitor;
     monitor->set_host_baud(115200);
-    monitor.tell("Ea");
+    monitor.send("Ea");
     monitor->run_for(5ms);
     EXPECT_NE(monitor->take_output(), "a");
     EXPECT_EQ(monitor->line_errors().garbled_to_board, 2u);
     monitor->set_host_baud(57600);
-    monitor.tell("\0\0\0");
+    monitor.send("\0\0\0");
     monitor->run_for(5ms);
     monitor->take_output();
     EXPECT_EQ(monitor.ask("Ea", 1), "a") << "57600 is within 3 % of the board's 57143";
@@ -134,11 +134,11 @@ TEST(SerialLine, BoardStepsUp_HostThatFollowsUnderstandsAndHostThatDoesNotIsGarb
     Monitor monitor;
     monitor->set_host_baud(57600);
     step_up(monitor, kDivider500k);
-    monitor.tell("Ea");
+    monitor.send("Ea");
     EXPECT_NE(monitor->take_output(), "a");
     EXPECT_GE(monitor->line_errors().garbled_to_board, 1u);
     monitor->set_host_baud(500000);
-    monitor.tell({"\0\0", 2});
+    monitor.send({"\0\0", 2});
     monitor->take_output();
     EXPECT_EQ(monitor.ask("Ea", 1), "a");
 }
@@ -154,7 +154,7 @@ TEST(SerialLine, HostChangesItsRateAfterSending_WhatItSentGoesOutAtTheOldRate) {
 
 TEST(SerialLine, GarbledByte_ArrivesWithFramingErrorFlag) {
     Monitor monitor;
-    monitor.tell("F");
+    monitor.send("F");
     monitor->set_host_baud(28800);  // a zero lasts twice as long: the stop bit is looked for in its data
     monitor->send({"\0", 1});
     ASSERT_TRUE(monitor->run_until([&] { return monitor->sending() == 0; }, 10ms));
@@ -201,7 +201,7 @@ class EveryBoard : public testing::TestWithParam<const char*> {};
 TEST_P(EveryBoard, Echo_Works) {
     Monitor monitor({}, GetParam());
     EXPECT_EQ(monitor.ask("E?", 1), "?");
-    monitor.tell("T\x0a");
+    monitor.send("T\x0a");
     monitor->run_for(10ms);
     EXPECT_NEAR(cycles_per_byte(monitor->take_bytes()), kFrame57600, 1);
 }

@@ -61,7 +61,7 @@ TEST(Wiring, ToggledThroughThePinRegister_IsSeen) {
 
 TEST(Wiring, OutsideChange_RaisesThePinChangeInterrupt) {
     Monitor monitor;
-    monitor.tell("I");
+    monitor.send("I");
     for (int i = 0; i < 5; ++i) {
         monitor->drive(2, Level::kHigh);
         monitor->run_for(100us);
@@ -75,7 +75,7 @@ TEST(Wiring, OnPin_CallsAtEachChangeWithItsCycle) {
     Monitor monitor;
     std::vector<Cycles> cycles;
     monitor->on_pin(9, [&](Level) { cycles.push_back(monitor->cycles()); });
-    monitor.tell({"S\xe8\x03", 3});  // a pulse of 1000 us
+    monitor.send({"S\xe8\x03", 3});  // a pulse of 1000 us
     monitor->run_for(2ms);
     ASSERT_EQ(cycles.size(), 2u);
     EXPECT_NEAR(static_cast<double>(cycles[1] - cycles[0]) / 16, 1000, 5);
@@ -93,7 +93,7 @@ TEST(Wiring, ExternalInterrupts_AreNotPolledWhileThePinIsLowEvenAfterResets) {
     EXPECT_EQ(polled(0), 0);
     EXPECT_EQ(polled(1), 0);
     ASSERT_TRUE(monitor->read_line(100ms));
-    monitor.tell("X");
+    monitor.send("X");
     monitor->run_for(100ms);
     ASSERT_EQ(monitor->last_reset(), ResetCause::kWatchdog);
     EXPECT_EQ(polled(0), 0);
@@ -109,7 +109,7 @@ TEST(Wiring, DrivenPin_StaysDrivenAfterReset) {
     EXPECT_EQ(monitor.read_register(kPinD) & kPortD2, kPortD2);
 }
 
-// simavr forgets the pin's level at a reset, but not that it has told it.
+// simavr forgets the pin's level at a reset, but not that it has reported it.
 TEST(Wiring, PullUpThatWasOnBeforeAReset_WorksAgainAfterIt) {
     Monitor monitor;
     monitor.write_register(kPortD, kPortD2);

@@ -1,4 +1,4 @@
-// A sketch that does what a test tells it over the serial port: the tests of the simulator look at one chip
+// A sketch that does what a test asks for over the serial port: the tests of the simulator look at one chip
 // feature at a time, without a firmware's own ideas in between. Every command is a letter and its binary
 // arguments.
 #include <avr/interrupt.h>
@@ -216,7 +216,7 @@ int main(void) {
                 put(descend(get()));
                 break;
 #ifdef PCINT2_vect
-            case 'I':  // counts changes of D2 (PD2 = PCINT18) from now on; 'i' tells how many
+            case 'I':  // counts changes of D2 (PD2 = PCINT18) from now on; 'i' reports how many
                 edges = 0;
                 PCMSK2 = 1 << 2;
                 PCICR = 1 << 2;
