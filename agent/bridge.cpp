@@ -333,7 +333,8 @@ Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_v
     if (id) safety_.queued(*id, line, safe_form_of(services_, line), services_);
     perform(actions, now, out);
     if (id) return ClientResult::kAccepted;
-    const auto code = valid ? protocol::ErrorCode::kDeviceNotAvailable : protocol::ErrorCode::kUnknownRequest;
+    const bool there = valid && id.error() != session::Refusal::kTooLong;
+    const auto code = there ? protocol::ErrorCode::kDeviceNotAvailable : protocol::ErrorCode::kUnknownRequest;
     out.lines.push_back({error_line(line, code), client});
     if (announcer_ && announcer_->may_publish())
         control_.report_refused(name_, line, id.error(), services_, out);

@@ -37,6 +37,8 @@ std::string refusal_text(session::Refusal refusal) {
             return "too many commands wait for the board; send fewer, or wait for answers";
         case session::Refusal::kNoBoard:
             return "the board is not there now";
+        case session::Refusal::kTooLong:
+            return "the request is longer than the board takes; send it in parts";
         case session::Refusal::kInvalid:
             return "not a request that may be sent to the board";
     }
@@ -214,6 +216,9 @@ std::optional<session::Refusal> Control::refusal(const std::vector<Line>& lines,
     for (const Line& line : lines)
         if (!session::may_be_sent(line.text)) return session::Refusal::kInvalid;
     if (!session.accepts_requests()) return session::Refusal::kNoBoard;
+    for (const Line& line : lines)
+        if (line.text.size() > session.identity().extensions.longest_request())
+            return session::Refusal::kTooLong;
     if (session.room(client) < lines.size()) return session::Refusal::kQueueFull;
     return std::nullopt;
 }

@@ -1,6 +1,9 @@
 #include "asip/protocol/extensions.hpp"
 
+#include <algorithm>
+
 #include "asip/protocol/body.hpp"
+#include "asip/protocol/limits.hpp"
 
 namespace asip::protocol {
 
@@ -9,6 +12,11 @@ int Extensions::version(char tag) const {
         if (letter == tag) return number;
     }
     return 0;
+}
+
+std::size_t Extensions::longest_request() const {
+    return std::clamp(static_cast<std::size_t>(version(kRequestLength)), kUsualRequestBytes,
+                      kMaxRequestBytes);
 }
 
 Expected<Extensions> parse_extensions(std::string_view body) {

@@ -13,6 +13,7 @@ inline constexpr char kIdentity = 'I';       ///< a name kept in EEPROM
 inline constexpr char kLineRate = 'B';       ///< the rate of the serial line can be changed
 inline constexpr char kChecksum = 'C';       ///< lines with `*HH` at their end
 inline constexpr char kVerifiedFence = 'V';  ///< fences are answered with a digest of the requests
+inline constexpr char kRequestLength = 'L';  ///< its "version" is the longest request in bytes
 
 /// What a board answered to `#,X`: tags and versions (0 to 255), in the board's order. Empty for a 0.4 board,
 /// which does not know the question.
@@ -23,6 +24,9 @@ struct Extensions {
     int version(char tag) const;
     bool has(char tag) const { return version(tag) > 0; }
     bool empty() const { return list.empty(); }
+    /// Longest request that the board takes, without newline and checksum: kUsualRequestBytes to
+    /// kMaxRequestBytes.
+    std::size_t longest_request() const;
     friend bool operator==(const Extensions&, const Extensions&) = default;
 };
 

@@ -85,6 +85,7 @@ const char* to_string(BoardSession::State state) {
 const char* to_string(Refusal refusal) {
     switch (refusal) {
         case Refusal::kInvalid:
+        case Refusal::kTooLong:
             return "invalid";
         case Refusal::kQueueFull:
             return "queue-full";

@@ -70,9 +70,12 @@ struct RequestOptions {
 
 /// Why submit() did not take a request. Nothing of it was sent.
 enum class Refusal {
-    /// Not a request line: `S,t[,...]`, printable characters, at most 62 bytes, and none of `#,B`, `#,C`
+    /// Not a request line: `S,t[,...]`, printable characters, at most kMaxRequestBytes, and none of `#,B`,
+    /// `#,C`
     /// and `#,V`, which are the session's own.
     kInvalid,
+    /// Longer than Extensions::longest_request() of this board.
+    kTooLong,
     /// kMaxQueuedPerClient requests of this client wait already, or kMaxQueued of all clients; of urgent ones
     /// kMaxUrgent.
     kQueueFull,

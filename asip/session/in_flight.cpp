@@ -277,7 +277,7 @@ bool InFlight::note_value(const protocol::Event& event, const protocol::ParsedLi
 InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error, bool checksums) {
     Meaning meaning;
     meaning.unexplained = true;
-    if (batches_.empty()) return meaning;
+    if (batches_.empty()) return error_for_awaiting(error);
     std::vector<Item*> named;
     bool behind = false;
     for (Item& item : batches_.front().items) {
@@ -287,7 +287,7 @@ InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error, bool che
         named.push_back(&item);
         behind = !checksums && is_of_syntax(error);
     }
-    if (named.empty()) return meaning;
+    if (named.empty()) return error_for_awaiting(error);
     meaning.unexplained = false;
     const Request& first = named.front()->request;
     const bool one_client = std::all_of(named.begin(), named.end(), [&](const Item* item) {
@@ -306,6 +306,20 @@ InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error, bool che
     return meaning;
 }
 
+// A value that could not be measured: the board's error comes in its place, behind the fence.
+InFlight::Meaning InFlight::error_for_awaiting(const protocol::ErrorReply& error) {
+    Meaning meaning;
+    const auto found = std::find_if(awaiting_.begin(), awaiting_.end(), [&](const Awaiting& awaiting) {
+        return !awaiting.item.error && names(error, awaiting.item.request);
+    });
+    meaning.unexplained = found == awaiting_.end();
+    if (meaning.unexplained) return meaning;
+    found->item.error.emplace(error.code, std::string(error.text));
+    found->until = Time{};  // at once
+    if (found->item.request.id != 0) meaning.owner = found->item.request.client;
+    return meaning;
+}
+
 void InFlight::doubt() {
     for (Batch& batch : batches_)
         for (Item& item : batch.items)
@@ -316,7 +330,8 @@ void InFlight::doubt() {
 
 void InFlight::expire(Time now, std::vector<RequestEnd>& ended) {
     for (Awaiting& awaiting : awaiting_)
-        if (now >= awaiting.until) end(awaiting.item, Ending::kNoValue, ended);
+        if (now >= awaiting.until)
+            end(awaiting.item, awaiting.item.error ? Ending::kBoardError : Ending::kNoValue, ended);
     std::erase_if(awaiting_, [](const Awaiting& awaiting) { return awaiting.item.ended; });
     if (now < earliest_) return;
     earliest_ = Time::max();

@@ -128,6 +128,7 @@ class InFlight {
     void note_owed(const Item& item, Ending ending);
     bool settle_owed(const protocol::Event& event, std::uint64_t oldest_taker);
     bool is_late(const protocol::Event& event) const;
+    Meaning error_for_awaiting(const protocol::ErrorReply& error);
     void remember_lost(const Fence& fence);
 
     std::deque<Batch> batches_;

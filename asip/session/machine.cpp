@@ -107,6 +107,7 @@ void Machine::become_ready(Time now, Actions& out) {
     reports_.clear();
     queue_.restart();
     queue_.set_byte_time(wire_.byte_time());
+    queue_.set_longest_request(identity_.extensions.longest_request());
     queue_.set_checksum_bytes(wire_.writes_checksums() ? Wire::kChecksumBytes : 0);
     if (restore_) {
         for (std::string& line : settings_.restore()) {
@@ -154,6 +155,7 @@ Expected<RequestId, Refusal> Machine::submit(std::string_view line, const Reques
     if (!may_be_sent(line)) return Unexpected<Refusal>(Refusal::kInvalid);
     const auto parsed = protocol::parse_request(line);
     if (!there_) return Unexpected<Refusal>(Refusal::kNoBoard);
+    if (line.size() > identity_.extensions.longest_request()) return Unexpected<Refusal>(Refusal::kTooLong);
     if (wanted.urgent ? queue_.waiting().urgent() >= BoardSession::kMaxUrgent : room(wanted.client) == 0)
         return Unexpected<Refusal>(Refusal::kQueueFull);
     Request request;

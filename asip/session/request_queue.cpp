@@ -29,7 +29,10 @@ std::size_t RequestQueue::fence_bytes() const {
 }
 
 bool RequestQueue::next_is_too_long_for(std::size_t checksum_bytes) const {
-    return !waiting_.empty() && waiting_.front().line.size() + 1 + checksum_bytes > kReceiveBufferBytes;
+    if (waiting_.empty()) return false;
+    // A board that names the longest request has room for its checksum; the others have one buffer for all.
+    const bool named = longest_request_ > protocol::kUsualRequestBytes;
+    return !named && waiting_.front().line.size() + 1 + checksum_bytes > kReceiveBufferBytes;
 }
 
 bool RequestQueue::switching_line() const {

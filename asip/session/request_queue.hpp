@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "asip/protocol/limits.hpp"
 #include "asip/session/fences.hpp"
 #include "asip/session/in_flight.hpp"
 #include "asip/session/waiting_requests.hpp"
@@ -34,13 +35,15 @@ class RequestQueue {
         digest_known_ = false;
         if (fences_.verified()) doubt();
     }
+    /// Without line end and checksum.
+    void set_longest_request(std::size_t bytes) { longest_request_ = bytes; }
     /// The board sends events by itself, at least now and then.
     void set_reporting(bool on) { reporting_ = on; }
 
     WaitingRequests& waiting() { return waiting_; }
     const WaitingRequests& waiting() const { return waiting_; }
 
-    /// The next request of a client does not fit the board's buffer with so many bytes behind it.
+    /// The next request of a client does not fit where the board collects it, with so many bytes behind it.
     bool next_is_too_long_for(std::size_t checksum_bytes) const;
     /// Checksums are being turned on or off.
     bool switching_line() const;
@@ -108,6 +111,7 @@ class RequestQueue {
     bool digest_known_ = false;  // the board's digest begins behind the last fence
                                  // known
     std::size_t checksum_bytes_ = 0;
+    std::size_t longest_request_ = protocol::kUsualRequestBytes;
     Duration byte_time_{};
     bool reporting_ = false;
     bool stalled_ = false;  // a fence is overdue

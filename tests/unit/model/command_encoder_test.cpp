@@ -114,9 +114,9 @@ TEST(EncodeJson, WholeNumberWrittenAsFraction_IsAnInteger) {
 }
 
 TEST(EncodeJson, RequestLongerThanABoardTakes_IsRefused) {
-    EXPECT_EQ(
-        from_json("pixels", R"({"fill":[0,["#ffffff","#ffffff","#ffffff","#ffffff","#ffffff","#ffffff"]]})"),
-        "! fill: the request would be 63 bytes long, above 62; send it in parts");
+    const std::vector<std::string> white(27, "#ffffff");
+    EXPECT_EQ(from_json("pixels", json{{"fill", {0, white}}}.dump().c_str()),
+              "! fill: the request would be 253 bytes long, above 250; send it in parts");
 }
 
 TEST(EncodeJson, ListLongerThanAllowed_IsRefused) {

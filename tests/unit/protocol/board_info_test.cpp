@@ -92,7 +92,11 @@ TEST(AnalogMap, Answer_IsPinAndChannel) {
 }
 
 TEST(Extensions, Answer_IsTagsAndVersions) {
+    EXPECT_EQ(parse_extensions("5,{E:1,I:1,B:2,C:1,L:172}")->longest_request(), 172u);
+    EXPECT_EQ(parse_extensions("1,{L:9}")->longest_request(), 62u);
+    EXPECT_EQ(parse_extensions("1,{L:255}")->longest_request(), 250u);
     const auto extensions = parse_extensions("4,{E:1,I:1,B:2,C:1}");
+    EXPECT_EQ(extensions->longest_request(), 62u);
     ASSERT_TRUE(extensions);
     EXPECT_TRUE(extensions->has(kEcho));
     EXPECT_EQ(extensions->version(kLineRate), 2);

@@ -43,7 +43,7 @@ TEST(ParseRequest, WhatIsNoRequest_IsRefused) {
 TEST(ParseRequest, LongerThanABoardTakes_IsRefused) {
     const std::string longest = "L,W," + std::string(kMaxRequestBytes - 4, 'x');
     EXPECT_TRUE(parse_request(longest));
-    EXPECT_THAT(parse_request(longest + "x").error(), HasSubstr("63 bytes long, above 62"));
+    EXPECT_THAT(parse_request(longest + "x").error(), HasSubstr("251 bytes long, above 250"));
 }
 
 TEST(SplitRequests, NewlinePresentOrNot_GivesTheSame) {

@@ -176,7 +176,26 @@ TEST(BoardSession, NotARequest_IsRefused) {
     for (const char* line :
          {"", "x", "@I,d,4,1", "I", "i,d,1", "I,d,\x01", "#,B,500000", "#,C,1", "I,d,13,1\nI,d,13,0"})
         EXPECT_EQ(bench.refused(line), Refusal::kInvalid) << line;
-    EXPECT_EQ(bench.refused(std::string("I,d,") + std::string(80, '1')), Refusal::kInvalid);
+    EXPECT_EQ(bench.refused(std::string("I,d,") + std::string(250, '1')), Refusal::kInvalid);
+    EXPECT_EQ(bench.refused(std::string("I,d,") + std::string(59, '1')), Refusal::kTooLong);
+}
+
+TEST(BoardSession, RequestOfTheLengthThatTheBoardNames_IsSentWithItsChecksum) {
+    Bench bench;
+    bench.board.replies["#,X"] = "@#,X,5,{E:1,I:1,B:1,C:1,L:172}";
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.session.checksums());
+    const std::string longest = "S,M," + std::string(168, '1');
+    const auto id = bench.request(longest);
+    const auto next = bench.request("I,d,13,1");
+    bench.pass(1s);
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.end_of(next)->ending, Ending::kExecuted);
+    EXPECT_THAT(bench.board.executed, testing::ElementsAre(longest, "I,d,13,1"));
+    EXPECT_TRUE(bench.session.checksums());
+    EXPECT_EQ(bench.refused(longest + "1"), Refusal::kTooLong);
 }
 
 TEST(BoardSession, QueueFull_IsRefused) {
