@@ -21,7 +21,12 @@ set(asip_library_sources
   AsipBump.cpp
   AsipDistance.cpp
   AsipEncoders.cpp
+  AsipLcd.cpp
+  AsipMotion.cpp
   AsipMotors.cpp
+  AsipNeoPixels.cpp
+  AsipPixels.cpp
+  AsipPressure.cpp
   AsipReflectance.cpp
   AsipServos.cpp
   AsipTone.cpp
@@ -29,9 +34,12 @@ set(asip_library_sources
   asip/EchoTimer.cpp
   asip/Error.cpp
   asip/Extensions.cpp
+  asip/I2c.cpp
+  asip/I2cSensor.cpp
   asip/IoService.cpp
   asip/Out.cpp
   asip/PinInterrupts.cpp
+  asip/PixelStrip.cpp
   asip/Request.cpp
   asip/Service.cpp
   asip/ServoPulses.cpp

@@ -5,6 +5,9 @@
 namespace asip {
 
 Board board;
+void (*Board::readAhead_)() = nullptr;
+char* Board::longLine_ = nullptr;
+uint8_t Board::longLineSize_ = 0;
 
 void Board::add(Service& service) {
     Service* last = &io_;
@@ -54,12 +57,23 @@ void Board::run() {
         service->poll();
 }
 
-// No request is executed before the line can take its answer: a flood of requests holds up nothing else.
+// No request is executed before the line can take its answer: a flood of requests holds up nothing else. Long
+// ones are read meanwhile, since they do not fit the line's own buffer.
 void Board::work() {
+    if (readAhead_ != nullptr) readAhead_();
     if (!out.hasRoomForPiece()) return;
     if (out.isHeld() && job_ != kSwitchRate) return continueList();
-    if (kExtensions && job_ != kNoJob) return continueExtension();
-    receive();
+    if (readAhead_ != nullptr && job_ == kExecute) {
+        job_ = kNoJob;
+    } else {
+        if (kExtensions && job_ != kNoJob) return continueExtension();
+        if (!receive()) return;
+    }
+    execute();
+}
+
+void Board::readAhead() {
+    if (board.job_ == kNoJob && board.receive()) board.job_ = kExecute;
 }
 
 void Board::tick(uint8_t elapsedMs) {
@@ -81,32 +95,43 @@ void Board::reportWhatIsDue() {
     } while (service != last);
 }
 
-// Reads until a request is complete: what follows it waits, in the line's own buffer, for the next pass.
-void Board::receive() {
+// Reads until a request is complete, and is true then: what follows it waits, in the line's own buffer, for
+// the next pass.
+bool Board::receive() {
     int16_t byte = line::read();
-    if (byte < 0) return;
+    if (byte < 0) return false;
     do {
-        if (collect(static_cast<char>(byte))) return execute();
+        if (collect(static_cast<char>(byte))) return true;
         byte = line::read();
     } while (byte >= 0);
     const uint8_t length = length_;
-    if (length < IoService::kShortestWrite || length > IoService::kLongestWrite || out.usesChecksum()) return;
-    io_.prepare(line_, length);
+    if (length < IoService::kShortestWrite || length > IoService::kLongestWrite || out.usesChecksum())
+        return false;
+    io_.prepare(line(), length);
+    return false;
 }
 
-// True at the end of a line. Past its end a line only counts as spoiled; the first characters stay, to say
-// which request it was.
+// True at the end of a line. Of one that is spoiled the first characters stay, to say which request it was.
 bool Board::collect(char c) {
     if (c == '\n') return true;
     io_.forgetPrepared();
     const uint8_t length = length_;
-    if (length >= kMaxRequestLength || c == '\0') {
-        length_ = length | kSpoiled;
+    if (length >= maxLength() || c == '\0') {
+        if (length < 3) line()[length == 0 ? 0 : 2] = '\0';
+        length_ = kSpoiled;
     } else {
-        line_[length] = c;
+        line()[length] = c;
         length_ = static_cast<uint8_t>(length + 1);
     }
     return false;
+}
+
+// A buffer of the same size: the same service after a restart.
+void Board::useLongLines(char* buffer, uint8_t size) {
+    if (size < longLineSize_) return;
+    readAhead_ = readAhead;
+    longLine_ = buffer;
+    longLineSize_ = size;
 }
 
 static char printable(char c) {
@@ -117,12 +142,13 @@ void Board::execute() {
     uint8_t length = length_;
     length_ = 0;
     const bool executed = io_.executePrepared();
-    const bool spoiled = length & kSpoiled;
-    length &= static_cast<uint8_t>(~kSpoiled);
-    while (length != 0 && (line_[length - 1] == '\r' || line_[length - 1] == ' '))
+    char* const line = this->line();
+    const bool spoiled = length == kSpoiled;
+    if (spoiled) length = 3;
+    while (length != 0 && (line[length - 1] == '\r' || line[length - 1] == ' '))
         --length;
-    line_[length] = '\0';
-    if (line_[0] == '!' || (length == 0 && !spoiled)) return;
+    line[length] = '\0';
+    if (line[0] == '!' || (length == 0 && !spoiled)) return;
     if (kExtensions && out.usesChecksum() && !acceptChecksum(length)) {
         return out.error('#', 'C', Error::kBadChecksum);
     }
@@ -131,17 +157,18 @@ void Board::execute() {
     const Error error = spoiled ? Error::kBadArgument : process(length);
     if (error == Error::kNone) return;
     if (kExtensions) digest_ ^= static_cast<uint8_t>(error);
-    const char id = line_[0];
+    const char id = line[0];
     if (id != '#' && find(id) == nullptr)
         return out.error(id >= 'A' && id <= 'Z' ? id : 'Q', '?', Error::kInvalidService);
-    out.error(id, length < 3 ? '?' : printable(line_[2]), error);
+    out.error(id, length < 3 ? '?' : printable(line[2]), error);
 }
 
 Error Board::process(uint8_t length) {
-    if (length < 3 || line_[1] != ',' || (line_[3] != ',' && length > 3)) return Error::kUnknownRequest;
-    Request request(line_);
-    if (line_[0] == '#') return processSystem(request);
-    Service* const service = find(line_[0]);
+    const char* const line = this->line();
+    if (length < 3 || line[1] != ',' || (line[3] != ',' && length > 3)) return Error::kUnknownRequest;
+    Request request(line);
+    if (line[0] == '#') return processSystem(request);
+    Service* const service = find(line[0]);
     return service == nullptr ? Error::kInvalidService : dispatch(*service, request);
 }
 

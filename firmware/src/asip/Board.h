@@ -40,22 +40,34 @@ class Board {
     // processRequest() or reportValues(), or when out.hasRoom().
     void sendList(Service& service, char tag, uint8_t count);
 
+    // Collects requests in `buffer` of `size` bytes, at most 250, from now on: one may be as long as size - 4
+    // (its checksum and an end), and #,X says so. For services whose requests need more than 62 characters,
+    // from begin(). The largest buffer counts.
+    void useLongLines(char* buffer, uint8_t size);
+
     // The tag of the list under way.
     char listTag() const { return listTag_; }
 
     IoService& io() { return io_; }
 
   private:
-    static constexpr uint8_t kSpoiled = 128;
+    friend class FakeBoard;  // for the tests on the host
+
+    static constexpr uint8_t kSpoiled = 255;
     static constexpr uint8_t kMaxServices = 15;  // and I: a pin's owner is kept in four bits
 
-    // What keeps the next request waiting when its answer is not a list. From kStoreName on it counts the
-    // bytes that have been stored.
-    enum : uint8_t { kNoJob, kSwitchRate, kStoreName };
+    // What the line of the request is kept for: a request that is complete waits for the line to have room,
+    // or it goes on after its execution. From kStoreName on it counts the bytes that have been stored.
+    enum : uint8_t { kNoJob, kSwitchRate, kStoreName, kExecute = 255 };
 
     void work();
-    void receive();
+    bool receive();
+    static void readAhead();
     bool collect(char c);
+    inline char* line() __attribute__((always_inline)) { return longLineSize_ == 0 ? line_ : longLine_; }
+    static uint8_t maxLength() {
+        return longLineSize_ == 0 ? kMaxRequestLength : static_cast<uint8_t>(longLineSize_ - 1);
+    }
     void execute();
     Error process(uint8_t length);
     Error dispatch(Service& service, Request& request);
@@ -78,6 +90,7 @@ class Board {
 
     // Extensions.cpp
     Error processExtension(Request& request);
+    void sendExtensions();
     Error echo(Request& request);
     Error identity(Request& request);
     Error lineRate(Request& request);
@@ -89,10 +102,16 @@ class Board {
     void sendName();
     void countRateTrial(uint8_t elapsedMs);
 
+    // Of the service with the longest requests. Where there is none they are never written, and compiled as
+    // the constants that they are.
+    static void (*readAhead_)();
+    static char* longLine_;
+    static uint8_t longLineSize_;
+
     IoService io_;
     FlashText sketch_;
     char line_[kMaxRequestLength + 1];
-    uint8_t length_;  // collected so far; with kSpoiled if it cannot be executed
+    uint8_t length_;  // collected so far; kSpoiled if it cannot be executed
     uint8_t lastMs_;
     uint8_t job_;
     char listTag_;

@@ -12,8 +12,12 @@ namespace asip {
 
 constexpr bool kExtensions = ASIP_EXTENSIONS;
 
-// Characters of the longest request, without its line end. One RAM byte each.
+// Characters of the longest request, without its line end, where no service brings a longer buffer
+// (Board::useLongLines). One RAM byte each.
 constexpr uint8_t kMaxRequestLength = 63;
+
+// What a longer buffer holds beside a request: *HH and an end.
+constexpr uint8_t kBehindRequest = 4;
 
 // Line rates are counted in hundreds of baud, which fit 16 bits: 100 bytes less flash. The rate after a
 // reset, and the one a board returns to:

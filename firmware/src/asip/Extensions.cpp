@@ -27,9 +27,7 @@ Error Board::processExtension(Request& request) {
     switch (request.tag()) {
         case 'X':
             if (!request.complete()) return Error::kBadArgument;
-            out.event('#', 'X');
-            out.text(F(",5,{E:1,I:1,B:1,C:1,V:1}"));
-            out.end();
+            sendExtensions();
             return Error::kNone;
         case 'E':
         case 'V':
@@ -43,6 +41,18 @@ Error Board::processExtension(Request& request) {
         default:
             return Error::kUnknownRequest;
     }
+}
+
+void Board::sendExtensions() {
+    out.event('#', 'X');
+    if (longLineSize_ == 0) {
+        out.text(F(",5,{E:1,I:1,B:1,C:1,V:1}"));
+    } else {
+        out.text(F(",6,{E:1,I:1,B:1,C:1,V:1,L:"));
+        out.number(static_cast<uint8_t>(longLineSize_ - kBehindRequest));
+        out.character('}');
+    }
+    out.end();
 }
 
 Error Board::echo(Request& request) {
@@ -64,7 +74,7 @@ Error Board::echo(Request& request) {
 
 // CRC-16/CCITT, reflected, from 0, over the line and the '\0' at its end.
 void Board::digestLine() {
-    const char* next = line_;
+    const char* next = line();
     uint8_t c;
     do {
         c = static_cast<uint8_t>(*next++);
@@ -118,7 +128,7 @@ Error Board::identity(Request& request) {
 // One byte a pass, when the EEPROM is ready: each takes 3.4 ms. The name stays in the request's line.
 void Board::storeName() {
     if (!hw::eepromReady()) return;
-    const char* const name = line_ + kArgument;
+    const char* const name = line() + kArgument;
     const uint8_t index = static_cast<uint8_t>(job_++ - kStoreName);
     uint8_t length = 0;
     uint8_t check = 0x5A;
@@ -158,7 +168,7 @@ void Board::continueExtension() {
     if (job_ != kSwitchRate) return storeName();
     if (!line::idle()) return;
     // The request is still in its line, where no other is collected meanwhile.
-    const uint16_t hundreds = parseRate(line_ + kArgument);
+    const uint16_t hundreds = parseRate(line() + kArgument);
     line::setRate(hundreds);
     rateTrialMs_ = hundreds == kDefaultRate ? 0 : kRateTrialMs;
     job_ = kNoJob;
@@ -174,6 +184,7 @@ void Board::countRateTrial(uint8_t elapsedMs) {
     rateTrialMs_ = 0;
     line::setRate(kDefaultRate);
     length_ = 0;
+    if (longLineSize_ != 0 && job_ == kExecute) job_ = kNoJob;
 }
 
 Error Board::checksum(Request& request) {
@@ -191,15 +202,16 @@ static uint8_t hexValue(char c) {
 
 // Checks *HH at the end of the line of `length` characters and cuts it off.
 bool Board::acceptChecksum(uint8_t& length) {
-    if (length < 3 || line_[length - 3] != '*') return false;
-    const uint8_t high = hexValue(line_[length - 2]);
-    const uint8_t low = hexValue(line_[length - 1]);
+    char* const line = this->line();
+    if (length < 3 || line[length - 3] != '*') return false;
+    const uint8_t high = hexValue(line[length - 2]);
+    const uint8_t low = hexValue(line[length - 1]);
     if (high > 15 || low > 15) return false;
     length = static_cast<uint8_t>(length - 3);
     uint8_t sum = static_cast<uint8_t>(high << 4 | low);
     for (uint8_t i = 0; i < length; ++i)
-        sum ^= static_cast<uint8_t>(line_[i]);
-    line_[length] = '\0';
+        sum ^= static_cast<uint8_t>(line[i]);
+    line[length] = '\0';
     return sum == 0;
 }
 

@@ -108,6 +108,12 @@ inline bool losesPwm(uint8_t pin) {
     return !isAnalogOnly(pin) && isTaken(digitalPinToTimer(pin));
 }
 
+// Set once a service has taken the pins of the I2C bus; costs nothing where none does.
+extern bool busPinsTaken;
+inline bool isBusPin(uint16_t pin) {
+    return busPinsTaken && (pin == SDA || pin == SCL);
+}
+
 inline bool isAnalog(uint8_t pin) {
     return pin >= kFirstAnalogPin && pin < kEndOfAnalogPins;
 }

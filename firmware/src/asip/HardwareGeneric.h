@@ -80,6 +80,10 @@ inline bool losesPwm(uint8_t) {
     return false;
 }
 
+inline bool isBusPin(uint16_t) {
+    return false;
+}
+
 inline void setInput(uint8_t pin) {
     ::pinMode(pin, INPUT);
 }

@@ -70,6 +70,7 @@ Error IoService::pinRequest(Request& request) {
     const uint8_t value = static_cast<uint8_t>(request.number(255));
     if (!request.complete()) return Error::kBadArgument;
     if (pin >= hw::kPins) return Error::kInvalidPin;
+    if (hw::isBusPin(pin)) return Error::kI2cNotEnabled;
     if (request.tag() == 'd') return writeDigital(static_cast<uint8_t>(pin), value);
     if (request.tag() == 'a') return writePwm(static_cast<uint8_t>(pin), value);
     if (value > static_cast<uint8_t>(PinMode::kPwm)) return Error::kInvalidMode;

@@ -68,6 +68,19 @@ void Out::signedLongNumber(int32_t value) {
     longNumber(magnitude);
 }
 
+void Out::hundredths(int32_t value) {
+    uint32_t magnitude = static_cast<uint32_t>(value);
+    if (value < 0) {
+        character('-');
+        magnitude = 0 - magnitude;
+    }
+    longNumber(magnitude / 100);
+    const uint8_t rest = static_cast<uint8_t>(magnitude % 100);
+    character('.');
+    character(static_cast<char>('0' + rest / 10));
+    character(static_cast<char>('0' + rest % 10));
+}
+
 void Out::hexDigit(uint8_t value) {
     character(static_cast<char>(value < 10 ? '0' + value : 'A' - 10 + value));
 }

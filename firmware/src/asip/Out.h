@@ -22,7 +22,8 @@ class Out {
     void signedNumber(int16_t value);
     void longNumber(uint32_t value);
     void signedLongNumber(int32_t value);
-    void hexByte(uint8_t value);  // without leading zero
+    void hundredths(int32_t value);  // 2105 as 21.05
+    void hexByte(uint8_t value);     // without leading zero
 
     // Begins an event or an answer: @S,t
     void event(char service, char tag);

@@ -51,6 +51,25 @@ int16_t Request::signedArgument(int16_t max, bool clamp) {
     return negative ? static_cast<int16_t>(-value) : value;
 }
 
+uint32_t Request::item(uint32_t max) {
+    while (skip(' ')) {
+    }
+    uint8_t digit = static_cast<uint8_t>(*next_ - '0');
+    if (digit > 9) good_ = false;
+    uint32_t value = 0;
+    while (digit <= 9) {
+        value = value * 10 + digit;
+        if (value > max) {
+            good_ = false;
+            value = 0;
+        }
+        digit = static_cast<uint8_t>(*++next_ - '0');
+    }
+    while (skip(' ')) {
+    }
+    return value;
+}
+
 bool Request::skip(char expected) {
     if (*next_ != expected) return false;
     ++next_;

@@ -37,6 +37,17 @@ class Request {
     // True if every argument asked for was good and nothing is left over.
     bool complete() const { return good_ && *next_ == '\0'; }
 
+    // The number here, up to `max`, which no comma begins: an item of a list.
+    uint32_t item(uint32_t max);
+
+    // Steps over `expected`, which has to be the next character.
+    void expect(char expected) {
+        if (!skip(expected)) good_ = false;
+    }
+
+    // True if every argument asked for so far was good.
+    bool good() const { return good_; }
+
     // Steps over `expected` if it is the next character.
     bool skip(char expected);
 

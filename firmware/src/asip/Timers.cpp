@@ -6,6 +6,7 @@ namespace asip {
 namespace hw {
 
 uint8_t takenTimers;
+bool busPinsTaken = false;  // written out: only so does the compiler take it for the constant that it may be
 
 }  // namespace hw
 }  // namespace asip

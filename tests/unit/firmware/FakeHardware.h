@@ -56,6 +56,9 @@ bool isAlias(std::uint8_t pin);
 inline bool isAnalogOnly(std::uint8_t) {
     return false;
 }
+inline bool isBusPin(std::uint16_t) {
+    return false;
+}
 void setInput(std::uint8_t pin);
 void setPullUp(std::uint8_t pin);
 void setOutput(std::uint8_t pin);

@@ -10,6 +10,9 @@ void FakeBoard::switch_on() {
     // Memory is zero before the constructors run, as the start-up code of a chip leaves it.
     std::memset(static_cast<void*>(&board), 0, sizeof board);
     new (&board) Board;
+    Board::readAhead_ = nullptr;
+    Board::longLine_ = nullptr;
+    Board::longLineSize_ = 0;
     out = Out();
 }
 

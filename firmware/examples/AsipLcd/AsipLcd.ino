@@ -1,0 +1,13 @@
+// A display with an SH1106 on the I2C bus.
+#include <Asip.h>
+#include <AsipFastSerial.h>
+#include <AsipLcd.h>
+
+asip::Lcd lcd;
+
+void setup() {
+    asip::board.add(lcd);
+    asip::board.begin(F("AsipLcd"));
+}
+
+void loop() { asip::board.run(); }

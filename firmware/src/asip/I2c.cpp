@@ -1,0 +1,129 @@
+#include "I2c.h"
+
+#ifdef __AVR__
+#include <Arduino.h>
+#include <avr/interrupt.h>
+
+#include "Board.h"
+
+namespace asip {
+
+static constexpr uint32_t kHertz = 100000;
+static constexpr uint8_t kTimeoutMs = 25;
+
+static constexpr uint8_t kGo = (1 << TWINT) | (1 << TWEN) | (1 << TWIE);
+static constexpr uint8_t kStop = (1 << TWINT) | (1 << TWEN) | (1 << TWSTO);
+
+// The transfer under way.
+static volatile uint8_t result;
+static uint8_t address, firstByte, outLeft, inLeft, startedMs;
+static const uint8_t* outNext;
+static uint8_t* inNext;
+
+static const Service* owner;  // of the pins
+
+// Whatever was under way is over. A chip that was interrupted while it sent holds SDA low until it got the
+// clocks of its byte.
+static void freeBus() {
+    TWCR = 0;
+    pinMode(SDA, INPUT_PULLUP);
+    pinMode(SCL, INPUT_PULLUP);
+    for (uint8_t clocks = 0; clocks < 9 && digitalRead(SDA) == LOW; ++clocks) {
+        pinMode(SCL, OUTPUT);
+        digitalWrite(SCL, LOW);
+        delayMicroseconds(5);
+        pinMode(SCL, INPUT_PULLUP);
+        delayMicroseconds(5);
+    }
+    TWBR = static_cast<uint8_t>((F_CPU / kHertz - 16) / 2);
+    TWSR = 0;
+    TWCR = kStop;
+    result = I2c::kFree;
+}
+
+Error I2c::begin(const Service& service) {
+    if (isEnabled()) return Error::kNone;
+    if (!board.canClaim(SDA, service) || !board.canClaim(SCL, service)) return Error::kI2cNotEnabled;
+    board.claimPin(SDA, service);
+    board.claimPin(SCL, service);
+    owner = &service;
+    hw::busPinsTaken = true;
+    freeBus();
+    return Error::kNone;
+}
+
+bool I2c::isEnabled() {
+    return owner != nullptr && board.ownsPin(SDA, *owner);
+}
+
+bool I2c::start(uint8_t chip, uint8_t first, const uint8_t* out, uint8_t outCount, uint8_t* in,
+                uint8_t inCount) {
+    if (result != kFree || !isEnabled()) return false;
+    address = static_cast<uint8_t>(chip << 1);
+    firstByte = first;
+    outNext = out;
+    outLeft = outCount;
+    inNext = in;
+    inLeft = inCount;
+    startedMs = hw::milliseconds();
+    result = kBusy;
+    TWCR = static_cast<uint8_t>(kGo | (1 << TWSTA) | (TWCR & (1 << TWSTO)));
+    return true;
+}
+
+I2c::Result I2c::finish() {
+    const uint8_t now = result;
+    if (now == kBusy) {
+        if (static_cast<uint8_t>(hw::milliseconds() - startedMs) < kTimeoutMs) return kBusy;
+        freeBus();
+        return kFailed;
+    }
+    result = kFree;
+    return static_cast<Result>(now);
+}
+
+static uint8_t end(I2c::Result how) {
+    result = how;
+    return kStop;
+}
+
+// What the TWI has just done, by the status codes of the chip's data sheet, and what comes next.
+static inline uint8_t next(uint8_t status) {
+    switch (status) {
+        case 0x08:  // started
+            TWDR = address;
+            return kGo;
+        case 0x10:  // started again, to read
+            TWDR = address | 1;
+            return kGo;
+        case 0x18:  // addressed to write
+            TWDR = firstByte;
+            return kGo;
+        case 0x28:  // a byte was written
+            if (outLeft != 0) {
+                --outLeft;
+                TWDR = *outNext++;
+                return kGo;
+            }
+            return inLeft != 0 ? kGo | (1 << TWSTA) : end(I2c::kDone);
+        case 0x50:  // a byte was read, one more comes
+            *inNext++ = TWDR;
+            --inLeft;
+            return inLeft > 1 ? kGo | (1 << TWEA) : kGo;
+        case 0x40:  // addressed to read
+            return inLeft > 1 ? kGo | (1 << TWEA) : kGo;
+        case 0x58:  // the last byte was read
+            *inNext = TWDR;
+            return end(I2c::kDone);
+        default:
+            return end(I2c::kFailed);
+    }
+}
+
+}  // namespace asip
+
+ISR(TWI_vect) {
+    TWCR = asip::next(TWSR & 0xF8);
+}
+
+#endif
