@@ -20,9 +20,10 @@ Board::Impl::Impl(BoardConfig config, const BoardKind& kind, const std::vector<P
       clock_(chip_->avr()),
       eeprom_time_(clock_),
       wiring_(chip_->avr(), kind),
+      i2c_(clock_, wiring_, kind.sda, kind.scl),
       line_(port, clock_, config_.frequency, [this](char byte) { received(byte); }),
       deadline_(clock_, [] {}),
-      context_{wiring_, clock_, config_.frequency / 1e6, [this](const Part& part) {
+      context_{wiring_, clock_, i2c_, config_.frequency / 1e6, [this](const Part& part) {
                    if (on_change_)
                        on_change_({std::chrono::nanoseconds(
                                        static_cast<std::int64_t>(clock_.cycle() * 1e9 / config_.frequency)),
@@ -65,6 +66,7 @@ void Board::Impl::was_reset() {
     clock_.rearm();
     eeprom_time_.after_reset();
     wiring_.after_reset();
+    i2c_.after_reset();
     for (auto& part : parts_)
         part->after_reset();
     if (on_reset_) on_reset_(last_reset_);

@@ -31,6 +31,7 @@ struct Board::Impl {
     AlarmClock clock_;
     EepromTime eeprom_time_;
     Wiring wiring_;
+    I2cBus i2c_;
     SerialLine line_;
     Alarm deadline_;
     PartContext context_;

@@ -21,6 +21,7 @@ struct BoardKind {
     std::string chip;           ///< simavr's name: "atmega328p", "atmega2560", "atmega32u4"
     std::vector<ChipPin> pins;  ///< index = Arduino pin number
     std::vector<int> analog;    ///< Arduino pin number of A0, A1, ...
+    int sda, scl;               ///< Arduino pins of the I2C bus
     char uart;                  ///< the USART that is looked at as the serial port: '0', or '1' on a Leonardo
 
     /// The boards, in the order they are listed to a person.

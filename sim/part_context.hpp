@@ -2,6 +2,7 @@
 #include <functional>
 
 #include "sim/alarm.hpp"
+#include "sim/i2c_bus.hpp"
 #include "sim/part.hpp"
 #include "sim/wiring.hpp"
 
@@ -11,6 +12,7 @@ namespace asip::sim {
 struct PartContext {
     Wiring& wiring;
     AlarmClock& clock;
+    I2cBus& i2c;
     double cycles_per_us;
     std::function<void(const Part&)> changed;  ///< must be called when state() has changed
 };

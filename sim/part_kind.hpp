@@ -12,8 +12,9 @@ class Part;
 class PartReader;
 struct PartContext;
 
-/// What a part does with a pin. Parts that listen share a pin with wires, but not with each other.
-enum class PinUse { kListens, kJoins, kDrives };
+/// What a part does with a pin. Parts that listen share a pin with wires, but not with each other; a bus is
+/// shared by all, a button that shorts it among them.
+enum class PinUse { kListens, kJoins, kDrives, kBus };
 
 struct PinClaim {
     int pin = 0;  ///< Arduino pin number, maybe one that the board does not have

@@ -18,6 +18,7 @@ constexpr int kReadableChannels = 8;     // simavr's ADC has no more; the mega's
 constexpr unsigned kMaxTimedParts = 32;  // each needs one of simavr's 64 timers
 
 bool can_share(PinUse a, PinUse b) {
+    if (a == PinUse::kBus || b == PinUse::kBus) return true;
     return (a == PinUse::kJoins && b != PinUse::kDrives) || (b == PinUse::kJoins && a != PinUse::kDrives);
 }
 

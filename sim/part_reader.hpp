@@ -18,6 +18,9 @@ class PartReader {
     double number(const std::string& key, double otherwise, double minimum, double maximum) {
         return settings_.number(key, otherwise, minimum, maximum);
     }
+    /// The pins of the board's I2C bus.
+    int sda() const { return board_.sda; }
+    int scl() const { return board_.scl; }
     /// False where there is none.
     bool flag(const std::string& key) { return settings_.flag(key); }
 

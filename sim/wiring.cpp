@@ -64,6 +64,12 @@ void Wiring::release(int number) {
     put(port, mask, (avr_.data[port.io->r_port] & mask) != 0);
 }
 
+bool Wiring::is_pulled_low(int number) const {
+    if (!has_port(number)) return false;
+    const auto& port = port_of(number);
+    return (port.driven & ~port.levels & mask_of(number)) != 0;
+}
+
 void Wiring::put(Port& port, std::uint8_t mask, bool high) {
     avr_ioport_external_t external{};
     external.name = static_cast<unsigned char>(port.io->name) & 0x7f;

@@ -31,6 +31,8 @@ class Wiring {
     /// here it does not.
     void drive(int number, bool high);
     void release(int number);
+    /// Something outside drives the pin low.
+    bool is_pulled_low(int number) const;
     void set_millivolts(int number, int millivolts);
 
     /// Called at each change of level or direction, in order of registration.
