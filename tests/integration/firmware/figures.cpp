@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <cstdlib>
+#include <map>
 #include <memory>
 #include <stdexcept>
 
 #include "firmware_board.hpp"
+#include "quadrature.hpp"
 
 namespace asip::firmware {
 namespace {
@@ -108,20 +111,84 @@ double fastest_square_wave(unsigned baud) {
     return best;
 }
 
+// AsipMirto at 500,000 baud with everything that it has reported each 25 ms.
+constexpr const char* kMirtoReports[] = {"E,A,25", "B,A,25", "R,A,25", "D,A,25", "I,A,25"};
+
+std::unique_ptr<FirmwareBoard> reporting_mirto() {
+    auto board = std::make_unique<FirmwareBoard>(
+        "asip_uno_mirto", "uno",
+        std::vector<sim::PartConfig>{{"ultrasonic", {{"pin", 19}, {"distance", 42}}, "sonar"}});
+    board->step_up(500000);
+    for (const char* request : kMirtoReports)
+        board->ask(request);
+    return board;
+}
+
+double lost_steps() {
+    const auto board = reporting_mirto();
+    Quadrature wheels(*board, {{3, 7}, {2, 4, true}});
+    long left = 0, right = 0;
+    const auto add = [&](milliseconds time) {
+        for (const auto& line : board->lines_within(time)) {
+            long first = 0, second = 0;
+            if (std::sscanf(line.c_str(), "@E,e,2,{%*d:%ld,%*d:%ld}", &first, &second) != 2) continue;
+            left += first;
+            right += second;
+        }
+    };
+    for (int part = 0; part < 100; ++part) {
+        for (int i = 0; i < 15; ++i)
+            (*board)->send("Z,x\n");
+        wheels.turn(40, std::chrono::microseconds(250));
+        add(milliseconds(1));
+    }
+    add(milliseconds(100));
+    return static_cast<double>(std::labs(8000 - left) + std::labs(-8000 - right));
+}
+
+double latest_report() {
+    const auto board = reporting_mirto();
+    std::map<char, std::vector<double>> times;
+    const auto end = (*board)->now() + std::chrono::seconds(2);
+    while ((*board)->now() < end) {
+        const auto line = (*board)->read_line(milliseconds(100));
+        if (!line) throw std::runtime_error("no report");
+        times[line->text[1]].push_back(static_cast<double>(line->cycle) / kCyclesPerMs);
+    }
+    double latest = 0;
+    for (auto& [service, at] : times) {
+        if (at.size() < 78) throw std::runtime_error(std::string("too few reports of ") + service);
+        for (std::size_t i = 0; i < at.size(); ++i)
+            at[i] -= 25.0 * static_cast<double>(i);
+        std::sort(at.begin(), at.end());
+        const double usual = at[at.size() / 2];
+        latest = std::max({latest, usual - at.front(), at.back() - usual});
+    }
+    if (times.size() != 4) throw std::runtime_error("not every service reports");
+    return latest;
+}
+
 }  // namespace
 
 std::vector<Figure> measure_figures() {
     const auto size = size_of_image();
     const auto robot = size_of_image("asip_uno_mirto");
+    const auto displays = size_of_image("asip_uno_displays");
     const auto slow = round_trip(57600);
     const auto fast = round_trip(500000);
     const auto fastest = round_trip(1000000);
     return {
         {"static RAM", "B", static_cast<double>(size.data + size.bss), 280, 279},
-        {"flash", "B", static_cast<double>(size.text + size.data), 6500, 6440},
-        {"deepest stack under every request", "B", max_stack(), 80, 80},
+        {"flash", "B", static_cast<double>(size.text + size.data), 6500, 6490},
+        {"deepest stack under every request", "B", max_stack(), 80, 40},
         {"AsipMirto: static RAM", "B", static_cast<double>(robot.data + robot.bss), 600, 600},
-        {"AsipMirto: flash", "B", static_cast<double>(robot.text + robot.data), 13000, 11700},
+        {"AsipMirto: flash", "B", static_cast<double>(robot.text + robot.data), 13000, 11800},
+        {"AsipMirto: steps lost at 2 x 4 kHz under a flood", "", lost_steps(), 0.5, 0.5},
+        {"AsipMirto: latest report of 25 ms", "ms", latest_report(), 2, 1, false, 2},
+        {"LCD, 18 pixels, four I2C sensors: static RAM", "B",
+         static_cast<double>(displays.data + displays.bss), 900, 875},
+        {"LCD, 18 pixels, four I2C sensors: flash", "B", static_cast<double>(displays.text + displays.data),
+         18000, 16700},
         {"round trip / wire at 57600", "", slow.cycles / slow.wire, 1.01, 1.01, false, 4},
         {"round trip at 500,000", "ms", fast.cycles / kCyclesPerMs, 0.45, 0.40, false, 3},
         {"round trip at 1,000,000", "ms", fastest.cycles / kCyclesPerMs, 0, 0.25, false, 3},
