@@ -201,6 +201,8 @@ void InFlight::finish(Batch batch, bool missing, Time now, std::vector<RequestEn
             end(item, Ending::kDoubt, ended);
         } else if (item.error) {
             end(item, Ending::kBoardError, ended);
+        } else if (item.value_error) {
+            end_without_value(item, ended);
         } else if (item.wants_value() && !item.has_value) {
             const Time until = std::min(item.request.deadline, now + item.request.answer_time);
             awaiting_.push_back({std::move(item), until});
@@ -208,6 +210,12 @@ void InFlight::finish(Batch batch, bool missing, Time now, std::vector<RequestEn
             end(item, item.request.prove ? Ending::kExecuted : Ending::kUnproven, ended);
         }
     }
+}
+
+void InFlight::end_without_value(Item& item, std::vector<RequestEnd>& ended) {
+    if (item.value_error) item.error = std::move(item.value_error);
+    const bool known = item.error && !item.doubted;
+    end(item, known ? Ending::kBoardError : Ending::kNoValue, ended);
 }
 
 void InFlight::end(Item& item, Ending ending, std::vector<RequestEnd>& ended) {
@@ -277,7 +285,7 @@ bool InFlight::note_value(const protocol::Event& event, const protocol::ParsedLi
 InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error, bool checksums) {
     Meaning meaning;
     meaning.unexplained = true;
-    if (batches_.empty()) return error_for_awaiting(error);
+    if (batches_.empty()) return error_for_value(error);
     std::vector<Item*> named;
     bool behind = false;
     for (Item& item : batches_.front().items) {
@@ -287,7 +295,7 @@ InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error, bool che
         named.push_back(&item);
         behind = !checksums && is_of_syntax(error);
     }
-    if (named.empty()) return error_for_awaiting(error);
+    if (named.empty()) return error_for_value(error);
     meaning.unexplained = false;
     const Request& first = named.front()->request;
     const bool one_client = std::all_of(named.begin(), named.end(), [&](const Item* item) {
@@ -306,17 +314,28 @@ InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error, bool che
     return meaning;
 }
 
-// A value that could not be measured: the board's error comes in its place, behind the fence.
-InFlight::Meaning InFlight::error_for_awaiting(const protocol::ErrorReply& error) {
+// The event could not be measured: an error with its tag comes in its place, before or behind the fence.
+InFlight::Meaning InFlight::error_for_value(const protocol::ErrorReply& error) {
     Meaning meaning;
-    const auto found = std::find_if(awaiting_.begin(), awaiting_.end(), [&](const Awaiting& awaiting) {
-        return !awaiting.item.error && names(error, awaiting.item.request);
-    });
-    meaning.unexplained = found == awaiting_.end();
-    if (meaning.unexplained) return meaning;
-    found->item.error.emplace(error.code, std::string(error.text));
-    found->until = Time{};  // at once
-    if (found->item.request.id != 0) meaning.owner = found->item.request.client;
+    const auto waits = [&](const Item& item) {
+        return !item.ended && !item.has_value && !item.value_error &&
+               item.request.service() == error.service && item.wants_value() &&
+               item.request.answer_tag == error.tag;
+    };
+    const auto take = [&](Item& item) {
+        item.value_error.emplace(error.code, std::string(error.text));
+        if (item.request.id != 0) meaning.owner = item.request.client;
+        return meaning;
+    };
+    for (Awaiting& awaiting : awaiting_)
+        if (waits(awaiting.item)) {
+            awaiting.until = Time{};  // at once
+            return take(awaiting.item);
+        }
+    for (Batch& batch : batches_)
+        for (Item& item : batch.items)
+            if (waits(item)) return take(item);
+    meaning.unexplained = true;
     return meaning;
 }
 
@@ -330,8 +349,7 @@ void InFlight::doubt() {
 
 void InFlight::expire(Time now, std::vector<RequestEnd>& ended) {
     for (Awaiting& awaiting : awaiting_)
-        if (now >= awaiting.until)
-            end(awaiting.item, awaiting.item.error ? Ending::kBoardError : Ending::kNoValue, ended);
+        if (now >= awaiting.until) end_without_value(awaiting.item, ended);
     std::erase_if(awaiting_, [](const Awaiting& awaiting) { return awaiting.item.ended; });
     if (now < earliest_) return;
     earliest_ = Time::max();

@@ -90,7 +90,8 @@ class InFlight {
         bool has_value = false;
         protocol::ParsedLine answer;
         std::optional<std::pair<int, std::string>> error;
-        std::vector<int> maybe_errors{};  // of one that looks alike, or its own
+        std::optional<std::pair<int, std::string>> value_error;  // came in place of the value
+        std::vector<int> maybe_errors{};                         // of one that looks alike, or its own
         bool wants_value() const { return request.answer_tag != 0; }
     };
     /// A request that ended without its value, which may still come.
@@ -128,7 +129,8 @@ class InFlight {
     void note_owed(const Item& item, Ending ending);
     bool settle_owed(const protocol::Event& event, std::uint64_t oldest_taker);
     bool is_late(const protocol::Event& event) const;
-    Meaning error_for_awaiting(const protocol::ErrorReply& error);
+    Meaning error_for_value(const protocol::ErrorReply& error);
+    void end_without_value(Item& item, std::vector<RequestEnd>& ended);
     void remember_lost(const Fence& fence);
 
     std::deque<Batch> batches_;

@@ -45,7 +45,7 @@ void I2cSensor::poll() {
         if (state_ == kReporting) {
             board.sendList(*this, 'e', values_);
         } else {
-            out.error(id(), 'M', Error::kDeviceNotAvailable);
+            out.error(id(), 'e', Error::kDeviceNotAvailable);
         }
         state_ = kIdle;
         return;

@@ -1,7 +1,7 @@
 // Base of the services that measure with a chip on the I2C bus. It finds the chip, sets it up and reads it,
 // step by step in the loop; a chip that is not there is looked for again at each request and each period, and
 // reports go on once it is back. M and A are answered by error 8 while it is not there, by 9 where the bus
-// has no pins.
+// has no pins; a measurement that fails on its way is error 8 with the tag of its event.
 #pragma once
 
 #include "Asip.h"

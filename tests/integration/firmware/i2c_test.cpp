@@ -150,7 +150,7 @@ TEST(ImuTest, ChipThatComesBack_IsFoundByTheNextRequestAndReportsGoOn) {
 TEST(ImuTest, ChipThatGoesDuringAMeasurement_IsAnErrorInPlaceOfTheValue) {
     ImuBoard board;
     board.set("barometer", "detach");
-    EXPECT_EQ(board.measure("P,M"), "~P,M,8{DEVICE_NOT_AVAILABLE}");
+    EXPECT_EQ(board.measure("P,M"), "~P,e,8{DEVICE_NOT_AVAILABLE}");
     EXPECT_EQ(board.measure("P,M"), "~P,M,8{DEVICE_NOT_AVAILABLE}");
 }
 
@@ -160,7 +160,7 @@ TEST(ImuTest, StuckBus_IsAnErrorAndTheBoardGoesOn) {
     ImuBoard board(parts);
     EXPECT_EQ(board.measure("A,M"), "@A,e,3,{12,-340,16384}");
     board.set("short", "press");
-    EXPECT_EQ(board.measure("A,M"), "~A,M,8{DEVICE_NOT_AVAILABLE}");
+    EXPECT_EQ(board.measure("A,M"), "~A,e,8{DEVICE_NOT_AVAILABLE}");
     const auto before = board->now();
     EXPECT_EQ(board.ask("#,E,here"), "@#,E,here");
     EXPECT_LT(board->now() - before, 10ms);

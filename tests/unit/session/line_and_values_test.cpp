@@ -102,6 +102,37 @@ TEST(BoardSession, TwoClientsAskForAMeasurementAtOnce_TheSecondWaitsForTheFirstA
     EXPECT_EQ(bench.end_of(other)->ending, Ending::kExecuted);
 }
 
+TEST(BoardSession, ErrorInPlaceOfTheValue_EndsTheRequestWithIt) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("D,M", {.client = 7, .answer_tag = 'e', .answer_time = 500ms});
+    bench.pass(50ms);
+    ASSERT_EQ(bench.end_of(id), nullptr) << "executed, but without its value";
+    bench.say_line("~D,e,8{DEVICE_NOT_AVAILABLE}");
+    bench.pass(1ms);
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kBoardError);
+    EXPECT_EQ(bench.end_of(id)->code, 8);
+    EXPECT_EQ(bench.owned_lines.back().second, ClientId(7));
+    EXPECT_EQ(bench.session.counters().unexplained_errors, 0u);
+}
+
+TEST(BoardSession, ErrorInPlaceOfTheValueBeforeTheFence_EndsTheRequestBehindIt) {
+    Bench bench(no_step_up());
+    bench.board.replies["D,M"] = "~D,e,8{DEVICE_NOT_AVAILABLE}";
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto id = bench.request("D,M", {.answer_tag = 'e'});
+    const auto next = bench.request("I,d,13,1");
+    bench.pass(1ms);
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->ending, Ending::kBoardError);
+    EXPECT_EQ(bench.end_of(id)->code, 8);
+    EXPECT_EQ(bench.end_of(next)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.session.counters().unexplained_errors, 0u);
+}
+
 TEST(BoardSession, ReportBeforeTheFence_IsNotTakenForTheValue) {
     Bench bench(no_step_up());
     bench.plug();
