@@ -27,7 +27,7 @@ class Writer : public Service {
     std::array<char, kLongest + kBehindRequest> line_{};
 };
 
-std::string with_checksum(const std::string& line) {
+std::string checked(const std::string& line) {
     unsigned sum = 0;
     for (const char c : line)
         sum ^= static_cast<unsigned char>(c);
@@ -58,9 +58,9 @@ TEST(LongLinesTest, LongestRequestWithItsChecksum_IsTaken) {
     FakeBoard board({&writer});
     board.ask("#,C,1");
     const std::string text(kLongest - 4, 'x');
-    EXPECT_EQ(board.ask(with_checksum("W,t," + text)), "");
+    EXPECT_EQ(board.ask(checked("W,t," + text)), "");
     EXPECT_EQ(writer.written, text);
-    EXPECT_EQ(board.ask("W,t," + text + "*00"), with_checksum("~#,C,10{BAD_CHECKSUM}") + "\n");
+    EXPECT_EQ(board.ask("W,t," + text + "*00"), checked("~#,C,10{BAD_CHECKSUM}") + "\n");
 }
 
 TEST(LongLinesTest, LineThatIsTooLong_IsRefusedAndTheNextWorks) {
