@@ -1,7 +1,10 @@
 #include "agent/application.hpp"
 
+#include <boost/asio/post.hpp>
+
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
+#include "asip/text/wall_time.hpp"
 
 namespace asip::agent {
 
@@ -15,6 +18,8 @@ constexpr Duration kSilentAtStart = std::chrono::milliseconds(3500);
 // What is held is undone before the goodbye; a board that does not answer is not waited for longer.
 constexpr Duration kMakeSafe = std::chrono::milliseconds(500);
 constexpr Duration kLookAgain = std::chrono::milliseconds(5);
+// So many commands are handled in one turn of the loop.
+constexpr std::size_t kAtOnce = 8;
 constexpr auto kCountersEvery = std::chrono::seconds(10);
 
 link::StreamTarget stream_target(const AgentOptions& options) {
@@ -53,9 +58,12 @@ Application::Application(AgentOptions options)
       timer_(io_),
       reset_timer_(io_),
       counters_timer_(io_),
-      statistics_timer_(io_) {}
+      statistics_timer_(io_),
+      safe_timer_(io_) {}
 
-Application::~Application() = default;
+Application::~Application() {
+    log::observe(log::Level::kOff, {});
+}
 
 int Application::run() {
     for (const auto& [address, framing] : options_.listen) {
@@ -68,6 +76,11 @@ int Application::run() {
     }
     link_.start();
     report_counters();
+    log::observe(log::Level::kInfo,
+                 [this](log::Level level, std::string_view text, std::span<const log::Field> fields) {
+                     log_feed_.add(level, text, fields, text::iso_time(text::wall_now()), Clock::now());
+                     if (!stopping_) publish_log();
+                 });
     // Agents that start together do not publish together.
     if (options_.statistics > Duration{})
         publish_statistics(std::chrono::duration_cast<Duration>(options_.statistics *
@@ -118,10 +131,11 @@ void Application::perform(Effects& effects) {
             bus_->publish(std::move(publication.message), publication.priority);
     for (const auto& [line, client] : effects.lines)
         clients_.send(line, client);
+    if (effects.name_claimed) publish_log();
     if (effects.reopen_link) link_.reopen("the board does not answer");
     if (effects.fatal) {
-        log::error(effects.fatal->text, {});
-        finish(effects.fatal->status);
+        if (!stop_asked_) log::error(effects.fatal->text, {});
+        end_once_safe([this, status = effects.fatal->status] { finish(status); });
     }
 }
 
@@ -166,6 +180,7 @@ mqtt::Client::Handlers Application::bus_handlers() {
                   {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
         bus_->discard_queued(mqtt::Priority::kAnnouncement);
         with_bridge([&](Time now, Effects& out) { bridge_.bus_connected(now, connected.client_id, out); });
+        publish_log();
     };
     handlers.on_subscribed = [this] {
         with_bridge([&](Time now, Effects& out) { bridge_.bus_subscribed(now, out); });
@@ -177,9 +192,7 @@ mqtt::Client::Handlers Application::bus_handlers() {
     handlers.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) {
         bus_failed(failure, false);
     };
-    handlers.on_message = [this](const mqtt::Message& message) {
-        with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, now, out); });
-    };
+    handlers.on_message = [this](const mqtt::Message& message) { message_received(message); };
     handlers.on_published = [this](const std::string& topic) { note_taken(topic); };
     handlers.on_subscribe_refused = [](const std::string& filter, const std::string& reason) {
         log::error("the broker refuses a subscription; asking again", {{"topic", filter}, {"why", reason}});
@@ -189,6 +202,47 @@ mqtt::Client::Handlers Application::bus_handlers() {
         tell_rejections();  // each has its line
     };
     return handlers;
+}
+
+void Application::message_received(const mqtt::Message& message) {
+    const std::string_view topic = message.topic;
+    if (topic.ends_with("/$stop")) {
+        with_bridge([&](Time now, Effects& out) {
+            bridge_.bus_message(message, {.waiting = inbox_.waiting()}, now, out);
+        });
+        if (!message.retain) inbox_.stop();
+        return;
+    }
+    // A renewal has no queue to wait in.
+    const bool command = topic.ends_with("/in") && message.payload.find("\"renew\"") == std::string::npos;
+    if (command) ++arrived_, schedule_turn();
+    if (!command || (inbox_.empty() && arrived_ <= kAtOnce)) {
+        with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, now, out); });
+        return;
+    }
+    inbox_.push(message, Clock::now());
+    if (inbox_.full()) handle_oldest();
+}
+
+void Application::handle_oldest() {
+    const auto entry = inbox_.pop();
+    with_bridge([&](Time now, Effects& out) {
+        bridge_.bus_message(entry.message, {.at = entry.arrived, .stopped = entry.stopped}, now, out);
+    });
+}
+
+void Application::schedule_turn() {
+    if (std::exchange(turn_scheduled_, true)) return;
+    boost::asio::post(io_, [this] { turn(); });
+}
+
+// While messages arrive they are only read: a stop may be among them.
+void Application::turn() {
+    turn_scheduled_ = false;
+    const bool reading = std::exchange(arrived_, 0u) > 0;
+    for (std::size_t i = 0; !reading && i < kAtOnce && !inbox_.empty() && !stopping_; ++i)
+        handle_oldest();
+    if (!inbox_.empty() && !stopping_) schedule_turn();
 }
 
 void Application::bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected) {
@@ -276,6 +330,17 @@ void Application::publish_statistics(Duration after) {
     });
 }
 
+void Application::publish_log() {
+    if (!bus_ || !bridge_.may_publish()) return;
+    const bus::Topics topics(options_.bridge.topic_root);
+    for (auto& line : log_feed_.take()) {
+        mqtt::Message message;
+        message.topic = topics.log(bridge_.name());
+        message.payload = std::move(line);
+        bus_->publish(std::move(message), mqtt::Priority::kContext);
+    }
+}
+
 void Application::note_taken(const std::string& topic) {
     const auto known = bus::Topics(options_.bridge.topic_root).parse(topic);
     if (known && known->kind == bus::TopicKind::kDescription) announcement_taken_ = true;
@@ -300,26 +365,30 @@ void Application::tell_rejections() {
 }
 
 void Application::stop() {
-    if (stopping_ || std::exchange(stop_asked_, true)) return;
+    if (stopping_ || stop_asked_) return;
     log::info("stopping", {});
-    with_bridge([&](Time now, Effects& out) { bridge_.release_holds(now, out); });
-    stop_once_safe(Clock::now() + kMakeSafe);
+    end_once_safe([this] {
+        Effects effects;
+        bridge_.goodbye(Clock::now(), effects);
+        effects.link.clear();
+        perform(effects);
+        finish(program::kExitOk);
+    });
 }
 
-void Application::stop_once_safe(Time limit) {
+void Application::end_once_safe(std::function<void()> end) {
+    if (stopping_ || std::exchange(stop_asked_, true)) return;
+    with_bridge([&](Time now, Effects& out) { bridge_.release_holds(now, out); });
+    wait_until_safe(Clock::now() + kMakeSafe, std::move(end));
+}
+
+void Application::wait_until_safe(Time limit, std::function<void()> end) {
     if (stopping_) return;
-    if (!bridge_.is_safe() && bridge_.session().accepts_requests() && Clock::now() < limit) {
-        reset_timer_.expires_after(kLookAgain);
-        reset_timer_.async_wait([this, limit](boost::system::error_code error) {
-            if (!error) stop_once_safe(limit);
-        });
-        return;
-    }
-    Effects effects;
-    bridge_.goodbye(Clock::now(), effects);
-    effects.link.clear();
-    perform(effects);
-    finish(program::kExitOk);
+    if (bridge_.is_safe() || !bridge_.session().accepts_requests() || Clock::now() >= limit) return end();
+    safe_timer_.expires_after(kLookAgain);
+    safe_timer_.async_wait([this, limit, end = std::move(end)](boost::system::error_code error) mutable {
+        if (!error) wait_until_safe(limit, std::move(end));
+    });
 }
 
 void Application::finish(int status) {
@@ -329,6 +398,7 @@ void Application::finish(int status) {
     reset_timer_.cancel();
     counters_timer_.cancel();
     statistics_timer_.cancel();
+    safe_timer_.cancel();
     clients_.close();
     link_.stop();
     if (!bus_) {

@@ -1,10 +1,13 @@
 #pragma once
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <functional>
 #include <memory>
 #include <optional>
 
 #include "agent/bridge.hpp"
+#include "agent/inbox.hpp"
+#include "agent/log_feed.hpp"
 #include "agent/options.hpp"
 #include "agent/outage.hpp"
 #include "agent/point_to_point.hpp"
@@ -31,7 +34,8 @@ class Application {
     void connect_bus();
     void arm_timer();
     void stop();
-    void stop_once_safe(Time limit);
+    void end_once_safe(std::function<void()> end);
+    void wait_until_safe(Time limit, std::function<void()> end);
     void finish(int status);
     void link_opened(const link::StreamOpened& opened);
     void link_lost(const link::StreamError& error);
@@ -42,6 +46,11 @@ class Application {
     void board_silent_at_start();
     void report_counters();
     void publish_statistics(Duration after);
+    void publish_log();
+    void message_received(const mqtt::Message& message);
+    void handle_oldest();
+    void schedule_turn();
+    void turn();
     void note_taken(const std::string& topic);
     void tell_rejections();
 
@@ -56,6 +65,11 @@ class Application {
     boost::asio::steady_timer reset_timer_;
     boost::asio::steady_timer counters_timer_;
     boost::asio::steady_timer statistics_timer_;
+    boost::asio::steady_timer safe_timer_;
+    LogFeed log_feed_;
+    Inbox inbox_;
+    std::size_t arrived_ = 0;  // commands in this turn of the loop
+    bool turn_scheduled_ = false;
     Outage outage_;
     std::optional<Time> armed_for_;
     std::uint64_t told_dropped_ = 0;

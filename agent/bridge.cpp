@@ -71,6 +71,7 @@ void Bridge::link_down(const std::string& why, Time now, Effects& out) {
     const bool heard = session_.counters().bytes_in > 0;
     out.log(heard ? Level::kWarning : Level::kDebug, "board lost", {{"why", why}});
     if (announcer_) announcer_->set_state(model::BoardState::kLost, out);
+    safety_.board_gone(out);
     session::Actions actions;
     session_.link_down(now, actions);
     perform(actions, now, out);
@@ -200,6 +201,7 @@ void Bridge::on_action(const session::BoardReset& reset, Time, Effects& out) {
 void Bridge::on_action(const session::BecameSilent&, Time, Effects& out) {
     out.log(Level::kWarning, "board silent", {{"board", name_}});
     if (announcer_) announcer_->set_state(model::BoardState::kLost, out);
+    safety_.board_gone(out);
     out.reopen_link = facts_.link.kind == "tcp";
 }
 
@@ -306,7 +308,7 @@ void Bridge::bus_disconnected() {
     if (announcer_) announcer_->on_disconnected();
 }
 
-void Bridge::bus_message(const mqtt::Message& message, Time now, Effects& out) {
+void Bridge::bus_message(const mqtt::Message& message, const Arrival& arrival, Time now, Effects& out) {
     if (!announcer_) return;
     const auto topic = topics_.parse(message.topic);
     if (!topic) return;
@@ -316,10 +318,11 @@ void Bridge::bus_message(const mqtt::Message& message, Time now, Effects& out) {
     if (!announcer_->established()) return;
     session::Actions actions;
     if (stop) {
-        safety_.on_stop(message, services_, session_, now, actions, out);
+        safety_.on_stop(message, arrival.waiting, services_, session_, now, actions, out);
         send_safe_lines(now, out);
     } else {
-        control_.on_message(message, services_, session_, now, actions, out);
+        control_.on_message(message, {arrival.at.value_or(now), arrival.stopped}, services_, session_, now,
+                            actions, out);
     }
     perform(actions, now, out);
 }
@@ -357,7 +360,7 @@ void Bridge::tick(Time now, Effects& out) {
     session::Actions actions;
     session_.tick(now, actions);
     perform(actions, now, out);
-    safety_.tick(session_, now, out);
+    safety_.tick(now, out);
     send_safe_lines(now, out);
     if (announcer_) announcer_->tick(now, out);
     start_publishing(out);

@@ -49,7 +49,16 @@ class Bridge {
     /// The broker granted every subscription that was asked for so far.
     void bus_subscribed(Time now, Effects& out);
     void bus_disconnected();
-    void bus_message(const mqtt::Message& message, Time now, Effects& out);
+    /// How a message came that was not handled at once.
+    struct Arrival {
+        std::optional<Time> at{};  ///< none: now
+        bool stopped = false;      ///< a stop came behind it: it is refused
+        std::size_t waiting = 0;   ///< for a stop: commands before it that were not handled yet
+    };
+    void bus_message(const mqtt::Message& message, Time now, Effects& out) {
+        bus_message(message, {}, now, out);
+    }
+    void bus_message(const mqtt::Message& message, const Arrival& arrival, Time now, Effects& out);
 
     /// What became of the line of a point-to-point client.
     enum class ClientResult {
@@ -60,6 +69,8 @@ class Bridge {
     /// `client`: any number below kBusClient; lines of one client keep their order.
     ClientResult client_line(session::ClientId client, std::string_view line, Time now, Effects& out);
 
+    /// Whether the name is ours, and the bus is there.
+    bool may_publish() const { return announcer_ && announcer_->may_publish(); }
     /// Publishes what was counted, where the bus is there. To be called periodically.
     void publish_statistics(const mqtt::Counters& bus, Time now, Effects& out);
 

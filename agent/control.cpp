@@ -88,15 +88,16 @@ bool is_renewal(const bus::RequestEnvelope& envelope, const model::ServiceModel*
 
 }  // namespace
 
-void Control::on_message(const mqtt::Message& message, const session::ServiceTable& services,
-                         session::BoardSession& session, Time now, session::Actions& actions, Effects& out) {
+void Control::on_message(const mqtt::Message& message, const Arrival& arrival,
+                         const session::ServiceTable& services, session::BoardSession& session, Time now,
+                         session::Actions& actions, Effects& out) {
     const auto topic = topics_.parse(message.topic);
     if (!topic || (topic->kind != bus::TopicKind::kBoardIn && topic->kind != bus::TopicKind::kServiceIn))
         return;
     auto command = std::make_shared<Command>();
     auto envelope = bus::open_envelope(message);
     command->reply = envelope ? envelope->reply : envelope.error().reply;
-    command->arrived = now;
+    command->arrived = arrival.at;
     command->board = topic->board;
     command->service = topic->service;
     const std::string request = envelope ? envelope->shown() : message.payload;
@@ -107,6 +108,10 @@ void Control::on_message(const mqtt::Message& message, const session::ServiceTab
                 message.topic,
             out);
     if (!envelope) return refuse(*command, request, bus::kRefusedInvalid, envelope.error().error, out);
+
+    if (arrival.stopped)
+        return refuse(*command, request, bus::kRefusedStopped,
+                      "the board was stopped while it waited; it was not sent", out);
 
     const session::ServiceTable::Entry* service = nullptr;
     if (topic->kind == bus::TopicKind::kServiceIn) {
@@ -136,10 +141,10 @@ void Control::on_message(const mqtt::Message& message, const session::ServiceTab
                               "another command had this id within the last minute", out);
         }
     }
-    command->deadline = now + deadline_of(*envelope, message);
+    command->deadline = arrival.at + deadline_of(*envelope, message);
     command->hold = envelope->hold;
     // Nobody is there to renew it after that.
-    if (command->hold) command->deadline = std::min(command->deadline, now + *command->hold);
+    if (command->hold) command->deadline = std::min(command->deadline, arrival.at + *command->hold);
     const auto lines = read(*envelope, service, services);
     if (!lines) return refuse(*command, request, bus::kRefusedInvalid, lines.error(), out);
     if (const auto fault = hold_fault(*command, *lines); !fault.empty())
@@ -243,7 +248,7 @@ void Control::execute(std::shared_ptr<Command> command, const std::vector<Line>&
         safety_.queued(*id, line.text, line.safe, services);
         if (command->hold)
             safety_.holds().begin({command->client, command->reply.key(), command->service, line.text,
-                                   line.safe, *command->hold, now + *command->hold, *id});
+                                   line.safe, *command->hold, command->arrived + *command->hold, *id});
         ++command->open;
         open_.emplace(
             *id,

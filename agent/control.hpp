@@ -30,9 +30,14 @@ class Control {
             Safety& safety)
         : topics_(topics), session_(session), statistics_(statistics), safety_(safety) {}
 
+    struct Arrival {
+        Time at;
+        bool stopped = false;  ///< the board was stopped after it came: it is refused
+    };
     /// A message on one of the board's `/in` topics.
-    void on_message(const mqtt::Message& message, const session::ServiceTable& services,
-                    session::BoardSession& session, Time now, session::Actions& actions, Effects& out);
+    void on_message(const mqtt::Message& message, const Arrival& arrival,
+                    const session::ServiceTable& services, session::BoardSession& session, Time now,
+                    session::Actions& actions, Effects& out);
     /// True: the request was one of ours.
     bool on_finished(const session::Finished& end, Time now, Effects& out);
     /// A line that came by another way than the bus was refused: reported on the error topic of its service.

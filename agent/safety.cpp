@@ -97,6 +97,13 @@ void Safety::board_restarted(Effects& out) {
     outputs_.board_restarted();
 }
 
+void Safety::board_gone(Effects& out) {
+    for (const auto& hold : holds_.take_all()) {
+        lines_.add(hold.safe);
+        report(hold, "the board is not there; " + hold.safe + " is sent as soon as it is back", out);
+    }
+}
+
 void Safety::stop_services(const session::ServiceTable& services) {
     for (const auto& service : services.entries())
         if (service.model)
@@ -106,7 +113,7 @@ void Safety::stop_services(const session::ServiceTable& services) {
 
 // --- the bus
 
-void Safety::on_stop(const mqtt::Message& message, const session::ServiceTable& services,
+void Safety::on_stop(const mqtt::Message& message, std::size_t waiting, const session::ServiceTable& services,
                      session::BoardSession& session, Time now, session::Actions& actions, Effects& out) {
     const auto envelope = bus::open_envelope(message);
     Stop stop;
@@ -129,9 +136,10 @@ void Safety::on_stop(const mqtt::Message& message, const session::ServiceTable& 
         lines.push_back(hold.safe);
     for (const auto& service : services.entries())
         if (service.model) lines.insert(lines.end(), service.model->safe.begin(), service.model->safe.end());
-    stop.refused = session.cancel_waiting(actions);
     for (const auto& line : lines)
         lines_.add(line);
+    lines_.send(session, now, actions);
+    stop.refused = waiting + session.cancel_waiting(actions);
     stop.open.insert(lines.begin(), lines.end());
     if (stop.open.empty() || stops_.size() >= kMaxStops) return answer(stop, stop.open.empty(), now, out);
     stops_.push_back(std::move(stop));
@@ -159,15 +167,10 @@ bool Safety::release_all() {
 
 // --- time
 
-void Safety::tick(const session::BoardSession& session, Time now, Effects& out) {
+void Safety::tick(Time now, Effects& out) {
     for (auto& hold : holds_.take_expired(now)) {
         statistics_.hold_expired();
         lines_.add(hold.safe);
-        if (!session.accepts_requests())
-            report(hold,
-                   "not renewed within " + milliseconds(hold.length) + ", and the board is not there; " +
-                       hold.safe + " is sent as soon as it is back",
-                   out);
         expired_.insert_or_assign(hold.safe, std::move(hold));
     }
     for (const Stop& stop : stops_)

@@ -41,20 +41,23 @@ class Safety {
     // --- the board
     /// Nothing is on any more. What was held is held no longer.
     void board_restarted(Effects& out);
+    /// It is away, and what it does now cannot be known: what was held is undone as soon as it is back.
+    void board_gone(Effects& out);
     /// What the models of its services say is to be sent, once there is a board.
     void stop_services(const session::ServiceTable& services);
     void name_board(const std::string& board) { board_ = board; }
 
     // --- the bus
-    /// A message on `$stop`: every hold ends, what waits is refused, and everything is undone.
-    void on_stop(const mqtt::Message& message, const session::ServiceTable& services,
+    /// A message on `$stop`: every hold ends, what waits is refused, and everything is undone. `waiting`: so
+    /// many commands that came before it are refused elsewhere.
+    void on_stop(const mqtt::Message& message, std::size_t waiting, const session::ServiceTable& services,
                  session::BoardSession& session, Time now, session::Actions& actions, Effects& out);
 
     /// Undoes what is held now, as the agent ends. True: something is pending.
     bool release_all();
     bool pending() const { return lines_.size() > 0; }
 
-    void tick(const session::BoardSession& session, Time now, Effects& out);
+    void tick(Time now, Effects& out);
     void send(session::BoardSession& session, Time now, session::Actions& actions) {
         lines_.send(session, now, actions);
     }

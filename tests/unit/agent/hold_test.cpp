@@ -168,8 +168,8 @@ TEST_F(HeldCommand, BusGone_IsUndoneAllTheSame) {
 TEST_F(HeldCommand, BoardGone_IsReportedAndUndoneAsSoonAsItIsBack) {
     hold();
     bench.unplug();
-    bench.pass(500ms);
     EXPECT_THAT(last_error()["error"].get<std::string>(), HasSubstr("the board is not there"));
+    EXPECT_EQ(renew()["reason"], "not-held") << "nobody knows what it does now";
     EXPECT_THAT(executed(), ElementsAre("I,d,13,1"));
     bench.pass(60s);
     bench.board.executed.clear();

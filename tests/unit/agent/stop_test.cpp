@@ -108,6 +108,17 @@ TEST_F(StoppedBoard, WhatWaits_IsRefusedWithTheReason) {
         << "the next command works";
 }
 
+TEST_F(StoppedBoard, CommandNotHandledBeforeTheStop_IsRefused) {
+    mqtt::Message message;
+    message.topic = "asip/uno1/motors/in";
+    message.payload = R"({"power":[0,255],"reply_to":"answers","id":"late"})";
+    Effects out;
+    bench.bridge.bus_message(message, {.at = bench.now, .stopped = true}, bench.now, out);
+    ASSERT_EQ(out.publish.size(), 1u);
+    EXPECT_EQ(json::parse(out.publish[0].message.payload)["reason"], "stopped");
+    EXPECT_TRUE(out.link.empty());
+}
+
 TEST_F(StoppedBoard, HeldCommands_AreHeldNoLonger) {
     bench.ask("asip/uno1/motors/in", {{"power", {0, 200}}, {"hold_ms", 500}}, "h");
     bench.board.executed.clear();

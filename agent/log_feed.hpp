@@ -1,0 +1,35 @@
+#pragma once
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/program/log_observer.hpp"
+#include "asip/time.hpp"
+
+namespace asip::agent {
+
+/// What the agent logs, as payloads for the bus: so many at once, so many a second; kept while the bus is
+/// away, the newest. Pure.
+class LogFeed {
+  public:
+    static constexpr double kBurst = 50;
+    static constexpr double kPerSecond = 5;
+    static constexpr std::size_t kMaxKept = 32;
+    static constexpr std::size_t kMaxTextBytes = 512;
+
+    /// `time`: of day, as it is to be shown.
+    void add(program::log::Level level, std::string_view text, std::span<const program::log::Field> fields,
+             const std::string& time, Time now);
+    /// What is to be published, in order; JSON texts. Nothing is kept.
+    std::vector<std::string> take();
+
+  private:
+    std::deque<std::string> kept_;
+    std::uint64_t dropped_ = 0;  // since the last one that was kept
+    double allowance_ = kBurst;
+    std::optional<Time> last_;
+};
+
+}  // namespace asip::agent

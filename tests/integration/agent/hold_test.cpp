@@ -1,0 +1,268 @@
+// A motor runs on a held command, and something dies. Real broker, agent, asipctl and firmware; the simulator
+// says when the motor's pins really changed.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
+
+#include "tests/integration/agent/rig.hpp"
+
+namespace asip::test {
+namespace {
+
+using nlohmann::json;
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+using Seconds = std::chrono::duration<double>;
+
+constexpr milliseconds kHold = 500ms;
+// What the bus promises on top of it, and what this machine may need to notice.
+constexpr milliseconds kPromise = 100ms;
+constexpr milliseconds kSlack = 250ms;
+
+/// The robot's firmware in a simulated Uno. A lamp listens on the PWM pin of motor 0.
+class SimulatedRobot {
+  public:
+    SimulatedRobot() : port_(folder_.file("robot")) {
+        const auto file = folder_.write("robot.json", R"({"name":"robot","board":"uno","image":")" ASIP_IMAGES
+                                                      R"(/asip_uno_robot.elf","link":")" +
+                                                          port_ +
+                                                          R"(","parts":[{"kind":"led","name":"motor","pin":5},
+                                            {"kind":"led","name":"direction","pin":7}]})");
+        process_ = std::make_unique<ChildProcess>(
+            std::vector<std::string>{ASIP_PROGRAMS "/asip-sim", file, "--no-socket"});
+        if (!process_->wait_for_output(" port ")) throw std::runtime_error("asip-sim: " + process_->errors());
+    }
+    const std::string& port() const { return port_; }
+    void command(const std::string& line) { process_->write_input(line + "\n"); }
+
+    /// Simulated times at which the motor began or ended to run, in turn.
+    std::vector<Seconds> switched() const {
+        std::vector<Seconds> times;
+        static const std::regex kLine("robot ([0-9.]+) motor (.*)");
+        std::istringstream lines(process_->output());
+        bool runs = false;
+        for (std::string line; std::getline(lines, line);) {
+            std::smatch match;
+            if (!std::regex_match(line, match, kLine) || (match[2] != "off" && match[2] != "pwm 0") == runs)
+                continue;
+            runs = !runs;
+            times.emplace_back(std::stod(match[1]));
+        }
+        return times;
+    }
+    bool runs() const { return switched().size() % 2 == 1; }
+
+  private:
+    TempDir folder_;
+    std::string port_;
+    std::unique_ptr<ChildProcess> process_;
+};
+
+class HeldMotor : public testing::Test {
+  protected:
+    HeldMotor() { start_agent(); }
+
+    void start_agent() {
+        agent = std::make_unique<ChildProcess>(std::vector<std::string>{
+            ASIP_PROGRAMS "/asip-agent", "--serial", robot.port(), "--broker", broker.url(), "--name",
+            "robot", "--takeover", "--no-step-up", "--log-level", "debug"});
+    }
+    bool online() { return wait_state(probe, "online", kDeadline, "robot"); }
+    /// asipctl holds the motor, as a person would.
+    std::unique_ptr<ChildProcess> hold() {
+        auto sender = std::make_unique<ChildProcess>(
+            std::vector<std::string>{ASIP_PROGRAMS "/asipctl", "send", "robot/motors", "power", "0", "200",
+                                     "--hold", "500ms"},
+            std::map<std::string, std::string>{{"ASIP_BROKER", broker.address()}});
+        EXPECT_TRUE(sender->wait_for_output("M,m,0,200: ok")) << sender->errors();
+        EXPECT_TRUE(wait_until([&] { return robot.runs(); }));
+        return sender;
+    }
+    /// How long after now the motor stops; nothing: it does not.
+    std::optional<milliseconds> stops_within(milliseconds limit) {
+        const auto begin = std::chrono::steady_clock::now();
+        if (!wait_until([&] { return !robot.runs(); }, limit)) return std::nullopt;
+        return std::chrono::duration_cast<milliseconds>(std::chrono::steady_clock::now() - begin);
+    }
+    void expect_stop(const char* after) {
+        const auto took = stops_within(10s);
+        ASSERT_TRUE(took) << "the motor runs on after " << after;
+        RecordProperty("ms", static_cast<int>(took->count()));
+        std::cout << "    stopped " << took->count() << " ms after " << after << '\n';
+        EXPECT_LE(*took, kHold + kPromise + kSlack) << after;
+    }
+    json ask(const std::string& topic, const std::string& payload) {
+        const auto reply = probe.request(topic, payload);
+        return reply ? json::parse(*reply) : json();
+    }
+
+    // As the configuration that is shipped has it: the broker queues what a client cannot take yet.
+    MosquittoBroker broker{{.extra_lines = {"max_queued_messages 0"}}};
+    SimulatedRobot robot;
+    BusProbe probe{broker.port()};
+    std::unique_ptr<ChildProcess> agent;
+};
+
+TEST_F(HeldMotor, NobodyRenews_RunsForItsTimeAndNoLonger) {
+    ASSERT_TRUE(online()) << agent->errors();
+    EXPECT_EQ(ask("asip/robot/motors/in", R"({"power":[0,200],"hold_ms":500})")["status"], "ok");
+    ASSERT_TRUE(wait_until([&] { return robot.switched().size() == 2; })) << "it runs on";
+    const auto times = robot.switched();
+    const auto ran = times[1] - times[0];
+    std::cout << "    the motor ran for " << ran.count() << " s of its own time\n";
+    EXPECT_LE(ran, Seconds(kHold + kPromise));
+    EXPECT_GE(ran, Seconds(kHold - kPromise)) << "not undone too early either";
+    const auto error = probe.wait_for("asip/robot/motors/error");
+    ASSERT_TRUE(error);
+    EXPECT_EQ(json::parse(error->payload)["reason"], "not-renewed");
+}
+
+TEST_F(HeldMotor, RenewedByItsSender_RunsOn) {
+    ASSERT_TRUE(online()) << agent->errors();
+    const auto sender = hold();
+    EXPECT_FALSE(stops_within(3 * kHold)) << sender->errors();
+}
+
+TEST_F(HeldMotor, SenderEndedByCtrlC_StopsAtOnce) {
+    ASSERT_TRUE(online()) << agent->errors();
+    const auto sender = hold();
+    sender->signal(SIGINT);
+    const auto took = stops_within(10s);
+    ASSERT_TRUE(took);
+    EXPECT_LE(*took, kHold) << "before its time is over";
+    EXPECT_EQ(sender->wait_exit(), 0);
+    EXPECT_THAT(sender->errors(), HasSubstr("undone: M,s,0"));
+}
+
+TEST_F(HeldMotor, SenderKilled_StopsInTime) {
+    ASSERT_TRUE(online()) << agent->errors();
+    const auto sender = hold();
+    sender->signal(SIGKILL);
+    expect_stop("kill -9 of the sender");
+}
+
+TEST_F(HeldMotor, SenderFrozen_StopsInTime) {
+    ASSERT_TRUE(online()) << agent->errors();
+    const auto sender = hold();
+    sender->signal(SIGSTOP);
+    expect_stop("the sender stood still");
+    sender->signal(SIGCONT);
+    EXPECT_EQ(sender->wait_exit(), 1) << "its renewal is refused, and it says so";
+    EXPECT_THAT(sender->errors(), HasSubstr("not-held"));
+    EXPECT_FALSE(robot.runs());
+}
+
+TEST_F(HeldMotor, BrokerKilled_StopsInTime) {
+    ASSERT_TRUE(online()) << agent->errors();
+    const auto sender = hold();
+    broker.kill();
+    expect_stop("kill -9 of the broker");
+}
+
+TEST_F(HeldMotor, BrokerFrozen_StopsInTime) {
+    ASSERT_TRUE(online()) << agent->errors();
+    const auto sender = hold();
+    broker.freeze();
+    expect_stop("the broker stood still");
+    broker.thaw();
+}
+
+TEST_F(HeldMotor, AgentToldToEnd_StopsFirst) {
+    ASSERT_TRUE(online()) << agent->errors();
+    const auto sender = hold();
+    agent->signal(SIGTERM);
+    const auto took = stops_within(10s);
+    ASSERT_TRUE(took) << agent->errors();
+    EXPECT_LE(*took, kHold);
+    EXPECT_EQ(agent->wait_exit(), 0);
+}
+
+TEST_F(HeldMotor, AgentKilled_ItsSuccessorStopsTheMotorBeforeItIsOnline) {
+    ASSERT_TRUE(online()) << agent->errors();
+    const auto sender = hold();
+    agent->signal(SIGKILL);
+    ASSERT_TRUE(agent->wait_exit());
+    EXPECT_FALSE(stops_within(2 * kHold)) << "nobody is there to stop it: as documented";
+    probe.clear();
+    start_agent();
+    ASSERT_TRUE(stops_within(kDeadline)) << agent->errors();
+    EXPECT_NE(probe.last("asip/servicebus/robot/$state"), "online");
+    ASSERT_TRUE(online()) << agent->errors();
+    EXPECT_EQ(sender->wait_exit(), 1) << "the new agent holds nothing";
+    EXPECT_FALSE(robot.runs());
+}
+
+TEST_F(HeldMotor, BoardRestarts_RenewalsDoNotSwitchItOnAgain) {
+    ASSERT_TRUE(online()) << agent->errors();
+    const auto sender = hold();
+    robot.command("reset robot");
+    ASSERT_TRUE(stops_within(kDeadline));
+    EXPECT_EQ(sender->wait_exit(), 1) << sender->errors();
+    EXPECT_FALSE(robot.runs());
+}
+
+TEST_F(HeldMotor, CableOutWhileItRuns_IsReportedAndStoppedWhenItIsIn) {
+    ASSERT_TRUE(online()) << agent->errors();
+    const auto sender = hold();
+    probe.clear();
+    robot.command("unplug robot");
+    const auto error = probe.wait_for("asip/robot/motors/error");
+    ASSERT_TRUE(error) << "the board's silence is reported";
+    EXPECT_THAT(error->payload, HasSubstr("the board is not there"));
+    robot.command("replug robot");
+    EXPECT_TRUE(stops_within(kDeadline)) << agent->errors();
+}
+
+TEST_F(HeldMotor, StoppedByAsipctl_StopsAndTheHolderIsTold) {
+    ASSERT_TRUE(online()) << agent->errors();
+    const auto sender = hold();
+    const auto stopped =
+        run({ASIP_PROGRAMS "/asipctl", "stop", "robot", "-o", "json"}, {{"ASIP_BROKER", broker.address()}});
+    EXPECT_EQ(stopped.status, 0) << stopped.errors;
+    EXPECT_FALSE(robot.runs());
+    const auto record = json::parse(stopped.output).at(0);
+    EXPECT_EQ(record["board"], "robot");
+    EXPECT_THAT(record["executed"].dump(), HasSubstr("M,S"));
+    EXPECT_EQ(sender->wait_exit(), 1);
+    EXPECT_THAT(sender->errors(), HasSubstr("not-held"));
+}
+
+TEST_F(HeldMotor, StopUnderTenThousandCommands_StopsTheMotorAtOnceAndEachIsAnswered) {
+    ASSERT_TRUE(online()) << agent->errors();
+    BusProbe flood(broker.port(), {"flood"});
+    BusProbe operator_(broker.port(), {"stopped"});
+    std::vector<milliseconds> took;
+    constexpr std::size_t kRounds = 5;
+    for (std::size_t round = 0; round < kRounds; ++round) {
+        for (int i = 0; i < 10'000; ++i)
+            flood.publish("asip/robot/motors/in",
+                          R"({"power":[0,)" + std::to_string(100 + i % 100) +
+                              R"(],"reply_to":"flood","id":")" + std::to_string(round) + "-" +
+                              std::to_string(i) + "\"}",
+                          false, 0);
+        ASSERT_TRUE(wait_until([&] { return robot.runs(); }));
+        const auto before = robot.switched().size();
+        const auto begin = std::chrono::steady_clock::now();
+        operator_.publish("asip/robot/$stop", R"({"reply_to":"stopped"})");
+        // Commands behind the stop may switch it on again.
+        ASSERT_TRUE(wait_until([&] { return robot.switched().size() > before; }));
+        took.push_back(std::chrono::duration_cast<milliseconds>(std::chrono::steady_clock::now() - begin));
+        ASSERT_TRUE(wait_until([&] { return operator_.count("stopped") == round + 1; }, 60s));
+        EXPECT_EQ(json::parse(*operator_.last("stopped"))["status"], "ok");
+        ASSERT_TRUE(wait_until([&] { return flood.count("flood") == 10'000 * (round + 1); }, 60s))
+            << "each is answered once: " << flood.count("flood");
+        ask("asip/robot/$stop", "{}");
+    }
+    std::sort(took.begin(), took.end());
+    std::cout << "    the motor stopped under 10,000 commands: median " << took[kRounds / 2].count()
+              << " ms, maximum " << took.back().count() << " ms\n";
+    EXPECT_LE(took[kRounds / 2], time_limit(kPromise + kSlack));
+}
+
+}  // namespace
+}  // namespace asip::test
