@@ -50,14 +50,14 @@ Outcome<BoardCommand> make_command(const Context& context, const KnownBoard& boa
         if (text.empty() || text.find_first_of("\r\n") != std::string::npos) {
             return failure(program::kExitUsage, where + "a tag and its parameters, as in: W 0 90");
         }
-        return BoardCommand{topic, text, service.name + "," + text, target};
+        return BoardCommand{topic, text, service.name + "," + text, target, {}};
     }
     auto encoded = encode(*model, words);
     if (!encoded)
         return failure(program::kExitUsage, where + encoded.error() + how_to_use(*model, words.front()));
     // Without its service, as the service's own topic wants it.
     return BoardCommand{topic, encoded->line.substr(std::min<std::size_t>(2, encoded->line.size())),
-                        encoded->line, target};
+                        encoded->line, target, encoded->safe};
 }
 
 Outcome<BoardCommand> make_raw_command(const Context& context, const std::string& board,
@@ -67,7 +67,7 @@ Outcome<BoardCommand> make_raw_command(const Context& context, const std::string
         return failure(program::kExitUsage,
                        "'" + line + "': " + request.error() + "; a request looks like S,W,0,90");
     }
-    return BoardCommand{context.topics.board_in(board), line, line, board};
+    return BoardCommand{context.topics.board_in(board), line, line, board, {}};
 }
 
 Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const BoardCommand& command) {

@@ -16,6 +16,7 @@ struct BoardCommand {
     std::string payload;
     std::string line;    ///< the whole request, for people
     std::string target;  ///< BOARD or BOARD/SERVICE
+    std::string safe{};  ///< the request that undoes it; empty: none is known
 };
 
 /// `words` as typed (a name and its arguments, or one JSON object) against the service's model. A service

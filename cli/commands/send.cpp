@@ -9,6 +9,7 @@
 #include "asip/model/json.hpp"
 #include "cli/board_request.hpp"
 #include "cli/declaration.hpp"
+#include "cli/held_command.hpp"
 
 namespace asip::cli {
 namespace {
@@ -31,6 +32,9 @@ class Sender {
         if (options_.from_input) return run_input();
         const auto command = prepare(options_.target, options_.words, options_.raw);
         if (!command) return context_.fail_with(command.error());
+        if (options_.hold)
+            return hold_command(context_, session_, *command, *options_.hold, options_.during,
+                                options_.output);
         send(*command, {});
         drain(0);
         return status_;
@@ -178,6 +182,10 @@ int run_send(const SendOptions& options, Context& context) {
         if (const auto target = parse_target(options.target); !target)
             return context.fail_with(target.error());
     }
+    if (options.hold && (options.from_input || options.no_wait || !options.raw.empty()))
+        return context.fail_with({program::kExitUsage, "--hold goes with one command of a service"});
+    if (options.during && !options.hold)
+        return context.fail_with({program::kExitUsage, "--for goes with --hold"});
     return Sender(options, context).run();
 }
 
@@ -196,6 +204,10 @@ Run declare_send(Declaration& verb) {
     verb.flag("--no-wait", options->no_wait, "Do not wait for the acknowledgement");
     verb.option("--in-flight", "COUNT", options->in_flight,
                 "With --stdin: how many may be unanswered at a time", 1, 256);
+    verb.option("--hold", options->hold,
+                "Hold the command: renew it until Ctrl-C, and let the board's agent undo it when it hears "
+                "nothing for so long");
+    verb.option("--for", options->during, "With --hold: end after so long");
     verb.output(options->output, {Output::kText},
                 {"target", "line", "status", "proof", "answer", "code", "error", "reason"});
     return [options](Context& context) { return run_send(*options, context); };
@@ -207,10 +219,14 @@ Verb send_verb() {
     return {"send", "Give a service a command and wait for its acknowledgement",
             "Prints ok, or what the board answered. Exit status: 0 executed by the board, 1 refused, 4 no "
             "answer.\n"
+            "With --hold the command is undone at Ctrl-C, and by the board's agent when asipctl, the network "
+            "or the broker dies.\n"
             "Examples:\n"
             "  asipctl send uno1/servo write 0 90\n"
             "  asipctl send uno1/servo '{\"write\":{\"servo\":0,\"angle\":90}}'\n"
             "  asipctl send uno1 --raw S,W,0,90\n"
+            "  asipctl send robot/motors power 0 120 --hold 500ms\n"
+            "  asipctl send robot/motors drive 120 120 --hold 0.5 --for 3s\n"
             "  printf 'uno1/servo write 0 10\\nuno1/servo write 0 170\\n' | asipctl send --stdin",
             declare_send};
 }

@@ -1,4 +1,6 @@
 #pragma once
+#include <chrono>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,8 @@ struct SendOptions {
     bool from_input = false;         ///< one command a line of standard input
     bool no_wait = false;            ///< do not wait for answers
     std::size_t in_flight = 16;      ///< commands of standard input that may be unanswered at a time
+    std::optional<std::chrono::milliseconds> hold{};    ///< undo it when it is not renewed for so long
+    std::optional<std::chrono::milliseconds> during{};  ///< with hold: end after so long; none: at Ctrl-C
     OutputOptions output{};
 };
 

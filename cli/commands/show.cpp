@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "asip/model/command_encoder.hpp"
 #include "asip/model/json.hpp"
 #include "asip/protocol/pin.hpp"
 #include "asip/text/duration.hpp"
@@ -186,7 +187,11 @@ std::string model_text(const model::ServiceModel& model, std::size_t width, bool
         }
         text += "\n" + commands.render(width, colour);
     }
-    return text;
+    std::string undone;
+    for (const auto& command : model.commands)
+        if (const auto safe = model::safe_usage(model, command); !safe.empty())
+            undone += (undone.empty() ? "" : "; ") + command.name + ": " + safe;
+    return undone.empty() ? text : text + "\nundone by  " + undone + "\n";
 }
 
 std::string service_text(const std::string& board, const model::ServiceInfo& service,

@@ -10,6 +10,7 @@
 #include "cli/board_source.hpp"
 #include "cli/context_event.hpp"
 #include "cli/declaration.hpp"
+#include "cli/stats_model.hpp"
 #include "cli/top_model.hpp"
 
 namespace asip::cli {
@@ -18,13 +19,39 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t kMaxPingsAtOnce = 50;
+// A little more than the time between two documents of an agent.
+constexpr Duration kFirstDocument = 17s;
 
 class Top {
   public:
     Top(const TopOptions& options, Context& context)
         : options_(options), context_(context), session_(context), catalogue_(context.topics), model_(5s) {}
 
-    int run() {
+    int run() { return options_.stats ? run_stats() : run_services(); }
+
+  private:
+    int run_stats() {
+        const auto take = [this](const mqtt::Message& message) {
+            const auto topic = context_.topics.parse(message.topic);
+            if (!topic || message.retain || !wanted(std::string(topic->board))) return;
+            stats_.take(std::string(topic->board), message.payload, Clock::now());
+        };
+        const auto documents = session_.subscribe(context_.topics.stats("+"), take, {.retained = false});
+        session_.on_connection_change(
+            [this](bool connected, const std::string& why) { lost_ = connected ? "" : why; });
+        if (const auto connected = session_.connect(); !connected)
+            return context_.fail_with(connected.error());
+        context_.note("agents publish what they counted every 15 s");
+        session_.run_until([this] { return !stats_.empty(); }, Clock::now() + kFirstDocument);
+        for (std::size_t round = 0; !session_.stopped() && (options_.count == 0 || round < options_.count);
+             ++round) {
+            session_.run_for(options_.interval);
+            show(stats_.records(Clock::now()), stats_.table(Clock::now()));
+        }
+        return program::kExitOk;
+    }
+
+    int run_services() {
         const auto announce = [this](const mqtt::Message& message) { take_announcement(message); };
         const auto announcements = session_.subscribe(context_.topics.board_names() + "/+/+", announce);
         const auto report = [this](const mqtt::Message& message) { take_report(message); };
@@ -41,12 +68,11 @@ class Top {
              ++round) {
             if (!options_.no_ping && lost_.empty()) ping_all();
             session_.run_for(options_.interval);
-            draw();
+            show(model_.records(Clock::now()), model_.table(Clock::now()));
         }
         return program::kExitOk;
     }
 
-  private:
     bool wanted(const std::string& board) const { return bus::matches_pattern(options_.pattern, board); }
 
     void take_announcement(const mqtt::Message& message) {
@@ -92,18 +118,18 @@ class Top {
         }
     }
 
-    void draw() {
+    void show(const std::vector<nlohmann::json>& rows, Table table) {
         if (!options_.output.for_people()) {
             RecordPrinter records(options_.output, RecordPrinter::Count::kList, context_.out);
-            for (const auto& record : model_.records(Clock::now()))
-                records.print(record);
+            for (const auto& row : rows)
+                records.print(row);
             records.finish();
             return;
         }
         // Home and clear: the table is drawn over itself.
         if (context_.terminal()) context_.out << "\033[H\033[J";
         if (!lost_.empty()) context_.out << lost_ << '\n';
-        context_.out << model_.table(Clock::now()).render(context_.width, context_.colour);
+        context_.out << table.render(context_.width, context_.colour);
         if (!context_.terminal()) context_.out << '\n';
         context_.out << std::flush;
     }
@@ -113,6 +139,7 @@ class Top {
     BusSession session_;
     bus::Mirror catalogue_;
     TopModel model_;
+    StatsModel stats_;
     std::map<std::string, BusSession::Request> pings_;  // those without an answer
     std::string lost_;
 };
@@ -132,8 +159,12 @@ Run declare_top(Declaration& verb) {
     verb.option("-i,--interval", options->interval, "Between refreshes", 50ms);
     verb.option("-n,--count", "COUNT", options->count, "End after so many refreshes; 0: no limit");
     verb.flag("--no-ping", options->no_ping, "Do not measure round trips");
-    verb.output(options->output, {Output::kTable},
-                {"board", "state", "round_trip_ms", "service", "rate", "age", "errors", "last"});
+    verb.flag("--stats", options->stats,
+              "What agents counted since they started: lines, commands, round trips, losses");
+    verb.output(
+        options->output, {Output::kTable},
+        {"board", "state", "round_trip_ms", "service", "rate", "age", "errors", "last", "uptime", "line",
+         "commands", "round_trip", "queue", "holds", "stops", "bus", "number", "interval", "session"});
     return [options](Context& context) { return run_top(*options, context); };
 }
 
@@ -144,6 +175,7 @@ Verb top_verb() {
             "Examples:\n"
             "  asipctl top\n"
             "  asipctl top 'uno*' -i 200ms\n"
+            "  asipctl top --stats\n"
             "  asipctl top -n 1 -o json",
             declare_top};
 }

@@ -1,0 +1,107 @@
+#include "cli/commands/logs.hpp"
+
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "asip/bus/pattern.hpp"
+#include "asip/text/wall_time.hpp"
+#include "cli/bus_session.hpp"
+#include "cli/declaration.hpp"
+#include "cli/log_line.hpp"
+#include "cli/text/table.hpp"
+#include "cli/text/width.hpp"
+
+namespace asip::cli {
+namespace {
+
+Colour colour_of(const std::string& level) {
+    if (level == "error") return Colour::kRed;
+    return level == "warning" ? Colour::kYellow : Colour::kNone;
+}
+
+class LogPrinter {
+  public:
+    LogPrinter(const LogsOptions& options, Context& context)
+        : options_(options),
+          context_(context),
+          records_(options.output, RecordPrinter::Count::kStream, context.out) {}
+
+    void take(const mqtt::Message& message) {
+        const auto line = log_line(context_.topics, message);
+        if (!line || enough() || !bus::matches_pattern(options_.pattern, line->board)) return;
+        ++count_;
+        const auto time = text::iso_time(text::wall_now());
+        if (!options_.output.for_people())
+            return records_.print({{"time", time},
+                                   {"board", line->board},
+                                   {"source", line->source},
+                                   {"level", line->level},
+                                   {"text", line->text}});
+        const auto where = line->board + (line->source == "board" ? "" : "/" + line->source);
+        context_.out << time << "  " << where << "  "
+                     << painted(for_terminal(line->text), colour_of(line->level), context_.colour)
+                     << std::endl;
+    }
+    bool enough() const { return options_.count != 0 && count_ >= options_.count; }
+    std::size_t count() const { return count_; }
+
+  private:
+    const LogsOptions& options_;
+    Context& context_;
+    RecordPrinter records_;
+    std::size_t count_ = 0;
+};
+
+}  // namespace
+
+int run_logs(const LogsOptions& options, Context& context) {
+    BusSession session(context);
+    LogPrinter printer(options, context);
+    const auto take = [&printer](const mqtt::Message& message) { printer.take(message); };
+    // Levels of a topic know no patterns but "+".
+    const bool one = options.pattern.find_first_of("*?") == std::string::npos;
+    const std::string board = one ? options.pattern : "+";
+    std::vector<BusSession::Subscription> subscriptions;
+    for (const auto& filter : {context.topics.board_out(board), context.topics.service_error(board, "+"),
+                               context.topics.log(board)})
+        subscriptions.push_back(session.subscribe(filter, take, {.retained = false}));
+    session.on_connection_change([&context](bool connected, const std::string& why) {
+        context.note(connected ? "connected again" : why);
+    });
+    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+    const auto end = options.limit ? Clock::now() + *options.limit : Time::max();
+    while (!session.stopped() && !printer.enough() && Clock::now() < end)
+        session.run_until([&] { return printer.enough(); },
+                          std::min(end, Clock::now() + std::chrono::hours(1)));
+    if (!session.subscription_refused().empty())
+        context.note("the broker refused " + session.subscription_refused());
+    const bool too_few = options.limit && !session.stopped() && printer.count() < options.count;
+    return too_few ? program::kExitNoAnswer : program::kExitOk;
+}
+
+namespace {
+
+Run declare_logs(Declaration& verb) {
+    auto options = std::make_shared<LogsOptions>();
+    verb.argument("PATTERN", options->pattern, "Only boards of this name; * and ? as in a shell",
+                  Declaration::Needed::kNo);
+    verb.option("-n,--count", "COUNT", options->count, "End after so many lines; 0: no limit");
+    verb.option("-W,--for", options->limit, "End after this time; status 4 when less than -n came");
+    verb.output(options->output, {Output::kText}, {"time", "board", "source", "level", "text"});
+    return [options](Context& context) { return run_logs(*options, context); };
+}
+
+}  // namespace
+
+Verb logs_verb() {
+    return {"logs", "What boards and their agents report to people, as it comes",
+            "Lines that a sketch prints with ! at their beginning, errors of boards, commands that failed "
+            "without anybody waiting for an answer, and what agents log.\n"
+            "Examples:\n"
+            "  asipctl logs uno1\n"
+            "  asipctl logs 'uno*' -o jsonl\n"
+            "  asipctl logs -W 10s",
+            declare_logs};
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,22 @@
+#pragma once
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "cli/context.hpp"
+#include "cli/output.hpp"
+
+namespace asip::cli {
+
+struct LogsOptions {
+    std::string pattern = "*";  ///< of boards
+    std::size_t count = 0;      ///< end after so many; 0: no limit
+    std::optional<std::chrono::milliseconds> limit{};
+    OutputOptions output{};
+};
+
+/// `asipctl logs`: what boards print for people, errors, and what their agents report, as it comes.
+int run_logs(const LogsOptions& options, Context& context);
+
+}  // namespace asip::cli

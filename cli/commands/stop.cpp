@@ -1,0 +1,152 @@
+#include "cli/commands/stop.hpp"
+
+#include <list>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "asip/model/json.hpp"
+#include "asip/model/names.hpp"
+#include "cli/board_request.hpp"
+#include "cli/declaration.hpp"
+#include "cli/text/table.hpp"
+
+namespace asip::cli {
+namespace {
+
+class Stopper {
+  public:
+    Stopper(const StopOptions& options, Context& context)
+        : options_(options), context_(context), session_(context), source_(context, session_) {}
+
+    int run() {
+        if (const auto connected = session_.connect(); !connected)
+            return context_.fail_with(connected.error());
+        // Named ones at once: looking them up first would cost time.
+        for (const auto& board : options_.boards)
+            stop(board);
+        if (options_.all)
+            if (const auto found = stop_all(); !found) return context_.fail_with(found.error());
+        if (asked_.empty()) {
+            context_.note("there is no board to stop");
+            return program::kExitOk;
+        }
+        session_.run_until([this] { return unanswered_ == 0; }, Clock::now() + context_.timeout);
+        return show();
+    }
+
+  private:
+    struct Asked {
+        std::string board;
+        std::optional<bus::Reply> reply;
+        BusSession::Request request;
+    };
+
+    void stop(const std::string& board) {
+        auto& asked = asked_.emplace_back(Asked{board, std::nullopt, {}});
+        ++unanswered_;
+        asked.request = session_.ask(
+            context_.topics.stop(board), "{}",
+            [this, &asked](const mqtt::Message& message) {
+                if (asked.reply) return;
+                const auto reply = bus::parse_reply(message.payload);
+                if (!reply) return;
+                asked.reply = *reply;
+                --unanswered_;
+            },
+            1);
+    }
+
+    Outcome<void> stop_all() {
+        const auto boards = source_.boards({});
+        if (!boards) return tl::unexpected(boards.error());
+        // A lost one, too: its agent may be back before anybody knows.
+        for (const auto& board : *boards)
+            if (board.state != "offline" && !board.names_only) stop(board.board);
+        return {};
+    }
+
+    int show() {
+        int status = program::kExitOk;
+        RecordPrinter records(options_.output, RecordPrinter::Count::kList, context_.out);
+        Table table({{"BOARD"}, {"RESULT"}, {"EXECUTED", false, 10}, {"REFUSED", true}});
+        for (const auto& asked : asked_) {
+            const auto reply = asked.reply.value_or(bus::Reply::timeout("no-answer"));
+            if (!reply.succeeded()) {
+                context_.note(asked.board + ": " + why_not(asked));
+                if (status == program::kExitOk) status = exit_status(reply);
+            }
+            const auto answer = model::parse_json(reply.answer).value_or(nlohmann::json::object());
+            if (!options_.output.for_people()) {
+                auto record = *model::parse_json(bus::to_json_text(reply));
+                record["board"] = asked.board;
+                record.erase("answer");
+                record["executed"] = answer.value("executed", nlohmann::json::array());
+                record["refused"] = answer.value("refused", 0);
+                records.print(record);
+                continue;
+            }
+            std::string executed;
+            for (const auto& line : answer.value("executed", nlohmann::json::array()))
+                executed += (executed.empty() ? "" : " ") + line.get<std::string>();
+            table.add(
+                {asked.board,
+                 reply.succeeded() ? Cell("stopped", Colour::kGreen) : Cell("not stopped", Colour::kRed),
+                 executed.empty() ? "-" : executed, std::to_string(answer.value("refused", 0))});
+        }
+        records.finish();
+        if (options_.output.for_people()) context_.out << table.render(context_.width, context_.colour);
+        return status;
+    }
+
+    std::string why_not(const Asked& asked) const {
+        if (!asked.reply)
+            return "nobody answered within " + std::to_string(context_.timeout.count()) +
+                   " ms; is the board's agent running? Try: asipctl doctor";
+        return asked.reply->error.empty() ? explain(*asked.reply) : asked.reply->error;
+    }
+
+    const StopOptions& options_;
+    Context& context_;
+    BusSession session_;
+    BoardSource source_;
+    std::list<Asked> asked_;
+    std::size_t unanswered_ = 0;
+};
+
+}  // namespace
+
+int run_stop(const StopOptions& options, Context& context) {
+    if (options.boards.empty() && !options.all)
+        return context.fail_with({program::kExitUsage, "stop which board? Write its name, or --all"});
+    for (const auto& board : options.boards)
+        if (!model::valid_board_name(board))
+            return context.fail_with({program::kExitUsage, model::explain_board_name(board)});
+    return Stopper(options, context).run();
+}
+
+namespace {
+
+Run declare_stop(Declaration& verb) {
+    auto options = std::make_shared<StopOptions>();
+    verb.arguments("BOARD", options->boards, "Which boards", Declaration::Needed::kNo);
+    verb.flag("--all", options->all, "Every board on the bus");
+    verb.output(options->output, {Output::kTable},
+                {"board", "status", "executed", "refused", "error", "reason", "code"});
+    return [options](Context& context) { return run_stop(*options, context); };
+}
+
+}  // namespace
+
+Verb stop_verb() {
+    return {"stop", "Stop boards: motors, tones and other actuators, ahead of everything that waits",
+            "Shows the requests that each board executed, and how many waiting commands were refused. "
+            "Commands that are sent later are executed again.\n"
+            "Exit status: 0 all confirmed, 1 refused, 4 no confirmation.\n"
+            "Examples:\n"
+            "  asipctl stop robot\n"
+            "  asipctl stop robot crane\n"
+            "  asipctl stop --all -o json",
+            declare_stop};
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,19 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "cli/context.hpp"
+#include "cli/output.hpp"
+
+namespace asip::cli {
+
+struct StopOptions {
+    std::vector<std::string> boards;
+    bool all = false;
+    OutputOptions output{Output::kTable, {}};
+};
+
+/// `asipctl stop`: stops boards ahead of everything that waits for them, and shows what was done.
+int run_stop(const StopOptions& options, Context& context);
+
+}  // namespace asip::cli

@@ -1,0 +1,184 @@
+// The verbs stop, send --hold, top --stats and logs against a scripted agent; those with a real one are in
+// tests/integration/agent/hold_test.cpp.
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "tests/integration/cli/bus_fixture.hpp"
+
+namespace asip::test {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+
+class StopTest : public BusTest {
+  protected:
+    /// Runs it, and answers its stop of each board in turn.
+    Finished stop(Words words, const std::map<std::string, std::string>& answers) {
+        words.insert(words.begin(), "stop");
+        probe_.clear();
+        ChildProcess child(program(words), environment());
+        for (const auto& [board, reply] : answers) {
+            const auto request = probe_.wait_for("asip/" + board + "/$stop");
+            EXPECT_TRUE(request) << board;
+            if (request) answer(*request, reply);
+        }
+        const auto status = child.wait_exit();
+        return {status.value_or(-1), child.output(), child.errors()};
+    }
+    static constexpr const char* kStopped =
+        R"({"status":"ok","proof":"fence","answer":{"executed":["M,S","I,d,13,0"],"refused":7}})";
+};
+
+TEST_F(StopTest, BoardByItsName_IsStoppedWithoutBeingLookedFor) {
+    const auto stopped = stop({"robot"}, {{"robot", kStopped}});
+    EXPECT_EQ(stopped.status, 0) << stopped.errors;
+    EXPECT_THAT(stopped.output, MatchesRegex("BOARD +RESULT +EXECUTED +REFUSED\n"
+                                             "robot +stopped +M,S I,d,13,0 +7\n"));
+}
+
+TEST_F(StopTest, Json_SaysWhatWasDone) {
+    const auto stopped = stop({"robot", "-o", "json"}, {{"robot", kStopped}});
+    EXPECT_EQ(json::parse(stopped.output), json::parse(R"([{"board":"robot","status":"ok","proof":"fence",
+        "executed":["M,S","I,d,13,0"],"refused":7}])"));
+}
+
+TEST_F(StopTest, All_StopsEveryBoardThatIsNotOffline) {
+    announce("uno1");
+    announce("uno2", "lost");
+    announce("uno3", "offline");
+    const auto stopped = stop({"--all", "--from-bus"}, {{"uno1", kStopped}, {"uno2", kStopped}});
+    EXPECT_EQ(stopped.status, 0) << stopped.errors;
+    EXPECT_THAT(stopped.output, HasSubstr("uno2"));
+    EXPECT_EQ(probe_.count("asip/uno3/$stop"), 0u);
+}
+
+TEST_F(StopTest, NoConfirmation_IsStatus4AndTheOtherBoardIsStoppedAllTheSame) {
+    const auto stopped = stop({"robot", "crane", "--timeout", "2s"}, {{"robot", kStopped}});
+    EXPECT_EQ(stopped.status, 4);
+    EXPECT_THAT(stopped.errors, HasSubstr("crane: nobody answered"));
+    EXPECT_THAT(stopped.output, HasSubstr("robot  stopped"));
+    EXPECT_THAT(stopped.output, HasSubstr("not stopped"));
+}
+
+TEST_F(StopTest, BoardRefuses_IsStatus1WithItsWords) {
+    const auto stopped = stop(
+        {"robot"},
+        {{"robot",
+          R"({"status":"error","code":8,"error":"M,S: DEVICE_NOT_AVAILABLE","answer":{"executed":[]}})"}});
+    EXPECT_EQ(stopped.status, 1);
+    EXPECT_THAT(stopped.errors, HasSubstr("robot: M,S: DEVICE_NOT_AVAILABLE"));
+}
+
+TEST_F(StopTest, NothingOrNoName_IsWrongUse) {
+    EXPECT_EQ(asipctl({"stop"}).status, 2);
+    EXPECT_EQ(asipctl({"stop", "un o"}).status, 2);
+}
+
+class HoldTest : public BusTest {
+  protected:
+    void SetUp() override { announce("uno1"); }
+    std::optional<mqtt::Message> wait_payload(const std::string& part) {
+        return probe_.wait_for([&](const mqtt::Message& message) {
+            return message.topic == "asip/uno1/io/in" && message.payload.find(part) != std::string::npos;
+        });
+    }
+};
+
+TEST_F(HoldTest, HeldCommand_IsRenewedAndUndoneInTheEnd) {
+    ChildProcess child(program({"send", "uno1/io", "write", "13", "1", "--hold", "300ms", "--for", "1s"}),
+                       environment());
+    const auto command = wait_payload("hold_ms");
+    ASSERT_TRUE(command) << child.errors();
+    EXPECT_EQ(json::parse(command->payload), json::parse(R"({"raw":"d,13,1","hold_ms":300})"));
+    answer(*command, R"({"status":"ok","proof":"fence"})");
+    const auto renewal = wait_payload("renew");
+    ASSERT_TRUE(renewal);
+    EXPECT_EQ(renewal->response_topic, command->response_topic) << "the same client";
+    const auto undone = wait_payload("d,13,0");
+    ASSERT_TRUE(undone);
+    answer(*undone, R"({"status":"ok","proof":"fence"})");
+    EXPECT_EQ(child.wait_exit(), 0) << child.errors();
+    EXPECT_EQ(child.output(), "I,d,13,1: ok\nI,d,13,0: ok\n");
+}
+
+TEST_F(HoldTest, RenewalRefused_EndsWithTheReason) {
+    ChildProcess child(program({"send", "uno1/io", "write", "13", "1", "--hold", "0.3"}), environment());
+    const auto command = wait_payload("hold_ms");
+    ASSERT_TRUE(command) << child.errors();
+    answer(*command, R"({"status":"ok","proof":"fence"})");
+    const auto renewal = wait_payload("renew");
+    ASSERT_TRUE(renewal);
+    answer(*renewal, R"({"status":"refused","reason":"not-held","error":"the board restarted"})");
+    EXPECT_EQ(child.wait_exit(), 1);
+    EXPECT_THAT(child.errors(), HasSubstr("refused (not-held): the board restarted"));
+}
+
+TEST_F(HoldTest, WhatCannotBeHeld_IsWrongUse) {
+    for (const Words& words : {Words{"send", "uno1/servo", "write", "0", "90", "--hold", "1"},
+                               Words{"send", "uno1/io", "write", "13", "1", "--hold", "10ms"},
+                               Words{"send", "uno1/io", "write", "13", "1", "--for", "1s"},
+                               Words{"send", "uno1", "--raw", "I,d,13,1", "--hold", "1"}})
+        EXPECT_EQ(asipctl(words).status, 2) << words.back();
+    EXPECT_EQ(probe_.count("asip/uno1/io/in"), 0u);
+}
+
+TEST_F(BusTest, TopStats_ShowsWhatAgentsPublish) {
+    ChildProcess child(program({"top", "uno*", "--stats", "-n", "1", "-i", "100ms", "-o", "json"}),
+                       environment());
+    ASSERT_TRUE(child.wait_for_errors("every 15 s"));
+    probe_.publish("asip/servicebus/other/$stats", R"({"board":"other"})");
+    probe_.publish("asip/servicebus/uno1/$stats", R"({"board":"uno1","uptime":1,"commands":{"ok":5}})");
+    EXPECT_EQ(child.wait_exit(), 0) << child.errors();
+    const auto records = json::parse(child.output());
+    ASSERT_EQ(records.size(), 1u);
+    EXPECT_EQ(records[0]["commands"]["ok"], 5);
+    EXPECT_GE(records[0]["age"], 0);
+}
+
+TEST_F(BusTest, Logs_ShowLinesOfBoardServiceAndAgent) {
+    ChildProcess child(program({"logs", "uno1", "-o", "jsonl"}), environment());
+    ASSERT_TRUE(wait_until([&] {
+        probe_.publish("asip/uno1/out", "!hello");
+        return !child.output().empty();
+    })) << child.errors();
+    probe_.publish("asip/uno2/out", "!another board");
+    probe_.publish("asip/uno1/out", "@D,e,1,{42}");
+    probe_.publish("asip/uno1/servo/error", R"({"request":"W","code":7,"error":"INVALID_DEVICE_NUMBER"})");
+    probe_.publish("asip/servicebus/uno1/$log",
+                   R"({"level":"warning","text":"board lost","why":"\u001b[2Jcable"})");
+    probe_.publish("asip/servicebus/uno1/$log", R"({"level":"info","text":"board back"})");
+    ASSERT_TRUE(child.wait_for_output("board back"));
+    child.signal(SIGINT);
+    EXPECT_EQ(child.wait_exit(), 0) << child.errors();
+    std::set<std::string> seen;
+    std::istringstream lines(child.output());
+    for (std::string line; std::getline(lines, line);) {
+        const auto record = json::parse(line);
+        EXPECT_EQ(record["board"], "uno1");
+        seen.insert(record["source"].get<std::string>() + " " + record["level"].get<std::string>() + " " +
+                    record["text"].get<std::string>());
+    }
+    EXPECT_THAT(seen,
+                ::testing::ElementsAre("agent info board back", "agent warning board lost  why=\x1b[2Jcable",
+                                       "board info hello", "servo error W: INVALID_DEVICE_NUMBER (7)"));
+}
+
+TEST_F(BusTest, LogsForPeople_HoldNoControlCharacters) {
+    ChildProcess child(program({"logs", "uno1", "-n", "1"}), environment());
+    ASSERT_TRUE(wait_until([&] {
+        probe_.publish("asip/uno1/out", "!\x1b[2Jclear");
+        return !child.output().empty();
+    })) << child.errors();
+    EXPECT_EQ(child.wait_exit(), 0);
+    EXPECT_EQ(child.output().find('\x1b'), std::string::npos);
+    EXPECT_THAT(child.output(), HasSubstr("uno1"));
+}
+
+}  // namespace
+}  // namespace asip::test
