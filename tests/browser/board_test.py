@@ -5,6 +5,7 @@ import io
 import time
 import unittest
 
+from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 
 from rig import PageTest, eventually
@@ -161,6 +162,51 @@ class Board(PageTest):
         eventually(lambda: "low" in self.pin("2").get_attribute("aria-label"), "pressed is low")
         self.bus.sim("release", "desk/button")
         eventually(lambda: "high" in self.pin("2").get_attribute("aria-label"), "released is high again")
+
+    def test_HeldOutput_IsOnOnlyWhileTheButtonIsDown(self):
+        self.open_board()
+        self.pin("13").click()
+        self.browser.button("Output", ".pin-panel").click()
+        eventually(lambda: "output" in self.pin("13").get_attribute("aria-label"), "pin 13 as output")
+        self.browser.run("document.querySelectorAll('asip-service details').forEach((each) => { each.open = true; })")
+        form = self.form("io", "Set the level of an output pin")
+        self.field(form, "Pin").send_keys("13")
+        level = form.find_element(By.TAG_NAME, "select")
+        self.browser.run("arguments[0].value = '1'", level)
+        hold = form.find_element(By.CSS_SELECTOR, "button.hold")
+        ActionChains(self.browser.driver).click_and_hold(hold).perform()
+        eventually(lambda: self.bus.part("desk/led") == "on", "the LED is lit")
+        time.sleep(1.2)  # more than twice the time for which one command is held
+        self.assertEqual(self.bus.part("desk/led"), "on")
+        self.assertEqual(hold.get_attribute("aria-pressed"), "true")
+        ActionChains(self.browser.driver).release().perform()
+        eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off", 2)
+        self.answered(form, "ok", "safe")
+
+    def test_PageGoneWhileHolding_BoardIsMadeSafe(self):
+        self.open_board()
+        self.pin("13").click()
+        self.browser.button("Output", ".pin-panel").click()
+        eventually(lambda: "output" in self.pin("13").get_attribute("aria-label"), "pin 13 as output")
+        self.browser.run("document.querySelectorAll('asip-service details').forEach((each) => { each.open = true; })")
+        form = self.form("io", "Set the level of an output pin")
+        self.field(form, "Pin").send_keys("13")
+        self.browser.run("arguments[0].value = '1'", form.find_element(By.TAG_NAME, "select"))
+        ActionChains(self.browser.driver).click_and_hold(form.find_element(By.CSS_SELECTOR, "button.hold")).perform()
+        eventually(lambda: self.bus.part("desk/led") == "on", "the LED is lit")
+        self.browser.driver.get("about:blank")
+        eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off", 3)
+        ActionChains(self.browser.driver).release().perform()
+
+    def test_StopButton_MakesOutputsSafe(self):
+        self.open_board()
+        self.pin("13").click()
+        self.browser.button("Output", ".pin-panel").click()
+        self.browser.button("High", ".pin-panel").click()
+        eventually(lambda: self.bus.part("desk/led") == "on", "the LED is lit")
+        self.browser.button("Stop all").click()
+        eventually(lambda: "Stopped in" in self.browser.text("header asip-stop"), "what the stop did")
+        eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off")
 
     def test_TakenPins_SayWhoseTheyAreAndOfferNothing(self):
         self.open_board()

@@ -15,6 +15,7 @@ import unittest
 import urllib.error
 import urllib.request
 
+import paho.mqtt.client as mqtt
 from selenium import webdriver
 from selenium.common.exceptions import StaleElementReferenceException, WebDriverException
 from selenium.webdriver.chrome.service import Service
@@ -96,7 +97,7 @@ class Bus:
         self.start("sim", "asip-sim", "--socket", str(self.work / "sim.sock"), *files)
         for board in self.boards:
             self.start_agent(board["name"])
-        eventually(lambda: all(self.state(board["name"]) == "online" for board in self.boards), "all boards online", 12)
+        eventually(lambda: all(self.state(board["name"]) == "online" for board in self.boards), "all boards online", 60)
 
     def start_broker(self):
         config = self.work / "mosquitto.conf"
@@ -114,7 +115,8 @@ class Bus:
         port = self.work / f"{board}.port"
         eventually(port.exists, f"the port of {board}")
         # At its first rate a simulated board keeps up with its line even where the machine is busy.
-        self.start(f"agent-{board}", "asip-agent", "--serial", str(port), "--name", board, "--lease", "6", "--no-step-up")
+        self.start(f"agent-{board}", "asip-agent", "--serial", str(port), "--name", board, "--lease", "6", "--no-step-up",
+                   "--patience", "60")
 
     def start(self, name, program, *arguments):
         path = program if os.path.isabs(program) else str(program_path(program))
@@ -170,6 +172,26 @@ def program_path(name):
     return other if other.exists() else BIN / name
 
 
+def publish_boards(bus, count):
+    """Announces so many boards, as their agents would, and waits until the gateway knows them all."""
+    client = mqtt.Client(protocol=mqtt.MQTTv5)
+    client.max_queued_messages_set(0)
+    client.max_inflight_messages_set(1000)
+    client.connect("127.0.0.1", bus.broker_port)
+    client.loop_start()
+    services = [{"name": name, "id": letter, "model": f"{name}@1"} for name, letter in (("io", "I"), ("distance", "D"), ("servo", "S"))]
+    for i in range(count):
+        name = f"board{i}"
+        document = {"board": name, "session": "5f3a9c01", "seq": 1, "lease": 600,
+                    "firmware": {"protocol": "0.4", "chip": "ATmega328P", "sketch": "AsipServices"}, "services": services}
+        client.publish(f"asip/servicebus/{name}/$description", json.dumps(document), qos=1)
+        last = client.publish(f"asip/servicebus/{name}/$state", "online", qos=1)
+    last.wait_for_publish(60)
+    client.disconnect()
+    client.loop_stop()
+    eventually(lambda: bus.get("/api/status")["mirror"]["boards"] >= count, "all boards in the gateway", 60)
+
+
 def can_connect(port):
     with socket.create_connection(("127.0.0.1", port), timeout=1):
         return True
@@ -222,6 +244,19 @@ class Browser:
     def text(self, selector="main"):
         elements = self.find(selector)
         return elements[0].text if elements else ""
+
+    def scroll_rate(self):
+        """Frames a second while the table of boards is scrolled quickly."""
+        frames = self.driver.execute_async_script("""
+            const done = arguments[0], scroll = document.querySelector('.scroll'), times = [], row = scroll.querySelector('.row').offsetHeight;
+            const step = (time) => {
+              times.push(time);
+              scroll.scrollTop += 7 * row;
+              if (times.length < 90) requestAnimationFrame(step);
+              else done(times);
+            };
+            requestAnimationFrame(step);""")
+        return (len(frames) - 1) * 1000 / (frames[-1] - frames[0])
 
     def run(self, script, *arguments):
         return self.driver.execute_script(script, *arguments)

@@ -72,6 +72,11 @@ export class PinValues {
     (value.modes ?? []).forEach((mode, pin) => this.modes.set(pin, mode));
   }
 
+  /// A new description: a mode that it changes counts more than what was known before.
+  described(before, now) {
+    now.forEach((pin, i) => { if (pin.mode !== before[i].mode) this.modes.delete(pin.number); });
+  }
+
   /// A command is about to be sent: in another mode the pin's level is another one. The board may report it before it answers.
   asked(command, args) {
     if (command !== "mode") return;

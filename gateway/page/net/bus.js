@@ -7,7 +7,7 @@ const kHeartbeatMs = 60_000;
 class Bus extends EventTarget {
   constructor() {
     super();
-    this.link = { state: "connecting", since: Date.now() };
+    this.link = { state: "connecting", since: Date.now(), was_open: false };
     this.listeners = new Map(); // ref -> {request, listener}
     this.waiting = new Map();   // id -> resolve
     this.next = 1;

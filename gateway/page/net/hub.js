@@ -12,7 +12,7 @@ export class Hub {
     this.socket = undefined;
     this.tabs = new Map(); // number -> {port, heard_at, batch, timer}
     this.last_tab = 0;
-    this.state = { state: "idle", since: Date.now() };
+    this.state = { state: "idle", since: Date.now(), was_open: false };
     setInterval(() => this.tick(), 1000);
     self.addEventListener("online", () => this.run((now) => this.link.hurry(now)));
   }
@@ -49,7 +49,7 @@ export class Hub {
     // "connecting" after "waiting" is still the same loss: since when it lasts must not begin anew.
     const lost = (each) => each === "waiting" || each === "connecting";
     const since = lost(state) && lost(this.state.state) ? this.state.since : Date.now();
-    this.state = { state, since };
+    this.state = { state, since, was_open: this.state.was_open || state === "open" };
     for (const number of this.tabs.keys()) this.post(number, { link: this.state });
   }
 

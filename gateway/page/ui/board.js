@@ -93,7 +93,7 @@ class Board extends Part {
     const description = board.description ?? { services: board.services };
     const facts = [["Chip", board.chip], ["Sketch", board.sketch], ["Protocol", board.protocol && `ASIP ${board.protocol}`], ["Link", board.link],
       ["Agent", board.agent], ["Conflict", board.conflict && `another agent, ${board.conflict.other_agent ?? board.conflict.other}, uses this name`],
-      ["Known by", board.names_only && "its names only: it publishes no description"]].filter(([, text]) => text);
+      ["Known by", !board.description && "its names only: it publishes no description"]].filter(([, text]) => text);
     this.facts.replaceChildren(...facts.map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text))));
     this.show_pins(description);
     this.show_services(description.services ?? board.services ?? []);

@@ -58,7 +58,7 @@ class Command extends Part {
     const known = last_values.get(this.key)?.[field.name];
     const input = makers[field.kind]?.(this, field, id, known) ?? make_number(this, field, id, known);
     this.inputs.set(field.name, input);
-    return h("div", { class: `field ${field.kind}` }, label, input.elements);
+    return h("div", { class: `field ${field.kind}${field.preset === undefined ? "" : " element"}` }, label, input.elements);
   }
 
   entered() { return Object.fromEntries([...this.inputs].map(([name, input]) => [name, input.value()])); }

@@ -10,11 +10,18 @@ const short = { unallocated: "", input: "in", "input-pullup": "in ↑", output: 
 const kinds = ["digital", "analog in", "PWM"];
 
 class Pins extends Part {
-  /// Call before it is put into the page, and again for a new description.
+  /// Call before it is put into the page, and again for a new description. What is on the screen is built anew only where
+  /// the board has other pins: whoever is at a button stays there.
   begin(board, description) {
-    Object.assign(this, { board, pins: pins_of(description) });
+    const pins = pins_of(description);
+    const same = this.pins && shape_of(pins) === shape_of(this.pins);
     this.values ??= new PinValues();
-    if (this.isConnected) this.build();
+    if (same) this.values.described(this.pins, pins);
+    Object.assign(this, { board, pins });
+    if (!this.isConnected) return this;
+    if (!same) this.build();
+    for (const pin of pins) this.cells.get(pin.number).pin = pin;
+    this.refresh();
     return this;
   }
 
@@ -146,6 +153,8 @@ class Pins extends Part {
     if (answer.status === "ok") this.executed({ service: "io", command, args });
   }
 }
+
+function shape_of(pins) { return JSON.stringify(pins.map((pin) => ({ ...pin, mode: undefined }))); }
 
 export function has_pins(description) { return pins_of(description).length > 0; }
 export { mode_names };

@@ -100,6 +100,7 @@ class Service extends Part {
     }
     event.at = at;
     const numbers = numbers_of(name, value, event.model, this.element);
+    if (this.pins && name === "analog") for (const number of numbers) number.name = `A${number.key}`;
     event.numbers = numbers.length ? numbers : [{ key: name, name, value: JSON.stringify(value) }];
     if (numbers.length) event.series.add(at, numbers);
   }

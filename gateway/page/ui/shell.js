@@ -4,7 +4,8 @@ import { bus, path_of, request } from "../net/bus.js";
 import { h, Part, set_class, set_text } from "./dom.js";
 import { status } from "./model.js";
 
-const kShownAfterMs = 700; // a page that has just begun is no loss
+const kShownAfterMs = 700;
+const kFirstMs = 3000; // a page that has just begun is no loss
 
 class LinkSign extends Part {
   shown() {
@@ -17,7 +18,9 @@ class LinkSign extends Part {
 
   show() {
     const broker = status.now?.broker?.connected !== false;
-    const [kind, text] = bus.link.state !== "open" ? ["bad", "not connected"] : broker ? ["good", "live"] : ["warn", "no broker"];
+    const { state, was_open } = bus.link;
+    const apart = was_open ? ["bad", "not connected"] : ["warn", "connecting"];
+    const [kind, text] = state !== "open" ? apart : broker ? ["good", "live"] : ["warn", "no broker"];
     set_class(this.sign, `sign ${kind}`);
     set_text(this.sign, text);
   }
@@ -39,9 +42,10 @@ class Banner extends Part {
   }
 
   text() {
-    const { state, since } = bus.link;
-    if (state !== "open" && Date.now() - since > kShownAfterMs) {
+    const { state, since, was_open } = bus.link;
+    if (state !== "open" && Date.now() - since > (was_open ? kShownAfterMs : kFirstMs)) {
       if (status.problem?.status === 401) return "";
+      if (!was_open) return "The gateway does not answer. Trying again …";
       return `The connection to the gateway is lost since ${clock_text(since)}. What you see may be old. Trying again …`;
     }
     const { broker, mirror } = status.now ?? {};

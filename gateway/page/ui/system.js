@@ -31,7 +31,7 @@ class System extends Part {
       card("Broker", broker.connected === false ? ["lost", "not connected"] : ["online", "connected"], [["Address", broker.address], ["Since", since_text(broker.since)]]),
       card("Gateway", mirror.complete === false ? ["updating", "collecting"] : ["online", "complete"],
         [["Version", now.version], ["Learns from", mirror.registry ? `registry ${mirror.registry}` : mirror.source], ["Boards", mirror.boards ?? boards.catalogue.rows.size],
-          ["You are", [now.you?.name, now.you?.role].filter(Boolean).join(", ")], ...facts_of(streams)]),
+          ["You are", [now.you?.name, now.you?.role].filter(Boolean).join(", ")], ["Open streams", streams.clients], ["Values left out", streams.left_out]]),
       ...registries.map((each) => card(`Registry ${each.id}`, [each.state, each.state], [["Since", since_text(each.since)], ...facts_of(each.stats)])),
     ];
     if (registries.length === 0) cards.push(h("article", { class: "card" }, h("h2", {}, "Registries"), h("p", { class: "muted" }, "None is there. Boards work without one; history needs one.")));

@@ -81,3 +81,14 @@ test("ReportedModes_ReplaceThoseOfTheDescription", () => {
   values.reported({ modes: [6, 6, 3] });
   assert.equal(values.state_of(pins[2]).mode, "output");
 });
+
+test("NewDescriptionWithAnotherMode_CountsMoreThanWhatWasKnown_AndOneWithTheSameDoesNot", () => {
+  const before = pins_of(uno);
+  const values = new PinValues();
+  values.executed("mode", { pin: 2, mode: "output" });
+  values.described(before, pins_of(uno));
+  assert.equal(values.state_of(before[2]).mode, "output");
+  const now = pins_of({ ...uno, pins: { ...uno.pins, modes: uno.pins.modes.replace("661", "662") } });
+  values.described(before, now);
+  assert.equal(values.state_of(now[2]).mode, "input-pullup");
+});
