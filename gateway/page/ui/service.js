@@ -7,7 +7,6 @@ import { before_picture, h, Part, set_text } from "./dom.js";
 import "./command.js";
 import "./plot.js";
 
-const kMaxHz = 60;
 const kOwnCommands = new Set(["mode", "write", "pwm"]); // of the I/O service: a click on the pin does it
 
 class Service extends Part {
@@ -71,7 +70,7 @@ class Service extends Part {
   follow() {
     let early = [];
     const received = (message) => (early ? early.push(message) : this.received(message));
-    this.while_shown(bus.subscribe({ subscribe: `${this.board}/${this.service.name}`, max_hz: kMaxHz }, received));
+    this.while_shown(bus.subscribe({ subscribe: `${this.board}/${this.service.name}` }, received));
     const past = request(path_of("boards", this.board, "services", this.service.name, "values")).catch(() => undefined);
     past.then((answer) => {
       for (const item of answer?.items ?? []) this.received({ event: "value", ...item }, true);
@@ -122,7 +121,7 @@ class Service extends Part {
       const age = Date.now() - event.at;
       set_text(event.age, age < 2000 ? "now" : `${duration_text(age)} ago`);
     }
-    if (this.left_out > 0) set_text(this.note, `${plural(this.left_out, "value")} left out: they come faster than they can be shown.`);
+    if (this.left_out > 0) set_text(this.note, `${plural(this.left_out, "value")} left out: this browser is too slow for all of them.`);
   }
 
   add_event(event) {
