@@ -207,6 +207,7 @@ class Board(PageTest):
         self.browser.button("Stop all").click()
         eventually(lambda: "Stopped" in self.browser.text("header asip-stop"), "what the stop did")
         eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off")
+        self.assertNotIn("high", self.pin("13").get_attribute("aria-label"))
 
     def test_TakenPins_SayWhoseTheyAreAndOfferNothing(self):
         self.open_board()

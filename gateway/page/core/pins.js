@@ -63,11 +63,16 @@ export class PinValues {
     this.levels = new Map();
     this.analog = new Map(); // by channel
     this.duties = new Map();
+    this.written = new Set(); // pins whose level is known from a command alone
   }
 
-  /// A value of the service: {"digital":{"2":1}}, {"analog":{"0":320}}, {"modes":[6,6,1]}.
+  /// A value of the service: {"digital":{"2":1}}, {"analog":{"0":320}}, {"modes":[6,6,1]}; or an error: {"reason":"not-renewed"}.
   reported(value) {
-    for (const [pin, level] of Object.entries(value.digital ?? {})) this.levels.set(Number(pin), level);
+    if (value.reason === "not-renewed") this.stopped();
+    for (const [pin, level] of Object.entries(value.digital ?? {})) {
+      this.levels.set(Number(pin), level);
+      this.written.delete(Number(pin));
+    }
     for (const [channel, reading] of Object.entries(value.analog ?? {})) this.analog.set(Number(channel), reading);
     (value.modes ?? []).forEach((mode, pin) => this.modes.set(pin, mode));
   }
@@ -90,9 +95,17 @@ export class PinValues {
       this.modes.set(args.pin, typeof args.mode === "string" ? mode_names.indexOf(args.mode) : args.mode);
     } else if (command === "write") {
       this.levels.set(args.pin, Number(args.level));
+      this.written.add(args.pin);
     } else if (command === "pwm") {
       this.duties.set(args.pin, args.duty);
     }
+  }
+
+  /// The board was brought into its safe state: what outputs were told before is not what they do now.
+  stopped() {
+    for (const pin of this.written) this.levels.delete(pin);
+    this.written.clear();
+    this.duties.clear();
   }
 
   /// {mode, text, level}: level 0..1 for the light of the pin, undefined where nothing is known.

@@ -31,7 +31,6 @@ class Board extends Part {
     this.append(h("p", { class: "back" }, h("a", { href: "#/" }, "← All boards")), h("div", { class: "title-row" }, this.heading, this.mark, this.since, this.tools),
       this.problem, this.facts, this.pins_box, this.services,
       h("section", {}, h("h2", {}, "History"), document.createElement("asip-history").begin(path_of("boards", this.name, "history"), false)));
-    this.addEventListener("executed", (event) => this.pins.executed?.(event.detail));
     this.listen(boards, "board", (event) => { if (event.board === this.name) this.reload(event.kind); });
     this.listen(boards, "change", () => this.show_state());
     this.listen(status, "change", () => this.show_state());

@@ -3,7 +3,7 @@ import { answer_text, arguments_of, fields_of, hint_of, parse_field, safe_form }
 import { unit_text, words } from "../core/text.js";
 import { bus } from "../net/bus.js";
 import { fresh_id, h, Part, set_text } from "./dom.js";
-import { status } from "./model.js";
+import { report, status } from "./model.js";
 
 const kHoldMs = 500;
 const kRenewMs = 150;
@@ -152,9 +152,7 @@ class Command extends Part {
     this.tell("ok", "Held.");
   }
 
-  executed(command, args, answer) {
-    this.dispatchEvent(new CustomEvent("executed", { bubbles: true, detail: { service: this.service.name, command, args, answer } }));
-  }
+  executed(command, args, answer) { report({ board: this.board, service: this.service.name, command, args, answer }); }
 
   /// Made safe at once; should that be lost on its way, the agent does it by itself within the hold time.
   async release(make_safe = true) {

@@ -4,7 +4,7 @@ import { board_rows, mode_names, pins_of, PinValues, settable_modes } from "../c
 import { words } from "../core/text.js";
 import { bus } from "../net/bus.js";
 import { before_picture, h, Part, set_class, set_text } from "./dom.js";
-import { status } from "./model.js";
+import { on_report, report, status } from "./model.js";
 
 const short = { unallocated: "", input: "in", "input-pullup": "in ↑", output: "out", analog: "A in", pwm: "PWM", reserved: "", "other-service": "", invalid: "" };
 const kinds = ["digital", "analog in", "PWM"];
@@ -28,6 +28,7 @@ class Pins extends Part {
   shown() {
     this.refresh = before_picture(() => this.draw());
     this.listen(status, "change", this.refresh);
+    this.while_shown(on_report((what) => this.happened(what)));
     this.build();
   }
 
@@ -51,8 +52,12 @@ class Pins extends Part {
     this.refresh?.();
   }
 
-  executed({ service, command, args, answer }) {
-    if (service !== "io") return;
+  happened({ board, service, command, args, answer, stopped }) {
+    if (stopped === "*" || stopped === this.board) {
+      this.values.stopped();
+      this.refresh();
+    }
+    if (board !== this.board || service !== "io") return;
     this.values.executed(command, args);
     if (answer) this.values.reported(answer);
     this.refresh();
@@ -150,7 +155,7 @@ class Pins extends Part {
     const { kind, text } = answer_text(answer);
     output.className = `answer ${kind}`;
     set_text(output, text);
-    if (answer.status === "ok") this.executed({ service: "io", command, args });
+    if (answer.status === "ok") report({ board: this.board, service: "io", command, args });
   }
 }
 

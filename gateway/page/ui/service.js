@@ -106,6 +106,7 @@ class Service extends Part {
 
   board_error(message) {
     const error = message.value ?? message;
+    this.on_value?.(error);
     set_text(this.note, `The board reported an error at ${moment_text(time_of(message.at))}: ${error.error ?? "unknown"} (${error.request ?? ""})`);
   }
 

@@ -2,7 +2,7 @@
 import { clock_text, duration_text } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
 import { h, Part, set_class, set_text } from "./dom.js";
-import { status } from "./model.js";
+import { report, status } from "./model.js";
 
 const kShownAfterMs = 700;
 const kFirstMs = 3000; // a page that has just begun is no loss
@@ -61,6 +61,7 @@ class Banner extends Part {
 class Stop extends Part {
   shown() {
     const board = this.getAttribute("board");
+    this.stopped = board ?? "*";
     this.path = board ? path_of("boards", board, "stop") : "api/stop";
     this.label = board ? `Stop ${board}` : "Stop all";
     this.button = h("button", { class: "stop", title: "Brings every motor, light and output into its safe state, ahead of all commands",
@@ -75,6 +76,7 @@ class Stop extends Part {
     set_text(this.answer, "Stopping …");
     try {
       const answer = await request(this.path, { method: "POST", body: {} });
+      report({ stopped: this.stopped });
       set_text(this.answer, stop_text(answer, performance.now() - began));
     } catch (problem) {
       set_text(this.answer, `Not stopped: ${problem.message}`);

@@ -92,3 +92,16 @@ test("NewDescriptionWithAnotherMode_CountsMoreThanWhatWasKnown_AndOneWithTheSame
   values.described(before, now);
   assert.equal(values.state_of(now[2]).mode, "input-pullup");
 });
+
+test("StoppedOrNotRenewed_OutputsAreNotKnownAnyMoreAndInputsAre", () => {
+  const pins = pins_of(uno);
+  for (const end of [(values) => values.stopped(), (values) => values.reported({ request: "d,13,1", reason: "not-renewed", error: "..." })]) {
+    const values = new PinValues();
+    values.reported({ digital: { 2: 1 } });
+    values.executed("mode", { pin: 13, mode: "output" });
+    values.executed("write", { pin: 13, level: 1 });
+    end(values);
+    assert.equal(values.state_of(pins[13]).text, "");
+    assert.equal(values.state_of(pins[2]).text, "high");
+  }
+});
