@@ -12,6 +12,7 @@ void Machine::on_event(Identifying& state, const protocol::Event& event, std::st
         write(lines, now, out);
         return follow(state, now, out);
     }
+    note_report(event, now);
     // Answers to questions that were asked twice belong to no client.
     if (event.service != '#') out.emplace_back(BoardLine{protocol::ParsedLine(line, event), std::nullopt});
 }

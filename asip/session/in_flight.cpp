@@ -83,7 +83,7 @@ bool InFlight::awaits_value_of(const Request& next) const {
            });
 }
 
-void InFlight::add(Request request, std::size_t bytes, bool reports, Time close_after, Time now) {
+bool InFlight::add(Request request, std::size_t bytes, bool reports, Time close_after, Time now) {
     if (!has_open_batch()) batches_.emplace_back();
     Batch& batch = batches_.back();
     batch.bytes += bytes;
@@ -99,6 +99,7 @@ void InFlight::add(Request request, std::size_t bytes, bool reports, Time close_
                         });
     item.request = std::move(request);
     batch.items.push_back(std::move(item));
+    return batch.items.back().behind_fence;
 }
 
 void InFlight::close(Fence fence, std::size_t bytes, Time now) {

@@ -53,7 +53,8 @@ class InFlight {
     bool awaits_value_of(const Request& next) const;
 
     /// `bytes`: on the wire, with line end and checksum.
-    void add(Request request, std::size_t bytes, bool reports, Time close_after, Time now);
+    /// True: only an event behind its fence can be its value.
+    bool add(Request request, std::size_t bytes, bool reports, Time close_after, Time now);
     /// The one added last cannot be proven.
     void doubt_last() { batches_.back().items.back().doubted = true; }
     /// Closes the open batch, or sends a fence with nothing before it.

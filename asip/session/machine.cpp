@@ -31,6 +31,7 @@ void Machine::link_up(const LinkTraits& traits, Time now, Actions& out) {
     suspect_baud_ = 0;
     ready_baud_ = traits.baud;
     link_up_at_ = last_byte_ = now;
+    reports_.clear();
     banner_services_.clear();
     rates_.forget_bad();
     restore_ = known_;
@@ -104,7 +105,6 @@ void Machine::become_ready(Time now, Actions& out) {
     was_silent_ = false;
     ready_baud_ = wire_.baud();
     state_ = Ready{now, 0};
-    reports_.clear();
     queue_.restart();
     queue_.set_byte_time(wire_.byte_time());
     queue_.set_longest_request(identity_.extensions.longest_request());
@@ -216,6 +216,7 @@ void Machine::report(std::vector<RequestEnd>& ended, Actions& out) {
         if (end.ending == Ending::kExecuted || end.ending == Ending::kUnproven ||
             end.ending == Ending::kNoValue) {
             settings_.executed(end.request.line);
+            if (end.request.line == "#,R") reports_.clear();
             const auto mode = parse_mode_request(end.request.line);
             if (mode && static_cast<std::size_t>(mode->pin) < identity_.pin_modes.size())
                 identity_.pin_modes[static_cast<std::size_t>(mode->pin)] =

@@ -72,6 +72,7 @@ void Machine::on_info(const protocol::Info& info, std::string_view line, Time no
     const bool half = !banner && info.text.find(kEndOfBanner) != std::string_view::npos;
     out.emplace_back(BoardLine{protocol::ParsedLine(line, info), std::nullopt});
     if (!banner && !half) return;
+    reports_.clear();
     if (banner) banner_services_ = banner->services;
     if (there_ && !std::holds_alternative<Searching>(state_))
         return board_restarted("it sent its banner", now, out);

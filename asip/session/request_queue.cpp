@@ -95,8 +95,9 @@ void RequestQueue::send(Request request, bool reports, Time now, std::vector<std
     const bool doubted = request.urgent && !fences_.echo() && in_flight_.fence_out();
     if (checksum_bytes_ == 0)
         request.line.erase(request.line.find_last_not_of(' ') + 1);  // as the board reads it
-    in_flight_.add(std::move(request), bytes, reports, close_after, now);
+    const bool behind_fence = in_flight_.add(std::move(request), bytes, reports, close_after, now);
     if (doubted) in_flight_.doubt_last();
+    if (behind_fence && may_fence(now)) close(now, lines);
 }
 
 void RequestQueue::send_last_fence(Time now, std::vector<std::string>& lines) {

@@ -22,6 +22,7 @@ void Machine::on_event(Searching& state, const protocol::Event& event, std::stri
                        Actions& out) {
     if (event.service == '#' && event.tag == '?') return identify(now, out);
     state.search.heard();
+    note_report(event, now);
     // Answers to questions that were asked before belong to no client.
     if (event.service != '#') out.emplace_back(BoardLine{protocol::ParsedLine(line, event), std::nullopt});
 }

@@ -16,6 +16,7 @@ void Machine::on_event(SteppingUp& state, const protocol::Event& event, std::str
         write(lines, now, out);
         return follow(state, now, out);
     }
+    note_report(event, now);
     if (event.service != '#') out.emplace_back(BoardLine{protocol::ParsedLine(line, event), std::nullopt});
 }
 

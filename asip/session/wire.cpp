@@ -1,5 +1,6 @@
 #include "asip/session/wire.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "asip/protocol/checksum.hpp"
@@ -17,6 +18,7 @@ constexpr int kBitsPerByte = 10;
 void Wire::open(unsigned baud) {
     start_baud_ = baud_ = baud;
     checksums_ = Checksums::kOff;
+    had_checksums_ = false;
     reader_.reset();
 }
 
@@ -63,6 +65,7 @@ Wire::Received Wire::unpack(std::string_view line) {
     const bool marked = line.size() >= kChecksumBytes && line[line.size() - kChecksumBytes] == '*';
     if (marked) {
         if (const auto text = protocol::verify_checksum(line)) {
+            had_checksums_ = true;
             if (checksums_ == Checksums::kTurningOn) checksums_ = Checksums::kOn;
             return {*text, false, true};
         }
@@ -70,7 +73,10 @@ Wire::Received Wire::unpack(std::string_view line) {
     // A banner has none: the board restarted and knows nothing of checksums any more.
     const bool may_lack =
         checksums_ != Checksums::kOn || (!marked && line.find(" with Services:") != std::string_view::npos);
-    return {line, !may_lack, false};
+    // What is left of one, on a line that was sent before they were turned off.
+    const bool remains = had_checksums_ && (line.starts_with('@') || line.starts_with('~')) &&
+                         line.find('*', line.size() - std::min(line.size(), kChecksumBytes + 1)) != line.npos;
+    return {line, !may_lack || remains, false};
 }
 
 }  // namespace asip::session

@@ -56,6 +56,7 @@ class Wire {
   private:
     protocol::LineReader reader_;
     Checksums checksums_ = Checksums::kOff;
+    bool had_checksums_ = false;  // since open(): the board may still send them, damaged ones, too
     unsigned start_baud_ = 0;
     unsigned baud_ = 0;
     std::uint64_t bytes_out_ = 0;

@@ -63,6 +63,7 @@ class Round {
     void check(const Sent& sent);
     bool disturbed(const Sent& sent) const;
     void fail(const Sent& sent, const std::string& what);
+    void lengthen_outage();
     void outage(std::int64_t lasts_ms) { outages_.push_back({now_ms() - 100, now_ms() + lasts_ms}); }
 
     std::uint64_t seed_;
@@ -112,6 +113,15 @@ void Round::set_up() {
     }
 }
 
+// Until its boards are online again: how long an agent takes to start depends on the machine.
+void Round::lengthen_outage() {
+    constexpr std::int64_t kAtMostMs = 60'000;
+    if (outages_.empty() || now_ms() > outages_.back().first + kAtMostMs) return;
+    const bool over = probe_ && std::all_of(boards_.begin(), boards_.end(),
+                                            [&](const auto& board) { return online(*board); });
+    if (!over) outages_.back().second = std::max(outages_.back().second, now_ms() + 500);
+}
+
 void Round::pump() {
     for (auto& client : clients_)
         client->pump();
@@ -126,6 +136,7 @@ void Round::pump() {
         } else {
             ++i;
         }
+    lengthen_outage();
     test::wait_until([] { return false; }, 3ms);
 }
 

@@ -133,6 +133,19 @@ TEST(BoardSession, ErrorInPlaceOfTheValueBeforeTheFence_EndsTheRequestBehindIt) 
     EXPECT_EQ(bench.session.counters().unexplained_errors, 0u);
 }
 
+TEST(BoardSession, BoardReportedBeforeTheSessionWasReady_ReportIsNotTakenForTheValue) {
+    Bench bench(no_step_up());
+    bench.plug({57600, true});
+    bench.say_line("@D,e,1,{1}");  // somebody before had set a period
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.replies["D,M"] = "@D,e,1,{2}";  // a report on its way
+    const auto id = bench.request("D,M", {.answer_tag = 'e'});
+    EXPECT_EQ(bench.end_of(id), nullptr);
+    bench.say_line("@D,e,1,{3}");
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->answer.text(), "@D,e,1,{3}");
+}
+
 TEST(BoardSession, ReportBeforeTheFence_IsNotTakenForTheValue) {
     Bench bench(no_step_up());
     bench.plug();
