@@ -12,7 +12,8 @@ namespace asip {
 
 class Reflectance : public Service {
   public:
-    static constexpr uint8_t kMaxSensors = 8;
+    // Each place takes a byte of RAM.
+    static constexpr uint8_t kMaxSensors = hw::kAnalogChannels < 8 ? hw::kAnalogChannels : 8;
 
     template <typename... Pins>
     constexpr explicit Reflectance(uint8_t emitter, Pins... pins)
