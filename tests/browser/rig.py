@@ -61,7 +61,7 @@ def eventually(condition, what, seconds=20):
             return value
         if time.monotonic() > end:
             raise AssertionError(f"{what}: not within {seconds} s")
-        time.sleep(0.03)
+        time.sleep(0.08)
 
 
 def die_with_parent():
