@@ -52,7 +52,7 @@ std::string request_text(const std::string& method, const std::string& target, c
 
 }  // namespace
 
-Wire::Wire(std::uint16_t port) : socket_(socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+Wire::Wire(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(port);

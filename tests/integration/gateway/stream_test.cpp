@@ -175,6 +175,7 @@ TEST_F(GatewayStreams, MaxHz_NewestValueAtMostSoOften) {
 
 TEST_F(GatewayStreams, TwoGatewaysOnOneBus_SayTheSame) {
     RunningGateway second(broker_.address());
+    ASSERT_TRUE(second.ready());
     announce("uno1");
     ASSERT_TRUE(second.becomes("uno1", "online"));
     auto a = ask("/api/boards/uno1").json();

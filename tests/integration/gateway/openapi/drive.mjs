@@ -1,0 +1,198 @@
+// Drives every operation of the served document, each documented status included, and checks each answer against its
+// schema. A status that is documented and not brought about here is a failure; so is an answer that is not documented.
+//
+//   node drive.mjs MODULES URL PHASE VIEWER     MODULES: the folder of node_modules; PHASE: up, full, down
+import { createRequire } from "node:module";
+import { request } from "node:http";
+
+const [modules, base, phase, viewer, admin] = process.argv.slice(2);
+const load = createRequire(modules + "/");
+const { Validator } = await import(load.resolve("@seriousme/openapi-schema-validator"));
+const Ajv = load("ajv/dist/2020.js").default;
+
+function send(method, path, { headers = {}, body } = {}) {
+  return new Promise((resolve, reject) => {
+    const url = new URL(path, base);
+    const text = body === undefined ? undefined : JSON.stringify(body);
+    const all = { Authorization: `Bearer ${admin}`, ...(text === undefined ? {} : { "Content-Type": "application/json", "Content-Length": Buffer.byteLength(text) }), ...headers };
+    for (const name of Object.keys(all)) if (all[name] === null) delete all[name];
+    const out = request(url, { method, headers: all, agent: false });
+    const done = (answer) => resolve({ status: answer.statusCode, headers: answer.headers, text: "" });
+    out.on("upgrade", (answer, socket) => { socket.destroy(); done(answer); });
+    out.on("response", (answer) => {
+      if ((answer.headers["content-type"] ?? "").startsWith("text/event-stream")) {
+        if (!method.startsWith("HOLD")) out.destroy();
+        return done(answer);
+      }
+      let received = "";
+      answer.on("data", (piece) => { received += piece; });
+      answer.on("end", () => resolve({ status: answer.statusCode, headers: answer.headers, text: received }));
+    });
+    out.on("error", (error) => { if (error.code !== "ECONNRESET") reject(error); });
+    out.end(text);
+  });
+}
+
+const upgrade = { Upgrade: "websocket", Connection: "Upgrade", "Sec-WebSocket-Version": "13", "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==" };
+const write = "/api/boards/uno1/services/servo/commands/write";
+const post = (path, body = {}, headers = {}) => () => send("POST", path, { body, headers });
+const get = (path, headers = {}) => () => send("GET", path, { headers });
+const key = (text) => ({ "Idempotency-Key": text });
+
+async function etag(path) {
+  const first = await send("GET", path);
+  return send("GET", path, { headers: { "If-None-Match": first.headers.etag } });
+}
+async function twice(path, one, other, id) {
+  await send("POST", path, { body: one, headers: key(id) });
+  return send("POST", path, { body: other, headers: key(id) });
+}
+async function flood(path, body) {
+  let last;
+  for (let i = 0; i < 2000; ++i) {
+    last = await send("POST", path, { body });
+    if (last.status === 429) break;
+  }
+  return last;
+}
+async function streams(path, headers = {}) {
+  const held = [];
+  let last;
+  for (let i = 0; i < 70; ++i) {
+    last = await new Promise((resolve) => {
+      const out = request(new URL(path, base), { headers: { Authorization: `Bearer ${admin}`, ...headers }, agent: false });
+      held.push(out);
+      out.on("response", (answer) => resolve({ status: answer.statusCode, headers: answer.headers, answer }));
+      out.on("upgrade", (answer, socket) => { held.push(socket); resolve({ status: 101, headers: answer.headers }); });
+      out.on("error", () => {});
+      out.end();
+    });
+    if (last.status === 429) break;
+  }
+  let text = "";
+  if (last.answer && last.status === 429) for await (const piece of last.answer) text += piece;
+  for (const each of held) each.destroy();
+  await new Promise((resolve) => setTimeout(resolve, 300));
+  return { status: last.status, headers: last.headers, text };
+}
+
+// How to bring each status about. What holds for all operations is made below.
+const cases = {
+  up: {
+    listBoards: { 200: get("/api/boards?limit=1&full=true"), 304: () => etag("/api/boards") },
+    getBoard: { 200: get("/api/boards/uno1"), 304: () => etag("/api/boards/uno1"), 404: get("/api/boards/none") },
+    forgetBoard: { 200: () => send("DELETE", "/api/boards/gone"), 404: () => send("DELETE", "/api/boards/none"), 409: () => send("DELETE", "/api/boards/uno1") },
+    getBoardHistory: { 200: get("/api/boards/uno1/history?limit=10"), 404: get("/api/boards/none/history") },
+    getHistory: { 200: get("/api/history?limit=10") },
+    listServices: { 200: get("/api/services?kind=servo"), 304: () => etag("/api/services") },
+    getService: { 200: get("/api/boards/uno1/services/servo"), 404: get("/api/boards/uno1/services/none") },
+    getValue: { 200: get("/api/boards/uno1/services/distance/value?wait=0"), 404: get("/api/boards/uno1/services/none/value") },
+    getValues: { 200: get("/api/boards/uno1/services/distance/values"), 404: get("/api/boards/none/services/none/values") },
+    sendCommand: {
+      200: post(write, [0, 90]), 400: post(write, [0, 900]), 404: post("/api/boards/uno1/services/servo/commands/none"),
+      409: () => twice(write, [0, 10], [0, 11], "again"), 422: post(write, { servo: 9, angle: 90 }),
+      503: post("/api/boards/lost/services/servo/commands/write", [0, 90]), 504: post("/api/boards/mute/services/S1/commands/raw?deadline_ms=50", "x"),
+    },
+    sendRaw: {
+      200: post("/api/boards/uno1/raw", { lines: ["I,P,13,3"] }), 400: post("/api/boards/uno1/raw", {}), 404: post("/api/boards/none/raw", { lines: ["x"] }),
+      409: () => twice("/api/boards/uno1/raw", { lines: ["I,P,13,3"] }, { lines: ["I,P,12,3"] }, "raw"), 422: post("/api/boards/uno1/raw", { lines: ["I,d,99,1"] }),
+      503: post("/api/boards/lost/raw", { lines: ["x"] }), 504: post("/api/boards/mute/raw?deadline_ms=50", { lines: ["x"] }),
+    },
+    getCommand: { 200: async () => { await post(write, [0, 20], key("known"))(); return get("/api/commands/known")(); }, 404: get("/api/commands/none") },
+    renewCommand: {
+      200: async () => { await post("/api/boards/uno1/services/io/commands/write?hold_ms=5000", [13, 1], key("held"))(); return post("/api/commands/held/renew")(); },
+      404: post("/api/commands/none/renew"),
+      409: async () => { await post(write, [0, 30], key("plain"))(); return post("/api/commands/plain/renew")(); },
+      504: async () => { await post("/api/boards/mute/services/S1/commands/raw?deadline_ms=50", "y", key("mute"))(); return post("/api/commands/mute/renew")(); },
+    },
+    stopBoard: { 200: post("/api/boards/uno1/stop"), 207: post("/api/boards/frozen/stop"), 404: post("/api/boards/none/stop") },
+    stopAll: { 207: post("/api/stop") },
+    listModels: { 200: get("/api/models") },
+    getModel: { 200: get("/api/models/servo"), 404: get("/api/models/none") },
+    streamEvents: { 200: get("/api/events"), 429: () => streams("/api/events") },
+    streamValues: { 200: get("/api/boards/uno1/services/distance/stream?max_hz=5"), 404: get("/api/boards/none/services/none/stream"), 429: () => streams("/api/boards/uno1/services/distance/stream") },
+    stream: { 101: get("/api/stream", upgrade), 426: get("/api/stream"), 429: () => streams("/api/stream", upgrade) },
+    getStatus: { 200: get("/api/status") },
+    endSession: { 204: () => send("DELETE", "/api/session") },
+    getOpenapi: { 200: get("/api/openapi.json") },
+    getMetrics: { 200: get("/metrics") },
+    getHealth: { 200: get("/healthz") },
+    getReady: { 200: get("/readyz") },
+    makeCode: { 200: post("/api/codes") },
+  },
+  flood: {
+    sendCommand: { 429: () => flood(write, [0, 900 / 10]) },
+    sendRaw: { 429: () => flood("/api/boards/uno1/raw", { lines: ["I,P,13,3"] }) },
+    makeCode: { 429: () => flood("/api/codes", {}) },
+  },
+  quiet: { stopAll: { 200: post("/api/stop") } },
+  down: {
+    forgetBoard: { 503: () => send("DELETE", "/api/boards/uno1") },
+    getBoardHistory: { 503: get("/api/boards/uno1/history") },
+    getHistory: { 503: get("/api/history") },
+    getValue: { 503: get("/api/boards/uno1/services/distance/value?wait=1") },
+    renewCommand: { 503: post("/api/commands/none/renew") },
+    stopBoard: { 503: post("/api/boards/uno1/stop") },
+    stopAll: { 503: post("/api/stop") },
+    streamEvents: { 503: get("/api/events") },
+    streamValues: { 503: get("/api/boards/uno1/services/distance/stream") },
+    getReady: { 503: get("/readyz") },
+  },
+  nohistory: { getBoardHistory: { 404: get("/api/boards/uno1/history") }, getHistory: { 404: get("/api/history") } },
+};
+
+const document = JSON.parse((await send("GET", "/api/openapi.json")).text);
+let failures = 0;
+const fail = (text) => { console.error(text); ++failures; };
+
+const checked = await new Validator().validate(structuredClone(document));
+if (!checked.valid) fail("not OpenAPI 3.1: " + JSON.stringify(checked.errors, null, 1));
+
+const ajv = new Ajv({ strict: false });
+ajv.addSchema({ $id: "document", components: document.components });
+
+function sample(path) {
+  return path.replace("{board}", "uno1").replace("{service}", "servo").replace("{command}", "write").replace("{name}", "servo").replace("{id}", "known");
+}
+function common(method, path, operation) {
+  const body = method === "POST" ? { body: {} } : {};
+  return {
+    400: () => send(method, sample(path) + "?nonsense=1", body),
+    401: () => send(method, sample(path), { ...body, headers: { Authorization: "Bearer wrong" } }),
+    403: () => send(method, sample(path), { ...body, headers: { Authorization: `Bearer ${viewer}`, ...(operation.operationId === "makeCode" || operation.operationId === "endSession" ? { Origin: "http://evil.example" } : {}) } }),
+    415: () => send(method, sample(path), { headers: { "Content-Type": "text/plain" }, body: {} }),
+    421: () => send(method, sample(path), { ...body, headers: { Host: "evil.example" } }),
+  };
+}
+
+const resolve = (object) => (object.$ref ? object.$ref.split("/").slice(1).reduce((at, name) => at[name], document) : object);
+
+for (const [path, item] of Object.entries(document.paths)) {
+  for (const [method, operation] of Object.entries(item)) {
+    const id = operation.operationId;
+    const wanted = Object.keys(operation.responses).map(Number);
+    for (const status of wanted) {
+      const somewhere = Object.values(cases).some((each) => each[id]?.[status]) || [400, 401, 403, 415, 421].includes(status);
+      if (!somewhere) fail(`${id} documents ${status}, and nothing here brings it about`);
+      const run = cases[phase]?.[id]?.[status] ?? (phase === "up" ? common(method.toUpperCase(), path, operation)[status] : undefined);
+      if (!run || (phase === "up" && !cases.up[id]?.[status] && ![400, 401, 403, 415, 421].includes(status))) continue;
+      const answer = await run();
+      if (answer.status !== status) { fail(`${id}: ${answer.status} instead of ${status}: ${answer.text}`); continue; }
+      const content = resolve(operation.responses[status]).content;
+      if (!content) continue;
+      const [type, media] = Object.entries(content)[0];
+      const served = answer.headers["content-type"] ?? "";
+      if (served.split(";")[0] !== type.split(";")[0]) { fail(`${id} ${status}: ${served} instead of ${type}`); continue; }
+      if (!type.includes("json")) continue;
+      const valid = ajv.compile({ $ref: "document" + media.schema.$ref });
+      if (!valid(JSON.parse(answer.text))) fail(`${id} ${status}: ${ajv.errorsText(valid.errors)}: ${answer.text.slice(0, 300)}`);
+    }
+  }
+}
+for (const [name, operations] of Object.entries(cases)) {
+  for (const [id, statuses] of Object.entries(operations)) {
+    const known = Object.values(document.paths).flatMap((item) => Object.values(item)).find((each) => each.operationId === id);
+    for (const status of Object.keys(statuses)) if (!known?.responses[status]) fail(`${id} answers ${status} (${name}), and does not document it`);
+  }
+}
+process.exit(failures === 0 ? 0 : 1);
