@@ -91,11 +91,7 @@ Gateway::Port Application::port() {
 
 mqtt::Client::Handlers Application::handlers() {
     mqtt::Client::Handlers result;
-    result.on_connected = [this](const mqtt::Connected& connected) {
-        outage_.over();
-        log::info("connected",
-                  {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
-    };
+    result.on_connected = [this](const mqtt::Connected& connected) { broker_log_.connected(connected); };
     result.on_subscribed = [this] { gateway_->subscribed(); };
     result.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
         gateway_->disconnected();
@@ -103,22 +99,12 @@ mqtt::Client::Handlers Application::handlers() {
     };
     result.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) { connect_failed(failure); };
     result.on_message = [this](const mqtt::Message& received) { gateway_->message(received); };
-    result.on_subscribe_refused = [](const std::string& filter, const std::string& reason) {
-        log::error("the broker refuses a subscription; check its access rules",
-                   {{"filter", filter}, {"reason", reason}});
-    };
+    result.on_subscribe_refused = program::BrokerLog::subscribe_refused;
     return result;
 }
 
 void Application::connect_failed(const mqtt::ConnectionFailure& failure) {
-    if (!failure.hopeless) {
-        const auto level = outage_.is_news(failure) ? log::Level::kWarning : log::Level::kDebug;
-        log::write(level, "no connection; trying again",
-                   {{"broker", failure.broker.describe()}, {"why", failure.text}});
-        return;
-    }
-    log::error("no broker accepts the connection",
-               {{"broker", failure.broker.describe()}, {"why", failure.text}});
+    if (!broker_log_.connect_failed(failure)) return;
     status_ = program::kExitBroker;
     stop();
 }

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "asip/mqtt/client.hpp"
-#include "asip/mqtt/outage.hpp"
+#include "asip/program/broker_log.hpp"
 #include "asip/program/stop_signal.hpp"
 #include "gateway/gateway.hpp"
 #include "gateway/http/server.hpp"
@@ -45,7 +45,7 @@ class Application {
     std::unique_ptr<http::Server> server_;
     std::optional<std::filesystem::file_time_type> tokens_read_;
     Time tokens_checked_{};
-    mqtt::Outage outage_;
+    program::BrokerLog broker_log_;
     int status_ = 0;
 };
 

@@ -63,9 +63,7 @@ mqtt::Options Application::mqtt_options() const {
 mqtt::Client::Handlers Application::handlers() {
     mqtt::Client::Handlers result;
     result.on_connected = [this](const mqtt::Connected& connected) {
-        outage_.over();
-        log::info("connected",
-                  {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
+        broker_log_.connected(connected);
         registry_->connected(connected.max_packet_bytes, now());
     };
     result.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
@@ -79,10 +77,7 @@ mqtt::Client::Handlers Application::handlers() {
     result.on_publish_denied = [this](const std::string& topic, const std::string& reason) {
         registry_->denied(topic, reason, now());
     };
-    result.on_subscribe_refused = [](const std::string& filter, const std::string& reason) {
-        log::error("the broker refuses a subscription; check its access rules",
-                   {{"filter", filter}, {"reason", reason}});
-    };
+    result.on_subscribe_refused = program::BrokerLog::subscribe_refused;
     return result;
 }
 
@@ -101,14 +96,7 @@ int Application::run() {
 }
 
 void Application::connect_failed(const mqtt::ConnectionFailure& failure) {
-    if (!failure.hopeless) {
-        const auto level = outage_.is_news(failure) ? log::Level::kWarning : log::Level::kDebug;
-        log::write(level, "no connection; trying again",
-                   {{"broker", failure.broker.describe()}, {"why", failure.text}});
-        return;
-    }
-    log::error("no broker accepts the connection",
-               {{"broker", failure.broker.describe()}, {"why", failure.text}});
+    if (!broker_log_.connect_failed(failure)) return;
     status_ = program::kExitBroker;
     stop();
 }

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "asip/mqtt/client.hpp"
-#include "asip/mqtt/outage.hpp"
+#include "asip/program/broker_log.hpp"
 #include "asip/program/stop_signal.hpp"
 #include "registry/history/keeper.hpp"
 #include "registry/options.hpp"
@@ -40,7 +40,7 @@ class Application {
     std::unique_ptr<HistoryKeeper> history_;
     std::unique_ptr<Registry> registry_;
     std::unique_ptr<mqtt::Client> client_;
-    mqtt::Outage outage_;
+    program::BrokerLog broker_log_;
     int status_ = 0;
 };
 

@@ -1,0 +1,49 @@
+#include "asip/program/broker_log.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "asip/program/log.hpp"
+
+namespace asip::program {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class BrokerLogTest : public testing::Test {
+  protected:
+    BrokerLogTest() { log::configure(log::Level::kInfo, log::Format::kText); }
+
+    std::string failed(const mqtt::ConnectionFailure& failure, bool ends = false) {
+        testing::internal::CaptureStderr();
+        EXPECT_EQ(log_.connect_failed(failure), ends);
+        return testing::internal::GetCapturedStderr();
+    }
+
+    mqtt::ConnectionFailure failure_{mqtt::ConnectionFailure::Kind::kUnreachable, {}, 0, "cannot reach it"};
+    BrokerLog log_;
+};
+
+TEST_F(BrokerLogTest, SameFailureAgain_IsLoggedOnceUntilTheOutageIsOver) {
+    EXPECT_THAT(failed(failure_), HasSubstr("warning no connection; trying again"));
+    EXPECT_THAT(failed(failure_), IsEmpty());
+    testing::internal::CaptureStderr();
+    log_.connected({});
+    EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("connected"));
+    EXPECT_THAT(failed(failure_), HasSubstr("cannot reach it"));
+}
+
+TEST_F(BrokerLogTest, OtherFailureOfTheSameOutage_IsLogged) {
+    failed(failure_);
+    failure_.kind = mqtt::ConnectionFailure::Kind::kNoAnswer;
+    EXPECT_THAT(failed(failure_), HasSubstr("no connection"));
+}
+
+TEST_F(BrokerLogTest, HopelessFailure_IsAnErrorThatEndsTheProgram) {
+    failure_.hopeless = true;
+    EXPECT_THAT(failed(failure_, true), HasSubstr("error   no broker accepts the connection"));
+}
+
+}  // namespace
+}  // namespace asip::program
