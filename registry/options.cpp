@@ -70,9 +70,10 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
     settings.setting(
         app.add_option("--history-size", raw.history_bytes,
                        "Maximum size of the file (512k, 256M, 2G); the oldest changes are dropped")
-            ->transform(CLI::AsSizeValue(false))
-            ->check(CLI::Range(kMinHistoryBytes, kMaxHistoryBytes, "64k or more"))
-            ->option_text("SIZE=256M")
+            ->transform(CLI::AsSizeValue(false).description(""))
+            ->check(CLI::Range(kMinHistoryBytes, kMaxHistoryBytes).description(""))
+            ->type_name("SIZE")
+            ->default_str("256M")
             ->group("History"));
 }
 
