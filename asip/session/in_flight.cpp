@@ -291,10 +291,10 @@ InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error, bool che
     bool behind = false;
     for (Item& item : batches_.front().items) {
         // What was sent behind it may have been read as a part of it.
-        if (std::exchange(behind, false)) item.doubted = true;
+        if (behind) item.doubted = true;
         if (item.error || !names(error, item.request)) continue;
         named.push_back(&item);
-        behind = !checksums && is_of_syntax(error);
+        behind = behind || (!checksums && is_of_syntax(error));
     }
     if (named.empty()) return error_for_value(error);
     meaning.unexplained = false;
