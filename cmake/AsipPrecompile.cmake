@@ -1,0 +1,42 @@
+# Headers that nearly every source includes are parsed once: most of the time of a compiler goes there. A source still names
+# what it uses: it must compile with CMAKE_DISABLE_PRECOMPILE_HEADERS, too.
+
+set(asip_precompiled
+  <algorithm> <chrono> <cstdint> <deque> <filesystem> <functional> <map> <memory> <optional> <set> <span> <string> <string_view>
+  <unordered_map> <utility> <variant> <vector>
+  <nlohmann/json.hpp> <tl/expected.hpp>)
+
+# asip_add_precompiled(NAME LIBS ... HEADERS ...): a target whose precompiled headers others use.
+function(asip_add_precompiled name)
+  cmake_parse_arguments(arg "" "" "LIBS;HEADERS" ${ARGN})
+  file(GENERATE OUTPUT "${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp" CONTENT "// Nothing but precompiled headers.\n")
+  add_library(${name} OBJECT EXCLUDE_FROM_ALL "${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp")
+  target_link_libraries(${name} PRIVATE asip_options ${arg_LIBS} nlohmann_json::nlohmann_json tl::expected)
+  target_precompile_headers(${name} PRIVATE ${asip_precompiled} ${arg_HEADERS})
+  set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
+endfunction()
+
+# Everything below this folder that links asip_options uses them, except the firmware for the host, which is C++11 at heart
+# and gives namespaces other names by macros.
+function(asip_precompile folder)
+  get_property(targets DIRECTORY "${folder}" PROPERTY BUILDSYSTEM_TARGETS)
+  foreach(target IN LISTS targets)
+    get_target_property(type ${target} TYPE)
+    get_target_property(libraries ${target} LINK_LIBRARIES)
+    if("asip_firmware_warnings" IN_LIST libraries OR NOT "${type}" MATCHES "^(STATIC_LIBRARY|EXECUTABLE)$" OR NOT "asip_options" IN_LIST libraries)
+      continue()
+    endif()
+    if("asip_test_options" IN_LIST libraries)
+      target_precompile_headers(${target} REUSE_FROM asip_precompiled_for_tests)
+    else()
+      target_precompile_headers(${target} REUSE_FROM asip_precompiled)
+    endif()
+  endforeach()
+  get_property(folders DIRECTORY "${folder}" PROPERTY SUBDIRECTORIES)
+  foreach(below IN LISTS folders)
+    asip_precompile("${below}")
+  endforeach()
+endfunction()
+
+asip_add_precompiled(asip_precompiled)
+asip_add_precompiled(asip_precompiled_for_tests LIBS asip_test_options GTest::gmock HEADERS <gmock/gmock.h> <gtest/gtest.h>)
