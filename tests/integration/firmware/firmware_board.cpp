@@ -10,7 +10,7 @@ FirmwareBoard::FirmwareBoard(const std::string& image, std::string kind, std::ve
                              std::uint32_t frequency) {
     sim::BoardConfig config;
     config.board = std::move(kind);
-    config.image = std::string(ASIP_IMAGES) + "/" + image + ".elf";
+    config.image = ASIP_IMAGES "/" + image + ".elf";
     config.parts = std::move(parts);
     config.frequency = frequency;
     auto board = sim::Board::create(config);
