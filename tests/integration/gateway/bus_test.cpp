@@ -1,6 +1,8 @@
 // Everything real: Mosquitto, registry, agent, firmware in the simulator.
 #include <gmock/gmock.h>
 
+#include <fstream>
+
 #include "running_gateway.hpp"
 #include "tests/integration/agent/rig.hpp"
 
@@ -97,6 +99,23 @@ TEST_F(GatewayBus, Forget_OnlyOnceTheBoardIsGone) {
     EXPECT_EQ(post(port(), "/api/boards/uno1/services/servo/commands/write", "[0,90]").status, 503);
     ASSERT_TRUE(wait_until([&] { return request(port(), "DELETE", "/api/boards/uno1").status == 200; }));
     EXPECT_TRUE(wait_until([&] { return ask("/api/boards/uno1").status == 404; }));
+}
+
+// The page's commands as they stand there, each with a part of what it prints behind "#=>".
+TEST_F(GatewayBus, CommandsOfTheDocumentation_PrintWhatItSays) {
+    std::ifstream page(ASIP_GATEWAY_TESTS "/../../../docs/gateway.md");
+    int commands = 0;
+    for (std::string line; std::getline(page, line);) {
+        const auto mark = line.find("#=> ");
+        if (!line.starts_with("curl ") || mark == std::string::npos) continue;
+        ++commands;
+        auto command = line.substr(0, mark);
+        const std::string documented = "127.0.0.1:8080";
+        command.replace(command.find(documented), documented.size(), "127.0.0.1:" + std::to_string(port()));
+        const auto printed = run({"sh", "-c", command});
+        EXPECT_THAT(printed.output, HasSubstr(line.substr(mark + 4))) << command << printed.errors;
+    }
+    EXPECT_GT(commands, 10);
 }
 
 TEST_F(GatewayBus, HungAgent_Is504AndTheLateAnswerIsKept) {
