@@ -34,7 +34,8 @@ class GatewayOpenapi : public testing::Test {
         return wait_until([&] {
             const auto answer =
                 get(gateway_.port(), "/api/boards/" + board, {{"Authorization", "Bearer " + admin_}});
-            return answer.status == 200 && answer.json().value("state", "") == state;
+            return answer.status == 200 && answer.json().value("state", "") == state &&
+                   (board == "mute" || answer.json().contains("description"));
         });
     }
 

@@ -31,11 +31,12 @@ class RunningGateway {
     bool ready() {
         return wait_until([this] { return get(port_, "/readyz").status == 200; });
     }
-    /// Until the board is in this state.
+    /// Until the board is in this state, and described: its state may come before its description.
     bool becomes(const std::string& board, const std::string& state) {
         return wait_until([&] {
             const auto answer = get(port_, "/api/boards/" + board);
-            return answer.status == 200 && answer.json().value("state", "") == state;
+            return answer.status == 200 && answer.json().value("state", "") == state &&
+                   answer.json().contains("description");
         });
     }
 
