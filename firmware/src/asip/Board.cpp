@@ -47,8 +47,10 @@ void Board::restart() {
 }
 
 void Board::run() {
-    work();
-    io_.pollInputs();
+    const bool received = nextRequest();
+    const bool executed = received && io_.executePrepared();
+    io_.pollInputs();  // before the rest of the request's work: what a write changed is reported sooner
+    if (received) execute(executed);
     const uint8_t now = hw::milliseconds();
     const uint8_t elapsed = static_cast<uint8_t>(now - lastMs_);
     lastMs_ = now;
@@ -57,19 +59,23 @@ void Board::run() {
         service->poll();
 }
 
-// No request is executed before the line can take its answer: a flood of requests holds up nothing else. Long
-// ones are read meanwhile, since they do not fit the line's own buffer.
-void Board::work() {
+// True when a request is complete and its turn has come: none is executed before the line can take its
+// answer, so a flood of requests holds up nothing else. Long ones are read meanwhile, since they do not fit
+// the line's own buffer.
+bool Board::nextRequest() {
     if (readAhead_ != nullptr) readAhead_();
-    if (!out.hasRoomForPiece()) return;
-    if (out.isHeld() && job_ != kSwitchRate) return continueList();
-    if (readAhead_ != nullptr && job_ == kExecute) {
+    if (!out.hasRoomForPiece()) return false;
+    if (out.isHeld() && job_ != kSwitchRate) {
+        continueList();
+    } else if (readAhead_ != nullptr && job_ == kExecute) {
         job_ = kNoJob;
+        return true;
+    } else if (kExtensions && job_ != kNoJob) {
+        continueExtension();
     } else {
-        if (kExtensions && job_ != kNoJob) return continueExtension();
-        if (!receive()) return;
+        return receive();
     }
-    execute();
+    return false;
 }
 
 void Board::readAhead() {
@@ -138,10 +144,9 @@ static char printable(char c) {
     return c > ' ' && c < 127 ? c : '?';
 }
 
-void Board::execute() {
+void Board::execute(bool executed) {
     uint8_t length = length_;
     length_ = 0;
-    const bool executed = io_.executePrepared();
     char* const line = this->line();
     const bool spoiled = length == kSpoiled;
     if (spoiled) length = 3;
@@ -219,7 +224,7 @@ void Board::releasePins(const Service& service) {
 
 void Board::info(FlashText text) {
     while (out.isHeld())
-        work();
+        nextRequest();  // sends what is held: none is complete meanwhile
     out.character('!');
     out.text(text);
     out.end();

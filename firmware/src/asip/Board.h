@@ -60,7 +60,7 @@ class Board {
     // or it goes on after its execution. From kStoreName on it counts the bytes that have been stored.
     enum : uint8_t { kNoJob, kSwitchRate, kStoreName, kExecute = 255 };
 
-    void work();
+    bool nextRequest();
     bool receive();
     static void readAhead();
     bool collect(char c);
@@ -68,7 +68,7 @@ class Board {
     static uint8_t maxLength() {
         return longLineSize_ == 0 ? kMaxRequestLength : static_cast<uint8_t>(longLineSize_ - 1);
     }
-    void execute();
+    void execute(bool executed);
     Error process(uint8_t length);
     Error dispatch(Service& service, Request& request);
     void tick(uint8_t elapsedMs);

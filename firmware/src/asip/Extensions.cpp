@@ -1,5 +1,6 @@
 // The link extensions: echo, verified fence, identity, line rate, checksum.
 #include "Board.h"
+#include "Digest.h"
 #include "Line.h"
 
 namespace asip {
@@ -72,17 +73,14 @@ Error Board::echo(Request& request) {
     return Error::kNone;
 }
 
-// CRC-16/CCITT, reflected, from 0, over the line and the '\0' at its end.
+// From 0, over the line and the '\0' at its end.
 void Board::digestLine() {
     const char* next = line();
-    uint8_t c;
+    char c;
     do {
-        c = static_cast<uint8_t>(*next++);
-        uint8_t x = static_cast<uint8_t>(c ^ digest_);
-        x ^= static_cast<uint8_t>(x << 4);
-        digest_ = static_cast<uint16_t>((static_cast<uint16_t>(x) << 8 | digest_ >> 8) ^ x >> 4 ^
-                                        static_cast<uint16_t>(x) << 3);
-    } while (c != 0);
+        c = *next++;
+        digest_ = digestOf(digest_, static_cast<uint8_t>(c));
+    } while (c != '\0');
 }
 
 // In EEPROM, at its very end, away from what sketches keep: a check, the length, the name. The length is

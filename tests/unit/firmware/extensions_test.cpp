@@ -184,6 +184,7 @@ TEST(ExtensionsTest, NewRateWhileReportsAreDue_IsSwitchedToWithNothingInBetween)
     board.pass_time(3);
     board.hardware().idle = false;
     board.hardware().to_board = "#,B,500000\n";
+    asip::board.run();
     board.hardware().levels[2] = true;
     const auto before = board.pass_time(20);
     EXPECT_EQ(before.substr(before.size() - 12), "@#,B,500000\n") << before;
