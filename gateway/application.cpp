@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
@@ -15,7 +16,7 @@ namespace {
 namespace log = program::log;
 
 constexpr Duration kTick = std::chrono::milliseconds(100);
-constexpr Duration kTokensCheck = std::chrono::milliseconds(500);
+constexpr Duration kTokensCheck = std::chrono::milliseconds(250);
 
 Instant present() {
     return {Clock::now(), text::wall_now()};
@@ -114,7 +115,10 @@ void Application::read_tokens(bool first) {
     if (options_.tokens.empty()) return;
     std::error_code error;
     const auto written = std::filesystem::last_write_time(options_.tokens, error);
-    if (!first && !error && tokens_read_ && *tokens_read_ == written) return;
+    if (!first && !error) {
+        if (tokens_read_ == written) return;
+        if (std::exchange(tokens_seen_, written) != written) return;  // whoever writes it now may not be done
+    }
     auto tokens = Tokens::read(options_.tokens);
     if (!tokens) {
         if (first) throw std::runtime_error(tokens.error());

@@ -43,7 +43,7 @@ class Application {
     std::unique_ptr<mqtt::Client> urgent_;  // for stops: what waits in the other does not wait in this
     std::unique_ptr<Gateway> gateway_;
     std::unique_ptr<http::Server> server_;
-    std::optional<std::filesystem::file_time_type> tokens_read_;
+    std::optional<std::filesystem::file_time_type> tokens_read_, tokens_seen_;  // when it was written
     Time tokens_checked_{};
     program::BrokerLog broker_log_;
     int status_ = 0;
