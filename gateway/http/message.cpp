@@ -1,6 +1,7 @@
 #include "gateway/http/message.hpp"
 
 #include <algorithm>
+#include <cctype>
 
 namespace asip::gateway::http {
 namespace {
@@ -10,6 +11,13 @@ int hex_digit(char c) {
     if (c >= 'a' && c <= 'f') return c - 'a' + 10;
     if (c >= 'A' && c <= 'F') return c - 'A' + 10;
     return -1;
+}
+
+std::string lower(std::string_view text) {
+    std::string result(text);
+    std::transform(result.begin(), result.end(), result.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return result;
 }
 
 bool showable(std::string_view text) {
@@ -204,6 +212,12 @@ std::string head_text(const Response& response, bool keep_alive, bool chunked) {
     }
     if (response.status != 101) text.append(keep_alive ? "" : "Connection: close\r\n");
     return text.append("\r\n");
+}
+
+bool is_upgrade(const Request& request) {
+    return request.method == "GET" && lower(request.header("upgrade")) == "websocket" &&
+           lower(request.header("connection")).find("upgrade") != std::string::npos &&
+           request.header("sec-websocket-version") == "13" && !request.header("sec-websocket-key").empty();
 }
 
 }  // namespace asip::gateway::http

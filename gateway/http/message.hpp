@@ -65,4 +65,7 @@ std::string compress(std::string_view text);
 /// What was compressed.
 std::string decompress(std::string_view gzip);
 
+/// Whether the request asks for a WebSocket in the way of RFC 6455.
+bool is_upgrade(const Request& request);
+
 }  // namespace asip::gateway::http

@@ -124,9 +124,6 @@ struct ServerCounters {
     std::uint64_t sent_bytes = 0;
 };
 
-/// Whether the request asks for a WebSocket in the way of RFC 6455.
-bool is_upgrade(const Request& request);
-
 class Server {
   public:
     using Handler = std::function<void(const Request&, const Reply&)>;

@@ -129,13 +129,6 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
     bool writing_ = false;
 };
 
-std::string lower(std::string_view text) {
-    std::string result(text);
-    std::transform(result.begin(), result.end(), result.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return result;
-}
-
 }  // namespace
 
 std::shared_ptr<WebSocket> WebSocket::start(Transport transport, const Request& request,
@@ -145,12 +138,6 @@ std::shared_ptr<WebSocket> WebSocket::start(Transport transport, const Request& 
         std::make_shared<Running>(std::move(transport), std::move(channel), limits, std::move(ended));
     result->run(request);
     return result;
-}
-
-bool is_upgrade(const Request& request) {
-    return request.method == "GET" && lower(request.header("upgrade")) == "websocket" &&
-           lower(request.header("connection")).find("upgrade") != std::string::npos &&
-           request.header("sec-websocket-version") == "13" && !request.header("sec-websocket-key").empty();
 }
 
 }  // namespace asip::gateway::http

@@ -16,6 +16,7 @@ class People(PageTest):
     def settle(self, route):
         self.open(route)
         self.browser.shown("main > *")
+        eventually(lambda: self.browser.text("asip-link") == "live", "live", 30)
         if route.startswith("board/"):
             self.browser.shown("asip-command form")
             self.browser.shown(".pin:not(.taken)").click()

@@ -298,3 +298,4 @@ class PageTest(unittest.TestCase):
     def open_board(self, name="desk"):
         self.open(f"board/{name}")
         self.browser.shown("asip-board asip-command form")
+        eventually(lambda: self.browser.text("asip-link") == "live", "live", 30)  # a command before that is not sent
