@@ -82,7 +82,8 @@ bool Wire::receive(std::chrono::steady_clock::time_point until) {
     if (left < 0 || poll(&waiting, 1, static_cast<int>(left)) <= 0) return false;
     char buffer[16384];
     const auto received = recv(socket_, buffer, sizeof buffer, 0);
-    if (received <= 0) return false;
+    ended_ = received <= 0;
+    if (ended_) return false;
     in_.append(buffer, static_cast<std::size_t>(received));
     return true;
 }
@@ -114,7 +115,7 @@ bool Wire::closed(std::chrono::milliseconds limit) {
     const auto end = after(limit);
     while (receive(end))
         in_.clear();
-    return std::chrono::steady_clock::now() < end;
+    return ended_;
 }
 
 HttpAnswer read_answer(Wire& wire, std::chrono::milliseconds limit) {

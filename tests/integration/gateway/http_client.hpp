@@ -35,6 +35,7 @@ class Wire {
     bool receive(std::chrono::steady_clock::time_point until);
     int socket_ = -1;
     std::string in_;
+    bool ended_ = false;  // by the other side
 };
 
 struct HttpAnswer {
