@@ -68,6 +68,21 @@ TEST(HttpRequest, ChunkedBody_IsPutTogether) {
     EXPECT_EQ(into.take().body, "[1,2]");
 }
 
+TEST(HttpRequest, ChunkedBodyByteByByte_IsPutTogether) {
+    auto into = reader();
+    const std::string text =
+        "POST /a HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n3\r\n[1,\r\n2\r\n2]\r\n0\r\n\r\n";
+    std::string waiting;
+    for (const char c : text) {
+        ASSERT_FALSE(into.done());
+        waiting += c;
+        waiting.erase(0, into.feed(waiting));
+        ASSERT_FALSE(into.error());
+    }
+    ASSERT_TRUE(into.done());
+    EXPECT_EQ(into.take().body, "[1,2]");
+}
+
 TEST(HttpRequest, BodyBeyondTheLimit_Is413BeforeItIsSent) {
     EXPECT_EQ(status_of("POST /a HTTP/1.1\r\nHost: a\r\nContent-Length: 104857600\r\n\r\n"), 413);
     EXPECT_EQ(status_of("POST /a HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n50\r\n" +
