@@ -102,10 +102,7 @@ std::string openapi_document(const std::vector<Route>& routes) {
                   {"security", json::parse(R"([{"token":[]},{"cookie":[]},{}])")},
                   {"components", json::parse(kComponents)}};
     for (const auto& route : routes) {
-        std::string method(route.method);
-        for (char& c : method)
-            c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-        document["paths"][std::string(route.path)][method] = operation(route);
+        document["paths"][std::string(route.path)][http::lower(route.method)] = operation(route);
     }
     return model::dump_json(document);
 }

@@ -3,19 +3,13 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <cctype>
 
 #include "asip/text/printable.hpp"
 
 namespace asip::gateway {
 namespace {
 
-std::string lower(std::string_view text) {
-    std::string result(text);
-    std::transform(result.begin(), result.end(), result.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return result;
-}
+using http::lower;
 
 bool is_websocket(const http::Request& request) {
     return lower(request.header("upgrade")) == "websocket";

@@ -13,13 +13,6 @@ int hex_digit(char c) {
     return -1;
 }
 
-std::string lower(std::string_view text) {
-    std::string result(text);
-    std::transform(result.begin(), result.end(), result.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return result;
-}
-
 bool showable(std::string_view text) {
     return std::none_of(text.begin(), text.end(), [](char c) {
         const auto byte = static_cast<unsigned char>(c);
@@ -212,6 +205,13 @@ std::string head_text(const Response& response, bool keep_alive, bool chunked) {
     }
     if (response.status != 101) text.append(keep_alive ? "" : "Connection: close\r\n");
     return text.append("\r\n");
+}
+
+std::string lower(std::string_view text) {
+    std::string result(text);
+    std::transform(result.begin(), result.end(), result.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return result;
 }
 
 bool is_upgrade(const Request& request) {

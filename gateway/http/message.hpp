@@ -65,6 +65,9 @@ std::string compress(std::string_view text);
 /// What was compressed.
 std::string decompress(std::string_view gzip);
 
+/// With ASCII letters in lower case.
+std::string lower(std::string_view text);
+
 /// Whether the request asks for a WebSocket in the way of RFC 6455.
 bool is_upgrade(const Request& request);
 

@@ -3,7 +3,6 @@
 #include <boost/beast/http/error.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/string_body.hpp>
-#include <cctype>
 
 namespace asip::gateway::http {
 namespace {
@@ -11,18 +10,15 @@ namespace {
 namespace beast_http = boost::beast::http;
 using beast_http::error;
 
+std::string_view view(boost::beast::string_view text) {
+    return {text.data(), text.size()};
+}
+
 RequestReader::Error error_for(const boost::beast::error_code& code) {
     if (code == error::header_limit) return {431, "the head of the request is too long"};
     if (code == error::body_limit) return {413, "the body of the request is too long"};
     if (code == error::bad_version) return {505, "not HTTP/1.0 or HTTP/1.1"};
     return {400, "the request is not valid HTTP"};
-}
-
-std::string lower(boost::beast::string_view text) {
-    std::string result(text.data(), text.size());
-    for (char& c : result)
-        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return result;
 }
 
 }  // namespace
@@ -71,7 +67,7 @@ bool RequestReader::head_done() const {
 bool RequestReader::wants_continue() {
     if (state_->continue_asked || !head_done() || done()) return false;
     state_->continue_asked = true;
-    return lower(state_->parser.get()[beast_http::field::expect]) == "100-continue";
+    return lower(view(state_->parser.get()[beast_http::field::expect])) == "100-continue";
 }
 
 const std::optional<RequestReader::Error>& RequestReader::error() const {
@@ -84,7 +80,7 @@ Request RequestReader::take() {
     request.method = std::string(message.method_string());
     request.target = std::string(message.target());
     for (const auto& field : message) {
-        request.headers.emplace_back(lower(field.name_string()), std::string(field.value()));
+        request.headers.emplace_back(lower(view(field.name_string())), std::string(field.value()));
     }
     request.body = std::move(message.body());
     request.keep_alive = message.keep_alive();

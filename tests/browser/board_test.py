@@ -163,7 +163,8 @@ class Board(PageTest):
         self.bus.sim("release", "desk/button")
         eventually(lambda: "high" in self.pin("2").get_attribute("aria-label"), "released is high again")
 
-    def test_HeldOutput_IsOnOnlyWhileTheButtonIsDown(self):
+    def output_form(self):
+        """The form that sets pin 13, an output now, to high."""
         self.open_board()
         self.pin("13").click()
         self.browser.button("Output", ".pin-panel").click()
@@ -171,8 +172,11 @@ class Board(PageTest):
         self.browser.run("document.querySelectorAll('asip-service details').forEach((each) => { each.open = true; })")
         form = self.form("io", "Set the level of an output pin")
         self.field(form, "Pin").send_keys("13")
-        level = form.find_element(By.TAG_NAME, "select")
-        self.browser.run("arguments[0].value = '1'", level)
+        self.browser.run("arguments[0].value = '1'", form.find_element(By.TAG_NAME, "select"))
+        return form
+
+    def test_HeldOutput_IsOnOnlyWhileTheButtonIsDown(self):
+        form = self.output_form()
         hold = form.find_element(By.CSS_SELECTOR, "button.hold")
         ActionChains(self.browser.driver).click_and_hold(hold).perform()
         eventually(lambda: self.bus.part("desk/led") == "on", "the LED is lit")
@@ -184,14 +188,7 @@ class Board(PageTest):
         eventually(lambda: "safe" in form.text or "Not held" in form.text, "what became of it")
 
     def test_PageGoneWhileHolding_BoardIsMadeSafe(self):
-        self.open_board()
-        self.pin("13").click()
-        self.browser.button("Output", ".pin-panel").click()
-        eventually(lambda: "output" in self.pin("13").get_attribute("aria-label"), "pin 13 as output")
-        self.browser.run("document.querySelectorAll('asip-service details').forEach((each) => { each.open = true; })")
-        form = self.form("io", "Set the level of an output pin")
-        self.field(form, "Pin").send_keys("13")
-        self.browser.run("arguments[0].value = '1'", form.find_element(By.TAG_NAME, "select"))
+        form = self.output_form()
         ActionChains(self.browser.driver).click_and_hold(form.find_element(By.CSS_SELECTOR, "button.hold")).perform()
         eventually(lambda: self.bus.part("desk/led") == "on", "the LED is lit")
         self.browser.driver.get("about:blank")

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/unit/agent/bridge_bench.hpp"
+#include "tests/unit/agent/online_bridge.hpp"
 
 namespace asip::agent {
 namespace {
@@ -15,12 +15,7 @@ using testing::Not;
 
 constexpr const char* kIo = "asip/uno1/io/in";
 
-struct HeldCommand : testing::Test {
-    HeldCommand() {
-        bench.go_online();
-        bench.published.clear();
-        bench.board.executed.clear();
-    }
+struct HeldCommand : OnlineBridge {
     /// The last answer.
     json hear(const json& command, const std::string& client = "me", const char* topic = kIo) {
         auto message = command;
@@ -40,7 +35,6 @@ struct HeldCommand : testing::Test {
         return errors.empty() ? json() : json::parse(errors.back());
     }
     const std::vector<std::string>& executed() const { return bench.board.executed; }
-    BridgeBench bench;
 };
 
 TEST_F(HeldCommand, NotRenewed_IsUndoneAtTheEndOfItsTime) {

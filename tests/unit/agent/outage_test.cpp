@@ -1,10 +1,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+
 #include "agent/outage.hpp"
 
 namespace asip::agent {
 namespace {
+
+using namespace std::chrono_literals;
 
 TEST(Outage, FourAttemptsASecond_AreReportedOnceThenOnceAMinute) {
     Outage outage;

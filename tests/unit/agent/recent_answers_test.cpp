@@ -1,10 +1,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+
 #include "agent/recent_answers.hpp"
 
 namespace asip::agent {
 namespace {
+
+using namespace std::chrono_literals;
 
 RecentAnswers::Key key_of(int number) {
     return RecentAnswers::key("asip/uno1/servo/in", "answers", std::to_string(number));
