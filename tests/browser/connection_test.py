@@ -13,7 +13,7 @@ class Connection(PageTest):
 
     def online(self, *boards):
         def shown():
-            rows = {row.find_element(By.TAG_NAME, "a").text: row.text for row in self.browser.find(".filler .row:not([hidden])")}
+            rows = self.browser.table()
             return all("online" in rows.get(board, "") for board in boards)
         eventually(shown, f"{boards} online")
 
@@ -37,7 +37,7 @@ class Connection(PageTest):
     def test_CommandWithoutConnection_IsRefusedAtOnceAndNotSentLater(self):
         self.open_board()
         form = self.browser.shown("form[aria-label^='servo: Turn']")
-        form.find_elements(By.CSS_SELECTOR, "input[type=number]")[-1].send_keys("20")
+        self.fill(form, "Angle", "20")
         before = self.bus.part("desk/servo")
         self.bus.end("gateway", signal.SIGKILL)
         eventually(lambda: "lost since" in self.browser.text("asip-banner"), "the sign")
@@ -68,7 +68,7 @@ class Connection(PageTest):
         self.open_board()
         self.assertEqual(self.bus.get("/api/status")["streams"]["clients"], 1)
         form = self.browser.shown("form[aria-label^='servo: Turn']")
-        form.find_elements(By.CSS_SELECTOR, "input[type=number]")[-1].send_keys("100")
+        self.fill(form, "Angle", "100")
         form.find_element(By.CSS_SELECTOR, "button.main").click()
         eventually(lambda: "Done" in form.text, "the answer in the second tab")
         self.bus.end("agent-lamp")

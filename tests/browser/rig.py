@@ -1,6 +1,7 @@
 """A whole bus for the tests of the web page: broker, registry, simulated boards, agents, gateway and a browser. All of it
 on loopback, on ports that were free, and gone when the test ends."""
 
+import contextlib
 import ctypes
 import json
 import os
@@ -10,6 +11,7 @@ import signal
 import socket
 import subprocess
 import tempfile
+import threading
 import time
 import unittest
 import urllib.error
@@ -192,6 +194,26 @@ def publish_boards(bus, count):
     eventually(lambda: bus.get("/api/status")["mirror"]["boards"] >= count, "all boards in the gateway", 60)
 
 
+@contextlib.contextmanager
+def commands_heard(bus):
+    """A list of what is sent to boards meanwhile, as text."""
+    heard = []
+    granted = threading.Event()
+    client = mqtt.Client()
+    client.on_message = lambda _client, _data, message: heard.append(message.payload.decode(errors="replace"))
+    client.on_subscribe = lambda *_: granted.set()
+    client.connect("127.0.0.1", bus.broker_port)
+    client.subscribe([("asip/+/in", 0), ("asip/+/+/in", 0), ("asip/+/$stop", 0)])
+    client.loop_start()
+    try:
+        if not granted.wait(20):
+            raise AssertionError("no subscription to commands")
+        yield heard
+    finally:
+        client.disconnect()
+        client.loop_stop()
+
+
 def can_connect(port):
     with socket.create_connection(("127.0.0.1", port), timeout=1):
         return True
@@ -245,6 +267,12 @@ class Browser:
         elements = self.find(selector)
         return elements[0].text if elements else ""
 
+    def table(self):
+        """The rows of the table of boards that are drawn: {name: text}."""
+        return self.run("""
+            return Object.fromEntries([...document.querySelectorAll('.filler .row:not([hidden])')].map(
+                (row) => [row.querySelector('a').textContent, row.innerText]));""")
+
     def scroll_rate(self):
         """Frames a second while the table of boards is scrolled quickly."""
         frames = self.driver.execute_async_script("""
@@ -277,7 +305,6 @@ class PageTest(unittest.TestCase):
 
     def setUp(self):
         self.browser.desktop()
-        self.browser.driver.get("about:blank")
 
     def tearDown(self):
         outcome = self._outcome
@@ -292,10 +319,49 @@ class PageTest(unittest.TestCase):
         if not failed:
             self.assertEqual(errors, [])
 
-    def open(self, route=""):
-        self.browser.driver.get(f"{self.bus.url}/#/{route}")
-
-    def open_board(self, name="desk"):
-        self.open(f"board/{name}")
-        self.browser.shown("asip-board asip-command form")
+    def open(self, route="", anew=False):
+        """Shows a screen, built anew. The document stays, as it does for whoever follows links, unless it is asked for `anew`."""
+        if anew or not self.browser.driver.current_url.startswith(self.bus.url):
+            self.browser.driver.get("about:blank")
+            self.browser.driver.get(f"{self.bus.url}/#/{route}")
+        else:
+            self.browser.driver.execute_async_script("""
+                const [hash, done] = arguments;
+                const go = (to) => new Promise((gone) => {
+                  if (location.hash === to) return gone();
+                  addEventListener('hashchange', () => gone(), { once: true });
+                  location.hash = to;
+                });
+                go('#/left').then(() => go(hash)).then(done);""", f"#/{route}")
         eventually(lambda: self.browser.text("asip-link") == "live", "live", 30)  # a command before that is not sent
+
+    def open_board(self, name="desk", anew=False):
+        self.open(f"board/{name}", anew)
+        self.browser.shown("asip-board asip-command form")
+
+    def form(self, service, title):
+        return self.browser.shown(f"form[aria-label='{service}: {title}']")
+
+    def number(self, form, name):
+        """The number input of a field, by the name that its label begins with."""
+        for label in form.find_elements(By.TAG_NAME, "label"):
+            if label.text.startswith(name):
+                return form.find_element(By.ID, label.get_attribute("for"))
+        raise AssertionError(f"no field {name} in {form.text}")
+
+    def fill(self, form, name, text):
+        """Types into a number input, in place of what stands there."""
+        number = self.number(form, name)
+        number.clear()
+        number.send_keys(text)
+        return number
+
+    def send(self, form):
+        form.find_element(By.CSS_SELECTOR, "button.main").click()
+
+    def answered(self, form, kind, text):
+        output = form.find_element(By.TAG_NAME, "output")
+        eventually(lambda: kind in output.get_attribute("class") and text in output.text, f"{kind}: {text}")
+
+    def all_commands(self):
+        self.browser.run("document.querySelectorAll('asip-service details').forEach((each) => { each.open = true; })")

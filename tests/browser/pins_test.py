@@ -1,0 +1,93 @@
+"""The pins of a board: set by clicks, lit by what happens on the board, held and stopped. What the simulated board does is checked, too."""
+
+import time
+import unittest
+
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+
+from rig import PageTest, eventually
+
+
+class Pins(PageTest):
+    def pin(self, label):
+        return self.browser.shown(f".pin[aria-label^='Pin {label}:']")
+
+    def output_form(self):
+        """The form that sets pin 13, an output now, to high."""
+        self.open_board()
+        self.pin("13").click()
+        self.browser.button("Output", ".pin-panel").click()
+        eventually(lambda: "output" in self.pin("13").get_attribute("aria-label"), "pin 13 as output")
+        self.all_commands()
+        form = self.form("io", "Set the level of an output pin")
+        self.fill(form, "Pin", "13")
+        self.browser.run("arguments[0].value = '1'", form.find_element(By.TAG_NAME, "select"))
+        return form
+
+    def test_FreePin_IsSetToOutputAndHighByClicks(self):
+        self.open_board()
+        self.pin("13").click()
+        self.browser.button("Output", ".pin-panel").click()
+        eventually(lambda: "output" in self.pin("13").get_attribute("aria-label"), "pin 13 as output")
+        self.browser.button("High", ".pin-panel").click()
+        eventually(lambda: self.bus.part("desk/led") == "on", "the LED is lit")
+        eventually(lambda: "high" in self.pin("13").get_attribute("aria-label"), "pin 13 shown as high")
+        self.browser.screenshot("pins")
+        self.browser.button("Low", ".pin-panel").click()
+        eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off")
+
+    def test_ButtonPressedOnTheBoard_LightsThePin(self):
+        self.open_board()
+        self.pin("2").click()
+        self.browser.button("Input pullup", ".pin-panel").click()
+        eventually(lambda: "high" in self.pin("2").get_attribute("aria-label"), "released is high")
+        self.bus.sim("press", "desk/button")
+        eventually(lambda: "low" in self.pin("2").get_attribute("aria-label"), "pressed is low")
+        self.bus.sim("release", "desk/button")
+        eventually(lambda: "high" in self.pin("2").get_attribute("aria-label"), "released is high again")
+
+    def test_HeldOutput_IsOnOnlyWhileTheButtonIsDown(self):
+        form = self.output_form()
+        hold = form.find_element(By.CSS_SELECTOR, "button.hold")
+        ActionChains(self.browser.driver).click_and_hold(hold).perform()
+        eventually(lambda: self.bus.part("desk/led") == "on", "the LED is lit")
+        # More than twice the time for which one command is held. A machine that is too busy to renew in time is treated like one
+        # that is gone, and the page reports it.
+        end = time.monotonic() + 1.2
+        eventually(lambda: time.monotonic() > end or self.bus.part("desk/led") == "off", "the time to pass")
+        eventually(lambda: (self.bus.part("desk/led") == "on") == (hold.get_attribute("aria-pressed") == "true"), "page and LED agree")
+        ActionChains(self.browser.driver).release().perform()
+        eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off")
+        eventually(lambda: "safe" in form.text or "Not held" in form.text, "what became of it")
+
+    def test_PageGoneWhileHolding_BoardIsMadeSafe(self):
+        form = self.output_form()
+        ActionChains(self.browser.driver).click_and_hold(form.find_element(By.CSS_SELECTOR, "button.hold")).perform()
+        eventually(lambda: self.bus.part("desk/led") == "on", "the LED is lit")
+        self.browser.driver.get("about:blank")
+        eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off")
+        ActionChains(self.browser.driver).release().perform()
+
+    def test_StopButton_MakesOutputsSafe(self):
+        self.open_board()
+        self.pin("13").click()
+        self.browser.button("Output", ".pin-panel").click()
+        self.browser.button("High", ".pin-panel").click()
+        eventually(lambda: self.bus.part("desk/led") == "on", "the LED is lit")
+        self.browser.button("Stop all").click()
+        eventually(lambda: "Stopped" in self.browser.text("header asip-stop"), "what the stop did")
+        eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off")
+        self.assertNotIn("high", self.pin("13").get_attribute("aria-label"))
+
+    def test_TakenPins_SayWhoseTheyAreAndOfferNothing(self):
+        self.open_board()
+        self.assertIn("servo", self.pin("9").get_attribute("aria-label"))
+        self.assertIn("board itself", self.pin("0").get_attribute("aria-label"))
+        self.pin("9").click()
+        self.assertIn("servo", self.browser.shown(".pin-panel").text)
+        self.assertEqual(self.browser.find(".pin-panel button"), [])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,143 @@
+"""Services of a board: values, plots, commands with their answers; history and the bus. What the simulated board does is checked, too."""
+
+import csv
+import io
+import json
+import unittest
+
+from selenium.webdriver.common.by import By
+
+from rig import PageTest, commands_heard, eventually
+
+
+class Services(PageTest):
+    def picture(self):
+        """What the plot shows once it has drawn."""
+        return self.browser.driver.execute_async_script("""
+            const done = arguments[0];
+            requestAnimationFrame(() => requestAnimationFrame(() => done(document.querySelector('canvas').toDataURL())));""")
+
+    def csv(self):
+        return self.browser.driver.execute_async_script("""
+            const done = arguments[0], make = URL.createObjectURL;
+            URL.createObjectURL = (blob) => { blob.text().then(done); return make.call(URL, blob); };
+            [...document.querySelectorAll('.plot-tools button')].find((button) => button.textContent === 'CSV').click();""")
+
+    def test_ServoForm_MovesTheServoAndShowsTheProof(self):
+        self.open_board()
+        form = self.form("servo", "Turn a servo to an angle")
+        number = self.fill(form, "Angle", "90")
+        self.assertEqual((number.get_attribute("min"), number.get_attribute("max")), ("0", "180"))
+        self.assertIn("°", form.text)
+        self.send(form)
+        self.answered(form, "ok", "proof: fence")
+        eventually(lambda: abs(float(self.bus.part("desk/servo")) - 90) < 2, "the servo at 90 degrees")
+        self.browser.screenshot("board")
+
+    def test_Slider_SendsOnReleaseAndNotBefore(self):
+        self.open_board()
+        form = self.form("servo", "Turn a servo to an angle")
+        slider = form.find_element(By.CSS_SELECTOR, "input[type=range]")
+        with commands_heard(self.bus) as heard:
+            self.browser.run("arguments[0].value = 45; arguments[0].dispatchEvent(new Event('input', {bubbles: true}))", slider)
+            eventually(lambda: self.number(form, "Angle").get_attribute("value") == "45", "the slider's value in the field")
+            self.browser.run("arguments[0].value = 46; arguments[0].dispatchEvent(new Event('input', {bubbles: true}))", slider)
+            self.browser.run("arguments[0].dispatchEvent(new Event('change', {bubbles: true}))", slider)
+            self.answered(form, "ok", "Done")
+        self.assertEqual([json.loads(text)["write"]["angle"] for text in heard], [46])
+        eventually(lambda: abs(float(self.bus.part("desk/servo")) - 46) < 2, "the servo at 46 degrees")
+
+    def test_ValueOutOfRange_IsNotSentAndSaysWhy(self):
+        self.open_board()
+        form = self.form("servo", "Turn a servo to an angle")
+        number = self.fill(form, "Angle", "181")
+        self.send(form)
+        self.answered(form, "refused", "above 180")
+        self.assertEqual(number.get_attribute("aria-invalid"), "true")
+
+    def test_BoardRefuses_ItsErrorIsShown(self):
+        self.open_board()
+        self.all_commands()
+        form = self.form("io", "Set the duty of a PWM pin")
+        self.fill(form, "Pin", "2")
+        self.fill(form, "Duty", "10")
+        self.send(form)
+        self.answered(form, "error", "The board's error")
+
+    def test_BoardUnplugged_CommandIsNoSuccess(self):
+        self.open_board("lamp")
+        self.all_commands()
+        form = self.form("io", "Report analog pins periodically; 0 stops")
+        self.fill(form, "Period", "0")
+        self.bus.sim("unplug", "lamp")
+        self.send(form)
+        output = form.find_element(By.TAG_NAME, "output")
+        eventually(lambda: any(kind in output.get_attribute("class") for kind in ("timeout", "refused")), "an answer that is no success", 30)
+        self.bus.sim("replug", "lamp")
+        eventually(lambda: self.bus.state("lamp") == "online", "lamp online again", 30)
+
+    def test_DistanceReported_ValueAndPlotMove(self):
+        self.open_board()
+        form = self.form("distance", "Report periodically; 0 stops")
+        self.fill(form, "Period", "50")
+        self.send(form)
+        self.answered(form, "ok", "Done")
+        value = self.browser.shown("[aria-label='Distance'] .value")
+        self.browser.shown("canvas")
+        eventually(lambda: value.text.replace("\u00a0", " ") in ("41 cm", "42 cm", "43 cm"), "42 cm")
+        first = self.picture()
+        self.bus.sim("set", "desk/distance", "120")
+        eventually(lambda: value.text.startswith("12") or value.text.startswith("119"), "120 cm")
+        eventually(lambda: self.picture() != first, "another picture")
+        self.browser.button("10 s").click()
+        self.browser.screenshot("plot")
+
+        self.browser.button("Pause").click()
+        eventually(lambda: self.browser.find(".plot-tools button")[0].text == "Follow", "paused")
+        paused = self.picture()
+        self.bus.sim("set", "desk/distance", "60")
+        eventually(lambda: value.text.startswith("6") or value.text.startswith("59"), "60 cm")
+        self.assertEqual(self.picture(), paused, "a paused plot stands still")
+        self.browser.button("+").click()
+        eventually(lambda: self.picture() != paused, "zoomed")
+        self.browser.button("Follow").click()
+
+        rows = list(csv.reader(io.StringIO(self.csv())))
+        self.assertEqual(rows[0][0], "time")
+        self.assertIn("cm", rows[0][1])
+        self.assertGreater(len(rows), 20)
+        self.assertTrue(any(abs(float(row[1]) - 120) < 2 for row in rows[1:]), "the measured distance is in the CSV")
+
+        self.open_board(anew=True)  # the last minutes are there at once
+        eventually(lambda: (self.browser.run("return document.querySelector('asip-plot')?.series.times.length") or 0) > 20, "the past in the plot")
+        form = self.form("distance", "Report periodically; 0 stops")
+        self.fill(form, "Period", "0")
+        self.send(form)
+        self.answered(form, "ok", "Done")
+
+    def test_History_ShowsWhatHappenedToTheBoardAndOnTheBus(self):
+        self.open_board()
+        eventually(lambda: "online" in self.browser.text("asip-history"), "history of the board")
+        self.open("history")
+        eventually(lambda: "desk" in self.browser.text("asip-history") and "lamp" in self.browser.text("asip-history"), "history of the bus")
+        self.browser.screenshot("history")
+
+    def test_BusPage_ShowsBrokerGatewayAndRegistry(self):
+        self.open("bus")
+        text = eventually(lambda: "Registry first" in self.browser.text() and self.browser.text(), "the cards")
+        self.assertIn("Broker", text)
+        self.assertIn("connected", text)
+        self.assertIn(str(self.bus.broker_port), text)
+        self.assertIn("Every board that is known is there", text)
+        self.browser.screenshot("bus")
+
+    def test_BoardThatIsNotKnown_SaysSo(self):
+        type(self).expected_errors = ("/api/boards/nobody",)
+        self.addCleanup(setattr, type(self), "expected_errors", ())
+        self.open("board/nobody")
+        eventually(lambda: "There is no board nobody now" in self.browser.text(), "the sentence")
+        self.browser.driver.get_log("browser")
+
+
+if __name__ == "__main__":
+    unittest.main()
