@@ -3,11 +3,10 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
-#include <optional>
 #include <ostream>
 
+#include "asip/program/options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/complete.hpp"
 #include "cli/context.hpp"
@@ -15,15 +14,10 @@
 namespace asip::cli {
 namespace {
 
-std::optional<std::string> environment(const std::string& name) {
-    const char* value = std::getenv(name.c_str());
-    return value == nullptr ? std::nullopt : std::optional<std::string>(value);
-}
-
 int run_verb(CommandLine& line, Context& context) {
     if (const auto applied = line.apply(context); !applied) return context.fail_with(applied.error());
     context.width = terminal_width(STDOUT_FILENO);
-    context.colour = use_colour(line.colour(), context.terminal(), environment);
+    context.colour = use_colour(line.colour(), context.terminal(), program::environment_variable);
     context.help = [&line](const std::string& verb) { return line.help(verb); };
     return line.run(context);
 }

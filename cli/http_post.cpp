@@ -16,7 +16,7 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using ErrorCode = boost::system::error_code;
 
-constexpr std::size_t kMaxAnswerBytes = 64 * 1024;
+constexpr std::size_t kMaxHttpBytes = 64 * 1024;
 
 std::string host_header(const HttpAddress& address) {
     const auto host = address.host.find(':') == std::string::npos ? address.host : "[" + address.host + "]";
@@ -67,7 +67,7 @@ class Exchange {
             asio::async_write(socket_, asio::buffer(request), sent);
         if (!wait()) return fail("cannot write to " + address_.text() + ": " + error_.message());
         std::string text;
-        while (read(text) && text.size() < kMaxAnswerBytes) {
+        while (read(text) && text.size() < kMaxHttpBytes) {
         }
         if (text.empty()) return fail(address_.text() + " gave no answer: " + error_.message());
         return parse_answer(text);

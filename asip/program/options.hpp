@@ -82,6 +82,9 @@ class Settings {
     std::unique_ptr<State> state_;
 };
 
+/// A variable of this process's environment; nothing when it is not set.
+std::optional<std::string> environment_variable(const std::string& name);
+
 /// What the MQTT client needs, from the options: addresses parsed, password file read, files checked to be
 /// readable, topic root checked, a client id unique to this process: `PROGRAM-HOST-RANDOM`.
 Expected<mqtt::Options> mqtt_options(const BrokerOptions& options, std::string_view program);

@@ -21,11 +21,6 @@ std::string environment_name(const std::string& option) {
     return name;
 }
 
-std::optional<std::string> system_environment(const std::string& name) {
-    const char* value = std::getenv(name.c_str());
-    return value == nullptr ? std::nullopt : std::optional<std::string>(value);
-}
-
 /// The value of `--config`, before anything else is parsed.
 std::optional<std::string> config_argument(const std::vector<std::string>& arguments) {
     for (std::size_t i = 0; i < arguments.size(); ++i) {
@@ -37,6 +32,11 @@ std::optional<std::string> config_argument(const std::vector<std::string>& argum
 }
 
 }  // namespace
+
+std::optional<std::string> environment_variable(const std::string& name) {
+    const char* value = std::getenv(name.c_str());
+    return value == nullptr ? std::nullopt : std::optional<std::string>(value);
+}
 
 struct Settings::State {
     CLI::App& app;
@@ -159,7 +159,7 @@ std::optional<int> Settings::parse(int argc, const char* const* argv) {
 }
 
 std::optional<int> Settings::parse(std::vector<std::string> arguments) {
-    return parse(std::move(arguments), system_environment);
+    return parse(std::move(arguments), environment_variable);
 }
 
 std::optional<int> Settings::parse(std::vector<std::string> arguments, const Environment& environment) {

@@ -1,12 +1,12 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
+#include "asip/program/options.hpp"
 #include "asip/text/printable.hpp"
 #include "cli/context.hpp"
 #include "cli/declaration.hpp"
@@ -22,13 +22,8 @@ struct OpenOptions {
     bool print = false;
 };
 
-std::string environment(const char* name) {
-    const char* value = std::getenv(name);
-    return value == nullptr ? std::string() : value;
-}
-
 Outcome<std::string> token_of(const OpenOptions& options) {
-    if (options.token_file.empty()) return environment("ASIP_TOKEN");
+    if (options.token_file.empty()) return program::environment_variable("ASIP_TOKEN").value_or("");
     auto token = mqtt::read_password_file(options.token_file);
     if (!token) return failure(program::kExitUsage, "--token-file: " + token.error());
     return *token;
@@ -48,7 +43,8 @@ bool start_browser(const std::string& address) {
 int run_open(const OpenOptions& options, Context& context) {
     if (!options.board.empty() && !model::valid_board_name(options.board))
         return context.fail_with({program::kExitUsage, model::explain_board_name(options.board)});
-    auto gateway = options.gateway.empty() ? environment("ASIP_GATEWAY") : options.gateway;
+    auto gateway = options.gateway.empty() ? program::environment_variable("ASIP_GATEWAY").value_or("")
+                                           : options.gateway;
     if (gateway.empty()) gateway = "http://127.0.0.1:8080";
     const auto address = parse_http_address(gateway);
     if (!address) return context.fail_with({program::kExitUsage, "--gateway: " + address.error()});
