@@ -27,6 +27,7 @@ function(asip_precompile folder)
       continue()
     endif()
     if("asip_test_options" IN_LIST libraries)
+      target_compile_definitions(${target} PRIVATE GTEST_HAS_PTHREAD=1) # fuzz targets do not link GoogleTest
       target_precompile_headers(${target} REUSE_FROM asip_precompiled_for_tests)
     else()
       target_precompile_headers(${target} REUSE_FROM asip_precompiled)
