@@ -239,7 +239,8 @@ void Control::execute(std::shared_ptr<Command> command, const std::vector<Line>&
                                         .deadline = command->deadline,
                                         .prove = wanted,
                                         .answer_tag = wanted ? line.answer_tag : '\0',
-                                        .answer_time = line.answer_time},
+                                        .answer_time = line.answer_time,
+                                        .is_answer = answer_check(*command)},
                                        now, actions);
         if (!id) {
             ++command->not_sent;
@@ -257,6 +258,14 @@ void Control::execute(std::shared_ptr<Command> command, const std::vector<Line>&
     }
     command->all_sent = true;
     if (command->open == 0) conclude(*command, now, out);
+}
+
+session::AnswerCheck Control::answer_check(const Command& command) const {
+    if (!command.model || !command.reply.wanted()) return {};
+    return [this, model = command.model_owner](const protocol::Event& event) {
+        return model->event(event.tag) == nullptr ||
+               model::decode_event(*model, event, decode_context()).has_value();
+    };
 }
 
 bool Control::on_finished(const session::Finished& end, Time now, Effects& out) {
@@ -308,11 +317,14 @@ void Control::note_end(Command& command, const session::Finished& end) const {
     }
 }
 
+model::DecodeContext Control::decode_context() const {
+    const auto& identity = session_.identity();
+    return {&identity.port_map, identity.pin_modes};
+}
+
 std::string Control::answer_json(const Command& command, const protocol::ParsedLine& line) const {
     if (command.model) {
-        const auto& identity = session_.identity();
-        const auto value =
-            model::decode_event(*command.model, line.event(), {&identity.port_map, identity.pin_modes});
+        const auto value = model::decode_event(*command.model, line.event(), decode_context());
         if (value) return model::dump_json(*value);
     }
     return model::dump_json(nlohmann::json(line.text()));

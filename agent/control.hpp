@@ -12,6 +12,7 @@
 #include "agent/statistics.hpp"
 #include "asip/bus/request_envelope.hpp"
 #include "asip/bus/topics.hpp"
+#include "asip/model/event_decoder.hpp"
 #include "asip/session/board_session.hpp"
 #include "asip/session/service_table.hpp"
 #include "asip/time.hpp"
@@ -92,6 +93,8 @@ class Control {
     Expected<std::vector<Line>> read(const bus::RequestEnvelope& envelope,
                                      const session::ServiceTable::Entry* service,
                                      const session::ServiceTable& services) const;
+    session::AnswerCheck answer_check(const Command& command) const;
+    model::DecodeContext decode_context() const;
     std::string answer_json(const Command& command, const protocol::ParsedLine& line) const;
 
     bus::Topics topics_;

@@ -28,15 +28,19 @@ link::StreamTarget stream_target(const Address& address, const Options& options)
     return link::SerialTarget{address.path, options.baud, link::DtrAtOpen::kRaise};
 }
 
+std::optional<Json> value_of(const protocol::Event& event, const model::ServiceModel* model,
+                             const session::Identity& board) {
+    if (model == nullptr) {
+        return std::nullopt;
+    }
+    auto json = model::decode_event(*model, event, {&board.port_map, board.pin_modes});
+    return json ? std::optional<Json>(std::move(*json)) : std::nullopt;
+}
+
 /// A decoded event; of a service without a model, or one that its model does not cover, what is on the wire.
 Json decoded(const protocol::Event& event, const model::ServiceModel* model, const session::Identity& board) {
-    if (model != nullptr) {
-        const model::DecodeContext context{&board.port_map, board.pin_modes};
-        if (auto json = model::decode_event(*model, event, context)) {
-            return std::move(*json);
-        }
-    }
-    return model::raw_event(event);
+    auto value = value_of(event, model, board);
+    return value ? std::move(*value) : model::raw_event(event);
 }
 
 Error error_of(const session::Finished& end) {
@@ -130,8 +134,14 @@ Awaitable<void> DirectTransport::raw(std::string line) {
 Awaitable<Json> DirectTransport::request(std::string line, char answer_tag, model::ModelPtr model) {
     session::Actions actions;
     const Time now = Clock::now();
-    const session::RequestOptions options{
+    session::RequestOptions options{
         .deadline = now + options_.command_timeout, .prove = true, .answer_tag = answer_tag};
+    if (model != nullptr && answer_tag != 0) {
+        options.is_answer = [this, model](const protocol::Event& event) {
+            return model->event(event.tag) == nullptr ||
+                   value_of(event, model.get(), session_.identity()).has_value();
+        };
+    }
     const auto id = session_.submit(line, options, now, actions);
     if (!id) {
         co_return Unexpected<Error>(error_of(id.error()));

@@ -15,8 +15,8 @@ struct Body {
     std::vector<std::string_view> items;
 };
 
-/// Fails when a brace is missing, when COUNT is not a number or differs from the number of items (a damaged
-/// line), or when there are more than kMaxBodyItems (256).
+/// Fails when a brace is missing or within the braces, when COUNT is not a number or differs from the number
+/// of items (a damaged line), or when there are more than kMaxBodyItems (256).
 Expected<Body> parse_body(std::string_view body);
 
 /// `3000:11` -> {"3000", "11"}. An item without `:` is one field; fields may be empty. Views into `item`.

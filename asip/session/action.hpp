@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <variant>
@@ -16,6 +17,8 @@ namespace asip::session {
 using RequestId = std::uint64_t;
 /// Whoever sends requests; chosen by the caller. Requests of one client keep their order.
 using ClientId = std::uint64_t;
+/// Whether an event of the right service and tag can be the answer to a request; one that cannot is damaged.
+using AnswerCheck = std::function<bool(const protocol::Event&)>;
 
 /// How a request ended. Each submitted request ends exactly once, not later than its deadline.
 enum class Ending {
@@ -89,7 +92,8 @@ struct LineRateChanged {
     std::string why;  ///< for a log
 };
 
-/// Bytes that are no message of this protocol were dropped.
+/// Bytes that are no message of this protocol were dropped, or an event cannot be the answer that it seems
+/// to be.
 struct Garbage {
     std::string reason;  ///< for a log
     std::string sample;  ///< the first bytes, at most 32, unprintable ones replaced by '?'

@@ -66,6 +66,10 @@ struct RequestOptions {
     /// It is sent before all other requests that wait, and while the answer to a fence is overdue, too. Where
     /// its execution could then not be told from a lost line, it ends in kDoubt.
     bool urgent = false;
+    /// Called with each event that comes while this request waits for its answer. Where it says no, all that
+    /// is under way ends in kDoubt. None: each event is believed. The session itself checks the answers to
+    /// questions of the protocol.
+    AnswerCheck is_answer{};
 };
 
 /// Why submit() did not take a request. Nothing of it was sent.
@@ -88,7 +92,7 @@ struct SessionCounters {
     std::uint64_t lines_in = 0;  ///< complete lines, understood or not
     std::uint64_t bytes_in = 0;
     std::uint64_t bytes_out = 0;
-    std::uint64_t garbage = 0;             ///< lines and pieces that are no message, see Garbage
+    std::uint64_t garbage = 0;             ///< lines and pieces that are no message or no answer, see Garbage
     std::uint64_t resets = 0;              ///< restarts of the board that were noticed
     std::uint64_t fence_timeouts = 0;      ///< fences that did not come back in time
     std::uint64_t checksum_errors = 0;     ///< received lines whose checksum is wrong or missing

@@ -1,7 +1,6 @@
 #include "asip/session/in_flight.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "asip/protocol/error_code.hpp"
@@ -12,7 +11,6 @@ namespace asip::session {
 namespace {
 
 constexpr std::size_t kMaxLostTokens = 64;
-constexpr std::size_t kMaxOwed = 16;
 constexpr std::size_t kMaxMaybeErrors = 2;
 
 bool answers_question(const protocol::Event& event, const Request& request) {
@@ -70,19 +68,6 @@ bool InFlight::is_barrier() const {
            batches_.back().items.front().request.changes_line();
 }
 
-bool InFlight::awaits_value_of(const Request& next) const {
-    if (next.answer_tag == 0 || next.is_question()) return false;
-    const auto waits = [&](const Item& item) {
-        return !item.ended && !item.has_value && item.request.service() == next.service() &&
-               item.request.answer_tag == next.answer_tag;
-    };
-    return std::any_of(awaiting_.begin(), awaiting_.end(),
-                       [&](const Awaiting& one) { return waits(one.item); }) ||
-           std::any_of(batches_.begin(), batches_.end(), [&](const Batch& batch) {
-               return std::any_of(batch.items.begin(), batch.items.end(), waits);
-           });
-}
-
 bool InFlight::add(Request request, std::size_t bytes, bool reports, Time close_after, Time now) {
     if (!has_open_batch()) batches_.emplace_back();
     Batch& batch = batches_.back();
@@ -94,7 +79,8 @@ bool InFlight::add(Request request, std::size_t bytes, bool reports, Time close_
     Item item;
     item.asked = request.is_question();
     item.number = next_number_++;
-    item.behind_fence = reports || std::any_of(owed_.begin(), owed_.end(), [&](const Owed& owed) {
+    item.behind_fence = reports || changes_period(request.service()) ||
+                        std::any_of(owed_.begin(), owed_.end(), [&](const Owed& owed) {
                             return owed.service == request.service() && owed.tag == request.answer_tag;
                         });
     item.request = std::move(request);
@@ -203,25 +189,20 @@ void InFlight::finish(Batch batch, bool missing, Time now, std::vector<RequestEn
         } else if (item.error) {
             end(item, Ending::kBoardError, ended);
         } else if (item.value_error) {
-            end_without_value(item, ended);
+            end_without_value(item, false, ended);
         } else if (item.wants_value() && !item.has_value) {
-            const Time until = std::min(item.request.deadline, now + item.request.answer_time);
-            awaiting_.push_back({std::move(item), until});
+            const Time latest = now + item.request.answer_time;
+            const Time deadline = item.request.deadline;
+            awaiting_.push_back({std::move(item), std::min(deadline, latest), latest <= deadline});
         } else {
             end(item, item.request.prove ? Ending::kExecuted : Ending::kUnproven, ended);
         }
     }
 }
 
-void InFlight::end_without_value(Item& item, std::vector<RequestEnd>& ended) {
-    if (item.value_error) item.error = std::move(item.value_error);
-    const bool known = item.error && !item.doubted;
-    end(item, known ? Ending::kBoardError : Ending::kNoValue, ended);
-}
-
-void InFlight::end(Item& item, Ending ending, std::vector<RequestEnd>& ended) {
+void InFlight::end(Item& item, Ending ending, std::vector<RequestEnd>& ended, bool was_sent) {
     item.ended = true;
-    note_owed(item, ending);
+    note_owed(item, ending, was_sent);
     RequestEnd end{std::move(item.request), ending};
     // What is left of it is still compared with what the board answers.
     item.request.line = end.request.line;
@@ -231,56 +212,6 @@ void InFlight::end(Item& item, Ending ending, std::vector<RequestEnd>& ended) {
     }
     if (ending == Ending::kExecuted) end.answer = std::move(item.answer);
     ended.push_back(std::move(end));
-}
-
-// An event that comes late must not be taken for the answer to a younger request.
-void InFlight::note_owed(const Item& item, Ending ending) {
-    if (!item.wants_value() || item.has_value || item.request.is_question()) return;
-    if (ending == Ending::kExecuted || ending == Ending::kBoardError || owed_.size() >= kMaxOwed) return;
-    owed_.push_back({item.number, item.request.service(), item.request.answer_tag, ending == Ending::kNoValue,
-                     next_number_});
-}
-
-// What was on the way before a fence has come when the fence is back.
-void InFlight::forget_owed(std::uint64_t fence) {
-    std::erase_if(owed_, [&](const Owed& one) { return one.was_sent && one.ended <= fence; });
-}
-
-// An event answers the oldest request for it, or one that ended before it came.
-bool InFlight::settle_owed(const protocol::Event& event, std::uint64_t oldest_taker) {
-    const auto owed = std::find_if(owed_.begin(), owed_.end(), [&](const Owed& one) {
-        return one.service == event.service && one.tag == event.tag && one.number < oldest_taker;
-    });
-    if (owed == owed_.end()) return false;
-    owed_.erase(owed);
-    return true;
-}
-
-bool InFlight::note_value(const protocol::Event& event, const protocol::ParsedLine& line,
-                          std::vector<RequestEnd>& ended) {
-    const auto answers = [&](const Item& item) {
-        return item.request.answer_tag == event.tag && item.request.service() == event.service;
-    };
-    constexpr auto kNone = std::numeric_limits<std::uint64_t>::max();
-    std::uint64_t oldest_taker = kNone;
-    const auto take = [&](Item& item) {
-        item.has_value = true;
-        item.answer = line;
-        oldest_taker = std::min(oldest_taker, item.number);
-    };
-    for (Awaiting& awaiting : awaiting_) {
-        if (!answers(awaiting.item)) continue;
-        take(awaiting.item);
-        end(awaiting.item, awaiting.item.doubted ? Ending::kDoubt : Ending::kExecuted, ended);
-    }
-    std::erase_if(awaiting_, [](const Awaiting& awaiting) { return awaiting.item.ended; });
-    for (Batch& batch : batches_)
-        for (Item& item : batch.items)
-            if (oldest_taker == kNone && !item.ended && answers(item) && !item.has_value &&
-                !item.behind_fence)
-                take(item);
-    const bool was_owed = settle_owed(event, oldest_taker);
-    return was_owed || oldest_taker != kNone;
 }
 
 InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error, bool checksums) {
@@ -315,31 +246,6 @@ InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error, bool che
     return meaning;
 }
 
-// The event could not be measured: an error with its tag comes in its place, before or behind the fence.
-InFlight::Meaning InFlight::error_for_value(const protocol::ErrorReply& error) {
-    Meaning meaning;
-    const auto waits = [&](const Item& item) {
-        return !item.ended && !item.has_value && !item.value_error &&
-               item.request.service() == error.service && item.wants_value() &&
-               item.request.answer_tag == error.tag;
-    };
-    const auto take = [&](Item& item) {
-        item.value_error.emplace(error.code, std::string(error.text));
-        if (item.request.id != 0) meaning.owner = item.request.client;
-        return meaning;
-    };
-    for (Awaiting& awaiting : awaiting_)
-        if (waits(awaiting.item)) {
-            awaiting.until = Time{};  // at once
-            return take(awaiting.item);
-        }
-    for (Batch& batch : batches_)
-        for (Item& item : batch.items)
-            if (waits(item)) return take(item);
-    meaning.unexplained = true;
-    return meaning;
-}
-
 void InFlight::doubt() {
     for (Batch& batch : batches_)
         for (Item& item : batch.items)
@@ -350,7 +256,7 @@ void InFlight::doubt() {
 
 void InFlight::expire(Time now, std::vector<RequestEnd>& ended) {
     for (Awaiting& awaiting : awaiting_)
-        if (now >= awaiting.until) end_without_value(awaiting.item, ended);
+        if (now >= awaiting.until) end_without_value(awaiting.item, awaiting.to_the_end, ended);
     std::erase_if(awaiting_, [](const Awaiting& awaiting) { return awaiting.item.ended; });
     if (now < earliest_) return;
     earliest_ = Time::max();

@@ -64,6 +64,8 @@ class InFlight {
                      std::vector<RequestEnd>& ended);
     /// `checksums`: the requests in flight have one.
     Meaning on_error(const protocol::ErrorReply& error, bool checksums);
+    /// Whether a request waits for an event of that service and tag, and this one cannot be its answer.
+    bool refutes(const protocol::Event& event) const;
     /// Something was lost or damaged, or the board restarted: nothing that is in flight can be proven now.
     void doubt();
 
@@ -100,7 +102,7 @@ class InFlight {
         std::uint64_t number;
         char service;
         char tag;
-        bool was_sent;        // it was executed so long ago that its value is on the way at most
+        bool was_sent;        // it was waited for so long that its value is on the way at most
         std::uint64_t ended;  // as next_number_
     };
     struct Batch {
@@ -115,6 +117,7 @@ class InFlight {
     struct Awaiting {
         Item item;
         Time until;
+        bool to_the_end;  // its value cannot come later than that
     };
 
     static bool confirms(const std::vector<Item>& items, std::size_t next, protocol::Digest digest,
@@ -123,15 +126,16 @@ class InFlight {
     Item* find_question(const protocol::Event& event);
     void fences_back(std::size_t batch, bool ambiguous, Time now, std::vector<RequestEnd>& ended);
     void finish(Batch batch, bool missing, Time now, std::vector<RequestEnd>& ended);
-    void end(Item& item, Ending ending, std::vector<RequestEnd>& ended);
+    void end(Item& item, Ending ending, std::vector<RequestEnd>& ended, bool was_sent = false);
     bool note_value(const protocol::Event& event, const protocol::ParsedLine& line,
                     std::vector<RequestEnd>& ended);
     void forget_owed(std::uint64_t fence);
-    void note_owed(const Item& item, Ending ending);
+    void note_owed(const Item& item, Ending ending, bool was_sent);
+    bool changes_period(char service) const;
     bool settle_owed(const protocol::Event& event, std::uint64_t oldest_taker);
     bool is_late(const protocol::Event& event) const;
     Meaning error_for_value(const protocol::ErrorReply& error);
-    void end_without_value(Item& item, std::vector<RequestEnd>& ended);
+    void end_without_value(Item& item, bool was_sent, std::vector<RequestEnd>& ended);
     void remember_lost(const Fence& fence);
 
     std::deque<Batch> batches_;

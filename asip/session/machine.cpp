@@ -167,6 +167,7 @@ Expected<RequestId, Refusal> Machine::submit(std::string_view line, const Reques
     request.urgent = wanted.urgent;
     request.answer_tag = wanted.answer_tag;
     request.answer_time = wanted.answer_time;
+    request.is_answer = wanted.is_answer;
     request.alone = parsed->service != '#' && identity_.find_service(parsed->service) == nullptr;
     const RequestId id = request.id;
     queue_.waiting().push(std::move(request));

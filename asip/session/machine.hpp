@@ -123,6 +123,7 @@ class Machine {
     void on_info(const protocol::Info& info, std::string_view line, Time now, Actions& out);
     void on_malformed(std::string_view reason, std::string_view line, Time now, Actions& out);
     void garbage(std::string reason, std::string_view line, Time now, Actions& out);
+    void note_garbage(std::string reason, std::string_view line, Actions& out);
     void damaged();
 
     void write(const std::vector<std::string>& lines, Time now, Actions& out);

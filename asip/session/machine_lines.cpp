@@ -22,6 +22,19 @@ bool is_text(std::string_view text) {
                        [](char c) { return (c >= 0x20 && c <= 0x7e) || c == '\r' || c == '\t'; });
 }
 
+// `@I,a,6` or `~I,a,3` in a line: its end and the beginning of the next one were lost together. The answer to
+// an echo may hold anything.
+bool holds_another(std::string_view line) {
+    if (line.starts_with("@#,E") || line.starts_with('!')) return false;
+    for (auto at = line.find_first_of("@~", 1); at != line.npos; at = line.find_first_of("@~", at + 1)) {
+        const auto next = line.substr(at + 1);
+        if (next.size() < 3 || next[1] != ',' || next[2] == ',') continue;
+        const bool is_service = next[0] == '#' || (next[0] >= 'A' && next[0] <= 'Z');
+        if (is_service && (next.size() == 3 || next[3] == ',')) return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 void Machine::receive(std::string_view bytes, Time now, Actions& out) {
@@ -58,6 +71,7 @@ void Machine::on_line(std::string_view line, Time now, Actions& out) {
     if (line.find(kEndOfBanner, 1) != std::string_view::npos &&
         !std::holds_alternative<protocol::Info>(message))
         return on_malformed("it ends in a banner", line, now, out);
+    if (!received.had_checksum && holds_another(line)) return garbage("two lines in one", line, now, out);
     if (const auto* event = std::get_if<protocol::Event>(&message))
         return std::visit([&](auto& state) { on_event(state, *event, line, now, out); }, state_);
     if (const auto* error = std::get_if<protocol::ErrorReply>(&message))
@@ -85,10 +99,14 @@ void Machine::on_malformed(std::string_view reason, std::string_view line, Time 
     garbage(std::string(reason), line, now, out);
 }
 
-void Machine::garbage(std::string reason, std::string_view line, Time now, Actions& out) {
+void Machine::note_garbage(std::string reason, std::string_view line, Actions& out) {
     ++counters_.garbage;
     out.emplace_back(Garbage{std::move(reason), printable_sample(line)});
     queue_.doubt();
+}
+
+void Machine::garbage(std::string reason, std::string_view line, Time now, Actions& out) {
+    note_garbage(std::move(reason), line, out);
     std::visit([&](auto& state) { on_garbage(state, now, out); }, state_);
 }
 

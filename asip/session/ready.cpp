@@ -17,6 +17,10 @@ constexpr Duration kReportsLast = std::chrono::seconds(1);
 }  // namespace
 
 void Machine::on_event(Ready&, const protocol::Event& event, std::string_view line, Time now, Actions& out) {
+    if (!is_well_formed(event) || queue_.refutes(event)) {
+        note_garbage("not the answer to what was asked", line, out);
+        damaged();
+    }
     std::vector<RequestEnd> ended;
     protocol::ParsedLine parsed(line, event);
     const auto meaning = queue_.on_event(event, parsed, now, ended);

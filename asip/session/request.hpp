@@ -16,6 +16,7 @@ struct Request {
     bool urgent = false;
     char answer_tag = 0;     ///< tag of the event that answers it, of the same service; 0: none
     Duration answer_time{};  ///< how long after its fence that event may come
+    AnswerCheck is_answer{};
     /// Nothing else between its fences: an error of it would not name it, or it changes how the line works.
     bool alone = false;
 
@@ -40,5 +41,8 @@ struct RequestEnd {
 /// Whether `service` and `tag` are those of a question that the board answers with an event of the same
 /// service and tag.
 bool is_question(char service, char tag);
+
+/// Whether the answer to such a question has the form that the protocol demands. Other events: true.
+bool is_well_formed(const protocol::Event& event);
 
 }  // namespace asip::session

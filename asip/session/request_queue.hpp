@@ -66,6 +66,7 @@ class RequestQueue {
     InFlight::Meaning on_event(const protocol::Event& event, const protocol::ParsedLine& line, Time now,
                                std::vector<RequestEnd>& ended);
     InFlight::Meaning on_error(const protocol::ErrorReply& error);
+    bool refutes(const protocol::Event& event) const { return in_flight_.refutes(event); }
     void doubt() { in_flight_.doubt(); }
     /// Ends what has reached its deadline, notices overdue fences.
     void on_time(Time now, Duration answer_timeout, std::vector<RequestEnd>& ended);

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "asip/protocol/body.hpp"
+
 namespace truth {
 
 namespace session = asip::session;
@@ -114,6 +116,11 @@ void Agent::submit(Command command, Micros now) {
     wanted.deadline = at(now + command.lasts);
     wanted.prove = command.prove;
     wanted.answer_tag = command.answer_tag;
+    // The range finder is the only service here whose values are asked for.
+    if (command.line == "D,M")
+        wanted.is_answer = [](const auto& event) {
+            return asip::protocol::parse_body(event.body).has_value();
+        };
     session::Actions actions;
     const std::size_t index = ledger_.submitted(command, now);
     const auto id = session_->submit(command.line, wanted, at(now), actions);

@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "asip/protocol/message.hpp"
 #include "tests/truth/board_model.hpp"
 #include "tests/truth/command.hpp"
 #include "tests/truth/turns.hpp"
@@ -84,7 +85,7 @@ class Ledger {
         Micros ended = kNever;
         bool abandoned = false;
         bool checksum = false;
-        bool doubted = false;
+        bool without_value = false;
         std::uint32_t wire_line = 0;
         std::size_t arrived = 0;  // lines that the session had got when it was sent
     };
@@ -115,6 +116,8 @@ class Ledger {
     bool verified(const Entry& entry) const;
     void untrue(const Entry& entry, std::string what, bool is_value, Micros now);
     bool blames_another(const Entry& entry, Micros then, char service, char tag) const;
+    bool can_be(const Entry& entry, const asip::protocol::Event& event) const;
+    bool answers_another(const Entry& entry, Micros at, const asip::protocol::ErrorReply& error) const;
     std::string describe(const Entry& entry) const;
 
     bool calm_;

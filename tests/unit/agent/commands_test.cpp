@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "tests/unit/agent/online_bridge.hpp"
 
 namespace asip::agent {
@@ -20,6 +22,16 @@ TEST_F(OnlineBridge, CommandWithAnAnswer_CarriesItDecoded) {
     bench.board.replies["D,M"] = "@D,e,2,{42,118}";
     EXPECT_EQ(bench.ask("asip/uno1/distance/in", {{"measure", nullptr}})["answer"],
               json::parse(R"({"distance":[42,118]})"));
+}
+
+TEST_F(OnlineBridge, AnswerThatTheModelCannotRead_IsDoubt) {
+    int id = 0;
+    for (const char* damaged : {"@D,e,{0:0,1:0}", "@D,e,2,{42}", "@D,e,2,{42,1x8}"}) {
+        bench.board.replies["D,M"] = damaged;
+        EXPECT_EQ(bench.ask("asip/uno1/distance/in", {{"measure", nullptr}}, std::to_string(++id))["reason"],
+                  "doubt")
+            << damaged;
+    }
 }
 
 TEST_F(OnlineBridge, BoardRefuses_ItsWordsAreTheAnswer) {
@@ -196,6 +208,24 @@ TEST_F(OnlineBridge, MoreLinesThanThereIsRoomFor_NoneIsSent) {
 TEST_F(OnlineBridge, LastLineNotAllowed_NoneIsSent) {
     EXPECT_EQ(bench.ask("asip/uno1/in", {{"raw", "I,d,13,1\n#,B,500000"}})["status"], "refused");
     EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST_F(OnlineBridge, GoodbyeWhileTheEffectsOfALineAreCarriedOut_EachCommandIsAnsweredOnce) {
+    bench.board.mute = true;
+    for (int i = 0; i < 5; ++i)
+        bench.hear("asip/uno1/servo/in", json{{"write", {0, i}}, {"id", i}, {"reply_to", "answers"}}.dump());
+    Effects of_line, of_goodbye;
+    bench.bridge.receive("~S,W,7{INVALID_DEVICE_NUMBER}\r\n!Script running on X with Services: I S \r\n",
+                         bench.now, of_line);
+    bench.bridge.goodbye(bench.now, of_goodbye);
+    std::map<std::string, int> answers;
+    for (const auto* effects : {&of_line, &of_goodbye})
+        for (const auto& publication : effects->publish)
+            if (publication.message.topic == "answers")
+                ++answers[json::parse(publication.message.payload)["id"].dump()];
+    EXPECT_EQ(answers.size(), 5u);
+    for (const auto& [id, times] : answers)
+        EXPECT_EQ(times, 1) << id;
 }
 
 TEST_F(OnlineBridge, DamageWhileACommandIsUnderWay_IsAnsweredAsDoubt) {

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "asip/protocol/body.hpp"
 #include "tests/unit/session/board_session_bench.hpp"
 #include "tests/unit/session/scripted_board.hpp"
 
@@ -100,6 +101,85 @@ TEST(BoardSession, TwoClientsAskForAMeasurementAtOnce_TheSecondWaitsForTheFirstA
     ASSERT_NE(bench.end_of(second), nullptr);
     EXPECT_EQ(bench.end_of(second)->answer.text(), "@D,e,1,{43}");
     EXPECT_EQ(bench.end_of(other)->ending, Ending::kExecuted);
+}
+
+bool is_list(const protocol::Event& event) {
+    return protocol::parse_body(event.body).has_value();
+}
+
+TEST_P(EachGeneration, ValueMergedWithAnotherLine_IsNotTaken) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    for (const char* merged : {"@D,e,{0:0,1:0}", "@D,e,2,{0:0,1:0,2:0}"}) {
+        const auto id = bench.request("D,M", {.answer_tag = 'e', .is_answer = is_list});
+        bench.say_line(merged);
+        ASSERT_NE(bench.end_of(id), nullptr) << merged;
+        EXPECT_EQ(bench.end_of(id)->ending, Ending::kDoubt) << merged;
+    }
+}
+
+TEST_F(OldBoard, BeginningOfALineWithinAnother_DoubtsWhatIsUnderWay) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.mute = true;
+    for (const char* merged : {"@D,e,1,{4@I,a,1,{0:320}", "@D,e,1,{~I,d,11{BAD_ARGUMENT}"}) {
+        const auto id = bench.request("I,d,13,1");
+        bench.say_line(merged);
+        bench.say_line("@#,?,0,4,ATmega328P,20,Script");
+        bench.say_line("@#,N,3,{I:ASIP core IO,S:Servos,D:Distance}");
+        ASSERT_NE(bench.end_of(id), nullptr) << merged;
+        EXPECT_EQ(bench.end_of(id)->ending, Ending::kDoubt) << merged;
+    }
+}
+
+TEST_F(OldBoard, AnswerToAFenceIsDamaged_DoubtsWhatIsUnderWay) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.mute = true;
+    for (int i = 0; i < 2; ++i) {
+        const auto id = bench.request("I,d,13,1");
+        bench.say_line("@#,?,0,4,AT");
+        bench.say_line("@#,N,3,{I:ASIP core IO,0:320}");
+        ASSERT_NE(bench.end_of(id), nullptr);
+        EXPECT_EQ(bench.end_of(id)->ending, Ending::kDoubt);
+    }
+}
+
+TEST_F(OldBoard, ValueOfARequestWhoseDeadlineCameFirst_IsNotThatOfTheNext) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto first = bench.request("D,M", {.deadline = bench.now + 20ms, .answer_tag = 'e'});
+    bench.pass(20ms);
+    ASSERT_NE(bench.end_of(first), nullptr);
+    ASSERT_EQ(bench.end_of(bench.request("I,d,13,1"))->ending, Ending::kExecuted);
+    bench.board.mute = true;
+    const auto second = bench.request("D,M", {.answer_tag = 'e'});
+    bench.say_line("@D,e,1,{1}");
+    bench.say_line("@#,?,0,4,ATmega328P,20,Script");
+    bench.say_line("@#,N,3,{I:ASIP core IO,S:Servos,D:Distance}");
+    EXPECT_EQ(bench.end_of(second), nullptr);
+    bench.say_line("@D,e,1,{2}");
+    ASSERT_NE(bench.end_of(second), nullptr);
+    EXPECT_EQ(bench.end_of(second)->answer.text(), "@D,e,1,{2}");
+}
+
+TEST(BoardSession, PeriodIsOnItsWayToTheBoard_AReportIsNotTheValueThatWasAskedFor) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.heard.clear();
+    bench.board.swallow_fences = 2;
+    const auto period = bench.request("D,A,100");
+    const auto id = bench.request("D,M", {.answer_tag = 'e'});
+    bench.say_line("@D,e,1,{1}");
+    for (const auto& line : std::vector(bench.board.heard))
+        if (line.starts_with("#,E")) bench.say_line('@' + line);
+    ASSERT_NE(bench.end_of(period), nullptr);
+    EXPECT_EQ(bench.end_of(period)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.end_of(id), nullptr);
+    bench.say_line("@D,e,1,{2}");
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->answer.text(), "@D,e,1,{2}");
 }
 
 TEST(BoardSession, ErrorInPlaceOfTheValue_EndsTheRequestWithIt) {

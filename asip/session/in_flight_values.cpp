@@ -1,0 +1,130 @@
+// The values that requests ask for: which event is whose.
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "asip/session/in_flight.hpp"
+
+namespace asip::session {
+
+namespace {
+
+constexpr std::size_t kMaxOwed = 16;
+
+}  // namespace
+
+bool InFlight::awaits_value_of(const Request& next) const {
+    if (next.answer_tag == 0 || next.is_question()) return false;
+    const auto waits = [&](const Item& item) {
+        return !item.ended && !item.has_value && item.request.service() == next.service() &&
+               item.request.answer_tag == next.answer_tag;
+    };
+    return std::any_of(awaiting_.begin(), awaiting_.end(),
+                       [&](const Awaiting& one) { return waits(one.item); }) ||
+           std::any_of(batches_.begin(), batches_.end(), [&](const Batch& batch) {
+               return std::any_of(batch.items.begin(), batch.items.end(), waits);
+           });
+}
+
+bool InFlight::changes_period(char service) const {
+    return std::any_of(batches_.begin(), batches_.end(), [&](const Batch& batch) {
+        return std::any_of(batch.items.begin(), batch.items.end(), [&](const Item& item) {
+            return item.request.tag() == 'A' && item.request.service() == service;
+        });
+    });
+}
+
+bool InFlight::refutes(const protocol::Event& event) const {
+    const auto refuses = [&](const Item& item) {
+        const Request& request = item.request;
+        return !item.ended && !item.has_value && request.is_answer && request.answer_tag == event.tag &&
+               request.service() == event.service && !request.is_answer(event);
+    };
+    return std::any_of(awaiting_.begin(), awaiting_.end(),
+                       [&](const Awaiting& one) { return refuses(one.item); }) ||
+           std::any_of(batches_.begin(), batches_.end(), [&](const Batch& batch) {
+               return std::any_of(batch.items.begin(), batch.items.end(), refuses);
+           });
+}
+
+void InFlight::end_without_value(Item& item, bool was_sent, std::vector<RequestEnd>& ended) {
+    if (item.value_error) item.error = std::move(item.value_error);
+    const bool known = item.error && !item.doubted;
+    end(item, known ? Ending::kBoardError : Ending::kNoValue, ended, was_sent);
+}
+
+// An event that comes late must not be taken for the answer to a younger request.
+void InFlight::note_owed(const Item& item, Ending ending, bool was_sent) {
+    if (!item.wants_value() || item.has_value || item.request.is_question()) return;
+    if (ending == Ending::kExecuted || ending == Ending::kBoardError || owed_.size() >= kMaxOwed) return;
+    owed_.push_back({item.number, item.request.service(), item.request.answer_tag, was_sent, next_number_});
+}
+
+// What was on the way before a fence has come when the fence is back.
+void InFlight::forget_owed(std::uint64_t fence) {
+    std::erase_if(owed_, [&](const Owed& one) { return one.was_sent && one.ended <= fence; });
+}
+
+// An event answers the oldest request for it, or one that ended before it came.
+bool InFlight::settle_owed(const protocol::Event& event, std::uint64_t oldest_taker) {
+    const auto owed = std::find_if(owed_.begin(), owed_.end(), [&](const Owed& one) {
+        return one.service == event.service && one.tag == event.tag && one.number < oldest_taker;
+    });
+    if (owed == owed_.end()) return false;
+    owed_.erase(owed);
+    return true;
+}
+
+bool InFlight::note_value(const protocol::Event& event, const protocol::ParsedLine& line,
+                          std::vector<RequestEnd>& ended) {
+    const auto answers = [&](const Item& item) {
+        return item.request.answer_tag == event.tag && item.request.service() == event.service;
+    };
+    constexpr auto kNone = std::numeric_limits<std::uint64_t>::max();
+    std::uint64_t oldest_taker = kNone;
+    const auto take = [&](Item& item) {
+        item.has_value = true;
+        item.answer = line;
+        oldest_taker = std::min(oldest_taker, item.number);
+    };
+    for (Awaiting& awaiting : awaiting_) {
+        if (!answers(awaiting.item)) continue;
+        take(awaiting.item);
+        end(awaiting.item, awaiting.item.doubted ? Ending::kDoubt : Ending::kExecuted, ended);
+    }
+    std::erase_if(awaiting_, [](const Awaiting& awaiting) { return awaiting.item.ended; });
+    for (Batch& batch : batches_)
+        for (Item& item : batch.items)
+            if (oldest_taker == kNone && !item.ended && answers(item) && !item.has_value &&
+                !item.behind_fence)
+                take(item);
+    const bool was_owed = settle_owed(event, oldest_taker);
+    return was_owed || oldest_taker != kNone;
+}
+
+// The event could not be measured: an error with its tag comes in its place, before or behind the fence.
+InFlight::Meaning InFlight::error_for_value(const protocol::ErrorReply& error) {
+    Meaning meaning;
+    const auto waits = [&](const Item& item) {
+        return !item.ended && !item.has_value && !item.value_error &&
+               item.request.service() == error.service && item.wants_value() &&
+               item.request.answer_tag == error.tag;
+    };
+    const auto take = [&](Item& item) {
+        item.value_error.emplace(error.code, std::string(error.text));
+        if (item.request.id != 0) meaning.owner = item.request.client;
+        return meaning;
+    };
+    for (Awaiting& awaiting : awaiting_)
+        if (waits(awaiting.item)) {
+            awaiting.until = Time{};  // at once
+            return take(awaiting.item);
+        }
+    for (Batch& batch : batches_)
+        for (Item& item : batch.items)
+            if (waits(item)) return take(item);
+    meaning.unexplained = true;
+    return meaning;
+}
+
+}  // namespace asip::session

@@ -1,0 +1,129 @@
+// Whether an answer is true: compared with what the board did.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tests/truth/ledger.hpp"
+#include "tests/truth/lines.hpp"
+
+namespace truth {
+
+namespace {
+
+// On a calm line a board executes within this what was sent, its loop as slow as it may be.
+constexpr Micros kCalmDelay = 150 * kMillisecond;
+// And it answers within this, be its answer long.
+constexpr Micros kCalmAnswer = 800 * kMillisecond;
+constexpr Micros kPeriodChanges = 1200 * kMillisecond;
+
+bool has(const std::vector<Effect>& effects, const std::optional<Effect>& wanted) {
+    return wanted && std::find(effects.begin(), effects.end(), *wanted) != effects.end();
+}
+
+}  // namespace
+
+void Ledger::check_late(const BoardRead& read) {
+    if (read.sources.size() != 1 || damaged_to_board_[read.sources[0]]) return;
+    const auto known = by_line_.find(read.text);
+    if (known == by_line_.end()) return;
+    for (const std::size_t index : known->second) {
+        const Entry& entry = entries_[index];
+        if (entry.wire_line != read.sources[0]) continue;
+        if (entry.state == State::kWaiting) fail(describe(entry) + " was executed before it was sent");
+        if (calm_ && read.at > entry.deadline + kCalmDelay)
+            fail(describe(entry) + " was executed after its deadline on a calm line");
+    }
+}
+
+// When it was sent, or another that looks the same and was under way at the same time.
+Micros Ledger::sent(const Entry& entry) const {
+    Micros earliest = entry.sent;
+    for (const std::size_t index : by_line_.at(entry.command.line)) {
+        const Entry& twin = entries_[index];
+        if (twin.sent < earliest && twin.ended >= entry.sent) earliest = twin.sent;
+    }
+    return earliest;
+}
+
+void Ledger::check_calm(const Entry& entry, const Answer& answer, Micros now) {
+    const bool hurried = entry.sent == kNever || now - entry.sent < kCalmAnswer;
+    // The error could be that of both lines read as one.
+    const bool behind_error =
+        !entry.checksum && std::any_of(executions_.begin(), executions_.end(), [&](const auto& one) {
+            return (one.error == 2 || one.error == 11) && one.read.at >= entry.sent - kCalmDelay;
+        });
+    // It ends what was being measured; and while the period changes, only a value behind the fence counts.
+    const bool excused = std::any_of(executions_.begin(), executions_.end(), [&](const Execution& one) {
+        return (one.read.text == "#,R" && one.read.at >= entry.sent) ||
+               (is_period(one.read.text) && (one.error >= 0 || one.read.at >= entry.sent - kPeriodChanges));
+    });
+    // One that ended without its value, just before it, may have got what was measured for both.
+    const auto& twins = by_line_[entry.command.line];
+    const bool after_another = std::any_of(twins.begin(), twins.end(), [&](std::size_t twin) {
+        return entries_[twin].without_value && entries_[twin].ended <= entry.sent &&
+               entries_[twin].ended >= entry.sent - kCalmDelay;
+    });
+    const bool unsure = answer.outcome == Outcome::kTimeout ||
+                        (answer.outcome == Outcome::kNoValue && !excused && !after_another);
+    if ((answer.outcome == Outcome::kDoubt && entry.command.prove && !behind_error) ||
+        (unsure && !hurried && !may_be_own(entry.command.line)))
+        fail(fmt::format("{} was answered `{}` on a calm line", describe(entry), to_string(answer.outcome)));
+}
+
+void Ledger::check_executed(const Entry& entry, const Answer& answer, Micros now) {
+    const Micros since = sent(entry);
+    for (std::size_t i = executions_.size(); i-- > 0;) {
+        Execution& execution = executions_[i];
+        if (execution.read.at < since) break;
+        if (execution.used || execution.error >= 0) continue;
+        const bool did = has(execution.read.effects, entry.command.effect);
+        if (entry.command.effect ? !did : execution.read.text != entry.command.line) continue;
+        // The first of those that look alike.
+        bool earlier = false;
+        for (std::size_t k = i; k-- > 0 && executions_[k].read.at >= since && !earlier;)
+            earlier = !executions_[k].used && executions_[k].error < 0 &&
+                      (entry.command.effect ? has(executions_[k].read.effects, entry.command.effect)
+                                            : executions_[k].read.text == entry.command.line);
+        if (earlier) continue;
+        execution.used = true;
+        return check_value(entry, since, answer, now);
+    }
+    untrue(entry, fmt::format("answered `{}`, and the board did not execute it", to_string(answer.outcome)),
+           false, now);
+}
+
+// Which of two requests that look alike an event answers, nobody can say: it must be younger than the first.
+void Ledger::check_value(const Entry& entry, Micros since, const Answer& answer, Micros now) {
+    if (entry.command.answer_tag == 0 || answer.outcome == Outcome::kUnproven) return;
+    if (answer.value.empty())
+        return fail(describe(entry) + " was answered `ok` without the value it asks for");
+    const auto first = std::find_if(executions_.begin(), executions_.end(), [&](const Execution& execution) {
+        return execution.read.at >= since && execution.read.text == entry.command.line;
+    });
+    const Micros executed = first == executions_.end() ? since : first->read.at;
+    const bool real = std::any_of(board_lines_.rbegin(), board_lines_.rend(), [&](const Line& line) {
+        return line.at >= executed && line.text == answer.value;
+    });
+    if (!real)
+        untrue(entry, fmt::format("got the value `{}`, which the board did not send since", answer.value),
+               true, now);
+}
+
+void Ledger::check_error(const Entry& entry, const Answer& answer, Micros now) {
+    const Micros since = sent(entry);
+    for (std::size_t i = executions_.size(); i-- > 0;) {
+        Execution& execution = executions_[i];
+        if (execution.read.at < since) break;
+        const auto& sources = execution.read.sources;
+        const bool its = execution.read.text == entry.command.line ||
+                         std::find(sources.begin(), sources.end(), entry.wire_line) != sources.end();
+        if (execution.error == answer.code && its) return;
+    }
+    if (!damage_since(since))
+        return fail(fmt::format("{} was answered by error {}, which the board did not send", describe(entry),
+                                answer.code));
+    ++counts.false_errors;
+    note_(fmt::format("{}: an error that is not its own ({:.6f} s)", describe(entry), now * 1e-6));
+}
+
+}  // namespace truth

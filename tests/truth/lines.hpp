@@ -1,0 +1,18 @@
+#pragma once
+#include <string_view>
+
+#include "asip/protocol/checksum.hpp"
+
+namespace truth {
+
+inline std::string_view without_checksum(std::string_view line) {
+    if (const auto checked = asip::protocol::verify_checksum(line)) return *checked;
+    return line;
+}
+
+/// `D,A,100`: it sets how often the board reports.
+inline bool is_period(std::string_view line) {
+    return line.size() > 3 && line[0] != '#' && line[2] == 'A';
+}
+
+}  // namespace truth
