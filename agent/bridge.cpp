@@ -32,18 +32,6 @@ std::string error_line(std::string_view request, protocol::ErrorCode code) {
            std::string(protocol::error_name(code)) + "}";
 }
 
-// Rate and checksums are between the board and the agent.
-std::string extensions_for_clients(const session::Identity& board) {
-    std::string list;
-    int count = 0;
-    for (const auto& [tag, version] : board.extensions.list) {
-        if (tag == protocol::kLineRate || tag == protocol::kChecksum) continue;
-        list += (list.empty() ? "" : ",") + std::string{tag, ':'} + std::to_string(version);
-        ++count;
-    }
-    return "@#,X," + std::to_string(count) + ",{" + list + "}";
-}
-
 }  // namespace
 
 Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
@@ -118,21 +106,11 @@ void Bridge::perform(session::Actions& actions, Time now, Effects& out) {
 }
 
 void Bridge::on_action(const session::BoardLine& line, Time, Effects& out) {
-    line_for_clients(line, out);
+    client_requests_.on_line(line, session_.identity(), out);
     if (line.line.is_error()) statistics_.board_error(line.line.error().code);
     if (name_.empty()) return;
     note_facts(line.line);
     publish_or_hold(line.line, out);
-}
-
-// What belongs to somebody's request goes to nobody else; to the bus goes everything.
-void Bridge::line_for_clients(const session::BoardLine& line, Effects& out) const {
-    if (!line.owner) return out.lines.push_back({line.line.text(), std::nullopt});
-    if (*line.owner & kBusClient) return;
-    const bool extensions =
-        line.line.is_event() && line.line.event().service == '#' && line.line.event().tag == 'X';
-    out.lines.push_back(
-        {extensions ? extensions_for_clients(session_.identity()) : line.line.text(), line.owner});
 }
 
 // Without a bus the newest value of each kind waits; what it replaces would be stale when the bus is back.
@@ -225,6 +203,7 @@ void Bridge::on_action(const session::LineRateChanged& change, Time, Effects& ou
 }
 
 void Bridge::on_action(const session::Garbage& garbage, Time now, Effects& out) {
+    client_requests_.on_garbage(out);
     if (garbage_quiet_until_ && now < *garbage_quiet_until_) return;
     garbage_quiet_until_ = now + kGarbageQuiet;
     out.log(Level::kWarning, "garbage from the board",
@@ -236,6 +215,7 @@ void Bridge::on_action(const session::Garbage& garbage, Time now, Effects& out) 
 void Bridge::on_action(const session::Finished& end, Time now, Effects& out) {
     safety_.on_finished(end, now, out);
     control_.on_finished(end, now, out);
+    client_requests_.on_finished(end, session_.identity(), out);
     note_settings();
 }
 
@@ -332,7 +312,9 @@ Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_v
     const bool valid = session::may_be_sent(line);
     if (valid && session_.accepts_requests() && session_.room(client) == 0) return ClientResult::kLater;
     session::Actions actions;
-    const auto id = session_.submit(line, {.client = client, .prove = false}, now, actions);
+    const auto id =
+        session_.submit(line, client_requests_.options(client, line, session_.identity()), now, actions);
+    if (id) client_requests_.sent(*id, client);
     if (id) safety_.queued(*id, line, safe_form_of(services_, line), services_);
     perform(actions, now, out);
     if (id) return ClientResult::kAccepted;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "agent/announcer.hpp"
+#include "agent/client_requests.hpp"
 #include "agent/context.hpp"
 #include "agent/control.hpp"
 #include "agent/describe.hpp"
@@ -103,7 +104,6 @@ class Bridge {
     void on_action(const session::Garbage& garbage, Time now, Effects& out);
     void on_action(const session::Finished& end, Time now, Effects& out);
     void describe_again();
-    void line_for_clients(const session::BoardLine& line, Effects& out) const;
     void note_facts(const protocol::ParsedLine& line);
     void note_settings();
     void publish_or_hold(const protocol::ParsedLine& line, Effects& out);
@@ -118,6 +118,7 @@ class Bridge {
     Statistics statistics_;
     Safety safety_;
     Control control_;
+    ClientRequests client_requests_;
     Context context_;
     std::unique_ptr<Announcer> announcer_;  // once there is a name
     session::ServiceTable services_;

@@ -8,6 +8,7 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -60,8 +61,8 @@ void LineProxy::unplug() {
     if (terminal_ >= 0) close(std::exchange(terminal_, -1));
     if (board_ >= 0) close(std::exchange(board_, -1));
     held_ = {};
-    ++faults_;
-    last_fault_ms_ = now_ms();
+    partial_.clear();
+    faults_.push_back(now_ms());
 }
 
 void LineProxy::plug() {
@@ -87,11 +88,42 @@ void LineProxy::run() {
 void LineProxy::pass(int from, int to, std::size_t direction) {
     char buffer[512];
     const auto count = read(from, buffer, sizeof buffer);
+    if (count > 0 && direction == 0) note_requests(buffer, static_cast<std::size_t>(count));
     if (count > 0) held_[direction] += spoil(buffer, static_cast<std::size_t>(count));
     if (count == 0 && from == board_) close(std::exchange(board_, -1));
     if (stalled_ || held_[direction].empty() || board_ < 0) return;
     const auto written = write(to, held_[direction].data(), held_[direction].size());
     if (written > 0) held_[direction].erase(0, static_cast<std::size_t>(written));
+}
+
+std::uint64_t LineProxy::faults() {
+    const std::lock_guard lock(mutex_);
+    return faults_.size();
+}
+
+bool LineProxy::damaged(std::int64_t from, std::int64_t until) {
+    const std::lock_guard lock(mutex_);
+    return std::any_of(faults_.begin(), faults_.end(),
+                       [&](std::int64_t fault) { return fault >= from && fault <= until; });
+}
+
+void LineProxy::note_requests(const char* bytes, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+        if (bytes[i] != '\n') {
+            partial_ += bytes[i];
+            continue;
+        }
+        auto& seen = seen_[partial_.substr(0, partial_.find('*'))];
+        ++seen.times;
+        seen.last_ms = now_ms();
+        partial_.clear();
+    }
+}
+
+LineProxy::Seen LineProxy::seen(const std::string& request) {
+    const std::lock_guard lock(mutex_);
+    const auto known = seen_.find(request);
+    return known == seen_.end() ? Seen{} : known->second;
 }
 
 std::string LineProxy::spoil(const char* bytes, std::size_t count) {
@@ -102,8 +134,7 @@ std::string LineProxy::spoil(const char* bytes, std::size_t count) {
             passed += bytes[i];
             continue;
         }
-        ++faults_;
-        last_fault_ms_ = now_ms();
+        faults_.push_back(now_ms());
         switch (dice_.below(3)) {
             case 0:  // lost
                 break;

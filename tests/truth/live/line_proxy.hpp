@@ -5,6 +5,8 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <unordered_map>
+#include <vector>
 
 #include "tests/truth/dice.hpp"
 
@@ -27,29 +29,38 @@ class LineProxy {
     void unplug();
     void plug();
 
-    std::uint64_t faults() const { return faults_; }
-    /// Since when the line has been good; Clock's count in milliseconds.
-    std::int64_t last_fault_ms() const { return last_fault_ms_; }
+    /// How often such a request came from the agent, and when last; what the line did to it does not matter.
+    struct Seen {
+        int times = 0;
+        std::int64_t last_ms = 0;
+    };
+    Seen seen(const std::string& request);
+
+    std::uint64_t faults();
+    /// Whether something was damaged between these times of now_ms().
+    bool damaged(std::int64_t from, std::int64_t until);
 
   private:
     void run();
     void open_terminal();
     void connect_board();
     void pass(int from, int to, std::size_t direction);
+    void note_requests(const char* bytes, std::size_t count);
     std::string spoil(const char* bytes, std::size_t count);
 
     std::string path_;
     std::uint16_t board_port_;
     Dice dice_;
-    std::mutex mutex_;  // over the descriptors
+    std::mutex mutex_;  // over the descriptors and what was seen
     int terminal_ = -1;
     int board_ = -1;
     std::array<std::string, 2> held_;
+    std::string partial_;  // of a request
+    std::unordered_map<std::string, Seen> seen_;
     std::atomic<double> per_byte_ = 0;
     std::atomic<bool> stalled_ = false;
     std::atomic<bool> stop_ = false;
-    std::atomic<std::uint64_t> faults_ = 0;
-    std::atomic<std::int64_t> last_fault_ms_ = 0;
+    std::vector<std::int64_t> faults_;  // when
     std::thread thread_;
 };
 

@@ -7,6 +7,7 @@ namespace asip::agent {
 namespace {
 
 using nlohmann::json;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
@@ -26,6 +27,60 @@ TEST_F(OnlineBridge, AnswersAndErrorsOfAClient_GoToItAlone) {
     EXPECT_EQ(bench.lines_for_one[2].client, 3u);
     bench.say("@D,e,1,{42}\r\n~S,W,7{INVALID_DEVICE_NUMBER}\r\n");
     EXPECT_EQ(bench.client_lines.size(), 2u) << "events, and what nobody asked for, go to all";
+}
+
+// What a client is told behind its request is the proof of that.
+struct VerifiedBridge : testing::Test {
+    VerifiedBridge() {
+        bench.board.verified_fences = true;
+        bench.go_online();
+        bench.lines_for_one.clear();
+    }
+    std::vector<std::string> lines_for(session::ClientId client) const {
+        std::vector<std::string> lines;
+        for (const auto& line : bench.lines_for_one)
+            if (line.client == client) lines.push_back(line.line);
+        return lines;
+    }
+    BridgeBench bench;
+};
+
+TEST_F(VerifiedBridge, AnswerToTheQuestionOfAClient_ComesWhatIsBeforeItWasProven) {
+    bench.client_says("I,d,13,1");
+    bench.client_says("#,E,mine");
+    bench.pass(200ms);
+    EXPECT_THAT(lines_for(1), ElementsAre("@#,E,mine"));
+    EXPECT_THAT(bench.board.executed, Contains("I,d,13,1"));
+}
+
+TEST_F(VerifiedBridge, LineOfAClientIsLost_ItLearnsThatBeforeAnyAnswer) {
+    bench.board.misreads["I,d,13,1"] = "I,d,13,0";
+    bench.client_says("I,d,13,1", 1);
+    bench.client_says("#,E,mine", 1);
+    bench.client_says("#,E,other", 2);
+    bench.pass(7s);
+    ASSERT_FALSE(lines_for(1).empty());
+    EXPECT_EQ(lines_for(1).front(), "~#,C,10{BAD_CHECKSUM}");
+    bench.lines_for_one.clear();
+    bench.client_says("#,E,again", 1);
+    bench.pass(200ms);
+    EXPECT_THAT(lines_for(1), ElementsAre("@#,E,again"));
+}
+
+TEST_F(VerifiedBridge, BoardDiesWithLinesOfAClient_ItLearnsThat) {
+    bench.board.mute = true;
+    bench.client_says("I,d,13,1", 1);
+    bench.pass(10s);
+    EXPECT_THAT(lines_for(1), ElementsAre("~#,C,10{BAD_CHECKSUM}"));
+}
+
+TEST_F(OnlineBridge, LineOfTheBoardIsDamaged_ClientsWithOpenRequestsLearnThat) {
+    bench.board.swallow_fences = 1;
+    bench.client_says("#,E,mine", 1);
+    bench.say("nonsense\r\n");
+    ASSERT_FALSE(bench.lines_for_one.empty());
+    EXPECT_EQ(bench.lines_for_one[0].line, "~#,C,10{BAD_CHECKSUM}");
+    EXPECT_EQ(bench.lines_for_one[0].client, 1u);
 }
 
 TEST_F(OnlineBridge, ClientAsksForExtensions_IsNotOfferedThoseOfTheLine) {
