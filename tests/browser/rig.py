@@ -140,7 +140,7 @@ class Bus:
 
     def sim(self, *words):
         return subprocess.run([str(BIN / "asip-sim"), "ctl", "--socket", str(self.work / "sim.sock"), *words], check=True,
-                              capture_output=True, text=True, timeout=10).stdout
+                              capture_output=True, text=True, timeout=60).stdout
 
     def part(self, name):
         for line in self.sim("list").splitlines():
@@ -150,7 +150,7 @@ class Bus:
         raise AssertionError(f"no part {name}")
 
     def get(self, path):
-        with urllib.request.urlopen(self.url + path, timeout=5) as answer:
+        with urllib.request.urlopen(self.url + path, timeout=30) as answer:
             return json.load(answer)
 
     def state(self, board):
