@@ -1,11 +1,63 @@
 """The connection lost and back, and several tabs on one connection."""
 
+import contextlib
 import signal
+import socket
+import threading
 import unittest
 
 from selenium.webdriver.common.by import By
 
-from rig import PageTest, eventually
+from rig import PageTest, commands_heard, eventually
+
+
+class Cuttable:
+    """A way to a port that can be cut and mended."""
+
+    def __init__(self, to):
+        self.to = to
+        self.open = True
+        self.ends = []
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.port = self.listener.getsockname()[1]
+
+    def __enter__(self):
+        threading.Thread(target=self.accept, daemon=True).start()
+        return self
+
+    def __exit__(self, *_):
+        self.cut()
+        for end in (self.listener, *self.ends):
+            end.close()
+
+    def accept(self):
+        with contextlib.suppress(OSError):
+            while True:
+                near, _ = self.listener.accept()
+                if not self.open:
+                    near.close()
+                    continue
+                far = socket.create_connection(("127.0.0.1", self.to))
+                self.ends += [near, far]
+                for one, other in ((near, far), (far, near)):
+                    threading.Thread(target=self.carry, args=(one, other), daemon=True).start()
+
+    @staticmethod
+    def carry(one, other):
+        with contextlib.suppress(OSError):
+            while data := one.recv(65536):
+                other.sendall(data)
+        with contextlib.suppress(OSError):
+            other.shutdown(socket.SHUT_RDWR)
+
+    def cut(self):
+        self.open = False
+        for end in self.ends:
+            with contextlib.suppress(OSError):
+                end.shutdown(socket.SHUT_RDWR)
+
+    def mend(self):
+        self.open = True
 
 
 class Connection(PageTest):
@@ -47,6 +99,22 @@ class Connection(PageTest):
         eventually(lambda: self.browser.text("asip-link") == "live", "live", 30)
         eventually(lambda: self.bus.state("desk") == "online", "desk online")
         self.assertEqual(self.bus.part("desk/servo"), before)
+
+    def test_ConnectionCutWhileACommandIsUnderWay_ItsOutcomeIsShown(self):
+        with Cuttable(self.bus.http_port) as path, commands_heard(self.bus) as heard:
+            self.browser.driver.get(f"http://127.0.0.1:{path.port}/#/board/desk")
+            form = self.form("servo", "Turn a servo to an angle")
+            eventually(lambda: self.browser.text("asip-link") == "live", "live", 30)
+            self.fill(form, "Angle", "70")
+            self.bus.programs["agent-desk"].send_signal(signal.SIGSTOP)
+            self.send(form)
+            eventually(lambda: heard, "the command on its way to the board")
+            path.cut()
+            eventually(lambda: self.browser.text("asip-link") == "not connected", "the loss of the connection")
+            self.bus.programs["agent-desk"].send_signal(signal.SIGCONT)
+            path.mend()
+            self.answered(form, "ok", "Done")
+            self.assertEqual(len(heard), 1, "it is not sent again")
 
     def test_BrokerGone_IsSaid(self):
         self.open()

@@ -1,5 +1,6 @@
 // The connection to the gateway, kept up: a state machine. Inputs are method calls with the time in milliseconds, outputs
-// are what `take_actions` gives: {open}, {close}, {send: object}, {state}, {deliver: message}.
+// are what `take_actions` gives: {open}, {close}, {send: object}, {state}, {deliver: message}, {fetch: id}: ask what became of
+// a command.
 
 const kFirstWaitMs = 400;
 const kMaxWaitMs = 10_000;
@@ -7,6 +8,7 @@ const kOpenTimeoutMs = 10_000;
 const kQuietMs = 45_000;  // then something is asked, to learn whether the connection is alive
 const kAnswerMs = 10_000; // so long that may take
 const kCommandGraceMs = 10_000; // beyond the deadline of a command
+const kFetchAgainMs = 500; // its answer is not there yet
 const kRefusedMs = 1500; // a refused subscription (no broker yet) is tried again
 
 export class Link {
@@ -16,7 +18,8 @@ export class Link {
     this.since = 0;
     this.actions = [];
     this.subscriptions = new Map(); // ref -> {request, place}
-    this.commands = new Map();      // id -> deadline
+    this.commands = new Map();      // id -> {until, held}
+    this.cut = new Map();           // id -> {until, fetch_at}: their connection was lost, their outcome is not known yet
     this.held = new Set();          // ids of commands that are renewed
     this.failures = 0;
     this.heard_at = 0;
@@ -51,7 +54,29 @@ export class Link {
     this.heard_at = now;
     this.asked_at = undefined;
     for (const [ref, subscription] of this.subscriptions) this.send_subscription(ref, subscription);
+    for (const [id, command] of this.cut) this.fetch(id, command);
   }
+
+  fetch(id, command) {
+    command.fetch_at = undefined;
+    this.actions.push({ fetch: id });
+  }
+
+  /// The answer to {fetch: id}. `record`: as the gateway has it; null: it does not know the command; undefined: it did not answer.
+  fetched(id, record, now) {
+    const command = this.cut.get(id);
+    if (!command) return;
+    if (record === null) this.lost(id);
+    else if (record?.answer) this.settle(id, { ...record.answer, id });
+    else command.fetch_at = now + kFetchAgainMs;
+  }
+
+  settle(id, answer) {
+    this.cut.delete(id);
+    this.deliver(answer);
+  }
+
+  lost(id) { this.settle(id, { id, status: "timeout", reason: "connection" }); }
 
   send_subscription(ref, subscription) {
     const { request, place, sent } = subscription;
@@ -78,7 +103,7 @@ export class Link {
       this.deliver({ id, status: "refused", reason: "connection", error: "there is no connection to the gateway" });
       return;
     }
-    this.commands.set(id, now + (request.deadline_ms ?? 5000) + kCommandGraceMs);
+    this.commands.set(id, { until: now + (request.deadline_ms ?? 5000) + kCommandGraceMs, held: request.hold_ms !== undefined });
     this.actions.push({ send: { ...request, id } });
   }
 
@@ -108,7 +133,10 @@ export class Link {
 
   closed(now) {
     if (this.state === "idle" || this.state === "waiting") return;
-    for (const id of this.commands.keys()) this.deliver({ id, status: "timeout", reason: "connection" });
+    for (const [id, { until, held }] of this.commands) {
+      if (held) this.lost(id); // nobody renews it meanwhile
+      else this.cut.set(id, { until });
+    }
     for (const id of this.held) this.deliver({ id, status: "timeout", reason: "connection" });
     this.commands.clear();
     this.held.clear();
@@ -131,7 +159,11 @@ export class Link {
 
   /// Called about once a second.
   tick(now) {
-    for (const [id, until] of this.commands) {
+    for (const [id, command] of this.cut) {
+      if (now >= command.until) this.lost(id);
+      else if (this.state === "open" && now >= command.fetch_at) this.fetch(id, command);
+    }
+    for (const [id, { until }] of this.commands) {
       if (now < until) continue;
       this.commands.delete(id);
       this.deliver({ id, status: "timeout" });

@@ -108,18 +108,19 @@ export class PinValues {
     this.duties.clear();
   }
 
-  /// {mode, text, level}: level 0..1 for the light of the pin, undefined where nothing is known.
+  /// {mode, text, level, told}: level 0..1 for the light of the pin, undefined where nothing is known. `told`: the board does not
+  /// report it; it is what this browser's last command set, and others may have set another one since.
   state_of(pin) {
     const mode = mode_names[this.modes.get(pin.number) ?? pin.mode];
     if (mode === "analog") {
       const value = this.analog.get(pin.channel);
-      return { mode, text: value === undefined ? "" : String(value), level: value === undefined ? undefined : value / 1023 };
+      return { mode, text: value === undefined ? "" : String(value), level: value === undefined ? undefined : value / 1023, told: false };
     }
     if (mode === "pwm") {
       const duty = this.duties.get(pin.number);
-      return { mode, text: duty === undefined ? "" : `${Math.round(duty / 2.55)}%`, level: duty === undefined ? undefined : duty / 255 };
+      return { mode, text: duty === undefined ? "" : `${Math.round(duty / 2.55)}%`, level: duty === undefined ? undefined : duty / 255, told: duty !== undefined };
     }
     const level = ["input", "input-pullup", "output"].includes(mode) ? this.levels.get(pin.number) : undefined;
-    return { mode, text: level === undefined ? "" : level ? "high" : "low", level };
+    return { mode, text: level === undefined ? "" : level ? "high" : "low", level, told: level !== undefined && this.written.has(pin.number) };
   }
 }

@@ -88,9 +88,7 @@ function open_port() {
     }
   }
   const { port1, port2 } = new MessageChannel();
-  const url = new URL("api/stream", base);
-  url.protocol = url.protocol.replace("http", "ws");
-  own_hub ??= new Hub(url.href);
+  own_hub ??= new Hub(new URL("api/", base).href);
   own_hub.add(port2);
   return port1;
 }

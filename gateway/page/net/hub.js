@@ -6,8 +6,10 @@ const kTabSilentMs = 200_000; // browsers let the timers of hidden tabs run once
 const kBatchMs = 8;
 
 export class Hub {
-  constructor(url) {
-    this.url = url;
+  /// `api`: address of the gateway's API, with a slash at its end.
+  constructor(api) {
+    this.api = api;
+    this.session = crypto.getRandomValues(new Uint32Array(3)).join("-"); // outlives a connection: so the outcome of a command is found
     this.link = new Link();
     this.socket = undefined;
     this.tabs = new Map(); // number -> {port, heard_at, batch, timer}
@@ -26,17 +28,26 @@ export class Hub {
     if (action.open) this.open();
     else if (action.close) this.close();
     else if (action.send) this.socket?.send(JSON.stringify(action.send));
+    else if (action.fetch) this.fetch(action.fetch);
     else if (action.deliver) this.deliver(action.deliver);
     else if (action.state) this.set_state(action.state);
   }
 
   open() {
-    const socket = new WebSocket(this.url);
+    const url = new URL(`stream?session=${this.session}`, this.api);
+    url.protocol = url.protocol.replace("http", "ws");
+    const socket = new WebSocket(url);
     this.socket = socket;
     const mine = (input) => { if (this.socket === socket) this.run(input); };
     socket.onopen = () => mine((now) => this.link.opened(now));
     socket.onmessage = (event) => mine((now) => this.link.received(JSON.parse(event.data), now));
     socket.onclose = () => mine((now) => this.link.closed(now));
+  }
+
+  async fetch(id) {
+    const asked = fetch(new URL(`commands/${encodeURIComponent(id)}`, this.api), { headers: { "Asip-Session": this.session }, signal: AbortSignal.timeout(5000) });
+    const record = await asked.then((response) => (response.status === 404 ? null : response.ok ? response.json() : undefined)).catch(() => undefined);
+    this.run((now) => this.link.fetched(id, record, now));
   }
 
   close() {

@@ -65,13 +65,13 @@ class Pins extends Part {
 
   draw() {
     for (const { pin, button, light, text } of this.cells.values()) {
-      const { mode, text: value, level } = this.values.state_of(pin);
+      const { mode, text: value, level, told } = this.values.state_of(pin);
       const taken = pin.owner !== "";
       set_text(text, taken ? pin.owner : value || short[mode] || "");
       set_class(button, `pin${taken ? " taken" : ""}${pin.number === this.opened ? " open" : ""} ${mode ?? ""}`);
-      set_class(light, `light ${level === undefined ? "unknown" : level > 0 ? "on" : "off"}`);
+      set_class(light, `light ${level === undefined ? "unknown" : level > 0 ? "on" : "off"}${told ? " told" : ""}`);
       light.style.opacity = level > 0 ? String(0.35 + 0.65 * level) : "";
-      const label = this.label_of(pin, mode, value);
+      const label = this.label_of(pin, mode, value && (told ? `last set here: ${value}` : value));
       if (button.getAttribute("aria-label") !== label) {
         button.setAttribute("aria-label", label);
         button.title = label;
@@ -114,9 +114,9 @@ class Pins extends Part {
 
   show_panel() {
     const { pin } = this.cells.get(this.opened);
-    const { mode, text } = this.values.state_of(pin);
+    const { mode, text, told } = this.values.state_of(pin);
     const owner = { "": "Free", system: "Used by the board itself" }[pin.owner] ?? `Belongs to the service ${pin.owner}`;
-    set_text(this.state_line, [owner, mode && pin.owner === "" ? `mode ${words(mode).toLowerCase()}` : "", text && `now ${text}`].filter(Boolean).join(", ") + ".");
+    set_text(this.state_line, [owner, mode && pin.owner === "" ? `mode ${words(mode).toLowerCase()}` : "", text && (told ? `last set here: ${text} (others may have changed it)` : `now ${text}`)].filter(Boolean).join(", ") + ".");
     if (pin.owner !== "") return;
     for (const [each, button] of this.mode_buttons) {
       button.setAttribute("aria-pressed", String(each === mode));

@@ -94,13 +94,55 @@ test("CommandWithoutConnection_IsRefusedAndNeverSentLater", () => {
   assert.deepEqual(sent(link.take_actions()), []);
 });
 
-test("ConnectionCutWhileACommandIsUnderWay_IsATimeoutAndNothingElse", () => {
+const fetched = (actions) => actions.filter((action) => action.fetch).map((action) => action.fetch);
+
+function link_cut_under_way(request = { command: "uno1/servo" }) {
   const link = open_link();
-  link.command("7", { command: "uno1/servo" }, 20);
+  link.command("7", request, 20);
   link.closed(30);
-  assert.deepEqual(delivered(link.take_actions()), [{ id: "7", status: "timeout", reason: "connection" }]);
+  return link;
+}
+
+test("ConnectionCutWhileACommandIsUnderWay_ItsOutcomeIsFetchedOnceConnectedAgain", () => {
+  const link = link_cut_under_way();
+  assert.deepEqual(delivered(link.take_actions()), []);
+  link.tick(1000);
+  assert.deepEqual(fetched(link.take_actions()), [], "there is no connection yet");
+  link.opened(1010);
+  assert.deepEqual(fetched(link.take_actions()), ["7"]);
+  link.fetched("7", { id: "7" }, 1020);
+  assert.deepEqual(link.take_actions(), [], "it is still under way");
+  link.tick(1300);
+  assert.deepEqual(fetched(link.take_actions()), []);
+  link.tick(1600);
+  assert.deepEqual(fetched(link.take_actions()), ["7"]);
+  link.fetched("7", { id: "7", answer: { status: "ok", proof: "fence" } }, 1610);
+  assert.deepEqual(delivered(link.take_actions()), [{ id: "7", status: "ok", proof: "fence" }]);
   link.tick(60_000);
   assert.deepEqual(delivered(link.take_actions()), []);
+});
+
+test("GatewayDoesNotKnowTheCommandThatWasCut_IsATimeout", () => {
+  const link = link_cut_under_way();
+  link.tick(1000);
+  link.opened(1010);
+  link.fetched("7", null, 1020);
+  assert.deepEqual(delivered(link.take_actions()), [{ id: "7", status: "timeout", reason: "connection" }]);
+});
+
+test("NoConnectionLongAfterACommandWasCut_IsATimeoutAndNothingElse", () => {
+  const link = link_cut_under_way();
+  link.tick(10_000);
+  assert.deepEqual(delivered(link.take_actions()), []);
+  link.tick(15_021);
+  assert.deepEqual(delivered(link.take_actions()), [{ id: "7", status: "timeout", reason: "connection" }]);
+  link.opened(15_030);
+  assert.deepEqual(fetched(link.take_actions()), []);
+});
+
+test("ConnectionCutWhileAHeldCommandIsUnderWay_IsATimeoutAtOnce", () => {
+  const link = link_cut_under_way({ command: "uno1/motors", hold_ms: 500 });
+  assert.deepEqual(delivered(link.take_actions()), [{ id: "7", status: "timeout", reason: "connection" }]);
 });
 
 test("NoAnswerLongAfterTheDeadline_IsATimeout_AndALateOneIsDropped", () => {

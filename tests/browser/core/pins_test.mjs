@@ -44,22 +44,22 @@ test("Reports_AreShownByMode", () => {
   const values = new PinValues();
   values.reported({ digital: { 2: 1, 3: 0 } });
   values.reported({ analog: { 0: 1023 } });
-  assert.deepEqual(values.state_of(pins[2]), { mode: "input", text: "high", level: 1 });
-  assert.deepEqual(values.state_of(pins[3]), { mode: "input", text: "low", level: 0 });
-  assert.deepEqual(values.state_of(pins[14]), { mode: "analog", text: "1023", level: 1 });
-  assert.deepEqual(values.state_of(pins[4]), { mode: "input", text: "", level: undefined });
+  assert.deepEqual(values.state_of(pins[2]), { mode: "input", text: "high", level: 1, told: false });
+  assert.deepEqual(values.state_of(pins[3]), { mode: "input", text: "low", level: 0, told: false });
+  assert.deepEqual(values.state_of(pins[14]), { mode: "analog", text: "1023", level: 1, told: false });
+  assert.deepEqual(values.state_of(pins[4]), { mode: "input", text: "", level: undefined, told: false });
 });
 
 test("ExecutedCommands_ChangeModeAndLevel_AndANewModeForgetsTheLevel", () => {
   const pins = pins_of(uno);
   const values = new PinValues();
   values.executed("mode", { pin: 13, mode: "output" });
-  assert.deepEqual(values.state_of(pins[13]), { mode: "output", text: "", level: undefined });
+  assert.deepEqual(values.state_of(pins[13]), { mode: "output", text: "", level: undefined, told: false });
   values.executed("write", { pin: 13, level: 1 });
   assert.equal(values.state_of(pins[13]).text, "high");
   values.asked("mode", { pin: 13, mode: 1 });
   values.executed("mode", { pin: 13, mode: 1 });
-  assert.deepEqual(values.state_of(pins[13]), { mode: "input", text: "", level: undefined });
+  assert.deepEqual(values.state_of(pins[13]), { mode: "input", text: "", level: undefined, told: false });
   values.executed("mode", { pin: 10, mode: "pwm" });
   values.executed("pwm", { pin: 10, duty: 255 });
   assert.equal(values.state_of(pins[10]).text, "100%");
