@@ -1,8 +1,6 @@
 // The figures of asip-agent, each beside what it is compared with, measured in the same run: simulated boards
 // with real firmware, a real Mosquitto, the agent as it is shipped.
 #include <fcntl.h>
-#include <mosquitto.h>
-#include <mqtt_protocol.h>
 #include <poll.h>
 #include <termios.h>
 #include <unistd.h>
@@ -18,76 +16,16 @@
 #include <vector>
 
 #include "asip/link/baud.hpp"
+#include "bench/figures.hpp"
+#include "bench/mqtt_client.hpp"
 #include "tests/integration/agent/rig.hpp"
 
 namespace {
 
 using namespace asip::test;
-using Clock = std::chrono::steady_clock;
-using Milliseconds = std::chrono::duration<double, std::milli>;
+using namespace asip::bench;
 
 constexpr int kRounds = 400;
-
-/// An MQTT client that waits on its socket and nothing else.
-class Client {
-  public:
-    explicit Client(std::uint16_t port) : mosquitto_(mosquitto_new(nullptr, true, this)) {
-        mosquitto_int_option(mosquitto_, MOSQ_OPT_TCP_NODELAY, 1);
-        mosquitto_int_option(mosquitto_, MOSQ_OPT_PROTOCOL_VERSION, MQTT_PROTOCOL_V5);
-        mosquitto_message_callback_set(
-            mosquitto_, [](mosquitto*, void* self, const mosquitto_message* message) {
-                static_cast<Client*>(self)->received_.emplace_back(
-                    message->topic,
-                    std::string(static_cast<char*>(message->payload), size_t(message->payloadlen)));
-            });
-        if (mosquitto_connect(mosquitto_, "127.0.0.1", port, 60) != 0) throw std::runtime_error("no broker");
-        spin(std::chrono::milliseconds(300));
-    }
-    ~Client() { mosquitto_destroy(mosquitto_); }
-    void subscribe(const std::string& topic) {
-        mosquitto_subscribe(mosquitto_, nullptr, topic.c_str(), 0);
-        spin(std::chrono::milliseconds(300));
-    }
-    void publish(const std::string& topic, const std::string& payload) {
-        mosquitto_publish(mosquitto_, nullptr, topic.c_str(), int(payload.size()), payload.data(), 0, false);
-    }
-    /// Handles what arrives within `limit`; returns early with the first message.
-    bool wait(std::chrono::milliseconds limit) {
-        const auto end = Clock::now() + limit;
-        while (received_.empty() && Clock::now() < end) {
-            const short write = mosquitto_want_write(mosquitto_) ? POLLOUT : 0;
-            pollfd poll_for{mosquitto_socket(mosquitto_), short(POLLIN | write), 0};
-            if (poll(&poll_for, 1, 20) > 0) {
-                if (poll_for.revents & POLLOUT) mosquitto_loop_write(mosquitto_, 1);
-                if (poll_for.revents & POLLIN) mosquitto_loop_read(mosquitto_, 1);
-            }
-            mosquitto_loop_misc(mosquitto_);
-        }
-        return !received_.empty();
-    }
-    std::vector<std::pair<std::string, std::string>> take() { return std::exchange(received_, {}); }
-    void spin(std::chrono::milliseconds time) {
-        const auto end = Clock::now() + time;
-        while (Clock::now() < end) {
-            wait(std::chrono::milliseconds(5));
-            take();
-        }
-    }
-
-  private:
-    mosquitto* mosquitto_;
-    std::vector<std::pair<std::string, std::string>> received_;
-};
-
-struct Latency {
-    double p50 = 0, p99 = 0;
-};
-
-Latency summary(std::vector<double> samples) {
-    std::sort(samples.begin(), samples.end());
-    if (samples.empty()) throw std::runtime_error("nothing was measured");
-    return {samples[samples.size() / 2], samples[samples.size() * 99 / 100]};
-}
 
 std::string command(int round) {
     return round % 2 ? "I,d,13,1" : "I,d,13,0";
@@ -146,7 +84,7 @@ Latency direct(const std::string& port, int baud) {
 }
 
 /// Command on asip/B/in to event on asip/B/out.
-Latency bridged(Client& client) {
+Latency bridged(MqttClient& client) {
     for (const char* setup : {"I,A,0", "I,P,13,3", "I,P,12,1"}) {
         client.publish("asip/uno1/in", setup);
         client.spin(std::chrono::milliseconds(200));
@@ -166,7 +104,7 @@ Latency bridged(Client& client) {
     return summary(samples);
 }
 
-Latency broker_round_trip(Client& client) {
+Latency broker_round_trip(MqttClient& client) {
     client.subscribe("bench/echo");
     std::vector<double> samples;
     for (int round = 0; round < kRounds * 2; ++round) {
@@ -180,7 +118,7 @@ Latency broker_round_trip(Client& client) {
     return summary(samples);
 }
 
-double acknowledged_per_second(Client& client) {
+double acknowledged_per_second(MqttClient& client) {
     client.subscribe("bench/answers");
     constexpr int kCommands = 3000;
     constexpr int kWindow = 60;  // of one client at most 64 wait
@@ -204,19 +142,12 @@ void wait_online(const MosquittoBroker& broker, Agent& agent) {
     if (!wait_state(probe, "online")) throw std::runtime_error(agent.process().errors());
 }
 
-void row(const char* what, double value, const char* unit, double must, double aim,
-         bool more_is_better = false) {
-    const bool good = more_is_better ? value >= must : value <= must;
-    std::printf("%-72s %9.2f %-8s must %8.2f  aim %8.2f  %s\n", what, value, unit, must, aim,
-                good ? "ok" : "MISSED");
-}
-
 void plain_board(MosquittoBroker& broker) {
     SimulatedUno uno("asip_uno_04_services");
     const Latency wire = direct(uno.port(), 57600);
     Agent agent(broker, uno.port());
     wait_online(broker, agent);
-    Client client(broker.port());
+    MqttClient client(broker.port());
     client.subscribe("asip/uno1/out");
     const Latency bus = bridged(client);
     std::printf("0.4 board at 57600: serial port p50 %.3f p99 %.3f ms; over the bus p50 %.3f p99 %.3f ms\n",
@@ -236,10 +167,10 @@ void fast_board(MosquittoBroker& broker) {
         wait_online(broker, agent);
         const auto line = agent.process().wait_for_errors("board identified");
         baud = std::stoi(line->substr(line->rfind("baud=") + 5));
-        Client client(broker.port());
+        MqttClient client(broker.port());
         client.subscribe("asip/uno1/out");
         bus = bridged(client);
-        Client other(broker.port());
+        MqttClient other(broker.port());
         echo = broker_round_trip(other);
         row("commands acknowledged per second, line stepped up", acknowledged_per_second(other), "1/s", 300,
             1000, true);

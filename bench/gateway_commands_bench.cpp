@@ -1,0 +1,197 @@
+// Commands, values and stops through asip-gateway, beside the same over MQTT: a real board in the simulator,
+// its agent, the broker.
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+
+#include "bench/figures.hpp"
+#include "bench/http_load.hpp"
+#include "bench/mqtt_client.hpp"
+#include "tests/integration/agent/rig.hpp"
+#include "tests/integration/gateway/running_gateway.hpp"
+
+namespace {
+
+using namespace asip::bench;
+using namespace asip::test;
+
+constexpr int kRounds = 300;
+constexpr int kStops = 40;
+constexpr int kQueued = 10'000;
+
+/// asip-sim with one Uno named "uno".
+class Uno {
+  public:
+    Uno(const std::string& image, const std::string& parts) : port_(folder_.file("uno")) {
+        const auto file =
+            folder_.write("uno.json", R"({"name":"uno","board":"uno","image":")" ASIP_IMAGES "/" + image +
+                                          R"(.elf","link":")" + port_ + R"(","parts":[)" + parts + "]}");
+        process_ = std::make_unique<ChildProcess>(
+            std::vector<std::string>{ASIP_PROGRAMS "/asip-sim", file, "--no-socket"});
+        if (!process_->wait_for_output(" port ")) throw std::runtime_error("asip-sim: " + process_->errors());
+    }
+    const std::string& port() const { return port_; }
+    void command(const std::string& line) { process_->write_input(line + "\n"); }
+
+  private:
+    TempDir folder_;
+    std::string port_;
+    std::unique_ptr<ChildProcess> process_;
+};
+
+struct Bus {
+    MosquittoBroker broker{{.extra_lines = {"max_queued_messages 0"}}};
+    RunningGateway gateway{broker.address(), {"--commands-per-second", "100000"}};
+
+    void wait_online(Agent& agent) {
+        if (!gateway.ready() || !gateway.becomes("uno1", "online"))
+            throw std::runtime_error(agent.process().errors());
+    }
+};
+
+/// Until a message contains `text`.
+double wait_for(MqttClient& client, const std::string& text, Clock::time_point begin) {
+    const auto end = begin + std::chrono::seconds(10);
+    while (Clock::now() < end) {
+        client.wait(std::chrono::milliseconds(100));
+        for (const auto& [topic, payload] : client.take())
+            if (payload.find(text) != std::string::npos) return Milliseconds(Clock::now() - begin).count();
+    }
+    throw std::runtime_error("nothing with " + text);
+}
+
+void commands(Bus& bus) {
+    MqttClient client(bus.broker.port());
+    client.subscribe("bench/answers");
+    HttpConnection http(bus.gateway.port());
+    std::vector<double> ours, theirs;
+    for (int round = 0; round < kRounds; ++round) {
+        const std::string level = std::to_string(round % 2);
+        const auto request =
+            http_request("POST", "/api/boards/uno1/services/io/commands/write", "[13," + level + "]");
+        auto begin = Clock::now();
+        if (http.ask(request).empty()) throw std::runtime_error("a command failed");
+        ours.push_back(Milliseconds(Clock::now() - begin).count());
+        begin = Clock::now();
+        const auto id = std::to_string(round);
+        client.publish("asip/uno1/io/in", R"({"write":[13,)" + level + R"(],"deadline_ms":5000,"id":")" + id +
+                                              R"(","reply_to":"bench/answers"})");
+        theirs.push_back(wait_for(client, "\"ok\"", begin));
+        std::this_thread::sleep_for(std::chrono::microseconds(2000 + (round * 331) % 2000));
+    }
+    std::printf("a command and its answer, p50 of %d: gateway %.3f ms, MQTT %.3f ms\n", kRounds, median(ours),
+                median(theirs));
+    row("POST of a command to its answer, p50, over the same by MQTT", median(ours) / median(theirs), "x",
+        1.25, 1.1);
+}
+
+/// Both ends of one change on the board: which of the two sockets gets it when.
+void values(Bus& bus, Uno& uno) {
+    MqttClient client(bus.broker.port());
+    HttpConnection http(bus.gateway.port());
+    if (http.ask(http_request("POST", "/api/boards/uno1/services/io/commands/mode", R"([2,"input-pullup"])"))
+            .empty())
+        throw std::runtime_error("pin 2 is no input");
+    client.subscribe("asip/uno1/io/out");
+    Socket socket(bus.gateway.port());
+    socket.send(R"({"subscribe":"uno1/io","ref":1})");
+    const int fd = socket.wire().socket();
+    const auto drain = [&] {
+        char buffer[65536];
+        while (recv(fd, buffer, sizeof buffer, MSG_DONTWAIT) > 0) {
+        }
+        client.take();
+    };
+    std::vector<double> ours, theirs;
+    for (int round = 0; round < kRounds; ++round) {
+        client.spin(std::chrono::milliseconds(20 + round % 7));
+        drain();
+        const std::string wanted = round % 2 ? R"("digital":{"2":1})" : R"("digital":{"2":0})";
+        const auto begin = Clock::now();
+        uno.command(round % 2 ? "release uno/button" : "press uno/button");
+        double web = 0, mqtt = 0;
+        std::string text;
+        while (web == 0 || mqtt == 0) {
+            pollfd polled[] = {{fd, POLLIN, 0}, {client.socket(), POLLIN, 0}};
+            if (poll(polled, 2, 5000) <= 0) throw std::runtime_error("no value of the button");
+            const double now = Milliseconds(Clock::now() - begin).count();
+            char buffer[65536];
+            if (polled[0].revents != 0) {
+                const auto size = recv(fd, buffer, sizeof buffer, MSG_DONTWAIT);
+                if (size > 0) text.append(buffer, std::size_t(size));
+                if (web == 0 && text.find(wanted) != std::string::npos) web = now;
+            }
+            if (polled[1].revents != 0) client.wait(std::chrono::milliseconds(0));
+            for (const auto& [topic, payload] : client.take())
+                if (mqtt == 0 && payload.find(wanted) != std::string::npos) mqtt = now;
+        }
+        ours.push_back(web);
+        theirs.push_back(mqtt);
+    }
+    std::printf("a button to its value, p50 of %d: WebSocket %.3f ms, MQTT %.3f ms\n", kRounds, median(ours),
+                median(theirs));
+    row("value on the board to the browser's end of a WebSocket, p50, over MQTT",
+        median(ours) / median(theirs), "x", 1.25, 1.1);
+}
+
+void stops() {
+    Bus bus;
+    Uno robot("asip_uno_robot", R"({"kind":"led","name":"motor","pin":5})");
+    Agent agent(bus.broker, robot.port());
+    bus.wait_online(agent);
+    BusProbe flood(bus.broker.port(), {"flood"});
+    HttpConnection http(bus.gateway.port());
+    const auto stop = http_request("POST", "/api/stop", "{}");
+    std::vector<double> took;
+    std::size_t sent = 0;
+    for (int round = 0; round < kStops; ++round) {
+        for (int i = 0; i < kQueued; ++i, ++sent)
+            flood.publish("asip/uno1/motors/in",
+                          R"({"power":[0,)" + std::to_string(100 + i % 100) +
+                              R"(],"reply_to":"flood","id":")" + std::to_string(sent) + "\"}",
+                          false, 0);
+        const auto before = flood.count("flood");
+        wait_until([&] { return flood.count("flood") > before; });
+        const auto begin = Clock::now();
+        const auto answer = http.ask(stop);
+        took.push_back(Milliseconds(Clock::now() - begin).count());
+        if (nlohmann::json::parse(answer)["boards"]["uno1"]["status"] != "ok")
+            throw std::runtime_error(answer);
+        if (!wait_until([&] { return flood.count("flood") == sent; }, std::chrono::seconds(30)))
+            throw std::runtime_error("commands without an answer");
+        http.ask(stop);
+    }
+    std::printf(
+        "stop, from its POST to the proof that the board executed it, of %d: p50 %.1f ms, slowest %.1f ms\n",
+        kStops, median(took), *std::max_element(took.begin(), took.end()));
+    row("stop under 10,000 queued commands, p99", summary(took).p99, "ms", 100, 50);
+}
+
+}  // namespace
+
+int main() {
+    try {
+        {
+            Bus bus;
+            Uno uno("asip_uno_services", R"({"kind":"button","name":"button","pin":2})");
+            Agent agent(bus.broker, uno.port());
+            bus.wait_online(agent);
+            HttpConnection http(bus.gateway.port());
+            if (http.ask(http_request("POST", "/api/boards/uno1/services/io/commands/mode",
+                                      R"([13,"output"])"))
+                    .empty())
+                throw std::runtime_error("pin 13 is no output");
+            commands(bus);
+            values(bus, uno);
+        }
+        stops();
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "bench_gateway_commands: %s\n", error.what());
+        return 1;
+    }
+}
