@@ -66,7 +66,7 @@ class Boards extends Part {
       else head.removeAttribute("aria-sort");
     });
     this.grid.setAttribute("aria-rowcount", this.rows.length + 1);
-    this.filler.style.height = `${this.rows.length * this.row_height}px`;
+    this.filler.style.height = this.scroll.style.height = `${this.rows.length * this.row_height}px`;
     this.empty.hidden = this.rows.length > 0;
     this.grid.hidden = this.rows.length === 0;
     set_text(this.empty, this.empty_text(catalogue));

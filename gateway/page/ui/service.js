@@ -120,7 +120,7 @@ class Service extends Part {
         set_text(box, with_unit(number.value, number.unit));
       }
       const age = Date.now() - event.at;
-      set_text(event.age, age < 2000 ? "now" : `${duration_text(age)} ago`);
+      set_text(event.age, age < 2000 ? "just now" : `${duration_text(age)} ago`);
     }
     if (this.left_out > 0) set_text(this.note, `${plural(this.left_out, "value")} left out: this browser is too slow for all of them.`);
   }

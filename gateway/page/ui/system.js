@@ -62,7 +62,8 @@ function since_text(value) {
 function facts_of(object, prefix = "") {
   return Object.entries(object ?? {}).flatMap(([name, value]) => {
     if (value !== null && typeof value === "object") return facts_of(value, `${prefix}${name} `);
-    return typeof value === "number" && value !== 0 ? [[words(prefix + name), value.toLocaleString("en", { maximumFractionDigits: 1 })]] : [];
+    if (name === "uptime") return [["Runs for", duration_text(value * 1000)]];
+    return typeof value === "number" && value !== 0 && name !== "seq" ? [[words(prefix + name), value.toLocaleString("en", { maximumFractionDigits: 1 })]] : [];
   });
 }
 
