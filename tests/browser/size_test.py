@@ -7,7 +7,15 @@ import unittest
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "gateway" / "page"
 LIMIT = 80_000
-AIM = 45_000
+AIM = 40_000
+
+
+def served(name, content):
+    """As cmake/AsipEmbedPage.cmake builds it into the program."""
+    if name.endswith((".js", ".css")):
+        for pattern in (rb"(?m)^[ \t]+", rb"(?m)^//.*$", rb"(?m)[ \t]+// [^\"'`\n]*$"):
+            content = re.sub(pattern, b"", content)
+    return gzip.compress(content, 9, mtime=0)
 
 
 class Size(unittest.TestCase):
@@ -16,7 +24,7 @@ class Size(unittest.TestCase):
         return {name: (PAGE / name).read_bytes() for name in names}
 
     def test_WholePage_IsSmallWhenCompressed(self):
-        total = sum(len(gzip.compress(content, 9, mtime=0)) for content in self.files().values())
+        total = sum(len(served(name, content)) for name, content in self.files().items())
         print(f"the page is {total} bytes, compressed")
         self.assertLess(total, LIMIT)
         self.assertLess(total, AIM)
