@@ -35,6 +35,7 @@ class Nginx {
 
   private:
     bool serves(const std::string& content) const {
+        std::setvbuf(stdout, nullptr, _IOLBF, 0);
         try {
             return get(port_, "/board").body == content;
         } catch (const std::exception&) {

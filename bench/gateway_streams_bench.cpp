@@ -147,6 +147,7 @@ int main() {
     getrlimit(RLIMIT_NOFILE, &files);
     files.rlim_cur = files.rlim_max;
     setrlimit(RLIMIT_NOFILE, &files);  // the programs that are started inherit it
+    std::setvbuf(stdout, nullptr, _IOLBF, 0);
     try {
         const auto many = measure(1000, 50, std::chrono::seconds(10));
         std::printf("1,000 clients: p50 %.1f ms, slowest %.1f ms; %.1f %% of the values came\n",

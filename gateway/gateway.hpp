@@ -9,6 +9,7 @@
 #include "asip/bus/requester.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/mqtt/message.hpp"
+#include "gateway/api/board_texts.hpp"
 #include "gateway/auth/gate.hpp"
 #include "gateway/commands/commands.hpp"
 #include "gateway/http/server.hpp"
@@ -69,6 +70,7 @@ class Gateway {
     Rates& command_rates() { return command_rates_; }
     const metrics::Histogram& command_durations() const { return durations_; }
     const model::ModelSet& models() const { return models_; }
+    api::BoardTexts& board_texts() { return board_texts_; }
     http::ServerCounters server_counters() const { return port_.server(); }
     const std::string& openapi();
 
@@ -103,6 +105,7 @@ class Gateway {
     Gate gate_;
     Streams streams_;
     Rates command_rates_;
+    api::BoardTexts board_texts_;
     metrics::Histogram durations_;
     bus::Requester requester_;
     std::list<Question> questions_;

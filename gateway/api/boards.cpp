@@ -112,7 +112,7 @@ void get_board(Call& call) {
     if (not_modified(call, etag)) return;
     const auto answer = call.gateway.mirror().find(query, call.now());
     if (!answer || answer->boards.empty()) return void(board_of(call));
-    auto response = json_response(bus::to_json(answer->boards[0]));
+    auto response = text_response(call.gateway.board_texts().text(answer->boards[0]));
     response.headers.emplace_back("ETag", "W/" + etag);
     call.reply.send(std::move(response));
 }
