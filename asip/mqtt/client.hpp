@@ -136,7 +136,7 @@ class Client {
 
     /// Publishes, or queues in order. Of retained messages that wait, the newest of a topic replaces the
     /// older. May be called before start(), and while there is no connection. `priority` decides what is
-    /// dropped first when the queue is full, not the order.
+    /// dropped first when the queue is full; of the order only that Priority::kUrgent leaves ahead of all.
     PublishResult publish(Message message, Priority priority = Priority::kContext);
 
     /// Forgets what is queued and not yet handed over, for a program that announces anew on each connection.

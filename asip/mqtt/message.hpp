@@ -22,11 +22,12 @@ struct Message {
     std::vector<std::pair<std::string, std::string>> user_properties{};
 };
 
-/// What is dropped first when the outgoing queue is full.
+/// What is dropped first when the outgoing queue is full, and what does not wait in it.
 enum class Priority {
     kContext,       ///< what a board reports: the oldest is dropped
     kReply,         ///< answers to commands: not dropped; refused only when the queue is twice as full
     kAnnouncement,  ///< descriptions and states of boards: the same
+    kUrgent,  ///< leaves ahead of all others: a stop and its answer; refused only at three times as full
 };
 
 }  // namespace asip::mqtt

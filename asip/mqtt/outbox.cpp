@@ -9,6 +9,20 @@ std::size_t weight(const Message& message) {
     return message.topic.size() + message.payload.size();
 }
 
+/// So many times as full as the queue may be.
+std::size_t bound_of(Priority priority) {
+    switch (priority) {
+        case Priority::kContext:
+            return 1;
+        case Priority::kUrgent:
+            return 3;
+        case Priority::kReply:
+        case Priority::kAnnouncement:
+            break;
+    }
+    return 2;
+}
+
 }  // namespace
 
 void Outbox::insert(Queue& queue, Queue::iterator before, Entry entry) {
@@ -41,13 +55,14 @@ bool Outbox::push(Message message, Priority priority) {
         erase(context, context.begin());
         ++dropped_;
     }
-    if (!fits(priority == Priority::kContext ? 1 : 2)) return false;
+    if (!fits(bound_of(priority))) return false;
     auto& own = queue(priority);
     insert(own, own.end(), Entry{std::move(message), priority, next_order_++});
     return true;
 }
 
-const Outbox::Queue* Outbox::oldest() const {
+const Outbox::Queue* Outbox::first() const {
+    if (const auto& urgent = queue(Priority::kUrgent); !urgent.empty()) return &urgent;
     const Queue* found = nullptr;
     for (const auto& queue : queues_) {
         if (queue.empty()) continue;
@@ -57,7 +72,7 @@ const Outbox::Queue* Outbox::oldest() const {
 }
 
 Outbox::Entry Outbox::pop() {
-    auto& from = queue(oldest()->front().priority);
+    auto& from = queue(first()->front().priority);
     auto entry = from.front();
     erase(from, from.begin());
     return entry;

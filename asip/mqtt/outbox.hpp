@@ -12,9 +12,9 @@ namespace asip::mqtt {
 
 /// What waits to be published: bounded, in order, dropping what matters least.
 ///
-/// Entries leave in the order they came, whatever their priority. A retained message replaces a waiting one
-/// of the same topic. When `max` is exceeded the oldest context values are dropped; what may not be dropped
-/// is taken up to twice `max` and then refused.
+/// Urgent entries leave first, all others in the order they came, whatever their priority. A retained message
+/// replaces a waiting one of the same topic. When `max` is exceeded the oldest context values are dropped;
+/// what may not be dropped is taken up to twice `max` and then refused, what is urgent up to three times.
 class Outbox {
   public:
     struct Bounds {
@@ -32,10 +32,10 @@ class Outbox {
     /// False: refused.
     bool push(Message message, Priority priority);
 
-    /// The oldest entry. Precondition: !empty().
-    const Entry& front() const { return oldest()->front(); }
+    /// The entry that leaves next. Precondition: !empty().
+    const Entry& front() const { return first()->front(); }
 
-    /// The oldest entry, taken out. Precondition: !empty().
+    /// The same, taken out. Precondition: !empty().
     Entry pop();
 
     /// Returns an entry that was popped but not delivered to its old place; a newer retained message of its
@@ -51,10 +51,11 @@ class Outbox {
 
   private:
     using Queue = std::list<Entry>;
-    static constexpr int kPriorities = 3;
+    static constexpr int kPriorities = 4;
 
-    const Queue* oldest() const;
+    const Queue* first() const;
     Queue& queue(Priority priority) { return queues_[static_cast<int>(priority)]; }
+    const Queue& queue(Priority priority) const { return queues_[static_cast<int>(priority)]; }
     void erase(Queue& queue, Queue::iterator entry);
     void insert(Queue& queue, Queue::iterator before, Entry entry);
 

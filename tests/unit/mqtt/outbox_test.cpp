@@ -32,6 +32,36 @@ TEST(Outbox, DifferentPriorities_LeaveInTheOrderTheyCame) {
     EXPECT_EQ(outbox.bytes(), 0u);
 }
 
+TEST(Outbox, Urgent_LeavesAheadOfAllThatWaitsAndInItsOwnOrder) {
+    Outbox outbox({10, kPlenty});
+    outbox.push(message("c", "1"), Priority::kContext);
+    outbox.push(message("r", "2"), Priority::kReply);
+    outbox.push(message("s", "stopped"), Priority::kUrgent);
+    outbox.push(message("r", "3"), Priority::kReply);
+    outbox.push(message("s", "again"), Priority::kUrgent);
+    EXPECT_EQ(drain(outbox), "stopped again 1 2 3 ");
+}
+
+TEST(Outbox, UrgentNotDelivered_IsPutBackAheadOfTheOthers) {
+    Outbox outbox({10, kPlenty});
+    outbox.push(message("r", "1"), Priority::kReply);
+    outbox.push(message("s", "stopped"), Priority::kUrgent);
+    auto entry = outbox.pop();
+    outbox.push(message("s", "again"), Priority::kUrgent);
+    outbox.put_back(std::move(entry));
+    EXPECT_EQ(drain(outbox), "stopped again 1 ");
+}
+
+TEST(Outbox, FullOfReplies_StillTakesWhatIsUrgent) {
+    Outbox outbox({2, kPlenty});
+    while (outbox.push(message("r", "reply"), Priority::kReply)) {
+    }
+    EXPECT_TRUE(outbox.push(message("s", "stopped"), Priority::kUrgent));
+    EXPECT_TRUE(outbox.push(message("s", "stopped"), Priority::kUrgent));
+    EXPECT_FALSE(outbox.push(message("s", "stopped"), Priority::kUrgent)) << "bounded, too";
+    EXPECT_EQ(outbox.pop().message.payload, "stopped");
+}
+
 TEST(Outbox, Full_DropsTheOldestContextOnly) {
     Outbox outbox({3, kPlenty});
     outbox.push(message("r", "reply"), Priority::kReply);
