@@ -22,7 +22,7 @@ BrokerList::BrokerList(std::vector<BrokerAddress> brokers, Version version, Back
 bool BrokerList::with_v5() const {
     const auto& broker = brokers_[current_];
     return version_ == Version::kV5 ||
-           (version_ == Version::kBest && broker.speaks_v5 && broker.suspicions < kSuspicionsUntilFallback);
+           (version_ == Version::kBest && broker.supports_v5 && broker.suspicions < kSuspicionsUntilFallback);
 }
 
 void BrokerList::accepted() {
@@ -60,7 +60,7 @@ BrokerList::Next BrokerList::failed(const ConnectionEnd& end, bool tried_v5, con
 
 void BrokerList::learn(Broker& broker, const ConnectionEnd& end, bool tried_v5) const {
     broker.unanswered = end.closed_unanswered ? broker.unanswered + 1 : 0;
-    if (end.version_refused) broker.speaks_v5 = false;
+    if (end.version_refused) broker.supports_v5 = false;
     // When 3.1.1 fares no better the suspicion was wrong.
     broker.suspicions = end.closed_unanswered && tried_v5 ? broker.suspicions + 1 : 0;
 }

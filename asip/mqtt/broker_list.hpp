@@ -39,7 +39,7 @@ class BrokerList {
   private:
     struct Broker {
         BrokerAddress address;
-        bool speaks_v5 = true;
+        bool supports_v5 = true;
         int suspicions = 0;           ///< attempts with MQTT 5 in a row that were closed without an answer
         int unanswered = 0;           ///< attempts in a row, with any version, that had no answer
         bool failed_fatally = false;  ///< the last time
