@@ -1,7 +1,5 @@
 #include "agent/application.hpp"
 
-#include <boost/asio/post.hpp>
-
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
 #include "asip/text/wall_time.hpp"
@@ -18,9 +16,6 @@ constexpr Duration kSilentAtStart = std::chrono::milliseconds(3500);
 // What is held is undone before the goodbye; a board that does not answer is not waited for longer.
 constexpr Duration kMakeSafe = std::chrono::milliseconds(500);
 constexpr Duration kLookAgain = std::chrono::milliseconds(5);
-// So many commands are handled in one turn of the loop.
-constexpr std::size_t kAtOnce = 8;
-constexpr auto kCountersEvery = std::chrono::seconds(10);
 
 link::StreamTarget stream_target(const AgentOptions& options) {
     if (options.serial.empty()) return *link::parse_tcp_address(options.tcp);
@@ -89,17 +84,6 @@ int Application::run() {
     return status_;
 }
 
-template <class Call>
-void Application::with_bridge(Call&& call) {
-    if (stopping_) return;
-    Effects effects;
-    call(Clock::now(), effects);
-    perform(effects);
-    if (stopping_) return;
-    clients_.resume();
-    arm_timer();
-}
-
 void Application::perform(Effects& effects) {
     for (const auto& notice : effects.notices) {
         std::vector<log::Field> fields;
@@ -159,105 +143,6 @@ void Application::arm_timer() {
     });
 }
 
-void Application::connect_bus() {
-    mqtt::Options options = options_.mqtt;
-    options.will = bridge_.will();
-    // 10,000 commands at once get as many answers at once; twice this many of them may wait.
-    options.max_queued_messages = 16 * 1024;
-    bus_ = std::make_unique<mqtt::Client>(io_, std::move(options), bus_handlers());
-    for (const auto& filter : bridge_.subscriptions())
-        bus_->subscribe(filter, {.qos = 1, .no_local = false, .retained = true});
-    bus_->start();
-}
-
-mqtt::Client::Handlers Application::bus_handlers() {
-    mqtt::Client::Handlers handlers;
-    handlers.on_connected = [this](const mqtt::Connected& connected) {
-        bus_outage_.over();
-        announcement_taken_ = rejection_told_ = false;
-        rejected_before_ = bus_->counters().rejected;
-        log::info("broker connected",
-                  {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
-        bus_->discard_queued(mqtt::Priority::kAnnouncement);
-        with_bridge([&](Time now, Effects& out) { bridge_.bus_connected(now, connected.client_id, out); });
-        publish_log();
-    };
-    handlers.on_subscribed = [this] {
-        with_bridge([&](Time now, Effects& out) { bridge_.bus_subscribed(now, out); });
-    };
-    handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
-        bridge_.bus_disconnected();
-        bus_failed(failure, true);
-    };
-    handlers.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) {
-        bus_failed(failure, false);
-    };
-    handlers.on_message = [this](const mqtt::Message& message) { message_received(message); };
-    handlers.on_published = [this](const std::string& topic) { note_taken(topic); };
-    handlers.on_subscribe_refused = [](const std::string& filter, const std::string& reason) {
-        log::error("the broker refuses a subscription; asking again", {{"topic", filter}, {"why", reason}});
-    };
-    handlers.on_debug = [this](const std::string& line) {
-        log::trace(line);
-        tell_rejections();  // each has its line
-    };
-    return handlers;
-}
-
-void Application::message_received(const mqtt::Message& message) {
-    const std::string_view topic = message.topic;
-    if (topic.ends_with("/$stop")) {
-        with_bridge([&](Time now, Effects& out) {
-            bridge_.bus_message(message, {.waiting = inbox_.waiting()}, now, out);
-        });
-        if (!message.retain) inbox_.stop();
-        return;
-    }
-    // A renewal has no queue to wait in.
-    const bool command = topic.ends_with("/in") && message.payload.find("\"renew\"") == std::string::npos;
-    if (command) ++arrived_, schedule_turn();
-    if (!command || (inbox_.empty() && arrived_ <= kAtOnce)) {
-        with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, now, out); });
-        return;
-    }
-    inbox_.push(message, Clock::now());
-    if (inbox_.full()) handle_oldest();
-}
-
-void Application::handle_oldest() {
-    const auto entry = inbox_.pop();
-    with_bridge([&](Time now, Effects& out) {
-        bridge_.bus_message(entry.message, {.at = entry.arrived, .stopped = entry.stopped}, now, out);
-    });
-}
-
-void Application::schedule_turn() {
-    if (std::exchange(turn_scheduled_, true)) return;
-    boost::asio::post(io_, [this] { turn(); });
-}
-
-// While messages arrive they are only read: a stop may be among them.
-void Application::turn() {
-    turn_scheduled_ = false;
-    const bool reading = std::exchange(arrived_, 0u) > 0;
-    for (std::size_t i = 0; !reading && i < kAtOnce && !inbox_.empty() && !stopping_; ++i)
-        handle_oldest();
-    if (!inbox_.empty() && !stopping_) schedule_turn();
-}
-
-void Application::bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected) {
-    if (stopping_) return;
-    if (failure.hopeless) {
-        log::error(failure.text, {{"broker", failure.broker.describe()}});
-        return finish(program::kExitBroker);
-    }
-    // Each attempt may fail the same way; once is enough for a person, the rest is for debugging.
-    const auto level =
-        was_connected || bus_outage_.is_news(failure) ? log::Level::kWarning : log::Level::kDebug;
-    log::write(level, was_connected ? "broker lost; connecting again" : "broker not reachable; trying on",
-               {{"broker", failure.broker.describe()}, {"why", failure.text}});
-}
-
 void Application::link_opened(const link::StreamOpened& opened) {
     link_tried_ = true;
     model::LinkInfo info{options_.serial.empty() ? "tcp" : "serial", opened.name,
@@ -282,7 +167,7 @@ void Application::link_failed(const link::StreamError& error, bool first) {
 
 void Application::link_lost(const link::StreamError& error) {
     reset_timer_.cancel();
-    // Opened and closed without a word from the board: as good as not opened.
+    // Opened and closed without a byte from the board: the same as not opened.
     if (bridge_.session().counters().bytes_in == 0) link_failed(error, false);
     with_bridge([&](Time now, Effects& out) { bridge_.link_down(error.text, now, out); });
 }
@@ -298,70 +183,6 @@ void Application::board_silent_at_start() {
         log::info("board silent; restarting it by DTR", {});
         link_.restart_board();
     });
-}
-
-void Application::report_counters() {
-    counters_timer_.expires_after(kCountersEvery);
-    counters_timer_.async_wait([this](boost::system::error_code error) {
-        if (error || stopping_) return;
-        if (bus_) {
-            const auto counters = bus_->counters();
-            if (std::exchange(told_dropped_, counters.dropped_context) != counters.dropped_context) {
-                log::warning("the broker is slower than the board; oldest values dropped",
-                             {{"dropped", counters.dropped_context}});
-            }
-            if (std::exchange(told_refused_, counters.refused) != counters.refused) {
-                log::warning("the broker is slower than commands come; answers dropped",
-                             {{"dropped", counters.refused}});
-            }
-        }
-        report_counters();
-    });
-}
-
-void Application::publish_statistics(Duration after) {
-    statistics_timer_.expires_after(after);
-    statistics_timer_.async_wait([this](boost::system::error_code error) {
-        if (error || stopping_) return;
-        if (bus_)
-            with_bridge(
-                [&](Time now, Effects& out) { bridge_.publish_statistics(bus_->counters(), now, out); });
-        publish_statistics(options_.statistics);
-    });
-}
-
-void Application::publish_log() {
-    if (!bus_ || !bridge_.may_publish()) return;
-    const bus::Topics topics(options_.bridge.topic_root);
-    for (auto& line : log_feed_.take()) {
-        mqtt::Message message;
-        message.topic = topics.log(bridge_.name());
-        message.payload = std::move(line);
-        bus_->publish(std::move(message), mqtt::Priority::kContext);
-    }
-}
-
-void Application::note_taken(const std::string& topic) {
-    const auto known = bus::Topics(options_.bridge.topic_root).parse(topic);
-    if (known && known->kind == bus::TopicKind::kDescription) announcement_taken_ = true;
-}
-
-void Application::tell_rejections() {
-    if (!bus_ || rejection_told_ || bus_->counters().rejected == rejected_before_) return;
-    rejection_told_ = true;
-    const std::string& root = options_.bridge.topic_root;
-    const std::string& board = bridge_.name();
-    if (announcement_taken_) {
-        log::warning("the broker refuses some of what this agent publishes; look at its access control",
-                     {{"board", board}, {"refused", bus_->counters().rejected - rejected_before_}});
-        return;
-    }
-    log::warning(
-        "the broker's access control denied announcing board " + board +
-            "; nobody will find it. Allow this agent's user to write " + root + "/servicebus, " + root +
-            "/servicebus/$probe, " + root + "/servicebus/" + board + "/# and " + root + "/" + board +
-            "/#; with the rules that ASIP ships, connect with a user named like the board: --user " + board,
-        {{"user", options_.mqtt.user}});
 }
 
 void Application::stop() {

@@ -18,7 +18,7 @@
 
 namespace asip::agent {
 
-/// The program: owns the bridge and what carries it, and does what the bridge says.
+/// The program: owns the bridge and what carries it, and performs what the bridge asks for.
 class Application {
   public:
     explicit Application(AgentOptions options);
@@ -51,8 +51,8 @@ class Application {
     void handle_oldest();
     void schedule_turn();
     void turn();
-    void note_taken(const std::string& topic);
-    void tell_rejections();
+    void note_published(const std::string& topic);
+    void log_rejections();
 
     AgentOptions options_;
     boost::asio::io_context io_{1};
@@ -72,11 +72,11 @@ class Application {
     bool turn_scheduled_ = false;
     Outage outage_;
     std::optional<Time> armed_for_;
-    std::uint64_t told_dropped_ = 0;
-    std::uint64_t told_refused_ = 0;
-    std::uint64_t rejected_before_ = 0;  // by the broker, before this connection
-    bool announcement_taken_ = false;    // over this connection
-    bool rejection_told_ = false;        // of this connection
+    std::uint64_t logged_dropped_ = 0;
+    std::uint64_t logged_refused_ = 0;
+    std::uint64_t rejected_before_ = 0;    // by the broker, before this connection
+    bool announcement_published_ = false;  // over this connection
+    bool rejection_logged_ = false;        // of this connection
     mqtt::Outage bus_outage_;
     bool board_ever_known_ = false;
     bool link_tried_ = false;
@@ -84,5 +84,16 @@ class Application {
     bool stopping_ = false;
     int status_ = 0;
 };
+
+template <class Call>
+void Application::with_bridge(Call&& call) {
+    if (stopping_) return;
+    Effects effects;
+    call(Clock::now(), effects);
+    perform(effects);
+    if (stopping_) return;
+    clients_.resume();
+    arm_timer();
+}
 
 }  // namespace asip::agent

@@ -18,19 +18,19 @@ class Outage {
     /// An attempt failed. True: report it.
     bool failed(link::StreamError::Kind kind, Time now) {
         const bool is_new = kinds_.insert(kind).second;
-        if (!is_new && last_told_ && now < *last_told_ + kRemindEvery) return false;
-        last_told_ = now;
+        if (!is_new && last_logged_ && now < *last_logged_ + kRemindEvery) return false;
+        last_logged_ = now;
         return true;
     }
     /// Bytes came from the board. True: report that the outage is over.
     bool heard() {
         kinds_.clear();
-        return std::exchange(last_told_, std::nullopt).has_value();
+        return std::exchange(last_logged_, std::nullopt).has_value();
     }
 
   private:
     std::set<link::StreamError::Kind> kinds_;
-    std::optional<Time> last_told_;
+    std::optional<Time> last_logged_;
 };
 
 }  // namespace asip::agent

@@ -1,0 +1,183 @@
+// What is between the bridge and the broker: messages in their order, and what is reported of the connection.
+#include <boost/asio/post.hpp>
+
+#include "agent/application.hpp"
+#include "asip/program/exit_status.hpp"
+#include "asip/program/log.hpp"
+
+namespace asip::agent {
+
+namespace log = program::log;
+
+namespace {
+
+// So many commands are handled in one turn of the loop.
+constexpr std::size_t kAtOnce = 8;
+constexpr auto kCountersEvery = std::chrono::seconds(10);
+
+}  // namespace
+
+void Application::connect_bus() {
+    mqtt::Options options = options_.mqtt;
+    options.will = bridge_.will();
+    // 10,000 commands at once get as many answers at once; twice this many of them may wait.
+    options.max_queued_messages = 16 * 1024;
+    bus_ = std::make_unique<mqtt::Client>(io_, std::move(options), bus_handlers());
+    for (const auto& filter : bridge_.subscriptions())
+        bus_->subscribe(filter, {.qos = 1, .no_local = false, .retained = true});
+    bus_->start();
+}
+
+mqtt::Client::Handlers Application::bus_handlers() {
+    mqtt::Client::Handlers handlers;
+    handlers.on_connected = [this](const mqtt::Connected& connected) {
+        bus_outage_.over();
+        announcement_published_ = rejection_logged_ = false;
+        rejected_before_ = bus_->counters().rejected;
+        log::info("broker connected",
+                  {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
+        bus_->discard_queued(mqtt::Priority::kAnnouncement);
+        with_bridge([&](Time now, Effects& out) { bridge_.bus_connected(now, connected.client_id, out); });
+        publish_log();
+    };
+    handlers.on_subscribed = [this] {
+        with_bridge([&](Time now, Effects& out) { bridge_.bus_subscribed(now, out); });
+    };
+    handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
+        bridge_.bus_disconnected();
+        bus_failed(failure, true);
+    };
+    handlers.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) {
+        bus_failed(failure, false);
+    };
+    handlers.on_message = [this](const mqtt::Message& message) { message_received(message); };
+    handlers.on_published = [this](const std::string& topic) { note_published(topic); };
+    handlers.on_subscribe_refused = [](const std::string& filter, const std::string& reason) {
+        log::error("the broker refuses a subscription; asking again", {{"topic", filter}, {"why", reason}});
+    };
+    handlers.on_debug = [this](const std::string& line) {
+        log::trace(line);
+        log_rejections();  // each has its line
+    };
+    return handlers;
+}
+
+void Application::message_received(const mqtt::Message& message) {
+    const std::string_view topic = message.topic;
+    if (topic.ends_with("/$stop")) {
+        with_bridge([&](Time now, Effects& out) {
+            bridge_.bus_message(message, {.waiting = inbox_.waiting()}, now, out);
+        });
+        if (!message.retain) inbox_.stop();
+        return;
+    }
+    // A renewal has no queue to wait in.
+    const bool command = topic.ends_with("/in") && message.payload.find("\"renew\"") == std::string::npos;
+    if (command) ++arrived_, schedule_turn();
+    if (!command || (inbox_.empty() && arrived_ <= kAtOnce)) {
+        with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, now, out); });
+        return;
+    }
+    inbox_.push(message, Clock::now());
+    if (inbox_.full()) handle_oldest();
+}
+
+void Application::handle_oldest() {
+    const auto entry = inbox_.pop();
+    with_bridge([&](Time now, Effects& out) {
+        bridge_.bus_message(entry.message, {.at = entry.arrived, .stopped = entry.stopped}, now, out);
+    });
+}
+
+void Application::schedule_turn() {
+    if (std::exchange(turn_scheduled_, true)) return;
+    boost::asio::post(io_, [this] { turn(); });
+}
+
+// While messages arrive they are only read: a stop may be among them.
+void Application::turn() {
+    turn_scheduled_ = false;
+    const bool reading = std::exchange(arrived_, 0u) > 0;
+    for (std::size_t i = 0; !reading && i < kAtOnce && !inbox_.empty() && !stopping_; ++i)
+        handle_oldest();
+    if (!inbox_.empty() && !stopping_) schedule_turn();
+}
+
+void Application::bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected) {
+    if (stopping_) return;
+    if (failure.hopeless) {
+        log::error(failure.text, {{"broker", failure.broker.describe()}});
+        return finish(program::kExitBroker);
+    }
+    // Each attempt may fail the same way; once is enough for a person, the rest is for debugging.
+    const auto level =
+        was_connected || bus_outage_.is_news(failure) ? log::Level::kWarning : log::Level::kDebug;
+    log::write(level, was_connected ? "broker lost; connecting again" : "broker not reachable; trying on",
+               {{"broker", failure.broker.describe()}, {"why", failure.text}});
+}
+
+void Application::report_counters() {
+    counters_timer_.expires_after(kCountersEvery);
+    counters_timer_.async_wait([this](boost::system::error_code error) {
+        if (error || stopping_) return;
+        if (bus_) {
+            const auto counters = bus_->counters();
+            if (std::exchange(logged_dropped_, counters.dropped_context) != counters.dropped_context) {
+                log::warning("the broker is slower than the board; oldest values dropped",
+                             {{"dropped", counters.dropped_context}});
+            }
+            if (std::exchange(logged_refused_, counters.refused) != counters.refused) {
+                log::warning("the broker is slower than commands come; answers dropped",
+                             {{"dropped", counters.refused}});
+            }
+        }
+        report_counters();
+    });
+}
+
+void Application::publish_statistics(Duration after) {
+    statistics_timer_.expires_after(after);
+    statistics_timer_.async_wait([this](boost::system::error_code error) {
+        if (error || stopping_) return;
+        if (bus_)
+            with_bridge(
+                [&](Time now, Effects& out) { bridge_.publish_statistics(bus_->counters(), now, out); });
+        publish_statistics(options_.statistics);
+    });
+}
+
+void Application::publish_log() {
+    if (!bus_ || !bridge_.may_publish()) return;
+    const bus::Topics topics(options_.bridge.topic_root);
+    for (auto& line : log_feed_.take()) {
+        mqtt::Message message;
+        message.topic = topics.log(bridge_.name());
+        message.payload = std::move(line);
+        bus_->publish(std::move(message), mqtt::Priority::kContext);
+    }
+}
+
+void Application::note_published(const std::string& topic) {
+    const auto known = bus::Topics(options_.bridge.topic_root).parse(topic);
+    if (known && known->kind == bus::TopicKind::kDescription) announcement_published_ = true;
+}
+
+void Application::log_rejections() {
+    if (!bus_ || rejection_logged_ || bus_->counters().rejected == rejected_before_) return;
+    rejection_logged_ = true;
+    const std::string& root = options_.bridge.topic_root;
+    const std::string& board = bridge_.name();
+    if (announcement_published_) {
+        log::warning("the broker refuses some of what this agent publishes; look at its access control",
+                     {{"board", board}, {"refused", bus_->counters().rejected - rejected_before_}});
+        return;
+    }
+    log::warning(
+        "the broker's access control denied announcing board " + board +
+            "; nobody will find it. Allow this agent's user to write " + root + "/servicebus, " + root +
+            "/servicebus/$probe, " + root + "/servicebus/" + board + "/# and " + root + "/" + board +
+            "/#; with the rules that ASIP ships, connect with a user named like the board: --user " + board,
+        {{"user", options_.mqtt.user}});
+}
+
+}  // namespace asip::agent
