@@ -16,7 +16,7 @@ using program::log::Level;
 namespace {
 
 constexpr Duration kGarbageQuiet = std::chrono::seconds(10);
-constexpr std::size_t kMostHeld = 64;
+constexpr std::size_t kMaxHeldValues = 64;
 
 std::string letters(const session::ServiceTable& services) {
     std::string text;
@@ -110,22 +110,23 @@ void Bridge::on_action(const session::BoardLine& line, Time, Effects& out) {
     if (line.line.is_error()) statistics_.board_error(line.line.error().code);
     if (name_.empty()) return;
     note_facts(line.line);
-    publish_or_hold(line.line, out);
+    publish_or_hold(line.line, line.owner ? control_.sender_of(*line.owner) : std::string(), out);
 }
 
 // Without a bus the newest value of each kind waits; what it replaces would be stale when the bus is back.
-void Bridge::publish_or_hold(const protocol::ParsedLine& line, Effects& out) {
-    if (announcer_->may_publish()) return context_.on_line(name_, line, session_.identity(), services_, out);
+void Bridge::publish_or_hold(const protocol::ParsedLine& line, const std::string& by, Effects& out) {
+    if (announcer_->may_publish())
+        return context_.on_line(name_, line, session_.identity(), services_, out, by);
     if (!line.is_event()) return;
     const auto event = line.event();
     std::string kind{event.service, event.tag};
     // Each port's state is a value of its own.
     if (kind == "Id") kind += event.body.substr(0, event.body.find(','));
-    if (held_.contains(kind) || held_.size() >= kMostHeld) {
+    if (held_.contains(kind) || held_.size() >= kMaxHeldValues) {
         ++superseded_;
         statistics_.value_superseded();
     }
-    if (held_.contains(kind) || held_.size() < kMostHeld) held_[kind] = line;
+    if (held_.contains(kind) || held_.size() < kMaxHeldValues) held_[kind] = line;
 }
 
 void Bridge::start_publishing(Effects& out) {
@@ -236,7 +237,7 @@ std::map<char, int> Bridge::current_periods() const {
     return periods;
 }
 
-// What a description says besides the board's own words: how many elements a service has, and its period.
+// What a description has besides what the board itself reports: how many elements a service has, and its period.
 void Bridge::note_facts(const protocol::ParsedLine& line) {
     if (!line.is_event()) return;
     const auto event = line.event();

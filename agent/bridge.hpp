@@ -81,7 +81,7 @@ class Bridge {
     bool release_holds(Time now, Effects& out);
     /// Whether the board has confirmed all that makes it safe.
     bool is_safe() const { return !safety_.pending(); }
-    /// Ends every open command, says `offline`. Nothing is to be called afterwards.
+    /// Ends every open command, publishes `offline`. Nothing is to be called afterwards.
     void goodbye(Time now, Effects& out);
 
     /// Empty until the board was identified.
@@ -106,7 +106,7 @@ class Bridge {
     void describe_again();
     void note_facts(const protocol::ParsedLine& line);
     void note_settings();
-    void publish_or_hold(const protocol::ParsedLine& line, Effects& out);
+    void publish_or_hold(const protocol::ParsedLine& line, const std::string& by, Effects& out);
     void start_publishing(Effects& out);
     std::map<char, int> current_periods() const;
 

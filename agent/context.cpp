@@ -9,8 +9,8 @@
 namespace asip::agent {
 
 void Context::on_line(const std::string& board, const protocol::ParsedLine& line,
-                      const session::Identity& identity, const session::ServiceTable& services,
-                      Effects& out) {
+                      const session::Identity& identity, const session::ServiceTable& services, Effects& out,
+                      std::string_view by) {
     mqtt::Message raw;
     raw.topic = topics_.board_out(board);
     raw.payload = line.text() + options_.terminator;
@@ -18,11 +18,10 @@ void Context::on_line(const std::string& board, const protocol::ParsedLine& line
 
     if (line.is_error()) {
         const auto error = line.error();
-        return publish_error(topics_, board, service_named(services, error.service),
-                             {{"request", std::string(1, error.tag)},
-                              {"code", error.code},
-                              {"error", std::string(error.text)}},
-                             out);
+        nlohmann::json value{
+            {"request", std::string(1, error.tag)}, {"code", error.code}, {"error", std::string(error.text)}};
+        if (!by.empty()) value["by"] = std::string(by);
+        return publish_error(topics_, board, service_named(services, error.service), value, out);
     }
     if (!line.is_event()) return;
     const auto event = line.event();

@@ -21,8 +21,10 @@ class Context {
     Context(const bus::Topics& topics, ContextOptions options)
         : topics_(topics), options_(std::move(options)) {}
 
+    /// `by`: who sent the request that the line is an error of; empty: not known.
     void on_line(const std::string& board, const protocol::ParsedLine& line,
-                 const session::Identity& identity, const session::ServiceTable& services, Effects& out);
+                 const session::Identity& identity, const session::ServiceTable& services, Effects& out,
+                 std::string_view by = {});
 
   private:
     bus::Topics topics_;

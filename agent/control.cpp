@@ -249,7 +249,8 @@ void Control::execute(std::shared_ptr<Command> command, const std::vector<Line>&
         safety_.queued(*id, line.text, line.safe, services);
         if (command->hold)
             safety_.holds().begin({command->client, command->reply.key(), command->service, line.text,
-                                   line.safe, *command->hold, command->arrived + *command->hold, *id});
+                                   line.safe, *command->hold, command->arrived + *command->hold, *id,
+                                   command->reply.by});
         ++command->open;
         open_.emplace(
             *id,
@@ -276,8 +277,9 @@ bool Control::on_finished(const session::Finished& end, Time now, Effects& out) 
     open_.erase(it);
     const auto report = [&](std::string_view reason, std::string_view error) {
         if (!command->reply.wanted())
-            report_failure(topics_, command->board, request.service, request_of_line(request.line), reason,
-                           error, out);
+            report_failure(topics_, command->board,
+                           {request.service, request_of_line(request.line), reason, error, command->reply.by},
+                           out);
     };
     // The board's own errors are on the error topic already, in the board's words.
     if (end.ending == session::Ending::kTimeout || end.ending == session::Ending::kDoubt)
@@ -330,25 +332,41 @@ std::string Control::answer_json(const Command& command, const protocol::ParsedL
     return model::dump_json(nlohmann::json(line.text()));
 }
 
+std::string Control::sender_of(session::ClientId client) const {
+    std::optional<std::string> by;
+    for (const auto& [id, open] : open_) {
+        if (open.command->client != client) continue;
+        if (by && *by != open.command->reply.by) return {};
+        by = open.command->reply.by;
+    }
+    return by.value_or(std::string());
+}
+
 void Control::refuse(Command& command, std::string_view request, std::string_view reason, std::string text,
                      Effects& out) {
     out.log(program::log::Level::kDebug, "command refused", {{"reason", std::string(reason)}, {"why", text}});
     // An empty payload is how somebody clears a stored command: nothing was asked for.
     if (!command.reply.wanted() && !request.empty())
-        report_failure(topics_, command.board, command.service.empty() ? "io" : command.service, request,
-                       reason, text, out);
+        report_failure(
+            topics_, command.board,
+            {command.service.empty() ? "io" : command.service, request, reason, text, command.reply.by}, out);
     command.outcome = bus::Reply::refused(std::string(reason), std::move(text));
     conclude(command, command.arrived, out);
 }
 
 void Control::report_refused(const std::string& board, std::string_view line, session::Refusal why,
                              const session::ServiceTable& services, Effects& out) const {
-    report_failure(topics_, board, service_of_line(services, line), request_of_line(line),
-                   session::to_string(why), refusal_text(why), out);
+    report_failure(topics_, board,
+                   {service_of_line(services, line),
+                    request_of_line(line),
+                    session::to_string(why),
+                    refusal_text(why),
+                    {}},
+                   out);
 }
 
 void Control::conclude(Command& command, Time now, Effects& out) {
-    // "Refused" is said of what was not executed at all.
+    // "Refused" is only what was not executed at all.
     if (command.outcome.status == bus::Reply::Status::kRefused && command.not_sent < command.lines) {
         const std::string why = std::move(command.outcome.error);
         command.outcome = bus::Reply::timeout(bus::kTimeoutPartly);

@@ -44,6 +44,8 @@ class Control {
     /// A line that came by another way than the bus was refused: reported on the error topic of its service.
     void report_refused(const std::string& board, std::string_view line, session::Refusal why,
                         const session::ServiceTable& services, Effects& out) const;
+    /// Who sent what is open of this client; empty: not known, or several.
+    std::string sender_of(session::ClientId client) const;
     /// Answers that were forgotten before their minute was over.
     std::uint64_t forgotten_answers() const { return recent_.dropped(); }
 

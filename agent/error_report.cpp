@@ -8,7 +8,7 @@
 namespace asip::agent {
 
 namespace {
-constexpr std::size_t kMostOfRequest = 128;
+constexpr std::size_t kMaxRequestShown = 128;
 }
 
 std::string service_named(const session::ServiceTable& services, char letter) {
@@ -25,13 +25,12 @@ void publish_error(const bus::Topics& topics, std::string_view board, std::strin
     out.publish.push_back({std::move(message), mqtt::Priority::kContext});
 }
 
-void report_failure(const bus::Topics& topics, std::string_view board, std::string_view service,
-                    std::string_view request, std::string_view reason, std::string_view error, Effects& out) {
-    publish_error(topics, board, service,
-                  {{"request", std::string(request.substr(0, kMostOfRequest))},
-                   {"reason", std::string(reason)},
-                   {"error", std::string(error)}},
-                  out);
+void report_failure(const bus::Topics& topics, std::string_view board, const Failure& failure, Effects& out) {
+    nlohmann::json value{{"request", std::string(failure.request.substr(0, kMaxRequestShown))},
+                         {"reason", std::string(failure.reason)},
+                         {"error", std::string(failure.error)}};
+    if (!failure.by.empty()) value["by"] = std::string(failure.by);
+    publish_error(topics, board, failure.service, value, out);
 }
 
 }  // namespace asip::agent

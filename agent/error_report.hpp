@@ -17,9 +17,16 @@ std::string service_named(const session::ServiceTable& services, char letter);
 void publish_error(const bus::Topics& topics, std::string_view board, std::string_view service,
                    const nlohmann::json& value, Effects& out);
 
-/// A command that was not executed, for whoever listens, as the one who sent it wants no answer.
-/// `{"request":"W,0,90","reason":"queue-full","error":"..."}`; of a long request the beginning.
-void report_failure(const bus::Topics& topics, std::string_view board, std::string_view service,
-                    std::string_view request, std::string_view reason, std::string_view error, Effects& out);
+/// A command that was not executed.
+struct Failure {
+    std::string_view service;
+    std::string_view request;  ///< of a long one the beginning is reported
+    std::string_view reason;
+    std::string_view error;
+    std::string_view by;  ///< who sent it; empty: not known
+};
+/// Reports it to whoever listens, as the one who sent it wants no answer:
+/// `{"request":"W,0,90","reason":"queue-full","error":"...","by":"anna"}`.
+void report_failure(const bus::Topics& topics, std::string_view board, const Failure& failure, Effects& out);
 
 }  // namespace asip::agent

@@ -27,6 +27,7 @@ class Holds {
         Duration length{};
         Time ends{};
         session::RequestId request = 0;
+        std::string by{};  ///< who sent it; empty: not known
     };
 
     /// False: kMax others are held. To be asked before begin().

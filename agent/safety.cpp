@@ -82,8 +82,9 @@ void Safety::done(const SafeLines::Done& line, Time now, Effects& out) {
 }
 
 void Safety::report(const Holds::Hold& hold, const std::string& text, Effects& out) {
-    out.log(Level::kWarning, "held command undone", {{"command", hold.line}, {"why", text}});
-    report_failure(topics_, board_, hold.service, without_service(hold.line), "not-renewed", text, out);
+    out.log(Level::kWarning, "held command undone", {{"command", hold.line}, {"why", text}, {"by", hold.by}});
+    report_failure(topics_, board_, {hold.service, without_service(hold.line), "not-renewed", text, hold.by},
+                   out);
 }
 
 // --- the board
@@ -126,11 +127,12 @@ void Safety::on_stop(const mqtt::Message& message, std::size_t waiting, const se
             "a stored stop was not executed; clear it by publishing an empty retained message on " +
                 message.topic);
         if (auto reply = bus::reply_message(stop.reply, refused))
-            out.publish.push_back({std::move(*reply), mqtt::Priority::kReply});
+            out.publish.push_back({std::move(*reply), mqtt::Priority::kUrgent});
         return;
     }
     statistics_.stopped();
-    if (stops_.empty()) out.log(Level::kWarning, "stopped by a message", {{"topic", message.topic}});
+    if (stops_.empty())
+        out.log(Level::kWarning, "stopped by a message", {{"topic", message.topic}, {"by", stop.reply.by}});
     std::vector<std::string> lines = outputs_.lines();
     for (const auto& hold : holds_.take_all())
         lines.push_back(hold.safe);
@@ -156,7 +158,7 @@ void Safety::answer(const Stop& stop, bool in_time, Time now, Effects& out) {
     reply.answer = model::dump_json({{"executed", stop.executed}, {"refused", stop.refused}});
     statistics_.answered(reply, stop.reply.wanted(), now - stop.arrived);
     if (auto message = bus::reply_message(stop.reply, reply))
-        out.publish.push_back({std::move(*message), mqtt::Priority::kReply});
+        out.publish.push_back({std::move(*message), mqtt::Priority::kUrgent});
 }
 
 bool Safety::release_all() {

@@ -11,24 +11,10 @@ namespace {
 
 using nlohmann::json;
 
-std::string_view name_of(Reply::Status status) {
-    switch (status) {
-        case Reply::Status::kOk:
-            return "ok";
-        case Reply::Status::kError:
-            return "error";
-        case Reply::Status::kTimeout:
-            return "timeout";
-        case Reply::Status::kRefused:
-            return "refused";
-    }
-    return "refused";
-}
-
 std::optional<Reply::Status> status_named(std::string_view name) {
     using Status = Reply::Status;
     for (const auto status : {Status::kOk, Status::kError, Status::kTimeout, Status::kRefused}) {
-        if (name == name_of(status)) return status;
+        if (name == to_string(status)) return status;
     }
     return std::nullopt;
 }
@@ -45,6 +31,20 @@ std::string dump(const json& value) {
 }
 
 }  // namespace
+
+std::string_view to_string(Reply::Status status) {
+    switch (status) {
+        case Reply::Status::kOk:
+            return "ok";
+        case Reply::Status::kError:
+            return "error";
+        case Reply::Status::kTimeout:
+            return "timeout";
+        case Reply::Status::kRefused:
+            return "refused";
+    }
+    return "refused";
+}
 
 std::string ReplyTo::key() const {
     return id.empty() ? correlation : id;
@@ -83,7 +83,7 @@ Reply Reply::refused(std::string reason, std::string error) {
 std::string to_json_text(const Reply& reply) {
     json object;
     if (!reply.id.empty()) object["id"] = reply.id;
-    object["status"] = name_of(reply.status);
+    object["status"] = to_string(reply.status);
     if (!reply.proof.empty()) object["proof"] = reply.proof;
     if (!reply.answer.empty()) {
         auto answer = model::json_depth_within(reply.answer, kMaxJsonDepth)
@@ -94,6 +94,7 @@ std::string to_json_text(const Reply& reply) {
     if (reply.status == Reply::Status::kError) object["code"] = reply.code;
     if (!reply.reason.empty()) object["reason"] = reply.reason;
     if (!reply.error.empty()) object["error"] = reply.error;
+    if (!reply.by.empty()) object["by"] = reply.by;
     return dump(object);
 }
 
@@ -109,6 +110,7 @@ Expected<Reply> parse_reply(std::string_view text) {
     reply.proof = text_member(object, "proof");
     reply.error = text_member(object, "error");
     reply.reason = text_member(object, "reason");
+    reply.by = text_member(object, "by");
     if (const auto code = object.find("code"); code != object.end() && code->is_number_integer()) {
         const auto number = code->get<std::int64_t>();
         if (number >= 0 && number <= std::numeric_limits<int>::max()) reply.code = static_cast<int>(number);
@@ -120,6 +122,7 @@ Expected<Reply> parse_reply(std::string_view text) {
 std::optional<mqtt::Message> reply_message(const ReplyTo& to, Reply reply) {
     if (!to.wanted()) return std::nullopt;
     reply.id = to.id;
+    reply.by = to.by;
     mqtt::Message message;
     message.topic = to.topic;
     message.payload = to_json_text(reply);

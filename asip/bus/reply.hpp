@@ -13,6 +13,8 @@ struct ReplyTo {
     std::string topic;        ///< empty: no answer is wanted
     std::string correlation;  ///< MQTT 5 correlation data, sent back as it came
     std::string id;           ///< the requester's `id`, sent back inside the JSON
+    /// Who asks, as the requester says (a gateway: the name of the token); sent back inside the JSON.
+    std::string by{};
 
     bool wanted() const { return !topic.empty(); }
 
@@ -43,6 +45,7 @@ struct Reply {
     int code = 0;          ///< ASIP error number
     std::string error{};   ///< for a person
     std::string reason{};  ///< one of the words below
+    std::string by{};      ///< ReplyTo::by
 
     static Reply ok(std::string proof, std::string answer = {});
     static Reply board_error(int code, std::string error);
@@ -53,6 +56,9 @@ struct Reply {
     bool succeeded() const { return status == Status::kOk; }
     friend bool operator==(const Reply&, const Reply&) = default;
 };
+
+/// "ok", "error", "timeout" or "refused". Static storage.
+std::string_view to_string(Reply::Status status);
 
 /// Reasons of Reply::kRefused that every program knows.
 inline constexpr std::string_view kRefusedQueueFull = "queue-full";
@@ -82,8 +88,8 @@ std::string to_json_text(const Reply& reply);
 /// for anything that is not a JSON object with a known `status`.
 Expected<Reply> parse_reply(std::string_view text);
 
-/// The message that carries `reply` (its id filled in from `to`) to the topic in `to`, with QoS 1; nothing
-/// when no answer is wanted.
+/// The message that carries `reply` (its id and `by` filled in from `to`) to the topic in `to`, with QoS 1;
+/// nothing when no answer is wanted.
 std::optional<mqtt::Message> reply_message(const ReplyTo& to, Reply reply);
 
 }  // namespace asip::bus

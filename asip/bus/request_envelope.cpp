@@ -26,7 +26,18 @@ Unexpected<BadRequest> bad(ReplyTo reply, std::string error) {
     return Unexpected<BadRequest>(BadRequest{std::move(reply), std::move(error)});
 }
 
-/// Moves `reply_to` and `id` out of the object; the reason when they cannot be used.
+std::string cut_name(std::string name) {
+    name.resize(std::min(name.size(), kMaxByBytes));
+    return name;
+}
+
+std::string property_by(const mqtt::Message& request) {
+    for (const auto& [name, value] : request.user_properties)
+        if (name == "by") return cut_name(value);
+    return {};
+}
+
+/// Moves `reply_to`, `id` and `by` out of the object; the reason when they cannot be used.
 std::string take_reply_members(json& object, ReplyTo& reply) {
     if (const auto id = object.find("id"); id != object.end()) {
         if (!id->is_string() && !id->is_number()) return "\"id\" must be a string or a number";
@@ -42,6 +53,10 @@ std::string take_reply_members(json& object, ReplyTo& reply) {
         if (!reply.wanted()) reply.topic = topic->get<std::string>();
         object.erase(topic);
     }
+    if (const auto by = object.find("by"); by != object.end() && by->is_string()) {
+        if (reply.by.empty()) reply.by = cut_name(by->get<std::string>());
+        object.erase(by);
+    }
     return {};
 }
 
@@ -53,11 +68,12 @@ std::string RequestEnvelope::shown() const {
 
 Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request) {
     RequestEnvelope envelope;
+    envelope.reply.by = property_by(request);
     if (!request.response_topic.empty()) {
         if (!valid_reply_topic(request.response_topic))
-            return bad({}, "the response topic cannot be published on");
+            return bad(std::move(envelope.reply), "the response topic cannot be published on");
         if (request.correlation.size() > kMaxCorrelationBytes)
-            return bad({}, "the correlation data is too long");
+            return bad(std::move(envelope.reply), "the correlation data is too long");
         envelope.reply.topic = request.response_topic;
         envelope.reply.correlation = request.correlation;
     }

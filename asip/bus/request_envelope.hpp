@@ -19,6 +19,7 @@ inline constexpr int kMaxJsonDepth = 16;                ///< of objects and arra
 inline constexpr std::size_t kMaxRequestIdBytes = 128;
 inline constexpr std::size_t kMaxCorrelationBytes = 256;
 inline constexpr std::size_t kMaxReplyTopicBytes = 512;
+inline constexpr std::size_t kMaxByBytes = 64;  ///< of who asks; of a longer name the beginning counts
 /// The shortest and the longest `deadline_ms`: within what time a command is to be answered.
 inline constexpr std::chrono::milliseconds kMinDeadline{50};
 inline constexpr std::chrono::milliseconds kMaxDeadline{60'000};
@@ -33,8 +34,9 @@ struct RequestEnvelope {
         kRaw,   ///< `text` is the request: the payload, or the member of `{"raw":"#,?","id":"..."}`
     };
     Form form = Form::kRaw;
-    nlohmann::json object;  ///< kJson: the object without `reply_to`, `id`, `deadline_ms` and `hold_ms`
-    std::string text;       ///< kRaw: ASIP text
+    /// kJson: the object without `reply_to`, `id`, `by`, `deadline_ms` and `hold_ms`.
+    nlohmann::json object;
+    std::string text;  ///< kRaw: ASIP text
     ReplyTo reply;
     std::optional<std::chrono::milliseconds> deadline;  ///< `deadline_ms`, kMinDeadline to kMaxDeadline
     std::optional<std::chrono::milliseconds> hold;      ///< `hold_ms`, kMinHold to kMaxHold
@@ -51,11 +53,11 @@ struct BadRequest {
 };
 
 /// Takes the envelope off a control payload or registry query. Where both are given, the MQTT 5 response
-/// topic wins over `reply_to`. A payload whose first character after white space is `{` must be a JSON
-/// object, any other is raw text. Refuses: too long, nested too deeply, broken JSON, an `id` that is neither
-/// a string nor a number or too long, a `deadline_ms` or `hold_ms` that is not 50 to 60000, a reply topic
-/// with wildcards, control characters, a leading `$` or too long. Any bytes may be given; whether the message
-/// was retained is the caller's to judge.
+/// topic wins over `reply_to`, and the user property `by` over the member. A payload whose first character
+/// after white space is `{` must be a JSON object, any other is raw text. Refuses: too long, nested too
+/// deeply, broken JSON, an `id` that is neither a string nor a number or too long, a `deadline_ms` or
+/// `hold_ms` that is not 50 to 60000, a reply topic with wildcards, control characters, a leading `$` or too
+/// long. Any bytes may be given; whether the message was retained is the caller's to judge.
 Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request);
 
 }  // namespace asip::bus
