@@ -23,7 +23,7 @@ class StreamChannel : public http::Channel, public OpenStream {
         std::function<Expected<std::unique_ptr<Feed>>(const nlohmann::json& request)> subscribe;
         /// A command; `answer` is called once, at once or later, with the text of the answer.
         std::function<void(const nlohmann::json& request, std::function<void(std::string)> answer)> command;
-        std::size_t max_subscriptions = 64;
+        std::size_t max_subscriptions = 256;
     };
 
     StreamChannel(Streams& streams, Dependencies dependencies, Principal principal, std::string client);
@@ -39,7 +39,7 @@ class StreamChannel : public http::Channel, public OpenStream {
     struct Subscription {
         std::string ref;  // JSON text
         std::unique_ptr<Feed> feed;
-        bool idle = false;  // had nothing; its wake says when that changes
+        bool idle = false;  // had nothing; until its wake
     };
     void answer(std::string text);
     bool fault(const std::string& ref, const std::string& sentence);

@@ -1,6 +1,8 @@
 #pragma once
 #include <charconv>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,5 +29,12 @@ inline std::optional<Place> parse_place(std::string_view text) {
     if (error != std::errc() || rest != end) return std::nullopt;
     return place;
 }
+
+/// Where a reader stood in each of many services. Each counts for itself.
+struct Places {
+    std::string epoch;
+    std::map<std::string, std::uint64_t, std::less<>> services;  ///< "BOARD/SERVICE" -> number
+    std::optional<std::uint64_t> others;  ///< of those not named: the reader had all that there was
+};
 
 }  // namespace asip::gateway

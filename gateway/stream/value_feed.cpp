@@ -30,32 +30,41 @@ ValueFeed::ValueFeed(Values& values, Options options)
       board_(std::move(options.board)),
       service_(std::move(options.service)),
       after_(std::move(options.after)),
+      after_each_(std::move(options.after_each)),
       allowed_(std::move(options.allowed)) {
     if (options.max_hz > 0) {
         interval_ = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / options.max_hz));
     }
-    if (after_) {
-        phase_ = Phase::kLive;
-        const auto* known = values.find(board_, service_);
-        const bool epoch = after_->epoch == values.epoch();
-        const std::uint64_t last = known == nullptr ? 0 : known->last;
-        const bool kept = known == nullptr || after_->number >= last || known->point(after_->number + 1);
-        if (!epoch || after_->number > last || !kept) {
-            reset_reason_ = !epoch ? "another-epoch" : "past-gone";
-            phase_ = Phase::kReset;
-            after_.reset();
-        }
-    }
+    if (after_) resume_one();
+    if (after_each_) resume_each();
     values.add(*this);
+    after_each_.reset();
+}
+
+void ValueFeed::resume_one() {
+    phase_ = Phase::kLive;
+    const auto* known = values_->find(board_, service_);
+    const bool epoch = after_->epoch == values_->epoch();
+    const std::uint64_t last = known == nullptr ? 0 : known->last;
+    const bool kept = known == nullptr || after_->number >= last || known->point(after_->number + 1);
+    if (epoch && after_->number <= last && kept) return;
+    reset_reason_ = epoch ? "past-gone" : "another-epoch";
+    phase_ = Phase::kReset;
+    after_.reset();
+}
+
+void ValueFeed::resume_each() {
+    if (after_each_->epoch != values_->epoch()) {
+        reset_reason_ = "another-epoch";
+        phase_ = Phase::kReset;
+        after_each_.reset();
+    } else if (after_each_->others) {
+        phase_ = Phase::kLive;
+    }
 }
 
 ValueFeed::~ValueFeed() {
-    if (values_ == nullptr) return;
-    for (auto& [service, reading] : readings_) {
-        auto& listeners = service->listeners;
-        listeners.erase(std::remove(listeners.begin(), listeners.end(), this), listeners.end());
-    }
-    values_->remove(*this);
+    if (values_ != nullptr) values_->remove(*this);
 }
 
 bool ValueFeed::exact() const {
@@ -63,18 +72,29 @@ bool ValueFeed::exact() const {
            service_.find_first_of("*?") == std::string::npos;
 }
 
+std::optional<std::uint64_t> ValueFeed::place_of(const ServiceValues& service) const {
+    if (after_) return after_->number;
+    if (!after_each_) return std::nullopt;
+    const auto named = after_each_->services.find(service.board + "/" + service.service);
+    return named == after_each_->services.end() ? after_each_->others : named->second;
+}
+
 void ValueFeed::appeared(ServiceValues& service) {
     if (!bus::matches_pattern(board_, service.board) || !bus::matches_pattern(service_, service.service))
         return;
     if (allowed_ && !allowed_(service.board, service.service)) return;
-    auto& reading = readings_[&service];
     service.listeners.push_back(this);
-    if (after_) {
-        reading.sent = after_->number;
+    if (service.last == 0) return;
+    // A larger number is of a board that was forgotten and came back.
+    if (const auto place = place_of(service); place && *place <= service.last) {
+        if (*place == service.last) return;
+        auto& reading = readings_[&service];
+        reading.sent = *place;
+        reading.resumed = true;
         queue(service, reading);
-    } else {
-        reading.sent = service.last;
-        if (phase_ != Phase::kLive) snapshot_.push_back(&service);
+    } else if (phase_ != Phase::kLive || place) {
+        snapshot_.push_back(&service);
+        if (phase_ == Phase::kLive) phase_ = Phase::kSnapshot;
     }
 }
 
@@ -85,7 +105,9 @@ void ValueFeed::queue(ServiceValues& service, Reading& reading) {
 }
 
 void ValueFeed::arrived(ServiceValues& service, Time now) {
-    auto& reading = readings_[&service];
+    const auto [found, is_new] = readings_.try_emplace(&service);
+    auto& reading = found->second;
+    if (is_new) reading.sent = service.last - 1;
     if (!reading.queued) {
         queue(service, reading);
     } else if (interval_ == Duration{}) {
@@ -108,23 +130,23 @@ void ValueFeed::tick(const Instant& now) {
 bool ValueFeed::next(StreamEvent& event, const Instant& now) {
     if (values_ == nullptr) return false;
     if (phase_ != Phase::kLive && out_.empty()) return next_snapshot(event, now);
-    for (std::size_t turns = ready_.size(); out_.empty() && turns > 0; --turns) {
-        auto* service = ready_.front();
-        ready_.pop_front();
-        auto& reading = readings_[service];
-        reading.queued = false;
-        if (reading.not_before > now.time) {
-            reading.queued = true;
-            ready_.push_back(service);
-            continue;
-        }
-        read_service(*service, reading, now);
-        queue(*service, reading);
-    }
+    for (std::size_t turns = ready_.size(); out_.empty() && turns > 0; --turns)
+        read_next(now);
     if (out_.empty()) return false;
     event = std::move(out_.front());
     out_.pop_front();
     return true;
+}
+
+void ValueFeed::read_next(const Instant& now) {
+    auto* service = ready_.front();
+    ready_.pop_front();
+    auto& reading = readings_[service];
+    if (reading.not_before > now.time) return ready_.push_back(service);
+    reading.queued = false;
+    read_service(*service, reading, now);
+    queue(*service, reading);
+    if (!reading.queued && interval_ == Duration{}) readings_.erase(service);
 }
 
 bool ValueFeed::next_snapshot(StreamEvent& event, const Instant& now) {
@@ -136,11 +158,13 @@ bool ValueFeed::next_snapshot(StreamEvent& event, const Instant& now) {
     if (!snapshot_.empty()) {
         auto* service = snapshot_.front();
         snapshot_.pop_front();
-        readings_[service].sent = service->last;
+        if (const auto waits = readings_.find(service); waits != readings_.end())
+            waits->second.sent = service->last;
+        snapshot_number_ = service->last;
         for (const auto& channel : service->channels) {
             auto data =
                 with_member(data_of(*service, channel), "age", seconds_text(now.time - channel.seen.time));
-            put(0, channel, std::move(data), false);
+            put(service->last, channel, std::move(data), !exact() && &channel == &service->channels.back());
         }
         if (out_.empty()) return next_snapshot(event, now);
         event = std::move(out_.front());
@@ -148,12 +172,8 @@ bool ValueFeed::next_snapshot(StreamEvent& event, const Instant& now) {
         return true;
     }
     phase_ = Phase::kLive;
-    std::uint64_t at = 0;
-    if (exact()) {
-        for (auto& [service, reading] : readings_)
-            at = reading.sent;
-    }
-    event = {"snapshot-end", exact() ? Place{values_->epoch(), at}.text() : std::string(), "{}"};
+    // Of a pattern: the place of services that report for the first time from now on.
+    event = {"snapshot-end", Place{values_->epoch(), exact() ? snapshot_number_ : 0}.text(), "{}"};
     return true;
 }
 
@@ -161,12 +181,13 @@ void ValueFeed::read_service(ServiceValues& service, Reading& reading, const Ins
     if (interval_ != Duration{}) reading.not_before = now.time + interval_;
     const std::uint64_t behind = service.last - reading.sent;
     const auto* point = service.point(reading.sent + 1);
-    if (point == nullptr || (interval_ == Duration{} ? behind > kMaxBehind && !after_ : behind > 1)) {
+    if (point == nullptr ||
+        (interval_ == Duration{} ? behind > kMaxBehind && !reading.resumed : behind > 1)) {
         return newest_of_each(service, reading);
     }
     put(point->number, service.channels[point->channel], service.text(*point), true);
     reading.sent = point->number;
-    if (reading.sent == service.last) after_.reset();  // resumed: from here on as everybody
+    if (reading.sent == service.last) reading.resumed = false;
 }
 
 // The last one carries the place: whoever is cut off before it resumes in front of all of them.

@@ -11,8 +11,8 @@ namespace asip::gateway {
 
 /// The values of the services that match: the last ones with their age, `snapshot-end`, then each new one. A
 /// reader that falls behind by more than kMaxBehind values of a service gets the newest of each of its
-/// events, and `left_out` says how many came between; services are served in the order in which they had
-/// something.
+/// events, and `left_out` is the number of those between; services are served in the order in which they had
+/// something. Memory: 8 bytes for each service that matches, more only for those whose values wait.
 class ValueFeed : public Feed {
   public:
     static constexpr std::uint64_t kMaxBehind = 64;
@@ -21,9 +21,13 @@ class ValueFeed : public Feed {
     struct Options {
         std::string board = "*";  ///< patterns
         std::string service = "*";
-        double max_hz = 0;           ///< newest value of a service at most so often; 0: each
-        std::optional<Place> after;  ///< of one service only: resume behind this
-        Allowed allowed;             ///< empty: everything
+        double max_hz = 0;  ///< newest value of a service at most so often; 0: each
+        /// Of one service only: resume behind this. Where it is gone, `reset` and the state follow.
+        std::optional<Place> after;
+        /// Of patterns: resume each service behind its place. A service without one begins with its last
+        /// values; of what is not kept any more the newest is sent, with `left_out`.
+        std::optional<Places> after_each;
+        Allowed allowed;  ///< empty: everything
     };
 
     ValueFeed(Values& values, Options options);
@@ -38,15 +42,20 @@ class ValueFeed : public Feed {
     struct Reading {
         std::uint64_t sent = 0;  // number of the last point that the reader has, or that one replaced
         bool queued = false;
+        bool resumed = false;  // it gets each value of before, however many
         Time not_before{};
     };
     enum class Phase { kReset, kSnapshot, kSnapshotEnd, kLive };
 
     bool exact() const;
+    void resume_one();
+    void resume_each();
+    std::optional<std::uint64_t> place_of(const ServiceValues& service) const;
     void appeared(ServiceValues& service);
     void arrived(ServiceValues& service, Time now);
     void vanished(ServiceValues& service);
     void queue(ServiceValues& service, Reading& reading);
+    void read_next(const Instant& now);
     bool next_snapshot(StreamEvent& event, const Instant& now);
     void read_service(ServiceValues& service, Reading& reading, const Instant& now);
     void newest_of_each(ServiceValues& service, Reading& reading);
@@ -57,12 +66,14 @@ class ValueFeed : public Feed {
     std::string service_;
     Duration interval_{};
     std::optional<Place> after_;
+    std::optional<Places> after_each_;
     Allowed allowed_;
     Phase phase_ = Phase::kSnapshot;
     std::string_view reset_reason_;
     std::deque<ServiceValues*> snapshot_;
     std::deque<ServiceValues*> ready_;
-    std::unordered_map<ServiceValues*, Reading> readings_;
+    std::unordered_map<ServiceValues*, Reading> readings_;  // without those of which the reader has all
+    std::uint64_t snapshot_number_ = 0;                     // of one service: the last in its snapshot
     std::deque<StreamEvent> out_;
     std::uint64_t left_out_ = 0;
 };

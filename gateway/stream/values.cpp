@@ -14,12 +14,6 @@ using nlohmann::json;
 constexpr std::size_t kPointBytes = sizeof(Point) + sizeof(void*) + 32;  // beside its text, as allocated
 constexpr std::size_t kMaxMergedBytes = 8 * 1024;
 
-std::string key_of(std::string_view board, std::string_view service) {
-    std::string key;
-    key.reserve(board.size() + service.size() + 1);
-    return key.append(board).append("/").append(service);
-}
-
 // What was published, and under which event it counts.
 struct Parsed {
     json value;
@@ -71,15 +65,14 @@ Values::~Values() {
 }
 
 ServiceValues* Values::make(std::string_view board, std::string_view service) {
-    const auto found = services_.find(key_of(board, service));
-    if (found != services_.end()) return found->second.get();
-    if (services_.size() >= limits_.services) return nullptr;
-    auto made = std::make_unique<ServiceValues>();
-    made->board = board;
-    made->service = service;
-    auto* result = made.get();
-    services_.emplace(key_of(board, service), std::move(made));
-    by_board_[std::string(board)].push_back(result);
+    if (auto* found = known(board, service)) return found;
+    if (services_ >= limits_.services) return nullptr;
+    auto& of_board = boards_[std::string(board)];
+    if (of_board.size() >= limits_.of_board) return nullptr;
+    auto* result = of_board.emplace_back(std::make_unique<ServiceValues>()).get();
+    result->board = board;
+    result->service = service;
+    ++services_;
     for (auto* feed : feeds_)
         feed->appeared(*result);
     return result;
@@ -141,43 +134,59 @@ void Values::expire(const Instant& now) {
 }
 
 void Values::forget(std::string_view board) {
-    const auto found = by_board_.find(board);
-    if (found == by_board_.end()) return;
+    const auto found = boards_.find(board);
+    if (found == boards_.end()) return;
     const auto gone = std::move(found->second);
-    by_board_.erase(found);
+    boards_.erase(found);
+    services_ -= gone.size();
     const auto is_gone = [&](ServiceValues* each) {
-        return std::find(gone.begin(), gone.end(), each) != gone.end();
+        return std::any_of(gone.begin(), gone.end(),
+                           [&](const auto& service) { return service.get() == each; });
     };
     arrivals_.erase(std::remove_if(arrivals_.begin(), arrivals_.end(), is_gone), arrivals_.end());
-    for (auto* service : gone) {
+    for (const auto& service : gone) {
         for (const auto& point : service->points)
             bytes_ -= kPointBytes + point.json.size();
         for (auto* feed : service->listeners)
             feed->vanished(*service);
-        services_.erase(key_of(service->board, service->service));
     }
 }
 
 const ServiceValues* Values::find(std::string_view board, std::string_view service) const {
-    const auto found = services_.find(key_of(board, service));
-    return found == services_.end() ? nullptr : found->second.get();
+    return known(board, service);
+}
+
+ServiceValues* Values::known(std::string_view board, std::string_view service) const {
+    const auto found = boards_.find(board);
+    if (found == boards_.end()) return nullptr;
+    for (const auto& each : found->second)
+        if (each->service == service) return each.get();
+    return nullptr;
 }
 
 void Values::add(ValueFeed& feed) {
     feeds_.push_back(&feed);
     if (feed.exact()) {
-        const auto found = services_.find(key_of(feed.board_, feed.service_));
-        if (found != services_.end()) feed.appeared(*found->second);
+        if (auto* service = known(feed.board_, feed.service_)) feed.appeared(*service);
         return;
     }
-    for (auto& [board, services] : by_board_) {
-        for (auto* service : services)
+    for (auto& [board, services] : boards_) {
+        for (auto& service : services)
             feed.appeared(*service);
     }
 }
 
 void Values::remove(ValueFeed& feed) {
     feeds_.erase(std::remove(feeds_.begin(), feeds_.end(), &feed), feeds_.end());
+    const auto release = [&](ServiceValues& service) { std::erase(service.listeners, &feed); };
+    if (feed.exact()) {
+        if (auto* service = known(feed.board_, feed.service_)) release(*service);
+        return;
+    }
+    for (auto& [board, services] : boards_) {
+        for (auto& service : services)
+            release(*service);
+    }
 }
 
 }  // namespace asip::gateway

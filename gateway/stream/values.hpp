@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "gateway/instant.hpp"
@@ -31,14 +31,44 @@ struct ChannelValue {
     std::string json;
 };
 
+/// A queue in one block: most services have few points, for which std::deque would take ten times as much.
+class Points {
+  public:
+    bool empty() const { return first_ == points_.size(); }
+    std::size_t size() const { return points_.size() - first_; }
+    const Point& operator[](std::size_t i) const { return points_[first_ + i]; }
+    const Point& front() const { return points_[first_]; }
+    const Point& back() const { return points_.back(); }
+    auto begin() const { return points_.begin() + static_cast<std::ptrdiff_t>(first_); }
+    auto end() const { return points_.end(); }
+
+    void push_back(Point point) {
+        if (points_.size() == points_.capacity() && first_ >= points_.size() / 2) close_up();
+        points_.push_back(std::move(point));
+    }
+    void pop_front() {
+        points_[first_++].json = {};
+        if (empty()) points_ = std::vector<Point>(), first_ = 0;
+    }
+
+  private:
+    void close_up() {
+        points_.erase(points_.begin(), begin());
+        first_ = 0;
+    }
+
+    std::vector<Point> points_;  // those before first_ are gone
+    std::size_t first_ = 0;
+};
+
 class ValueFeed;
 
 /// What one service reported lately.
 struct ServiceValues {
     std::string board;
     std::string service;
-    std::uint64_t last = 0;    ///< number of the newest point, 0: none yet
-    std::deque<Point> points;  ///< the newest, consecutive numbers
+    std::uint64_t last = 0;  ///< number of the newest point, 0: none yet
+    Points points;           ///< the newest, consecutive numbers
     std::vector<ChannelValue> channels;
     std::vector<ValueFeed*> listeners;
     std::size_t dropped_ahead = 0;  ///< entries of the order of arrival that are gone already
@@ -58,6 +88,7 @@ struct ValueLimits {
     Duration age = std::chrono::minutes(10);    ///< of a point
     std::size_t bytes = std::size_t{32} << 20;  ///< of all points together
     std::size_t services = 200'000;             ///< beyond these a service's values are not kept
+    std::size_t of_board = 256;                 ///< the same of one board's services
     std::size_t channels = 16;                  ///< different events of a service
 };
 
@@ -78,7 +109,7 @@ class Values {
     /// Null: nothing was heard from it.
     const ServiceValues* find(std::string_view board, std::string_view service) const;
 
-    std::size_t services() const { return services_.size(); }
+    std::size_t services() const { return services_; }
     std::size_t points() const { return arrivals_.size(); }
     std::size_t bytes() const { return bytes_; }
     std::uint64_t received() const { return received_; }
@@ -87,9 +118,8 @@ class Values {
 
   private:
     friend class ValueFeed;
-    using Key = std::string;  // "BOARD/SERVICE"
-
     ServiceValues* make(std::string_view board, std::string_view service);
+    ServiceValues* known(std::string_view board, std::string_view service) const;
     void drop_front(ServiceValues& service);
     void drop_oldest();
     void add(ValueFeed& feed);
@@ -97,8 +127,8 @@ class Values {
 
     std::string epoch_;
     ValueLimits limits_;
-    std::unordered_map<Key, std::unique_ptr<ServiceValues>> services_;
-    std::map<std::string, std::vector<ServiceValues*>, std::less<>> by_board_;
+    std::map<std::string, std::vector<std::unique_ptr<ServiceValues>>, std::less<>> boards_;
+    std::size_t services_ = 0;
     std::deque<ServiceValues*> arrivals_;  // of each point that is kept, in order; see dropped_ahead
     std::vector<ValueFeed*> feeds_;
     std::size_t bytes_ = 0;

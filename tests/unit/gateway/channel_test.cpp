@@ -25,6 +25,7 @@ class ChannelTest : public testing::Test {
                                                                            .service = request["subscribe"],
                                                                            .max_hz = 0,
                                                                            .after = {},
+                                                                           .after_each = {},
                                                                            .allowed = {}});
         };
         dependencies.command = [this](const json& request, std::function<void(std::string)> answer) {

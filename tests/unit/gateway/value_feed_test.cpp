@@ -23,7 +23,12 @@ class ValueFeedTest : public testing::Test {
             report("distance", R"({"distance":[)" + std::to_string(cm) + "]}");
     }
     ValueFeed::Options one() const {
-        return {.board = "uno1", .service = "distance", .max_hz = 0, .after = {}, .allowed = {}};
+        return {.board = "uno1",
+                .service = "distance",
+                .max_hz = 0,
+                .after = {},
+                .after_each = {},
+                .allowed = {}};
     }
     // "value 3 [7]": kind, number of the place ("-" for none), the value.
     static std::string shown(const StreamEvent& event) {
@@ -108,6 +113,120 @@ TEST_F(ValueFeedTest, CutAtEveryEvent_ResumesWithoutGapOrDuplicate) {
     }
 }
 
+// What a reader of a pattern keeps, as documented: the last place of each service.
+struct PatternReader {
+    std::map<std::string, std::vector<std::uint64_t>> seen;  // by "BOARD/SERVICE"; a snapshot's number first
+    Places places{"e1", {}, {}};
+
+    void take(Feed& feed, int limit) {
+        for (StreamEvent event; limit-- > 0 && feed.next(event, at(0ms));) {
+            ASSERT_NE(event.kind, "reset");
+            const auto place = parse_place(event.place);
+            if (event.kind == "snapshot-end") {
+                places.others = place->number;
+            } else {
+                const auto data = json::parse(event.data);
+                const auto service =
+                    data["board"].get<std::string>() + "/" + data["service"].get<std::string>();
+                ASSERT_TRUE(place) << event.data;
+                places.services[service] = place->number;
+                seen[service].push_back(place->number);
+                EXPECT_FALSE(data.contains("left_out")) << event.data;
+            }
+        }
+    }
+};
+
+// Three services, one of which reports for the first time while nobody listens. The connection is cut behind
+// each event in turn, those of the snapshot included.
+TEST_F(ValueFeedTest, PatternCutAtEveryEvent_ResumesEachServiceWithoutGapOrDuplicate) {
+    for (int cut = 0; cut <= 24; ++cut) {
+        Values values("e1");
+        const auto put = [&](const std::string& board, int times) {
+            for (int i = 0; i < times; ++i)
+                values.value(board, "distance", "[1]", false, at(0ms));
+        };
+        const auto options = [] {
+            return ValueFeed::Options{
+                .board = "uno*", .service = "d*", .max_hz = 0, .after = {}, .after_each = {}, .allowed = {}};
+        };
+        put("uno1", 3);
+        put("uno2", 1);
+        PatternReader reader;
+        {
+            ValueFeed first(values, options());
+            reader.take(first, std::min(cut, 3));
+            put("uno1", 5);
+            put("uno2", 5);
+            put("uno3", 5);
+            put("other", 5);
+            reader.take(first, cut - 3);
+        }
+        put("uno3", 2);
+        put("uno4", 3);
+        put("uno1", 100);
+        auto again = options();
+        again.after_each = reader.places;
+        ValueFeed second(values, again);
+        reader.take(second, 1000);
+        put("uno2", 1);
+        put("uno5", 2);
+        reader.take(second, 1000);
+        EXPECT_EQ(reader.seen.count("other/distance"), 0u);
+        for (const auto& [board, last] : std::map<std::string, std::uint64_t>{
+                 {"uno1", 108}, {"uno2", 7}, {"uno3", 7}, {"uno4", 3}, {"uno5", 2}}) {
+            const auto& numbers = reader.seen[board + "/distance"];
+            ASSERT_FALSE(numbers.empty()) << board << ", cut behind " << cut;
+            EXPECT_EQ(numbers.back(), last) << board << ", cut behind " << cut;
+            for (std::size_t i = 1; i < numbers.size(); ++i)
+                EXPECT_EQ(numbers[i], numbers[i - 1] + 1) << board << ", cut behind " << cut;
+            // What was not there when its reader began is read from its first value on.
+            if (board > "uno2" && cut >= 3) {
+                EXPECT_EQ(numbers.front(), 1u) << board << ", cut behind " << cut;
+            }
+        }
+    }
+}
+
+TEST_F(ValueFeedTest, PatternResumedFromWhatIsGone_TheNewestWithTheNumberLeftOut) {
+    Values values("e1", {.points = 5});
+    for (int i = 0; i < 20; ++i)
+        values.value("uno1", "distance", "[1]", false, at(0ms));
+    ValueFeed::Options options{.board = "*",
+                               .service = "*",
+                               .max_hz = 0,
+                               .after = {},
+                               .after_each = Places{"e1", {{"uno1/distance", 3}}, 0},
+                               .allowed = {}};
+    ValueFeed feed(values, options);
+    EXPECT_THAT(read(feed), ElementsAre("value 20 [1] left out 16"));
+}
+
+TEST_F(ValueFeedTest, PatternResumedFromAnotherRun_ResetAndASnapshot) {
+    distances(1, 2);
+    ValueFeed::Options options{.board = "*",
+                               .service = "*",
+                               .max_hz = 0,
+                               .after = {},
+                               .after_each = Places{"e0", {{"uno1/distance", 1}}, 0},
+                               .allowed = {}};
+    ValueFeed feed(values_, options);
+    EXPECT_THAT(read(feed),
+                ElementsAre("reset - another-epoch", R"(value 2 {"distance":[2]})", "snapshot-end 0"));
+}
+
+TEST_F(ValueFeedTest, PatternResumedAfterTheBoardWasForgotten_BeginsWithItsLastValue) {
+    distances(1, 2);
+    ValueFeed::Options options{.board = "*",
+                               .service = "*",
+                               .max_hz = 0,
+                               .after = {},
+                               .after_each = Places{"e1", {{"uno1/distance", 57}}, 0},
+                               .allowed = {}};
+    ValueFeed feed(values_, options);
+    EXPECT_THAT(read(feed), ElementsAre(R"(value 2 {"distance":[2]})", "snapshot-end 0"));
+}
+
 TEST_F(ValueFeedTest, ResumeFromAnotherRun_ResetWithAReasonAndASnapshot) {
     distances(1, 2);
     auto options = one();
@@ -186,7 +305,7 @@ TEST_F(ValueFeedTest, Pattern_ServicesThatComeLaterBelongToIt) {
     options.board = "u*";
     options.service = "*";
     ValueFeed feed(values_, options);
-    EXPECT_THAT(read(feed), ElementsAre("snapshot-end -"));
+    EXPECT_THAT(read(feed), ElementsAre("snapshot-end 0"));
     report("distance", "[1]");
     report("servo", "[2]");
     values_.value("mega", "servo", "[3]", false, at(0ms));
@@ -199,7 +318,7 @@ TEST_F(ValueFeedTest, NotAllowed_IsAsIfItWereNotThere) {
     options.allowed = [](std::string_view, std::string_view service) { return service == "servo"; };
     report("distance", "[1]");
     ValueFeed feed(values_, options);
-    EXPECT_THAT(read(feed), ElementsAre("snapshot-end -"));
+    EXPECT_THAT(read(feed), ElementsAre("snapshot-end 0"));
     report("servo", "[2]");
     report("distance", "[3]");
     EXPECT_THAT(read(feed), ElementsAre("value 1 [2]"));
