@@ -30,7 +30,7 @@ model::ModelSet models_of(const std::string& folder) {
     return models;
 }
 
-// Each connection needs one; what the system allows at most is there to be used.
+// Each connection needs one: as many as the system allows.
 void allow_many_descriptors() {
     rlimit limit{};
     if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -50,7 +50,9 @@ Application::Application(ProgramOptions options) : options_(std::move(options)),
     auto urgent = mqtt;
     urgent.client_id += "-stop";
     client_ = std::make_unique<mqtt::Client>(io_, std::move(mqtt), handlers());
-    urgent_ = std::make_unique<mqtt::Client>(io_, std::move(urgent), mqtt::Client::Handlers{});
+    mqtt::Client::Handlers answers;
+    answers.on_message = [this](const mqtt::Message& received) { gateway_->message(received); };
+    urgent_ = std::make_unique<mqtt::Client>(io_, std::move(urgent), std::move(answers));
     gateway_ = std::make_unique<Gateway>(options_.gateway, std::move(models), std::move(units_of),
                                          system_random(), random_secret, port());
     read_tokens(true);
@@ -74,9 +76,10 @@ Gateway::Port Application::port() {
     port.publish = [this](mqtt::Message message) {
         return client_->publish(std::move(message), mqtt::Priority::kReply) != mqtt::PublishResult::kRefused;
     };
+    port.urgent_ready = [this] { return urgent_->subscribed(); };
     port.publish_first = [this](mqtt::Message message) {
-        auto& client = urgent_->connected() ? urgent_ : client_;
-        return client->publish(std::move(message), mqtt::Priority::kReply) != mqtt::PublishResult::kRefused;
+        auto& client = urgent_->subscribed() ? urgent_ : client_;
+        return client->publish(std::move(message), mqtt::Priority::kUrgent) != mqtt::PublishResult::kRefused;
     };
     port.subscribe = [this](std::string filter, bool retained) {
         mqtt::SubscribeOptions subscription;
@@ -150,6 +153,7 @@ int Application::run() {
     mqtt::SubscribeOptions replies;
     replies.qos = 1;
     client_->subscribe(options_.gateway.reply_base + "/+", replies);
+    urgent_->subscribe(Commands::urgent_replies(options_.gateway.reply_base) + "/+", replies);
     client_->start();
     urgent_->start();
     server_->start();

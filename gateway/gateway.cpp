@@ -1,5 +1,7 @@
 #include "gateway/gateway.hpp"
 
+#include "asip/program/log.hpp"
+#include "asip/text/printable.hpp"
 #include "gateway/api/routes.hpp"
 #include "gateway/stream/value_feed.hpp"
 
@@ -7,6 +9,19 @@ namespace asip::gateway {
 namespace {
 
 constexpr Duration kRegistryTime = std::chrono::seconds(3);
+constexpr std::size_t kMaxRequestShown = 200;
+
+// Who did what. A renewal is a sign of life, many times a second.
+void log_command(const CommandRecord& record) {
+    if (record.request.starts_with("{\"renew\"")) return;
+    const auto& reply = *record.reply;
+    program::log::info("command", {{"by", record.by},
+                                   {"target", record.target},
+                                   {"request", text::printable(record.request, kMaxRequestShown)},
+                                   {"status", bus::to_string(reply.status)},
+                                   {"reason", reply.reason},
+                                   {"late", record.late}});
+}
 
 Mirror::Options mirror_options(const GatewayOptions& options, registry::UnitsOf units_of) {
     Mirror::Options result;
@@ -35,6 +50,7 @@ Gateway::Gateway(GatewayOptions options, model::ModelSet models, registry::Units
       requester_(random_hex(random, 8), options_.reply_base + "/registry") {
     commands_.on_finished = [this](const CommandRecord& record, Duration time) {
         if (!record.late) durations_.add(std::chrono::duration<double>(time).count());
+        log_command(record);
     };
 }
 
@@ -45,7 +61,7 @@ void Gateway::request(const http::Request& request, const http::Reply& reply) {
 }
 
 const std::string& Gateway::openapi() {
-    if (openapi_.empty()) openapi_ = api::openapi_document(api::routes());
+    if (openapi_.empty()) openapi_ = api::openapi_document(api::routes(), options_.base_path);
     return openapi_;
 }
 
@@ -88,10 +104,12 @@ void Gateway::command(Commands::Start start, Commands::Done done) {
         CommandRecord record{start.id, start.by, start.target, start.payload, now(), {}, false};
         record.reply = bus::Reply::refused(std::move(reason), std::move(error));
         record.reply->id = start.id;
+        record.reply->by = start.by;
         done(record);
     };
     mqtt::Message message;
     const bool urgent = start.urgent;
+    start.answer_first = urgent && port_.urgent_ready();
     switch (commands_.start(start, port_.v5(), now(), done, message)) {
         case Commands::Started::kPublish:
             if (urgent)

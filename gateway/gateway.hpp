@@ -30,7 +30,7 @@ struct GatewayOptions {
     Gate::Options gate;
     double commands_per_second = 50;  ///< of one name; bursts of twice as many
     std::size_t streams_per_client = 64;
-    std::size_t subscriptions = 64;  ///< of one WebSocket
+    std::size_t subscriptions = 256;  ///< of one WebSocket
     bool page = true;
     bool metrics = true;
 };
@@ -41,7 +41,9 @@ class Gateway {
   public:
     struct Port {
         std::function<bool(mqtt::Message)> publish;  ///< false: refused
-        /// Ahead of all that waits: over a connection of its own.
+        /// Whether there is a connection for what is urgent, with its answers subscribed.
+        std::function<bool()> urgent_ready;
+        /// Ahead of all that waits: over that connection, or first over the other.
         std::function<bool(mqtt::Message)> publish_first;
         std::function<void(std::string filter, bool retained)> subscribe;
         std::function<void(const std::string& filter)> unsubscribe;

@@ -54,7 +54,10 @@ int make_token(const TokenRequest& request) {
     if (const auto check = Tokens::parse(line); !check) return refuse(check.error());
     if (!append(request.file, line + "\n")) return refuse("cannot write " + request.file);
     std::cout << secret << "\n";
-    std::cerr << "This token is not shown again. Use it as: Authorization: Bearer TOKEN\n";
+    std::cerr << "This token is not shown again. "
+              << (rights->role == Role::kKiosk ? "The link is http://GATEWAY/kiosk/TOKEN/"
+                                               : "Use it as: Authorization: Bearer TOKEN")
+              << "\n";
     return program::kExitOk;
 }
 

@@ -12,7 +12,7 @@ namespace asip::gateway {
 namespace {
 
 constexpr const char* kAbout =
-    "Shows the bus to those who speak HTTP: boards, services and values as resources and live streams, a "
+    "Shows the bus over HTTP: boards, services and values as resources and live streams, a "
     "web\n"
     "page to see and move everything, and metrics. Needs no configuration next to the broker.";
 
@@ -27,7 +27,8 @@ constexpr const char* kExamples =
     "  curl http://127.0.0.1:8080/api/boards\n"
     "      Asks it.\n"
     "\n"
-    "Exit status: 0 told to stop; 1 failed while running; 2 bad option; 3 the broker refused us.";
+    "Exit status: 0 stopped by a signal; 1 failed while running; 2 bad option; 3 the broker refused the "
+    "connection.";
 
 struct Raw {
     program::BrokerOptions broker;

@@ -34,10 +34,10 @@ struct CommandLine {
     std::unique_ptr<TokenRequest> token;  ///< set: make a token and end
 };
 
-/// From command line, environment and configuration file. Error: the exit status; what is to be said was.
+/// From command line, environment and configuration file. Error: the exit status; the reason was printed.
 Expected<CommandLine, int> read_options(int argc, const char* const* argv);
 
-/// What may be done without a token, or the sentence that says why this must not start.
+/// What may be done without a token, or a sentence: why this must not start.
 Expected<void> check_access(ProgramOptions& options, const std::string& anonymous,
                             const std::string& loopback, bool behind_proxy);
 

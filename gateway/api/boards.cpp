@@ -2,6 +2,7 @@
 
 #include "asip/bus/query.hpp"
 #include "asip/model/json.hpp"
+#include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"
 
 namespace asip::gateway::api {
@@ -46,17 +47,6 @@ Expected<bus::Query> query_of(const Call& call, const char* find) {
     return std::get<bus::Query>(*request);
 }
 
-// What the token does not show is as if it were not there.
-void limit_to(const Rights& rights, bus::Answer& answer) {
-    if (!rights.limited()) return;
-    answer.total.reset();
-    std::erase_if(answer.boards, [&](const auto& board) { return !rights.sees_board(board.board); });
-    if (answer.brief)
-        std::erase_if(*answer.brief, [&](const auto& board) { return !rights.sees_board(board.board); });
-    std::erase_if(answer.services,
-                  [&](const auto& each) { return !rights.sees_service(each.board, each.name); });
-}
-
 void list(Call& call, const char* find) {
     const auto query = query_of(call, find);
     if (!query) return send_problem(call, 400, query.error());
@@ -87,7 +77,7 @@ void ask_history(Call& call, const std::string& board) {
         if (!answer->refused.empty()) return reply.send(problem(400, answer->error));
         bus::Answer shown = *answer;
         shown.id.clear();
-        std::erase_if(shown.history, [&](const auto& item) { return !rights.sees_board(item.board); });
+        limit_to(rights, shown);
         reply.send(text_response(bus::encode(shown)));
     });
 }
@@ -110,9 +100,13 @@ void get_board(Call& call) {
     if (call.board().find_first_of("*?") != std::string::npos) return void(board_of(call));
     const auto etag = etag_of(call);
     if (not_modified(call, etag)) return;
-    const auto answer = call.gateway.mirror().find(query, call.now());
+    auto answer = call.gateway.mirror().find(query, call.now());
     if (!answer || answer->boards.empty()) return void(board_of(call));
-    auto response = text_response(call.gateway.board_texts().text(answer->boards[0]));
+    const auto& rights = call.principal.rights;
+    auto& board = answer->boards[0];
+    limit_to(rights, board);
+    auto response = rights.services.empty() ? text_response(call.gateway.board_texts().text(board))
+                                            : json_response(bus::to_json(board));
     response.headers.emplace_back("ETag", "W/" + etag);
     call.reply.send(std::move(response));
 }
@@ -133,7 +127,7 @@ void delete_board(Call& call) {
             return reply.send(problem(503, "no registry answers; it is the registry that forgets boards"));
         if (answer->refused == "alive") return reply.send(problem(409, answer->error));
         if (answer->refused == "unknown-board") return reply.send(problem(404, answer->error));
-        if (!answer->refused.empty()) return reply.send(problem(502, answer->error));
+        if (!answer->refused.empty()) return reply.send(problem(503, answer->error));
         reply.send(json_response({{"forgotten", answer->forgotten}}));
     });
 }

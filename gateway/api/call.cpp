@@ -112,16 +112,16 @@ bool not_modified(const Call& call, const std::string& etag) {
     return true;
 }
 
-Expected<double> number_parameter(const Call& call, std::string_view name, double fallback, double least,
-                                  double most) {
+Expected<double> number_parameter(const Call& call, std::string_view name, double fallback, double min,
+                                  double max) {
     const auto* text = call.request.parameter(name);
     if (text == nullptr) return fallback;
     double value = 0;
     const auto* end = text->data() + text->size();
     const auto [rest, error] = std::from_chars(text->data(), end, value);
-    if (error != std::errc() || rest != end || !(value >= least && value <= most)) {
+    if (error != std::errc() || rest != end || !(value >= min && value <= max)) {
         const auto shown = [](double bound) { return model::dump_json(json(static_cast<long>(bound))); };
-        return fail(std::string(name) + ": must be a number from " + shown(least) + " to " + shown(most));
+        return fail(std::string(name) + ": must be a number from " + shown(min) + " to " + shown(max));
     }
     return value;
 }

@@ -49,7 +49,7 @@ model::ModelPtr model_of(const Call& call, const std::string& board, const std::
 bool not_modified(const Call& call, const std::string& etag);
 
 /// A number within bounds from a query parameter; `fallback` where it is missing. Error: a sentence.
-Expected<double> number_parameter(const Call& call, std::string_view name, double fallback, double least,
-                                  double most);
+Expected<double> number_parameter(const Call& call, std::string_view name, double fallback, double min,
+                                  double max);
 
 }  // namespace asip::gateway::api

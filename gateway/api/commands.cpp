@@ -101,7 +101,7 @@ std::optional<std::pair<int, std::string>> wrong(const model::ModelPtr& model,
                                                  const json& payload) {
     if (!model) {
         if (command == "raw") return std::nullopt;
-        if (service.id.empty()) return std::nullopt;  // announced by name only: whoever has it knows
+        if (service.id.empty()) return std::nullopt;  // only its name is known: it may have any command
         return std::pair(404, "no model describes service " + service.name + ": only \"raw\" can be sent");
     }
     if (model->command(command) == nullptr) {
@@ -226,14 +226,16 @@ void renew(Gateway& gateway, const Principal& principal, const std::string& sess
 
 }  // namespace
 
-void websocket_command(Gateway& gateway, const Principal& principal, const std::string& session,
-                       const json& request, const std::function<void(std::string)>& answer) {
+void websocket_command(Gateway& gateway, const Principal& principal, const std::string& client,
+                       const std::string& session, const json& request,
+                       const std::function<void(std::string)>& answer) {
     std::string id;
     if (const auto found = request.find("id"); found != request.end())
         id = found->is_string() ? found->get<std::string>() : model::dump_json(*found);
     const auto refuse = [&](std::string reason, std::string error) {
         auto reply = bus::Reply::refused(std::move(reason), std::move(error));
         reply.id = id;
+        reply.by = principal.rights.name;
         answer(bus::to_json_text(reply));
     };
     if (!valid_key(id)) {
@@ -261,12 +263,13 @@ void websocket_command(Gateway& gateway, const Principal& principal, const std::
                       "board " + name + " has no service \"" + text::printable(service_name) + "\"");
     if (!gateway.mirror().ready()) return refuse("broker-not-there", "the broker is not connected");
     if (!is_alive(board->state)) return refuse("board-not-there", "board " + name + " is " + board->state);
-    if (!gateway.command_rates().take(principal.rights.name + session, gateway.now().time))
+    if (!gateway.command_rates().take(client, gateway.now().time))
         return refuse("too-many", "too many commands; try again in a moment");
     if (request.contains("renew"))
         return renew(gateway, principal, session_name(session), text, id, request, answer);
     json payload = request;
-    for (const char* member : {"command", "id", "deadline_ms"})
+    // Who asks, and where the answer goes, is ours to say.
+    for (const char* member : {"command", "id", "deadline_ms", "by", "reply_to"})
         payload.erase(member);
     Commands::Start start;
     start.session = session_name(session);

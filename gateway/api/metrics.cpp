@@ -9,6 +9,8 @@ void get_metrics(Call& call) {
     if (!gateway.options().metrics) return send_problem(call, 404, "metrics are turned off");
     const auto& mirror = gateway.mirror();
     const auto& rights = call.principal.rights;
+    if (rights.role == Role::kKiosk)
+        return send_problem(call, 403, "a kiosk sees its boards only, and not what the bus counts");
     metrics::Snapshot snapshot;
     metrics::read_process(snapshot);
     snapshot.server = gateway.server_counters();

@@ -91,14 +91,14 @@ json operation(const Route& route) {
 
 }  // namespace
 
-std::string openapi_document(const std::vector<Route>& routes) {
+std::string openapi_document(const std::vector<Route>& routes, const std::string& base_path) {
     json document{{"openapi", "3.1.0"},
                   {"info",
                    {{"title", "ASIP gateway"},
                     {"version", ASIP_VERSION},
                     {"description", "Boards and services of an ASIP service bus"},
                     {"license", {{"name", "Apache-2.0"}, {"identifier", "Apache-2.0"}}}}},
-                  {"servers", {{{"url", "/"}}}},
+                  {"servers", {{{"url", base_path + "/"}}}},
                   {"security", json::parse(R"([{"token":[]},{"cookie":[]},{}])")},
                   {"components", json::parse(kComponents)}};
     for (const auto& route : routes) {

@@ -10,7 +10,7 @@ inline constexpr std::string_view kComponents = R"json({
   "cookie": {"type": "apiKey", "in": "cookie", "name": "asip", "description": "Set when a browser opens a code"}
 },
 "responses": {
-  "BadRequest": {"description": "The request is wrong; the sentence says how",
+  "BadRequest": {"description": "The request is wrong; the sentence names the fault",
     "content": {"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}}},
   "Unauthorized": {"description": "A token is needed, or the one that was sent is not known",
     "content": {"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}}},
@@ -65,7 +65,7 @@ inline constexpr std::string_view kComponents = R"json({
   "CommandAnswer": {"type": "object", "required": ["status"], "properties": {
     "status": {"type": "string", "enum": ["ok", "error", "timeout", "refused"]}, "id": {"type": "string"},
     "proof": {"type": "string"}, "answer": {}, "code": {"type": "integer"}, "error": {"type": "string"},
-    "reason": {"type": "string"}}},
+    "reason": {"type": "string"}, "by": {"type": "string"}}},
   "Command": {"type": "object", "required": ["id", "target", "by", "at", "request"], "properties": {
     "id": {"type": "string"}, "target": {"type": "string"}, "by": {"type": "string"}, "at": {"type": "string"},
     "request": {}, "late": {"type": "boolean"}, "answer": {"$ref": "#/components/schemas/CommandAnswer"}}},

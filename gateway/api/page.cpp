@@ -70,17 +70,14 @@ void redeem(Gateway& gateway, const http::Request& request, const std::string& c
 
 }  // namespace
 
-void serve_page(Gateway& gateway, const http::Request& request, const http::Reply& reply) {
+void serve_page(Gateway& gateway, const http::Request& request, const http::Reply& reply,
+                const Rights* kiosk) {
     std::string path;
     for (const auto& segment : request.segments)
         path += (path.empty() ? "" : "/") + segment;
-    std::vector<std::string> frames;
-    if (request.segments.size() == 2 && request.segments[0] == "kiosk") {
-        const auto* rights = gateway.gate().tokens().named(request.segments[1]);
-        if (rights != nullptr && rights->role == Role::kKiosk) frames = rights->frames, path.clear();
-    }
     if (path.empty()) {
-        if (const auto* code = request.parameter("code"); code != nullptr && request.method == "GET")
+        const auto* code = request.parameter("code");
+        if (code != nullptr && request.method == "GET" && kiosk == nullptr)
             return redeem(gateway, request, *code, reply);
         path = "index.html";
     }
@@ -94,10 +91,11 @@ void serve_page(Gateway& gateway, const http::Request& request, const http::Repl
     http::Response response;
     response.content_type = type_of(path);
     const auto etag = "\"" + std::string(file->etag) + "\"";
-    response.headers = {{"ETag", etag},
-                        {"Cache-Control", "no-cache"},
-                        {"Vary", "Accept-Encoding"},
-                        {"Content-Security-Policy", policy(frames)}};
+    response.headers = {
+        {"ETag", etag},
+        {"Cache-Control", "no-cache"},
+        {"Vary", "Accept-Encoding"},
+        {"Content-Security-Policy", policy(kiosk == nullptr ? std::vector<std::string>() : kiosk->frames)}};
     if (request.header("if-none-match").find(etag) != std::string_view::npos) {
         response.status = 304;
     } else if (http::accepts_gzip(request)) {

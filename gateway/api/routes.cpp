@@ -21,7 +21,7 @@ std::vector<Parameter> query_parameters(bool boards) {
          R"({"type":"string","enum":["name","-name","state","-state","chip","-chip","sketch","-sketch","last_seen","-last_seen"]})",
          "Order", R"("-name")"},
         {"limit", R"({"type":"integer","minimum":1})", "Items a page, at most 1000", "10"},
-        {"cursor", kText, "Where the next page begins, as the page before said", ""},
+        {"cursor", kText, "`cursor` of the page before", ""},
         {"count", kTruth, "Give `total` even where it costs a scan", "true"}};
     if (boards) {
         result.push_back({"full", kTruth, "Boards with their whole description", "true"});
@@ -41,7 +41,7 @@ const Parameter kHold{"hold_ms", R"({"type":"integer","minimum":50,"maximum":600
 const Parameter kLastEventId{"last_event_id", kText, "As the header Last-Event-ID", ""};
 
 std::vector<Answer> command_answers() {
-    return {{200, "Executed; `proof` says how that is known", "CommandAnswer"},
+    return {{200, "Executed; `proof` names how that is known", "CommandAnswer"},
             fault(400, "Refused: `invalid`"),
             fault(404, "No such board, service or command"),
             fault(409, "Refused: `id-reused` or `stopped`"),
@@ -51,9 +51,9 @@ std::vector<Answer> command_answers() {
             fault(504, "No proof in time: it may or may not have been executed")};
 }
 
-const Answer kNotFound = fault(404, "No such board, service or other thing; the nearest name is said");
+const Answer kNotFound = fault(404, "No such board, service or other thing; the nearest name is in `detail`");
 const Answer kNotReady = fault(503, "The broker is not connected");
-const Answer kTooMany = fault(429, "Too many; Retry-After says when to try again");
+const Answer kTooMany = fault(429, "Too many; Retry-After: when to try again");
 const Answer kUnchanged{304, "Unchanged since the ETag that was sent", ""};
 
 std::vector<Route> make_routes() {
@@ -213,7 +213,9 @@ std::vector<Route> make_routes() {
          Need::kRead,
          {},
          "",
-         {{200, "Metrics", "EventStream", "text/plain; version=0.0.4; charset=utf-8"}},
+         {{200, "Metrics", "EventStream", "text/plain; version=0.0.4; charset=utf-8"},
+          fault(403, "A kiosk sees its boards only"),
+          fault(404, "Metrics are turned off")},
          get_metrics},
         {"GET",
          "/api/models",

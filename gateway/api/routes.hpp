@@ -72,17 +72,19 @@ void get_openapi(Call& call);
 void get_metrics(Call& call);
 void get_healthz(Call& call);
 void get_readyz(Call& call);
-/// `/` and the files of the page.
-void serve_page(Gateway& gateway, const http::Request& request, const http::Reply& reply);
+/// `/` and the files of the page. `kiosk`: whose link it is below; null: none.
+void serve_page(Gateway& gateway, const http::Request& request, const http::Reply& reply,
+                const Rights* kiosk);
 
-std::string openapi_document(const std::vector<Route>& routes);
+std::string openapi_document(const std::vector<Route>& routes, const std::string& base_path);
 
 /// The name of the session to which the ids of a request belong: a level of a topic.
 std::string session_of(const Call& call);
 http::Response response_for(const CommandRecord& record);
 
-/// For `{"command":"uno1/servo",...}` of a WebSocket.
-void websocket_command(Gateway& gateway, const Principal& principal, const std::string& session,
-                       const nlohmann::json& request, const std::function<void(std::string)>& answer);
+/// For `{"command":"uno1/servo",...}` of a WebSocket. `client`: for limits, Call::client().
+void websocket_command(Gateway& gateway, const Principal& principal, const std::string& client,
+                       const std::string& session, const nlohmann::json& request,
+                       const std::function<void(std::string)>& answer);
 
 }  // namespace asip::gateway::api

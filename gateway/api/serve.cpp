@@ -132,16 +132,53 @@ void log_change(const Call& call) {
                           {"target", text::printable(call.request.target, 200)}});
 }
 
-bool within(const std::string& base, http::Request& request) {
-    if (base.empty()) return true;
-    const auto part = base.substr(1);
-    if (request.segments.empty() || request.segments[0] != part) return false;
-    request.segments.erase(request.segments.begin());
+/// A request as it is behind the prefixes of its path.
+struct Inner {
+    http::Request request;
+    std::string prefix;               // "/asip/kiosk/TOKEN"
+    std::optional<std::string> link;  // the token of a kiosk's link
+};
+
+bool take_prefix(Inner& inner, std::size_t levels) {
+    auto& segments = inner.request.segments;
+    if (segments.size() < levels) return false;
+    for (std::size_t i = 0; i < levels; ++i)
+        inner.prefix += "/" + segments[i];
+    segments.erase(segments.begin(), segments.begin() + static_cast<std::ptrdiff_t>(levels));
+    return true;
+}
+
+// Nothing: it is not below the base path.
+std::optional<Inner> inner_of(const http::Request& request, const std::string& base) {
+    Inner inner{request, {}, {}};
+    const auto& segments = inner.request.segments;
+    if (!base.empty() && (segments.empty() || "/" + segments[0] != base || !take_prefix(inner, 1)))
+        return std::nullopt;
+    if (segments.size() >= 2 && segments[0] == "kiosk") {
+        inner.link = segments[1];
+        take_prefix(inner, 2);
+    }
+    return inner;
+}
+
+// The page's own addresses are relative to the folder in which it is.
+bool redirect_to_folder(const Inner& inner, const http::Reply& reply) {
+    const auto& request = inner.request;
+    if (inner.prefix.empty() || !request.segments.empty() || request.folder) return false;
+    const auto question = request.target.find('?');
+    http::Response response;
+    response.status = 308;
+    response.content_type = "text/plain";
+    response.headers = {
+        {"Location",
+         inner.prefix + "/" + (question == std::string::npos ? "" : request.target.substr(question))},
+        {"Cache-Control", "no-store"}};
+    reply.send(std::move(response));
     return true;
 }
 
 void serve_route(Gateway& gateway, const http::Request& request, const http::Reply& reply,
-                 const Expected<Principal, Denied>& principal) {
+                 const Principal& principal, bool link) {
     std::map<std::string, std::string, std::less<>> path;
     std::string methods;
     const auto method = request.method == "HEAD" ? std::string("GET") : request.method;
@@ -152,9 +189,9 @@ void serve_route(Gateway& gateway, const http::Request& request, const http::Rep
                        (route.method == "GET" ? ", HEAD" : "");
             continue;
         }
-        if (!allowed(principal->rights, route.need)) return refuse_right(*principal, reply, route.need);
+        if (!allowed(principal.rights, route.need)) return refuse_right(principal, reply, route.need);
         if (!known_parameters(request, reply, route)) return;
-        Call call{gateway, request, reply, *principal, route, std::move(path)};
+        Call call{gateway, request, reply, principal, route, std::move(path)};
         log_change(call);
         return route.serve(call);
     }
@@ -168,31 +205,32 @@ void serve_route(Gateway& gateway, const http::Request& request, const http::Rep
     }
     const bool api = !request.segments.empty() && request.segments[0] == "api";
     if (api) return reply.send(problem(404, "there is nothing at this address; see /api/openapi.json"));
-    serve_page(gateway, request, reply);
+    serve_page(gateway, request, reply, link ? &principal.rights : nullptr);
 }
 
 }  // namespace
 
 void serve(Gateway& gateway, const http::Request& received, const http::Reply& plain) {
-    const http::Request* request = &received;
-    http::Request inner;
-    if (const auto& base = gateway.options().base_path; !base.empty()) {
-        inner = received;
-        if (!within(base, inner)) return plain.send(problem(404, "the gateway is at " + base + "/"));
-        request = &inner;
-    }
-    const auto reply =
-        finished(plain, {gateway.gate().allowed_origin(*request), http::accepts_gzip(*request)});
-    const auto principal = gateway.gate().admit(*request, gateway.now());
+    const auto& base = gateway.options().base_path;
+    const bool at_root = base.empty() && (received.segments.empty() || received.segments[0] != "kiosk");
+    std::optional<Inner> inner;
+    if (!at_root) inner = inner_of(received, base);
+    if (!at_root && !inner) return plain.send(problem(404, "the gateway is at " + base + "/"));
+    const auto& request = inner ? inner->request : received;
+    const auto reply = finished(plain, {gateway.gate().allowed_origin(request), http::accepts_gzip(request)});
+    const bool link = inner && inner->link;
+    const auto principal = link ? gateway.gate().admit_link(request, *inner->link, gateway.now())
+                                : gateway.gate().admit(request, gateway.now());
     if (!principal) {
         auto response = problem(principal.error().status, principal.error().text);
         if (principal.error().status == 401)
             response.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"asip\"");
         return reply.send(std::move(response));
     }
-    if (request->segments == std::vector<std::string>{""})
+    if (inner && redirect_to_folder(*inner, reply)) return;
+    if (request.segments == std::vector<std::string>{""} || (request.folder && !request.segments.empty()))
         return reply.send(problem(404, "there is nothing at this address"));
-    serve_route(gateway, *request, reply, principal);
+    serve_route(gateway, request, reply, *principal, link);
 }
 
 }  // namespace asip::gateway::api

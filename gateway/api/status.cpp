@@ -70,8 +70,9 @@ void delete_session(Call& call) {
     gate.logins().end(gate.cookie_of(call.request));
     http::Response response;
     response.status = 204;
-    response.headers = {
-        {"Set-Cookie", gate.options().cookie + "=; Max-Age=0; Path=/; HttpOnly; SameSite=Strict"}};
+    response.headers = {{"Set-Cookie", gate.options().cookie +
+                                           "=; Max-Age=0; Path=" + call.gateway.options().base_path +
+                                           "/; HttpOnly; SameSite=Strict"}};
     call.reply.send(std::move(response));
 }
 

@@ -1,6 +1,8 @@
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "asip/model/json.hpp"
+#include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"
 #include "gateway/auth/secret.hpp"
 #include "gateway/stream/channel.hpp"
@@ -11,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-// A new EventSource forgets its own last id: the parameter says it then.
+// A new EventSource forgets its own last id: then the parameter has it.
 Expected<std::optional<Place>> resume_place(const Call& call) {
     std::string text(call.request.header("last-event-id"));
     if (const auto* parameter = call.request.parameter("last_event_id"); parameter != nullptr && text.empty())
@@ -54,13 +56,49 @@ ValueFeed::Allowed allowed_services(const Rights& rights) {
 Expected<std::unique_ptr<Feed>> catalogue_feed(Gateway& gateway, const Rights& rights,
                                                const std::string& board, std::optional<Place> after) {
     auto& mirror = gateway.mirror();
-    return std::make_unique<ChangeFeed>(
+    auto feed = std::make_unique<ChangeFeed>(
         mirror.log(), mirror.read_page(),
         ChangeFeed::Options{board.empty() ? "*" : board, std::move(after), true, allowed_boards(rights)});
+    return limited_feed(std::move(feed), rights);
+}
+
+/// Behind what a stream goes on.
+struct Resume {
+    std::optional<Place> place;
+    std::optional<Places> places;  ///< of each service
+};
+
+Expected<Places> places_of(const json& after) {
+    Places places;
+    std::set<std::string> epochs;
+    for (const auto& [service, text] : after.items()) {
+        const auto place = text.is_string() ? parse_place(text.get_ref<const std::string&>()) : std::nullopt;
+        if (!place) return fail("after: must be a place such as \"1f2e3d4c-17\", or one for each service");
+        epochs.insert(place->epoch);
+        if (service == "*")
+            places.others = place->number;
+        else
+            places.services[service] = place->number;
+    }
+    if (epochs.size() == 1) places.epoch = *epochs.begin();  // of several runs: of none that goes on
+    return places;
+}
+
+Expected<Resume> resume_of(const json& request) {
+    const auto found = request.find("after");
+    if (found == request.end() || *found == json::object()) return Resume{};
+    if (found->is_object()) {
+        auto places = places_of(*found);
+        if (!places) return Unexpected<std::string>(places.error());
+        return Resume{{}, std::move(*places)};
+    }
+    auto place = found->is_string() ? parse_place(found->get_ref<const std::string&>()) : std::nullopt;
+    if (!place) return fail("after: must be a place such as \"1f2e3d4c-17\", or one for each service");
+    return Resume{std::move(place), {}};
 }
 
 Expected<std::unique_ptr<Feed>> value_feed(Gateway& gateway, const Rights& rights, const std::string& target,
-                                           double max_hz, std::optional<Place> after) {
+                                           double max_hz, Resume after) {
     const auto slash = target.find('/');
     if (slash == std::string::npos || target.find('/', slash + 1) != std::string::npos)
         return fail("subscribe: must be \"BOARD/SERVICE\", patterns allowed, or \"$catalogue\"");
@@ -69,10 +107,13 @@ Expected<std::unique_ptr<Feed>> value_feed(Gateway& gateway, const Rights& right
     options.service = target.substr(slash + 1);
     if (options.board.empty() || options.service.empty())
         return fail("subscribe: board and service must not be empty; * is any");
-    if (after && target.find_first_of("*?") != std::string::npos)
-        return fail("after: only of one service, because each counts for itself");
+    if (after.place && target.find_first_of("*?") != std::string::npos)
+        return fail(
+            "after: of a pattern, an object: the place of snapshot-end as \"*\", and the last one of each "
+            "BOARD/SERVICE");
     options.max_hz = max_hz;
-    options.after = std::move(after);
+    options.after = std::move(after.place);
+    options.after_each = std::move(after.places);
     options.allowed = allowed_services(rights);
     return std::make_unique<ValueFeed>(gateway.mirror().values(), std::move(options));
 }
@@ -81,22 +122,21 @@ Expected<std::unique_ptr<Feed>> feed_for(Gateway& gateway, const Rights& rights,
     if (!gateway.mirror().ready()) return fail("the broker is not connected; try again in a moment");
     const auto& target = request["subscribe"];
     if (!target.is_string()) return fail("subscribe: must be a string");
-    std::optional<Place> after;
-    if (const auto found = request.find("after"); found != request.end()) {
-        after = found->is_string() ? parse_place(found->get_ref<const std::string&>()) : std::nullopt;
-        if (!after) return fail("after: must be a place such as \"1f2e3d4c-17\"");
-    }
+    auto after = resume_of(request);
+    if (!after) return Unexpected<std::string>(after.error());
     if (target == "$catalogue") {
         const auto board = request.find("board");
         const bool named = board != request.end() && board->is_string();
-        return catalogue_feed(gateway, rights, named ? board->get<std::string>() : std::string(), after);
+        if (after->places) return fail("after: of $catalogue, the last place, as a string");
+        return catalogue_feed(gateway, rights, named ? board->get<std::string>() : std::string(),
+                              std::move(after->place));
     }
     double max_hz = 0;
     if (const auto found = request.find("max_hz"); found != request.end()) {
         max_hz = found->is_number() ? found->get<double>() : 0;
         if (!(max_hz >= 0.01 && max_hz <= 1000)) return fail("max_hz: must be a number from 0.01 to 1000");
     }
-    return value_feed(gateway, rights, target.get<std::string>(), max_hz, std::move(after));
+    return value_feed(gateway, rights, target.get<std::string>(), max_hz, std::move(*after));
 }
 
 }  // namespace
@@ -119,7 +159,7 @@ void get_service_stream(Call& call) {
     const auto max_hz = number_parameter(call, "max_hz", 0, 0, 1000);
     if (!max_hz) return send_problem(call, 400, max_hz.error());
     auto feed = value_feed(call.gateway, call.principal.rights, call.board() + "/" + call.service(), *max_hz,
-                           std::move(*after));
+                           {std::move(*after), {}});
     if (!feed) return send_problem(call, 400, feed.error());
     start_sse(call, std::move(*feed));
 }
@@ -142,9 +182,9 @@ void get_stream(Call& call) {
     dependencies.subscribe = [&gateway, principal](const json& request) {
         return feed_for(gateway, principal.rights, request);
     };
-    dependencies.command = [&gateway, principal, session](const json& request,
-                                                          std::function<void(std::string)> answer) {
-        websocket_command(gateway, principal, session, request, answer);
+    dependencies.command = [&gateway, principal, client = call.client(), session](
+                               const json& request, std::function<void(std::string)> answer) {
+        websocket_command(gateway, principal, client, session, request, answer);
     };
     dependencies.max_subscriptions = gateway.options().subscriptions;
     call.reply.websocket(std::make_unique<StreamChannel>(gateway.streams(), std::move(dependencies),

@@ -127,6 +127,17 @@ Expected<Principal, Denied> Gate::admit(const http::Request& request, const Inst
     return who(request, now);
 }
 
+Expected<Principal, Denied> Gate::admit_link(const http::Request& request, std::string_view token,
+                                             const Instant& now) const {
+    if (auto denied = wrong_host(request)) return Unexpected<Denied>(std::move(*denied));
+    if (auto denied = wrong_origin(request)) return Unexpected<Denied>(std::move(*denied));
+    if (!is_safe(request)) return Unexpected<Denied>(Denied{403, "a kiosk's link may only read"});
+    const auto* rights = tokens_.find(token);
+    if (rights == nullptr || rights->role != Role::kKiosk || (rights->until && *rights->until <= now.wall))
+        return Unexpected<Denied>(Denied{404, "this link is not valid, or not any more"});
+    return Principal{*rights, Principal::Kind::kToken};
+}
+
 bool Gate::still_admitted(const Principal& principal, const Instant& now) const {
     const auto& rights = principal.rights;
     if (rights.until && *rights.until <= now.wall) return false;

@@ -43,6 +43,10 @@ class Gate {
     const Options& options() const { return options_; }
 
     Expected<Principal, Denied> admit(const http::Request& request, const Instant& now) const;
+    /// The same for what is below `/kiosk/TOKEN/`: the token of a kiosk, and nothing else that the request
+    /// brings, decides what it may; it may read only.
+    Expected<Principal, Denied> admit_link(const http::Request& request, std::string_view token,
+                                           const Instant& now) const;
     /// Whether somebody admitted earlier still is: for open streams. A changed token ends them as well.
     bool still_admitted(const Principal& principal, const Instant& now) const;
     /// The value of our cookie; empty: none.

@@ -21,7 +21,7 @@ std::string_view to_string(Role role);
 /// What somebody may do, and under which name it is logged.
 struct Rights {
     Role role = Role::kNone;
-    bool raw = false;  ///< may send raw lines; an admin may anyway
+    bool raw = false;  ///< may send raw lines, which reach every service; an admin may anyway
     std::string name;
     std::vector<std::string> boards;    ///< patterns; empty: all
     std::vector<std::string> services;  ///< patterns; empty: all
@@ -30,7 +30,9 @@ struct Rights {
 
     bool may_read() const { return role != Role::kNone; }
     bool may_command() const { return role >= Role::kOperator; }
-    bool may_send_raw() const { return role >= Role::kOperator && (raw || role == Role::kAdmin); }
+    bool may_send_raw() const {
+        return role >= Role::kOperator && (raw || role == Role::kAdmin) && services.empty();
+    }
     bool may_forget() const { return role == Role::kAdmin; }
     bool sees_board(std::string_view board) const;
     bool sees_service(std::string_view board, std::string_view service) const;

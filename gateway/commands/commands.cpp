@@ -1,11 +1,15 @@
 #include "gateway/commands/commands.hpp"
 
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "asip/bus/requester.hpp"
+#include "asip/model/json.hpp"
 
 namespace asip::gateway {
 namespace {
+
+constexpr std::string_view kUrgent = "/urgent";
 
 std::string with_deadline(std::string payload, Duration deadline) {
     const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(deadline).count();
@@ -13,7 +17,17 @@ std::string with_deadline(std::string payload, Duration deadline) {
     return payload + (payload.size() > 1 ? "," : "") + "\"deadline_ms\":" + std::to_string(ms) + "}";
 }
 
+// MQTT 3.1.1 has no user properties.
+std::string with_by(std::string payload, const std::string& by) {
+    payload.pop_back();
+    return payload + (payload.size() > 1 ? "," : "") + "\"by\":" + model::dump_json(nlohmann::json(by)) + "}";
+}
+
 }  // namespace
+
+std::string Commands::urgent_replies(const std::string& reply_base) {
+    return reply_base + std::string(kUrgent);
+}
 
 std::string Commands::bus_id(std::string_view session, std::string_view id) {
     return std::string(session).append(".").append(id);
@@ -27,24 +41,25 @@ Commands::Started Commands::start(Start start, bool v5, const Instant& now, Done
     if (found != entries_.end()) {
         auto& entry = found->second;
         if (entry.topic != start.topic || entry.record.request != start.payload) return Started::kIdReused;
-        if (entry.told)
+        if (entry.answered)
             done(entry.record);
         else
             entry.waiting.push_back(std::move(done));
         return Started::kRepeated;
     }
-    if (entries_.size() >= kMaxRecords) return Started::kTooMany;
+    if (entries_.size() >= kMaxRecords + (start.urgent ? kMaxUrgent : 0)) return Started::kTooMany;
     message.topic = start.topic;
     message.qos = 1;
     message.payload = with_deadline(start.payload, start.deadline);
-    const auto reply_topic = reply_base_ + "/" + start.session;
+    const auto reply_topic =
+        (start.answer_first ? urgent_replies(reply_base_) : reply_base_) + "/" + start.session;
     if (v5) {
         message.response_topic = reply_topic;
         message.correlation = key;
     } else {
-        message.payload = bus::with_reply_members(message.payload, reply_topic, key);
+        message.payload = bus::with_reply_members(with_by(message.payload, start.by), reply_topic, key);
     }
-    message.user_properties = {{"by", start.by}};
+    if (!start.by.empty()) message.user_properties = {{"by", start.by}};
     Entry entry;
     entry.record = {start.id, start.by, start.target, start.payload, now, std::nullopt, false};
     entry.topic = start.topic;
@@ -54,15 +69,22 @@ Commands::Started Commands::start(Start start, bool v5, const Instant& now, Done
     return Started::kPublish;
 }
 
+std::string_view Commands::session_of(std::string_view topic) const {
+    if (!topic.starts_with(reply_base_)) return {};
+    topic.remove_prefix(reply_base_.size());
+    if (topic.starts_with(kUrgent)) topic.remove_prefix(kUrgent.size());
+    return topic.starts_with('/') ? topic.substr(1) : std::string_view();
+}
+
 bool Commands::take(const mqtt::Message& message, const Instant& now) {
-    if (!message.topic.starts_with(reply_base_ + "/")) return false;
-    const auto session = message.topic.substr(reply_base_.size() + 1);
+    const auto session = session_of(message.topic);
+    if (session.empty()) return false;
     auto reply = bus::parse_reply(message.payload);
     if (!reply) return false;
     const auto found = entries_.find(message.correlation.empty() ? reply->id : message.correlation);
-    if (found == entries_.end() || !found->first.starts_with(session + ".")) return false;
+    if (found == entries_.end() || !found->first.starts_with(bus_id(session, ""))) return false;
     auto& entry = found->second;
-    if (entry.told && (!entry.record.reply || entry.record.reply->reason != kNoAnswer)) return true;
+    if (entry.answered && (!entry.record.reply || entry.record.reply->reason != kNoAnswer)) return true;
     finish(entry, std::move(*reply), now.time);
     return true;
 }
@@ -70,15 +92,16 @@ bool Commands::take(const mqtt::Message& message, const Instant& now) {
 void Commands::finish(Entry& entry, bus::Reply reply, Time now) {
     using Status = bus::Reply::Status;
     reply.id = entry.record.id;
-    entry.record.late = entry.told;
+    reply.by = entry.record.by;
+    entry.record.late = entry.answered;
     entry.until = now + kKeep;
     auto& counter = reply.status == Status::kOk        ? counters_.ok
                     : reply.status == Status::kError   ? counters_.error
                     : reply.status == Status::kTimeout ? counters_.timeout
                                                        : counters_.refused;
-    if (!entry.told) ++counter;
+    if (!entry.answered) ++counter;
     entry.record.reply = std::move(reply);
-    entry.told = true;
+    entry.answered = true;
     if (on_finished) on_finished(entry.record, now - entry.record.sent.time);
     const auto record = entry.record;
     for (const auto& done : std::exchange(entry.waiting, {}))
@@ -91,7 +114,7 @@ void Commands::tick(const Instant& now) {
         auto& entry = each->second;
         if (entry.until > now.time) {
             ++each;
-        } else if (entry.told) {
+        } else if (entry.answered) {
             each = entries_.erase(each);
         } else {
             overdue.push_back(each->first);

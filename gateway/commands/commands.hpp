@@ -21,7 +21,7 @@ struct CommandRecord {
     std::string request;  ///< the payload without `deadline_ms`
     Instant sent;
     std::optional<bus::Reply> reply;  ///< empty: under way
-    bool late = false;                ///< the answer came after the client was told of a timeout
+    bool late = false;                ///< the answer came after the client had got a timeout
 };
 
 /// Commands from their start until a minute after their answer. Pure: the caller publishes and gives what
@@ -32,6 +32,7 @@ class Commands {
     static constexpr Duration kKeep = std::chrono::seconds(60);
     static constexpr Duration kGrace = std::chrono::milliseconds(500);  ///< for the answer's way back
     static constexpr std::size_t kMaxRecords = 65'536;
+    static constexpr std::size_t kMaxUrgent = 4096;  ///< beyond those
     static constexpr std::size_t kMaxIdBytes = 64;
     static constexpr std::string_view kNoAnswer = "no-answer";  ///< reason: not even the agent answered
 
@@ -43,13 +44,19 @@ class Commands {
         std::string topic;
         std::string payload;  ///< JSON object, without `deadline_ms`
         Duration deadline = std::chrono::seconds(5);
-        bool urgent = false;  ///< passes every queue on the way: a stop
+        bool urgent = false;  ///< a stop: taken when there are too many others
+        /// The answer comes one level below urgent_replies(), past the answers of others: the caller has
+        /// subscribed that over another connection.
+        bool answer_first = false;
     };
     using Done = std::function<void(const CommandRecord&)>;
     enum class Started { kPublish, kRepeated, kIdReused, kTooMany };
 
     /// `reply_base`: reply topics are one level below it.
     explicit Commands(std::string reply_base) : reply_base_(std::move(reply_base)) {}
+
+    /// Where the answers to urgent commands come, one level below.
+    static std::string urgent_replies(const std::string& reply_base);
 
     /// kPublish: `message` is to be published. kRepeated: nothing is, `done` is called with the first one's
     /// answer, now or later. Else `done` is not called.
@@ -76,10 +83,12 @@ class Commands {
         CommandRecord record;
         std::string topic;
         Time until;  // without an answer: the end of waiting; with one: of keeping it
-        bool told = false;
+        bool answered = false;
         std::vector<Done> waiting;
     };
     void finish(Entry& entry, bus::Reply reply, Time now);
+    /// The session whose reply topic this is; empty: none of ours.
+    std::string_view session_of(std::string_view topic) const;
 
     std::string reply_base_;
     std::map<std::string, Entry, std::less<>> entries_;  // by "SESSION.ID"

@@ -90,6 +90,7 @@ bool percent_decode(std::string_view text, bool plus, std::string& decoded) {
 bool split_target(Request& request) {
     std::string_view rest = request.target;
     request.segments.clear();
+    request.folder = false;
     request.query.clear();
     if (rest.empty() || rest.front() != '/') return false;
     const auto question = rest.find('?');
@@ -98,7 +99,7 @@ bool split_target(Request& request) {
     while (!path.empty()) {
         const bool last = path.find('/') == std::string_view::npos;
         if (!add_segment(request, next_part(path, '/'))) return false;
-        if (!last && path.empty()) return false;  // a slash at the end
+        request.folder = !last && path.empty();
     }
     while (!query.empty()) {
         if (!add_parameter(request, next_part(query, '&'))) return false;
@@ -137,6 +138,8 @@ std::string_view reason_phrase(int status) {
             return "See Other";
         case 304:
             return "Not Modified";
+        case 308:
+            return "Permanent Redirect";
         case 400:
             return "Bad Request";
         case 401:

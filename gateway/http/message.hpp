@@ -17,6 +17,7 @@ struct Request {
     std::string method;
     std::string target;                 ///< as received: "/api/boards?limit=10"
     std::vector<std::string> segments;  ///< of the path, percent-decoded: {"api", "boards"}
+    bool folder = false;                ///< the path ends with a slash behind its segments
     std::vector<std::pair<std::string, std::string>> query;    ///< decoded, in order
     std::vector<std::pair<std::string, std::string>> headers;  ///< names in lower case
     std::string body;
@@ -50,8 +51,8 @@ std::string_view reason_phrase(int status);
 std::string head_text(const Response& response, bool keep_alive, bool chunked);
 
 /// Takes `target` apart into segments and query. False: it is no path that a server may look up: not
-/// beginning with a slash, a broken percent escape, control characters, an empty, `.` or `..` segment, or a
-/// decoded slash.
+/// beginning with a slash, a broken percent escape, control characters, an empty (but for the last), `.` or
+/// `..` segment, or a decoded slash.
 bool split_target(Request& request);
 
 /// `%41+b` -> `A b` where `plus` is a blank; false: broken.

@@ -143,7 +143,7 @@ class Server::Impl : public std::enable_shared_from_this<Impl> {
             });
     }
 
-    // No descriptor is left, most likely: one becomes free when a connection ends.
+    // Probably no descriptor is left: one becomes free when a connection ends.
     void pause(Acceptor& acceptor) {
         auto timer = std::make_shared<asio::steady_timer>(io_, std::chrono::milliseconds(100));
         timer->async_wait([self = shared_from_this(), &acceptor, timer](const ErrorCode& error) {

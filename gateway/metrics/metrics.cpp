@@ -16,10 +16,10 @@ struct Named {
     json stats;
 };
 
-std::vector<Named> parsed(const std::vector<std::pair<std::string, std::string>>& all, std::size_t most) {
+std::vector<Named> parsed(const std::vector<std::pair<std::string, std::string>>& all, std::size_t max) {
     std::vector<Named> result;
     for (const auto& [name, text] : all) {
-        if (result.size() == most) break;
+        if (result.size() == max) break;
         auto stats = model::parse_json(text);
         if (stats && stats->is_object()) result.push_back({name, std::move(*stats)});
     }

@@ -20,7 +20,7 @@ namespace asip::gateway {
 
 /// What is known of a registry on the bus.
 struct RegistryInfo {
-    std::string state;  ///< as it said
+    std::string state;  ///< as it publishes it
     std::string stats;  ///< JSON text of its `$stats`; empty: none yet
     Time seen{};
 };

@@ -236,8 +236,8 @@ TEST_F(HeldMotor, StopUnderTenThousandCommands_StopsTheMotorAtOnceAndEachIsAnswe
     ASSERT_TRUE(online()) << agent->errors();
     BusProbe flood(broker.port(), {"flood"});
     BusProbe operator_(broker.port(), {"stopped"});
-    std::vector<milliseconds> took;
-    constexpr std::size_t kRounds = 5;
+    std::vector<milliseconds> took, answered;
+    constexpr std::size_t kRounds = 20;
     for (std::size_t round = 0; round < kRounds; ++round) {
         for (int i = 0; i < 10'000; ++i)
             flood.publish("asip/robot/motors/in",
@@ -253,15 +253,20 @@ TEST_F(HeldMotor, StopUnderTenThousandCommands_StopsTheMotorAtOnceAndEachIsAnswe
         ASSERT_TRUE(wait_until([&] { return robot.switched().size() > before; }));
         took.push_back(std::chrono::duration_cast<milliseconds>(std::chrono::steady_clock::now() - begin));
         ASSERT_TRUE(wait_until([&] { return operator_.count("stopped") == round + 1; }, 60s));
+        answered.push_back(
+            std::chrono::duration_cast<milliseconds>(std::chrono::steady_clock::now() - begin));
         EXPECT_EQ(json::parse(*operator_.last("stopped"))["status"], "ok");
         ASSERT_TRUE(wait_until([&] { return flood.count("flood") == 10'000 * (round + 1); }, 60s))
             << "each is answered once: " << flood.count("flood");
         ask("asip/robot/$stop", "{}");
     }
-    std::sort(took.begin(), took.end());
-    std::cout << "    the motor stopped under 10,000 commands: median " << took[kRounds / 2].count()
-              << " ms, maximum " << took.back().count() << " ms\n";
-    EXPECT_LE(took[kRounds / 2], time_limit(kPromise + kSlack));
+    for (auto& [what, times] :
+         {std::pair{"the motor stopped", &took}, std::pair{"the stop was answered", &answered}}) {
+        std::sort(times->begin(), times->end());
+        std::cout << "    " << what << " under 10,000 commands: median " << (*times)[kRounds / 2].count()
+                  << " ms, maximum " << times->back().count() << " ms\n";
+        EXPECT_LE((*times)[kRounds / 2], time_limit(kPromise + kSlack)) << what;
+    }
 }
 
 }  // namespace

@@ -205,7 +205,7 @@ TEST_F(GatewayAttack, SlowReader_IsNotClosedAndSlowsNobody) {
     std::uint64_t seen = 0, left_out = 0, last = 0;
     while (last < kValues) {
         const auto event = slow.next("value");
-        ASSERT_FALSE(event.kind.empty()) << "still connected, and told the newest";
+        ASSERT_FALSE(event.kind.empty()) << "still connected, and sent the newest";
         const auto data = nlohmann::json::parse(event.data);
         last = data["value"]["n"];
         ++seen;
@@ -263,6 +263,46 @@ TEST(GatewayLimits, StreamsBeyondThem_Are429) {
     EventStream one(gateway.port(), "/api/events");
     EventStream two(gateway.port(), "/api/events");
     EXPECT_EQ(get(gateway.port(), "/api/events").status, 429);
+}
+
+TEST(GatewayOrigins, OneThatIsAllowed_MayCallAndIsNamedAloneInTheAnswer) {
+    MosquittoBroker broker;
+    RunningGateway gateway(broker.address(), {"--allow-origin", "https://dash.example"});
+    ASSERT_TRUE(gateway.ready());
+    const Headers dash{{"Origin", "https://dash.example"}};
+    const auto read = get(gateway.port(), "/api/boards", dash);
+    EXPECT_EQ(read.headers.at("access-control-allow-origin"), "https://dash.example");
+    EXPECT_EQ(read.headers.count("access-control-allow-credentials"), 0u) << "no cookie of ours goes along";
+    EXPECT_EQ(post(gateway.port(), "/api/stop", "{}", dash).status, 200);
+    for (const std::string origin : {"https://dash.example.evil.example", "http://dash.example", "null"}) {
+        EXPECT_EQ(post(gateway.port(), "/api/stop", "{}", {{"Origin", origin}}).status, 403) << origin;
+        EXPECT_EQ(get(gateway.port(), "/api/boards", {{"Origin", origin}})
+                      .headers.count("access-control-allow-origin"),
+                  0u);
+    }
+}
+
+TEST(GatewayBinding, Start_LogsWhatThisMachineMayDoWithoutAToken) {
+    MosquittoBroker broker;
+    RunningGateway open(broker.address());
+    EXPECT_THAT(open.process().errors(), HasSubstr("from this machine=admin"));
+    RunningGateway closed(broker.address(), {"--trusted-proxy"});
+    EXPECT_THAT(closed.process().errors(), HasSubstr("from this machine=none"));
+    EXPECT_EQ(get(closed.port(), "/api/boards").status, 401) << "a proxy's clients are not this machine's";
+}
+
+TEST(GatewayBinding, BasePathOfAProxy_PageAndApiAreBelowIt) {
+    MosquittoBroker broker;
+    RunningGateway gateway(broker.address(), {"--base-path", "/asip"});
+    EXPECT_EQ(get(gateway.port(), "/asip/").status, 200);
+    EXPECT_EQ(get(gateway.port(), "/asip/main.js").status, 200);
+    EXPECT_EQ(get(gateway.port(), "/asip/healthz").status, 200);
+    const auto bare = get(gateway.port(), "/asip?code=x");
+    EXPECT_EQ(bare.status, 308);
+    EXPECT_EQ(bare.headers.at("location"), "/asip/?code=x");
+    EXPECT_EQ(get(gateway.port(), "/asip/api/").status, 404);
+    EXPECT_EQ(get(gateway.port(), "/").status, 404);
+    EXPECT_EQ(get(gateway.port(), "/healthz").status, 404);
 }
 
 TEST(GatewayBinding, ReachableByOthersAndNothingChosen_DoesNotStart) {

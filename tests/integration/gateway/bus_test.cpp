@@ -85,6 +85,57 @@ TEST_F(GatewayBus, Stop_RunsTheSafeFormsAndAnswers) {
     EXPECT_EQ(all.json()["boards"].size(), 1u);
 }
 
+// Who did what: in the envelope, in the answer, on the error topic, in the logs of agent and gateway.
+TEST_F(GatewayBus, NameOfTheToken_GoesWhereTheCommandGoesAndComesBack) {
+    const auto file = folder_.file("tokens");
+    const auto made = run({ASIP_PROGRAMS "/asip-gateway", "token", "operator+raw", "anna", "--tokens", file});
+    const Headers anna{{"Authorization", "Bearer " + made.output.substr(0, made.output.find('\n'))}};
+    RunningGateway gateway(broker_.address(), {"--tokens", file});
+    ASSERT_TRUE(wait_until([&] { return get(gateway.port(), "/api/boards/uno1", anna).status == 200; }));
+    BusProbe probe(broker_.port());
+    const auto by_of = [](const std::string& text) {
+        return nlohmann::json::parse(text, nullptr, false).value("by", "nobody");
+    };
+    const auto servo = "/api/boards/uno1/services/servo/commands/write";
+    const auto moved = post(gateway.port(), servo, "[0,90]", anna);
+    EXPECT_EQ(moved.status, 200) << moved.body;
+    EXPECT_EQ(by_of(moved.body), "anna");
+    const auto sent = probe.wait_for("asip/uno1/servo/in");
+    ASSERT_TRUE(sent);
+    const auto answer = probe.wait_for(sent->response_topic);
+    ASSERT_TRUE(answer);
+    EXPECT_EQ(by_of(answer->payload), "anna") << "as the agent answers it";
+
+    EXPECT_EQ(by_of(post(gateway.port(), servo, R"({"servo":9,"angle":90})", anna).body), "anna");
+    const auto error = probe.wait_for("asip/uno1/servo/error");
+    ASSERT_TRUE(error);
+    EXPECT_EQ(by_of(error->payload), "anna");
+
+    Socket socket(gateway.port(), anna);
+    socket.send(R"({"command":"uno1/servo","write":[0,45],"id":"7","by":"somebody","reply_to":"elsewhere"})");
+    EXPECT_EQ(socket.json()["by"], "anna") << "nobody can pretend to be somebody else";
+    EXPECT_EQ(probe.count("elsewhere"), 0u);
+
+    const auto stopped = post(gateway.port(), "/api/boards/uno1/stop", "{}", anna);
+    EXPECT_EQ(stopped.json()["boards"]["uno1"]["by"], "anna") << stopped.body;
+    EXPECT_TRUE(agent_.process().wait_for_errors("stopped by a message .*by=anna"))
+        << agent_.process().errors();
+    for (const std::string line : {"by=anna target=uno1/servo .*90.*status=ok",
+                                   "by=anna target=uno1/servo .*45", "by=anna target=uno1 .*status=ok"})
+        EXPECT_TRUE(gateway.process().wait_for_errors("command  " + line)) << line;
+}
+
+TEST_F(GatewayBus, SentOverMqtt311_ItsSenderIsAMemberOfTheJson) {
+    BusProbe probe(broker_.port(), {"mine", "asip/uno1/servo/error"});
+    probe.publish("asip/uno1/servo/in", R"({"write":[0,90],"by":"anna","reply_to":"mine","id":"1"})");
+    ASSERT_TRUE(probe.wait_for("mine"));
+    EXPECT_EQ(nlohmann::json::parse(*probe.last("mine"))["by"], "anna");
+    probe.publish("asip/uno1/servo/in", R"({"write":[0,900],"by":"anna"})");
+    const auto error = probe.wait_for("asip/uno1/servo/error");
+    ASSERT_TRUE(error);
+    EXPECT_EQ(nlohmann::json::parse(error->payload)["by"], "anna") << error->payload;
+}
+
 TEST_F(GatewayBus, History_IsTheRegistrys) {
     const auto history = ask("/api/boards/uno1/history");
     ASSERT_EQ(history.status, 200) << history.body;

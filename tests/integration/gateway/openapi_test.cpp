@@ -10,13 +10,18 @@ namespace {
 
 class GatewayOpenapi : public testing::Test {
   protected:
-    std::string make(const std::string& role, const std::string& name) {
-        const auto made = run({ASIP_PROGRAMS "/asip-gateway", "token", role, name, "--tokens", tokens_});
+    std::string make(const std::string& role, const std::string& name,
+                     const std::vector<std::string>& more = {}) {
+        std::vector<std::string> command{
+            ASIP_PROGRAMS "/asip-gateway", "token", role, name, "--tokens", tokens_};
+        command.insert(command.end(), more.begin(), more.end());
+        const auto made = run(command);
         return made.output.substr(0, made.output.find('\n'));
     }
-    Finished drive(const std::string& phase) {
+    Finished drive(const std::string& phase) { return drive(phase, gateway_); }
+    Finished drive(const std::string& phase, const RunningGateway& gateway) {
         return run({"node", ASIP_GATEWAY_TESTS "/openapi/drive.mjs", ASIP_OPENAPI_MODULES,
-                    "http://127.0.0.1:" + std::to_string(gateway_.port()), phase, viewer_, admin_},
+                    "http://127.0.0.1:" + std::to_string(gateway.port()), phase, viewer_, admin_, kiosk_},
                    {}, std::chrono::seconds(90));
     }
     void start_registry(const std::vector<std::string>& more) {
@@ -43,6 +48,7 @@ class GatewayOpenapi : public testing::Test {
     std::string tokens_ = folder_.file("tokens");
     std::string viewer_ = make("viewer", "hall");
     std::string admin_ = make("admin", "root");
+    std::string kiosk_ = make("kiosk", "lobby", {"--boards", "uno1"});
     MosquittoBroker broker_;
     std::unique_ptr<ChildProcess> registry_;
     SimulatedUno uno_;
@@ -67,6 +73,9 @@ TEST_F(GatewayOpenapi, EachOperationAndStatus_IsAsDocumented) {
     ASSERT_TRUE(sees("lost", "lost"));
     const auto up = drive("up");
     EXPECT_EQ(up.status, 0) << up.errors;
+    RunningGateway without_metrics(broker_.address(), {"--tokens", tokens_, "--no-metrics"});
+    const auto no_metrics = drive("nometrics", without_metrics);
+    EXPECT_EQ(no_metrics.status, 0) << no_metrics.errors;
     const auto flood = drive("flood");
     EXPECT_EQ(flood.status, 0) << flood.errors;
     probe.publish("asip/servicebus/frozen/$state", "offline");

@@ -108,14 +108,79 @@ TEST_F(GatewayTokens, Kiosk_MayBeFramedByTheOriginsThatItsTokenNamesOnly) {
     const auto kiosk = make("kiosk", "lobby", {"--boards", "uno1", "--frames", "https://wiki.example"});
     RunningGateway gateway(broker_.address(), {"--tokens", file_});
     ASSERT_TRUE(gateway.ready());
-    EXPECT_THAT(get(gateway.port(), "/kiosk/lobby").headers["content-security-policy"],
+    const auto link = "/kiosk/" + kiosk + "/";
+    EXPECT_THAT(get(gateway.port(), link).headers["content-security-policy"],
                 HasSubstr("frame-ancestors https://wiki.example;"));
     EXPECT_THAT(get(gateway.port(), "/").headers["content-security-policy"],
                 HasSubstr("frame-ancestors 'none'"));
-    EXPECT_EQ(get(gateway.port(), "/kiosk/other").status, 404);
-    EXPECT_EQ(get(gateway.port(), "/api/boards", bearer(kiosk)).status, 200);
-    EXPECT_EQ(post(gateway.port(), "/api/stop", "{}", bearer(kiosk)).status, 403);
-    EXPECT_EQ(post(gateway.port(), "/api/codes", "{}", bearer(kiosk)).status, 200);
+    const auto bare = get(gateway.port(), "/kiosk/" + kiosk);
+    EXPECT_EQ(bare.status, 308);
+    EXPECT_EQ(bare.headers.at("location"), link);
+    EXPECT_EQ(get(gateway.port(), link + "api/boards").headers["referrer-policy"], "no-referrer");
+}
+
+// What its page asks for, it asks for below the link: without a cookie, as in a frame of another site.
+TEST_F(GatewayTokens, KioskLink_ServesPageApiAndStreamsBelowIt) {
+    const auto kiosk = make("kiosk", "lobby", {"--boards", "uno1", "--services", "distance"});
+    RunningGateway gateway(broker_.address(), {"--tokens", file_});
+    ASSERT_TRUE(gateway.ready());
+    const auto link = "/kiosk/" + kiosk + "/";
+    BusProbe probe(broker_.port());
+    for (const std::string board : {"uno1", "uno2"}) {
+        probe.publish("asip/servicebus/" + board + "/$description", described(board));
+        probe.publish("asip/servicebus/" + board + "/$state", "online");
+    }
+    const auto ask = [&](const std::string& path) { return get(gateway.port(), link + path); };
+    ASSERT_TRUE(wait_until([&] { return ask("api/boards/uno1").status == 200; }));
+    for (const std::string path : {"", "main.js", "net/bus.js", "style.css", "api/status", "api/models"})
+        EXPECT_EQ(ask(path).status, 200) << path;
+    EXPECT_THAT(ask("").body, testing::Not(testing::ContainsRegex("(src|href)=\"/"))) << "relative addresses";
+    EXPECT_EQ(ask("api/boards/uno2").status, 404);
+    EXPECT_EQ(ask("api/boards").json()["items"].size(), 1u);
+    EXPECT_EQ(ask("api/boards/uno1/services/servo").status, 404);
+    EventStream stream(gateway.port(), link + "api/boards/uno1/services/distance/stream");
+    ASSERT_EQ(stream.next("snapshot-end").kind, "snapshot-end");
+    Socket socket(gateway.port(), {{"Origin", "http://localhost"}}, link + "api/stream");
+    ASSERT_EQ(socket.status(), 101);
+    socket.send(R"({"subscribe":"*/*","ref":1})");
+    EXPECT_EQ(socket.json()["ok"], true);
+    EXPECT_EQ(socket.json()["event"], "snapshot-end");
+    probe.publish("asip/uno2/distance/out", R"({"distance":[1]})");
+    probe.publish("asip/uno1/servo/out", R"({"n":1})");
+    probe.publish("asip/uno1/distance/out", R"({"distance":[42]})");
+    EXPECT_THAT(stream.next("value").data, HasSubstr("[42]"));
+    EXPECT_EQ(socket.json()["value"], nlohmann::json::parse(R"({"distance":[42]})"));
+    take_out("lobby");
+    EXPECT_TRUE(stream.wire().closed(time_limit(std::chrono::milliseconds(2500)))) << "revoked";
+    EXPECT_EQ(socket.close_code(), 1008);
+    EXPECT_EQ(ask("").status, 404);
+}
+
+TEST_F(GatewayTokens, KioskLink_IsNoWayToAnythingElse) {
+    const auto kiosk = make("kiosk", "lobby", {"--boards", "uno1"});
+    const auto admin = make("admin", "root");
+    RunningGateway gateway(broker_.address(), {"--tokens", file_});
+    ASSERT_TRUE(gateway.ready());
+    const auto port = gateway.port();
+    const auto link = "/kiosk/" + kiosk + "/";
+    for (const std::string& token :
+         {admin, std::string("lobby"), kiosk.substr(1), kiosk + "x", std::string("x")})
+        EXPECT_EQ(get(port, "/kiosk/" + token + "/api/boards").status, 404)
+            << "only a kiosk's whole token is a link";
+    EXPECT_EQ(post(port, link + "api/stop").status, 403);
+    EXPECT_EQ(post(port, link + "api/codes").status, 403);
+    EXPECT_EQ(request(port, "DELETE", link + "api/boards/uno1").status, 403);
+    EXPECT_EQ(get(port, link + "metrics").status, 403);
+    EXPECT_EQ(post(port, link + "api/stop", "{}", bearer(admin)).status, 403)
+        << "whatever else the request brings";
+    EXPECT_EQ(get(port, link + "api/status", bearer(admin)).json()["you"]["role"], "kiosk");
+    EXPECT_EQ(get(port, "/kiosk/").status, 404);
+    EXPECT_EQ(get(port, "/kiosk").status, 404);
+    EXPECT_EQ(get(port, link + "kiosk/" + kiosk + "/").status, 404);
+    EXPECT_EQ(get(port, link + "../../api/boards").status, 404);
+    EXPECT_EQ(get(port, "/api/boards", bearer(kiosk)).status, 200) << "its token works as others do";
+    EXPECT_EQ(post(port, "/api/stop", "{}", bearer(kiosk)).status, 403);
+    EXPECT_EQ(gateway.process().errors().find(kiosk), std::string::npos) << "the log names no link";
 }
 
 }  // namespace

@@ -51,6 +51,7 @@ class ApiTest : public testing::Test {
             return true;
         };
         port.publish_first = port.publish;
+        port.urgent_ready = [this] { return urgent_ready_; };
         port.subscribe = [](const std::string&, bool) {};
         port.unsubscribe = [](const std::string&) {};
         port.v5 = [] { return true; };
@@ -115,6 +116,7 @@ class ApiTest : public testing::Test {
     }
 
     std::chrono::milliseconds time_{0};
+    bool urgent_ready_ = false;
     std::vector<mqtt::Message> published_;
     std::unique_ptr<Gateway> gateway_;
 };

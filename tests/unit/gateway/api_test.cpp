@@ -1,4 +1,5 @@
 #include "api_bench.hpp"
+#include "gateway/api/routes.hpp"
 
 namespace asip::gateway {
 namespace {
@@ -311,6 +312,35 @@ TEST_F(OperatorsApi, FloodOfCommands_Is429) {
     EXPECT_EQ(ask("POST", "/api/boards/uno1/services/servo/commands/write", "[0,90]")->status(), 0);
 }
 
+// However many WebSockets somebody opens.
+TEST_F(OperatorsApi, FloodOverTwoWebSockets_IsLimitedAsOne) {
+    announce();
+    Principal principal;
+    principal.rights = *parse_role("operator");
+    int refused = 0;
+    for (int i = 0; i < 150; ++i) {
+        const nlohmann::json command{
+            {"command", "uno1/servo"}, {"write", {0, 90}}, {"id", std::to_string(i)}};
+        api::websocket_command(
+            *gateway_, principal, "address 127.0.0.1", i % 2 == 0 ? "one" : "two", command,
+            [&](const std::string& answer) { refused += answer.find("too-many") != std::string::npos; });
+    }
+    EXPECT_EQ(refused, 50);
+}
+
+TEST_F(OperatorsApi, Stop_ItsAnswerComesPastThoseOfOthersWhereThereIsAConnectionForIt) {
+    announce();
+    ask("POST", "/api/stop");
+    ASSERT_EQ(published_.size(), 1u);
+    EXPECT_EQ(published_.back().response_topic, "asip/reply/gw/stop");
+    urgent_ready_ = true;
+    const auto stopped = ask("POST", "/api/boards/uno1/stop");
+    ASSERT_EQ(published_.size(), 2u);
+    EXPECT_EQ(published_.back().response_topic, "asip/reply/gw/urgent/stop");
+    answer(R"({"status":"ok","proof":"fence"})");
+    EXPECT_EQ(stopped->status(), 200);
+}
+
 class NobodysApi : public ApiTest {
   protected:
     NobodysApi() : ApiTest(Role::kNone) {}
@@ -348,6 +378,14 @@ TEST_F(LimitedApi, WhatTheTokenDoesNotShow_IsAsIfItWereNotThere) {
     EXPECT_EQ(as_anna("GET", "/api/boards/uno1/services/distance")->status(), 404);
     EXPECT_EQ(as_anna("GET", "/api/boards/uno1/services/servo")->status(), 200);
     EXPECT_EQ(as_anna("GET", "/api/services")->body()["items"].size(), 1u);
+    for (const std::string target :
+         {"/api/boards/uno1", "/api/boards", "/api/boards?full=true", "/api/events"}) {
+        const auto shown = as_anna("GET", target);
+        std::string body(shown->response->text());
+        if (shown->source) shown->source->take(body, 100'000);
+        EXPECT_THAT(body, HasSubstr("servo")) << target;
+        EXPECT_THAT(body, testing::Not(HasSubstr("distance"))) << target;
+    }
     EXPECT_EQ(as_anna("POST", "/api/boards/uno2/services/servo/commands/write", "[0,90]")->status(), 404);
     const auto stream = as_anna("GET", "/api/events");
     std::string text;
@@ -355,7 +393,17 @@ TEST_F(LimitedApi, WhatTheTokenDoesNotShow_IsAsIfItWereNotThere) {
     EXPECT_THAT(text, testing::Not(HasSubstr("uno2")));
 }
 
-TEST_F(LimitedApi, CommandsEnvelope_SaysWhoSentIt) {
+// Raw lines reach every service.
+TEST_F(LimitedApi, RawRightOfATokenLimitedToServices_IsNone) {
+    gateway_->gate().set_tokens(
+        *Tokens::parse("operator+raw anna " + hash_of("do") + " boards=uno1 services=servo\n"));
+    announce("uno1");
+    EXPECT_EQ(as_anna("POST", "/api/boards/uno1/raw", R"({"lines":["D,M"]})")->status(), 403);
+    gateway_->gate().set_tokens(*Tokens::parse("operator+raw anna " + hash_of("do") + " boards=uno1\n"));
+    EXPECT_EQ(as_anna("POST", "/api/boards/uno1/raw", R"({"lines":["D,M"]})")->status(), 0) << "sent";
+}
+
+TEST_F(LimitedApi, CommandsEnvelope_NamesWhoSentIt) {
     announce("uno1");
     as_anna("POST", "/api/boards/uno1/services/servo/commands/write", "[0,90]");
     ASSERT_EQ(published_.size(), 1u);

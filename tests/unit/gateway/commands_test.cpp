@@ -38,6 +38,34 @@ TEST_F(CommandsTest, Sent_CarriesDeadlineReplyTopicOfTheSessionAndWhoSentIt) {
     EXPECT_EQ(message_.user_properties, (std::vector<std::pair<std::string, std::string>>{{"by", "anna"}}));
 }
 
+TEST_F(CommandsTest, Urgent_ItsAnswerComesPastThoseOfOthers) {
+    Commands::Start start{"stop", "", "anna", "uno1", "asip/uno1/$stop", "{}"};
+    start.urgent = start.answer_first = true;
+    ASSERT_EQ(
+        commands_.start(
+            start, true, at(0ms), [this](const CommandRecord& record) { done_.push_back(record); }, message_),
+        Commands::Started::kPublish);
+    EXPECT_EQ(message_.response_topic, "asip/reply/gw/urgent/stop");
+    EXPECT_TRUE(commands_.take(answer(R"({"status":"ok","proof":"fence"})"), at(5ms)));
+    ASSERT_EQ(done_.size(), 1u);
+    EXPECT_TRUE(done_[0].reply->succeeded());
+}
+
+TEST_F(CommandsTest, AsManyKeptAsMayBe_OnlyWhatIsUrgentIsTaken) {
+    for (std::size_t i = 0; i < Commands::kMaxRecords; ++i) {
+        const Commands::Start one{"s1", std::to_string(i), "anna", "uno1/servo", "asip/uno1/servo/in", "{}"};
+        commands_.start(
+            one, true, at(0ms), [](const CommandRecord&) {}, message_);
+    }
+    ASSERT_EQ(commands_.size(), Commands::kMaxRecords);
+    EXPECT_EQ(send("s1", "one more"), Commands::Started::kTooMany);
+    Commands::Start start{"stop", "", "anna", "uno1", "asip/uno1/$stop", "{}"};
+    start.urgent = true;
+    EXPECT_EQ(commands_.start(
+                  start, true, at(0ms), [](const CommandRecord&) {}, message_),
+              Commands::Started::kPublish);
+}
+
 TEST_F(CommandsTest, OverMqtt311_ReplyTopicAndIdAreInThePayload) {
     ASSERT_EQ(send("s1", "7", R"({"write":[0,90]})", false), Commands::Started::kPublish);
     EXPECT_THAT(message_.payload, testing::HasSubstr(R"("reply_to":"asip/reply/gw/s1")"));

@@ -28,6 +28,13 @@ TEST(HttpTarget, Root_HasNoSegments) {
     EXPECT_TRUE(request.segments.empty());
 }
 
+TEST(HttpTarget, SlashAtTheEnd_IsAFolder) {
+    auto request = request_to("/kiosk/secret/?x=1");
+    ASSERT_TRUE(split_target(request));
+    EXPECT_THAT(request.segments, ElementsAre("kiosk", "secret"));
+    EXPECT_TRUE(request.folder);
+}
+
 class PathTrick : public testing::TestWithParam<const char*> {};
 
 TEST_P(PathTrick, IsNoTarget) {
@@ -38,7 +45,7 @@ TEST_P(PathTrick, IsNoTarget) {
 INSTANTIATE_TEST_SUITE_P(HttpTarget, PathTrick,
                          testing::Values("", "api", "http://other/api", "*", "/../etc/passwd", "/a/../b",
                                          "/a/./b", "/%2e%2e/etc", "/%2E%2E%2Fetc", "/a%2fb", "/a%5cb",
-                                         "/a\\b", "//etc", "/a//b", "/a/", "/%00", "/a%0d%0ab", "/%", "/%4",
+                                         "/a\\b", "//etc", "/a//b", "/a//", "/%00", "/a%0d%0ab", "/%", "/%4",
                                          "/%zz", "/a?x=%1", "/a?x=%00"));
 
 TEST(HttpGzip, QualityZero_IsARefusal) {

@@ -22,7 +22,8 @@ TEST(Tokens, File_EachLineIsAToken) {
     const auto* anna = tokens->find("secret-2");
     ASSERT_NE(anna, nullptr);
     EXPECT_TRUE(anna->may_command());
-    EXPECT_TRUE(anna->may_send_raw());
+    EXPECT_TRUE(anna->raw);
+    EXPECT_FALSE(anna->may_send_raw()) << "raw lines reach every service";
     EXPECT_FALSE(anna->may_forget());
     EXPECT_TRUE(anna->sees_service("uno7", "servo"));
     EXPECT_FALSE(anna->sees_service("uno7", "distance"));

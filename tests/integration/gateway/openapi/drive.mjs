@@ -1,11 +1,12 @@
 // Drives every operation of the served document, each documented status included, and checks each answer against its
 // schema. A status that is documented and not brought about here is a failure; so is an answer that is not documented.
 //
-//   node drive.mjs MODULES URL PHASE VIEWER     MODULES: the folder of node_modules; PHASE: up, full, down
+//   node drive.mjs MODULES URL PHASE VIEWER ADMIN KIOSK    MODULES: the folder of node_modules; PHASE: of the cases below;
+//                                                          then tokens
 import { createRequire } from "node:module";
 import { request } from "node:http";
 
-const [modules, base, phase, viewer, admin] = process.argv.slice(2);
+const [modules, base, phase, viewer, admin, kiosk] = process.argv.slice(2);
 const load = createRequire(modules + "/");
 const { Validator } = await import(load.resolve("@seriousme/openapi-schema-validator"));
 const Ajv = load("ajv/dist/2020.js").default;
@@ -115,7 +116,7 @@ const cases = {
     getStatus: { 200: get("/api/status") },
     endSession: { 204: () => send("DELETE", "/api/session") },
     getOpenapi: { 200: get("/api/openapi.json") },
-    getMetrics: { 200: get("/metrics") },
+    getMetrics: { 200: get("/metrics"), 403: get("/metrics", { Authorization: `Bearer ${kiosk}` }) },
     getHealth: { 200: get("/healthz") },
     getReady: { 200: get("/readyz") },
     makeCode: { 200: post("/api/codes") },
@@ -125,6 +126,7 @@ const cases = {
     sendRaw: { 429: () => flood("/api/boards/uno1/raw", { lines: ["I,P,13,3"] }) },
     makeCode: { 429: () => flood("/api/codes", {}) },
   },
+  nometrics: { getMetrics: { 404: get("/metrics") } },
   quiet: { stopAll: { 200: post("/api/stop") } },
   down: {
     forgetBoard: { 503: () => send("DELETE", "/api/boards/uno1") },

@@ -1,0 +1,77 @@
+#include "gateway/api/limits.hpp"
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "asip/model/json.hpp"
+
+namespace asip::gateway::api {
+namespace {
+
+using nlohmann::json;
+
+// Of a board, or of a description, as JSON.
+void limit_services(const Rights& rights, const std::string& board, json& object) {
+    const auto services = object.find("services");
+    if (services == object.end() || !services->is_array()) return;
+    json kept = json::array();
+    for (auto& service : *services) {
+        const auto name = service.is_object() ? service.value("name", "") : std::string();
+        if (rights.sees_service(board, name)) kept.push_back(std::move(service));
+    }
+    *services = std::move(kept);
+}
+
+class LimitedFeed final : public Feed {
+  public:
+    LimitedFeed(std::unique_ptr<Feed> feed, Rights rights)
+        : feed_(std::move(feed)), rights_(std::move(rights)) {
+        feed_->wake = [this] { wake(); };
+    }
+    bool next(StreamEvent& event, const Instant& now) override {
+        if (!feed_->next(event, now)) return false;
+        auto data = json::parse(event.data, nullptr, false);
+        const auto board = data.is_object() ? data.find("board") : data.end();
+        if (board == data.end() || !board->is_object()) return true;
+        limit_services(rights_, board->value("board", ""), *board);
+        event.data = model::dump_json(data);
+        return true;
+    }
+    void tick(const Instant& now) override { feed_->tick(now); }
+
+  private:
+    std::unique_ptr<Feed> feed_;
+    Rights rights_;
+};
+
+}  // namespace
+
+void limit_to(const Rights& rights, bus::BoardItem& board) {
+    if (rights.services.empty()) return;
+    std::erase_if(board.services,
+                  [&](const auto& each) { return !rights.sees_service(board.board, each.name); });
+    if (board.description.empty()) return;
+    auto description = json::parse(board.description, nullptr, false);
+    if (description.is_object()) limit_services(rights, board.board, description);
+    board.description = description.is_object() ? model::dump_json(description) : std::string();
+}
+
+void limit_to(const Rights& rights, bus::Answer& answer) {
+    if (!rights.limited()) return;
+    answer.total.reset();
+    std::erase_if(answer.boards, [&](const auto& board) { return !rights.sees_board(board.board); });
+    for (auto& board : answer.boards)
+        limit_to(rights, board);
+    if (answer.brief)
+        std::erase_if(*answer.brief, [&](const auto& board) { return !rights.sees_board(board.board); });
+    std::erase_if(answer.services,
+                  [&](const auto& each) { return !rights.sees_service(each.board, each.name); });
+    std::erase_if(answer.history, [&](const auto& item) { return !rights.sees_board(item.board); });
+}
+
+std::unique_ptr<Feed> limited_feed(std::unique_ptr<Feed> feed, const Rights& rights) {
+    if (rights.services.empty()) return feed;
+    return std::make_unique<LimitedFeed>(std::move(feed), rights);
+}
+
+}  // namespace asip::gateway::api

@@ -1,0 +1,17 @@
+#pragma once
+#include <memory>
+
+#include "asip/bus/answer.hpp"
+#include "gateway/auth/rights.hpp"
+#include "gateway/stream/feed.hpp"
+
+namespace asip::gateway::api {
+
+/// Takes out what a limited token does not show: boards, and services of boards and of their descriptions.
+void limit_to(const Rights& rights, bus::Answer& answer);
+void limit_to(const Rights& rights, bus::BoardItem& board);
+
+/// The same for the boards in the events of a feed of the catalogue.
+std::unique_ptr<Feed> limited_feed(std::unique_ptr<Feed> feed, const Rights& rights);
+
+}  // namespace asip::gateway::api

@@ -1,0 +1,106 @@
+// A stop while 10,000 commands wait: how long until whoever pressed the button knows. Real broker, agent and
+// firmware.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+#include "running_gateway.hpp"
+#include "tests/integration/agent/rig.hpp"
+
+namespace asip::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr std::size_t kRounds = 20;
+constexpr int kCommands = 10'000;
+constexpr milliseconds kPromise = 100ms;
+constexpr milliseconds kSlack = 250ms;  // what a busy machine may need
+
+class GatewayStop : public testing::Test {
+  protected:
+    void SetUp() override { ASSERT_TRUE(gateway_.becomes("uno1", "online")) << gateway_.process().errors(); }
+
+    static std::string command(std::size_t round, int number) {
+        return R"("write":[0,)" + std::to_string(number % 180) + R"(],"id":")" + std::to_string(round) + "-" +
+               std::to_string(number) + "\"";
+    }
+    milliseconds time_of(const std::function<void()>& what) {
+        const auto begin = std::chrono::steady_clock::now();
+        what();
+        return std::chrono::duration_cast<milliseconds>(std::chrono::steady_clock::now() - begin);
+    }
+    void expect_in_time(const char* what, std::vector<milliseconds> took) {
+        std::sort(took.begin(), took.end());
+        std::cout << "    " << what << ": median " << took[took.size() / 2].count() << " ms, maximum "
+                  << took.back().count() << " ms of " << took.size() << '\n';
+        EXPECT_LE(took[took.size() / 2], time_limit(kPromise + kSlack)) << what;
+    }
+
+    // As the configuration that is shipped has it: the broker queues what a client cannot take yet.
+    MosquittoBroker broker_{{.extra_lines = {"max_queued_messages 0"}}};
+    SimulatedUno uno_;
+    Agent agent_{broker_, uno_.port()};
+    RunningGateway gateway_{broker_.address(), {"--commands-per-second", "1000000"}};
+};
+
+TEST_F(GatewayStop, UnderTenThousandCommandsOfAnother_IsAnsweredAheadOfThem) {
+    BusProbe flood(broker_.port(), {"flood"});
+    std::vector<milliseconds> took;
+    for (std::size_t round = 0; round < kRounds; ++round) {
+        for (int i = 0; i < kCommands; ++i)
+            flood.publish("asip/uno1/servo/in", "{" + command(round, i) + R"(,"reply_to":"flood"})", false,
+                          static_cast<int>(round % 2));
+        took.push_back(time_of([&] {
+            const auto stopped = post(gateway_.port(), round % 4 < 2 ? "/api/stop" : "/api/boards/uno1/stop");
+            EXPECT_EQ(stopped.status, 200) << stopped.body;
+        }));
+        ASSERT_TRUE(wait_until([&] { return flood.count("flood") == kCommands * (round + 1); }, 60s))
+            << flood.count("flood");
+    }
+    expect_in_time("POST of a stop, under 10,000 commands over MQTT", took);
+}
+
+TEST_F(GatewayStop, UnderTenThousandCommandsOfAWebSocket_IsAnsweredAheadOfThem) {
+    std::vector<milliseconds> took;
+    for (std::size_t round = 0; round < kRounds; ++round) {
+        Socket socket(gateway_.port());
+        std::atomic<int> answers = 0;
+        std::thread reader([&] {
+            while (answers < kCommands && !socket.message().empty())
+                ++answers;
+        });
+        for (int i = 0; i < kCommands; ++i)
+            socket.send(R"({"command":"uno1/servo",)" + command(round, i) + "}");
+        took.push_back(time_of([&] {
+            const auto stopped = post(gateway_.port(), "/api/stop");
+            EXPECT_EQ(stopped.status, 200) << stopped.body;
+        }));
+        reader.join();
+        EXPECT_EQ(answers, kCommands);
+    }
+    expect_in_time("POST of a stop, under 10,000 commands of a WebSocket", took);
+}
+
+TEST_F(GatewayStop, Asipctl_UnderTenThousandCommands_IsAnsweredAheadOfThem) {
+    BusProbe flood(broker_.port(), {"flood"});
+    std::vector<milliseconds> took;
+    for (std::size_t round = 0; round < kRounds; ++round) {
+        for (int i = 0; i < kCommands; ++i)
+            flood.publish("asip/uno1/servo/in", "{" + command(round, i) + R"(,"reply_to":"flood"})", false,
+                          0);
+        took.push_back(time_of([&] {
+            const auto stopped =
+                run({ASIP_PROGRAMS "/asipctl", "stop", "uno1"}, {{"ASIP_BROKER", broker_.address()}});
+            EXPECT_EQ(stopped.status, 0) << stopped.errors;
+        }));
+        ASSERT_TRUE(wait_until([&] { return flood.count("flood") == kCommands * (round + 1); }, 60s))
+            << flood.count("flood");
+    }
+    expect_in_time("asipctl stop, with its start, under 10,000 commands", took);
+}
+
+}  // namespace
+}  // namespace asip::test
