@@ -36,8 +36,9 @@ class MqttClient {
         mosquitto_subscribe(mosquitto_, nullptr, topic.c_str(), 0);
         spin(std::chrono::milliseconds(300));
     }
-    void publish(const std::string& topic, const std::string& payload) {
-        mosquitto_publish(mosquitto_, nullptr, topic.c_str(), int(payload.size()), payload.data(), 0, false);
+    void publish(const std::string& topic, const std::string& payload, int qos = 0) {
+        mosquitto_publish(mosquitto_, nullptr, topic.c_str(), int(payload.size()), payload.data(), qos,
+                          false);
     }
     /// Handles what arrives within `limit`; returns early with the first message.
     bool wait(std::chrono::milliseconds limit) {
