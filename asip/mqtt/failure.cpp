@@ -75,10 +75,15 @@ ConnectionFailure refused_by(const BrokerAddress& broker, int connack_code, cons
         return {Kind::kRefused, broker, connack_code,
                 broker.describe() + " refused the connection: " + words(connack_code)};
     }
-    const std::string whom = options.user.empty() ? "a connection without user; set user and password"
-                             : connack_code == MQTT_RC_BANNED
-                                 ? "user \"" + options.user + "\": banned"
-                                 : "user \"" + options.user + "\"; check user and password";
+    const std::string whom =
+        options.user.empty()
+            ? "a connection without user; ask whoever keeps the broker for credentials (asipctl secure "
+              "add) and give them by --credentials"
+        : connack_code == MQTT_RC_BANNED
+            ? "user \"" + options.user + "\": banned"
+            : "user \"" + options.user +
+                  "\"; check user and password, or ask whoever keeps the broker for new "
+                  "ones (asipctl secure)";
     return {Kind::kBadCredentials, broker, connack_code, broker.describe() + " refused " + whom};
 }
 

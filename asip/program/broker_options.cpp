@@ -31,6 +31,7 @@ std::string id_safe(std::string text) {
 }  // namespace
 
 void Settings::add_broker_options(BrokerOptions& options) {
+    use_credentials_for(options);
     const char* group = "Broker";
     auto& app = this->app();
     setting(app.add_option("--broker", options.brokers,
@@ -39,6 +40,11 @@ void Settings::add_broker_options(BrokerOptions& options) {
         ->delimiter(',')
         ->type_name("ADDRESS")
         ->default_str("127.0.0.1:1883")
+        ->group(group);
+    setting(
+        app.add_option("--credentials", options.credentials,
+                       "File made by asipctl secure: broker, its authority's certificate, user, password"))
+        ->type_name("FILE")
         ->group(group);
     setting(app.add_option("--user", options.user, "User name for the broker"))
         ->type_name("NAME")

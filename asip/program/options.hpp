@@ -25,6 +25,7 @@ struct BrokerOptions {
     std::string cert;
     std::string key;
     bool insecure = false;
+    std::string credentials;            ///< file of `asipctl secure`: broker, CA, user, password
     std::string mqtt_version = "best";  ///< best, 5, 3.1.1
     std::string topic_root = "asip";
 };
@@ -78,6 +79,8 @@ class Settings {
     int usage_error(const std::string& text) const;
 
   private:
+    void use_credentials_for(BrokerOptions& options);
+
     struct State;
     std::unique_ptr<State> state_;
 };

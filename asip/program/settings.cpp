@@ -7,6 +7,7 @@
 
 #include "asip/program/command_words.hpp"
 #include "asip/program/config_file.hpp"
+#include "asip/program/credentials.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
 #include "asip/text/nearest.hpp"
@@ -21,12 +22,12 @@ std::string environment_name(const std::string& option) {
     return name;
 }
 
-/// The value of `--config`, before anything else is parsed.
-std::optional<std::string> config_argument(const std::vector<std::string>& arguments) {
+/// The value of an option such as `--config`, before anything else is parsed.
+std::optional<std::string> early(const std::vector<std::string>& arguments, const std::string& option) {
     for (std::size_t i = 0; i < arguments.size(); ++i) {
         if (arguments[i] == "--") break;
-        if (arguments[i] == "--config" && i + 1 < arguments.size()) return arguments[i + 1];
-        if (arguments[i].starts_with("--config=")) return arguments[i].substr(9);
+        if (arguments[i] == option && i + 1 < arguments.size()) return arguments[i + 1];
+        if (arguments[i].starts_with(option + "=")) return arguments[i].substr(option.size() + 1);
     }
     return std::nullopt;
 }
@@ -44,6 +45,7 @@ struct Settings::State {
     std::string config;
     std::vector<CLI::Option*> settings;
     LogOptions* log = nullptr;
+    BrokerOptions* broker = nullptr;
 
     CLI::Option* named(const std::string& name) const {
         for (auto* option : settings) {
@@ -109,10 +111,30 @@ struct Settings::State {
             if (const auto value = environment(name); value && !value->empty()) apply(option, *value, name);
         }
     }
+
+    /// All or nothing: a user of the environment does not go with a password of the file.
+    void apply_credentials(const std::optional<std::string>& argument) const {
+        if (broker == nullptr) return;
+        const auto path = argument ? *argument : broker->credentials;
+        if (path.empty()) return;
+        const auto read = read_credentials(path);
+        if (!read) throw CLI::FileError(read.error(), CLI::ExitCodes::FileError);
+        BrokerOptions replaced;
+        replaced.brokers = read->brokers;
+        replaced.user = read->user;
+        replaced.password = read->password;
+        if (read->certificate) replaced.ca = path;
+        if (!read->topic_root.empty()) replaced.topic_root = read->topic_root;
+        replaced.credentials = path;
+        replaced.mqtt_version = broker->mqtt_version;
+        *broker = std::move(replaced);
+        auto* const own_name = named("name");
+        if (own_name != nullptr && !read->name.empty()) apply(own_name, read->name, path);
+    }
 };
 
 Settings::Settings(CLI::App& app, std::string program)
-    : state_(new State{app, std::move(program), {}, {}, nullptr}) {
+    : state_(new State{app, std::move(program), {}, {}, nullptr, nullptr}) {
     app.set_version_flag("--version", state_->program + " " ASIP_VERSION);
     app.add_option("--config", state_->config,
                    "File with lines NAME = VALUE, named like these options [ASIP_CONFIG]")
@@ -127,6 +149,10 @@ CLI::Option* Settings::setting(CLI::Option* option) {
     option->envname(environment_name(option->get_lnames().front()));
     state_->settings.push_back(option);
     return option;
+}
+
+void Settings::use_credentials_for(BrokerOptions& options) {
+    state_->broker = &options;
 }
 
 void Settings::add_log_options(LogOptions& options) {
@@ -167,10 +193,11 @@ std::optional<int> Settings::parse(std::vector<std::string> arguments, const Env
     if (app.get_name().empty()) app.name(state_->program);
     if (const auto unknown = unknown_word(app, arguments)) return usage_error(*unknown);
     try {
-        auto config = config_argument(arguments);
+        auto config = early(arguments, "--config");
         if (!config) config = environment("ASIP_CONFIG");
         if (config && !config->empty()) state_->apply_file(*config);
         state_->apply_environment(environment);
+        state_->apply_credentials(early(arguments, "--credentials"));
         // The environment was read already; CLI11 must not read it again, with its own precedence.
         for (auto* option : state_->settings)
             option->envname({});

@@ -212,5 +212,57 @@ TEST(MqttOptions, BadBrokerOrRootOrLonelyPassword_IsRefused) {
     EXPECT_FALSE(mqtt_options(options, "p"));
 }
 
+constexpr const char* kCredentials =
+    "# of uno1\nrole = board\nbroker = mqtts://pi:8883, mqtts://192.168.1.10:8883\nuser = uno1\n"
+    "password = secret=x\ntopic-root = house\nname = uno1\n"
+    "-----BEGIN CERTIFICATE-----\nuser = nobody\n-----END CERTIFICATE-----\n";
+
+TEST_F(SettingsFile, Credentials_GiveBrokerUserPasswordAuthorityAndRoot) {
+    Program program;
+    const auto path = folder.write("uno1.credentials", kCredentials);
+    EXPECT_EQ(program.parse({"--credentials", path}), std::nullopt) << program.errors;
+    EXPECT_THAT(program.broker.brokers, ElementsAre("mqtts://pi:8883", "mqtts://192.168.1.10:8883"));
+    EXPECT_EQ(program.broker.user, "uno1");
+    EXPECT_EQ(program.broker.password, "secret=x");
+    EXPECT_EQ(program.broker.ca, path);
+    EXPECT_EQ(program.broker.topic_root, "house");
+}
+
+TEST_F(SettingsFile, Credentials_ReplaceEnvironmentAndFileAndTheCommandLineReplacesThem) {
+    Program program;
+    const auto path = folder.write("uno1.credentials", kCredentials);
+    const auto config = file("user = other\npassword-file = /other\ncredentials = " + path + "\n");
+    EXPECT_EQ(program.parse({"--config", config, "--broker", "mqtts://elsewhere"},
+                            {{"ASIP_PASSWORD", "wrong"}, {"ASIP_CA", "/wrong"}}),
+              std::nullopt)
+        << program.errors;
+    EXPECT_THAT(program.broker.brokers, ElementsAre("mqtts://elsewhere"));
+    EXPECT_EQ(program.broker.user, "uno1");
+    EXPECT_EQ(program.broker.password, "secret=x");
+    EXPECT_EQ(program.broker.password_file, "");
+    EXPECT_EQ(program.broker.ca, path);
+}
+
+TEST_F(SettingsFile, CredentialsThatAreDamaged_AreRefusedWithTheirPlace) {
+    const auto refused = [this](const std::string& text) {
+        Program program;
+        const auto path = folder.write("damaged", text);
+        EXPECT_EQ(program.parse({"--credentials=" + path}), kExitUsage) << text;
+        EXPECT_EQ(program.broker.user, "") << "nothing is half taken";
+        return program.errors;
+    };
+    const std::string whole = kCredentials;
+    EXPECT_THAT(refused(whole.substr(0, whole.size() - 30)), HasSubstr("copied whole"));
+    EXPECT_THAT(refused("broker = a\nuser = b\n"), HasSubstr("password = ... is missing"));
+    EXPECT_THAT(refused("broker = a\npassword = b\n"), HasSubstr("user = ... is missing"));
+    EXPECT_THAT(refused("user = a\npassword = b\n"), HasSubstr("broker = ... is missing"));
+    EXPECT_THAT(refused("usr = b\n"),
+                HasSubstr("damaged:1: credentials have no \"usr\" (did you mean \"user\"?)"));
+    EXPECT_THAT(refused("user\n"), HasSubstr("damaged:1: expected NAME = VALUE"));
+    Program program;
+    EXPECT_EQ(program.parse({"--credentials", folder.file("nothing")}), kExitUsage);
+    EXPECT_THAT(program.errors, HasSubstr("cannot read the credentials"));
+}
+
 }  // namespace
 }  // namespace asip::program
