@@ -37,6 +37,14 @@ struct BusSession::State {
         };
         result.on_message = [this](const mqtt::Message& message) { dispatch(message); };
         result.on_published = [this](const std::string&) { ++acknowledged; };
+        result.on_publish_denied = [this](const std::string& topic, const std::string& reason) {
+            if (!denied.insert(topic).second) return;
+            const auto who = context.mqtt.user.empty() ? "whoever has no user" : "user " + context.mqtt.user;
+            context.note(
+                "the broker does not let " + who + " write to " + topic + " (" + reason +
+                "); whoever keeps the broker can give credentials that may: asipctl secure add operator "
+                "NAME");
+        };
         result.on_subscribe_refused = [this](const std::string& filter, const std::string& reason) {
             refused = filter + ": " + reason;
         };
@@ -79,6 +87,7 @@ struct BusSession::State {
     std::set<std::string> brokers;
     std::map<std::string, mqtt::ConnectionFailure> failed;  // the last failure of each broker
     std::string refused;
+    std::set<std::string> denied;
     std::function<void(bool, const std::string&)> connection_changed;
     std::size_t marks = 0;
     bool started = false;
@@ -143,7 +152,8 @@ BusSession::Request BusSession::ask(const std::string& topic, const std::string&
 }
 
 BusSession::Mark BusSession::mark_retained() {
-    const auto topic = state_->requester.reply_topic() + "/mark" + std::to_string(++state_->marks);
+    const auto topic = state_->context.topics.reply(state_->context.mqtt.user,
+                                                    state_->name + "-mark" + std::to_string(++state_->marks));
     Mark mark;
     mark.at_ = std::make_shared<std::optional<Time>>();
     mark.subscription_ = subscribe(topic, [at = mark.at_](const mqtt::Message&) {
@@ -175,6 +185,10 @@ bool BusSession::stopped() const {
 
 void BusSession::on_connection_change(std::function<void(bool, const std::string&)> handler) {
     state_->connection_changed = std::move(handler);
+}
+
+bool BusSession::denied(const std::string& topic) const {
+    return state_->denied.contains(topic);
 }
 
 const std::string& BusSession::subscription_refused() const {

@@ -71,6 +71,8 @@ class BusSession {
 
     /// Called when an established connection is lost or back.
     void on_connection_change(std::function<void(bool connected, const std::string& why)> handler);
+    /// Whether the broker's access rules denied a QoS 1 message of ours on `topic`. The user has been told.
+    bool denied(const std::string& topic) const;
     /// Why the broker refused a subscription, else empty.
     const std::string& subscription_refused() const;
 

@@ -8,12 +8,6 @@ namespace {
 
 constexpr std::size_t kMaxConfigBytes = 1u << 20;
 
-std::string trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos) return {};
-    return std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
-}
-
 Expected<ConfigLine> parse_line(int number, const std::string& line) {
     const auto equals = line.find('=');
     if (equals == std::string::npos) return fail("expected NAME = VALUE");
@@ -26,6 +20,12 @@ Expected<ConfigLine> parse_line(int number, const std::string& line) {
 }
 
 }  // namespace
+
+std::string trimmed(std::string_view text) {
+    const auto first = text.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos) return {};
+    return std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
+}
 
 Expected<std::vector<ConfigLine>> read_config_file(const std::string& path, std::string_view program) {
     std::ifstream file(path);

@@ -14,6 +14,9 @@ struct ConfigLine {
     std::string value;
 };
 
+/// Without blanks, tabs and carriage returns at its ends.
+std::string trimmed(std::string_view text);
+
 /// The lines of a configuration file that hold for `program`: those before any section, and those of the
 /// section `[PROGRAM]`. `_` in a name is read as `-`; a value may stand in double quotes; lines that begin
 /// with `#` or `;` are comments. Fails, with file and line, on a file that cannot be read or is larger than

@@ -3,20 +3,15 @@
 #include <fstream>
 #include <sstream>
 
+#include "asip/program/config_file.hpp"
 #include "asip/text/nearest.hpp"
 
 namespace asip::program {
 namespace {
 
-constexpr std::size_t kMaxBytes = 1u << 20;
+constexpr std::size_t kMaxCredentialBytes = 1u << 20;
 constexpr std::string_view kBegin = "-----BEGIN ";
 constexpr std::string_view kEnd = "-----END ";
-
-std::string trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos) return {};
-    return std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
-}
 
 std::vector<std::string> parts_of(const std::string& list) {
     std::vector<std::string> parts;
@@ -85,10 +80,10 @@ Expected<Credentials> parse_credentials(const std::string& text, const std::stri
 Expected<Credentials> read_credentials(const std::string& path) {
     std::ifstream file(path);
     if (!file) return fail("cannot read the credentials " + path);
-    std::string text(kMaxBytes + 1, '\0');
+    std::string text(kMaxCredentialBytes + 1, '\0');
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(file.gcount()));
-    if (file.bad() || text.size() > kMaxBytes) return fail(path + " is too long for credentials");
+    if (file.bad() || text.size() > kMaxCredentialBytes) return fail(path + " is too long for credentials");
     return parse_credentials(text, path);
 }
 

@@ -1,11 +1,14 @@
 #include "cli/commands/doctor.hpp"
 
+#include <algorithm>
 #include <ostream>
 
 #include "asip/protocol/request.hpp"
+#include "asip/random.hpp"
 #include "cli/board_source.hpp"
 #include "cli/declaration.hpp"
 #include "cli/doctor/findings.hpp"
+#include "cli/secure/try_out.hpp"
 #include "cli/text/samples.hpp"
 
 namespace asip::cli {
@@ -28,6 +31,7 @@ class Examination {
 
     Observations look() {
         seen_.v5 = session_.v5();
+        try_without_user();
         measure_acknowledgement();
         seen_.retained = read_retained(context_, session_, {context_.topics.root() + "/#"});
         watch_sessions();
@@ -40,8 +44,8 @@ class Examination {
 
   private:
     void measure_acknowledgement() {
-        const auto topic = context_.topics.root() + "/reply/doctor-" +
-                           std::to_string(Clock::now().time_since_epoch().count());
+        const auto topic = context_.topics.reply(
+            context_.mqtt.user, "doctor-" + std::to_string(Clock::now().time_since_epoch().count()));
         bool back = false;
         // QoS 0 back: an acknowledgement of ours would carry the TCP acknowledgement that Nagle's algorithm
         // waits for.
@@ -58,6 +62,16 @@ class Examination {
             if (i >= kWarmUps) seconds.add(std::chrono::duration<double>(Clock::now() - begin).count());
         }
         if (!seconds.empty()) seen_.acknowledged = std::chrono::duration<double>(seconds.percentile(50));
+    }
+
+    void try_without_user() {
+        const auto& brokers = context_.mqtt.brokers;
+        seen_.loopback = std::all_of(brokers.begin(), brokers.end(), [](const auto& broker) {
+            return broker.host == "localhost" || broker.host == "::1" || broker.host.starts_with("127.");
+        });
+        const auto stranger = "asip-check-" + random_hex(system_random(), 12);
+        if (const auto open = is_open(context_.mqtt, context_.topics.root(), stranger, context_.timeout))
+            seen_.open = *open;
     }
 
     void watch_sessions() {
@@ -119,7 +133,8 @@ int print(const Findings& findings, const DoctorOptions& options, Context& conte
 }
 
 std::string broker_advice(const std::string& broker) {
-    return "is a broker running there? Try: mosquitto_sub -h HOST -p PORT -t '$SYS/#' -C 1. Mosquitto 2 "
+    return "is a broker running there? A secured one needs --credentials FILE. Try: mosquitto_sub -h HOST -p "
+           "PORT -t '$SYS/#' -C 1. Mosquitto 2 "
            "takes only local and no "
            "anonymous clients unless its configuration allows it; ours: packaging/mosquitto/asip.conf. We "
            "tried " +

@@ -114,14 +114,22 @@ class Sender {
     void drain(std::size_t maximum) {
         while (waiting_.size() > maximum) {
             auto& oldest = waiting_.front();
-            session_.run_until([&oldest] { return oldest.answer.has_value(); },
-                               oldest.sent + context_.timeout);
+            session_.run_until(
+                [&] { return oldest.answer.has_value() || session_.denied(oldest.command.topic); },
+                oldest.sent + context_.timeout);
             report(oldest);
             waiting_.pop_front();
         }
     }
 
     void report(const Waiting& done) {
+        if (!done.answer && session_.denied(done.command.topic)) {
+            print(done, {{"status", "refused"},
+                         {"reason", "denied"},
+                         {"error", "the broker's access rules deny writing to " + done.command.topic}});
+            status_ = program::kExitFailure;
+            return;
+        }
         if (!done.answer) {
             const auto text = session_.stopped()
                                   ? "interrupted before " + done.command.line + " was answered"

@@ -82,6 +82,15 @@ Findings check_broker(const Observations& seen) {
         result.push_back(note("the broker speaks MQTT 3.1.1 only: descriptions do not expire by themselves",
                               "run asip-registry, which clears them, or a broker with MQTT 5"));
     }
+    if (seen.open == true) {
+        const std::string what =
+            "the bus is open: whoever reaches the broker may read everything and command "
+            "every board";
+        const std::string advice = "on the broker's machine: asipctl secure init; see asipctl secure --help";
+        result.push_back(seen.loopback ? note(what, advice) : problem(what, advice));
+    } else if (seen.open == false) {
+        result.push_back(fine("the broker lets in known users only"));
+    }
     if (!seen.acknowledged) {
         result.push_back(
             problem("a message of our own did not come back",

@@ -35,6 +35,9 @@ struct Observations {
     bus::Topics topics{};
     std::string broker{};
     bool v5 = true;
+    /// Whether the broker lets anybody command boards; nothing: not known.
+    std::optional<bool> open{};
+    bool loopback = false;  ///< the broker's address is one of this machine alone
     std::optional<std::chrono::duration<double>> acknowledged{};  ///< QoS 1 message out and back, median
 
     std::vector<Retained> retained{};

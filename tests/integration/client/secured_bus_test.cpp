@@ -40,15 +40,14 @@ class SecuredBroker {
             text.replace(place, what.size(), real);
         };
         put("/etc/mosquitto/asip.passwords", passwords());
-        put("/etc/mosquitto/conf.d/asip-secured.acl", folder_.write("acl", shipped("asip-secured.acl")));
-        put("/etc/mosquitto/certs/asip-ca.crt", certificates_.ca);
+        put("/etc/mosquitto/asip-secured.acl", folder_.write("acl", shipped("asip-secured.acl")));
         put("/etc/mosquitto/certs/asip-broker.crt", certificates_.server_cert);
         put("/etc/mosquitto/certs/asip-broker.key", certificates_.server_key);
         put("listener 1883 127.0.0.1", "listener " + std::to_string(local_port_) + " 127.0.0.1");
         put("listener 8883", "listener " + std::to_string(port_) + " 127.0.0.1");
         if (by == By::kCertificate) {
-            put("# require_certificate true", "require_certificate true");
-            put("# use_identity_as_username true", "use_identity_as_username true");
+            put("tls_version tlsv1.2", "tls_version tlsv1.2\ncafile " + certificates_.ca +
+                                           "\nrequire_certificate true\nuse_identity_as_username true");
         }
         text += "user root\npersistence_location " + folder_.path().string() + "/\n";
         const auto file = folder_.write("mosquitto.conf", text);

@@ -46,7 +46,7 @@ class CompletionTest : public ::testing::Test {
 };
 
 TEST_F(CompletionTest, FirstWord_IsAVerb) {
-    EXPECT_THAT(after("s"), ElementsAre("send", "show", "stop", "subscribe"));
+    EXPECT_THAT(after("s"), ElementsAre("secure", "send", "show", "stop", "subscribe"));
     EXPECT_THAT(after(""), IsSupersetOf({"help", "list", "pin", "send", "show"}));
     EXPECT_THAT(after("x"), IsEmpty());
     EXPECT_THAT(after("help su"), ElementsAre("subscribe"));
@@ -61,6 +61,9 @@ TEST_F(CompletionTest, EachDeclaredEnumeration_IsOfferedAndNoFiles) {
     EXPECT_THAT(after("list -o json "), ElementsAre("boards", "services"));
     EXPECT_THAT(after("prune --only r"), ElementsAre("registries"));
     EXPECT_THAT(after("completion "), ElementsAre("bash", "zsh"));
+    EXPECT_THAT(after("secure re"), ElementsAre("renew", "revoke"));
+    EXPECT_THAT(after("secure add b"), ElementsAre("board", "broker"));
+    EXPECT_THAT(after("list --credentials "), ElementsAre(kOfferFiles));
     EXPECT_THAT(after("pin nano 13 h"), ElementsAre("high"));
     EXPECT_THAT(after("pin nano 13 ."), IsEmpty());
     EXPECT_THAT(after("list --unit c"), ElementsAre("cm"));

@@ -107,6 +107,19 @@ TEST(Doctor, SlowAcknowledgement_PointsAtTcpNodelay) {
     EXPECT_THAT(findings.back().advice, HasSubstr("set_tcp_nodelay true"));
 }
 
+TEST(Doctor, OpenBus_IsANoteOnThisMachineAndAProblemElsewhere) {
+    auto seen = healthy();
+    seen.open = true;
+    seen.loopback = true;
+    EXPECT_THAT(problems(check_broker(seen)), IsEmpty());
+    EXPECT_THAT(check_broker(seen)[1].advice, HasSubstr("asipctl secure init"));
+    seen.loopback = false;
+    EXPECT_THAT(problems(check_broker(seen)), ElementsAre(HasSubstr("the bus is open")));
+    seen.open = false;
+    EXPECT_THAT(problems(check_broker(seen)), IsEmpty());
+    EXPECT_THAT(check_broker(seen)[1].what, HasSubstr("known users only"));
+}
+
 TEST(Doctor, OurOwnMessageDoesNotComeBack_PointsAtAccessRules) {
     auto seen = healthy();
     seen.acknowledged.reset();

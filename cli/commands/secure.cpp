@@ -1,0 +1,80 @@
+#include "cli/commands/secure.hpp"
+
+#include "cli/declaration.hpp"
+#include "cli/secure/actions.hpp"
+#include "cli/secure/check.hpp"
+#include "cli/secure/show.hpp"
+
+namespace asip::cli {
+
+int run_secure(const SecureOptions& options, Context& context) {
+    if (options.action == "show") {
+        const auto shown = secure_show(options, context);
+        return shown ? program::kExitOk : context.fail_with(shown.error());
+    }
+    if (options.action == "check") {
+        const auto checked = secure_check(options, context);
+        return checked ? *checked : context.fail_with(checked.error());
+    }
+    SecureReport report(options.output, context);
+    const auto done = options.action == "init"     ? secure_init(options, context, report)
+                      : options.action == "add"    ? secure_add(options, report)
+                      : options.action == "revoke" ? secure_revoke(options, report)
+                                                   : secure_renew(options, report);
+    report.finish();
+    return done ? program::kExitOk : context.fail_with(done.error());
+}
+
+namespace {
+
+constexpr std::size_t kMaxPort = 65535;
+
+Run declare_secure(Declaration& verb) {
+    auto options = std::make_shared<SecureOptions>();
+    verb.argument("init|add|revoke|renew|show|check", options->action, "What to do");
+    verb.argument("board|operator|viewer|registry|gateway|admin|broker|...", options->what,
+                  "add: the role; revoke, renew, show, check: a name (renew broker: its certificate)",
+                  Declaration::Needed::kNo);
+    verb.arguments("NAME", options->names, "add, revoke: names; a board's is that of the board",
+                   Declaration::Needed::kNo);
+    verb.option("--dir", "DIR", options->folder,
+                "Where everything is kept; default: /etc/asip/bus for root, else asip-bus in this folder");
+    verb.option("--host", "HOST", options->hosts,
+                "init, renew broker: names and addresses by which programs call the broker; default: this "
+                "machine's");
+    verb.option("--port", "PORT", options->port, "init: of the broker, with TLS", 1, kMaxPort);
+    verb.option("--mosquitto", "DIR", options->mosquitto,
+                "init: folder of the system broker's configuration; default for root: /etc/mosquitto/conf.d");
+    verb.option("--reload-pid", "PID", options->reload_pid,
+                "Process of the broker that has to read the change; default: found by its pid file");
+    verb.output(
+        options->output, {Output::kText},
+        {"action", "what", "file", "command", "name", "role", "since", "until", "may", "should", "is"});
+    return [options](Context& context) { return run_secure(*options, context); };
+}
+
+}  // namespace
+
+Verb secure_verb() {
+    return {
+        "secure", "Make a bus that lets in only whom you add",
+        "init makes an authority, the broker's certificate, configuration and access rules, and an "
+        "administrator.\n"
+        "add makes one file for a program on another machine: asip-agent --credentials FILE takes all "
+        "of it.\n"
+        "revoke takes a user out; a running broker drops it at once and keeps all others. check tries at the "
+        "running\nbroker what each user may do. Needs no network, overwrites nothing but what renew names, "
+        "and can be\nrepeated.\n"
+        "Examples:\n"
+        "  asipctl secure init --host pi.local\n"
+        "  asipctl secure add board uno1\n"
+        "  asipctl secure add operator ann\n"
+        "  asipctl secure add registry\n"
+        "  asipctl secure revoke uno1\n"
+        "  asipctl secure renew ann\n"
+        "  asipctl secure show\n"
+        "  asipctl secure check",
+        declare_secure};
+}
+
+}  // namespace asip::cli

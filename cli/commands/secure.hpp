@@ -1,0 +1,27 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/context.hpp"
+#include "cli/output.hpp"
+
+namespace asip::cli {
+
+struct SecureOptions {
+    std::string action;              ///< init, add, revoke, renew, show or check
+    std::string what;                ///< a role, or a name
+    std::vector<std::string> names;  ///< after a role
+    std::string folder;              ///< empty: see SecureFolder
+    std::string mosquitto;  ///< folder of the system broker's configuration; empty: where there is one
+    std::vector<std::string> hosts;
+    std::size_t port = 8883;
+    std::optional<std::size_t> reload_pid;
+    OutputOptions output{};
+};
+
+/// `asipctl secure`: makes what a broker needs to let in known programs only, and keeps it.
+int run_secure(const SecureOptions& options, Context& context);
+
+}  // namespace asip::cli

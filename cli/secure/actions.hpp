@@ -1,0 +1,17 @@
+#pragma once
+#include "cli/commands/secure.hpp"
+#include "cli/secure/report.hpp"
+
+/// What the actions of `asipctl secure` do; each can be repeated: it completes what is missing and leaves
+/// what is there.
+namespace asip::cli {
+
+/// The folder of `--dir`, else /etc/asip/bus for root and asip-bus in the current one for others.
+std::filesystem::path secure_folder(const SecureOptions& options);
+
+Outcome<void> secure_init(const SecureOptions& options, const Context& context, SecureReport& report);
+Outcome<void> secure_add(const SecureOptions& options, SecureReport& report);
+Outcome<void> secure_revoke(const SecureOptions& options, SecureReport& report);
+Outcome<void> secure_renew(const SecureOptions& options, SecureReport& report);
+
+}  // namespace asip::cli

@@ -1,0 +1,53 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "asip/expected.hpp"
+#include "cli/secure/roles.hpp"
+
+namespace asip::cli {
+
+/// A user of the broker. Its password stands in the credentials file alone.
+struct SecuredUser {
+    std::string name;
+    Role role = Role::kViewer;
+    std::string hash;  ///< see mosquitto_hash()
+    std::string made;  ///< ISO 8601
+};
+
+/// What `asipctl secure` knows of a bus; everything that the broker reads follows from it.
+struct SecuredBus {
+    std::vector<std::string> hosts;  ///< names and addresses of the broker, best first
+    std::uint16_t port = 8883;
+    std::string topic_root = "asip";
+    std::string configuration;       ///< file of Mosquitto's configuration
+    std::vector<SecuredUser> users;  ///< in the order in which they were added
+
+    const SecuredUser* find(const std::string& name) const;
+};
+
+std::string write_bus(const SecuredBus& bus);
+Expected<SecuredBus> read_bus(const std::string& text);
+
+/// Mosquitto's password file.
+std::string password_lines(const SecuredBus& bus);
+/// Mosquitto's access rules.
+std::string rule_lines(const SecuredBus& bus);
+
+/// Where the files are that the configuration names.
+struct BrokerPlaces {
+    std::string passwords, rules, certificate, key;
+    std::string store;  ///< folder of what the broker keeps; empty: a configuration around this one names it
+    std::string pid_file;          ///< empty: likewise
+    std::uint16_t port = 8883;     ///< with TLS, for everybody
+    std::uint16_t local_port = 0;  ///< without TLS, for this machine only; 0: none
+};
+/// Mosquitto's configuration.
+std::string broker_configuration(const BrokerPlaces& places);
+
+/// The credentials file of a user: what read_credentials() reads.
+std::string credentials_text(const SecuredBus& bus, const SecuredUser& user, const std::string& password,
+                             const std::string& authority);
+
+}  // namespace asip::cli

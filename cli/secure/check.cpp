@@ -1,0 +1,147 @@
+#include "cli/secure/check.hpp"
+
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "asip/program/credentials.hpp"
+#include "asip/random.hpp"
+#include "cli/secure/actions.hpp"
+#include "cli/secure/secrets.hpp"
+#include "cli/secure/try_out.hpp"
+#include "cli/secure/users.hpp"
+#include "cli/text/table.hpp"
+
+namespace asip::cli {
+namespace {
+
+std::string_view name_of(Found found) {
+    switch (found) {
+        case Found::kAllowed:
+            return "allowed";
+        case Found::kDenied:
+            return "denied";
+        case Found::kPartly:
+            return "partly";
+        case Found::kUnknown:
+            break;
+    }
+    return "not tried";
+}
+
+Outcome<mqtt::Options> options_of(const SecureFolder& folder, const std::string& user) {
+    const auto file = folder.credentials(user).string();
+    const auto read = program::read_credentials(file);
+    if (!read) return failure(program::kExitFailure, read.error());
+    program::BrokerOptions raw;
+    raw.brokers = read->brokers;
+    raw.user = read->user;
+    raw.password = read->password;
+    raw.ca = file;
+    raw.mqtt_version = "5";
+    auto options = program::mqtt_options(raw, "asipctl");
+    if (!options) return failure(program::kExitUsage, options.error());
+    return std::move(*options);
+}
+
+class Checker {
+  public:
+    Checker(const SecureOptions& options, Context& context)
+        : options_(options),
+          context_(context),
+          records_(options.output, RecordPrinter::Count::kList, context.out) {}
+
+    void row(const Trial& trial, Found found, const std::string& role) {
+        const auto wanted = trial.allowed ? Found::kAllowed : Found::kDenied;
+        if (found != Found::kUnknown && found != wanted) ++wrong_;
+        if (options_.output.for_people()) {
+            const auto colour = found == wanted            ? Colour::kGreen
+                                : found == Found::kUnknown ? Colour::kYellow
+                                                           : Colour::kRed;
+            table_.add({trial.user.empty() ? "(nobody)" : trial.user, role, trial.what,
+                        std::string(name_of(wanted)), Cell(std::string(name_of(found)), colour)});
+        } else {
+            records_.print({{"name", trial.user},
+                            {"role", role},
+                            {"what", trial.what},
+                            {"should", name_of(wanted)},
+                            {"is", name_of(found)}});
+        }
+    }
+
+    int finish() {
+        if (options_.output.for_people()) {
+            context_.out << table_.render(context_.width, context_.colour) << std::flush;
+        } else {
+            records_.finish();
+        }
+        if (wrong_ == 0) return program::kExitOk;
+        context_.note(
+            "the broker does not do what it should: has it read its files? Reload it: asipctl secure "
+            "show names them");
+        return program::kExitFailure;
+    }
+
+  private:
+    const SecureOptions& options_;
+    Context& context_;
+    RecordPrinter records_;
+    Table table_{{{"NAME"}, {"ROLE"}, {"WHAT", false, 12}, {"SHOULD BE"}, {"IS"}}};
+    std::size_t wrong_ = 0;
+};
+
+Outcome<void> check_strangers(Checker& checker, const mqtt::Options& admin, Duration limit) {
+    auto nobody = admin;
+    nobody.user.clear();
+    nobody.password.clear();
+    auto guesser = admin;
+    guesser.password = random_password();
+    for (auto& [options, what] :
+         {std::pair{nobody, "connect without user"}, std::pair{guesser, "connect with a wrong password"}}) {
+        const auto accepted = accepts(options, limit);
+        if (!accepted) return tl::unexpected(accepted.error());
+        checker.row({options.user, what, false, {}, {}}, *accepted ? Found::kAllowed : Found::kDenied, "");
+    }
+    return {};
+}
+
+}  // namespace
+
+Outcome<int> secure_check(const SecureOptions& options, Context& context) {
+    std::optional<SecuredBus> bus;
+    std::optional<mqtt::Options> admin;
+    std::vector<std::pair<SecuredUser, Outcome<mqtt::Options>>> users;
+    {
+        const auto folder = SecureFolder::open(secure_folder(options));
+        if (!folder) return tl::unexpected(folder.error());
+        auto read = folder->bus();
+        if (!read) return tl::unexpected(read.error());
+        bus = std::move(*read);
+        if (!options.what.empty()) {
+            if (auto known = check_known(*bus, options.what); !known) return tl::unexpected(known.error());
+        }
+        auto found = options_of(*folder, "admin");
+        if (!found) return tl::unexpected(found.error());
+        admin = std::move(*found);
+        for (const auto& user : bus->users) {
+            if (options.what.empty() || options.what == user.name)
+                users.emplace_back(user, options_of(*folder, user.name));
+        }
+    }
+    const auto stranger = "asip-check-" + random_hex(system_random(), 12);
+    Checker checker(options, context);
+    if (options.what.empty()) {
+        if (auto done = check_strangers(checker, *admin, context.timeout); !done)
+            return tl::unexpected(done.error());
+    }
+    for (const auto& [user, own] : users) {
+        const auto trials = trials_of({user.name, user.role}, bus->topic_root, stranger);
+        Outcome<std::vector<Found>> found = std::vector<Found>(trials.size(), Found::kUnknown);
+        if (own) found = try_out(trials, *own, *admin, bus->topic_root, 2 * context.timeout);
+        if (!found) return tl::unexpected(found.error());
+        for (std::size_t i = 0; i < trials.size(); ++i)
+            checker.row(trials[i], (*found)[i], std::string(name_of(user.role)));
+    }
+    return checker.finish();
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,66 @@
+#pragma once
+#include <sys/types.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "cli/context.hpp"
+#include "cli/secure/bus_file.hpp"
+#include "cli/secure/certificate.hpp"
+
+namespace asip::cli {
+
+/// The folder in which `asipctl secure` keeps a bus. Secrets are readable by their owner alone: what the
+/// broker reads (`broker/`) belongs, where root made it, to the user `mosquitto`, all else to whoever made
+/// it. Files are replaced whole, so that a broker that reads them meanwhile sees the old or the new one.
+class SecureFolder {
+  public:
+    using Path = std::filesystem::path;
+
+    /// Makes the folder unless it exists, and locks it against other runs. Waits for them.
+    static Outcome<SecureFolder> create(const Path& path);
+    /// Fails with what to do when `init` has not been run there.
+    static Outcome<SecureFolder> open(const Path& path);
+    ~SecureFolder();
+    SecureFolder(SecureFolder&& other) noexcept;
+    SecureFolder& operator=(SecureFolder&&) = delete;
+
+    const Path& path() const { return path_; }
+    Path authority_key() const { return path_ / "ca.key"; }
+    Path authority() const { return path_ / "ca.crt"; }
+    Path configuration() const { return path_ / "mosquitto.conf"; }
+    Path passwords() const { return path_ / "broker" / "passwords"; }
+    Path rules() const { return path_ / "broker" / "rules.acl"; }
+    Path certificate() const { return path_ / "broker" / "broker.crt"; }
+    Path key() const { return path_ / "broker" / "broker.key"; }
+    Path pid_file() const { return path_ / "broker" / "mosquitto.pid"; }
+    Path store() const { return path_ / "broker"; }
+    Path credentials(const std::string& user) const {
+        return path_ / "credentials" / (user + ".credentials");
+    }
+
+    Outcome<SecuredBus> bus() const;
+    bool initialised() const { return std::filesystem::exists(bus_file()); }
+    /// The authority, where this machine has its key.
+    Outcome<CertificateAndKey> authority_and_key() const;
+
+    Outcome<void> save(const SecuredBus& bus) const;
+    /// Writes `text` for its owner alone, or for everybody to read. True: the file was not there, or was
+    /// different.
+    enum class Readers { kOwner, kAll };
+    Outcome<bool> write(const Path& file, const std::string& text, Readers readers) const;
+
+  private:
+    SecureFolder(Path path, int lock) : path_(std::move(path)), lock_(lock) {}
+    Path bus_file() const { return path_ / "bus.json"; }
+    bool for_broker(const Path& file) const { return file.parent_path() == store(); }
+
+    Path path_;
+    int lock_ = -1;
+};
+
+/// The whole file; nothing when it cannot be read.
+std::optional<std::string> file_text(const std::filesystem::path& file);
+
+}  // namespace asip::cli

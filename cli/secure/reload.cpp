@@ -1,0 +1,41 @@
+#include "cli/secure/reload.hpp"
+
+#include <csignal>
+#include <cstdlib>
+
+namespace asip::cli {
+namespace {
+
+constexpr const char* kSystemPidFile = "/run/mosquitto/mosquitto.pid";
+
+int pid_in(const std::filesystem::path& file) {
+    const auto text = file_text(file);
+    return text ? std::atoi(text->c_str()) : 0;
+}
+
+bool is_mosquitto(int pid) {
+    return pid > 0 && file_text("/proc/" + std::to_string(pid) + "/comm") == "mosquitto\n";
+}
+
+}  // namespace
+
+bool is_system_broker(const SecureFolder& folder, const SecuredBus& bus) {
+    return bus.configuration != folder.configuration();
+}
+
+Reload reload_broker(const SecureFolder& folder, const SecuredBus& bus, std::optional<std::size_t> pid) {
+    const bool system = is_system_broker(folder, bus);
+    Reload made;
+    made.pid = pid ? static_cast<int>(*pid) : pid_in(system ? kSystemPidFile : folder.pid_file());
+    if (!is_mosquitto(made.pid)) {
+        made.pid = 0;
+        made.command = system ? "sudo systemctl reload mosquitto" : "kill -HUP PID_OF_MOSQUITTO";
+        return made;
+    }
+    const bool sent = ::kill(made.pid, SIGHUP) == 0;
+    made.result = sent ? Reload::Result::kReloaded : Reload::Result::kNotAllowed;
+    made.command = system ? "sudo systemctl reload mosquitto" : "sudo kill -HUP " + std::to_string(made.pid);
+    return made;
+}
+
+}  // namespace asip::cli

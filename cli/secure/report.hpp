@@ -1,0 +1,29 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "cli/context.hpp"
+#include "cli/output.hpp"
+
+namespace asip::cli {
+
+/// What `asipctl secure` did, a line each, and below it what to do next.
+class SecureReport {
+  public:
+    SecureReport(const OutputOptions& options, Context& context)
+        : options_(options), out_(context.out), records_(options, RecordPrinter::Count::kList, context.out) {}
+
+    /// `action`: `made`, `kept`, `changed`, `removed`, `moved`, `reloaded` or `warning`.
+    void did(const std::string& action, const std::string& what, const std::string& file = {});
+    /// A command to run (or a file to copy) and why.
+    void next(const std::string& why, const std::string& command = {});
+    void finish();
+
+  private:
+    const OutputOptions& options_;
+    std::ostream& out_;
+    RecordPrinter records_;
+    std::string next_;
+};
+
+}  // namespace asip::cli

@@ -1,0 +1,9 @@
+#pragma once
+#include "cli/commands/secure.hpp"
+
+namespace asip::cli {
+
+/// Prints who may do what, and until when the broker's certificate is valid.
+Outcome<void> secure_show(const SecureOptions& options, Context& context);
+
+}  // namespace asip::cli

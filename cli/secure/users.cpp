@@ -1,0 +1,114 @@
+#include "cli/secure/users.hpp"
+
+#include <algorithm>
+
+#include "asip/program/credentials.hpp"
+#include "asip/text/nearest.hpp"
+#include "asip/text/wall_time.hpp"
+#include "cli/secure/secrets.hpp"
+
+namespace asip::cli {
+namespace {
+
+constexpr std::size_t kSaltBytes = 12;
+
+SecuredUser made_user(const std::string& name, Role role, const std::string& password) {
+    return {name, role, mosquitto_hash(password, random_bytes(kSaltBytes)), text::iso_time(text::wall_now())};
+}
+
+Outcome<void> write_credentials(const SecureFolder& folder, const SecuredBus& bus, const SecuredUser& user,
+                                const std::string& password) {
+    const auto authority = file_text(folder.authority());
+    if (!authority) return failure(program::kExitFailure, "cannot read " + folder.authority().string());
+    const auto written =
+        folder.write(folder.credentials(user.name), credentials_text(bus, user, password, *authority),
+                     SecureFolder::Readers::kOwner);
+    if (!written) return tl::unexpected(written.error());
+    return {};
+}
+
+std::string who(const SecuredUser& user) {
+    return std::string(name_of(user.role)) + " " + user.name;
+}
+
+}  // namespace
+
+Outcome<void> ensure_user(const SecureFolder& folder, SecuredBus& bus, const std::string& name, Role role,
+                          SecureReport& report) {
+    if (const auto why = explain_user_name(name, role); !why.empty())
+        return failure(program::kExitUsage, why);
+    const auto file = folder.credentials(name);
+    const bool has_file = std::filesystem::exists(file);
+    if (const auto* user = bus.find(name)) {
+        if (user->role != role)
+            return failure(program::kExitFailure, name + " is a name in use, by the " +
+                                                      std::string(name_of(user->role)) +
+                                                      "; take another, or revoke that one first");
+        if (has_file) {
+            report.did("kept", who(*user), file);
+        } else {
+            report.did("kept", who(*user) +
+                                   "; its credentials are no longer here (new ones: asipctl secure "
+                                   "renew " +
+                                   name + ")");
+        }
+        return {};
+    }
+    std::string password = random_password();
+    if (has_file) {
+        const auto read = program::read_credentials(file);
+        if (!read) return failure(program::kExitFailure, read.error());
+        password = read->password;
+    }
+    const auto user = made_user(name, role, password);
+    if (!has_file) {
+        if (auto done = write_credentials(folder, bus, user, password); !done) return done;
+    }
+    bus.users.push_back(user);
+    report.did("made", "credentials of " + who(user), file);
+    return {};
+}
+
+Outcome<void> check_known(const SecuredBus& bus, const std::string& name) {
+    if (bus.find(name) != nullptr) return {};
+    std::vector<std::string> names;
+    for (const auto& user : bus.users)
+        names.push_back(user.name);
+    return failure(program::kExitFailure,
+                   "nobody on this bus is called " + name + text::did_you_mean(name, names));
+}
+
+Outcome<void> renew_user(const SecureFolder& folder, SecuredBus& bus, const std::string& name,
+                         SecureReport& report) {
+    if (auto known = check_known(bus, name); !known) return known;
+    const auto user = std::find_if(bus.users.begin(), bus.users.end(),
+                                   [&name](const auto& one) { return one.name == name; });
+    const auto password = random_password();
+    *user = made_user(name, user->role, password);
+    if (auto done = write_credentials(folder, bus, *user, password); !done) return done;
+    report.did("changed", "credentials of " + who(*user), folder.credentials(name));
+    return {};
+}
+
+Outcome<void> remove_user(const SecureFolder& folder, SecuredBus& bus, const std::string& name,
+                          SecureReport& report) {
+    if (auto known = check_known(bus, name); !known) return known;
+    report.did("removed", who(*bus.find(name)));
+    std::erase_if(bus.users, [&name](const auto& one) { return one.name == name; });
+    std::error_code error;
+    if (std::filesystem::remove(folder.credentials(name), error))
+        report.did("removed", "its credentials", folder.credentials(name));
+    return {};
+}
+
+Outcome<void> write_users(const SecureFolder& folder, const SecuredBus& bus) {
+    if (auto saved = folder.save(bus); !saved) return saved;
+    const auto passwords =
+        folder.write(folder.passwords(), password_lines(bus), SecureFolder::Readers::kOwner);
+    if (!passwords) return tl::unexpected(passwords.error());
+    const auto rules = folder.write(folder.rules(), rule_lines(bus), SecureFolder::Readers::kOwner);
+    if (!rules) return tl::unexpected(rules.error());
+    return {};
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,27 @@
+#pragma once
+#include "cli/secure/folder.hpp"
+#include "cli/secure/report.hpp"
+
+namespace asip::cli {
+
+/// Adds the user and writes its credentials, or keeps both. A credentials file that is there already, of an
+/// addition that was interrupted, is used. Fails for a name that is not valid or has another role.
+/// `bus` is changed and not yet saved.
+Outcome<void> ensure_user(const SecureFolder& folder, SecuredBus& bus, const std::string& name, Role role,
+                          SecureReport& report);
+
+/// Fails, with the nearest name, when there is no such user.
+Outcome<void> check_known(const SecuredBus& bus, const std::string& name);
+
+/// Gives the user a new password and writes its credentials anew.
+Outcome<void> renew_user(const SecureFolder& folder, SecuredBus& bus, const std::string& name,
+                         SecureReport& report);
+
+/// Takes the user, who must be there, out and removes its credentials from the folder.
+Outcome<void> remove_user(const SecureFolder& folder, SecuredBus& bus, const std::string& name,
+                          SecureReport& report);
+
+/// Saves `bus` and writes what the broker reads of users.
+Outcome<void> write_users(const SecureFolder& folder, const SecuredBus& bus);
+
+}  // namespace asip::cli

@@ -1,0 +1,157 @@
+// Adding, revoking and renewing while the broker runs.
+#include <sys/stat.h>
+#include <csignal>
+
+#include <filesystem>
+#include <regex>
+
+#include "tests/integration/secure/secured_bus.hpp"
+
+namespace asip::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+class KeptBus : public SecuredBus {
+  protected:
+    KeptBus() {
+        add({"board", "uno1", "uno2"});
+        start_broker();
+    }
+    Words reload() const { return {"--reload-pid", std::to_string(broker_->pid())}; }
+    std::string all_files() const {
+        return run({"sh", "-c",
+                    "cd '" + folder() + "' && find . -type f ! -name '*.pid' | sort | xargs sha256sum"})
+            .output;
+    }
+};
+
+TEST_F(KeptBus, Revoked_IsOutWithinASecondAndOthersStay) {
+    const auto out = probe("uno1", {"asip/uno1/in"});
+    const auto stays = probe("uno2", {"asip/uno2/in"});
+    ASSERT_TRUE(out.connected());
+    const auto begin = std::chrono::steady_clock::now();
+    const auto revoked = secure(Words{"revoke", "uno1"} + reload());
+    ASSERT_EQ(revoked.status, 0) << revoked.errors;
+    ASSERT_TRUE(wait_until([&] { return !out.connected(); }));
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, time_limit(1s));
+    auto admin = probe("admin", {});
+    admin.publish("asip/uno2/in", "still here");
+    EXPECT_TRUE(stays.wait_for("asip/uno2/in", "still here"));
+    EXPECT_TRUE(stays.connected());
+    EXPECT_EQ(broker_log().find("uno2 disconnected"), std::string::npos) << broker_log();
+    EXPECT_FALSE(std::filesystem::exists(credentials("uno1")));
+}
+
+TEST_F(KeptBus, Revoked_CannotComeBackWithItsOldFile) {
+    const auto old = probe_options("uno1");
+    const auto copy = place_.write("copy", run({"cat", credentials("uno1")}).output);
+    ASSERT_TRUE(may_connect({"--cafile", copy, "-u", "uno1", "-P", old.password}));
+    ASSERT_EQ(secure(Words{"revoke", "uno1"} + reload()).status, 0);
+    EXPECT_TRUE(wait_until([&] {
+        return !may_connect({"--cafile", copy, "-u", "uno1", "-P", old.password});
+    }));
+    ASSERT_EQ(secure(Words{"add", "board", "uno1"} + reload()).status, 0);
+    const auto fresh = probe_options("uno1");
+    EXPECT_TRUE(wait_until([&] {
+        return may_connect({"--cafile", copy, "-u", "uno1", "-P", fresh.password});
+    }));
+    EXPECT_FALSE(may_connect({"--cafile", copy, "-u", "uno1", "-P", old.password}));
+}
+
+TEST_F(KeptBus, RunningBroker_IsFoundByItsPidFile) {
+    const auto added = secure({"add", "operator", "ann", "-o", "jsonl"});
+    EXPECT_NE(added.output.find("\"reloaded\""), std::string::npos) << added.output;
+    EXPECT_TRUE(wait_until([&] { return may_publish("ann", "asip/uno1/in"); }));
+}
+
+TEST_F(KeptBus, PidOfAnotherProgram_IsSentNoSignal) {
+    ChildProcess other({"sleep", "60"});
+    const auto added = secure({"add", "operator", "ann", "--reload-pid", std::to_string(other.pid())});
+    EXPECT_EQ(added.status, 0);
+    EXPECT_NE(added.output.find("let it read it"), std::string::npos) << added.output;
+    EXPECT_TRUE(other.running());
+}
+
+TEST_F(KeptBus, RenewedUser_NeedsItsNewFile) {
+    const auto old = probe_options("uno1");
+    ASSERT_EQ(secure(Words{"renew", "uno1"} + reload()).status, 0);
+    const auto fresh = probe_options("uno1");
+    EXPECT_NE(old.password, fresh.password);
+    EXPECT_TRUE(wait_until([&] {
+        return may_connect({"--cafile", fresh.ca, "-u", "uno1", "-P", fresh.password});
+    }));
+    EXPECT_FALSE(may_connect({"--cafile", fresh.ca, "-u", "uno1", "-P", old.password}));
+}
+
+TEST_F(KeptBus, RenewedCertificate_IsShownWithoutDroppingBoards) {
+    const auto stays = probe("uno2", {"asip/uno2/in"});
+    const auto serial = [&] {
+        return run({"sh", "-c",
+                    "openssl s_client -connect localhost:" + std::to_string(port()) +
+                        " </dev/null 2>/dev/null | openssl x509 -noout -serial"})
+            .output;
+    };
+    const auto before = serial();
+    ASSERT_NE(before, "");
+    ASSERT_EQ(secure(Words{"renew", "broker"} + reload()).status, 0);
+    EXPECT_TRUE(wait_until([&] { return serial() != before; }));
+    EXPECT_TRUE(stays.connected());
+    EXPECT_EQ(broker_log().find("uno2 disconnected"), std::string::npos) << broker_log();
+    EXPECT_TRUE(may_publish("uno1", "asip/uno1/out")) << "the authority is the same";
+}
+
+TEST_F(KeptBus, Repeated_ChangesNothing) {
+    const auto before = all_files();
+    ASSERT_NE(before, "");
+    EXPECT_EQ(secure({"init"}).status, 0);
+    EXPECT_EQ(secure({"add", "board", "uno1", "uno2"}).status, 0);
+    EXPECT_EQ(secure({"show"}).status, 0);
+    EXPECT_EQ(all_files(), before);
+}
+
+TEST_F(KeptBus, InterruptedAddition_IsCompletedWithTheSameFile) {
+    const auto saved = run({"cat", file("bus.json")}).output;
+    add({"operator", "ann"});
+    const auto given = run({"cat", credentials("ann")}).output;
+    ASSERT_EQ(run({"sh", "-c", "cat > '" + file("bus.json") + "' <<'END'\n" + saved + "END"}).status, 0);
+    ASSERT_EQ(secure(Words{"add", "operator", "ann"} + reload()).status, 0);
+    EXPECT_EQ(run({"cat", credentials("ann")}).output, given);
+    EXPECT_TRUE(wait_until([&] { return may_publish("ann", "asip/uno1/in"); }));
+}
+
+TEST_F(KeptBus, NameInUse_IsRefusedAndKept) {
+    const auto before = all_files();
+    const auto refused = secure({"add", "operator", "uno1"});
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_NE(refused.errors.find("in use, by the board"), std::string::npos) << refused.errors;
+    EXPECT_EQ(secure({"add", "viewer", "a/b"}).status, 2);
+    EXPECT_EQ(secure({"add", "king", "ann"}).status, 2);
+    EXPECT_EQ(secure({"add", "operator"}).status, 2);
+    const auto nobody = secure({"revoke", "uno1x"});
+    EXPECT_EQ(nobody.status, 1);
+    EXPECT_NE(nobody.errors.find("did you mean \"uno1\""), std::string::npos) << nobody.errors;
+    EXPECT_EQ(secure({"revoke", "uno1", "nobody"}).status, 1) << "all or none";
+    EXPECT_EQ(all_files(), before);
+}
+
+TEST_F(KeptBus, OtherHosts_AreNotTakenByInit) {
+    const auto refused = secure({"init", "--host", "other.example"});
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_NE(refused.errors.find("renew broker"), std::string::npos) << refused.errors;
+    EXPECT_EQ(secure({"renew", "broker", "--host", "a b"}).status, 2);
+}
+
+TEST_F(KeptBus, Secrets_AreReadableByTheirOwnerAlone) {
+    add({"operator", "ann"});
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder())) {
+        const bool secret = entry.is_regular_file() && entry.path().extension() != ".crt" &&
+                            entry.path().filename() != "mosquitto.conf" && entry.path().extension() != ".pid";
+        struct stat status {};
+        ASSERT_EQ(::stat(entry.path().c_str(), &status), 0);
+        EXPECT_TRUE(!secret || (status.st_mode & 0777) == 0600) << entry.path();
+    }
+}
+
+}  // namespace
+}  // namespace asip::test

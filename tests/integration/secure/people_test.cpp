@@ -1,0 +1,110 @@
+// Operators, viewers, registries and strangers.
+#include <csignal>
+
+#include "tests/integration/secure/secured_bus.hpp"
+#include "tests/support/mosquitto_broker.hpp"
+
+namespace asip::test {
+namespace {
+
+class PeopleOnSecuredBus : public SecuredBus {
+  protected:
+    PeopleOnSecuredBus() {
+        add({"board", "uno1"});
+        add({"operator", "ann"});
+        add({"viewer", "bob"});
+        add({"registry"});
+        add({"gateway"});
+        start_broker();
+    }
+};
+
+TEST_F(PeopleOnSecuredBus, Viewer_SeesBoardsAndCannotCommandThem) {
+    for (const char* topic : {"asip/servicebus/uno1/$state", "asip/uno1/out", "asip/uno1/io/out",
+                              "asip/uno1/io/error", "asip/registry/hall/events"})
+        EXPECT_TRUE(may_read("bob", topic)) << topic;
+    for (const char* topic : {"asip/uno1/in", "asip/uno1/io/in", "asip/uno1/$stop", "asip/uno1/out",
+                              "asip/servicebus/uno1/$state"})
+        EXPECT_FALSE(may_publish("bob", topic)) << topic;
+}
+
+TEST_F(PeopleOnSecuredBus, Viewer_CannotSeeAnswersOrRequestsOfOthers) {
+    for (const char* topic : {"asip/reply/ann/x/uno1", "asip/reply/gateway/x/s/uno1", "asip/uno1/in",
+                              "asip/uno1/io/in", "asip/uno1/$stop", "asip/registry/query"})
+        EXPECT_FALSE(may_read("bob", topic)) << topic;
+}
+
+TEST_F(PeopleOnSecuredBus, Person_CannotPassForABoardOfItsName) {
+    for (const char* user : {"ann", "bob", "gateway"}) {
+        const std::string name = user;
+        for (const auto& topic : {"asip/servicebus/" + name, "asip/servicebus/" + name + "/$state",
+                                  "asip/" + name + "/out", "asip/" + name + "/io/out"})
+            EXPECT_FALSE(may_publish(user, topic)) << topic;
+    }
+}
+
+TEST_F(PeopleOnSecuredBus, Operator_CommandsBoardsAndReadsItsOwnAnswersOnly) {
+    for (const char* user : {"ann", "gateway"}) {
+        for (const char* topic :
+             {"asip/uno1/in", "asip/uno1/io/in", "asip/uno1/$stop", "asip/registry/query"})
+            EXPECT_TRUE(may_publish(user, topic)) << user << " " << topic;
+        for (const char* topic : {"asip/uno1/out", "asip/servicebus/uno1/$state"})
+            EXPECT_FALSE(may_publish(user, topic)) << user << " " << topic;
+        EXPECT_TRUE(may_read(user, "asip/reply/" + std::string(user) + "/x/uno1"));
+        EXPECT_FALSE(may_read(user, "asip/reply/bob/x/uno1"));
+        EXPECT_FALSE(may_read(user, "asip/uno1/io/in"));
+    }
+}
+
+TEST_F(PeopleOnSecuredBus, Registry_ClearsWhatBoardsLeftAndNothingElse) {
+    for (const char* topic :
+         {"asip/servicebus/gone", "asip/servicebus/gone/$state", "asip/servicebus/gone/$description",
+          "asip/gone/out", "asip/gone/io/out", "asip/gone/io/error", "asip/gone/in", "asip/gone/io/in",
+          "asip/registry/hall/$state", "asip/registry/hall/events"})
+        EXPECT_TRUE(may_publish("registry", topic)) << topic;
+    for (const char* topic :
+         {"asip/gone", "asip/gone/io", "asip/gone/io/other", "elsewhere", "homeassistant/x"})
+        EXPECT_FALSE(may_publish("registry", topic)) << topic;
+}
+
+TEST_F(PeopleOnSecuredBus, StrangersGetNothing) {
+    const auto ann = probe_options("ann");
+    EXPECT_TRUE(may_connect({"--cafile", ann.ca, "-u", "ann", "-P", ann.password})) << "the test can tell";
+    EXPECT_FALSE(may_connect({"--cafile", ann.ca})) << "anonymous";
+    EXPECT_FALSE(may_connect({"--cafile", ann.ca, "-u", "ann"})) << "without password";
+    EXPECT_FALSE(may_connect({"--cafile", ann.ca, "-u", "ann", "-P", "wrong"}));
+    EXPECT_FALSE(may_connect({"--cafile", ann.ca, "-u", "ann", "-P", probe_options("bob").password}));
+    EXPECT_FALSE(may_connect({"--cafile", ann.ca, "-u", "eve", "-P", ann.password})) << "unknown";
+    EXPECT_FALSE(may_connect({"-u", "ann", "-P", ann.password})) << "without TLS";
+    TempDir other;
+    const auto strange = make_certificates(other);
+    EXPECT_FALSE(
+        may_connect({"--cafile", ann.ca, "--cert", strange.client_cert, "--key", strange.client_key}))
+        << "a certificate of somebody else";
+    EXPECT_FALSE(may_connect({"--cafile", strange.ca, "-u", "ann", "-P", ann.password}))
+        << "the broker does not pass for one of another authority";
+}
+
+TEST_F(PeopleOnSecuredBus, Check_FindsTheRulesKept) {
+    const auto checked = secure({"check", "-o", "jsonl"});
+    EXPECT_EQ(checked.status, 0) << checked.output << checked.errors;
+    EXPECT_EQ(checked.output.find("not tried"), std::string::npos) << checked.output;
+    EXPECT_NE(checked.output.find("command boards"), std::string::npos);
+}
+
+TEST_F(PeopleOnSecuredBus, Check_FindsABrokerThatAllowsMore) {
+    TempDir more;
+    const auto rules = run({"cat", file("broker/rules.acl")}).output;
+    ASSERT_EQ(run({"sh", "-c", "printf 'pattern write asip/#\\n' >> " + file("broker/rules.acl")}).status, 0);
+    broker_->signal(SIGHUP);
+    ASSERT_TRUE(wait_until([&] { return may_publish("bob", "asip/uno1/in"); }));
+    const auto checked = secure({"check", "bob", "-o", "jsonl"});
+    EXPECT_EQ(checked.status, 1) << checked.output;
+    EXPECT_NE(checked.output.find(
+                  R"("is":"allowed","name":"bob","role":"viewer","should":"denied","what":"command boards")"),
+              std::string::npos)
+        << checked.output;
+}
+
+}  // namespace
+}  // namespace asip::test

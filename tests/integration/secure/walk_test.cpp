@@ -1,0 +1,107 @@
+// From an open bus to a secured one, with the programs as they are shipped.
+#include <gmock/gmock.h>
+
+#include "tests/integration/client/simulated_boards.hpp"
+#include "tests/integration/secure/secured_bus.hpp"
+#include "tests/support/mosquitto_broker.hpp"
+
+namespace asip::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class WalkOnSecuredBus : public SecuredBus {
+  protected:
+    WalkOnSecuredBus() {
+        add({"board", "uno"});
+        add({"operator", "ann"});
+        add({"viewer", "bob"});
+        add({"registry"});
+        start_broker();
+        agent_ =
+            std::make_unique<ChildProcess>(Words{ASIP_TEST_AGENT, "--serial", boards_.serial()} + as("uno"));
+        registry_ =
+            std::make_unique<ChildProcess>(Words{ASIP_TEST_REGISTRY, "--id", "hall"} + as("registry"));
+    }
+    Finished asipctl(const std::string& user, const Words& words) const {
+        return run(Words{ASIP_TEST_ASIPCTL} + words + as(user));
+    }
+    bool listed_for(const std::string& user) const {
+        return wait_until([&] {
+            return asipctl(user, {"list", "--state", "online", "-o", "name"}).output == "uno\n";
+        });
+    }
+
+    SimulatedBoards boards_{{"asip_uno"}};
+    std::unique_ptr<ChildProcess> agent_, registry_;
+};
+
+TEST_F(WalkOnSecuredBus, OneFileEach_IsAllThatAgentRegistryAndPeopleNeed) {
+    ASSERT_TRUE(listed_for("bob")) << agent_->errors() << registry_->errors();
+    const auto sent = asipctl("ann", {"send", "uno/io", "write", "13", "1"});
+    const auto pin = asipctl("ann", {"pin", "uno", "13", "high"});
+    EXPECT_EQ(pin.status, 0) << pin.errors << sent.errors;
+    EXPECT_TRUE(boards_.wait_for_led("on"));
+    EXPECT_THAT(agent_->errors(), Not(HasSubstr("refuse"))) << "nothing that it does is denied";
+    EXPECT_THAT(agent_->errors(), Not(HasSubstr("denied")));
+    EXPECT_THAT(registry_->errors(), Not(HasSubstr("access rules")));
+    EXPECT_THAT(agent_->errors(), Not(HasSubstr("lost")));
+}
+
+TEST_F(WalkOnSecuredBus, ViewerWhoCommands_IsToldWhoWhatAndWhoMayGrantIt) {
+    ASSERT_TRUE(listed_for("bob")) << agent_->errors() << registry_->errors();
+    const auto refused = asipctl("bob", {"send", "uno", "--raw", "I,P,13,3"});
+    EXPECT_EQ(refused.status, 1) << refused.errors;
+    EXPECT_THAT(refused.errors, HasSubstr("does not let user bob write to asip/uno/in"));
+    EXPECT_THAT(refused.errors, HasSubstr("asipctl secure add operator"));
+    EXPECT_THAT(refused.errors, Not(HasSubstr("no answer")));
+}
+
+TEST_F(WalkOnSecuredBus, AgentWithTheFileOfAnotherBoard_IsToldWhoWhatAndWhoMayGrantIt) {
+    add({"board", "other"});
+    ASSERT_TRUE(wait_until([&] { return may_publish("other", "asip/other/out"); }));
+    SimulatedBoards boards{{"asip_uno"}};
+    ChildProcess agent(Words{ASIP_TEST_AGENT, "--serial", boards.serial(), "--name", "mine"} + as("other"));
+    ASSERT_TRUE(agent.wait_for_errors("denied announcing board mine")) << agent.errors();
+    EXPECT_THAT(agent.errors(), HasSubstr("--user mine"));
+    EXPECT_THAT(agent.errors(), HasSubstr("user=other"));
+}
+
+TEST_F(WalkOnSecuredBus, RevokedOperator_IsToldWhoToAsk) {
+    const auto copy = place_.write("copy", run({"cat", credentials("ann")}).output);
+    ASSERT_EQ(secure({"revoke", "ann", "--reload-pid", std::to_string(broker_->pid())}).status, 0);
+    ASSERT_TRUE(wait_until([&] {
+        return run({ASIP_TEST_ASIPCTL, "list", "--credentials", copy}).status == 3;
+    }));
+    EXPECT_THAT(run({ASIP_TEST_ASIPCTL, "list", "--credentials", copy}).errors,
+                HasSubstr("refused user \"ann\"; check user and password, or ask whoever keeps the broker"));
+}
+
+TEST_F(WalkOnSecuredBus, Doctor_SaysThatItIsClosed) {
+    const auto looked = asipctl("ann", {"doctor"});
+    EXPECT_THAT(looked.output, HasSubstr("lets in known users only"));
+    EXPECT_THAT(looked.output, Not(HasSubstr("the bus is open")));
+}
+
+TEST_F(WalkOnSecuredBus, CommandLine_GoesBeforeCredentialsAndTheseBeforeTheEnvironment) {
+    const auto listed = run(Words{ASIP_TEST_ASIPCTL, "list"} + as("ann"),
+                            {{"ASIP_USER", "nobody"}, {"ASIP_PASSWORD_FILE", "/nonexistent"}});
+    EXPECT_EQ(listed.status, 0) << listed.errors;
+    const auto by_environment = run({ASIP_TEST_ASIPCTL, "list"}, {{"ASIP_CREDENTIALS", credentials("ann")}});
+    EXPECT_EQ(by_environment.status, 0) << by_environment.errors;
+    const auto elsewhere =
+        run(Words{ASIP_TEST_ASIPCTL, "list", "--broker", "mqtts://127.0.0.1:" + std::to_string(free_port())} +
+            as("ann"));
+    EXPECT_EQ(elsewhere.status, 3);
+}
+
+TEST(OpenBus, Doctor_SaysSoAndWhatToRun) {
+    MosquittoBroker broker;
+    const auto looked = run({ASIP_TEST_ASIPCTL, "doctor", "--broker", broker.address()});
+    EXPECT_THAT(looked.output, HasSubstr("the bus is open"));
+    EXPECT_THAT(looked.output, HasSubstr("asipctl secure init"));
+}
+
+}  // namespace
+}  // namespace asip::test
