@@ -49,6 +49,7 @@ void Counts::add(const Counts& other) {
     not_executed += other.not_executed;
     wrong_values += other.wrong_values;
     wrong_summed += other.wrong_summed;
+    old_reports += other.old_reports;
     false_errors += other.false_errors;
     for (unsigned i = 0; i < kOutcomes; ++i)
         outcomes[i] += other.outcomes[i];
@@ -139,6 +140,8 @@ void Ledger::take_turn(const Entry& entry) {
 
 void Ledger::session_ended(Micros now) {
     turns_.all_gone();
+    began_line_ = wire_line_;
+    began_arrived_ = arrived_.size();
     for (Entry& entry : entries_) {
         if (entry.state == State::kEnded || entry.abandoned) continue;
         entry.abandoned = true;

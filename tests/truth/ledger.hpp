@@ -34,6 +34,7 @@ struct Counts {
     std::uint64_t not_executed = 0;  ///< `ok` without a digest that left no sign: see Ledger
     std::uint64_t wrong_values = 0;  ///< executed, but the value was changed: without a checksum
     std::uint64_t wrong_summed = 0;  ///< the same with one
+    std::uint64_t old_reports = 0;   ///< taken for a value; of a period set before the session began
     std::uint64_t false_errors = 0;  ///< the same for errors
     void add(const Counts& other);
 };
@@ -43,8 +44,10 @@ struct Counts {
 ///
 /// Where fences have no digest, as on boards of ASIP 0.4, a request that the line changed into another valid
 /// one, or swallowed whole, leaves no sign; nor does, on any board, a reply that the line changed into
-/// another valid one of the same checksum. Such an `ok` is false and excused, and counted: only where damage
-/// happened, and where nothing that reached the session while the command was under way was a sign of it.
+/// another valid one of the same checksum. And a session that took the place of another does not know which
+/// reports that one had asked for, until the first has come. Such an `ok` is false and excused, and counted:
+/// only where damage happened, and where nothing that reached the session while the command was under way was
+/// a sign of it.
 class Ledger {
   public:
     using Note = std::function<void(const std::string&)>;
@@ -116,6 +119,7 @@ class Ledger {
     bool verified(const Entry& entry) const;
     void untrue(const Entry& entry, std::string what, bool is_value, Micros now);
     bool blames_another(const Entry& entry, Micros then, char service, char tag) const;
+    bool may_be_old_report(const Entry& entry) const;
     bool can_be(const Entry& entry, const asip::protocol::Event& event) const;
     bool answers_another(const Entry& entry, Micros at, const asip::protocol::ErrorReply& error) const;
     std::string describe(const Entry& entry) const;
@@ -136,6 +140,8 @@ class Ledger {
     std::size_t open_ = 0;
     Micros last_deadline_ = 0;
     std::uint32_t wire_line_ = 0;
+    std::uint32_t began_line_ = 0;   // on the wire, and
+    std::size_t began_arrived_ = 0;  // of the board, when the session took the place of another
 };
 
 }  // namespace truth

@@ -41,9 +41,9 @@ void print(const truth::Counts& counts, unsigned failures, double seconds) {
         "ok of "
         "boards without a digest that executed something else; {} values changed without a checksum, {} with "
         "one; {} "
-        "errors of "
-        "another request\n",
-        failures, counts.not_executed, counts.wrong_values, counts.wrong_summed, counts.false_errors);
+        "reports of before taken for a value, {} errors of another request\n",
+        failures, counts.not_executed, counts.wrong_values, counts.wrong_summed, counts.old_reports,
+        counts.false_errors);
     std::fflush(stdout);
 }
 

@@ -1,5 +1,13 @@
 // The truth test with everything real: firmware in simavr behind a damaged line, agents, Mosquitto, clients
 // over MQTT and TCP. What the LEDs at the boards' pins showed is compared with each answer.
+//
+// That it can fail was tried with agents that were broken on purpose; what it then said, within three or four
+// rounds:
+//   answers ok at once                    ok and not executed, a bad command was ok
+//   loses each 50th answer                never answered
+//   sends each 20th command twice         sent to the board twice
+// Not noticed within three rounds: commands refused without a board and sent when it is back, a
+// point-to-point client that does not learn what was damaged (unit_agent has tests for both).
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -10,6 +18,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <stdexcept>
 #include <vector>
 
 #include "tests/support/bus_probe.hpp"
@@ -31,12 +40,13 @@ constexpr std::int64_t kStarvedMs = 300;
 // What was damaged may have been held by a stalled line, or by a fence that was waited for.
 constexpr std::int64_t kDamageLastsMs = 3000;
 constexpr auto kBackOnline = 60s;
+constexpr std::uint64_t kMaxNotBegun = 3;
 constexpr const char* kReplies = "asip/reply/truth";
 
 struct Counts {
     std::uint64_t rounds = 0, commands = 0, faults = 0, incidents = 0, ok = 0, error = 0, doubt = 0,
                   timeout = 0, refused = 0, repeated = 0, nobody_there = 0, starved = 0, invisible = 0,
-                  failures = 0;
+                  failures = 0, not_begun = 0;
 };
 
 /// One command: a PWM duty that this pin has never had before.
@@ -156,7 +166,8 @@ void Round::end_outages() {
         if (online(*outage.board) && announced(*outage.board) > outage.announced)
             outage.until = now_ms();
         else if (now_ms() > outage.from + std::chrono::milliseconds(kBackOnline).count())
-            throw std::runtime_error(outage.board->name() + " does not come back");
+            throw std::runtime_error(
+                fmt::format("seed {}: {} does not come back", seed_, outage.board->name()));
     }
 }
 
@@ -352,10 +363,7 @@ bool Round::starved(std::int64_t from, std::int64_t until) const {
 }
 
 bool Round::executed(const Sent& sent) const {
-    return test::wait_until([&] {
-        sent.board->observe();
-        return sent.board->executed_at(sent.pin, sent.duty) != 0;
-    });
+    return sent.board->executed_at(sent.pin, sent.duty) != 0;
 }
 
 void Round::fail(const Sent& sent, const std::string& what) {
@@ -365,6 +373,13 @@ void Round::fail(const Sent& sent, const std::string& what) {
 }
 
 void Round::check() {
+    // What the simulators report may come later than the answers.
+    test::wait_until([&] {
+        for (const auto& board : boards_)
+            board->observe();
+        return std::all_of(sent_.begin(), sent_.end(),
+                           [&](const Sent& sent) { return sent.status != "ok" || executed(sent); });
+    });
     for (const auto& board : boards_)
         counts_.faults += board->line().faults();
     for (const Sent& sent : sent_)
@@ -420,17 +435,24 @@ int main(int argc, char** argv) {
     const auto end = now_ms() + static_cast<std::int64_t>(seconds * 1000);
     for (std::uint64_t seed = first;
          seconds > 0 ? now_ms() < end : seed < first + static_cast<unsigned>(rounds); ++seed) {
-        Round(seed, counts).run(static_cast<std::int64_t>(active * 1000));
+        std::unique_ptr<Round> round;
+        try {
+            round = std::make_unique<Round>(seed, counts);
+        } catch (const std::runtime_error& error) {
+            // Another program may have taken a port that was free.
+            fmt::print("seed {}: not begun: {}\n", seed, error.what());
+            if (++counts.not_begun > kMaxNotBegun) return 1;
+            continue;
+        }
+        round->run(static_cast<std::int64_t>(active * 1000));
         fmt::print(
             "seed {}: {} commands, {} incidents, {} faults of the line; ok {}, error {}, doubt {}, timeout "
-            "{}, refused {}, "
-            "repeated {}, unanswered while agent or broker was gone {}, late on a starved machine {}; false "
-            "ok "
-            "without a checksum that left no sign {}; wrong answers {}\n",
+            "{}, refused {}, repeated {}, unanswered while agent or broker was gone {}, late on a starved "
+            "machine {}; false ok without a checksum that left no sign {}; wrong answers {}\n",
             seed, counts.commands, counts.incidents, counts.faults, counts.ok, counts.error, counts.doubt,
             counts.timeout, counts.refused, counts.repeated, counts.nobody_there, counts.starved,
             counts.invisible, counts.failures);
         std::fflush(stdout);
     }
-    return counts.failures == 0 ? 0 : 1;
+    return counts.failures == 0 && counts.commands > 0 ? 0 : 1;
 }
