@@ -15,6 +15,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::size_t kRounds = 20;
+constexpr std::size_t kFewRounds = 8;  // more commands than the gateway keeps
 constexpr int kCommands = 10'000;
 constexpr milliseconds kPromise = 100ms;
 constexpr milliseconds kSlack = 250ms;  // what a busy machine may need
@@ -65,7 +66,7 @@ TEST_F(GatewayStop, UnderTenThousandCommandsOfAnother_IsAnsweredAheadOfThem) {
 
 TEST_F(GatewayStop, UnderTenThousandCommandsOfAWebSocket_IsAnsweredAheadOfThem) {
     std::vector<milliseconds> took;
-    for (std::size_t round = 0; round < kRounds; ++round) {
+    for (std::size_t round = 0; round < kFewRounds; ++round) {
         Socket socket(gateway_.port());
         std::atomic<int> answers = 0;
         std::thread reader([&] {
@@ -87,7 +88,7 @@ TEST_F(GatewayStop, UnderTenThousandCommandsOfAWebSocket_IsAnsweredAheadOfThem) 
 TEST_F(GatewayStop, Asipctl_UnderTenThousandCommands_IsAnsweredAheadOfThem) {
     BusProbe flood(broker_.port(), {"flood"});
     std::vector<milliseconds> took;
-    for (std::size_t round = 0; round < kRounds; ++round) {
+    for (std::size_t round = 0; round < kFewRounds; ++round) {
         for (int i = 0; i < kCommands; ++i)
             flood.publish("asip/uno1/servo/in", "{" + command(round, i) + R"(,"reply_to":"flood"})", false,
                           0);
