@@ -3,7 +3,6 @@
     bench_page [SECONDS]    of the plot, and of one that gets the points of eight hours; 60 when not given
 """
 
-import json
 import os
 import pathlib
 import sys
@@ -16,8 +15,6 @@ from rig import Browser, Bus, eventually, publish_boards  # noqa: E402
 BOARDS = 10_000
 POINTS = 3600
 EIGHT_HOURS = 8 * 3600 * 60  # points
-
-TRACE = "devtools.timeline,disabled-by-default-devtools.timeline.frame"
 
 # A plot that is full from its beginning, and gets so many points more with each frame.
 PLOT = """
@@ -82,18 +79,8 @@ def many_boards(bus, browser):
     paint = browser.run("return performance.getEntriesByName('first-contentful-paint')[0].startTime")
     row(f"{BOARDS:,} boards: first paint", f"{paint:.0f} ms", "1500 ms", "500 ms")
     row(f"{BOARDS:,} boards: all of them in the table", f"{complete:.1f} s", "", "")
-    frames_drawn(browser)
-    browser.scroll_rate()
-    frames = frames_drawn(browser)
-    row(f"{BOARDS:,} boards: frames a second while scrolling (trace)", f"{(len(frames) - 1) / (frames[-1] - frames[0]):.0f}", "30", "60")
+    row(f"{BOARDS:,} boards: frames a second while scrolling", f"{browser.scroll_rate():.0f}", "30", "60")
     row(f"{BOARDS:,} boards: memory of the page's scripts", f"{heap(browser):.0f} MB", "", "")
-
-
-def frames_drawn(browser):
-    """Times in seconds at which Chromium drew a frame, since it was asked last."""
-    events = [json.loads(entry["message"])["message"] for entry in browser.driver.get_log("performance")]
-    return sorted(event["params"]["ts"] / 1e6 for event in events
-                  if event["method"] == "Tracing.dataCollected" and event["params"]["name"] == "DrawFrame")
 
 
 def plot(bus, browser, seconds):
@@ -124,7 +111,7 @@ def main():
     seconds = int(sys.argv[1]) if len(sys.argv) > 1 else 60
     bus = Bus(boards=())
     try:
-        browser = Browser(trace=TRACE)
+        browser = Browser()
         try:
             row("", "measured", "must", "aim")
             many_boards(bus, browser)

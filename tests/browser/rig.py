@@ -220,17 +220,14 @@ def can_connect(port):
 
 
 class Browser:
-    def __init__(self, trace=""):
-        """`trace`: categories of Chromium's trace that frames_drawn() looks into."""
+    def __init__(self):
         self.profile = tempfile.mkdtemp(prefix="asip-chromium-")
         options = webdriver.ChromeOptions()
         options.binary_location = "/usr/bin/chromium"
         for option in CHROMIUM_OPTIONS:
             options.add_argument(option)
         options.add_argument(f"--user-data-dir={self.profile}")
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL", **({"performance": "ALL"} if trace else {})})
-        if trace:
-            options.add_experimental_option("perfLoggingPrefs", {"enableNetwork": False, "enablePage": False, "traceCategories": trace})
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         self.driver = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
         self.driver.set_script_timeout(30)
         self.desktop()
