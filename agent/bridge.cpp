@@ -237,7 +237,8 @@ std::map<char, int> Bridge::current_periods() const {
     return periods;
 }
 
-// What a description has besides what the board itself reports: how many elements a service has, and its period.
+// What a description has besides what the board itself reports: how many elements a service has, and its
+// period.
 void Bridge::note_facts(const protocol::ParsedLine& line) {
     if (!line.is_event()) return;
     const auto event = line.event();

@@ -13,22 +13,22 @@ std::string text_of(const json& value) {
     return value.is_string() ? value.get<std::string>() : value.is_null() ? "" : model::dump_json(value);
 }
 
-std::string member(const json& object, const char* name) {
+std::string text_of(const json& object, const char* name) {
     return object.contains(name) ? text_of(object.at(name)) : std::string();
 }
 
 /// `{"request":"W","code":7,"error":"INVALID_DEVICE_NUMBER"}`
 std::string error_text(const json& error) {
-    auto text = member(error, "request") + ": ";
-    if (error.contains("reason")) text += member(error, "reason") + ", ";
-    text += member(error, "error");
-    if (error.contains("code")) text += " (" + member(error, "code") + ")";
+    auto text = text_of(error, "request") + ": ";
+    if (error.contains("reason")) text += text_of(error, "reason") + ", ";
+    text += text_of(error, "error");
+    if (error.contains("code")) text += " (" + text_of(error, "code") + ")";
     return text;
 }
 
 /// `{"level":"warning","text":"board silent","why":"..."}`
 std::string agent_text(const json& line) {
-    auto text = member(line, "text");
+    auto text = text_of(line, "text");
     for (const auto& [name, value] : line.items())
         if (name != "text" && name != "level" && name != "time" && name != "board")
             text += "  " + name + "=" + text_of(value);
@@ -53,7 +53,7 @@ std::optional<LogLine> log_line(const bus::Topics& topics, const mqtt::Message& 
     const auto document = model::parse_json(message.payload);
     if (!document || !document->is_object()) return std::nullopt;
     line.source = of_agent ? "agent" : std::string(topic->service);
-    line.level = of_agent ? member(*document, "level") : "error";
+    line.level = of_agent ? text_of(*document, "level") : "error";
     line.text = of_agent ? agent_text(*document) : error_text(*document);
     return line;
 }

@@ -13,14 +13,14 @@ using nlohmann::json;
 // Agents publish every 15 s, unless told otherwise.
 constexpr Duration kOld = std::chrono::seconds(45);
 
-const json& member(const json& document, const char* path) {
+const json& at_path(const json& document, const char* path) {
     static const json kNone;
     const json::json_pointer pointer(path);
     return document.contains(pointer) ? document.at(pointer) : kNone;
 }
 
 double number(const json& document, const char* path) {
-    const auto& value = member(document, path);
+    const auto& value = at_path(document, path);
     return value.is_number() ? value.get<double>() : 0;
 }
 
@@ -29,7 +29,7 @@ std::string count(double number) {
 }
 
 std::string time(const json& document, const char* path) {
-    const auto& value = member(document, path);
+    const auto& value = at_path(document, path);
     return value.is_number() ? text::duration_text(std::chrono::duration<double>(value.get<double>())) : "-";
 }
 
@@ -37,7 +37,7 @@ std::string time(const json& document, const char* path) {
 std::pair<double, double> commands(const json& document) {
     double all = 0;
     double failed = 0;
-    const auto& outcomes = member(document, "/commands");
+    const auto& outcomes = at_path(document, "/commands");
     if (!outcomes.is_object()) return {0, 0};
     for (const auto& [outcome, value] : outcomes.items()) {
         if (!value.is_number()) continue;

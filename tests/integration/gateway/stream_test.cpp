@@ -89,7 +89,8 @@ TEST_F(GatewayStreams, SocketOfAPatternCutAtEveryEvent_NoGapAndNoDuplicateInAnyS
         // Each has a last value: the snapshot is two values and its end.
         put(-1);
         ASSERT_TRUE(wait_until([&] {
-            return ask("/api/boards/uno2/services/distance/value").body.find("\"value\":-1}") != std::string::npos;
+            return ask("/api/boards/uno2/services/distance/value").body.find("\"value\":-1}") !=
+                   std::string::npos;
         }));
         {
             Socket first(port());
