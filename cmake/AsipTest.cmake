@@ -15,14 +15,15 @@ function(asip_add_unit_test name)
   target_link_libraries(${name} PRIVATE asip_options asip_test_options ${arg_LIBS} GTest::gmock GTest::gtest_main)
   add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
   # For the sanitizers; other builds do not look at it.
-  set_tests_properties(${name} PROPERTIES LABELS unit TIMEOUT 300
+  set_tests_properties(${name} PROPERTIES LABELS unit TIMEOUT 900
     ENVIRONMENT ASAN_OPTIONS=detect_stack_use_after_return=1)
   add_dependencies(unit-tests ${name})
 endfunction()
 
-# Integration tests: each test case is a CTest entry, so that they run side by side.
+# Integration tests: each test case is a CTest entry, so that they run side by side. ALONE is a filter of GoogleTest: floods
+# that leave a simulated board of another test no time to be one.
 function(asip_add_integration_test name)
-  cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;LIBS;DEPENDS;ENVIRONMENT" ${ARGN})
+  cmake_parse_arguments(arg "" "TIMEOUT;ALONE" "SOURCES;LIBS;DEPENDS;ENVIRONMENT" ${ARGN})
   if(NOT ASIP_INTEGRATION)
     return()
   endif()
@@ -36,8 +37,14 @@ function(asip_add_integration_test name)
     add_dependencies(${name} ${arg_DEPENDS})
   endif()
   include(GoogleTest)
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}." EXTRA_ARGS --gtest_brief=1
-    PROPERTIES LABELS integration TIMEOUT ${arg_TIMEOUT} ENVIRONMENT "${arg_ENVIRONMENT}")
+  set(common DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}." EXTRA_ARGS --gtest_brief=1)
+  set(properties LABELS integration TIMEOUT ${arg_TIMEOUT} ENVIRONMENT "${arg_ENVIRONMENT}")
+  if(arg_ALONE)
+    gtest_discover_tests(${name} ${common} TEST_FILTER "-${arg_ALONE}" PROPERTIES ${properties})
+    gtest_discover_tests(${name} ${common} TEST_FILTER "${arg_ALONE}" PROPERTIES ${properties} RUN_SERIAL TRUE)
+  else()
+    gtest_discover_tests(${name} ${common} PROPERTIES ${properties})
+  endif()
 endfunction()
 
 # A fuzz target: LLVMFuzzerTestOneInput in SOURCES, its committed corpus in CORPUS (a folder).

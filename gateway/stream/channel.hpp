@@ -13,8 +13,8 @@ namespace asip::gateway {
 /// A WebSocket's messages: subscriptions, commands and what comes back. Pure.
 class StreamChannel : public http::Channel, public OpenStream {
   public:
-    static constexpr std::size_t kMaxAnswers = 1024;  ///< that wait to be read
-    static constexpr int kMaxFaults = 100;            ///< messages that are none, then the connection ends
+    static constexpr std::size_t kMaxAnswers = 16'384;  ///< that wait to be read
+    static constexpr int kMaxFaults = 100;              ///< messages that are none, then the connection ends
 
     /// What the channel needs of the rest. Errors are sentences for a person.
     struct Dependencies {

@@ -15,7 +15,8 @@ class GatewayBus : public testing::Test {
   protected:
     void SetUp() override {
         ASSERT_TRUE(registry_.wait_for_errors("catalogue is complete"));
-        ASSERT_TRUE(gateway_.becomes("uno1", "online")) << gateway_.process().errors();
+        ASSERT_TRUE(gateway_.becomes("uno1", "online"))
+            << gateway_.process().errors() << agent_.process().errors();
     }
     std::uint16_t port() const { return gateway_.port(); }
     HttpAnswer ask(const std::string& target) const { return get(port(), target); }

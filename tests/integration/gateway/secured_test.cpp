@@ -76,13 +76,14 @@ TEST_F(SecuredGateway, ShippedRules_AllowWhatItDoes) {
 }
 
 TEST_F(SecuredGateway, ShippedRules_LetItSpeakForNobodyElse) {
-    for (const std::string topic : {"asip/uno1/in", "asip/uno1/servo/in", "asip/uno1/$stop",
-                                    "asip/registry/query", "asip/servicebus/$probe"})
+    for (const std::string topic :
+         {"asip/uno1/in", "asip/uno1/servo/in", "asip/uno1/$stop", "asip/registry/query",
+          "asip/registry/r1/query", "asip/servicebus/$probe"})
         EXPECT_TRUE(may_write(topic)) << topic;
     for (const std::string topic :
          {"asip/servicebus/uno1", "asip/servicebus/uno1/$state", "asip/servicebus/uno1/$description",
           "asip/uno1/out", "asip/uno1/servo/out", "asip/uno1/servo/error", "asip/registry/r1/$state",
-          "asip/registry/r1/query", "elsewhere"})
+          "elsewhere"})
         EXPECT_FALSE(may_write(topic)) << topic;
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::size_t kRounds = 20;
+constexpr std::size_t kRounds = 5;
 constexpr std::size_t kFewRounds = 8;  // more commands than the gateway keeps
 constexpr int kCommands = 10'000;
 constexpr milliseconds kPromise = 100ms;

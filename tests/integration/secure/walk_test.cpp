@@ -58,16 +58,6 @@ TEST_F(WalkOnSecuredBus, ViewerWhoCommands_IsToldWhoWhatAndWhoMayGrantIt) {
     EXPECT_THAT(refused.errors, Not(HasSubstr("no answer")));
 }
 
-TEST_F(WalkOnSecuredBus, AgentWithTheFileOfAnotherBoard_IsToldWhoWhatAndWhoMayGrantIt) {
-    add({"board", "other"});
-    ASSERT_TRUE(wait_until([&] { return may_publish("other", "asip/other/out"); }));
-    SimulatedBoards boards{{"asip_uno"}};
-    ChildProcess agent(Words{ASIP_TEST_AGENT, "--serial", boards.serial(), "--name", "mine"} + as("other"));
-    ASSERT_TRUE(agent.wait_for_errors("denied announcing board mine")) << agent.errors();
-    EXPECT_THAT(agent.errors(), HasSubstr("--user mine"));
-    EXPECT_THAT(agent.errors(), HasSubstr("user=other"));
-}
-
 TEST_F(WalkOnSecuredBus, RevokedOperator_IsToldWhoToAsk) {
     const auto copy = place_.write("copy", run({"cat", credentials("ann")}).output);
     ASSERT_EQ(secure({"revoke", "ann", "--reload-pid", std::to_string(broker_->pid())}).status, 0);

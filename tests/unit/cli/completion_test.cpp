@@ -145,6 +145,9 @@ TEST(Verbs, EachType_IsOneThatCompletionKnows) {
                                          "NAME",
                                          "TOPIC",
                                          "CONDITION",
+                                         "HOST",
+                                         "PORT",
+                                         "PID",
                                          ""};
     const auto check = [&known](const CLI::App& app) {
         for (const auto* option : app.get_options()) {

@@ -111,7 +111,7 @@ TEST(Doctor, OpenBus_IsANoteOnThisMachineAndAProblemElsewhere) {
     auto seen = healthy();
     seen.open = true;
     seen.loopback = true;
-    EXPECT_THAT(problems(check_broker(seen)), IsEmpty());
+    EXPECT_FALSE(has_problem(check_broker(seen)));
     EXPECT_THAT(check_broker(seen)[1].advice, HasSubstr("asipctl secure init"));
     seen.loopback = false;
     EXPECT_THAT(problems(check_broker(seen)), ElementsAre(HasSubstr("the bus is open")));
