@@ -60,7 +60,8 @@ Latency direct(const std::string& port, int baud) {
         }
         return {};
     };
-    for (const char* setup : {"\n", "I,A,0\n", "I,P,13,3\n", "I,P,12,1\n"}) {
+    // An agent that was killed left its checksums on; a board without them answers with an error.
+    for (const char* setup : {"#,C,0*50\n", "\n", "I,A,0\n", "I,P,13,3\n", "I,P,12,1\n"}) {
         if (write(fd, setup, strlen(setup)) < 0) break;
         // For a while, not until it is silent: it reports its analog inputs until that is turned off.
         const auto settled = Clock::now() + std::chrono::milliseconds(100);
