@@ -28,6 +28,12 @@ class GatewayStop : public testing::Test {
         return R"("write":[0,)" + std::to_string(number % 180) + R"(],"id":")" + std::to_string(round) + "-" +
                std::to_string(number) + "\"";
     }
+    // As many commands of another client, of which each will be answered below `flood`.
+    static void send_commands(BusProbe& flood, std::size_t round, int qos) {
+        for (int i = 0; i < kCommands; ++i)
+            flood.publish("asip/uno1/servo/in", "{" + command(round, i) + R"(,"reply_to":"flood"})", false,
+                          qos);
+    }
     milliseconds time_of(const std::function<void()>& what) {
         const auto begin = std::chrono::steady_clock::now();
         what();
@@ -51,9 +57,7 @@ TEST_F(GatewayStop, UnderTenThousandCommandsOfAnother_IsAnsweredAheadOfThem) {
     BusProbe flood(broker_.port(), {"flood"});
     std::vector<milliseconds> took;
     for (std::size_t round = 0; round < kRounds; ++round) {
-        for (int i = 0; i < kCommands; ++i)
-            flood.publish("asip/uno1/servo/in", "{" + command(round, i) + R"(,"reply_to":"flood"})", false,
-                          static_cast<int>(round % 2));
+        send_commands(flood, round, static_cast<int>(round % 2));
         took.push_back(time_of([&] {
             const auto stopped = post(gateway_.port(), round % 4 < 2 ? "/api/stop" : "/api/boards/uno1/stop");
             EXPECT_EQ(stopped.status, 200) << stopped.body;
@@ -89,9 +93,7 @@ TEST_F(GatewayStop, Asipctl_UnderTenThousandCommands_IsAnsweredAheadOfThem) {
     BusProbe flood(broker_.port(), {"flood"});
     std::vector<milliseconds> took;
     for (std::size_t round = 0; round < kFewRounds; ++round) {
-        for (int i = 0; i < kCommands; ++i)
-            flood.publish("asip/uno1/servo/in", "{" + command(round, i) + R"(,"reply_to":"flood"})", false,
-                          0);
+        send_commands(flood, round, 0);
         took.push_back(time_of([&] {
             const auto stopped =
                 run({ASIP_PROGRAMS "/asipctl", "stop", "uno1"}, {{"ASIP_BROKER", broker_.address()}});
