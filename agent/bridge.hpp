@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "agent/announcer.hpp"
 #include "agent/client_requests.hpp"
 #include "agent/context.hpp"
 #include "agent/control.hpp"
@@ -15,11 +14,15 @@
 #include "agent/effects.hpp"
 #include "agent/safety.hpp"
 #include "agent/statistics.hpp"
+#include "asip/member/announcer.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/session/board_session.hpp"
 #include "asip/session/service_table.hpp"
 
 namespace asip::agent {
+
+using member::Announcer;
+using member::AnnouncerOptions;
 
 struct BridgeOptions {
     std::string topic_root = "asip";

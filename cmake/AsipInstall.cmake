@@ -21,7 +21,7 @@ set(inner_headers
   session/request_queue session/search session/settings_memory session/waiting_requests session/wire)
 list(TRANSFORM inner_headers REPLACE "(.+)" "PATTERN;asip/\\1.hpp;EXCLUDE")
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/asip/" DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/asip COMPONENT library
-  FILES_MATCHING PATTERN "*.hpp" PATTERN "program" EXCLUDE ${inner_headers})
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "program" EXCLUDE PATTERN "member" EXCLUDE ${inner_headers})
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/asip)
 install(EXPORT asip-targets NAMESPACE asip:: DESTINATION ${package_folder} COMPONENT library)

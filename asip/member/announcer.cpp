@@ -1,4 +1,4 @@
-#include "agent/announcer.hpp"
+#include "asip/member/announcer.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -6,7 +6,7 @@
 
 #include "asip/program/exit_status.hpp"
 
-namespace asip::agent {
+namespace asip::member {
 
 namespace {
 
@@ -66,18 +66,18 @@ void Announcer::describe(model::Description description) {
     if (established_ && connected_) probe_answer_ = last_announced_ + kBetweenChanges;
 }
 
-void Announcer::set_state(model::BoardState state, Effects& out) {
+void Announcer::set_state(model::BoardState state, Announcements& out) {
     if (state_ == state) return;
     state_ = state;
     if (established_ && connected_ && subscribed_) publish_state(out);
 }
 
-void Announcer::publish_state(Effects& out) {
+void Announcer::publish_state(Announcements& out) {
     out.publish.push_back({retained(topics_.state(options_.board), std::string(to_text(state_))),
                            mqtt::Priority::kAnnouncement});
 }
 
-void Announcer::on_connected(Time now, Effects& out) {
+void Announcer::on_connected(Time now, Announcements& out) {
     connected_ = true;
     if (established_) return;
     claim_ends_ = now + kClaimTime;
@@ -92,12 +92,12 @@ void Announcer::on_disconnected() {
     probe_answer_.reset();
 }
 
-void Announcer::on_subscribed(Time now, Effects& out) {
+void Announcer::on_subscribed(Time now, Announcements& out) {
     if (!connected_ || std::exchange(subscribed_, true) || !established_) return;
     announce(now, out);
 }
 
-void Announcer::announce(Time now, Effects& out) {
+void Announcer::announce(Time now, Announcements& out) {
     probe_answer_.reset();
     renewal_.reset();
     if (!subscribed_) return;
@@ -126,7 +126,7 @@ void Announcer::announce_within(Duration limit, Time now) {
     if (!probe_answer_ || when < *probe_answer_) probe_answer_ = when;
 }
 
-void Announcer::on_message(const mqtt::Message& message, Time now, Effects& out) {
+void Announcer::on_message(const mqtt::Message& message, Time now, Announcements& out) {
     const auto topic = topics_.parse(message.topic);
     if (!topic) return;
     if (topic->kind == bus::TopicKind::kProbe) {
@@ -144,7 +144,7 @@ void Announcer::on_message(const mqtt::Message& message, Time now, Effects& out)
     publish_state(out);
 }
 
-void Announcer::on_foreign_description(const mqtt::Message& message, Time now, Effects& out) {
+void Announcer::on_foreign_description(const mqtt::Message& message, Time now, Announcements& out) {
     if (message.retain || message.payload.empty()) return;  // a stored one proves no living agent
     const auto other = model::parse_description(message.payload);
     if (!other || other->session == session_) return;
@@ -163,7 +163,7 @@ void Announcer::on_foreign_description(const mqtt::Message& message, Time now, E
 }
 
 void Announcer::challenge(const model::Description& other, const std::string& holder, Time now,
-                          Effects& out) {
+                          Announcements& out) {
     if (!challenge_ || challenge_->session != other.session) {
         challenge_ = Challenge{other.session, other.seq, holder, now + kClaimTime};
         out.publish.push_back({plain(topics_.probe(), options_.board), mqtt::Priority::kAnnouncement});
@@ -174,7 +174,7 @@ void Announcer::challenge(const model::Description& other, const std::string& ho
                       "the board name \"" + options_.board + "\" was taken over by " + holder};
 }
 
-void Announcer::tick(Time now, Effects& out) {
+void Announcer::tick(Time now, Announcements& out) {
     if (challenge_ && now >= challenge_->ends) {
         out.log(program::log::Level::kWarning,
                 "an announcement of this board came from nobody who lives; putting it right",
@@ -203,7 +203,7 @@ std::optional<Time> Announcer::next_deadline() const {
     return deadline;
 }
 
-void Announcer::goodbye(Effects& out) {
+void Announcer::goodbye(Announcements& out) {
     const bool known = described_ && established_;
     state_ = model::BoardState::kOffline;
     if (known) publish_state(out);
@@ -214,4 +214,4 @@ void Announcer::goodbye(Effects& out) {
     challenge_.reset();
 }
 
-}  // namespace asip::agent
+}  // namespace asip::member

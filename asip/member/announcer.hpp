@@ -2,14 +2,14 @@
 #include <optional>
 #include <string>
 
-#include "agent/effects.hpp"
 #include "asip/bus/topics.hpp"
+#include "asip/member/announcements.hpp"
 #include "asip/model/board_state.hpp"
 #include "asip/model/description.hpp"
 #include "asip/random.hpp"
 #include "asip/time.hpp"
 
-namespace asip::agent {
+namespace asip::member {
 
 struct AnnouncerOptions {
     std::string board;
@@ -36,19 +36,19 @@ class Announcer {
     /// What is announced; `board`, `session`, `seq` and `lease` are filled in. Announced within a second
     /// where established.
     void describe(model::Description description);
-    void set_state(model::BoardState state, Effects& out);
+    void set_state(model::BoardState state, Announcements& out);
 
-    void on_connected(Time now, Effects& out);
+    void on_connected(Time now, Announcements& out);
     void on_disconnected();
     /// Commands reach us now.
-    void on_subscribed(Time now, Effects& out);
+    void on_subscribed(Time now, Announcements& out);
     /// A message on our board's service-bus topics or on the probe topic.
-    void on_message(const mqtt::Message& message, Time now, Effects& out);
-    void tick(Time now, Effects& out);
+    void on_message(const mqtt::Message& message, Time now, Announcements& out);
+    void tick(Time now, Announcements& out);
     std::optional<Time> next_deadline() const;
 
     /// Publishes `offline`.
-    void goodbye(Effects& out);
+    void goodbye(Announcements& out);
 
     /// The name is ours.
     bool established() const { return established_; }
@@ -66,10 +66,10 @@ class Announcer {
         Time ends;
     };
 
-    void challenge(const model::Description& other, const std::string& holder, Time now, Effects& out);
-    void announce(Time now, Effects& out);
-    void publish_state(Effects& out);
-    void on_foreign_description(const mqtt::Message& message, Time now, Effects& out);
+    void challenge(const model::Description& other, const std::string& holder, Time now, Announcements& out);
+    void announce(Time now, Announcements& out);
+    void publish_state(Announcements& out);
+    void on_foreign_description(const mqtt::Message& message, Time now, Announcements& out);
     void schedule_renewal(Time now);
     void announce_within(Duration limit, Time now);
 
@@ -91,4 +91,4 @@ class Announcer {
     std::optional<Time> probe_answer_;
 };
 
-}  // namespace asip::agent
+}  // namespace asip::member

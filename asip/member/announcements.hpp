@@ -1,0 +1,43 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "asip/mqtt/message.hpp"
+#include "asip/program/log.hpp"
+
+namespace asip::member {
+
+struct Publication {
+    mqtt::Message message;
+    mqtt::Priority priority = mqtt::Priority::kContext;
+};
+using Publications = std::vector<Publication>;
+
+/// Something a person may want to read in the log.
+struct Notice {
+    program::log::Level level = program::log::Level::kInfo;
+    std::string text;
+    std::vector<std::pair<std::string, std::string>> fields;
+};
+
+/// Why the program has to end, and with which status.
+struct Fatal {
+    int status = 1;
+    std::string text;
+};
+
+/// What a member of the bus wants done.
+struct Announcements {
+    Publications publish;
+    std::vector<Notice> notices;
+    std::optional<Fatal> fatal;
+
+    void log(program::log::Level level, std::string text,
+             std::vector<std::pair<std::string, std::string>> fields = {}) {
+        notices.push_back(Notice{level, std::move(text), std::move(fields)});
+    }
+};
+
+}  // namespace asip::member
