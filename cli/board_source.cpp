@@ -158,8 +158,10 @@ Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {
     return result;
 }
 
-Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, std::size_t count) {
+Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, std::size_t count,
+                                                            text::WallTime since) {
     query.find = bus::Find::kHistory;
+    const auto older = [since](const bus::HistoryItem& change) { return change.at < since; };
     std::vector<bus::HistoryItem> all;
     do {
         query.limit = std::min(count - all.size(), bus::Query::kMaxPage);
@@ -171,7 +173,8 @@ Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, st
         if (!page) return tl::unexpected(page.error());
         std::move(page->history.begin(), page->history.end(), std::back_inserter(all));
         query.cursor = page->cursor;
-    } while (!query.cursor.empty() && all.size() < count);
+    } while (!query.cursor.empty() && all.size() < count && !older(all.back()));
+    std::erase_if(all, older);
     return all;
 }
 

@@ -42,9 +42,10 @@ class BoardSource {
     /// many.
     Outcome<std::vector<bus::BriefBoard>> brief_boards(bus::Query query);
 
-    /// Changes that a registry has kept, the newest first, at most `count`. Fails with kExitFailure where
-    /// none keeps a history, and with kExitNoAnswer where there is no registry.
-    Outcome<std::vector<bus::HistoryItem>> history(bus::Query query, std::size_t count);
+    /// Changes that a registry has kept, the newest first, at most `count`, none older than `since`. Fails
+    /// with kExitFailure where none keeps a history, and with kExitNoAnswer where there is no registry.
+    Outcome<std::vector<bus::HistoryItem>> history(bus::Query query, std::size_t count,
+                                                   text::WallTime since = {});
 
     /// One board by the quickest way: what is retained, else a registry, else a probe. Fails with
     /// kExitNoAnswer and the nearest name.

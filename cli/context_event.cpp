@@ -147,14 +147,21 @@ bool is_wanted(const ContextEvent& event, const std::vector<Target>& targets,
     });
 }
 
-std::string event_text(const ContextEvent& event, bool with_time, bool with_age, bool colour) {
+std::string event_header(bool with_time, bool with_age, bool colour) {
+    const std::string text = (with_time ? fmt::format("{:<24}  ", "TIME") : "") + "SERVICE  " +
+                             (with_age ? fmt::format("{:>8}  ", "AGE") : "") + "VALUE";
+    return painted(text, Colour::kBold, colour);
+}
+
+std::string event_text(const ContextEvent& event, const std::string& said, bool with_time, bool with_age,
+                       bool colour) {
     std::string text;
     if (with_time) text += painted(text::iso_time(event.time), Colour::kDim, colour) + "  ";
     text += painted(event.where(), Colour::kCyan, colour) + "  ";
     if (with_age) text += painted(fmt::format("{:>8}", age_text(event)), Colour::kDim, colour) + "  ";
     const bool error = event.kind == ContextEvent::Kind::kError;
-    return text + painted((error ? "error " : "") + for_terminal(event.payload),
-                          error ? Colour::kRed : Colour::kNone, colour);
+    return text + painted((error ? "error " : "") + for_terminal(said), error ? Colour::kRed : Colour::kNone,
+                          colour);
 }
 
 nlohmann::json event_json(const ContextEvent& event) {

@@ -46,8 +46,11 @@ std::vector<std::string> description_filters(const bus::Topics& topics, const st
 bool is_wanted(const ContextEvent& event, const std::vector<Target>& targets,
                const model::Description* description);
 
-/// `uno1/distance  {"distance":[42,118]}`, with time and age where asked for.
-std::string event_text(const ContextEvent& event, bool with_time, bool with_age, bool colour);
+/// `uno1/distance  TEXT`, with time and age where asked for.
+std::string event_text(const ContextEvent& event, const std::string& text, bool with_time, bool with_age,
+                       bool colour);
+/// What stands above such lines: `SERVICE  VALUE`.
+std::string event_header(bool with_time, bool with_age, bool colour);
 /// Members time, board, service; event, error or line; and age (seconds) where known.
 nlohmann::json event_json(const ContextEvent& event);
 /// Names that a template may use: of ContextEvent, and `data`, which is the payload.

@@ -93,6 +93,13 @@ void Declaration::option(const std::string& names, const std::string& type, std:
     command_.add_option(names, value, help)->type_name(type);
 }
 
+void Declaration::option(const std::string& names, const std::string& type, double& value,
+                         const std::string& help, double least, double greatest) {
+    command_.add_option(names, value, help)
+        ->check(CLI::Range(least, greatest).description(""))
+        ->type_name(type);
+}
+
 void Declaration::option(const std::string& names, std::chrono::milliseconds& value, const std::string& help,
                          std::chrono::milliseconds least) {
     command_

@@ -47,6 +47,9 @@ class Declaration {
                 std::size_t greatest = std::numeric_limits<std::size_t>::max());
     void option(const std::string& names, const std::string& type, std::optional<std::size_t>& value,
                 const std::string& help);
+    /// Bounds are included.
+    void option(const std::string& names, const std::string& type, double& value, const std::string& help,
+                double least, double greatest);
     /// A duration: `500ms`, `10s`, `7d`.
     void option(const std::string& names, std::chrono::milliseconds& value, const std::string& help,
                 std::chrono::milliseconds least = std::chrono::milliseconds(0));

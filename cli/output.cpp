@@ -49,7 +49,7 @@ Expected<void> check_template(const std::string& text, const std::vector<std::st
     return {};
 }
 
-std::string value_at(const nlohmann::json& value, std::string_view path) {
+const nlohmann::json* member_at(const nlohmann::json& value, std::string_view path) {
     const auto* at = &value;
     while (!path.empty()) {
         const std::string key(first_part(path));
@@ -59,10 +59,16 @@ std::string value_at(const nlohmann::json& value, std::string_view path) {
         } else if (at->is_array() && index && *index >= 0 && static_cast<std::size_t>(*index) < at->size()) {
             at = &(*at)[static_cast<std::size_t>(*index)];
         } else {
-            return {};
+            return nullptr;
         }
         path.remove_prefix(std::min(key.size() + 1, path.size()));
     }
+    return at;
+}
+
+std::string value_at(const nlohmann::json& value, std::string_view path) {
+    const auto* at = member_at(value, path);
+    if (at == nullptr) return {};
     return at->is_string() ? at->get<std::string>() : model::dump_json(*at);
 }
 

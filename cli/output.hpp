@@ -31,7 +31,10 @@ struct OutputOptions {
 /// such as `data.distance.0` the part before the first dot counts.
 Expected<void> check_template(const std::string& text, const std::vector<std::string>& fields);
 
-/// The member of `value` that `path` leads to: `services.0.name`. A string as it is, anything else as JSON;
+/// The member of `value` that `path` leads to: `services.0.name`; null when there is none.
+const nlohmann::json* member_at(const nlohmann::json& value, std::string_view path);
+
+/// The same as text. A string as it is, anything else as JSON;
 /// empty when there is none.
 std::string value_at(const nlohmann::json& value, std::string_view path);
 

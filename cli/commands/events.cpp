@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -7,6 +8,7 @@
 #include "cli/board_source.hpp"
 #include "cli/change_record.hpp"
 #include "cli/declaration.hpp"
+#include "cli/text/moment.hpp"
 
 namespace asip::cli {
 namespace {
@@ -17,14 +19,27 @@ struct EventsOptions {
     std::string pattern = "*";
     std::size_t count = 0;
     std::optional<std::chrono::milliseconds> limit{};
+    std::string since;  ///< how long ago, or a time; empty: from now on
     OutputOptions output{Output::kTable, {}};
 };
+
+/// More are not asked of a registry at once; `asipctl history` pages further back.
+constexpr std::size_t kMostChanges = 100'000;
+
+Outcome<text::WallTime> since_time(const std::string& text) {
+    if (text.empty()) return text::WallTime{};
+    const auto moment = parse_moment(text, text::wall_now());
+    if (!moment) return failure(program::kExitUsage, "--since: " + moment.error());
+    return *moment;
+}
 
 /// Prints changes as they come, of a registry or, without one, as the bus itself shows them.
 class Follower {
   public:
-    Follower(const EventsOptions& options, Context& context)
+    /// `since`: 1970 for what comes from now on.
+    Follower(const EventsOptions& options, text::WallTime since, Context& context)
         : options_(options),
+          since_(since),
           context_(context),
           session_(context),
           source_(context, session_),
@@ -39,10 +54,15 @@ class Follower {
             return context_.fail_with(connected.error());
         const auto registry = source_.find_registry();
         if (session_.stopped()) return program::kExitOk;
+        if (registry.empty() && since_ != text::WallTime{})
+            return context_.fail_with({program::kExitNoAnswer,
+                                       "--since needs a registry with a history: "
+                                       "asip-registry --history FILE"});
         if (registry.empty()) {
             follow_bus();
         } else {
             follow_registry(registry);
+            if (const auto kept = print_kept(); !kept) return context_.fail_with(kept.error());
         }
         const auto deadline = options_.limit ? Clock::now() + *options_.limit : Time::max();
         while (!session_.stopped() && !enough() && Clock::now() < deadline)
@@ -58,8 +78,36 @@ class Follower {
         subscriptions_.push_back(session_.subscribe(
             context_.topics.registry_events(registry), [this](const mqtt::Message& message) {
                 const auto event = bus::parse_change_event(message.payload);
-                if (event && event->kind != bus::ChangeEvent::Kind::kReset) print(change_of(*event));
+                if (!event || event->kind == bus::ChangeEvent::Kind::kReset) return;
+                auto change = change_of(*event);
+                if (reading_) {
+                    meanwhile_.push_back(std::move(change));
+                } else {
+                    print(change);
+                }
             }));
+    }
+
+    /// What the registry kept since then, and what came while it was read: each once.
+    Outcome<void> print_kept() {
+        if (since_ == text::WallTime{}) return {};
+        reading_ = true;
+        bus::Query query;
+        query.board = options_.pattern;
+        auto kept = source_.history(query, kMostChanges, since_);
+        reading_ = false;
+        if (!kept) return tl::unexpected(kept.error());
+        std::reverse(kept->begin(), kept->end());
+        for (const auto& change : *kept)
+            print(change);
+        for (const auto& change : meanwhile_) {
+            const auto same = [&change](const bus::HistoryItem& one) {
+                return one.at == change.at && one.board == change.board && one.what == change.what;
+            };
+            if (std::none_of(kept->begin(), kept->end(), same)) print(change);
+        }
+        meanwhile_.clear();
+        return {};
     }
 
     void follow_bus() {
@@ -103,6 +151,9 @@ class Follower {
     }
 
     const EventsOptions& options_;
+    text::WallTime since_;
+    bool reading_ = false;
+    std::vector<bus::HistoryItem> meanwhile_;
     Context& context_;
     BusSession session_;
     BoardSource source_;
@@ -121,8 +172,13 @@ Run declare_events(Declaration& verb) {
                   Declaration::Needed::kNo);
     verb.option("-n,--count", "COUNT", options->count, "End after so many; 0: no limit");
     verb.option("-W,--for", options->limit, "End after this time; status 4 when nothing changed");
+    verb.option("--since", "WHEN", options->since,
+                "Begin with what a registry has kept since then: 10m, 12h, or a time in UTC");
     verb.output(options->output, {Output::kTable}, change_fields());
-    return [options](Context& context) { return Follower(*options, context).run(); };
+    return [options](Context& context) {
+        const auto since = since_time(options->since);
+        return since ? Follower(*options, *since, context).run() : context.fail_with(since.error());
+    };
 }
 
 }  // namespace
@@ -134,6 +190,7 @@ Verb events_verb() {
         "asipctl history.\n"
         "Examples:\n"
         "  asipctl events\n"
+        "  asipctl events --since 1h -W 0\n"
         "  asipctl events 'uno*' -o jsonl\n"
         "  asipctl events -n 1 -W 1m --format '{board} is {state}'",
         declare_events};

@@ -9,6 +9,7 @@
 #include "cli/board_request.hpp"
 #include "cli/declaration.hpp"
 #include "cli/leaf_values.hpp"
+#include "cli/replay_board.hpp"
 #include "cli/target.hpp"
 #include "cli/text/width.hpp"
 
@@ -55,7 +56,8 @@ class Getter {
         const auto reports = session_.subscribe(topic, [this](const mqtt::Message& message) {
             if (!message.retain) take(message.payload, "reported");
         });
-        const auto first = options_.watch ? Outcome<void>() : get();
+        // A watcher sees the present value first, where it can be asked for.
+        const auto first = options_.watch ? ask() : get();
         if (!first) return context_.fail_with(first.error());
         while (options_.watch && session_.run_until([] { return false; }, Clock::now() + 1h)) {
         }
@@ -98,6 +100,8 @@ class Getter {
         if (!request) return tl::unexpected(request.error());
         const auto reply = ask_board(context_, session_, *request);
         if (!reply) return tl::unexpected(reply.error());
+        // A recorded board cannot be asked, but it reports.
+        if (reply->reason == kRefusedRecorded) return {};
         if (!reply->succeeded()) return failure(exit_status(*reply), request->line + ": " + explain(*reply));
         take(reply->answer, "asked");
         return {};

@@ -70,10 +70,12 @@ void sort_items(std::vector<Item>& items, const std::string& by, bool reverse) {
 }
 
 template <class Item, class Text>
-int print_list(Outcome<std::vector<Item>> found, const ListOptions& options, Context& context,
-               const char* nothing, Text text) {
+int print_list(Outcome<std::vector<Item>> found, const ListOptions& options,
+               const std::optional<Where>& where, Context& context, const char* nothing, Text text) {
     const auto& output = options.output;
     if (!found) return context.fail_with(found.error());
+    if constexpr (!std::is_same_v<Item, bus::BriefBoard>)
+        std::erase_if(*found, [&where](const Item& item) { return !where_holds(where, item); });
     // They come sorted by name.
     if (options.sort != "name" || options.reverse) sort_list(*found, options.sort, options.reverse);
     // Brief rows are for tables only.
@@ -88,15 +90,24 @@ int print_list(Outcome<std::vector<Item>> found, const ListOptions& options, Con
     return program::kExitOk;
 }
 
-int show_all(const ListOptions& options, Context& context, BoardSource& source) {
+int show_all(const ListOptions& options, const std::optional<Where>& where, Context& context,
+             BoardSource& source) {
     const auto& output = options.output;
     if (options.services())
-        return print_list(source.services(options.query), options, context, "no service matches",
+        return print_list(source.services(options.query), options, where, context, "no service matches",
                           services_text);
-    if (output.form == Output::kWide || !output.for_people())
-        return print_list(source.boards(options.query), options, context, "no board matches", boards_text);
-    return print_list(source.brief_boards(options.query), options, context, "no board matches", brief_text);
+    // A brief row holds what a table shows, and no more.
+    if (where || output.form == Output::kWide || !output.for_people())
+        return print_list(source.boards(options.query), options, where, context, "no board matches",
+                          boards_text);
+    return print_list(source.brief_boards(options.query), options, where, context, "no board matches",
+                      brief_text);
 }
+
+const std::vector<std::string> kListFields{
+    "board",  "state", "reported", "chip",     "sketch",     "protocol",  "lease",    "age",
+    "link",   "agent", "session",  "services", "name",       "kind",      "title",    "count",
+    "period", "id",    "model",    "since",    "first_seen", "last_seen", "conflict", "names_only"};
 
 }  // namespace
 
@@ -221,12 +232,37 @@ void sort_list(std::vector<bus::ServiceItem>& services, const std::string& by, b
     sort_items(services, by, reverse);
 }
 
+Outcome<std::optional<Where>> parse_where(const ListOptions& options) {
+    if (options.where.empty()) return std::optional<Where>();
+    auto where = Where::parse(options.where, kListFields);
+    if (!where) return failure(program::kExitUsage, where.error());
+    return std::optional(std::move(*where));
+}
+
+bool where_holds(const std::optional<Where>& where, const bus::ServiceItem& service) {
+    if (!where) return true;
+    auto record = bus::to_json(service);
+    record["kind"] = service.kind;
+    return where->holds(record);
+}
+
+bool where_holds(const std::optional<Where>& where, const bus::BoardItem& board) {
+    if (!where) return true;
+    auto record = bus::to_json(board);
+    // On the wire left out where it is the name.
+    for (std::size_t i = 0; i < board.services.size(); ++i)
+        record["services"][i]["kind"] = board.services[i].kind;
+    return where->holds(record);
+}
+
 int run_list(const ListOptions& options, Context& context) {
+    const auto where = parse_where(options);
+    if (!where) return context.fail_with(where.error());
     if (options.watch) return run_watch(options, context);
     BusSession session(context);
     BoardSource source(context, session);
     if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
-    return show_all(options, context, source);
+    return show_all(options, *where, context, source);
 }
 
 namespace {
@@ -243,13 +279,12 @@ Run declare_list(Declaration& verb) {
     verb.option("--chip", "CHIP", query.chip, "Only with this micro-controller; * and ? as in a shell");
     verb.option("--sketch", "SKETCH", query.sketch, "Only with this sketch; * and ? as in a shell");
     verb.option("--capability", "digital|analog|pwm", query.capability, "Only with a pin that can do this");
+    verb.option("--where", "CONDITION", options->where, "Only what this holds for, as below");
     verb.option("--sort", "name|state|chip|sketch|kind|announced", options->sort,
                 "What the list is sorted by");
     verb.flag("-r,--reverse", options->reverse, "Sort the other way round");
     verb.flag("-w,--watch", options->watch, "Continue and show what changes, until Ctrl-C");
-    verb.output(options->output, {Output::kTable, Output::kWide, Output::kName},
-                {"board", "state", "reported", "chip", "sketch", "protocol", "lease", "age", "link", "agent",
-                 "session", "services", "name", "kind", "title", "count", "period", "id", "model"});
+    verb.output(options->output, {Output::kTable, Output::kWide, Output::kName}, kListFields);
     return [options](Context& context) { return run_list(*options, context); };
 }
 
@@ -258,8 +293,13 @@ Run declare_list(Declaration& verb) {
 Verb list_verb() {
     return {"list", "Boards or services on the bus",
             "ANNOUNCED is how long ago the board's agent last announced it (about each third of the lease).\n"
+            "--where compares members of the records (asipctl list -o json) by = != < <= > >=, by ~ and !~ "
+            "with a\n"
+            "pattern, and joins with and, or, not and parentheses; a name alone: it is there.\n"
             "Examples:\n"
             "  asipctl list\n"
+            "  asipctl list --where 'chip ~ ATmega* and services.name=servo and not state=online'\n"
+            "  asipctl list services --where 'period < 100' -o wide\n"
             "  asipctl list services --kind distance,servo\n"
             "  asipctl list --state lost -o name\n"
             "  asipctl list --sort announced\n"

@@ -1,11 +1,14 @@
 #include "cli/commands/subscribe.hpp"
 
 #include <map>
+#include <nlohmann/json.hpp>
 #include <ostream>
+#include <set>
 
 #include "asip/bus/mirror.hpp"
 #include "cli/context_event.hpp"
 #include "cli/declaration.hpp"
+#include "cli/event_pace.hpp"
 
 namespace asip::cli {
 namespace {
@@ -22,6 +25,40 @@ Outcome<std::vector<Target>> parse_targets(const std::vector<std::string>& texts
     return result;
 }
 
+std::string value_of(const SeenEvent& seen, std::string_view name) {
+    const auto& leaves = seen.decoded.leaves;
+    if (name == "text") return seen.decoded.text;
+    if (name == "field") return seen.decoded.field;
+    if (name == "unit") return leaves.empty() ? std::string() : leaves.front().unit;
+    if (name != "value") return event_value(seen.event, name);
+    std::string text;
+    for (const auto& leaf : leaves)
+        text += (text.empty() ? "" : ", ") + LeafValue{leaf.path, leaf.value, {}}.text();
+    return text;
+}
+
+/// With --field the selection stands beside the whole report.
+nlohmann::json record(const SeenEvent& seen) {
+    auto object = event_json(seen.event);
+    const auto& leaves = seen.decoded.leaves;
+    if (leaves.empty()) return object;
+    object["field"] = seen.decoded.field;
+    if (!leaves.front().unit.empty()) object["unit"] = leaves.front().unit;
+    if (leaves.size() == 1) {
+        object["value"] = leaves.front().value;
+    } else {
+        for (const auto& leaf : leaves)
+            object["value"][leaf.path] = leaf.value;
+    }
+    return object;
+}
+
+std::vector<std::string> seen_fields() {
+    auto fields = event_fields();
+    fields.insert(fields.end(), {"text", "field", "value", "unit"});
+    return fields;
+}
+
 class EventPrinter {
   public:
     EventPrinter(const SubscribeOptions& options, Context& context)
@@ -32,14 +69,18 @@ class EventPrinter {
         if (!options.output.format.empty()) template_ = *LineTemplate::parse(options.output.format);
     }
 
-    void print(const ContextEvent& event) {
+    void print(const SeenEvent& seen) {
         if (template_) {
-            context_.out << template_->fill([&](std::string_view name) { return event_value(event, name); })
+            context_.out << template_->fill([&](std::string_view name) { return value_of(seen, name); })
                          << std::endl;
         } else if (!options_.output.for_people()) {
-            records_.print(event_json(event));
+            records_.print(record(seen));
         } else {
-            context_.out << event_text(event, options_.time, options_.age, context_.colour) << std::endl;
+            if (context_.terminal() && !std::exchange(headed_, true))
+                context_.out << event_header(options_.time, options_.age, context_.colour) << '\n';
+            context_.out << event_text(seen.event, seen.decoded.text, options_.time, options_.age,
+                                       context_.colour)
+                         << std::endl;
         }
     }
 
@@ -48,6 +89,7 @@ class EventPrinter {
     Context& context_;
     RecordPrinter records_;
     std::optional<LineTemplate> template_;
+    bool headed_ = false;
 };
 
 /// Takes what comes, keeps what is wanted and prints it.
@@ -58,11 +100,12 @@ class Subscriber {
           context_(context),
           targets_(std::move(targets)),
           catalogue_(context.topics),
-          printer_(options, context) {}
+          printer_(options, context),
+          pace_(options.changes, options.max_hz) {}
 
     void subscribe(BusSession& session) {
-        // First: a line or a letter is attributed to a service by the board's description.
-        for (const auto& filter : description_filters(context_.topics, targets_, options_.raw)) {
+        // First: they attribute lines and letters to services, and name models.
+        for (const auto& filter : descriptions()) {
             subscriptions_.push_back(session.subscribe(filter, [this](const mqtt::Message& message) {
                 catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
             }));
@@ -75,8 +118,46 @@ class Subscriber {
 
     bool enough() const { return options_.count != 0 && count_ >= options_.count; }
     std::size_t count() const { return count_; }
+    /// Prints what --max-hz has held back for long enough.
+    void print_due() {
+        for (const auto& seen : pace_.due(Clock::now()))
+            print(seen);
+    }
 
   private:
+    /// Of a pattern only where it cannot be done without: they may be thousands.
+    std::set<std::string> descriptions() const {
+        const auto needed = description_filters(context_.topics, targets_, options_.raw);
+        std::set<std::string> filters(needed.begin(), needed.end());
+        for (const auto& target : targets_) {
+            if (!options_.raw && !target.is_pattern())
+                filters.insert(context_.topics.description(target.board));
+        }
+        return filters;
+    }
+
+    model::ModelPtr model_of(const ContextEvent& event) const {
+        if (event.kind != ContextEvent::Kind::kValue) return nullptr;
+        if (const auto* description = catalogue_.description(event.board)) {
+            for (const auto& service : description->services) {
+                if (service.name == event.service) return bus::model_of(service, context_.models());
+            }
+        }
+        // A service is named by its model.
+        return context_.models().find(event.service);
+    }
+
+    /// Models are parsed when first asked for, which takes longer than `-o jsonl` may.
+    bool needs_models() const {
+        return options_.output.for_people() || !options_.output.format.empty() || !options_.field.empty();
+    }
+
+    void print(const SeenEvent& seen) {
+        if (enough()) return;
+        printer_.print(seen);
+        ++count_;
+    }
+
     void take(const mqtt::Message& message) {
         if (enough()) return;
         auto event = context_event(context_.topics, message.topic, message.payload);
@@ -87,8 +168,10 @@ class Subscriber {
         auto& last = last_[event->topic];
         if (last) event->age = now - *last;
         last = now;
-        printer_.print(*event);
-        ++count_;
+        const auto model = needs_models() ? model_of(*event) : nullptr;
+        auto decoded = decode_event(*event, model.get(), options_.field);
+        if (!decoded) return;
+        if (const auto seen = pace_.offer({std::move(*event), std::move(*decoded)}, now)) print(*seen);
     }
 
     const SubscribeOptions& options_;
@@ -96,6 +179,7 @@ class Subscriber {
     std::vector<Target> targets_;
     bus::Mirror catalogue_;
     EventPrinter printer_;
+    EventPace pace_;
     std::map<std::string, std::optional<Time>> last_;
     std::size_t count_ = 0;
     std::vector<BusSession::Subscription> subscriptions_;
@@ -124,6 +208,8 @@ void note_unknown(const std::vector<Target>& targets, Context& context, BoardSou
 int run_subscribe(const SubscribeOptions& options, Context& context) {
     const auto targets = parse_targets(options.targets);
     if (!targets) return context.fail_with(targets.error());
+    if (options.raw && !options.field.empty())
+        return context.fail_with({program::kExitUsage, "--field takes decoded values; leave --raw away"});
     BusSession session(context);
     BoardSource source(context, session);
     Subscriber subscriber(options, *targets, context);
@@ -135,7 +221,11 @@ int run_subscribe(const SubscribeOptions& options, Context& context) {
     if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
     note_unknown(*targets, context, source);
     while (!session.stopped() && !subscriber.enough() && Clock::now() < deadline) {
-        session.run_until([&] { return subscriber.enough(); }, std::min(deadline, Clock::now() + 1h));
+        const auto ended = [&] {
+            subscriber.print_due();
+            return subscriber.enough();
+        };
+        session.run_until(ended, std::min(deadline, Clock::now() + 1h));
     }
     if (!session.subscription_refused().empty())
         context.note("the broker refused " + session.subscription_refused());
@@ -155,7 +245,12 @@ Run declare_subscribe(Declaration& verb) {
                 "End after this time; status 4 when nothing (or less than -n) came");
     verb.flag("-t,--time", options->time, "Begin each line with the time");
     verb.flag("--age", options->age, "Show how long after the service's last event each one came");
-    verb.output(options->output, {Output::kText}, event_fields());
+    verb.option("--field", "FIELD", options->field,
+                "Only this part of the reports: an event, a field of it, or its number");
+    verb.flag("--changes", options->changes, "Only reports that say something else than the one before");
+    verb.option("--max-hz", "HZ", options->max_hz,
+                "At most so many a second of each kind of report, the newest of them", 0.001, 1000);
+    verb.output(options->output, {Output::kText}, seen_fields());
     return [options](Context& context) { return run_subscribe(*options, context); };
 }
 
@@ -163,8 +258,11 @@ Run declare_subscribe(Declaration& verb) {
 
 Verb subscribe_verb() {
     return {"subscribe", "What boards report, decoded, as it comes",
+            "On a terminal a header stands above the first line.\n"
             "Examples:\n"
             "  asipctl subscribe uno1/distance\n"
+            "  asipctl subscribe uno1/distance --field 0 --changes --format '{value}'\n"
+            "  asipctl subscribe 'uno*' --max-hz 2\n"
             "  asipctl subscribe 'uno*' -o jsonl\n"
             "  asipctl subscribe uno1/distance -n 1 -W 5 --format '{data.distance.0} cm'\n"
             "  asipctl subscribe uno1 --raw",

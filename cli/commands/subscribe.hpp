@@ -17,6 +17,9 @@ struct SubscribeOptions {
     std::optional<std::chrono::milliseconds> limit{};  ///< end after this time
     bool time = false;
     bool age = false;
+    std::string field{};   ///< only this part of the reports; empty: all
+    bool changes = false;  ///< only what says something else than the report before it
+    double max_hz = 0;     ///< at most so many a second of each kind of report; 0: all
     OutputOptions output{};
 };
 

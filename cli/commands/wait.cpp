@@ -90,7 +90,7 @@ class Waiter {
                                                   {"time", text::iso_time(text::wall_now())}};
             RecordPrinter(options_.output, RecordPrinter::Count::kOne, context_.out).print(record);
         } else if (event_) {
-            context_.out << event_text(*event_, false, false, context_.colour) << std::endl;
+            context_.out << event_text(*event_, event_->payload, false, false, context_.colour) << std::endl;
         }
         return program::kExitOk;
     }

@@ -57,6 +57,8 @@ class RegistryWatch {
 };
 
 bool wanted(const ListOptions& options, const bus::BoardItem& board, const Context& context) {
+    // Of services each is judged when it is printed.
+    if (!options.services() && !where_holds(*parse_where(options), board)) return false;
     std::optional<model::Description> description;
     if (!board.description.empty()) {
         if (auto parsed = model::parse_description(board.description)) description = std::move(*parsed);
@@ -130,6 +132,7 @@ std::string registry_here(Context& context, int& status) {
 
 ChangePrinter::ChangePrinter(const ListOptions& options, std::size_t width, bool colour)
     : options_(options),
+      where_(parse_where(options).value_or(std::nullopt)),
       width_(options.output.form == Output::kWide ? 0 : width),
       colour_(colour),
       table_(options.services() ? service_table(options.output.form == Output::kWide)
@@ -167,7 +170,10 @@ std::string ChangePrinter::names(const bus::BoardItem& board) const {
     return text;
 }
 
-std::string ChangePrinter::changed(const bus::BoardItem& board) {
+std::string ChangePrinter::changed(const bus::BoardItem& seen) {
+    auto board = seen;
+    if (options_.services())
+        std::erase_if(board.services, [this](const auto& one) { return !where_holds(where_, one); });
     auto essence = board;
     essence.age = 0;
     essence.seq = 0;

@@ -16,7 +16,7 @@ class ChangePrinter {
     ChangePrinter(const ListOptions& options, std::size_t width, bool colour);
 
     /// Text to print for a board as it is now; empty when nothing that is shown changed.
-    std::string changed(const bus::BoardItem& board);
+    std::string changed(const bus::BoardItem& seen);
     /// Text for a board that is forgotten.
     std::string gone(const std::string& board);
 
@@ -26,6 +26,7 @@ class ChangePrinter {
     std::string names(const bus::BoardItem& board) const;
 
     const ListOptions& options_;
+    std::optional<Where> where_;
     std::size_t width_;
     bool colour_;
     Table table_;

@@ -252,7 +252,7 @@ TEST_F(BusTest, ServiceByItsLetter_IsSubscribedTo) {
         return !subscribe.running();
     }));
     EXPECT_EQ(subscribe.wait_exit(), 0);
-    EXPECT_EQ(subscribe.output(), "uno1/distance  {\"distance\":[42]}\n");
+    EXPECT_EQ(subscribe.output(), "uno1/distance  distance 42 cm\n");
 }
 
 TEST_F(BusTest, RawLinesOfOneService_AreItsOwn) {

@@ -148,6 +148,10 @@ TEST(Verbs, EachType_IsOneThatCompletionKnows) {
                                          "HOST",
                                          "PORT",
                                          "PID",
+                                         "HZ",
+                                         "FACTOR",
+                                         "FIELD",
+                                         "WHEN",
                                          ""};
     const auto check = [&known](const CLI::App& app) {
         for (const auto* option : app.get_options()) {

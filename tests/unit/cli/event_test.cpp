@@ -34,14 +34,16 @@ TEST(ContextEvent, TopicsOfTheContextBus_AreUnderstood) {
 }
 
 TEST(EventText, TimeAndAge_WhereAskedFor) {
-    EXPECT_EQ(event_text(distance_event(), false, false, false), R"(uno1/distance  {"distance":[42,118]})");
-    EXPECT_EQ(event_text(distance_event(), true, true, false),
-              R"(2023-11-14T22:13:20.042Z  uno1/distance   +100 ms  {"distance":[42,118]})");
+    EXPECT_EQ(event_text(distance_event(), "42 cm", false, false, false), "uno1/distance  42 cm");
+    EXPECT_EQ(event_text(distance_event(), "42 cm", true, true, false),
+              "2023-11-14T22:13:20.042Z  uno1/distance   +100 ms  42 cm");
+    EXPECT_EQ(event_header(true, true, false), "TIME                      SERVICE       AGE  VALUE");
+    EXPECT_EQ(event_header(false, false, false), "SERVICE  VALUE");
 }
 
 TEST(EventText, ControlCharacters_CannotReachTheTerminal) {
-    auto event = *context_event(kTopics, "asip/uno1/out", "\x1b[2J!");
-    EXPECT_EQ(event_text(event, false, false, false), "uno1  ?[2J!");
+    const auto event = *context_event(kTopics, "asip/uno1/out", "\x1b[2J!");
+    EXPECT_EQ(event_text(event, event.payload, false, false, false), "uno1  ?[2J!");
 }
 
 TEST(EventJson, ValueErrorAndLine_AreMembersOfTheirOwn) {

@@ -3,6 +3,7 @@
 
 #include "asip/text/wall_time.hpp"
 #include "cli/text/line_template.hpp"
+#include "cli/text/moment.hpp"
 #include "cli/text/samples.hpp"
 #include "cli/text/width.hpp"
 
@@ -83,6 +84,21 @@ TEST(LineTemplate, BracesThatDoNotPair_AreRefused) {
     EXPECT_FALSE(LineTemplate::parse("{board"));
     EXPECT_FALSE(LineTemplate::parse("board}"));
     EXPECT_FALSE(LineTemplate::parse("{}"));
+}
+
+TEST(ParseMoment, AgoOrATimeCutShort_IsRead) {
+    const auto now = *text::parse_iso_time("2026-11-22T12:00:00.000Z");
+    const auto read = [now](std::string_view text) {
+        const auto moment = parse_moment(text, now);
+        return moment ? text::iso_time(*moment) : moment.error();
+    };
+    EXPECT_EQ(read("10m"), "2026-11-22T11:50:00.000Z");
+    EXPECT_EQ(read("2026-11-21"), "2026-11-21T00:00:00.000Z");
+    EXPECT_EQ(read("2026-11-21T10:30"), "2026-11-21T10:30:00.000Z");
+    EXPECT_EQ(read("2026-11-21T10:30:01Z"), "2026-11-21T10:30:01.000Z");
+    EXPECT_EQ(read("2026-11-21T10:30:01.007Z"), "2026-11-21T10:30:01.007Z");
+    for (const auto* bad : {"", "Z", "yesterday", "2026-11-31", "2026-11-21T1", "2026-11-21T10:30:01.007Zx"})
+        EXPECT_THAT(read(bad), ::testing::HasSubstr("neither")) << bad;
 }
 
 }  // namespace

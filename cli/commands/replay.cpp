@@ -1,0 +1,302 @@
+#include <boost/asio/io_context.hpp>
+#include <ctime>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "asip/bus/pattern.hpp"
+#include "asip/model/names.hpp"
+#include "asip/mqtt/client.hpp"
+#include "asip/program/stop_signal.hpp"
+#include "cli/bus_session.hpp"
+#include "cli/declaration.hpp"
+#include "cli/recording_file.hpp"
+#include "cli/replay_board.hpp"
+#include "cli/text/words.hpp"
+
+namespace asip::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t kMaxReplayBoards = 1000;
+constexpr Duration kClaimPatience = 10s;
+constexpr Duration kGoodbyePatience = 1s;
+/// So much may wait for the broker before the reading waits, too.
+constexpr std::size_t kMaxWaiting = 1000;
+constexpr std::size_t kPlayedAtOnce = 200;
+
+struct ReplayOptions {
+    std::string file;
+    std::vector<std::string> patterns;
+    std::string prefix;
+    double speed = 1;
+    bool loop = false;
+    OutputOptions output{};
+
+    bool wants(const std::string& board) const {
+        return patterns.empty() || std::any_of(patterns.begin(), patterns.end(), [&board](const auto& one) {
+                   return bus::matches_pattern(one, board);
+               });
+    }
+};
+
+/// Which boards were recorded, each with the first description of it.
+using RecordedBoards = std::map<std::string, std::optional<model::Description>>;
+
+Outcome<RecordedBoards> recorded_boards(const ReplayOptions& options) {
+    auto reader = RecordingReader::open(options.file);
+    if (!reader) return tl::unexpected(reader.error());
+    RecordedBoards boards;
+    while (true) {
+        const auto message = reader->next();
+        if (!message) return tl::unexpected(message.error());
+        if (!*message) break;
+        if (!options.wants((*message)->board)) continue;
+        auto& description = boards[(*message)->board];
+        if (description || (*message)->kind != bus::TopicKind::kDescription) continue;
+        if (auto parsed = model::parse_description((*message)->payload)) description = std::move(*parsed);
+    }
+    if (boards.empty())
+        return failure(program::kExitFailure,
+                       options.file + (options.patterns.empty() ? ": no board was recorded"
+                                                                : ": no such board was recorded"));
+    if (boards.size() > kMaxReplayBoards)
+        return failure(
+            program::kExitFailure,
+            options.file + ": more than " + std::to_string(kMaxReplayBoards) + " boards; name some of them");
+    for (const auto& [name, description] : boards) {
+        if (!model::valid_board_name(options.prefix + name))
+            return failure(program::kExitUsage,
+                           "--prefix: " + model::explain_board_name(options.prefix + name));
+    }
+    return boards;
+}
+
+/// One recorded board with its connection.
+class Player {
+  public:
+    Player(boost::asio::io_context& io, Context& context, ReplayBoard board, std::string client_id,
+           std::function<void(const std::string&)> on_fatal)
+        : board_(std::move(board)), on_fatal_(std::move(on_fatal)) {
+        auto options = context.mqtt;
+        options.client_id = std::move(client_id);
+        options.will = board_.will();
+        client_ = std::make_unique<mqtt::Client>(io, std::move(options), handlers());
+        for (const auto& filter : board_.subscriptions())
+            client_->subscribe(filter, {.qos = 1, .no_local = false, .retained = true});
+        client_->start();
+    }
+
+    bool ready() const { return board_.ready(); }
+    bool keeps_up() const { return client_->counters().queued < kMaxWaiting; }
+    void tick() {
+        with([this](Time now, auto& out) { board_.tick(now, out); });
+    }
+    void play(const RecordedMessage& message) {
+        with([&](Time, auto& out) { board_.play(message, out); });
+    }
+    void end(std::function<void()> ended) {
+        with([this](Time, auto& out) { board_.goodbye(out); });
+        client_->stop(kGoodbyePatience, std::move(ended));
+    }
+
+  private:
+    template <class Call>
+    void with(Call&& call) {
+        member::Announcements out;
+        call(Clock::now(), out);
+        for (auto& publication : out.publish)
+            client_->publish(std::move(publication.message), publication.priority);
+        if (out.fatal) on_fatal_(out.fatal->text.substr(0, out.fatal->text.find(';')));
+    }
+
+    mqtt::Client::Handlers handlers() {
+        mqtt::Client::Handlers result;
+        result.on_connected = [this](const mqtt::Connected&) {
+            client_->discard_queued(mqtt::Priority::kAnnouncement);
+            with([this](Time now, auto& out) { board_.on_connected(now, out); });
+        };
+        result.on_subscribed = [this] {
+            with([this](Time now, auto& out) { board_.on_subscribed(now, out); });
+        };
+        result.on_disconnected = [this](const mqtt::ConnectionFailure&) { board_.on_disconnected(); };
+        result.on_connect_failed = [this](const mqtt::ConnectionFailure& why) {
+            if (why.hopeless) on_fatal_(why.text);
+        };
+        result.on_message = [this](const mqtt::Message& message) {
+            with([&](Time now, auto& out) { board_.on_message(message, now, out); });
+        };
+        return result;
+    }
+
+    ReplayBoard board_;
+    std::function<void(const std::string&)> on_fatal_;
+    std::unique_ptr<mqtt::Client> client_;
+};
+
+class Replayer {
+  public:
+    Replayer(const ReplayOptions& options, Context& context)
+        : options_(options), context_(context), signal_(io_, [this](int) { stopped_ = true; }) {}
+
+    int run(const RecordedBoards& boards) {
+        make_players(boards);
+        if (!run_until([this] { return all_ready(); }, Clock::now() + kClaimPatience) && fatal_.empty() &&
+            !stopped_)
+            fatal_ = "the boards could not be announced within 10 s; may this user write below " +
+                     context_.topics.root() + "/servicebus?";
+        if (fatal_.empty() && !stopped_)
+            context_.note("replaying " + counted(players_.size(), "board") + "; Ctrl-C ends it");
+        do {
+            if (!play_once()) break;
+        } while (options_.loop && messages_ > 0);
+        end_all();
+        if (!fatal_.empty()) return context_.fail_with({program::kExitFailure, fatal_});
+        report();
+        return program::kExitOk;
+    }
+
+  private:
+    void make_players(const RecordedBoards& boards) {
+        const auto source = std::filesystem::path(options_.file).filename().string();
+        std::size_t number = 0;
+        for (const auto& [name, description] : boards) {
+            const auto client = context_.mqtt.client_id + "-" + std::to_string(++number);
+            ReplayBoard::Identity identity{options_.prefix + name, source, {}, {}};
+            identity.announcer.started_unix = static_cast<std::uint64_t>(std::time(nullptr));
+            identity.agent = {ASIP_VERSION, program::host_name(), client};
+            players_.emplace(name, std::make_unique<Player>(
+                                       io_, context_,
+                                       ReplayBoard(context_.topics, std::move(identity), description,
+                                                   context_.mqtt.random),
+                                       client, [this](const std::string& why) {
+                                           if (fatal_.empty())
+                                               fatal_ = why + "; replay under other names: --prefix old-";
+                                       }));
+        }
+    }
+
+    bool all_ready() const {
+        return std::all_of(players_.begin(), players_.end(),
+                           [](const auto& one) { return one.second->ready(); });
+    }
+
+    bool run_until(const std::function<bool()>& done, Time deadline) {
+        while (!done()) {
+            if (context_.output_ended()) stopped_ = true;
+            const auto left = deadline - Clock::now();
+            if (stopped_ || !fatal_.empty() || left <= Duration::zero()) return false;
+            io_.run_one_for(std::min<Duration>(left, 10ms));
+            for (auto& [name, player] : players_)
+                player->tick();
+        }
+        return true;
+    }
+
+    /// False: it was stopped, or failed.
+    bool play_once() {
+        auto reader = RecordingReader::open(options_.file);
+        const auto begin = Clock::now();
+        std::size_t since_turn = 0;
+        while (reader && fatal_.empty() && !stopped_) {
+            auto message = reader->next();
+            if (!message) fatal_ = message.error().text;
+            if (!message || !*message) return fatal_.empty();
+            const auto player = players_.find((*message)->board);
+            if (player == players_.end()) continue;
+            const auto due = begin + std::chrono::duration_cast<Duration>((*message)->at / options_.speed);
+            const bool wait =
+                due > Clock::now() || ++since_turn >= kPlayedAtOnce || !player->second->keeps_up();
+            if (wait) {
+                since_turn = 0;
+                run_until(
+                    [&] {
+                        return due <= Clock::now() && player->second->keeps_up() && player->second->ready();
+                    },
+                    Time::max());
+            }
+            if (stopped_ || !fatal_.empty()) return false;
+            player->second->play(**message);
+            ++messages_;
+            played_ = std::max(played_, (*message)->at);
+        }
+        if (!reader) fatal_ = reader.error().text;
+        return false;
+    }
+
+    void end_all() {
+        std::size_t open = players_.size();
+        for (auto& [name, player] : players_)
+            player->end([&open] { --open; });
+        const auto deadline = Clock::now() + 2 * kGoodbyePatience;
+        while (open > 0 && Clock::now() < deadline)
+            io_.run_one_for(10ms);
+        signal_.cancel();
+    }
+
+    void report() {
+        const double seconds = std::chrono::duration<double>(played_).count();
+        if (!options_.output.for_people()) {
+            RecordPrinter(options_.output, RecordPrinter::Count::kOne, context_.out)
+                .print({{"file", options_.file},
+                        {"messages", messages_},
+                        {"boards", players_.size()},
+                        {"seconds", seconds}});
+            return;
+        }
+        context_.out << counted(messages_, "message") << " of " << counted(players_.size(), "board")
+                     << std::endl;
+    }
+
+    const ReplayOptions& options_;
+    Context& context_;
+    boost::asio::io_context io_{1};
+    bool stopped_ = false;
+    std::string fatal_;
+    program::StopSignal signal_;
+    std::map<std::string, std::unique_ptr<Player>> players_;
+    std::size_t messages_ = 0;
+    std::chrono::microseconds played_{};
+};
+
+int run_replay(const ReplayOptions& options, Context& context) {
+    const auto boards = recorded_boards(options);
+    if (!boards) return context.fail_with(boards.error());
+    {
+        // Says what is wrong with the broker, once for all boards.
+        BusSession session(context);
+        if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+    }
+    return Replayer(options, context).run(*boards);
+}
+
+Run declare_replay(Declaration& verb) {
+    auto options = std::make_shared<ReplayOptions>();
+    verb.argument("FILE", options->file, "A recording, by asipctl record");
+    verb.arguments("PATTERN", options->patterns, "Only these boards of it; * and ? as in a shell",
+                   Declaration::Needed::kNo);
+    verb.option("--speed", "FACTOR", options->speed, "How much faster than it was", 0.01, 1000);
+    verb.option("--prefix", "TEXT", options->prefix, "Before the name of each board, for a bus that has it");
+    verb.flag("--loop", options->loop, "Begin again at the end, until Ctrl-C");
+    verb.output(options->output, {Output::kText}, {"file", "messages", "boards", "seconds"});
+    return [options](Context& context) { return run_replay(*options, context); };
+}
+
+}  // namespace
+
+Verb replay_verb() {
+    return {
+        "replay", "Plays a recording onto the bus, as boards of its own",
+        "Each recorded board is a member as others are: announced, with a lease and a state, and lost when\n"
+        "this program dies. It refuses commands. A name that a living board has is refused.\n"
+        "Examples:\n"
+        "  asipctl replay walk.jsonl\n"
+        "  asipctl replay walk.jsonl 'robot*' --speed 10 --prefix old-\n"
+        "  asipctl replay walk.jsonl --loop --broker 127.0.0.1:1884",
+        declare_replay};
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,119 @@
+#include "cli/replay_board.hpp"
+
+#include <utility>
+
+#include "asip/bus/reply.hpp"
+#include "asip/bus/request_envelope.hpp"
+
+namespace asip::cli {
+
+using bus::TopicKind;
+using member::Announcements;
+
+ReplayBoard::ReplayBoard(const bus::Topics& topics, Identity identity,
+                         const std::optional<model::Description>& first, Random random)
+    : topics_(topics), identity_(std::move(identity)) {
+    if (!first) return;
+    auto options = identity_.announcer;
+    options.board = identity_.name;
+    options.lease_seconds = first->lease;
+    announcer_.emplace(topics_, std::move(options), std::move(random));
+    describe(*first);
+}
+
+void ReplayBoard::describe(model::Description description) {
+    description.link = {"replay", identity_.source, 0};
+    description.agent = identity_.agent;
+    description.session.clear();
+    description.seq = 0;
+    if (described_ == description) return;  // it was renewed
+    described_ = description;
+    announcer_->describe(std::move(description));
+}
+
+std::optional<mqtt::Message> ReplayBoard::will() const {
+    return announcer_ ? std::optional(announcer_->will()) : std::nullopt;
+}
+
+std::vector<std::string> ReplayBoard::subscriptions() const {
+    const auto& name = identity_.name;
+    std::vector<std::string> filters{topics_.board_in(name), topics_.service_in(name, "+"),
+                                     topics_.stop(name)};
+    if (announcer_)
+        filters.insert(filters.end(), {topics_.state(name), topics_.description(name), topics_.probe()});
+    return filters;
+}
+
+void ReplayBoard::on_connected(Time now, Announcements& out) {
+    connected_ = true;
+    if (announcer_) announcer_->on_connected(now, out);
+}
+
+void ReplayBoard::on_subscribed(Time now, Announcements& out) {
+    if (announcer_) announcer_->on_subscribed(now, out);
+}
+
+void ReplayBoard::on_disconnected() {
+    connected_ = false;
+    if (announcer_) announcer_->on_disconnected();
+}
+
+void ReplayBoard::on_message(const mqtt::Message& message, Time now, Announcements& out) {
+    const auto topic = topics_.parse(message.topic);
+    if (!topic) return;
+    const bool command = topic->kind == TopicKind::kBoardIn || topic->kind == TopicKind::kServiceIn ||
+                         topic->kind == TopicKind::kStop;
+    if (command) return refuse(message, out);
+    if (announcer_) announcer_->on_message(message, now, out);
+}
+
+void ReplayBoard::refuse(const mqtt::Message& command, Announcements& out) const {
+    if (command.retain || !ready()) return;
+    const auto envelope = bus::open_envelope(command);
+    auto reply = bus::reply_message(
+        envelope ? envelope->reply : envelope.error().reply,
+        bus::Reply::refused(std::string(kRefusedRecorded), "this board is a recording; it executes nothing"));
+    if (reply) out.publish.push_back({std::move(*reply), mqtt::Priority::kReply});
+}
+
+void ReplayBoard::tick(Time now, Announcements& out) {
+    if (announcer_) announcer_->tick(now, out);
+}
+
+bool ReplayBoard::ready() const {
+    return announcer_ ? announcer_->may_publish() : connected_;
+}
+
+void ReplayBoard::play(const RecordedMessage& message, Announcements& out) {
+    mqtt::Message copy;
+    switch (message.kind) {
+        case TopicKind::kBoardIn:
+        case TopicKind::kServiceIn:
+        case TopicKind::kStop:
+            return;  // what it was asked is there to be read, not to be asked again
+        case TopicKind::kDescription:
+            if (auto description = model::parse_description(message.payload); announcer_ && description)
+                describe(std::move(*description));
+            return;
+        case TopicKind::kState:
+            if (const auto state = model::board_state_from_text(message.payload); announcer_ && state)
+                announcer_->set_state(*state, out);
+            return;
+        case TopicKind::kBoardNames:
+        case TopicKind::kServiceNames:
+            if (announcer_) return;  // it is announced anyway
+            copy.payload = message.kind == TopicKind::kBoardNames ? identity_.name : message.payload;
+            break;
+        default:
+            if (message.retained) return;  // from before the recording began
+            copy.payload = message.payload;
+    }
+    copy.topic = topic_of(topics_, message, identity_.name);
+    out.publish.push_back({std::move(copy), mqtt::Priority::kContext});
+}
+
+void ReplayBoard::goodbye(Announcements& out) {
+    if (announcer_) announcer_->goodbye(out);
+}
+
+}  // namespace asip::cli

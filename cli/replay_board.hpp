@@ -1,0 +1,61 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "asip/bus/topics.hpp"
+#include "asip/member/announcer.hpp"
+#include "asip/mqtt/message.hpp"
+#include "asip/random.hpp"
+#include "cli/recording.hpp"
+
+namespace asip::cli {
+
+/// A recorded board as a member of the bus: announced with its description, lease and state, as its agent
+/// did, and refusing every command. A board that was recorded without a description publishes its names only.
+/// Pure.
+class ReplayBoard {
+  public:
+    struct Identity {
+        std::string name;                      ///< on this bus
+        std::string source;                    ///< the recording, for people: in the description as its link
+        member::AnnouncerOptions announcer{};  ///< `board` is filled in
+        model::AgentInfo agent{};
+    };
+    /// `first`: the first description that was recorded of it; nothing where there is none.
+    ReplayBoard(const bus::Topics& topics, Identity identity, const std::optional<model::Description>& first,
+                Random random);
+
+    const std::string& name() const { return identity_.name; }
+    /// What the broker publishes when this program dies; nothing for a board of names only.
+    std::optional<mqtt::Message> will() const;
+    std::vector<std::string> subscriptions() const;
+
+    void on_connected(Time now, member::Announcements& out);
+    void on_subscribed(Time now, member::Announcements& out);
+    void on_disconnected();
+    void on_message(const mqtt::Message& message, Time now, member::Announcements& out);
+    void tick(Time now, member::Announcements& out);
+
+    /// Whether the board is announced, and what it said can be published.
+    bool ready() const;
+    /// What was recorded of it next.
+    void play(const RecordedMessage& message, member::Announcements& out);
+    /// `offline`.
+    void goodbye(member::Announcements& out);
+
+  private:
+    void describe(model::Description description);
+    void refuse(const mqtt::Message& command, member::Announcements& out) const;
+
+    bus::Topics topics_;
+    Identity identity_;
+    std::optional<member::Announcer> announcer_;  // none: names only
+    std::optional<model::Description> described_;
+    bool connected_ = false;
+};
+
+/// The reason by which a recorded board refuses commands.
+inline constexpr std::string_view kRefusedRecorded = "recorded";
+
+}  // namespace asip::cli

@@ -1,0 +1,175 @@
+// What boards report, in the forms that people and scripts ask for; lists by condition; models.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/integration/cli/bus_fixture.hpp"
+#include "tests/support/temp_dir.hpp"
+
+namespace asip::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+class ValuesTest : public BusTest {
+  protected:
+    /// Publishes `payloads` in turn until the program has ended.
+    void report_until_ended(ChildProcess& child, const Words& payloads) {
+        std::size_t next = 0;
+        ASSERT_TRUE(wait_until([&] {
+            probe_.publish("asip/uno1/distance/out", payloads[next++ % payloads.size()]);
+            return !child.running();
+        })) << child.errors();
+    }
+
+    TempDir folder_;
+};
+
+TEST_F(ValuesTest, GetWatched_PrintsThePresentValueThenEachReport) {
+    announce("uno1");
+    ChildProcess get(program({"get", "uno1/distance/1", "-w", "--raw"}), environment());
+    const auto request = probe_.wait_for("asip/uno1/distance/in");
+    ASSERT_TRUE(request) << get.errors();
+    answer(*request, R"({"status":"ok","proof":"answer","answer":{"distance":[42,118]}})");
+    ASSERT_TRUE(get.wait_for_output("^118$")) << "without its unit";
+    probe_.publish("asip/uno1/distance/out", R"({"distance":[1,2]})");
+    probe_.publish("asip/uno1/distance/out", R"({"distance":[1]})");
+    probe_.publish("asip/uno1/distance/out", R"({"distance":[1,3]})");
+    EXPECT_TRUE(get.wait_for_output("^3$"));
+    get.signal(SIGINT);
+    EXPECT_EQ(get.wait_exit(), 0);
+    EXPECT_EQ(get.output(), "118\n2\n3\n");
+}
+
+TEST_F(ValuesTest, Subscribe_ShowsUnitsAndOneField) {
+    announce("uno1");
+    ChildProcess whole(program({"subscribe", "uno1", "-n", "1"}), environment());
+    report_until_ended(whole, {R"({"distance":[42,118]})"});
+    EXPECT_EQ(whole.output(), "uno1/distance  distance 42, 118 cm\n");
+    ChildProcess field(program({"subscribe", "uno*", "--field", "1", "-n", "1", "-o", "jsonl"}),
+                       environment());
+    report_until_ended(field, {R"({"distance":[42,118]})"});
+    const auto record = nlohmann::json::parse(field.output());
+    EXPECT_EQ(record["value"], 118);
+    EXPECT_EQ(record["unit"], "cm");
+    EXPECT_EQ(record["field"], "distance/1");
+    EXPECT_EQ(asipctl({"subscribe", "uno1", "--raw", "--field", "0"}).status, 2);
+    EXPECT_EQ(asipctl({"subscribe", "uno1", "--max-hz", "0"}).status, 2);
+}
+
+TEST_F(ValuesTest, Changes_LeaveOutWhatIsSaidAgain) {
+    announce("uno1");
+    ChildProcess changes(
+        program({"subscribe", "uno1/distance", "--changes", "-n", "3", "--format", "{data.distance.0}"}),
+        environment());
+    report_until_ended(changes, {R"({"distance":[1]})", R"({"distance":[1]})", R"({"distance":[1]})",
+                                 R"({"distance":[2]})"});
+    EXPECT_THAT(changes.output(), testing::AnyOf("1\n2\n1\n", "2\n1\n2\n"));
+}
+
+TEST_F(ValuesTest, MaxHz_GivesTheNewestEvenWhenNothingFollows) {
+    announce("uno1");
+    ChildProcess thinned(
+        program({"subscribe", "uno1/distance", "--max-hz", "2", "--field", "0", "--format", "{value}"}),
+        environment());
+    ASSERT_TRUE(wait_until([&] {
+        probe_.publish("asip/uno1/distance/out", R"({"distance":[0]})");
+        return !thinned.output().empty();
+    }));
+    for (int i = 1; i <= 50; ++i)
+        probe_.publish("asip/uno1/distance/out", R"({"distance":[)" + std::to_string(i) + "]}");
+    EXPECT_TRUE(thinned.wait_for_output("^50$"));
+    EXPECT_LT(std::ranges::count(thinned.output(), '\n'), 20);
+}
+
+TEST_F(ValuesTest, Header_StandsOnceAndOnlyOnATerminal) {
+    announce("uno1");
+    ChildProcess terminal(
+        {"script", "-qefc", ASIP_PROGRAMS "/asipctl subscribe uno1/distance -n 2 --color never",
+         folder_.file("typescript")},
+        environment());
+    report_until_ended(terminal, {R"({"distance":[42]})"});
+    EXPECT_THAT(terminal.output(),
+                StartsWith("SERVICE  VALUE\r\nuno1/distance  distance 42 cm\r\nuno1/dist"));
+}
+
+TEST_F(ValuesTest, ListWhere_ShowsWhatTheConditionHoldsFor) {
+    announce("uno1");
+    announce("uno2", "lost");
+    const auto where = [this](const std::string& condition, Words more = {}) {
+        Words words{"list", "--from-bus", "-o", "name", "--where", condition};
+        words.insert(words.end(), more.begin(), more.end());
+        return asipctl(words).output;
+    };
+    EXPECT_EQ(where("state=lost"), "uno2\n");
+    EXPECT_EQ(where("services.kind=distance and not state=lost"), "uno1\n");
+    EXPECT_EQ(where("chip ~ ATtiny*"), "");
+    EXPECT_EQ(where("period <= 100", {"services"}), "uno1/distance\nuno2/distance\n");
+    const auto wrong = asipctl({"list", "--where", "sate=lost"});
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(wrong.errors, HasSubstr("did you mean \"state\""));
+    ChildProcess watch(program({"list", "-w", "--from-bus", "-o", "name", "--where", "state=lost"}),
+                       environment());
+    ASSERT_TRUE(watch.wait_for_output("^uno2$"));
+    announce("uno1", "lost");
+    EXPECT_TRUE(watch.wait_for_output("^uno1$"));
+}
+
+TEST_F(ValuesTest, EventsSince_BeginWithWhatWasKeptAndContinue) {
+    announce("old");
+    ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1", "--history", folder_.file("h.db")},
+                          environment());
+    ASSERT_TRUE(probe_.wait_for("asip/registry/r1/$state", "online")) << registry.errors();
+    announce("old", "lost");
+    ASSERT_TRUE(wait_until([&] {
+        return asipctl({"history", "old"}).output.find("lost") != std::string::npos;
+    }));
+    ChildProcess events(program({"events", "--since", "1h", "--format", "{board} {what} {state}"}),
+                        environment());
+    ASSERT_TRUE(events.wait_for_output("^old added")) << events.errors();
+    ASSERT_TRUE(events.wait_for_output("^old state lost"));
+    announce("new");
+    EXPECT_TRUE(events.wait_for_output("^new added"));
+    EXPECT_EQ(asipctl({"events", "--since", "2100-01-01", "-W", "100ms"}).status, 4);
+    EXPECT_EQ(asipctl({"events", "--since", "yesterday"}).status, 2);
+}
+
+TEST_F(ValuesTest, EventsSinceWithoutARegistry_AreRefused) {
+    EXPECT_EQ(asipctl({"events", "--since", "1h"}).status, 4);
+}
+
+TEST(Models, AreListedAndExplainedWithoutABroker) {
+    const auto asipctl = [](std::vector<std::string> words) {
+        words.insert(words.begin(), {ASIP_PROGRAMS "/asipctl", "--broker", "127.0.0.1:1"});
+        return run(words);
+    };
+    const auto models = nlohmann::json::parse(asipctl({"models", "-o", "json"}).output);
+    const auto distance =
+        std::ranges::find_if(models, [](const auto& one) { return one["kind"] == "distance"; });
+    ASSERT_NE(distance, models.end());
+    EXPECT_EQ((*distance)["letter"], "D");
+    EXPECT_THAT((*distance)["commands"].dump(), HasSubstr("measure"));
+    EXPECT_THAT(asipctl({"models", "-o", "name"}).output, HasSubstr("servo\n"));
+    const auto explained = asipctl({"explain", "distance"});
+    EXPECT_EQ(explained.status, 0);
+    EXPECT_THAT(explained.output, HasSubstr("distance 0..400 cm"));
+    EXPECT_THAT(explained.output, HasSubstr("@D,e,2,{42,118}"));
+    EXPECT_EQ(asipctl({"explain", "servo", "--format", "{id}"}).output, "S\n");
+    const auto unknown = asipctl({"explain", "srevo"});
+    EXPECT_EQ(unknown.status, 1);
+    EXPECT_THAT(unknown.errors, HasSubstr("did you mean \"servo\""));
+}
+
+TEST(Models, OfAFolder_AreKnownToo) {
+    TempDir folder;
+    folder.write("fan.json",
+                 R"({"name":"fan","version":1,"id":"F","title":"Fan","events":{},)"
+                 R"("commands":{"speed":{"tag":"W","args":[{"name":"percent","type":"integer"}]}}})");
+    const auto models = run({ASIP_PROGRAMS "/asipctl", "models", "--services", folder.path(), "-o", "name"});
+    EXPECT_THAT(models.output, HasSubstr("fan\n")) << models.errors;
+}
+
+}  // namespace
+}  // namespace asip::test
