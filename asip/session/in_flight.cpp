@@ -11,7 +11,7 @@ namespace asip::session {
 namespace {
 
 constexpr std::size_t kMaxLostTokens = 64;
-constexpr std::size_t kMaxMaybeErrors = 2;
+constexpr std::size_t kMaxUnclear = 8;
 
 bool answers_question(const protocol::Event& event, const Request& request) {
     if (event.service != request.service() || event.tag != request.tag()) return false;
@@ -45,13 +45,18 @@ bool InFlight::fence_out() const {
                        [](const Batch& batch) { return batch.fence.sent() && !batch.overdue; });
 }
 
-bool InFlight::conflicts(const Request& next) const {
+bool InFlight::conflicts(const Request& next, bool verified) const {
     const auto& items = batches_.back().items;
     if (items.empty()) return false;
     if (next.alone || items.front().request.alone) return true;
+    const auto plain = [](const Request& one) { return one.answer_tag == 0 && !one.is_question(); };
     return std::any_of(items.begin(), items.end(), [&](const Item& item) {
-        return item.request.service() == next.service() && item.request.tag() == next.tag() &&
-               (item.request.prove || next.prove);
+        const Request& one = item.request;
+        if (one.service() != next.service() || one.tag() != next.tag()) return false;
+        if (!one.prove && !next.prove) return false;
+        // An error goes to its client at once, so it must be known whose it is before the digest comes.
+        const bool one_client = one.client == next.client && (one.id == 0) == (next.id == 0);
+        return !verified || !one_client || !plain(one) || !plain(next);
     });
 }
 
@@ -140,31 +145,6 @@ InFlight::Meaning InFlight::on_event(const protocol::Event& event, const protoco
     return meaning;
 }
 
-// One of several requests may have had an error: then the digest says which.
-bool InFlight::confirms(const std::vector<Item>& items, std::size_t next, protocol::Digest digest,
-                        const Fence& fence, std::int64_t answer) {
-    if (next == items.size()) {
-        digest.add(fence.line);
-        return digest.value() == answer;
-    }
-    const Item& item = items[next];
-    const auto with = [&](int error) {
-        auto more = digest;
-        more.add(item.request.line, error);
-        return confirms(items, next + 1, more, fence, answer);
-    };
-    if (item.error && with(item.error->first)) return true;
-    // An error that comes instead of a value is none of the request as such.
-    if (item.error && !item.wants_value()) return false;
-    return with(0) || std::any_of(item.maybe_errors.begin(), item.maybe_errors.end(), with);
-}
-
-bool InFlight::contradicts(const Batch& batch, const protocol::Event& event) {
-    if (!batch.fence.verifies) return false;
-    const auto answer = fence_digest(event);
-    return !answer || !confirms(batch.items, 0, {}, batch.fence, *answer);
-}
-
 void InFlight::fences_back(std::size_t number, bool ambiguous, Time now, std::vector<RequestEnd>& ended) {
     for (std::size_t i = 0; i < number; ++i) {
         remember_lost(batches_.front().fence);
@@ -184,7 +164,7 @@ void InFlight::finish(Batch batch, bool missing, Time now, std::vector<RequestEn
     bytes_ -= batch.bytes;
     for (Item& item : batch.items) {
         if (item.ended) continue;
-        if (missing || (item.doubted && !item.error)) {
+        if (missing || ((item.doubted || item.suspected) && !item.error)) {
             end(item, Ending::kDoubt, ended);
         } else if (item.error) {
             end(item, Ending::kBoardError, ended);
@@ -218,31 +198,37 @@ InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error, bool che
     Meaning meaning;
     meaning.unexplained = true;
     if (batches_.empty()) return error_for_value(error);
-    std::vector<Item*> named;
+    Batch& batch = batches_.front();
+    std::vector<std::size_t> named;
     bool behind = false;
-    for (Item& item : batches_.front().items) {
+    for (std::size_t i = 0; i < batch.items.size(); ++i) {
+        Item& item = batch.items[i];
         // What was sent behind it may have been read as a part of it.
         if (behind) item.doubted = true;
         if (item.error || !names(error, item.request)) continue;
-        named.push_back(&item);
+        named.push_back(i);
         behind = behind || (!checksums && is_of_syntax(error));
     }
     if (named.empty()) return error_for_value(error);
     meaning.unexplained = false;
-    const Request& first = named.front()->request;
-    const bool one_client = std::all_of(named.begin(), named.end(), [&](const Item* item) {
-        return item->request.id != 0 && item->request.client == first.client;
+    const Request& first = batch.items[named.front()].request;
+    const bool one_client = std::all_of(named.begin(), named.end(), [&](std::size_t i) {
+        const Request& request = batch.items[i].request;
+        return request.id != 0 && request.client == first.client;
     });
     if (one_client) meaning.owner = first.client;
     if (named.size() == 1) {
-        named.front()->error.emplace(error.code, std::string(error.text));
+        batch.items[named.front()].error.emplace(error.code, std::string(error.text));
         return meaning;
     }
-    // Requests without proof that look alike: one of them failed.
-    for (Item* const item : named) {
-        item->doubted = true;
-        if (item->maybe_errors.size() < kMaxMaybeErrors) item->maybe_errors.push_back(error.code);
+    for (const std::size_t i : named)
+        batch.items[i].suspected = true;
+    if (batch.unclear.size() == kMaxUnclear) {
+        for (const std::size_t i : named)
+            batch.items[i].doubted = true;
+        return meaning;
     }
+    batch.unclear.push_back({error.code, std::string(error.text), std::move(named)});
     return meaning;
 }
 

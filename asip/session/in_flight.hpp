@@ -15,7 +15,8 @@ namespace asip::session {
 /// What was sent and has not ended: batches of requests, each closed by a fence, and requests that were
 /// executed and wait for their value. Decides how each ends.
 ///
-/// The requests of a batch differ in service or tag, so that an error of the board names one of them.
+/// An error of the board names one request of a batch: they differ in service or tag. Where the fence is a
+/// verified one, requests of one client need not differ: the digest tells which of them had an error.
 class InFlight {
   public:
     /// What a line from the board meant to us.
@@ -43,8 +44,9 @@ class InFlight {
     /// Nothing may follow before its fence is back.
     bool is_barrier() const;
 
-    /// Whether `next` cannot join the open batch.
-    bool conflicts(const Request& next) const;
+    /// Whether `next` cannot join the open batch. `verified`: the digest that comes with its fence tells
+    /// which of several requests an error belongs to.
+    bool conflicts(const Request& next, bool verified) const;
     /// Whether some batch holds a request with this line, or was closed with it.
     bool holds_question(std::string_view line) const;
 
@@ -94,7 +96,7 @@ class InFlight {
         protocol::ParsedLine answer;
         std::optional<std::pair<int, std::string>> error;
         std::optional<std::pair<int, std::string>> value_error;  // came in place of the value
-        std::vector<int> maybe_errors{};                         // of one that looks alike, or its own
+        bool suspected = false;                                  // one of the unclear errors may be its own
         bool wants_value() const { return request.answer_tag != 0; }
     };
     /// A request that ended without its value, which may still come.
@@ -105,8 +107,15 @@ class InFlight {
         bool was_sent;        // it was waited for so long that its value is on the way at most
         std::uint64_t ended;  // as next_number_
     };
+    /// An error that may belong to several requests of a batch.
+    struct Unclear {
+        int code;
+        std::string text;
+        std::vector<std::size_t> candidates;  // indices of items
+    };
     struct Batch {
         std::vector<Item> items;
+        std::vector<Unclear> unclear;  // as they came
         Fence fence;
         std::size_t bytes = 0;
         std::uint64_t number = 0;  // of its fence, in the order of sending
@@ -120,9 +129,8 @@ class InFlight {
         bool to_the_end;  // its value cannot come later than that
     };
 
-    static bool confirms(const std::vector<Item>& items, std::size_t next, protocol::Digest digest,
-                         const Fence& fence, std::int64_t answer);
-    static bool contradicts(const Batch& batch, const protocol::Event& event);
+    class Explanation;  // in_flight_digest.cpp
+    static bool contradicts(Batch& batch, const protocol::Event& event);
     Item* find_question(const protocol::Event& event);
     void fences_back(std::size_t batch, bool ambiguous, Time now, std::vector<RequestEnd>& ended);
     void finish(Batch batch, bool missing, Time now, std::vector<RequestEnd>& ended);

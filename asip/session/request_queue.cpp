@@ -72,7 +72,7 @@ bool RequestQueue::next_may_go(Time now, std::vector<std::string>& lines) {
         return false;
     // From its answer on it is known what the board's digest begins with.
     if (fences_.verified() && !digest_known_ && !in_flight_.has_open_batch()) close(now, lines);
-    if (in_flight_.has_open_batch() && in_flight_.conflicts(next)) {
+    if (in_flight_.has_open_batch() && in_flight_.conflicts(next, fences_.verified())) {
         if (!may_fence(now)) return false;
         close(now, lines);
     }

@@ -95,6 +95,12 @@ class Bench {
     std::optional<Refusal> refused(std::string_view line);
     const Finished* end_of(RequestId id) const;
     int count(std::string_view fact) const;
+    /// What the board says waits until release().
+    void hold() { delivering_ = true; }
+    void release() {
+        delivering_ = false;
+        deliver();
+    }
 
   private:
     void perform(Actions& actions);

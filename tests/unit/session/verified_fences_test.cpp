@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/unit/session/scripted_board.hpp"
 
 namespace asip::session {
@@ -57,6 +59,96 @@ TEST_P(VerifiedFences, ErrorOfOneOfTwoThatLookAlike_IsNoContradiction) {
     bench.request("S,W,0,90", {.prove = false});
     EXPECT_EQ(ending_of("I,d,13,1"), Ending::kExecuted);
     EXPECT_EQ(bench.session.counters().contradictions, 0u);
+}
+
+// Requests that look alike go with one fence, so an error of theirs names none of them.
+class AlikeRequests : public VerifiedFences {
+  protected:
+    AlikeRequests() {
+        bench.board.replies["S,W,0,90"] = "";
+        bench.board.replies["S,W,1,90"] = "";
+        bench.board.replies["S,W,8,90"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+        bench.board.replies["S,W,9,90"] = "~S,W,11{BAD_ARGUMENT}";
+        // They wait together behind one that is under way.
+        bench.board.heard.clear();
+        bench.hold();
+        before = bench.request("I,d,13,1" + std::string(38, ' '), {.client = 7});
+    }
+    RequestId send(const std::string& line, ClientId client = 7) {
+        return bench.request(line, {.client = client});
+    }
+    void settle() {
+        bench.release();
+        bench.pass(1s);
+        ASSERT_EQ(bench.end_of(before)->ending, Ending::kExecuted);
+    }
+    Ending ending(RequestId id) const { return bench.end_of(id)->ending; }
+    std::size_t fences() const {
+        return std::size_t(std::count_if(bench.board.heard.begin(), bench.board.heard.end(),
+                                         [](const auto& line) { return line.starts_with("#,V"); }));
+    }
+    RequestId before = 0;
+};
+INSTANTIATE_TEST_SUITE_P(Checksums, AlikeRequests,
+                         testing::Values(ChecksumPolicy::kNever, ChecksumPolicy::kAlways),
+                         [](const auto& tested) -> std::string {
+                             return tested.param == ChecksumPolicy::kNever ? "Without" : "With";
+                         });
+
+TEST_P(AlikeRequests, OfOneClient_ShareAFence) {
+    const auto first = send("S,W,0,90"), second = send("S,W,1,90"), third = send("S,W,0,90");
+    settle();
+    for (const auto id : {first, second, third})
+        EXPECT_EQ(ending(id), Ending::kExecuted);
+    EXPECT_EQ(fences(), 2u);
+}
+
+TEST_P(AlikeRequests, OneHasAnError_TheDigestSaysWhich) {
+    const auto first = send("S,W,0,90"), second = send("S,W,8,90"), third = send("S,W,1,90");
+    settle();
+    EXPECT_EQ(ending(first), Ending::kExecuted);
+    ASSERT_EQ(ending(second), Ending::kBoardError);
+    EXPECT_EQ(bench.end_of(second)->code, 7);
+    EXPECT_EQ(ending(third), Ending::kExecuted);
+    EXPECT_EQ(bench.session.counters().contradictions, 0u);
+    EXPECT_THAT(bench.owned_lines,
+                testing::Contains(testing::Pair("~S,W,7{INVALID_DEVICE_NUMBER}", testing::Optional(7u))));
+}
+
+TEST_P(AlikeRequests, TwoHaveErrors_EachHasItsOwn) {
+    const auto first = send("S,W,9,90"), second = send("S,W,0,90"), third = send("S,W,8,90");
+    settle();
+    ASSERT_EQ(ending(first), Ending::kBoardError);
+    EXPECT_EQ(bench.end_of(first)->code, 11);
+    // Without checksums, a line that was refused for its syntax may have been two.
+    EXPECT_EQ(ending(second), GetParam() == ChecksumPolicy::kAlways ? Ending::kExecuted : Ending::kDoubt);
+    ASSERT_EQ(ending(third), Ending::kBoardError);
+    EXPECT_EQ(bench.end_of(third)->code, 7);
+}
+
+TEST_P(AlikeRequests, ErrorIsLost_AllAreInDoubt) {
+    bench.board.lost_errors["S,W,1,90"] = 7;
+    const auto first = send("S,W,0,90"), second = send("S,W,1,90");
+    settle();
+    EXPECT_EQ(ending(first), Ending::kDoubt);
+    EXPECT_EQ(ending(second), Ending::kDoubt);
+}
+
+TEST_P(AlikeRequests, ErrorComesThoughNoneHadOne_AllAreInDoubt) {
+    bench.board.replies["S,W,1,90"] = "~S,W,7{INVALID_DEVICE_NUMBER}\r\n~S,W,7{INVALID_DEVICE_NUMBER}";
+    const auto first = send("S,W,0,90"), second = send("S,W,1,90");
+    settle();
+    EXPECT_EQ(ending(first), Ending::kDoubt);
+    EXPECT_EQ(ending(second), Ending::kDoubt);
+}
+
+TEST_P(AlikeRequests, OfTwoClients_AnErrorGoesToItsOwnAlone) {
+    const auto first = send("S,W,0,90", 7), second = send("S,W,8,90", 8);
+    settle();
+    EXPECT_EQ(ending(first), Ending::kExecuted);
+    EXPECT_EQ(ending(second), Ending::kBoardError);
+    EXPECT_THAT(bench.owned_lines,
+                testing::Contains(testing::Pair("~S,W,7{INVALID_DEVICE_NUMBER}", testing::Optional(8u))));
 }
 
 TEST_P(VerifiedFences, ManyRequestsOfManyClients_AllAreProven) {
