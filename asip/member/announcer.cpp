@@ -98,22 +98,27 @@ void Announcer::on_subscribed(Time now, Announcements& out) {
 }
 
 void Announcer::announce(Time now, Announcements& out) {
+    if (subscribed_ && described_) publish_state(out);
+    if (!renew(now, out)) return;
+    out.publish.push_back({plain(topics_.board_names(), options_.board), mqtt::Priority::kAnnouncement});
+    for (const auto& service : description_.services)
+        out.publish.push_back(
+            {plain(topics_.service_names(options_.board), service.name), mqtt::Priority::kAnnouncement});
+}
+
+bool Announcer::renew(Time now, Announcements& out) {
     probe_answer_.reset();
     renewal_.reset();
-    if (!subscribed_) return;
+    if (!subscribed_) return false;
     last_announced_ = now;
     schedule_renewal(now);
-    if (!described_) return;
-    publish_state(out);
+    if (!described_) return false;
     description_.session = session_;
     description_.seq = ++seq_;
     mqtt::Message description = retained(topics_.description(options_.board), model::to_text(description_));
     description.expiry_seconds = static_cast<std::uint32_t>(options_.lease_seconds);
     out.publish.push_back({std::move(description), mqtt::Priority::kAnnouncement});
-    out.publish.push_back({plain(topics_.board_names(), options_.board), mqtt::Priority::kAnnouncement});
-    for (const auto& service : description_.services)
-        out.publish.push_back(
-            {plain(topics_.service_names(options_.board), service.name), mqtt::Priority::kAnnouncement});
+    return true;
 }
 
 void Announcer::schedule_renewal(Time now) {
@@ -190,9 +195,9 @@ void Announcer::tick(Time now, Announcements& out) {
         established_ = true;
         return announce(now, out);
     }
-    if (established_ && connected_ &&
-        ((renewal_ && now >= *renewal_) || (probe_answer_ && now >= *probe_answer_)))
-        announce(now, out);
+    if (!established_ || !connected_) return;
+    if (probe_answer_ && now >= *probe_answer_) return announce(now, out);
+    if (renewal_ && now >= *renewal_) renew(now, out);
 }
 
 std::optional<Time> Announcer::next_deadline() const {

@@ -28,7 +28,8 @@ struct AnnouncerOptions {
 /// was taken over, if its agent answers a probe with another one; a single message that nobody stands behind
 /// is put right.
 ///
-/// Nothing is announced before the broker granted the subscriptions that commands come by.
+/// Nothing is announced before the broker granted the subscriptions that commands come by. A lease is renewed
+/// by one message, the description; names are published when something changed or somebody probed.
 class Announcer {
   public:
     Announcer(const bus::Topics& topics, AnnouncerOptions options, Random random);
@@ -67,7 +68,10 @@ class Announcer {
     };
 
     void challenge(const model::Description& other, const std::string& holder, Time now, Announcements& out);
+    /// State, description and names.
     void announce(Time now, Announcements& out);
+    /// The description alone: nothing else has changed. False where there is none yet, or it may not be sent.
+    bool renew(Time now, Announcements& out);
     void publish_state(Announcements& out);
     void on_foreign_description(const mqtt::Message& message, Time now, Announcements& out);
     void schedule_renewal(Time now);

@@ -69,6 +69,28 @@ TEST(Announcer, Lease_IsRenewedAtAThirdWithARisingSeq) {
               model::parse_description(descriptions[1])->seq);
 }
 
+TEST(Announcer, Renewal_IsTheDescriptionAlone) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.published.clear();
+    bench.pass(60s);
+    EXPECT_GE(bench.on(kDescription).size(), 2u);
+    EXPECT_THAT(bench.on(kState), IsEmpty());
+    EXPECT_THAT(bench.on("asip/servicebus"), IsEmpty());
+    EXPECT_THAT(bench.on("asip/servicebus/uno1"), IsEmpty());
+}
+
+TEST(Announcer, ProbeAndRenewalTogether_NamesAreAnnouncedToo) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.published.clear();
+    bench.hear(kProbe, "");
+    bench.pass(1s);
+    EXPECT_THAT(bench.on(kState), ElementsAre("online"));
+    EXPECT_THAT(bench.on("asip/servicebus"), ElementsAre("uno1"));
+    EXPECT_THAT(bench.on("asip/servicebus/uno1"), ElementsAre("io", "servo", "distance"));
+}
+
 TEST(Announcer, Probe_IsAnsweredWithinASecond) {
     BridgeBench bench;
     bench.go_online();
