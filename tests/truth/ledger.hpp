@@ -133,6 +133,7 @@ class Ledger {
     std::vector<Execution> executions_;
     std::vector<Line> board_lines_;       // as sent
     std::vector<Line> arrived_;           // as the session got them
+    std::vector<std::string> values_;     // of answers
     std::vector<Line> fences_;            // how the answers to those with a token begin
     std::vector<bool> damaged_to_board_;  // by number on the wire
     std::vector<Micros> damage_;

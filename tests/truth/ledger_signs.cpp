@@ -18,11 +18,6 @@ namespace protocol = asip::protocol;
 // What was damaged before a stall arrives behind it.
 constexpr Micros kLongestStall = 4 * kSecond;
 
-std::string_view without_return(std::string_view line) {
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    return line;
-}
-
 }  // namespace
 
 bool Ledger::verified(const Entry& entry) const {

@@ -15,4 +15,9 @@ inline bool is_period(std::string_view line) {
     return line.size() > 3 && line[0] != '#' && line[2] == 'A';
 }
 
+inline std::string_view without_return(std::string_view line) {
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    return line;
+}
+
 }  // namespace truth
