@@ -285,7 +285,7 @@ std::size_t memory_limit(std::size_t bytes) {
 }
 
 std::chrono::milliseconds time_limit(std::chrono::milliseconds time) {
-    return other_programs() ? 5 * time : time;
+    return (other_programs() ? 10 : 5) * time;
 }
 
 Finished run(std::vector<std::string> arguments, std::map<std::string, std::string> environment,

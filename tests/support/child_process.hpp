@@ -65,7 +65,8 @@ bool replace_simulator();
 bool other_programs();
 
 /// Limits for programs that ASIP_TEST_PROGRAMS puts in place, such as sanitized ones: those keep freed memory
-/// and are slower. `bytes` and `time` as they are, where no other programs are put in place.
+/// and are slower. `bytes` as they are, where no other programs are put in place; `time`, which is what a
+/// quiet machine needs at most, five times as long, for one that is busy.
 std::size_t memory_limit(std::size_t bytes);
 std::chrono::milliseconds time_limit(std::chrono::milliseconds time);
 

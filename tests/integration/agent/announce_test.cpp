@@ -42,7 +42,8 @@ TEST(AgentAnnounces, RealBoard_InBothLayersWithPinsAndModels) {
     EXPECT_TRUE(late.wait_for("asip/servicebus/uno1/$description"));
     late.clear();
     late.publish("asip/servicebus/$probe", "");
-    EXPECT_TRUE(late.wait_for("asip/servicebus", "uno1", 2s)) << "a probe is answered within a second";
+    EXPECT_TRUE(late.wait_for("asip/servicebus", "uno1", time_limit(2s)))
+        << "a probe is answered within a second";
 }
 
 TEST(AgentAnnounces, Plain04Board_WithItsServices) {
@@ -66,8 +67,8 @@ TEST(AgentAnnounces, Sigterm_SaysOfflineAndEndsWithinASecond) {
     Agent agent(broker, uno.port());
     ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
     agent.process().signal(SIGTERM);
-    EXPECT_EQ(agent.process().wait_exit(1s), 0);
-    EXPECT_TRUE(wait_state(probe, "offline", 1s));
+    EXPECT_EQ(agent.process().wait_exit(time_limit(1s)), 0);
+    EXPECT_TRUE(wait_state(probe, "offline", time_limit(1s)));
 }
 
 TEST(AgentAnnounces, SigtermWhileTheBrokerHangs_EndsWithinASecond) {
@@ -91,7 +92,7 @@ TEST(AgentAnnounces, KilledAndRestarted_LostThenOnlineAndOneBoard) {
     Agent agent(broker, uno.port());
     ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
     agent.kill();
-    ASSERT_TRUE(wait_state(probe, "lost", 3s));
+    ASSERT_TRUE(wait_state(probe, "lost", time_limit(3s)));
     Agent again(broker, uno.port());
     ASSERT_TRUE(wait_state(probe, "online")) << again.process().errors();
     BusProbe late(broker.port(), {"asip/servicebus/+/$description"});
@@ -107,7 +108,7 @@ TEST(AgentAnnounces, SomebodyWritesItsState_IsPutRight) {
     ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
     probe.publish("asip/servicebus/uno1/$state", "lost", true);
     EXPECT_TRUE(probe.wait_for("asip/servicebus/uno1/$state", "lost"));
-    EXPECT_TRUE(wait_state(probe, "online", 2s));
+    EXPECT_TRUE(wait_state(probe, "online", time_limit(2s)));
 }
 
 class BrokerReturns : public testing::TestWithParam<bool> {};
@@ -128,9 +129,9 @@ TEST_P(BrokerReturns, KilledAndRestarted_AnnouncedWithinThreeSeconds) {
     BusProbe probe(broker.port());
     EXPECT_TRUE(probe.wait_for(
         [](const mqtt::Message& m) { return !m.retain && m.topic == "asip/servicebus/uno1/$description"; },
-        3s))
+        time_limit(3s)))
         << agent.process().errors();
-    EXPECT_TRUE(wait_state(probe, "online", 1s));
+    EXPECT_TRUE(wait_state(probe, "online", time_limit(1s)));
     EXPECT_TRUE(agent.process().running());
 }
 
@@ -149,7 +150,7 @@ TEST(AgentAnnounces, BrokerStoppedFor20Seconds_NewestStateArrives) {
     EXPECT_TRUE(agent.process().running());
     broker.thaw();
     BusProbe probe(broker.port());
-    EXPECT_TRUE(wait_state(probe, "lost", 8s)) << agent.process().errors();
+    EXPECT_TRUE(wait_state(probe, "lost", time_limit(8s))) << agent.process().errors();
     uno.command("replug");
     EXPECT_TRUE(wait_state(probe, "online")) << agent.process().errors();
 }
@@ -179,7 +180,7 @@ TEST(AgentAnnounces, Takeover_FirstOneEndsAndTheNameStaysOnline) {
         return second.process().errors().find("put right") != std::string::npos ||
                probe.last("asip/servicebus/uno1/$state") == "online";
     }));
-    EXPECT_TRUE(wait_state(probe, "online", 3s));
+    EXPECT_TRUE(wait_state(probe, "online", time_limit(3s)));
     EXPECT_TRUE(second.process().running());
 }
 

@@ -19,7 +19,7 @@ TEST(AgentBoard, UnpluggedAndReplugged_KnownWithinASecondAndBackWithItsModes) {
     ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
     ASSERT_TRUE(probe.request("asip/uno1/io/in", R"({"mode":[13,"output"]})"));
     uno.command("unplug");
-    ASSERT_TRUE(wait_state(probe, "lost", 1s)) << agent.process().errors();
+    ASSERT_TRUE(wait_state(probe, "lost", time_limit(1s))) << agent.process().errors();
     const auto refused = probe.request("asip/uno1/io/in", R"({"write":[13,1]})");
     ASSERT_TRUE(refused);
     EXPECT_THAT(*refused, HasSubstr("board-not-there"));
@@ -46,7 +46,7 @@ TEST(AgentBoard, ResetInMidStream_ModesAndPeriodsAreBack) {
     uno.command("reset");
     ASSERT_TRUE(agent.process().wait_for_errors("board back")) << agent.process().errors();
     probe.clear();
-    EXPECT_TRUE(probe.wait_for("asip/uno1/distance/out", 3s)) << agent.process().errors();
+    EXPECT_TRUE(probe.wait_for("asip/uno1/distance/out", time_limit(3s))) << agent.process().errors();
     const auto modes = probe.request("asip/uno1/in", "I,p");
     ASSERT_TRUE(modes);
     EXPECT_THAT(*modes, HasSubstr("1,1,3,4,4,4,4"));
@@ -96,7 +96,7 @@ TEST(AgentBoard, FloodWhileTheBrokerIsSlow_OldestValuesGoAndCommandsStay) {
     BusProbe probe(broker.port());
     ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
     EXPECT_TRUE(wait_until([&] {
-        const auto reply = probe.request("asip/uno1/io/in", R"({"write":[2,1]})", 2s);
+        const auto reply = probe.request("asip/uno1/io/in", R"({"write":[2,1]})", time_limit(2s));
         return reply && reply->find("\"ok\"") != std::string::npos;
     })) << agent.process().errors();
 }
@@ -149,7 +149,7 @@ TEST(AgentBoard, OverTcp_IsOnlineAndBackWhenItsPortIs) {
                         "--name", "uno1"});
     ASSERT_TRUE(wait_state(probe, "online")) << agent.errors();
     board.reset();
-    ASSERT_TRUE(wait_state(probe, "lost", 2s)) << agent.errors();
+    ASSERT_TRUE(wait_state(probe, "lost", time_limit(2s))) << agent.errors();
     board = start_board();
     EXPECT_TRUE(wait_state(probe, "online")) << agent.errors();
 }

@@ -17,7 +17,9 @@ class SessionTest : public testing::Test {
         context_.mqtt.user = "ada";
         session_.emplace(context_);
     }
-    bool until(const std::function<bool()>& done) { return session_->run_until(done, Clock::now() + 5s); }
+    bool until(const std::function<bool()>& done) {
+        return session_->run_until(done, Clock::now() + time_limit(5s));
+    }
 
     MosquittoBroker broker_;
     BusProbe probe_{broker_.port()};

@@ -176,7 +176,7 @@ TEST(Client, StoppedWithoutConnection_EndsAtOnce) {
     ASSERT_TRUE(bus.until([&] { return !bus.failures.empty(); }));
     bool stopped = false;
     bus.client->stop(5s, [&] { stopped = true; });
-    EXPECT_TRUE(bus.until([&] { return stopped; }, 1s));
+    EXPECT_TRUE(bus.until([&] { return stopped; }, time_limit(1s)));
 }
 
 TEST(Client, StoppedWhileTheBrokerHangs_EndsWithinTheLimit) {
@@ -189,7 +189,7 @@ TEST(Client, StoppedWhileTheBrokerHangs_EndsWithinTheLimit) {
     const auto begin = std::chrono::steady_clock::now();
     bus.client->stop(800ms, [&] { stopped = true; });
     ASSERT_TRUE(bus.until([&] { return stopped; }));
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, 2s);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, time_limit(2s));
 }
 
 TEST(Client, NothingListens_ReportsUnreachableAndConnectsWhenItDoes) {
@@ -201,7 +201,7 @@ TEST(Client, NothingListens_ReportsUnreachableAndConnectsWhenItDoes) {
     EXPECT_EQ(bus.failures[0].kind, Kind::kUnreachable);
     EXPECT_FALSE(bus.failures[0].fatal());
     broker.start();
-    EXPECT_TRUE(bus.until([&] { return bus.client->connected(); }, 4s));
+    EXPECT_TRUE(bus.until([&] { return bus.client->connected(); }, time_limit(4s)));
 }
 
 TEST(Client, BrokerKilledAndBack_ReconnectsSubscribesAndLosesNoQos1) {
@@ -216,7 +216,7 @@ TEST(Client, BrokerKilledAndBack_ReconnectsSubscribesAndLosesNoQos1) {
         bus.client->publish(make_message("kept", std::to_string(i), 1), Priority::kReply);
     broker.start();
     BusProbe probe(broker.port());
-    ASSERT_TRUE(bus.until([&] { return bus.client->connected(); }, 4s));
+    ASSERT_TRUE(bus.until([&] { return bus.client->connected(); }, time_limit(4s)));
     EXPECT_TRUE(bus.until([&] { return probe.count("kept") == 100; }));
     probe.publish("commands", "again");
     EXPECT_TRUE(bus.received("commands", "again"));

@@ -146,7 +146,7 @@ TEST(MqttTls, SlowNameServer_DoesNotStopTheLoopAndTheNameIsVerified) {
         last = Clock::now();
         return bus.client->connected();
     }));
-    EXPECT_LT(longest, 1000ms);
+    EXPECT_LT(longest, 3000ms);
     EXPECT_TRUE(bus.failures.empty());
 }
 
