@@ -1,0 +1,102 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/support/bus_probe.hpp"
+#include "tests/support/mosquitto_broker.hpp"
+#include "tests/truth/dice.hpp"
+#include "tests/truth/live/live_board.hpp"
+#include "tests/truth/live/tcp_client.hpp"
+
+namespace truth {
+
+constexpr std::int64_t kDeadlineMs = 5000;
+// The longest pause of broker or agent, and what the programs need besides.
+constexpr std::int64_t kSlackMs = 2000;
+// A test that itself was not run for so long cannot judge the times of others.
+constexpr std::int64_t kStarvedMs = 300;
+
+struct Counts {
+    std::uint64_t rounds = 0, commands = 0, faults = 0, incidents = 0, ok = 0, error = 0, doubt = 0,
+                  timeout = 0, refused = 0, repeated = 0, nobody_there = 0, starved = 0, invisible = 0,
+                  failures = 0, not_begun = 0;
+};
+
+/// One command: a PWM duty that this pin has never had before.
+struct Sent {
+    LiveBoard* board;
+    int pin = 0;
+    int duty = 0;  ///< 0: a request that the board or the agent must not execute
+    bool tcp = false;
+    std::string request{};
+    std::int64_t at = 0;
+    std::int64_t answered = 0;
+    int copies = 1;  ///< how often the same message was sent
+    int answers = 0;
+    std::string status{};
+    std::string answer{};
+};
+
+/// A board's agent, or the broker, is not there: what is under way then nobody answers.
+struct Outage {
+    const LiveBoard* board;
+    std::int64_t from;
+    std::size_t announced;  ///< how often the agent had been announced when it began
+    std::int64_t until = std::numeric_limits<std::int64_t>::max();
+    bool over() const { return until != std::numeric_limits<std::int64_t>::max(); }
+};
+
+class Round {
+  public:
+    Round(std::uint64_t seed, Counts& counts);
+    void run(std::int64_t active_ms);
+
+  private:
+    void connect();
+    void set_up();
+    bool online(const LiveBoard& board) const;
+    void pump();
+    void command_over_bus();
+    void command_over_tcp();
+    void take_replies();
+    void answered(Sent& sent, std::string status, std::string answer);
+    void incident();
+    void note(std::string what) { story_.emplace_back(now_ms(), std::move(what)); }
+    void tell() const;
+    void drain();
+    void check();
+    void check(const Sent& sent);
+    bool nobody_there(const Sent& sent) const;
+    bool starved(std::int64_t from, std::int64_t until) const;
+    bool executed(const Sent& sent) const;
+    void fail(const Sent& sent, const std::string& what);
+    std::size_t announced(const LiveBoard& board) const;
+    void begin_outage(const LiveBoard& board) { outages_.push_back({&board, now_ms(), announced(board)}); }
+    void end_outages();
+
+    std::uint64_t seed_;
+    Counts& counts_;
+    Dice dice_;
+    asip::test::MosquittoBroker broker_;
+    std::vector<std::unique_ptr<LiveBoard>> boards_;
+    std::vector<std::unique_ptr<TcpClient>> clients_;  // two of each board
+    std::unique_ptr<asip::test::BusProbe> probe_;
+    std::size_t replies_seen_ = 0;
+    bool broker_restarted_ = false;
+    std::deque<Sent> sent_;
+    std::array<std::array<int, 16>, 2> duties_{};
+    std::vector<Outage> outages_;
+    std::vector<std::pair<std::int64_t, std::int64_t>> starved_;
+    std::int64_t pumped_ = 0;
+    std::vector<std::pair<std::int64_t, std::string>> story_;  // the incidents, and wrong answers
+    std::vector<std::pair<std::int64_t, std::function<void()>>> later_;
+};
+
+}  // namespace truth
