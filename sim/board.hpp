@@ -41,7 +41,7 @@ struct Change {
     SimTime time;
     std::string part;   ///< its name
     std::string kind;   ///< "led", ...
-    std::string value;  ///< Part::state() after the change
+    std::string value;  ///< Part::state() after the change, or what happened: "lap 24.100"
 };
 
 /// What was lost or spoilt on the line since the board was switched on.

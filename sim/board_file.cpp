@@ -12,6 +12,7 @@
 #include "asip/text/nearest.hpp"
 #include "sim/board_kind.hpp"
 #include "sim/part_plan.hpp"
+#include "sim/world/world_file.hpp"
 
 namespace asip::sim {
 namespace {
@@ -56,6 +57,12 @@ BoardFile read_board(JsonReader reader, const std::filesystem::path& file) {
     result.link = beside(file, reader.text("link"));
     if (reader.has("tcp")) result.tcp_port = static_cast<int>(reader.number("tcp", 0, 0, 65535));
     result.reset_on_open = reader.flag("reset_on_open");
+    result.world = beside(file, reader.text("world"));
+    if (!result.world.empty()) {
+        auto world = world::load_world(result.world);
+        if (!world) reader.fault("world", world.error());
+        if (world) board.world = std::move(*world);
+    }
     for (auto& part : reader.list("parts"))
         board.parts.push_back(read_part(part));
     reader.refuse_others();

@@ -10,6 +10,8 @@ namespace asip::sim {
 /// What a board file holds beyond the board itself: how asip-sim offers it.
 struct BoardFile {
     BoardConfig board;
+    /// The file of its world, of which `board` has one of its own; empty: none.
+    std::filesystem::path world;
     std::filesystem::path link;  ///< symbolic link to the pseudo-terminal; empty: none
     int tcp_port = -1;           ///< on 127.0.0.1; 0: any free one; -1: none
     bool reset_on_open = false;  ///< reset when a program opens the port, as an Uno does

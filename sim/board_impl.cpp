@@ -23,18 +23,25 @@ Board::Impl::Impl(BoardConfig config, const BoardKind& kind, const std::vector<P
       i2c_(clock_, wiring_, kind.sda, kind.scl),
       line_(port, clock_, config_.frequency, [this](char byte) { received(byte); }),
       deadline_(clock_, [] {}),
-      context_{wiring_, clock_, i2c_, config_.frequency / 1e6, [this](const Part& part) {
-                   if (on_change_)
-                       on_change_({std::chrono::nanoseconds(
-                                       static_cast<std::int64_t>(clock_.cycle() * 1e9 / config_.frequency)),
-                                   part.name(), std::string(part.kind().name), part.state()});
-               }} {
+      context_{wiring_,
+               clock_,
+               i2c_,
+               config_.frequency / 1e6,
+               [this](const Part& part) { tell(part, part.state()); },
+               [this](const Part& part, std::string what) { tell(part, std::move(what)); },
+               config_.world} {
     line_.set_host_baud(config_.host_baud);
     avr().data[kMcusr] = kPowerOn;
     chip_->on_reset([this] { was_reset(); });
     saved_eeprom_ = chip_->eeprom();
     for (const auto& part : parts)
         parts_.push_back(part.plan.make(part.name, context_));
+}
+
+void Board::Impl::tell(const Part& part, std::string value) {
+    if (!on_change_) return;
+    const auto now = static_cast<std::int64_t>(clock_.cycle() * 1e9 / config_.frequency);
+    on_change_({std::chrono::nanoseconds(now), part.name(), std::string(part.kind().name), std::move(value)});
 }
 
 void Board::Impl::run_to(Cycles target) {

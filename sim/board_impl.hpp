@@ -18,6 +18,7 @@ struct Board::Impl {
     void run_to(Cycles target);
     void reset_from_outside(ResetCause cause);
     void was_reset();
+    void tell(const Part& part, std::string value);
     void received(char byte);
     void watch_stack_pointer();
     unsigned stack_depth() const;

@@ -1,11 +1,15 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 namespace asip::sim {
+namespace world {
+class World;
+}
 
 /// Something wired to a board's pins, as a board file has it.
 struct PartConfig {
@@ -23,6 +27,8 @@ struct BoardConfig {
     std::string board = "uno";    ///< "uno", "mega", "leonardo"
     std::filesystem::path image;  ///< .elf or Intel .hex
     std::vector<PartConfig> parts;
+    /// Where its rover drives, shared with the boards of other rovers; null: nowhere.
+    std::shared_ptr<world::World> world{};
 
     std::filesystem::path eeprom;  ///< kept in this file from run to run; empty: starts erased every time
     std::uint32_t frequency = 16'000'000;

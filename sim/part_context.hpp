@@ -1,5 +1,7 @@
 #pragma once
 #include <functional>
+#include <memory>
+#include <string>
 
 #include "sim/alarm.hpp"
 #include "sim/i2c_bus.hpp"
@@ -7,6 +9,9 @@
 #include "sim/wiring.hpp"
 
 namespace asip::sim {
+namespace world {
+class World;
+}
 
 /// What a part has of its board. Outlives the part.
 struct PartContext {
@@ -15,6 +20,9 @@ struct PartContext {
     I2cBus& i2c;
     double cycles_per_us;
     std::function<void(const Part&)> changed;  ///< must be called when state() has changed
+    /// Something happened at a part that is not its state: "lap 24.100".
+    std::function<void(const Part&, std::string)> happened;
+    std::shared_ptr<world::World> world;  ///< null: the board stands in none
 };
 
 /// The PartPlan::make of a part whose constructor takes a name, a spec and a context.

@@ -25,7 +25,7 @@ struct PinClaim {
 /// One part as its settings describe it.
 struct PartPlan {
     std::vector<PinClaim> claims;  ///< at least one; a part without a name is named after the first
-    bool timed = false;            ///< needs a timer of the simulator
+    unsigned timers = 0;           ///< of the simulator that it needs
     /// The context outlives the part. The part takes its pins at once.
     std::function<std::unique_ptr<Part>(std::string name, PartContext& context)> make;
 };

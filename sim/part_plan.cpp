@@ -14,8 +14,8 @@ namespace {
 
 using text::JsonReader;
 
-constexpr int kReadableChannels = 8;     // simavr's ADC has no more; the mega's A8 to A15 read 0 there
-constexpr unsigned kMaxTimedParts = 32;  // each needs one of simavr's 64 timers
+constexpr int kReadableChannels = 8;  // simavr's ADC has no more; the mega's A8 to A15 read 0 there
+constexpr unsigned kMaxTimers = 32;   // of simavr's 64
 
 bool can_share(PinUse a, PinUse b) {
     if (a == PinUse::kBus || b == PinUse::kBus) return true;
@@ -43,11 +43,12 @@ const PartKind* find_kind(const PartConfig& part, JsonReader& reader) {
     return kind;
 }
 
-PlannedPart plan_part(const PartConfig& part, JsonReader& reader, const BoardKind& board) {
+PlannedPart plan_part(const PartConfig& part, JsonReader& reader, const BoardConfig& config,
+                      const BoardKind& board) {
     PlannedPart planned{part.name, {}};
     const auto* kind = find_kind(part, reader);
     if (kind == nullptr) return planned;
-    PartReader settings(reader, board);
+    PartReader settings(reader, board, config.world != nullptr);
     planned.plan = kind->read(settings);
     reader.refuse_others();
     if (planned.name.empty()) planned.name = part.kind + std::to_string(planned.plan.claims.front().pin);
@@ -67,8 +68,9 @@ class Pins {
 
     Expected<void> claim(const PlannedPart& part) {
         if (!names_.insert(part.name).second) return fail("another part has this name");
-        if (part.plan.timed && ++timed_ > kMaxTimedParts)
-            return fail(fmt::format("more than {} parts with a timer on one board", kMaxTimedParts));
+        timers_ += part.plan.timers;
+        if (timers_ > kMaxTimers)
+            return fail(fmt::format("the parts of one board need more than {} timers", kMaxTimers));
         for (const auto& claim : part.plan.claims)
             if (auto claimed = claim_pin(part.name, claim); !claimed) return claimed;
         return {};
@@ -98,7 +100,7 @@ class Pins {
     const BoardKind& board_;
     std::multimap<int, Holder> held_;
     std::set<std::string> names_;
-    unsigned timed_ = 0;
+    unsigned timers_ = 0;
 };
 
 }  // namespace
@@ -110,7 +112,7 @@ Expected<std::vector<PlannedPart>> plan_parts(const BoardConfig& config, const B
         const auto place = fmt::format("/parts/{}", plans.size());
         std::string fault;
         JsonReader reader(part.settings, place, fault);
-        plans.push_back(plan_part(part, reader, board));
+        plans.push_back(plan_part(part, reader, config, board));
         if (!fault.empty()) return fail(fault);
         if (auto claimed = pins.claim(plans.back()); !claimed)
             return fail(fmt::format("{}: {}: {}", place, plans.back().name, claimed.error()));

@@ -1,15 +1,36 @@
 #include "sim/part_reader.hpp"
 
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 namespace asip::sim {
 
-int PartReader::pin(const std::string& key) {
-    const auto* value = settings_.required(key);
-    if (value == nullptr) return 0;
-    const auto pin = board_.parse_pin(value->is_string() ? value->get<std::string>() : value->dump());
+int PartReader::parse(const std::string& key, const nlohmann::json& value) {
+    const auto pin = board_.parse_pin(value.is_string() ? value.get<std::string>() : value.dump());
     if (!pin) settings_.fault(key, pin.error());
     return pin.value_or(0);
+}
+
+int PartReader::pin(const std::string& key) {
+    const auto* value = settings_.required(key);
+    return value == nullptr ? 0 : parse(key, *value);
+}
+
+std::vector<int> PartReader::pins(const std::string& key, std::vector<int> otherwise) {
+    const auto* list = settings_.find(key);
+    if (list == nullptr) return otherwise;
+    if (!list->is_array() || list->size() != otherwise.size()) {
+        settings_.fault(key, fmt::format("is a list of {} pins", otherwise.size()));
+        return otherwise;
+    }
+    for (std::size_t i = 0; i < otherwise.size(); ++i)
+        otherwise[i] = parse(key, (*list)[i]);
+    return otherwise;
+}
+
+void PartReader::need_world() {
+    if (!has_world_) settings_.fault("", "needs a world: \"world\" of the board names its file");
 }
 
 }  // namespace asip::sim

@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <vector>
 
 #include "asip/text/json_reader.hpp"
 #include "sim/board_kind.hpp"
@@ -9,11 +10,14 @@ namespace asip::sim {
 /// Reads the settings of one part. After a fault every read gives its default.
 class PartReader {
   public:
-    PartReader(text::JsonReader& settings, const BoardKind& board) : settings_(settings), board_(board) {}
+    PartReader(text::JsonReader& settings, const BoardKind& board, bool has_world = false)
+        : settings_(settings), board_(board), has_world_(has_world) {}
 
     bool has(const std::string& key) { return settings_.has(key); }
     /// A required pin: a number, "13" or "A0". 0 after a fault.
     int pin(const std::string& key);
+    /// A list of as many pins as `otherwise` has, which is what it is where there is none.
+    std::vector<int> pins(const std::string& key, std::vector<int> otherwise);
     /// `otherwise` where there is none.
     double number(const std::string& key, double otherwise, double minimum, double maximum) {
         return settings_.number(key, otherwise, minimum, maximum);
@@ -23,10 +27,15 @@ class PartReader {
     int scl() const { return board_.scl; }
     /// False where there is none.
     bool flag(const std::string& key) { return settings_.flag(key); }
+    /// A fault where the board stands in no world.
+    void need_world();
 
   private:
+    int parse(const std::string& key, const nlohmann::json& value);
+
     text::JsonReader& settings_;
     const BoardKind& board_;
+    bool has_world_;
 };
 
 }  // namespace asip::sim

@@ -69,7 +69,7 @@ template <class Made>
 PartPlan read_i2c_chip(PartReader& reader, std::span<const Quantity> quantities) {
     auto values = read_quantities(reader, quantities);
     return {.claims = {{reader.sda(), PinUse::kBus}, {reader.scl(), PinUse::kBus}},
-            .timed = true,
+            .timers = 1,
             .make = [values = std::move(values)](std::string name,
                                                  PartContext& context) -> std::unique_ptr<Part> {
                 return std::make_unique<Made>(std::move(name), values, context);

@@ -117,7 +117,7 @@ class Pixels final : public Part {
 PartPlan read_pixels(PartReader& reader) {
     const PixelsSpec spec{reader.pin("pin"),
                           static_cast<unsigned>(reader.number("count", 18, 1, kMaxPixels))};
-    return {.claims = {{spec.pin, PinUse::kListens}}, .timed = true, .make = maker<Pixels>(spec)};
+    return {.claims = {{spec.pin, PinUse::kListens}}, .timers = 1, .make = maker<Pixels>(spec)};
 }
 
 }  // namespace

@@ -171,7 +171,7 @@ class Sh1106 final : public Part, public I2cDevice {
 
 PartPlan read_sh1106(PartReader& reader) {
     return {.claims = {{reader.sda(), PinUse::kBus}, {reader.scl(), PinUse::kBus}},
-            .timed = true,
+            .timers = 1,
             .make = maker<Sh1106>(0)};
 }
 

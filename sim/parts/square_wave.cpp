@@ -76,7 +76,7 @@ class SquareWave final : public Part {
 
 PartPlan read_square_wave(PartReader& reader) {
     const SquareWaveSpec spec{reader.pin("pin"), reader.number("hertz", 1, 0, kHighestHertz)};
-    return {.claims = {{spec.pin, PinUse::kDrives}}, .timed = true, .make = maker<SquareWave>(spec)};
+    return {.claims = {{spec.pin, PinUse::kDrives}}, .timers = 1, .make = maker<SquareWave>(spec)};
 }
 
 constexpr std::array kSquareWaveVerbs{PartVerb{"set", "HERTZ", "change the frequency of a generator"}};

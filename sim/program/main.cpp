@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <set>
 #include <thread>
 
@@ -29,6 +30,17 @@ int report(int status, const std::string& text) {
 bool is_image(const std::filesystem::path& file) {
     const int first = std::ifstream(file, std::ios::binary).get();
     return file.extension() != ".json" && (first == 0x7f || first == ':');
+}
+
+/// Boards that name the same world file share one world.
+void share_worlds(std::vector<BoardFile>& files) {
+    std::map<std::filesystem::path, std::shared_ptr<world::World>> worlds;
+    for (auto& file : files) {
+        if (file.world.empty()) continue;
+        std::error_code error;
+        const auto path = std::filesystem::weakly_canonical(file.world, error);
+        file.board.world = worlds.try_emplace(path, file.board.world).first->second;
+    }
 }
 
 Expected<std::vector<BoardFile>> load_boards(const Options& options) {
@@ -53,6 +65,7 @@ Expected<std::vector<BoardFile>> load_boards(const Options& options) {
                 fmt::format("{}: another board is called {} too; give it a \"name\"", path, file.board.name));
         files.push_back(std::move(file));
     }
+    share_worlds(files);
     if (options.links.size() > files.size()) return fail("--link: more links than boards");
     if (options.tcp_ports.size() > files.size()) return fail("--tcp: more ports than boards");
     return files;

@@ -66,6 +66,14 @@ std::vector<std::string> split(std::string_view line) {
     return words;
 }
 
+/// How many words a command takes behind the part, at most.
+std::size_t words_after_part(std::string_view verb) {
+    std::size_t most = 1;
+    for (const auto* kind : PartKind::all())
+        if (const auto* found = kind->verb(verb)) most = std::max(most, split(found->argument).size());
+    return most;
+}
+
 }  // namespace
 
 std::string RunningBoards::help() {
@@ -97,7 +105,8 @@ void RunningBoards::execute(std::string_view line, Reply reply) {
     const auto words = split(line);
     if (words.empty()) return reply(std::string());
     const auto& verb = words[0];
-    if (words.size() > 3) return reply(fail(fmt::format("too many words after \"{}\"", words[2])));
+    if (words.size() > 2 + words_after_part(verb))
+        return reply(fail(fmt::format("too many words after \"{}\"", words[1 + words_after_part(verb)])));
     if (verb == "help") return reply(help());
     if (verb == "list" && words.size() == 1) return list_from(0, "", std::move(reply));
     if (is_board_command(verb)) {
@@ -111,7 +120,8 @@ void RunningBoards::execute(std::string_view line, Reply reply) {
     if (words.size() < 2) return reply(fail(fmt::format("{} what? Name a part; list shows them", verb)));
     const auto part = part_called(words[1]);
     if (!part) return reply(fail(part.error()));
-    send(*part->first, verb, part->second, words.size() > 2 ? words[2] : "", std::move(reply));
+    const std::vector<std::string> argument(words.begin() + 2, words.end());
+    send(*part->first, verb, part->second, fmt::format("{}", fmt::join(argument, " ")), std::move(reply));
 }
 
 void RunningBoards::list_from(std::size_t place, std::string so_far, Reply reply) {

@@ -79,7 +79,7 @@ TEST(PartPlan, UnknownKindOrSetting_NamesTheNearest) {
     EXPECT_EQ(
         fault({{"buton", {{"pin", 2}}}}),
         "/parts/0/kind: there is no part \"buton\" (did you mean \"button\"?); one of led, button, wire, "
-        "potentiometer, ultrasonic, servo, square-wave, pixels, mpu6050, hmc5883l, bmp085, sh1106");
+        "potentiometer, ultrasonic, servo, square-wave, pixels, mpu6050, hmc5883l, bmp085, sh1106, rover");
     EXPECT_EQ(fault({{"led", {{"pin", 2}, {"active-low", true}}}}),
               "/parts/0/active-low: is unknown (did you mean \"active_low\"?)");
     EXPECT_EQ(fault({{"potentiometer", {{"pin", "A0"}, {"position", 2}}}}),
@@ -90,7 +90,8 @@ TEST(PartPlan, MoreTimedPartsThanTimers_Refused) {
     std::vector<PartConfig> parts;
     for (int pin = 2; pin < 2 + 33; ++pin)
         parts.push_back({"square-wave", {{"pin", pin}}});
-    EXPECT_EQ(fault(parts, "mega"), "/parts/32: square-wave34: more than 32 parts with a timer on one board");
+    EXPECT_EQ(fault(parts, "mega"),
+              "/parts/32: square-wave34: the parts of one board need more than 32 timers");
     parts.pop_back();
     EXPECT_EQ(fault(parts, "mega"), "");
 }
