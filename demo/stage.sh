@@ -1,0 +1,81 @@
+# What the demonstrations share: programs that are started and ended together, a broker on a free port. Sourced by them,
+# after they have set `once`. Sets root, bin, work (a folder of its own), port and ASIP_BROKER.
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+bin=${ASIP_BIN:-$root/build/dev/bin}
+work=$(mktemp -d "${TMPDIR:-/tmp}/asip-demo.XXXXXX")
+declare -A pids=()
+declare -a started=()
+
+# Ends what was started, newest first, and waits for each; whoever does not go within three seconds is killed.
+clean_up() {
+    local i name pid
+    trap - EXIT
+    for ((i = ${#started[@]} - 1; i >= 0; i--)); do
+        pid=${pids[${started[i]}]}
+        kill -TERM "$pid" 2>/dev/null || continue
+        (sleep 3; kill -KILL "$pid" 2>/dev/null) & local guard=$!
+        wait "$pid" 2>/dev/null || true
+        kill "$guard" 2>/dev/null || true
+        wait "$guard" 2>/dev/null || true
+    done
+    rm -rf "$work"
+}
+trap clean_up EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+fail() {
+    local name
+    printf '\ndemo: %s\n' "$1" >&2
+    for name in "${started[@]}"; do
+        printf -- '--- last lines of %s\n' "$name" >&2
+        tail -n 12 "$work/$name.log" >&2 || true
+    done
+    exit 1
+}
+
+start() { # start NAME COMMAND...: in the background, its words in a log file
+    local name=$1
+    shift
+    "$@" >"$work/$name.log" 2>&1 </dev/null &
+    pids[$name]=$!
+    started+=("$name")
+}
+
+within() { # within SECONDS WHAT COMMAND...: tries until it succeeds
+    local until=$((SECONDS + $1)) what=$2
+    shift 2
+    until "$@" >/dev/null 2>&1; do
+        [ $SECONDS -lt $until ] || fail "$what did not happen in time"
+        sleep 0.1
+    done
+}
+
+step() { printf '\n\033[1m%s\033[0m\n' "$1"; }
+show() { # prints a command as a person would type it, then runs it
+    printf '$ %s\n' "$*"
+    "$@"
+}
+asipctl() { "$bin/asipctl" "$@"; }
+sim() { "$bin/asip-sim" ctl --socket "$work/sim.sock" "$@"; }
+part() { sim list | awk -v name="$1" '$1 == name { print $3 }'; } # what a part shows: an angle, on, off, ...
+
+port_is_free() { ! (exec 3<>"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }
+for _ in {1..50}; do
+    port=$((20000 + RANDOM % 20000))
+    port_is_free $port && break
+done
+export ASIP_BROKER=127.0.0.1:$port
+
+
+start_bus() { # the broker, a registry and a gateway
+    sed -e "s|^listener .*|listener $port 127.0.0.1|" -e "s|^persistence_location .*|persistence_location $work/|" \
+        "$root/packaging/mosquitto/asip.conf" >"$work/mosquitto.conf"
+    local mosquitto
+    mosquitto=$(PATH=$PATH:/usr/sbin:/usr/local/sbin command -v mosquitto) || fail "mosquitto is not installed"
+    start broker "$mosquitto" -c "$work/mosquitto.conf"
+    within 5 "the broker's start" eval "! port_is_free $port"
+    start registry "$bin/asip-registry"
+    start gateway "$bin/asip-gateway" --http 127.0.0.1:0
+}
+page() { sed -n 's/.*listening  address=\(http[^ ]*\).*/\1/p' "$work/gateway.log"; }

@@ -1,0 +1,90 @@
+// Robots in real time, with everything real between world and line follower.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/bus_probe.hpp"
+#include "tests/support/mosquitto_broker.hpp"
+
+namespace asip::test {
+namespace {
+
+/// Board files of `count` rovers in one world, evenly along its line.
+std::vector<std::string> rovers_on_one_line(const TempDir& folder, int count, double length_mm) {
+    std::vector<std::string> files;
+    for (int i = 0; i < count; ++i) {
+        const auto name = "mirto" + std::to_string(i);
+        const nlohmann::json board{
+            {"name", name},
+            {"image", ASIP_MIRTO},
+            {"world", ASIP_TRACK},
+            {"link", folder.file(name)},
+            {"parts", {{{"kind", "rover"}, {"name", "rover"}, {"start", i * length_mm / count}}}}};
+        files.push_back(folder.write(name + ".json", board.dump()));
+    }
+    return files;
+}
+
+std::unique_ptr<ChildProcess> program(std::vector<std::string> words) {
+    words.front() = ASIP_PROGRAMS "/" + words.front();
+    return std::make_unique<ChildProcess>(std::move(words));
+}
+
+std::unique_ptr<ChildProcess> agent(const MosquittoBroker& broker, const std::string& port,
+                                    const std::string& name) {
+    return program(
+        {"asip-agent", "--serial", port, "--broker", broker.url(), "--name", name, "--max-baud", "500000"});
+}
+
+TEST(LiveRovers, ThreeInOneWorldOnOneBroker_EachDrivesItsLap) {
+    const TempDir folder;
+    const MosquittoBroker broker;
+    auto words = rovers_on_one_line(folder, 3, 3000);
+    words.insert(words.begin(), {"asip-sim", "--no-socket"});
+    const auto world = program(words);
+    std::vector<std::unique_ptr<ChildProcess>> agents, followers;
+    const std::string names[] = {"mirto0", "mirto1", "mirto2"};
+    for (const auto& name : names) {
+        ASSERT_TRUE(world->wait_for_output(name + " .*port ")) << world->errors();
+        agents.push_back(agent(broker, folder.file(name), name));
+    }
+    // Slower than usual: the test has to hold on a machine that three simulated boards keep busy
+    for (const auto& name : names)
+        followers.push_back(program({"example-line_follower", broker.url() + "/" + name, "--power", "35"}));
+    for (const auto& name : names)
+        EXPECT_TRUE(world->wait_for_output(name + " .* rover lap ", std::chrono::seconds(90)))
+            << world->output();
+    EXPECT_EQ(world->output().find("off-track"), std::string::npos) << world->output();
+    EXPECT_EQ(world->output().find("bump"), std::string::npos) << world->output();
+}
+
+TEST(LiveRovers, FollowerThatIsTold_LeavesTheRobotStanding) {
+    const TempDir folder;
+    const MosquittoBroker broker;
+    auto words = rovers_on_one_line(folder, 1, 3000);
+    words.insert(words.begin(), {"asip-sim", "--no-socket"});
+    const auto world = program(words);
+    ASSERT_TRUE(world->wait_for_output(" port ")) << world->errors();
+    const auto bridge = agent(broker, folder.file("mirto0"), "mirto0");
+    BusProbe probe(broker.port());
+    const auto follower = program({"example-line_follower", broker.url() + "/mirto0"});
+    ASSERT_TRUE(follower->wait_for_output("follows the line")) << follower->errors();
+    ASSERT_TRUE(probe.wait_for("asip/mirto0/reflectance/out"));
+    EXPECT_EQ(probe.request("asip/mirto0/encoders/in", R"({"report":100})").has_value(), true);
+    ASSERT_TRUE(probe.wait_for([](const mqtt::Message& message) {
+        if (message.topic != "asip/mirto0/encoders/out") return false;
+        return nlohmann::json::parse(message.payload)["encoders"][0]["count"] > 1;
+    })) << "it does not drive";
+    follower->signal(SIGTERM);
+    EXPECT_EQ(follower->wait_exit(), 0);
+    probe.clear();
+    EXPECT_TRUE(probe.wait_for([](const mqtt::Message& message) {
+        if (message.topic != "asip/mirto0/encoders/out") return false;
+        const auto wheels = nlohmann::json::parse(message.payload)["encoders"];
+        return wheels[0]["count"] == 0 && wheels[1]["count"] == 0;
+    }));
+}
+
+}  // namespace
+}  // namespace asip::test
