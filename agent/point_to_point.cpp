@@ -122,7 +122,9 @@ void PointToPoint::watch_silence() {
 void PointToPoint::close() {
     silence_timer_.cancel();
     listeners_.clear();
-    clients_.clear();
+    // A handler of one of them may be running.
+    for (Client& client : clients_)
+        if (!std::exchange(client.gone, true)) client.stream->close();
 }
 
 }  // namespace asip::agent

@@ -201,7 +201,7 @@ void garbage(MosquittoBroker& broker) {
     char path[256] = {};
     if (openpty(&master, &slave, path, nullptr, nullptr) != 0) throw std::runtime_error("no pseudo-terminal");
     fcntl(master, F_SETFL, O_NONBLOCK);
-    QuietAgent agent(broker, path);
+    QuietAgent agent(broker, path, {"--patience", "60"});  // or it would end: that is no board
     unsigned random = 1;
     EachMillisecond noise([&] {
         char bytes[kGarbageBytesPerSecond / 1000];
