@@ -160,10 +160,7 @@ void Ledger::finish() {
 void Ledger::fault(bool to_board, Fault fault, const WireByte& byte, Micros now) {
     ++counts.faults[static_cast<unsigned>(fault)];
     if (fault == Fault::kStalled) return;
-    if (fault == Fault::kOverrun) {
-        if (calm_) fail("the board's receive buffer overran");
-        return;
-    }
+    if (fault == Fault::kOverrun && calm_) fail("the board's receive buffer overran");
     damage_.push_back(now);
     if (to_board && byte.line < damaged_to_board_.size()) damaged_to_board_[byte.line] = true;
 }
