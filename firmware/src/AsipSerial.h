@@ -39,7 +39,7 @@ bool idle() {
     return true;
 }  // setRate() waits
 
-bool isRate(uint16_t hundreds) {
+bool canMakeRate(uint16_t hundreds) {
     const bool known = hundreds == 1152 || hundreds == 2500 || hundreds == 5000 || hundreds == 10000;
 #if defined(__AVR__) && !defined(USBCON)
     return hundreds == kDefaultRate ||
@@ -47,6 +47,10 @@ bool isRate(uint16_t hundreds) {
 #else
     return hundreds == kDefaultRate || known;
 #endif
+}
+
+ASIP_RATE_UNLESS_TOLD bool isRate(uint16_t hundreds) {
+    return canMakeRate(hundreds);
 }
 
 void setRate(uint16_t hundreds) {

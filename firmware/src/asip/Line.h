@@ -28,7 +28,16 @@ bool idle();
 void setRate(uint16_t hundreds);
 
 // True if the line can run at `hundreds` of baud with an error below 2.5 %.
+bool canMakeRate(uint16_t hundreds);
+
+// True if the board may step up to it. The line says the same as canMakeRate(); a service whose interrupts
+// leave it no time for the fastest (Encoders, on AVR) defines another one, which the linker prefers.
 bool isRate(uint16_t hundreds);
+#ifdef __AVR__
+#define ASIP_RATE_UNLESS_TOLD __attribute__((weak))
+#else
+#define ASIP_RATE_UNLESS_TOLD
+#endif
 
 // True for the pins that the line itself occupies.
 bool usesPin(uint8_t pin);
