@@ -33,8 +33,7 @@ std::unique_ptr<ChildProcess> program(std::vector<std::string> words) {
 
 std::unique_ptr<ChildProcess> agent(const MosquittoBroker& broker, const std::string& port,
                                     const std::string& name) {
-    return program(
-        {"asip-agent", "--serial", port, "--broker", broker.url(), "--name", name, "--max-baud", "500000"});
+    return program({"asip-agent", "--serial", port, "--broker", broker.url(), "--name", name});
 }
 
 TEST(LiveRovers, ThreeInOneWorldOnOneBroker_EachDrivesItsLap) {

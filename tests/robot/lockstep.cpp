@@ -86,7 +86,7 @@ class Lockstep {
     Lockstep(const Drive& how, const std::string& image, const std::string& world_file)
         : how_(how),
           controller_(how.gains),
-          session_(session::SessionOptions{.max_baud = 500'000}, std::mt19937_64(how.seed)),
+          session_(session::SessionOptions{}, std::mt19937_64(how.seed)),
           up_(how.path, how.seed),
           down_(how.path, how.seed + 1) {
         auto world = sim::world::load_world(world_file);

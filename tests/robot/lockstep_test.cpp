@@ -33,6 +33,15 @@ TEST(Lockstep, FiftyHertzOverMqtt_DrivesAsWellAsOverTheSerialPort) {
     EXPECT_LT(mqtt.rms_mm() / serial.rms_mm(), 1.10);
 }
 
+// Here the firmware's fast line once sent all of its ring again, each few laps, and control was lost for a
+// second.
+TEST(Lockstep, HundredHertz_KeepsToTheMiddleOfTheLine) {
+    const auto driven = on_track({.period = 10ms});
+    ASSERT_TRUE(driven.ok(2));
+    EXPECT_LT(driven.rms_mm(), 3);
+    EXPECT_LT(driven.laps.back().max_mm, 6);
+}
+
 TEST(Lockstep, SameSeed_IsTheSameDriveToTheMicrometre) {
     const auto one = on_track({.path = mqtt_path(), .laps = 1});
     const auto same = on_track({.path = mqtt_path(), .laps = 1});

@@ -135,6 +135,14 @@ TEST(RoverPart, ObstacleOnTheWay_IsMeasuredAndBumpedInto) {
     EXPECT_THAT(mirto.board->part("rover").state(), HasSubstr("bumped"));
 }
 
+TEST(RoverPart, FastestRate_IsRefusedBecauseTheEncodersLeaveTheLineNoTime) {
+    Mirto mirto;
+    mirto.board->send("#,B,1000000\n");
+    EXPECT_EQ(mirto.board->read_line(100ms)->text, "~#,B,11{BAD_ARGUMENT}");
+    mirto.board->send("#,B,500000\n");
+    EXPECT_EQ(mirto.board->read_line(100ms)->text, "@#,B,500000");
+}
+
 TEST(RoverPart, Reset_ComesToRestAndDrivesAgain) {
     Mirto mirto;
     mirto.ask("M,M,200,-200");
