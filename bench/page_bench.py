@@ -10,7 +10,7 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tests" / "browser"))
 
-from rig import Browser, Bus, eventually, publish_boards  # noqa: E402
+from rig import Browser, Bus, Trace, eventually, publish_boards  # noqa: E402
 
 BOARDS = 10_000
 POINTS = 3600
@@ -48,8 +48,8 @@ def row(measure, value, must, aim):
     print(f"{measure:<58} {value:>12} {must:>12} {aim:>12}")
 
 
-def processor_seconds(pid):
-    """Of a process and all below it."""
+def processes(pid):
+    """A process and all below it: {pid: seconds of a processor that it used}."""
     times = {}
     for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
         try:
@@ -61,13 +61,29 @@ def processor_seconds(pid):
     while True:
         more = {child for child, (parent, _) in times.items() if parent in below} - below
         if not more:
-            return sum(times[each][1] for each in below if each in times)
+            return {each: times[each][1] for each in below if each in times}
         below |= more
+
+
+def processor_seconds(pid):
+    return sum(processes(pid).values())
+
+
+def private_megabytes(pid):
+    """Memory that a process and all below it share with nobody."""
+    total = 0
+    for each in processes(pid):
+        try:
+            lines = pathlib.Path(f"/proc/{each}/status").read_text().splitlines()
+        except OSError:
+            continue
+        total += sum(int(line.split()[1]) for line in lines if line.startswith("RssAnon:"))
+    return total / 1024
 
 
 def heap(browser):
     browser.driver.execute_cdp_cmd("HeapProfiler.collectGarbage", {})
-    return browser.run("return performance.memory.usedJSHeapSize") / 1e6
+    return browser.driver.execute_cdp_cmd("Runtime.getHeapUsage", {})["usedSize"] / 1e6
 
 
 def many_boards(bus, browser):
@@ -90,21 +106,26 @@ def plot(bus, browser, seconds):
     browser.driver.execute_async_script(PLOT, POINTS, 1, 3)
     pid = browser.driver.service.process.pid
     used, began = processor_seconds(pid), time.monotonic()
-    rate, _ = browser.driver.execute_async_script(PLOT, POINTS, 1, seconds)
+    with Trace(browser.driver) as trace:
+        browser.driver.execute_async_script(PLOT, POINTS, 1, seconds)
     share = (processor_seconds(pid) - used) / (time.monotonic() - began)
-    row(f"plot of {POINTS} points, each frame a new one: frames a second", f"{rate:.0f}", "30", "60")
+    row(f"plot of {POINTS} points, each frame a new one: frames a second", f"{trace.frames_per_second():.0f}", "30", "60")
     row("  processor of the whole browser, no graphics card", f"{share * 100:.0f} %", "", "15 %")
 
 
 def plot_for_long(browser, seconds):
-    """As many points as in eight hours, in a short time: what the heap is after each tenth of them."""
-    heaps, points = [], 0
-    for _ in range(10):
+    """As many points as in eight hours, in a short time: what memory is meanwhile."""
+    pid = browser.driver.service.process.pid
+    heaps, private, points = [], [], 0
+    while len(heaps) < 10 or points < EIGHT_HOURS:
         points += browser.driver.execute_async_script(PLOT, POINTS, EIGHT_HOURS // (seconds * 60), seconds / 10)[1]
         heaps.append(heap(browser))
-    print(f"heap after each tenth of {points:,} points (60 a second are {points / 60 / 3600:.1f} hours): "
-          + " ".join(f"{each:.2f}" for each in heaps) + " MB")
-    row(f"  growth of its memory in {seconds} s, points of {points / 60 / 3600:.1f} hours", f"{heaps[-1] - heaps[1]:.2f} MB", "none", "none")
+        private.append(private_megabytes(pid))
+    hours = points / 60 / 3600
+    print(f"meanwhile, of {points:,} points, as 60 a second give in {hours:.1f} hours:")
+    print("  heap " + " ".join(f"{each:.2f}" for each in heaps) + " MB")
+    print("  all of the browser's own memory " + " ".join(f"{each:.0f}" for each in private) + " MB")
+    row("  growth of the heap behind its first fifth", f"{heaps[-1] - heaps[len(heaps) // 5]:.2f} MB", "none", "none")
 
 
 def main():
