@@ -4,6 +4,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "agent/command_note.hpp"
 #include "agent/error_report.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/event_decoder.hpp"
@@ -101,6 +102,7 @@ void Control::on_message(const mqtt::Message& message, const Arrival& arrival,
     command->board = topic->board;
     command->service = topic->service;
     const std::string request = envelope ? envelope->shown() : message.payload;
+    command->noted = request;
     if (message.retain)
         return refuse(
             *command, request, bus::kRefusedRetained,
@@ -124,7 +126,10 @@ void Control::on_message(const mqtt::Message& message, const Arrival& arrival,
         command->model = service->model.get();
     }
     command->client = client_of(command->reply.wanted() ? command->reply.topic : message.topic);
-    if (is_renewal(*envelope, command->model)) return renew(*command, *envelope, now, out);
+    if (is_renewal(*envelope, command->model)) {
+        command->noted.clear();
+        return renew(*command, *envelope, now, out);
+    }
     const std::string id = command->reply.key();
     if (!id.empty()) {
         const auto key = RecentAnswers::key(message.topic, command->reply.topic, id);
@@ -382,6 +387,11 @@ void Control::conclude(Command& command, Time now, Effects& out) {
     }
     statistics_.answered(command.outcome, command.reply.wanted(), now - command.arrived);
     send(command.reply, command.outcome, out);
+    if (!command.noted.empty())
+        note_command(topics_, command.board,
+                     {"command", command.service, command.noted, command.reply.by, command.outcome,
+                      command.reply.wanted()},
+                     out);
 }
 
 void Control::send(const bus::ReplyTo& to, const bus::Reply& reply, Effects& out) {

@@ -55,6 +55,7 @@ class Control {
         bus::ReplyTo reply;
         std::string board;
         std::string service;                    // the topic's; empty: raw lines, each its own
+        std::string noted;                      // the request as it is noted; empty: it is not
         std::optional<RecentAnswers::Key> key;  // none: cannot be recognised again
         session::ClientId client = 0;
         Time arrived;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "agent/command_note.hpp"
 #include "agent/error_report.hpp"
 #include "asip/bus/request_envelope.hpp"
 #include "asip/model/command_encoder.hpp"
@@ -85,6 +86,10 @@ void Safety::report(const Holds::Hold& hold, const std::string& text, Effects& o
     out.log(Level::kWarning, "held command undone", {{"command", hold.line}, {"why", text}, {"by", hold.by}});
     report_failure(topics_, board_, {hold.service, without_service(hold.line), "not-renewed", text, hold.by},
                    out);
+    bus::Reply outcome = bus::Reply::timeout();
+    outcome.error = text;
+    note_command(topics_, board_, {"undone", hold.service, without_service(hold.line), hold.by, outcome},
+                 out);
 }
 
 // --- the board
@@ -159,6 +164,7 @@ void Safety::answer(const Stop& stop, bool in_time, Time now, Effects& out) {
     statistics_.answered(reply, stop.reply.wanted(), now - stop.arrived);
     if (auto message = bus::reply_message(stop.reply, reply))
         out.publish.push_back({std::move(*message), mqtt::Priority::kUrgent});
+    note_command(topics_, board_, {"stop", {}, {}, stop.reply.by, reply}, out);
 }
 
 bool Safety::release_all() {

@@ -147,6 +147,10 @@ void Registry::message(const mqtt::Message& message, Instant now) {
         case TopicKind::kLog:
             if (message.retain) tidier_.retained(message.topic, topic->board);
             return;
+        case TopicKind::kCommands:
+            if (message.retain) return tidier_.retained(message.topic, topic->board);
+            if (history_ != nullptr) history_->command(topic->board, message.payload, now_);
+            return;
         case TopicKind::kStop:
         case TopicKind::kBoardIn:
         case TopicKind::kServiceIn:

@@ -62,8 +62,19 @@ BoardItem read_board_item(const json& object) {
 }
 
 HistoryItem read_history_item(const json& object) {
-    return {text_of(object, "board"), time_of(object, "at"),  text_of(object, "what"),
-            text_of(object, "state"), text_of(object, "was"), text_of(object, "reason")};
+    HistoryItem item;
+    item.board = text_of(object, "board");
+    item.at = time_of(object, "at");
+    item.what = text_of(object, "what");
+    item.state = text_of(object, "state");
+    item.was = text_of(object, "was");
+    item.reason = text_of(object, "reason");
+    item.by = text_of(object, "by");
+    item.service = text_of(object, "service");
+    item.request = text_of(object, "request");
+    item.status = text_of(object, "status");
+    item.count = int_of(object, "count").value_or(0);
+    return item;
 }
 
 json to_json(const ServiceItem& item, bool with_board) {
@@ -117,11 +128,17 @@ json to_json(const BoardItem& item) {
 }
 
 json to_json(const HistoryItem& item) {
-    json object{{"board", item.board}, {"what", item.what}};
+    json object{{"what", item.what}};
+    put(object, "board", item.board);
     put(object, "at", item.at);
     put(object, "state", item.state);
     put(object, "was", item.was);
+    put(object, "by", item.by);
+    put(object, "service", item.service);
+    put(object, "request", item.request);
+    put(object, "status", item.status);
     put(object, "reason", item.reason);
+    if (item.count > 1) object["count"] = item.count;
     return object;
 }
 

@@ -63,14 +63,23 @@ struct BoardItem {
     bool operator==(const BoardItem&) const = default;
 };
 
-/// One change of state that a registry with a history has kept.
+/// One change of state, or one command, that a registry with a history has kept.
 struct HistoryItem {
     std::string board;
     text::WallTime at{};
-    std::string what;    ///< "added", "state", "description", "conflict", "resolved", "forgotten"
-    std::string state;   ///< effective state after it
+    /// "added", "state", "description", "conflict", "resolved", "forgotten"; "command", "stop", "undone"
+    std::string what;
+    std::string state;   ///< effective state after it; empty for a command
     std::string was;     ///< before it; empty for other than "state"
-    std::string reason;  ///< as ChangeEvent::reason
+    std::string reason;  ///< as ChangeEvent::reason; of a command: why it is not "ok", as Reply::reason
+    // Of a command only:
+    std::string by{};       ///< who sent it, as the sender said
+    std::string service{};  ///< empty: raw lines, or the whole board
+    std::string request{};  ///< its beginning
+    std::string status{};   ///< Reply::status in words; "sent": nobody wanted an answer
+    int count = 0;          ///< of commands that differ in their arguments alone, within a second; 0: one
+
+    bool is_command() const { return !by.empty(); }
 
     bool operator==(const HistoryItem&) const = default;
 };

@@ -27,6 +27,7 @@ std::optional<TopicRef> parse_service_bus(std::string_view board, std::string_vi
     if (rest == "$description") return TopicRef{TopicKind::kDescription, board, {}};
     if (rest == "$stats") return TopicRef{TopicKind::kStats, board, {}};
     if (rest == "$log") return TopicRef{TopicKind::kLog, board, {}};
+    if (rest == "$commands") return TopicRef{TopicKind::kCommands, board, {}};
     return std::nullopt;
 }
 

@@ -13,6 +13,7 @@ enum class TopicKind {
     kDescription,      ///< ROOT/servicebus/BOARD/$description
     kStats,            ///< ROOT/servicebus/BOARD/$stats: what its agent counts
     kLog,              ///< ROOT/servicebus/BOARD/$log: what its agent reports to people
+    kCommands,         ///< ROOT/servicebus/BOARD/$commands: who commanded what
     kProbe,            ///< ROOT/servicebus/$probe
     kBoardOut,         ///< ROOT/BOARD/out: raw lines
     kBoardIn,          ///< ROOT/BOARD/in: raw lines
@@ -57,6 +58,7 @@ class Topics {
     }
     std::string stats(std::string_view board) const { return join("servicebus", board, "$stats"); }
     std::string log(std::string_view board) const { return join("servicebus", board, "$log"); }
+    std::string commands(std::string_view board) const { return join("servicebus", board, "$commands"); }
     std::string probe() const { return root_ + "/servicebus/$probe"; }
 
     std::string board_out(std::string_view board) const { return join(board, "out"); }

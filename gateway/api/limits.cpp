@@ -66,7 +66,11 @@ void limit_to(const Rights& rights, bus::Answer& answer) {
         std::erase_if(*answer.brief, [&](const auto& board) { return !rights.sees_board(board.board); });
     std::erase_if(answer.services,
                   [&](const auto& each) { return !rights.sees_service(each.board, each.name); });
-    std::erase_if(answer.history, [&](const auto& item) { return !rights.sees_board(item.board); });
+    std::erase_if(answer.history, [&](const auto& item) {
+        if (item.is_command() && !rights.services.empty())
+            return item.service.empty() || !rights.sees_service(item.board, item.service);
+        return !rights.sees_board(item.board);
+    });
 }
 
 std::unique_ptr<Feed> limited_feed(std::unique_ptr<Feed> feed, const Rights& rights) {

@@ -15,6 +15,7 @@ constexpr Duration kSettleTime = std::chrono::seconds(5);
 constexpr std::size_t kMaxRegistries = 64;
 constexpr std::size_t kMaxStatsBytes = 64 * 1024;
 constexpr std::size_t kSnapshotPage = 100;
+constexpr std::size_t kMaxKnown = 500;
 constexpr std::size_t kMaxBoardStatsBytes = 8 * 1024;
 constexpr Duration kStatsTime = std::chrono::seconds(45);  // three of the agents' intervals
 
@@ -115,6 +116,9 @@ void Mirror::message(const mqtt::Message& message, const Instant& now) {
             if (message.payload.size() <= kMaxBoardStatsBytes && catalogue_.knows(topic->board))
                 board_stats_[std::string(topic->board)] = {message.payload, now.time};
             return;
+        case TopicKind::kLog:
+        case TopicKind::kCommands:
+            return;
         case TopicKind::kServiceError:
         case TopicKind::kServiceOut: {
             announcement(message, *topic, now);
@@ -163,6 +167,7 @@ void Mirror::handle(const std::vector<Event>& events, const Instant& now) {
 }
 
 void Mirror::change(const Event& event, const Instant& now) {
+    known_.erase(event.board);
     nlohmann::json object{{"at", text::iso_time(now.wall)}, {"board", {{"board", event.board}}}};
     if (event.kind == Event::Kind::kForgotten) {
         values_.forget(event.board);
@@ -190,6 +195,14 @@ void Mirror::tick(const Instant& now) {
 
 std::optional<bus::BoardItem> Mirror::board(std::string_view name, const Instant& now) const {
     return catalogue_.board(name, both(now));
+}
+
+std::shared_ptr<const bus::BoardItem> Mirror::known(const std::string& name, const Instant& now) {
+    if (const auto found = known_.find(name); found != known_.end()) return found->second;
+    auto item = catalogue_.board(name, both(now));
+    if (!item) return nullptr;
+    if (known_.size() >= kMaxKnown) known_.clear();
+    return known_[name] = std::make_shared<const bus::BoardItem>(std::move(*item));
 }
 
 Expected<bus::Answer> Mirror::find(const bus::Query& query, const Instant& now) {

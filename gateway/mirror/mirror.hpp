@@ -67,6 +67,9 @@ class Mirror {
     Instant connected_since() const { return since_; }
 
     std::optional<bus::BoardItem> board(std::string_view name, const Instant& now) const;
+    /// The same for whoever needs only its state and services: its times may be those of an earlier call.
+    /// Null: not known.
+    std::shared_ptr<const bus::BoardItem> known(const std::string& name, const Instant& now);
     Expected<bus::Answer> find(const bus::Query& query, const Instant& now);
     std::vector<std::string> board_names() const;
     registry::CatalogueStats stats() const { return catalogue_.stats(); }
@@ -101,6 +104,8 @@ class Mirror {
     ChangeLog log_;
     Values values_;
     registry::Catalogue catalogue_;
+    // Boards as they were made for somebody, until they change: that costs more than a command.
+    std::map<std::string, std::shared_ptr<const bus::BoardItem>> known_;
     std::map<std::string, RegistryInfo> registries_;
     std::map<std::string, BoardStats> board_stats_;
     std::string mark_;

@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::size_t kMaxSources = 64;  // boards whose changes are read side by side
 constexpr std::size_t kMaxNamesPerQuery = 100'000;
-constexpr const char* kSelect = "SELECT id,at,board,what,state,was,reason FROM changes WHERE ";
+constexpr const char* kSelect =
+    "SELECT id,at,board,what,state,was,reason,sender,service,request,status,count FROM changes WHERE ";
 
 // Rows of several statements, each with falling ids, as one sequence with falling ids.
 class MergedRows {
@@ -108,9 +109,17 @@ Expected<bus::Answer> History::find(const bus::Query& query) {
         }
         const Statement& row = rows.front();
         last = row.integer(0);
-        bus::HistoryItem item{row.text(2), text::WallTime(std::chrono::milliseconds(row.integer(1))),
-                              row.text(3), row.text(4),
-                              row.text(5), row.text(6)};
+        bus::HistoryItem item{row.text(2),
+                              text::WallTime(std::chrono::milliseconds(row.integer(1))),
+                              row.text(3),
+                              row.text(4),
+                              row.text(5),
+                              row.text(6),
+                              row.text(7),
+                              row.text(8),
+                              row.text(9),
+                              row.text(10),
+                              static_cast<int>(row.integer(11))};
         const bool wanted = query.state.empty() || std::find(query.state.begin(), query.state.end(),
                                                              item.state) != query.state.end();
         if (wanted && bus::matches_pattern(query.board, item.board))

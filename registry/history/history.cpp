@@ -30,6 +30,17 @@ constexpr const char* kUpgradeFrom0 =
     "PRAGMA user_version=1;"
     "COMMIT";
 
+// Version 1 kept no commands.
+constexpr const char* kUpgradeFrom1 =
+    "BEGIN;"
+    "ALTER TABLE changes ADD COLUMN sender TEXT NOT NULL DEFAULT '';"
+    "ALTER TABLE changes ADD COLUMN service TEXT NOT NULL DEFAULT '';"
+    "ALTER TABLE changes ADD COLUMN request TEXT NOT NULL DEFAULT '';"
+    "ALTER TABLE changes ADD COLUMN status TEXT NOT NULL DEFAULT '';"
+    "ALTER TABLE changes ADD COLUMN count INTEGER NOT NULL DEFAULT 0;"
+    "PRAGMA user_version=2;"
+    "COMMIT";
+
 constexpr const char* kWriteBoard =
     "INSERT INTO boards(name,first,last,state,since) VALUES(?1,?2,?2,?3,?2) ON CONFLICT(name) DO UPDATE SET "
     "first=CASE state WHEN '' THEN ?2 ELSE first END, since=CASE state WHEN ?3 THEN since ELSE ?2 END, "
@@ -41,9 +52,11 @@ History::History(Options options) : options_(std::move(options)) {
     if (sqlite3_open(options_.path.c_str(), &database_) != SQLITE_OK) fail_to_open();
     sqlite3_busy_timeout(database_, 1000);
     if (sqlite3_exec(database_, kSchema, nullptr, nullptr, nullptr) != SQLITE_OK) fail_to_open();
-    if (pragma("PRAGMA user_version") == 0 &&
-        sqlite3_exec(database_, kUpgradeFrom0, nullptr, nullptr, nullptr) != SQLITE_OK) {
-        fail_to_open();
+    for (const auto& [version, upgrade] : {std::pair(0, kUpgradeFrom0), std::pair(1, kUpgradeFrom1)}) {
+        if (pragma("PRAGMA user_version") == version &&
+            sqlite3_exec(database_, upgrade, nullptr, nullptr, nullptr) != SQLITE_OK) {
+            fail_to_open();
+        }
     }
 }
 
@@ -59,14 +72,19 @@ void History::fail_to_open() {
 
 void History::write(const std::vector<bus::HistoryItem>& items) {
     if (items.empty()) return;
-    Statement change(database_, "INSERT INTO changes(at,board,what,state,was,reason) VALUES(?,?,?,?,?,?)");
+    Statement change(
+        database_,
+        "INSERT INTO changes(at,board,what,state,was,reason,sender,service,request,status,count) "
+        "VALUES(?,?,?,?,?,?,?,?,?,?,?)");
     Statement board(database_, kWriteBoard);
     execute("BEGIN");
     try {
         for (const auto& item : items) {
             const std::int64_t at = item.at.time_since_epoch().count();
             change.reset().bind(at).bind(item.board).bind(item.what).bind(item.state).bind(item.was);
-            change.bind(item.reason).step();
+            change.bind(item.reason).bind(item.by).bind(item.service).bind(item.request).bind(item.status);
+            change.bind(item.count).step();
+            if (item.is_command()) continue;  // changes nothing of the board
             board.reset().bind(item.board).bind(at).bind(item.state).step();
         }
         execute("COMMIT");

@@ -1,6 +1,12 @@
 #include "registry/history/journal.hpp"
 
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
 #include "asip/bus/change_event.hpp"
+#include "asip/bus/request_envelope.hpp"
+#include "asip/model/json.hpp"
+#include "asip/model/names.hpp"
 
 namespace asip::registry {
 namespace {
@@ -15,6 +21,33 @@ bus::HistoryItem row(std::string_view board, text::WallTime at, std::string_view
     item.at = at;
     item.what = what;
     return item;
+}
+
+constexpr std::size_t kMaxNoteBytes = 1024;
+constexpr std::size_t kMaxTextBytes = 128;  // of a request or reason
+constexpr std::size_t kMerged = 64;         // rows in which a command like this one is looked for
+
+bool one_of(std::string_view word, std::initializer_list<std::string_view> words) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+bool is_command(const bus::HistoryItem& item) {
+    return !item.by.empty() && item.by.size() <= bus::kMaxByBytes &&
+           one_of(item.what, {"command", "stop", "undone"}) &&
+           one_of(item.status, {"ok", "sent", "error", "timeout", "refused"}) &&
+           (item.service.empty() || model::valid_name(item.service)) &&
+           item.request.size() <= kMaxTextBytes && item.reason.size() <= kMaxTextBytes;
+}
+
+// `{"write":` of `{"write":[0,90]}`, `W` of `W,0,90`.
+std::string_view without_arguments(std::string_view request) {
+    return request.substr(0, request.find_first_of(":,"));
+}
+
+bool alike(const bus::HistoryItem& a, const bus::HistoryItem& b) {
+    return a.board == b.board && a.what == b.what && a.by == b.by && a.service == b.service &&
+           a.status == b.status && a.reason == b.reason &&
+           without_arguments(a.request) == without_arguments(b.request);
 }
 
 }  // namespace
@@ -68,6 +101,24 @@ void Journal::change(const Event& event, text::WallTime at, Rows& rows) {
         default:
             return;
     }
+}
+
+void Journal::command(std::string_view board, std::string_view payload, text::WallTime at, Rows& rows) const {
+    if (!known_.contains(board)) return;
+    const auto object = model::parse_json(payload, {.max_bytes = kMaxNoteBytes, .max_depth = 4});
+    if (!object || !object->is_object()) return;
+    bus::HistoryItem item = bus::read_history_item(*object);
+    item.board = board;
+    item.at = at;
+    item.state.clear();
+    item.was.clear();
+    item.count = 0;
+    if (!is_command(item)) return;
+    const auto end = rows.size() < kMerged ? rows.rend() : rows.rbegin() + kMerged;
+    const auto same = std::find_if(rows.rbegin(), end, [&](const auto& row) { return alike(row, item); });
+    if (same == end) return rows.push_back(std::move(item));
+    same->request = std::move(item.request);  // the last one counts
+    same->count = std::max(same->count, 1) + 1;
 }
 
 void Journal::complete(const Catalogue& catalogue, text::WallTime at, Rows& rows) {

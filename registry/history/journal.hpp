@@ -40,6 +40,10 @@ class Journal {
     void complete(const Catalogue& catalogue, text::WallTime at, Rows& rows);
     /// Rows for a change. Events that are not changes are ignored.
     void change(const Event& event, text::WallTime at, Rows& rows);
+    /// A row for what an agent published of a command, or one more in `count` of a row of the same sender,
+    /// service, command and outcome among the last in `rows`. Nothing for a board that is not known, for one
+    /// without a sender, or for what is none. Any bytes may be given.
+    void command(std::string_view board, std::string_view payload, text::WallTime at, Rows& rows) const;
     /// Rows for the boards that are known as alive and of which the catalogue has heard nothing. To be called
     /// a lease after complete(): boards that take part by names only send nothing earlier.
     void end_absent(const Catalogue& catalogue, text::WallTime at, Rows& rows);

@@ -72,6 +72,11 @@ void HistoryKeeper::change(const Event& event, Instant now) {
     limit_waiting();
 }
 
+void HistoryKeeper::command(std::string_view board, std::string_view payload, Instant now) {
+    journal_.command(board, payload, now.wall, waiting_);
+    limit_waiting();
+}
+
 void HistoryKeeper::limit_waiting() {
     const std::size_t room = kMaxUnwrittenRows - std::min(kMaxUnwrittenRows, unwritten_rows_);
     if (!usable_ || waiting_.size() <= room) return;

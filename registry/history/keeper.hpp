@@ -36,6 +36,8 @@ class HistoryKeeper {
     void begin_reading();
     void complete(const Catalogue& catalogue, Instant now);
     void change(const Event& event, Instant now);
+    /// What an agent published of a command, ROOT/servicebus/BOARD/$commands. Any bytes may be given.
+    void command(std::string_view board, std::string_view payload, Instant now);
     /// Call a few times a second.
     void tick(const Catalogue& catalogue, Instant now);
 

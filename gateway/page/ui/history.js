@@ -5,7 +5,8 @@ import { h, Part, set_text, state_mark } from "./dom.js";
 import { boards } from "./model.js";
 
 const kPage = 50;
-const reasons = { said: "", will: "connection lost", lease: "not heard in time", announced: "", retained: "" };
+const reasons = { reported: "", will: "connection lost", lease: "not heard in time", announced: "", retained: "" };
+const commands = { command: "", stop: "stopped it", undone: "not renewed, undone:" };
 const happenings = { added: "first seen", state: "", description: "description changed", conflict: "two agents use the name", resolved: "conflict over", forgotten: "forgotten" };
 
 class History extends Part {
@@ -50,10 +51,19 @@ class History extends Part {
   }
 
   row(item) {
+    if (item.by) return this.command_row(item);
     const what = [happenings[item.what] ?? item.what, item.was && `was ${item.was}`, reasons[item.reason] ?? item.reason].filter(Boolean).join(", ");
     return h("tr", {}, h("td", {}, moment_text(time_of(item.at))),
       this.with_board && h("td", {}, h("a", { href: `#/board/${encodeURIComponent(item.board)}` }, item.board)),
       h("td", {}, item.state ? state_mark(item.state) : ""), h("td", {}, what));
+  }
+
+  // Who did what.
+  command_row(item) {
+    const what = [[`${item.by}:`, commands[item.what] ?? item.what, item.service, item.request].filter(Boolean).join(" "), item.count > 1 && `${item.count} times`, item.reason].filter(Boolean).join(", ");
+    return h("tr", {}, h("td", {}, moment_text(time_of(item.at))),
+      this.with_board && h("td", {}, h("a", { href: `#/board/${encodeURIComponent(item.board)}` }, item.board)),
+      h("td", { class: "muted" }, item.status), h("td", {}, what));
   }
 }
 

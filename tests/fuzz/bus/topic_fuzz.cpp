@@ -23,6 +23,8 @@ std::string rebuilt(const asip::bus::Topics& topics, const asip::bus::TopicRef& 
             return topics.stats(ref.board);
         case kLog:
             return topics.log(ref.board);
+        case kCommands:
+            return topics.commands(ref.board);
         case kProbe:
             return topics.probe();
         case kBoardOut:

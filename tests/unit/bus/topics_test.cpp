@@ -21,6 +21,7 @@ std::vector<Row> all_rows(const Topics& topics) {
         {topics.description("uno1"), {kDescription, "uno1", {}}},
         {topics.stats("uno1"), {kStats, "uno1", {}}},
         {topics.log("uno1"), {kLog, "uno1", {}}},
+        {topics.commands("uno1"), {kCommands, "uno1", {}}},
         {topics.stop("uno1"), {kStop, "uno1", {}}},
         {topics.probe(), {kProbe, {}, {}}},
         {topics.board_out("uno1"), {kBoardOut, "uno1", {}}},

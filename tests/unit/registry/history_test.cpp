@@ -87,6 +87,58 @@ TEST(History, FileOfTheFirstVersion_ItsBoardsHaveTheStateOfTheirLastRow) {
     EXPECT_THAT(found(history), ElementsAre("uno1", "uno1"));
 }
 
+bus::HistoryItem command(const std::string& board, std::int64_t at) {
+    bus::HistoryItem item{board, wall(at), "command", "", "", "queue-full"};
+    item.by = "anna";
+    item.service = "servo";
+    item.request = R"({"write":[0,90]})";
+    item.status = "refused";
+    item.count = 3;
+    return item;
+}
+
+TEST(History, Commands_AreKeptAndChangeNothingOfTheirBoard) {
+    const HistoryFile file;
+    {
+        History history({.path = file.path()});
+        history.write({{"uno1", wall(1000), "added", "online", "", ""}, command("uno1", 2000)});
+    }
+    History history({.path = file.path()});
+    const auto answer = history.find(boards_like("uno1"));
+    ASSERT_EQ(answer->history.size(), 2u);
+    EXPECT_EQ(answer->history[0], command("uno1", 2000));
+    EXPECT_FALSE(answer->history[1].is_command());
+    EXPECT_THAT(
+        history.boards(),
+        ElementsAre(std::pair("uno1", JournalBoard{wall(1000), wall(1000), model::BoardState::kOnline})));
+    auto states = boards_like("uno1");
+    states.state = {"online"};
+    EXPECT_THAT(found(history, states), ElementsAre("uno1")) << "a command is no change of state";
+}
+
+TEST(History, FileOfTheSecondVersion_TakesCommands) {
+    const HistoryFile file;
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open(file.path().c_str(), &database), SQLITE_OK);
+    ASSERT_EQ(
+        sqlite3_exec(database,
+                     "CREATE TABLE boards(name TEXT PRIMARY KEY, first INTEGER NOT NULL, last INTEGER NOT "
+                     "NULL, state TEXT NOT NULL DEFAULT '', since INTEGER NOT NULL DEFAULT 0) WITHOUT ROWID;"
+                     "CREATE TABLE changes(id INTEGER PRIMARY KEY, at INTEGER NOT NULL, board TEXT NOT NULL, "
+                     "what TEXT NOT NULL, state TEXT NOT NULL, was TEXT NOT NULL, reason TEXT NOT NULL);"
+                     "INSERT INTO boards VALUES('uno1',1000,1000,'online',1000);"
+                     "INSERT INTO changes VALUES(1,1000,'uno1','added','online','','');"
+                     "PRAGMA user_version=1",
+                     nullptr, nullptr, nullptr),
+        SQLITE_OK);
+    sqlite3_close(database);
+    for (int opened = 0; opened < 2; ++opened) {
+        History history({.path = file.path()});
+        history.write({command("uno1", 2000 + opened)});
+        EXPECT_EQ(found(history).size(), 2u + static_cast<std::size_t>(opened));
+    }
+}
+
 TEST(History, Pages_HoldEachRowOnce) {
     const HistoryFile file;
     History history({.path = file.path()});

@@ -95,5 +95,76 @@ TEST(Journal, WhileReadingAgain_ConflictsAndForgettingAreWrittenAllTheSame) {
     EXPECT_THAT(texts(rows), testing::ElementsAre("uno1 conflict", "uno1 forgotten"));
 }
 
+std::string command_note(const std::string& request, const std::string& by = "anna",
+                         const std::string& status = "ok") {
+    return R"({"what":"command","service":"servo","request":")" + request + R"(","by":")" + by +
+           R"(","status":")" + status + "\"}";
+}
+
+TEST(Journal, Command_IsARowWithWhoSentIt) {
+    const Journal journal({{"uno1", kOnline}});
+    Journal::Rows rows;
+    journal.command("uno1", command_note("W,0,90"), wall(5000), rows);
+    ASSERT_EQ(rows.size(), 1u);
+    bus::HistoryItem expected{"uno1", wall(5000), "command", "", "", ""};
+    expected.by = "anna";
+    expected.service = "servo";
+    expected.request = "W,0,90";
+    expected.status = "ok";
+    EXPECT_EQ(rows[0], expected);
+}
+
+TEST(Journal, CommandsThatDifferInTheirArgumentsAlone_AreOneRowWithTheLastAndTheirCount) {
+    const Journal journal({{"uno1", kOnline}});
+    Journal::Rows rows;
+    for (int angle = 0; angle < 180; ++angle) {
+        journal.command("uno1", command_note("W,0," + std::to_string(angle)), wall(5000 + angle), rows);
+        if (angle == 90) journal.command("uno1", command_note("W,0,90", "bert"), wall(5090), rows);
+    }
+    journal.command("uno1", command_note("W,0,181", "anna", "refused"), wall(5200), rows);
+    journal.command("uno1", command_note("D,0"), wall(5200), rows);
+    ASSERT_EQ(rows.size(), 4u);
+    EXPECT_EQ(rows[0].by + rows[0].request, "annaW,0,179");
+    EXPECT_EQ(rows[0].count, 180);
+    EXPECT_EQ(rows[0].at, wall(5000));
+    EXPECT_EQ(rows[1].by, "bert");
+    EXPECT_EQ(rows[1].count, 0);
+    EXPECT_EQ(rows[2].status, "refused");
+    EXPECT_EQ(rows[3].request, "D,0");
+}
+
+TEST(Journal, WhatIsNoCommand_LeavesNoRow) {
+    const Journal journal({{"uno1", kOnline}});
+    Journal::Rows rows;
+    const std::string good = command_note("W,0,90");
+    journal.command("uno2", good, wall(1), rows);  // nobody knows it
+    for (const std::string& bad :
+         {std::string(), std::string("[]"), std::string("{"), good + " " + good,
+          std::string(5000, ' ') + good, command_note("W", ""), command_note("W", std::string(65, 'a')),
+          command_note(std::string(129, 'W')), command_note("W", "anna", "fine"),
+          std::string(R"({"what":"added","by":"anna","status":"ok"})"),
+          std::string(R"({"what":"command","by":"anna","status":"ok","service":"a/b"})"),
+          std::string(R"({"what":"command","by":7,"status":["ok"]})"),
+          std::string("{\"what\":\"command\",\"by\":\"\xff\",\"status\":\"ok\"}")})
+        journal.command("uno1", bad, wall(1), rows);
+    EXPECT_THAT(texts(rows), IsEmpty());
+    journal.command("uno1", good, wall(1), rows);
+    EXPECT_EQ(rows.size(), 1u);
+}
+
+TEST(Journal, CommandThatClaimsAnotherBoardTimeOrState_HasThoseOfItsTopic) {
+    const Journal journal({{"uno1", kOnline}});
+    Journal::Rows rows;
+    journal.command(
+        "uno1",
+        R"({"what":"stop","by":"anna","status":"ok","board":"uno2","at":"1999-01-01T00:00:00.000Z","state":"lost","was":"online","count":9})",
+        wall(5000), rows);
+    ASSERT_EQ(rows.size(), 1u);
+    EXPECT_EQ(rows[0].board, "uno1");
+    EXPECT_EQ(rows[0].at, wall(5000));
+    EXPECT_EQ(rows[0].state + rows[0].was, "");
+    EXPECT_EQ(rows[0].count, 0);
+}
+
 }  // namespace
 }  // namespace asip::registry
