@@ -32,8 +32,8 @@ class MqttClient {
     MqttClient(const MqttClient&) = delete;
     MqttClient& operator=(const MqttClient&) = delete;
     ~MqttClient() { mosquitto_destroy(mosquitto_); }
-    void subscribe(const std::string& topic) {
-        mosquitto_subscribe(mosquitto_, nullptr, topic.c_str(), 0);
+    void subscribe(const std::string& topic, int qos = 0) {
+        mosquitto_subscribe(mosquitto_, nullptr, topic.c_str(), qos);
         spin(std::chrono::milliseconds(300));
     }
     void publish(const std::string& topic, const std::string& payload, int qos = 0) {

@@ -4,11 +4,13 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "asip/bus/requester.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/mqtt/message.hpp"
+#include "gateway/api/board_models.hpp"
 #include "gateway/api/board_texts.hpp"
 #include "gateway/auth/gate.hpp"
 #include "gateway/commands/commands.hpp"
@@ -70,9 +72,12 @@ class Gateway {
     Gate& gate() { return gate_; }
     Streams& streams() { return streams_; }
     Rates& command_rates() { return command_rates_; }
+    /// Kept since each command needs one; bounded by whoever adds to it.
+    std::unordered_map<std::string, std::string>& session_names() { return session_names_; }
     const metrics::Histogram& command_durations() const { return durations_; }
     const model::ModelSet& models() const { return models_; }
     api::BoardTexts& board_texts() { return board_texts_; }
+    api::BoardModels& board_models() { return board_models_; }
     http::ServerCounters server_counters() const { return port_.server(); }
     const std::string& openapi();
 
@@ -108,6 +113,8 @@ class Gateway {
     Streams streams_;
     Rates command_rates_;
     api::BoardTexts board_texts_;
+    api::BoardModels board_models_{models_};
+    std::unordered_map<std::string, std::string> session_names_;
     metrics::Histogram durations_;
     bus::Requester requester_;
     std::list<Question> questions_;

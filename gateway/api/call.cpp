@@ -3,7 +3,6 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/mirror.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/nearest.hpp"
 #include "asip/text/printable.hpp"
@@ -61,17 +60,17 @@ bool bus_is_there(const Call& call) {
     return false;
 }
 
-std::optional<bus::BoardItem> board_of(const Call& call) {
+std::shared_ptr<const bus::BoardItem> board_of(const Call& call) {
     auto& mirror = call.gateway.mirror();
     const auto& name = call.board();
     if (call.sees(name)) {
-        if (auto board = mirror.board(name, call.now())) return board;
+        if (auto board = mirror.known(name, call.now())) return board;
     }
     auto names = mirror.board_names();
     std::erase_if(names, [&](const std::string& each) { return !call.sees(each); });
     send_problem(call, 404,
                  "no board \"" + text::printable(name) + "\" is known" + text::did_you_mean(name, names));
-    return std::nullopt;
+    return nullptr;
 }
 
 const bus::ServiceItem* service_of(const Call& call, const bus::BoardItem& board) {
@@ -88,18 +87,14 @@ const bus::ServiceItem* service_of(const Call& call, const bus::BoardItem& board
     return nullptr;
 }
 
-model::ModelPtr model_of(const Call& call, const std::string& board, const std::string& service) {
-    const auto& models = call.gateway.models();
-    bus::Query query;
-    query.board = board;
-    query.full = true;
-    const auto found = call.gateway.mirror().find(query, call.now());
-    if (!found || found->boards.empty()) return nullptr;
-    if (found->boards[0].description.empty()) return models.find(service);
-    const auto description = model::parse_description(found->boards[0].description);
-    if (!description) return nullptr;
-    const auto* info = description->service(service);
-    return info == nullptr ? nullptr : bus::model_of(*info, models);
+model::ModelPtr model_of(const Call& call, const bus::BoardItem& board, const std::string& service) {
+    return call.gateway.board_models().find(board, service, [&] {
+        bus::Query query;
+        query.board = board.board;
+        query.full = true;
+        const auto found = call.gateway.mirror().find(query, call.now());
+        return found && !found->boards.empty() ? found->boards[0].description : std::string();
+    });
 }
 
 bool not_modified(const Call& call, const std::string& etag) {

@@ -38,12 +38,12 @@ void send_json(const Call& call, const nlohmann::json& body);
 
 /// Answers 503 and returns false while the bus is not heard.
 bool bus_is_there(const Call& call);
-/// The board, or a 404 that names the nearest.
-std::optional<bus::BoardItem> board_of(const Call& call);
+/// The board with its state and services (its times may be old), or a 404 that names the nearest.
+std::shared_ptr<const bus::BoardItem> board_of(const Call& call);
 /// The service of a board, or a 404 that names the nearest.
 const bus::ServiceItem* service_of(const Call& call, const bus::BoardItem& board);
 /// Null: none describes it.
-model::ModelPtr model_of(const Call& call, const std::string& board, const std::string& service);
+model::ModelPtr model_of(const Call& call, const bus::BoardItem& board, const std::string& service);
 
 /// Answers 304 and returns true when the client has this version already.
 bool not_modified(const Call& call, const std::string& etag);

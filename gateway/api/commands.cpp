@@ -14,11 +14,15 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kSessionDigits = 16;
+constexpr std::size_t kMaxSessionNames = 1000;
 constexpr std::size_t kMaxRawLines = 64;
 
 // A session is a level of a topic: what a client calls it could be anything.
-std::string session_name(const std::string& who) {
-    return hash_of(who).substr(0, kSessionDigits);
+const std::string& session_name(Gateway& gateway, const std::string& who) {
+    auto& names = gateway.session_names();
+    if (const auto found = names.find(who); found != names.end()) return found->second;
+    if (names.size() >= kMaxSessionNames) names.clear();
+    return names[who] = hash_of(who).substr(0, kSessionDigits);
 }
 
 std::string reply_text(const CommandRecord& record) {
@@ -36,13 +40,14 @@ std::string sentence_of(const bus::Reply& reply) {
 }  // namespace
 
 std::string session_of(const Call& call) {
-    return session_name(call.client() + "\n" + std::string(call.request.header("asip-session")));
+    return session_name(call.gateway,
+                        call.client() + "\n" + std::string(call.request.header("asip-session")));
 }
 
-http::Response response_for(const CommandRecord& record) {
+http::Response response_for(const CommandRecord& record, const std::string& base_path) {
     const auto& reply = *record.reply;
     const int status = http_status(reply);
-    const std::string location = "/api/commands/" + record.id;
+    const std::string location = base_path + "/api/commands/" + record.id;
     if (status == 200) {
         auto response = text_response(reply_text(record));
         response.headers.emplace_back("Location", location);
@@ -90,9 +95,9 @@ void start(Call& call, std::string target, std::string topic, json payload) {
     start.topic = std::move(topic);
     start.payload = model::dump_json(payload);
     start.deadline = *deadline;
-    call.gateway.command(std::move(start), [reply = call.reply](const CommandRecord& record) {
-        reply.send(response_for(record));
-    });
+    call.gateway.command(std::move(start),
+                         [reply = call.reply, base = call.gateway.options().base_path](
+                             const CommandRecord& record) { reply.send(response_for(record, base)); });
 }
 
 // Nothing: the command can be sent. Else a status and a sentence: what is wrong with it.
@@ -139,7 +144,7 @@ void post_command(Call& call) {
     auto arguments = body_of(call.request);
     if (!arguments) return send_problem(call, 400, arguments.error());
     const json payload{{command, std::move(*arguments)}};
-    const auto model = model_of(call, board->board, service->name);
+    const auto model = model_of(call, *board, service->name);
     const auto hold = number_parameter(call, "hold_ms", 0, 50, 60'000);
     if (!hold) return send_problem(call, 400, hold.error());
     if (const auto fault = wrong(model, *service, command, payload))
@@ -249,7 +254,7 @@ void websocket_command(Gateway& gateway, const Principal& principal, const std::
     if (slash == std::string::npos) return refuse("invalid", "command: must be \"BOARD/SERVICE\"");
     const auto name = text.substr(0, slash);
     const auto service_name = text.substr(slash + 1);
-    const auto board = gateway.mirror().board(name, gateway.now());
+    const auto board = gateway.mirror().known(name, gateway.now());
     if (!board || !principal.rights.sees_service(name, service_name)) {
         auto names = gateway.mirror().board_names();
         std::erase_if(names, [&](const std::string& each) { return !principal.rights.sees_board(each); });
@@ -266,13 +271,13 @@ void websocket_command(Gateway& gateway, const Principal& principal, const std::
     if (!gateway.command_rates().take(client, gateway.now().time))
         return refuse("too-many", "too many commands; try again in a moment");
     if (request.contains("renew"))
-        return renew(gateway, principal, session_name(session), text, id, request, answer);
+        return renew(gateway, principal, session_name(gateway, session), text, id, request, answer);
     json payload = request;
     // Who asks, and where the answer goes, is ours to say.
     for (const char* member : {"command", "id", "deadline_ms", "by", "reply_to"})
         payload.erase(member);
     Commands::Start start;
-    start.session = session_name(session);
+    start.session = session_name(gateway, session);
     start.id = id;
     start.by = principal.rights.name;
     start.target = text;

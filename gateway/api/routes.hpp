@@ -80,7 +80,8 @@ std::string openapi_document(const std::vector<Route>& routes, const std::string
 
 /// The name of the session to which the ids of a request belong: a level of a topic.
 std::string session_of(const Call& call);
-http::Response response_for(const CommandRecord& record);
+/// `base_path`: of a proxy; `Location` begins with it.
+http::Response response_for(const CommandRecord& record, const std::string& base_path);
 
 /// For `{"command":"uno1/servo",...}` of a WebSocket. `client`: for limits, Call::client().
 void websocket_command(Gateway& gateway, const Principal& principal, const std::string& client,

@@ -124,8 +124,11 @@ void refuse_right(const Principal& principal, const http::Reply& reply, Need nee
                                                     : "a " + role + " may only read"));
 }
 
+// Commands are logged with what became of them.
 void log_change(const Call& call) {
     if (call.request.method != "POST" && call.request.method != "DELETE") return;
+    const auto serve = call.route.serve;
+    if (serve == post_command || serve == post_raw || serve == post_renew) return;
     log::info("request", {{"by", call.principal.rights.name},
                           {"from", call.request.peer.address},
                           {"method", call.request.method},
@@ -192,8 +195,8 @@ void serve_route(Gateway& gateway, const http::Request& request, const http::Rep
         if (!allowed(principal.rights, route.need)) return refuse_right(principal, reply, route.need);
         if (!known_parameters(request, reply, route)) return;
         Call call{gateway, request, reply, principal, route, std::move(path)};
-        log_change(call);
-        return route.serve(call);
+        route.serve(call);
+        return log_change(call);  // behind the answer: nobody waits for the log
     }
     if (!methods.empty()) {
         methods += ", OPTIONS";

@@ -74,7 +74,7 @@ void get_service(Call& call) {
     const auto* service = service_of(call, *board);
     if (service == nullptr) return;
     json body = bus::to_json(*service);
-    if (const auto model = model_of(call, board->board, service->name)) body["model"] = model_json(*model);
+    if (const auto model = model_of(call, *board, service->name)) body["model"] = model_json(*model);
     send_json(call, body);
 }
 

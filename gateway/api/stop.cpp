@@ -97,9 +97,9 @@ void post_renew(Call& call) {
     start.target = id;
     start.topic = topic;
     start.payload = model::dump_json(payload);
-    call.gateway.command(std::move(start), [reply = call.reply](const CommandRecord& record) {
-        reply.send(response_for(record));
-    });
+    call.gateway.command(std::move(start),
+                         [reply = call.reply, base = call.gateway.options().base_path](
+                             const CommandRecord& record) { reply.send(response_for(record, base)); });
 }
 
 }  // namespace asip::gateway::api

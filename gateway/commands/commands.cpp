@@ -63,9 +63,9 @@ Commands::Started Commands::start(Start start, bool v5, const Instant& now, Done
     Entry entry;
     entry.record = {start.id, start.by, start.target, start.payload, now, std::nullopt, false};
     entry.topic = start.topic;
-    entry.until = now.time + start.deadline + kGrace;
     entry.waiting.push_back(std::move(done));
-    entries_.emplace(key, std::move(entry));
+    const auto added = entries_.emplace(key, std::move(entry)).first;
+    added->second.due = due_.emplace(now.time + start.deadline + kGrace, added->first);
     return Started::kPublish;
 }
 
@@ -94,7 +94,9 @@ void Commands::finish(Entry& entry, bus::Reply reply, Time now) {
     reply.id = entry.record.id;
     reply.by = entry.record.by;
     entry.record.late = entry.answered;
-    entry.until = now + kKeep;
+    const auto key = entry.due->second;
+    due_.erase(entry.due);
+    entry.due = due_.emplace(now + kKeep, key);
     auto& counter = reply.status == Status::kOk        ? counters_.ok
                     : reply.status == Status::kError   ? counters_.error
                     : reply.status == Status::kTimeout ? counters_.timeout
@@ -102,28 +104,21 @@ void Commands::finish(Entry& entry, bus::Reply reply, Time now) {
     if (!entry.answered) ++counter;
     entry.record.reply = std::move(reply);
     entry.answered = true;
-    if (on_finished) on_finished(entry.record, now - entry.record.sent.time);
     const auto record = entry.record;
     for (const auto& done : std::exchange(entry.waiting, {}))
         done(record);
+    if (on_finished) on_finished(record, now - record.sent.time);  // behind the answers: it logs
 }
 
 void Commands::tick(const Instant& now) {
-    std::vector<std::string> overdue;
-    for (auto each = entries_.begin(); each != entries_.end();) {
-        auto& entry = each->second;
-        if (entry.until > now.time) {
-            ++each;
-        } else if (entry.answered) {
-            each = entries_.erase(each);
-        } else {
-            overdue.push_back(each->first);
-            ++each;
+    while (!due_.empty() && due_.begin()->first <= now.time) {
+        const auto found = entries_.find(due_.begin()->second);
+        if (!found->second.answered) {
+            finish(found->second, bus::Reply::timeout(kNoAnswer), now.time);
+            continue;
         }
-    }
-    for (const auto& key : overdue) {
-        const auto found = entries_.find(key);
-        if (found != entries_.end()) finish(found->second, bus::Reply::timeout(kNoAnswer), now.time);
+        due_.erase(due_.begin());
+        entries_.erase(found);
     }
 }
 

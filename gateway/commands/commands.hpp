@@ -79,10 +79,11 @@ class Commands {
     std::function<void(const CommandRecord&, Duration)> on_finished;  ///< may be empty
 
   private:
+    using Due = std::multimap<Time, std::string_view>;  // -> key of an entry
     struct Entry {
         CommandRecord record;
         std::string topic;
-        Time until;  // without an answer: the end of waiting; with one: of keeping it
+        Due::iterator due;  // without an answer: the end of waiting; with one: of keeping it
         bool answered = false;
         std::vector<Done> waiting;
     };
@@ -92,6 +93,7 @@ class Commands {
 
     std::string reply_base_;
     std::map<std::string, Entry, std::less<>> entries_;  // by "SESSION.ID"
+    Due due_;
     std::uint64_t made_up_ = 0;
     Counters counters_;
 };

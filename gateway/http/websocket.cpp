@@ -53,6 +53,7 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
         websocket::stream_base::timeout timeout{kHandshakeTime, kIdleTime, true};
         stream_.set_option(timeout);
         stream_.write_buffer_bytes(512);
+        stream_.auto_fragment(false);  // else a message is written in pieces of that size, one a turn
         stream_.text(true);
     }
 

@@ -37,10 +37,11 @@ class ApiTest : public testing::Test {
         }
     };
 
-    explicit ApiTest(Role role = Role::kAdmin) {
+    explicit ApiTest(Role role = Role::kAdmin, std::string base_path = {}) {
         program::log::configure(program::log::Level::kOff, program::log::Format::kText);
         GatewayOptions options;
         options.reply_base = "asip/reply/gw";
+        options.base_path = std::move(base_path);
         options.gate.hosts = {"localhost"};
         options.gate.loopback.role = role;
         options.gate.loopback.name = "loopback";

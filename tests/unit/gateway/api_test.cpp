@@ -123,6 +123,28 @@ TEST_F(ApiTest, ArgumentsThatDoNotFit_AreRefusedBeforeTheyAreSent) {
     EXPECT_EQ(published_.size(), 1u);
 }
 
+TEST_F(ApiTest, ServiceOfAnotherModel_CommandsAreCheckedByThatOne) {
+    announce();
+    const std::string write = "/api/boards/uno1/services/servo/commands/write";
+    EXPECT_EQ(ask("POST", write, "[0,90]")->status(), 0) << "it is on its way";
+    bus("asip/servicebus/uno1/$description",
+        R"({"board":"uno1","session":"s1","seq":2,"lease":60,"services":[)"
+        R"({"name":"servo","id":"S","model":"distance@1","title":"Servos"}]})");
+    EXPECT_EQ(ask("POST", write, "[0,90]")->status(), 404);
+    EXPECT_EQ(ask("POST", "/api/boards/uno1/services/servo/commands/measure")->status(), 0);
+    EXPECT_EQ(get("/api/boards/uno1/services/servo")->body()["model"]["name"], "distance");
+}
+
+TEST_F(ApiTest, MoreBoardsThanModelsAreKeptOf_EachIsCheckedByItsOwn) {
+    for (std::size_t i = 0; i < api::BoardModels::kMaxBoards + 2; ++i) {
+        const auto board = "b" + std::to_string(i);
+        announce(board);
+        EXPECT_EQ(ask("POST", "/api/boards/" + board + "/services/servo/commands/write", "[0,181]")->status(),
+                  400);
+    }
+    EXPECT_EQ(ask("POST", "/api/boards/b0/services/servo/commands/write", "[0,181]")->status(), 400);
+}
+
 TEST_F(ApiTest, IdempotencyKey_TwiceIsOneCommandAndAnotherCommandIsRefused) {
     announce();
     const std::string path = "/api/boards/uno1/services/servo/commands/write";
@@ -150,6 +172,83 @@ TEST_F(ApiTest, LateAnswer_IsFoundAfterThe504) {
     const auto found = get(location)->body();
     EXPECT_EQ(found["answer"]["status"], "ok");
     EXPECT_EQ(found["late"], true);
+}
+
+// Each operation of the document, with what nobody would call a board, service, command, model or id.
+TEST_F(ApiTest, HostileNamesInEveryPath_AreRefusedAndNothingIsSent) {
+    announce();
+    const std::vector<std::string> hostile{"+",
+                                           "#",
+                                           "*",
+                                           "?",
+                                           "$SYS",
+                                           "$stop",
+                                           "servicebus",
+                                           "registry",
+                                           "..",
+                                           "a/b",
+                                           "uno1/servo",
+                                           std::string("uno1\0", 5),
+                                           "\r\nSet-Cookie: a=b",
+                                           "\xff\xfe",
+                                           "<script>alert(1)</script>",
+                                           "' or 1=1 --",
+                                           "{board}",
+                                           "uno*",
+                                           "%00",
+                                           std::string(5000, 'a'),
+                                           "\xc3\xa9",
+                                           " "};
+    int asked = 0;
+    for (const auto& route : api::routes()) {
+        for (const auto& name : hostile) {
+            http::Request request;
+            request.method = route.method;
+            request.peer = {"127.0.0.1", true, false};
+            request.headers = {{"host", "localhost"}, {"content-type", "application/json"}};
+            request.body = "{}";
+            bool any = false;
+            for (std::string_view rest = route.path.substr(1); !rest.empty();) {
+                const auto part = rest.substr(0, rest.find('/'));
+                rest.remove_prefix(std::min(rest.size(), part.size() + 1));
+                const bool taken = part.starts_with('{');
+                any |= taken;
+                request.segments.push_back(taken ? name : std::string(part));
+            }
+            if (!any) continue;
+            ++asked;
+            auto captured = std::make_shared<Captured>();
+            gateway_->request(request, http::Reply(captured, 1));
+            ASSERT_GE(captured->status(), 400) << route.id << " " << name;
+            ASSERT_LT(captured->status(), 500) << route.id << " " << name;
+            ASSERT_FALSE(captured->detail().empty()) << route.id << " " << name;
+            ASSERT_LT(captured->response->body.size(), 2000u) << route.id;
+            for (const auto& [key, value] : captured->response->headers)
+                ASSERT_EQ(value.find_first_of("\r\n"), std::string::npos) << route.id << " " << key;
+            ASSERT_TRUE(published_.empty()) << route.id << " " << name;
+        }
+    }
+    EXPECT_GT(asked, 200);
+    EXPECT_EQ(get("/api/boards/uno1")->status(), 200);
+}
+
+class ProxiedApi : public ApiTest {
+  protected:
+    ProxiedApi() : ApiTest(Role::kAdmin, "/asip") {}
+};
+
+TEST_F(ProxiedApi, LocationOfACommand_IsBelowTheBasePath) {
+    announce();
+    const auto sent = ask("POST", "/asip/api/boards/uno1/services/servo/commands/write", "[0,90]",
+                          {{"idempotency-key", "7"}});
+    answer(R"({"status":"ok","proof":"fence"})");
+    ASSERT_EQ(sent->status(), 200);
+    EXPECT_EQ(sent->header("Location"), "/asip/api/commands/7");
+    EXPECT_EQ(get(sent->header("Location"))->body()["answer"]["proof"], "fence");
+    const auto refused = ask("POST", "/asip/api/boards/uno1/services/servo/commands/write", "[0,90]",
+                             {{"idempotency-key", "8"}});
+    answer(R"({"status":"error","code":7,"error":"INVALID_DEVICE_NUMBER"})");
+    EXPECT_EQ(refused->header("Location"), "/asip/api/commands/8");
 }
 
 TEST_F(ApiTest, BoardThatIsGone_Is503WithoutAsking) {
@@ -394,6 +493,23 @@ TEST_F(LimitedApi, WhatTheTokenDoesNotShow_IsAsIfItWereNotThere) {
 }
 
 // Raw lines reach every service.
+TEST_F(LimitedApi, HistoryOfCommands_IsOfTheServicesThatItShows) {
+    announce("uno1");
+    const auto history = as_anna("GET", "/api/boards/uno1/history");
+    answer(
+        R"({"find":"history","items":[{"board":"uno1","what":"command","by":"bert","service":"servo","status":"ok"},)"
+        R"({"board":"uno1","what":"command","by":"bert","service":"distance","status":"ok"},)"
+        R"({"board":"uno1","what":"stop","by":"bert","status":"ok"},)"
+        R"({"board":"uno2","what":"command","by":"bert","service":"servo","status":"ok"},)"
+        R"({"board":"uno1","what":"state","state":"lost"}]})");
+    ASSERT_EQ(history->status(), 200);
+    const auto items = history->body()["items"];
+    ASSERT_EQ(items.size(), 2u) << items;
+    EXPECT_EQ(items[0]["by"], "bert");
+    EXPECT_EQ(items[0]["service"], "servo");
+    EXPECT_EQ(items[1]["what"], "state");
+}
+
 TEST_F(LimitedApi, RawRightOfATokenLimitedToServices_IsNone) {
     gateway_->gate().set_tokens(
         *Tokens::parse("operator+raw anna " + hash_of("do") + " boards=uno1 services=servo\n"));

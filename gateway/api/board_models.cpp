@@ -1,0 +1,30 @@
+#include "gateway/api/board_models.hpp"
+
+#include "asip/bus/mirror.hpp"
+#include "asip/model/description.hpp"
+
+namespace asip::gateway::api {
+
+model::ModelPtr BoardModels::find(const bus::BoardItem& board, std::string_view service,
+                                  const Description& description) {
+    if (entries_.size() >= kMaxBoards && !entries_.contains(board.board)) entries_.clear();
+    Entry& entry = entries_[board.board];
+    const bool known = !entry.services.empty() && entry.session == board.session && entry.seq == board.seq &&
+                       entry.services == board.services;
+    if (!known) {
+        entry = {board.session, board.seq, board.services, {}};
+        const auto text = description();
+        const auto parsed = model::parse_description(text);
+        for (const auto& each : board.services) {
+            if (text.empty()) {
+                entry.models[each.name] = models_.find(each.name);
+            } else if (const auto* info = parsed ? parsed->service(each.name) : nullptr) {
+                entry.models[each.name] = bus::model_of(*info, models_);
+            }
+        }
+    }
+    const auto found = entry.models.find(service);
+    return found == entry.models.end() ? nullptr : found->second;
+}
+
+}  // namespace asip::gateway::api

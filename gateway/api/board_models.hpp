@@ -1,0 +1,37 @@
+#pragma once
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "asip/bus/items.hpp"
+#include "asip/model/model_set.hpp"
+
+namespace asip::gateway::api {
+
+/// Which model describes a service of a board. Reading a description costs more than all else of a command:
+/// it is read again only when the board has another one. Pure.
+class BoardModels {
+  public:
+    static constexpr std::size_t kMaxBoards = 500;
+    /// JSON text of the board's description; empty: it has none.
+    using Description = std::function<std::string()>;
+
+    explicit BoardModels(const model::ModelSet& models) : models_(models) {}
+
+    /// Null: none describes it.
+    model::ModelPtr find(const bus::BoardItem& board, std::string_view service,
+                         const Description& description);
+
+  private:
+    struct Entry {
+        std::string session;
+        std::uint64_t seq = 0;
+        std::vector<bus::ServiceItem> services;
+        std::map<std::string, model::ModelPtr, std::less<>> models;
+    };
+    const model::ModelSet& models_;
+    std::map<std::string, Entry, std::less<>> entries_;
+};
+
+}  // namespace asip::gateway::api
