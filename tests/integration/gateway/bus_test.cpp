@@ -1,7 +1,9 @@
 // Everything real: Mosquitto, registry, agent, firmware in the simulator.
 #include <gmock/gmock.h>
 
+#include <csignal>
 #include <fstream>
+#include <set>
 
 #include "running_gateway.hpp"
 #include "tests/integration/agent/rig.hpp"
@@ -19,6 +21,16 @@ class GatewayBus : public testing::Test {
             << gateway_.process().errors() << agent_.process().errors();
     }
     std::uint16_t port() const { return gateway_.port(); }
+    /// "command anna servo ok"
+    static std::set<std::string> commands_in_history(RunningGateway& gateway, const Headers& headers) {
+        const auto history = get(gateway.port(), "/api/boards/uno1/history?limit=100", headers).json();
+        std::set<std::string> lines;
+        for (const auto& item : history.value("items", nlohmann::json::array()))
+            if (item.contains("by"))
+                lines.insert(item.value("what", "") + " " + item.value("by", "") + " " +
+                             item.value("service", "") + " " + item.value("status", ""));
+        return lines;
+    }
     HttpAnswer ask(const std::string& target) const { return get(port(), target); }
 
     MosquittoBroker broker_;
@@ -86,7 +98,8 @@ TEST_F(GatewayBus, Stop_RunsTheSafeFormsAndAnswers) {
     EXPECT_EQ(all.json()["boards"].size(), 1u);
 }
 
-// Who did what: in the envelope, in the answer, on the error topic, in the logs of agent and gateway.
+// Who did what: in the envelope, in the answer, on the error topic, in the logs of agent and gateway, and in
+// the registry's history.
 TEST_F(GatewayBus, NameOfTheToken_GoesWhereTheCommandGoesAndComesBack) {
     const auto file = folder_.file("tokens");
     const auto made = run({ASIP_PROGRAMS "/asip-gateway", "token", "operator+raw", "anna", "--tokens", file});
@@ -124,6 +137,8 @@ TEST_F(GatewayBus, NameOfTheToken_GoesWhereTheCommandGoesAndComesBack) {
     for (const std::string line : {"by=anna target=uno1/servo .*90.*status=ok",
                                    "by=anna target=uno1/servo .*45", "by=anna target=uno1 .*status=ok"})
         EXPECT_TRUE(gateway.process().wait_for_errors("command  " + line)) << line;
+    for (const std::string line : {"command anna servo ok", "command anna servo error", "stop anna  ok"})
+        EXPECT_TRUE(wait_until([&] { return commands_in_history(gateway, anna).contains(line); })) << line;
 }
 
 TEST_F(GatewayBus, SentOverMqtt311_ItsSenderIsAMemberOfTheJson) {
