@@ -66,6 +66,44 @@ TEST_F(GatewayTokens, Roles_AreKeptAndLoopbackIsNobody) {
         << "who did what is logged";
 }
 
+TEST_F(GatewayTokens, AsipctlOpen_PrintsAnAddressThatLogsOneBrowserInOnce) {
+    const auto operators = make("operator", "anna");
+    RunningGateway gateway(broker_.address(), {"--tokens", file_});
+    ASSERT_TRUE(gateway.ready());
+    const std::string address = "http://127.0.0.1:" + std::to_string(gateway.port());
+    const auto open = [&](const std::string& token) {
+        return run({ASIP_PROGRAMS "/asipctl", "open", "uno1", "--print", "--gateway", address, "--token-file",
+                    folder_.write("token", token + "\n")});
+    };
+    const auto opened = open(operators);
+    ASSERT_EQ(opened.status, 0) << opened.errors;
+    const auto page = opened.output.substr(0, opened.output.find('\n'));
+    EXPECT_THAT(page, testing::StartsWith(address + "/?code="));
+    EXPECT_THAT(page, testing::EndsWith("#/board/uno1"));
+    EXPECT_THAT(page, testing::Not(HasSubstr(operators))) << "no lasting secret stands in an address";
+    const auto target = page.substr(address.size(), page.find('#') - address.size());
+    const auto entered = get(gateway.port(), target);
+    ASSERT_EQ(entered.status, 303);
+    const auto set = entered.headers.at("set-cookie");
+    EXPECT_THAT(set, HasSubstr("; HttpOnly; SameSite=Strict"));
+    const Headers cookie{{"Cookie", set.substr(0, set.find(';'))}};
+    EXPECT_EQ(get(gateway.port(), "/api/boards", cookie).status, 200);
+    EXPECT_EQ(get(gateway.port(), "/api/status", cookie).json()["you"]["name"], "anna");
+    EXPECT_EQ(get(gateway.port(), target).status, 401) << "a second browser with the same address";
+
+    // The cookie is no way for another site to send something, and no token.
+    Headers foreign = cookie;
+    foreign.emplace_back("Origin", "http://evil.example");
+    EXPECT_EQ(post(gateway.port(), "/api/stop", "{}", foreign).status, 403);
+    EXPECT_EQ(post(gateway.port(), "/api/stop", "{}", cookie).status, 200);
+    EXPECT_EQ(get(gateway.port(), "/api/boards", bearer(set.substr(5, set.find(';') - 5))).status, 401);
+
+    const auto refused = open("nonsense");
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_THAT(refused.errors, HasSubstr("the token is not known"));
+    EXPECT_EQ(run({ASIP_PROGRAMS "/asipctl", "open", "--gateway", "http://127.0.0.1:1"}).status, 4);
+}
+
 TEST_F(GatewayTokens, Revoked_ItsOpenStreamsEndWithinASecond) {
     const auto viewer = make("viewer", "hall");
     const auto other = make("viewer", "lab");
