@@ -117,6 +117,11 @@ void Application::perform(Effects& effects) {
         clients_.send(line, client);
     if (effects.name_claimed) publish_log();
     if (effects.reopen_link) link_.reopen("the board does not answer");
+    if (effects.port == Effects::Port::kLetGo) {
+        reset_timer_.cancel();
+        link_.stop();
+    }
+    if (effects.port == Effects::Port::kTakeBack) link_.start();
     if (effects.fatal) {
         if (!stop_asked_) log::error(effects.fatal->text, {});
         end_once_safe([this, status = effects.fatal->status] { finish(status); });

@@ -169,6 +169,8 @@ void Bridge::on_action(const session::Identified& identified, Time, Effects& out
              {"services", letters(services_)},
              {"baud", std::to_string(session_.baud())}});
     describe_again();
+    port_.identified(traits(), out);
+    announcer_->set_updating(port_.updating());
     announcer_->set_state(model::BoardState::kOnline, out);
 }
 
@@ -302,7 +304,7 @@ void Bridge::bus_message(const mqtt::Message& message, const Arrival& arrival, T
     if (stop) {
         safety_.on_stop(message, arrival.waiting, services_, session_, now, actions, out);
         send_safe_lines(now, out);
-    } else {
+    } else if (topic->kind != bus::TopicKind::kBoardIn || !take_port_request(message, now, out)) {
         control_.on_message(message, {arrival.at.value_or(now), arrival.stopped}, services_, session_, now,
                             actions, out);
     }
@@ -346,14 +348,15 @@ void Bridge::tick(Time now, Effects& out) {
     perform(actions, now, out);
     safety_.tick(now, out);
     send_safe_lines(now, out);
+    tick_port(now, out);
     if (announcer_) announcer_->tick(now, out);
     start_publishing(out);
 }
 
 std::optional<Time> Bridge::next_deadline() const {
     auto deadline = session_.next_deadline();
-    for (const auto& other :
-         {safety_.next_deadline(), announcer_ ? announcer_->next_deadline() : std::nullopt})
+    for (const auto& other : {safety_.next_deadline(), port_.next_deadline(),
+                              announcer_ ? announcer_->next_deadline() : std::nullopt})
         if (other && (!deadline || *other < *deadline)) deadline = other;
     return deadline;
 }

@@ -12,6 +12,7 @@
 #include "agent/control.hpp"
 #include "agent/describe.hpp"
 #include "agent/effects.hpp"
+#include "agent/port_lease.hpp"
 #include "agent/safety.hpp"
 #include "agent/statistics.hpp"
 #include "asip/member/announcer.hpp"
@@ -96,6 +97,10 @@ class Bridge {
     const session::BoardSession& session() const { return session_; }
 
   private:
+    bool take_port_request(const mqtt::Message& message, Time now, Effects& out);
+    void tick_port(Time now, Effects& out);
+    void let_go_of_port(Time now, Effects& out);
+    BoardTraits traits() const;
     void perform(session::Actions& actions, Time now, Effects& out);
     void send_safe_lines(Time now, Effects& out);
     void on_action(const session::BoardLine& line, Time now, Effects& out);
@@ -123,6 +128,7 @@ class Bridge {
     Control control_;
     ClientRequests client_requests_;
     Context context_;
+    PortLease port_;
     std::unique_ptr<Announcer> announcer_;  // once there is a name
     session::ServiceTable services_;
     BoardFacts facts_;

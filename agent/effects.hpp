@@ -25,7 +25,9 @@ struct Effects : member::Announcements {
     std::vector<ClientLine> lines;      ///< for point-to-point clients
     bool board_known = false;           ///< the board was identified (again): its name is known now
     bool name_claimed = false;          ///< the board's name is ours now: commands may come
-    bool reopen_link = false;           ///< open, but the board behind it is gone: a connection may be dead
+    enum class Port { kKeep, kLetGo, kTakeBack };
+    Port port = Port::kKeep;   ///< whether somebody else is to have the board's port
+    bool reopen_link = false;  ///< open, but the board behind it is gone: a connection may be dead
 };
 
 }  // namespace asip::agent

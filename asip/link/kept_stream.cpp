@@ -24,6 +24,11 @@ class KeptStream::Impl : public std::enable_shared_from_this<Impl> {
         if (const auto* serial = std::get_if<SerialTarget>(&target_)) path_ = stable_path(serial->device);
     }
 
+    void start() {
+        stopped_ = false;
+        open_later(std::chrono::milliseconds(0));
+    }
+
     void open_later(std::chrono::milliseconds delay) {
         timer_.expires_after(delay);
         timer_.async_wait([weak = weak_from_this()](const boost::system::error_code& error) {
@@ -193,7 +198,7 @@ KeptStream::~KeptStream() {
 }
 
 void KeptStream::start() {
-    impl_->open_later(std::chrono::milliseconds(0));
+    impl_->start();
 }
 
 void KeptStream::stop() {

@@ -61,7 +61,7 @@ class KeptStream {
     KeptStream& operator=(const KeptStream&) = delete;
 
     void start();
-    /// Closes what is open, without on_down. No handler is called any more.
+    /// Closes what is open, without on_down. No handler is called any more, until start() is called again.
     void stop();
 
     /// Sends `bytes` after what was written before; nothing where the way is not open. Never blocks.

@@ -66,6 +66,12 @@ void Announcer::describe(model::Description description) {
     if (established_ && connected_) probe_answer_ = last_announced_ + kBetweenChanges;
 }
 
+void Announcer::set_updating(std::string json) {
+    if (updating_ == json) return;
+    updating_ = std::move(json);
+    if (established_ && connected_) probe_answer_ = last_announced_ + kBetweenChanges;
+}
+
 void Announcer::set_state(model::BoardState state, Announcements& out) {
     if (state_ == state) return;
     state_ = state;
@@ -97,6 +103,12 @@ void Announcer::on_subscribed(Time now, Announcements& out) {
     announce(now, out);
 }
 
+std::string Announcer::description_text() const {
+    auto text = model::to_text(description_);
+    if (!updating_.empty()) text.insert(text.size() - 1, ",\"updating\":" + updating_);
+    return text;
+}
+
 void Announcer::announce(Time now, Announcements& out) {
     if (subscribed_ && described_) publish_state(out);
     if (!renew(now, out)) return;
@@ -115,7 +127,7 @@ bool Announcer::renew(Time now, Announcements& out) {
     if (!described_) return false;
     description_.session = session_;
     description_.seq = ++seq_;
-    mqtt::Message description = retained(topics_.description(options_.board), model::to_text(description_));
+    mqtt::Message description = retained(topics_.description(options_.board), description_text());
     description.expiry_seconds = static_cast<std::uint32_t>(options_.lease_seconds);
     out.publish.push_back({std::move(description), mqtt::Priority::kAnnouncement});
     return true;

@@ -38,6 +38,9 @@ class Announcer {
     /// where established.
     void describe(model::Description description);
     void set_state(model::BoardState state, Announcements& out);
+    /// JSON text that stands in the description as "updating": who has the board's port, and until when.
+    /// Empty: nobody. Announced as describe() is.
+    void set_updating(std::string json);
 
     void on_connected(Time now, Announcements& out);
     void on_disconnected();
@@ -72,6 +75,7 @@ class Announcer {
     void announce(Time now, Announcements& out);
     /// The description alone: nothing else has changed. False where there is none yet, or it may not be sent.
     bool renew(Time now, Announcements& out);
+    std::string description_text() const;
     void publish_state(Announcements& out);
     void on_foreign_description(const mqtt::Message& message, Time now, Announcements& out);
     void schedule_renewal(Time now);
@@ -83,6 +87,7 @@ class Announcer {
     std::string session_;
     std::uint64_t seq_ = 0;
     model::Description description_;
+    std::string updating_;
     model::BoardState state_ = model::BoardState::kLost;
     bool described_ = false;
     bool connected_ = false;

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sim/load.hpp"
+
 namespace asip::sim {
 namespace {
 
@@ -153,6 +155,13 @@ Expected<std::string> LiveBoard::command(std::string_view verb, std::string_view
     if (verb == "reset") {
         if (!plugged_) return fail(name() + " is unplugged");
         board_->reset();
+        return std::string();
+    }
+    if (verb == "load") {
+        if (!plugged_) return fail(name() + " is unplugged");
+        if (auto loaded = load_into(*board_, std::filesystem::path(argument)); !loaded)
+            return fail(loaded.error());
+        happened("loaded", json{{"image", argument}});
         return std::string();
     }
     auto* target = board_->find_part(part);

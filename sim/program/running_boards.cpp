@@ -15,6 +15,7 @@ constexpr std::array kBoardCommands{
     PartVerb{"reset", "[BOARD]", "press the reset button"},
     PartVerb{"unplug", "[BOARD]", "pull the USB cable: the port disappears"},
     PartVerb{"replug", "[BOARD]", "plug it in again"},
+    PartVerb{"load", "BOARD IMAGE", "exchange the firmware (.elf or .hex), as a programmer does"},
     PartVerb{"list", "[BOARD]", "boards, their ports, their parts and what these show"},
 };
 
@@ -112,7 +113,11 @@ void RunningBoards::execute(std::string_view line, Reply reply) {
     if (is_board_command(verb)) {
         const auto place = board_called(words.size() > 1 ? words[1] : "");
         if (!place) return reply(fail(place.error()));
-        return send(**place, verb, "", "", std::move(reply));
+        const auto argument = words.size() > 2 ? words[2] : std::string();
+        if (argument.empty() != (verb != "load"))
+            return reply(fail(verb == "load" ? std::string("load what? load BOARD IMAGE")
+                                             : fmt::format("too many words after \"{}\"", words[1])));
+        return send(**place, verb, "", argument, std::move(reply));
     }
     if (!part_verbs().contains(verb))
         return reply(fail(fmt::format("there is no command \"{}\"{}; help lists them", verb,

@@ -35,6 +35,7 @@ class BridgeBench {
     std::vector<ClientLine> lines_for_one;
     std::vector<std::string> notices;
     std::optional<Fatal> fatal;
+    Effects::Port port = Effects::Port::kKeep;  ///< what the agent did last with the port
 
     void plug() {
         run([&](Effects& out) {
@@ -123,6 +124,7 @@ class BridgeBench {
         for (auto& notice : effects.notices)
             notices.push_back(notice.text);
         if (effects.fatal) fatal = effects.fatal;
+        if (effects.port != Effects::Port::kKeep) port = effects.port;
         if (!answer.empty()) say(answer);
         if (effects.name_claimed && grants_subscriptions)
             run([&](Effects& out) { bridge.bus_subscribed(now, out); });

@@ -1,0 +1,37 @@
+#pragma once
+#include <chrono>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "asip/expected.hpp"
+
+/// Asking a board's agent to let go of the board's port, so that another program (avrdude) can use it. A
+/// request on ROOT/BOARD/in that is a JSON object with the member "port":
+///
+///     {"port":"release","seconds":60}   let go of it, and take it back when the time is over; the same again
+///                                       by the same `by` prolongs it
+///     {"port":"take"}                   take it back now
+namespace asip::bus {
+
+struct PortRequest {
+    enum class What { kRelease, kTake };
+    What what = What::kRelease;
+    std::chrono::seconds time{60};  ///< kRelease: kMinTime to kMaxTime
+
+    static constexpr std::chrono::seconds kMinTime{1};
+    static constexpr std::chrono::seconds kMaxTime{3600};
+    friend bool operator==(const PortRequest&, const PortRequest&) = default;
+};
+
+/// Its payload, with who asks (PortRequest of another `by` are refused while it is released).
+std::string encode(const PortRequest& request, const std::string& by);
+/// Whether a request of a board is one of these.
+bool is_port_request(const nlohmann::json& object);
+/// Reads one. Fails with the first fault and its place; unknown members are refused.
+Expected<PortRequest> read_port_request(const nlohmann::json& object);
+
+/// Reasons of a refusal: another has it; it was not released.
+inline constexpr std::string_view kRefusedReleased = "released";
+inline constexpr std::string_view kRefusedNotReleased = "not-released";
+
+}  // namespace asip::bus
