@@ -1,5 +1,7 @@
 #include "cli/command_line.hpp"
 
+#include <algorithm>
+
 #include "asip/program/command_words.hpp"
 #include "asip/text/duration.hpp"
 #include "asip/text/nearest.hpp"
@@ -60,11 +62,36 @@ void CommandLine::add_common_options() {
                                                       "NO_COLOR is set")),
                     {"auto", "always", "never"})
         ->capture_default_str();
+    app_.add_option("--context", context_, "Bus that asipctl context add has given this name")
+        ->type_name("NAME");
     settings_.setting(app_.add_flag("--from-bus", from_bus_, "Do not ask a registry, read the bus itself"));
 }
 
 std::optional<int> CommandLine::parse(std::vector<std::string> arguments) {
-    return settings_.parse(std::move(arguments));
+    typed_ = typed_options(arguments);
+    auto all = with_named_bus(std::move(arguments), program::environment_variable);
+    if (!all) return settings_.usage_error(all.error());
+    return settings_.parse(std::move(*all));
+}
+
+OptionValues CommandLine::typed_options(const std::vector<std::string>& words) const {
+    const auto read = program::classify(app_, words);
+    const auto own = app_.get_options();
+    OptionValues result;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const auto* option = read[i].option;
+        const bool common = option != nullptr && std::find(own.begin(), own.end(), option) != own.end();
+        if (read[i].kind != program::CommandWord::Kind::kOption || !common) continue;
+        if (option->get_lnames().empty() || words[i] == "--help" || words[i] == "--version") continue;
+        const auto equals = words[i].find('=');
+        const bool value_follows =
+            i + 1 < words.size() && read[i + 1].kind == program::CommandWord::Kind::kValue;
+        if (program::takes_value(*option) && equals == std::string::npos && !value_follows) continue;
+        const std::string plain = value_follows ? words[i + 1] : "true";  // a flag
+        result.emplace_back(option->get_lnames().front(),
+                            equals == std::string::npos ? plain : words[i].substr(equals + 1));
+    }
+    return result;
 }
 
 Outcome<void> CommandLine::apply(Context& context) const {
@@ -78,6 +105,7 @@ Outcome<void> CommandLine::apply(Context& context) const {
     context.timeout = *timeout;
     context.mqtt.connect_timeout = *timeout;
     context.from_bus = from_bus_;
+    context.typed_options = typed_;
     if (!services_.empty()) {
         auto& models = context.own_models.emplace(model::ModelSet::standard());
         if (const auto loaded = models.load_directory(services_); !loaded) {

@@ -6,6 +6,7 @@
 
 #include "asip/program/options.hpp"
 #include "cli/context.hpp"
+#include "cli/named_buses.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verb.hpp"
 
@@ -23,6 +24,9 @@ class CommandLine {
     /// Reads arguments (without the program's name), environment and configuration file. Nothing: continue
     /// with apply() and run(). Otherwise the exit status to end with; help or the error has been printed.
     std::optional<int> parse(std::vector<std::string> arguments);
+
+    /// The options of every command among `words`, with their values (of flags `true`): they name the bus.
+    OptionValues typed_options(const std::vector<std::string>& words) const;
 
     /// Brings the options of every command into `context`. Fails with kExitUsage.
     Outcome<void> apply(Context& context) const;
@@ -45,7 +49,9 @@ class CommandLine {
     std::string timeout_ = "5s";
     std::string services_;
     std::string colour_ = "auto";
+    std::string context_;
     bool from_bus_ = false;
+    OptionValues typed_;
     Run chosen_;
 };
 

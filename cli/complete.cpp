@@ -168,25 +168,6 @@ std::vector<std::string> for_bash(std::vector<std::string> candidates, const std
 
 namespace {
 
-/// The options of every command that were typed with their values: they name the bus.
-Words common_options(const CLI::App& app, const Words& words) {
-    const auto read = program::classify(app, words);
-    const auto own = app.get_options();
-    Words result;
-    for (std::size_t i = 0; i < words.size(); ++i) {
-        const bool common =
-            read[i].option != nullptr && std::find(own.begin(), own.end(), read[i].option) != own.end();
-        if (read[i].kind != Kind::kOption || !common) continue;
-        const bool value_follows = i + 1 < words.size() && read[i + 1].kind == Kind::kValue;
-        const bool complete = !program::takes_value(*read[i].option) || value_follows ||
-                              words[i].find('=') != std::string::npos;
-        if (!complete || words[i] == "--help" || words[i] == "-h" || words[i] == "--version") continue;
-        result.push_back(words[i]);
-        if (value_follows) result.push_back(words[i + 1]);
-    }
-    return result;
-}
-
 /// Names from the bus, read once and only when asked for.
 class LiveNames {
   public:
@@ -266,7 +247,9 @@ class LiveNames {
 int run_complete(const std::vector<std::string>& arguments, CommandLine& line, Context& context) {
     if (arguments.size() != 2) return program::kExitUsage;
     const auto typed = typed_line(arguments[1]);
-    auto options = common_options(line.app(), typed.words);
+    Words options;
+    for (const auto& [name, value] : line.typed_options(typed.words))
+        options.push_back("--" + name + "=" + value);
     options.insert(options.end(), {"completion", "bash"});
     if (line.parse(std::move(options)) || !line.apply(context)) return program::kExitOk;
     context.timeout = std::min(context.timeout, kPatience);

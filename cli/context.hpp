@@ -5,6 +5,8 @@
 #include <iosfwd>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "asip/bus/topics.hpp"
 #include "asip/expected.hpp"
@@ -44,6 +46,9 @@ struct Context {
     /// How long to wait for one answer: of the broker, a registry, a board.
     std::chrono::milliseconds timeout{5000};
     bool from_bus = false;  ///< do not ask a registry
+
+    /// The options of every command that were typed, with their values.
+    std::vector<std::pair<std::string, std::string>> typed_options{};
 
     /// Service models; the standard ones are read when first asked for, which `asipctl list` never does.
     const model::ModelSet& models() const { return own_models ? *own_models : model::ModelSet::standard(); }

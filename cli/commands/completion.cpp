@@ -38,11 +38,32 @@ _asipctl() {
 compdef _asipctl asipctl
 )script";
 
+constexpr const char* kFishScript =
+    R"script(# Completion of asipctl for fish:  asipctl completion fish | source
+function __asipctl_complete
+    set -l found (asipctl __complete fish (commandline -cp) 2>/dev/null)
+    switch "$found[1]"
+        case ':files'
+            __fish_complete_path (commandline -ct)
+        case ':folders'
+            __fish_complete_directories (commandline -ct)
+        case '*'
+            printf '%s\n' $found
+    end
+end
+complete -c asipctl -f -a '(__asipctl_complete)'
+)script";
+
+const char* script_for(const std::string& shell) {
+    if (shell == "fish") return kFishScript;
+    return shell == "zsh" ? kZshScript : kBashScript;
+}
+
 Run declare_completion(Declaration& verb) {
     auto shell = std::make_shared<std::string>();
-    verb.argument("bash|zsh", *shell, "For which shell");
+    verb.argument("bash|fish|zsh", *shell, "For which shell");
     return [shell](Context& context) {
-        context.out << (*shell == "zsh" ? kZshScript : kBashScript) << std::flush;
+        context.out << script_for(*shell) << std::flush;
         return program::kExitOk;
     };
 }
@@ -53,6 +74,7 @@ Verb completion_verb() {
     return {"completion", "Script that completes commands, boards, services and their commands",
             "Examples:\n"
             "  source <(asipctl completion bash)\n"
+            "  asipctl completion fish > ~/.config/fish/completions/asipctl.fish\n"
             "  asipctl completion zsh > ~/.zfunc/_asipctl",
             declare_completion};
 }

@@ -89,6 +89,14 @@ std::string pin_name(const model::Description& description, std::size_t pin) {
     return std::to_string(pin);
 }
 
+/// Who has the board's port, and until when; empty: its agent.
+std::string updating_text(const bus::BoardItem& item) {
+    if (item.state != "updating") return {};
+    const auto document = model::parse_json(item.description);
+    if (!document || !document->contains("updating")) return {};
+    return "with " + value_at(*document, "updating.by") + " until " + value_at(*document, "updating.until");
+}
+
 nlohmann::json board_json(const KnownBoard& board) {
     auto result = bus::to_json(board.item);
     if (board.description) result["description"] = model::to_json(*board.description);
@@ -231,6 +239,7 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
                              item.conflict->other + " (" + item.conflict->other_agent + ")",
                          colour, Colour::kRed);
     }
+    text += labelled("port", updating_text(item), colour);
     text += labelled("announced", presence_text(item), colour);
     if (!board.description) {
         text += labelled("known by", "its names only; it publishes no description", colour);
@@ -265,8 +274,13 @@ int run_show(const ShowOptions& options, Context& context) {
     BusSession session(context);
     BoardSource source(context, session);
     if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
-    const auto board = source.board_in_full(target->board);
+    auto board = source.board_in_full(target->board);
     if (!board) return context.fail_with(board.error());
+    // Who has its port stands in what its agent announced, not in a registry's answer.
+    if (board->item.state == "updating") {
+        if (auto retained = source.retained_board(target->board))
+            board->item.description = std::move(retained->item.description);
+    }
     const bool people = options.output.for_people();
     RecordPrinter records(options.output, RecordPrinter::Count::kOne, context.out);
     if (target->service.empty()) {

@@ -60,7 +60,7 @@ TEST_F(CompletionTest, EachDeclaredEnumeration_IsOfferedAndNoFiles) {
     EXPECT_THAT(after("list -o json"), ElementsAre("json", "jsonl"));
     EXPECT_THAT(after("list -o json "), ElementsAre("boards", "services"));
     EXPECT_THAT(after("prune --only r"), ElementsAre("registries"));
-    EXPECT_THAT(after("completion "), ElementsAre("bash", "zsh"));
+    EXPECT_THAT(after("completion "), ElementsAre("bash", "fish", "zsh"));
     EXPECT_THAT(after("secure re"), ElementsAre("renew", "revoke"));
     EXPECT_THAT(after("secure add b"), ElementsAre("board", "broker"));
     EXPECT_THAT(after("list --credentials "), ElementsAre(kOfferFiles));
@@ -150,6 +150,7 @@ TEST(Verbs, EachType_IsOneThatCompletionKnows) {
                                          "PID",
                                          "HZ",
                                          "FACTOR",
+                                         "BAUD",
                                          "FIELD",
                                          "WHEN",
                                          ""};

@@ -1,0 +1,130 @@
+#include <map>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "asip/model/json.hpp"
+#include "asip/text/duration.hpp"
+#include "cli/board_source.hpp"
+#include "cli/commands/list.hpp"
+#include "cli/declaration.hpp"
+
+namespace asip::cli {
+namespace {
+
+using Json = nlohmann::json;
+
+/// What a registry publishes about itself. Anybody may have written it.
+struct SeenRegistry {
+    std::string state;
+    Json stats = Json::object();
+
+    double number(const char* name) const {
+        const auto found = stats.find(name);
+        return found != stats.end() && found->is_number() ? found->get<double>() : 0;
+    }
+    double sum(const char* name) const {
+        double total = 0;
+        const auto found = stats.find(name);
+        if (found == stats.end() || !found->is_object()) return 0;
+        for (const auto& [key, value] : found->items())
+            total += value.is_number() ? value.get<double>() : 0;
+        return total;
+    }
+};
+
+using SeenRegistries = std::map<std::string, SeenRegistry>;
+
+std::string whole(double number) {
+    return std::to_string(static_cast<long long>(number));
+}
+
+std::vector<Cell> registry_row(const std::string& id, const SeenRegistry& registry) {
+    const auto uptime = text::duration_text(std::chrono::duration<double>(registry.number("uptime")));
+    const auto boards = registry.stats.value("boards", Json::object());
+    const auto online = boards.is_object() ? boards.value("online", Json()) : Json();
+    return {id,
+            Cell(registry.state, state_colour(registry.state)),
+            registry.stats.empty() ? std::string() : uptime,
+            whole(registry.sum("boards")),
+            online.is_number() ? whole(online.get<double>()) : std::string(),
+            whole(registry.sum("services")),
+            value_at(registry.stats, "messages_per_second"),
+            whole(registry.number("queries")),
+            whole(registry.number("events")),
+            whole(registry.sum("refused")),
+            value_at(registry.stats, "version")};
+}
+
+void take(SeenRegistries& registries, const bus::Topics& topics, const mqtt::Message& message) {
+    const auto topic = topics.parse(message.topic);
+    if (!topic || message.payload.empty()) return;
+    auto& registry = registries[std::string(topic->board)];
+    if (topic->kind == bus::TopicKind::kRegistryState) registry.state = message.payload;
+    if (topic->kind != bus::TopicKind::kRegistryStats) return;
+    if (auto document = model::parse_json(message.payload); document && document->is_object())
+        registry.stats = std::move(*document);
+}
+
+int run_registries(const OutputOptions& output, Context& context) {
+    BusSession session(context);
+    SeenRegistries registries;
+    const auto keep = [&](const mqtt::Message& message) { take(registries, context.topics, message); };
+    const auto states = session.subscribe(context.topics.registry_state("+"), keep);
+    const auto stats = session.subscribe(context.topics.registry_stats("+"), keep);
+    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+    const auto mark = session.mark_retained();
+    session.run_until([&mark] { return mark.passed(); }, Clock::now() + kMarkPatience);
+    session.run_for(kRetainedPatience);
+    Table table({{"REGISTRY"},
+                 {"STATE"},
+                 {"UP", true},
+                 {"BOARDS", true},
+                 {"ONLINE", true},
+                 {"SERVICES", true},
+                 {"MSG/S", true},
+                 {"QUERIES", true},
+                 {"EVENTS", true},
+                 {"REFUSED", true},
+                 {"VERSION"}});
+    RecordPrinter records(output, RecordPrinter::Count::kList, context.out);
+    for (const auto& [id, registry] : registries) {
+        if (output.form == Output::kName && output.for_people()) {
+            context.out << id << '\n';
+        } else if (output.for_people()) {
+            table.add(registry_row(id, registry));
+        } else {
+            auto record = registry.stats;
+            record["registry"] = id;
+            record["state"] = registry.state;
+            records.print(record);
+        }
+    }
+    if (!output.for_people()) records.finish();
+    if (!table.empty()) context.out << table.render(context.width, context.colour);
+    context.out << std::flush;
+    if (!registries.empty()) return program::kExitOk;
+    context.note("no registry has ever run on this bus; start asip-registry");
+    return program::kExitNoAnswer;
+}
+
+Run declare_registries(Declaration& verb) {
+    auto output = std::make_shared<OutputOptions>(OutputOptions{Output::kTable, {}});
+    verb.output(*output, {Output::kTable, Output::kName},
+                {"registry", "state", "version", "epoch", "seq", "at", "uptime", "boards", "services",
+                 "conflicts", "messages", "messages_per_second", "renewals", "expired", "refused", "queries",
+                 "events", "connections"});
+    return [output](Context& context) { return run_registries(*output, context); };
+}
+
+}  // namespace
+
+Verb registries_verb() {
+    return {"registries", "Registries on the bus, with what they counted",
+            "As they publish it every few seconds. Exit status 4: there is none.\n"
+            "Examples:\n"
+            "  asipctl registries\n"
+            "  asipctl registries -o json | jq '.[].boards'",
+            declare_registries};
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,98 @@
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "cli/declaration.hpp"
+#include "cli/port_holder.hpp"
+#include "cli/target.hpp"
+#include "cli/text/width.hpp"
+
+namespace asip::cli {
+namespace {
+
+struct ReleaseOptions {
+    std::string board;
+    std::chrono::milliseconds time{60'000};
+    bool back = false;
+    OutputOptions output{};
+};
+
+int give_back(const ReleaseOptions& options, Context& context, PortHolder& port) {
+    const auto taken = port.give_back();
+    if (!taken) return context.fail_with(taken.error());
+    if (!options.output.for_people()) {
+        RecordPrinter(options.output, RecordPrinter::Count::kOne, context.out)
+            .print({{"board", options.board},
+                    {"state", "online"},
+                    {"same", taken->same},
+                    {"sketch", taken->sketch},
+                    {"was", taken->sketch_before},
+                    {"chip", taken->chip}});
+    } else {
+        context.out << for_terminal(taken->sketch) << std::endl;
+    }
+    if (!taken->same)
+        return context.fail_with(
+            {program::kExitFailure, "another board answers at the port of " + options.board});
+    return program::kExitOk;
+}
+
+int let_go(const ReleaseOptions& options, Context& context, PortHolder& port) {
+    const auto released = port.release(std::chrono::ceil<std::chrono::seconds>(options.time));
+    if (!released) return context.fail_with(released.error());
+    if (!options.output.for_people()) {
+        RecordPrinter(options.output, RecordPrinter::Count::kOne, context.out)
+            .print({{"board", options.board},
+                    {"state", "updating"},
+                    {"kind", released->kind},
+                    {"path", released->path},
+                    {"host", released->host},
+                    {"until", released->until},
+                    {"chip", released->chip},
+                    {"sketch", released->sketch}});
+        return program::kExitOk;
+    }
+    context.out << for_terminal(released->path) << std::endl;
+    context.note("free on " + released->host + " until " + released->until + "; earlier: asipctl release " +
+                 options.board + " --back");
+    return program::kExitOk;
+}
+
+int run_release(const ReleaseOptions& options, Context& context) {
+    const auto target = parse_target(options.board);
+    if (!target) return context.fail_with(target.error());
+    if (!target->service.empty())
+        return context.fail_with({program::kExitUsage, "release takes a board, not a service"});
+    BusSession session(context);
+    BoardSource source(context, session);
+    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+    if (const auto board = find_board_with_agent(source, options.board); !board)
+        return context.fail_with(board.error());
+    PortHolder port(context, session, options.board);
+    return options.back ? give_back(options, context, port) : let_go(options, context, port);
+}
+
+Run declare_release(Declaration& verb) {
+    auto options = std::make_shared<ReleaseOptions>();
+    verb.argument("BOARD", options->board, "Whose port");
+    verb.option("--for", options->time, "When the agent takes it back by itself; up to 1h",
+                std::chrono::milliseconds(1000));
+    verb.flag("--back", options->back, "Give it back now, and tell which sketch answers there");
+    verb.output(options->output, {Output::kText},
+                {"board", "state", "kind", "path", "host", "until", "chip", "sketch", "same", "was"});
+    return [options](Context& context) { return run_release(*options, context); };
+}
+
+}  // namespace
+
+Verb release_verb() {
+    return {"release", "Makes a board's agent let go of the port, for other programs",
+            "Prints the port. Meanwhile the board's state is `updating`, and commands are refused. Its agent "
+            "takes\n"
+            "the port back when the time is over, whatever happens to whoever has it.\n"
+            "Examples:\n"
+            "  asipctl release uno1 --for 10m\n"
+            "  screen \"$(asipctl release uno1)\" 57600; asipctl release uno1 --back",
+            declare_release};
+}
+
+}  // namespace asip::cli

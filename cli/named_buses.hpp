@@ -1,0 +1,62 @@
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "asip/expected.hpp"
+
+namespace asip::cli {
+
+/// Options of every command with their values, without the `--`.
+using OptionValues = std::vector<std::pair<std::string, std::string>>;
+
+/// A bus that `asipctl context add` has given a name: how it is reached.
+struct NamedBus {
+    std::string name;
+    OptionValues options;
+
+    /// Of the option; empty: it is not there.
+    std::string value(const std::string& option) const;
+};
+
+/// The named buses of a user: one file each, of the form of a configuration file, which only the user may
+/// read; and which of them is used where nothing else is named.
+class NamedBuses {
+  public:
+    using Environment = std::function<std::optional<std::string>(const std::string&)>;
+
+    explicit NamedBuses(std::filesystem::path folder) : folder_(std::move(folder)) {}
+    /// In `$XDG_CONFIG_HOME/asip`, else `~/.config/asip`; nothing where there is neither.
+    static std::optional<NamedBuses> of_user(const Environment& environment);
+
+    std::vector<std::string> names() const;
+    /// Fails where there is none of this name (with the nearest), or it cannot be read.
+    Expected<NamedBus> find(const std::string& name) const;
+    Expected<void> add(const NamedBus& bus);
+    Expected<void> remove(const std::string& name);
+
+    /// Empty: none.
+    std::string current() const;
+    /// Empty: none from now on.
+    Expected<void> use(const std::string& name);
+
+  private:
+    std::filesystem::path file_of(const std::string& name) const {
+        return folder_ / "contexts" / (name + ".conf");
+    }
+    std::filesystem::path current_file() const { return folder_ / "context"; }
+
+    std::filesystem::path folder_;
+};
+
+/// `arguments` with the options of the named bus that counts in front: that of `--context`, else of
+/// ASIP_CONTEXT, else the current one. Whoever names a broker, credentials or a configuration file otherwise
+/// (on the command line, or in the environment where `--context` is not given) uses none of it: a password
+/// goes to no other broker. Fails where a bus is named that there is not.
+Expected<std::vector<std::string>> with_named_bus(std::vector<std::string> arguments,
+                                                  const NamedBuses::Environment& environment);
+
+}  // namespace asip::cli
