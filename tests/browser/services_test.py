@@ -120,6 +120,17 @@ class Services(PageTest):
         eventually(lambda: "online" in self.browser.text("asip-history"), "history of the board")
         self.open("history")
         eventually(lambda: "desk" in self.browser.text("asip-history") and "lamp" in self.browser.text("asip-history"), "history of the bus")
+        self.open_board()
+        form = self.form("servo", "Turn a servo to an angle")
+        self.fill(form, "Angle", "33")
+        self.send(form)
+        self.answered(form, "ok", "Done")
+
+        def who_did_what():
+            self.open("history")
+            return "loopback: servo" in eventually(lambda: self.browser.text("asip-history"), "the history")
+
+        eventually(who_did_what, "who moved the servo")
         self.browser.screenshot("history")
 
     def test_BusPage_ShowsBrokerGatewayAndRegistry(self):
