@@ -53,6 +53,7 @@ class Application {
     void turn();
     void note_published(const std::string& topic);
     void log_rejections();
+    void announcing_denied();
 
     AgentOptions options_;
     boost::asio::io_context io_{1};
@@ -77,6 +78,7 @@ class Application {
     std::uint64_t rejected_before_ = 0;    // by the broker, before this connection
     bool announcement_published_ = false;  // over this connection
     bool rejection_logged_ = false;        // of this connection
+    bool denial_logged_ = false;           // since the last announcement that was taken
     mqtt::Outage bus_outage_;
     bool board_ever_known_ = false;
     bool link_tried_ = false;

@@ -2,6 +2,7 @@
 #include <boost/asio/post.hpp>
 
 #include "agent/application.hpp"
+#include "asip/mqtt/cut_off.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
 
@@ -46,6 +47,7 @@ mqtt::Client::Handlers Application::bus_handlers() {
     handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
         bridge_.bus_disconnected();
         bus_failed(failure, true);
+        if (failure.after_sending >= mqtt::CutOff::kTimes) announcing_denied();
     };
     handlers.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) {
         bus_failed(failure, false);
@@ -159,25 +161,37 @@ void Application::publish_log() {
 
 void Application::note_published(const std::string& topic) {
     const auto known = bus::Topics(options_.bridge.topic_root).parse(topic);
-    if (known && known->kind == bus::TopicKind::kDescription) announcement_published_ = true;
+    if (!known || known->kind != bus::TopicKind::kDescription) return;
+    announcement_published_ = true;
+    denial_logged_ = false;
 }
 
 void Application::log_rejections() {
     if (!bus_ || rejection_logged_ || bus_->counters().rejected == rejected_before_) return;
     rejection_logged_ = true;
+    if (!announcement_published_) return announcing_denied();
+    log::warning(
+        "the broker refuses some of what this agent publishes; look at its access control. Answers are "
+        "written "
+        "to the topics that requests name: on a secured bus " +
+            options_.bridge.topic_root + "/reply/USER/" + bridge_.name() + "/...",
+        {{"board", bridge_.name()}, {"refused", bus_->counters().rejected - rejected_before_}});
+}
+
+/// Once until an announcement is taken: a broker may take long to be set right.
+void Application::announcing_denied() {
+    if (announcement_published_ || std::exchange(denial_logged_, true)) return;
     const std::string& root = options_.bridge.topic_root;
     const std::string& board = bridge_.name();
-    if (announcement_published_) {
-        log::warning("the broker refuses some of what this agent publishes; look at its access control",
-                     {{"board", board}, {"refused", bus_->counters().rejected - rejected_before_}});
-        return;
-    }
-    log::warning(
-        "the broker's access control denied announcing board " + board +
-            "; nobody will find it. Allow this agent's user to write " + root + "/servicebus, " + root +
-            "/servicebus/$probe, " + root + "/servicebus/" + board + "/# and " + root + "/" + board +
-            "/#; with the rules that ASIP ships, connect with a user named like the board: --user " + board,
-        {{"user", options_.mqtt.user}});
+    const std::string& user = options_.mqtt.user;
+    log::error(
+        "the broker's access control denied announcing board " + board + "; nobody will find it. " +
+            (user.empty() ? "A connection without user" : "User " + user) + " must be allowed to write " +
+            root + "/servicebus/$probe, " + root + "/servicebus/" + board + "/# and " + root + "/" + board +
+            "/#. On a secured bus a board's user is called like the board: ask whoever keeps the broker for "
+            "credentials (asipctl secure add board " +
+            board + ")" + (user.empty() ? "" : ", or call the board " + user + " (--name " + user + ")"),
+        {{"user", user}, {"broker", options_.mqtt.brokers.front().describe()}});
 }
 
 }  // namespace asip::agent

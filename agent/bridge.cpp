@@ -152,10 +152,11 @@ void Bridge::on_action(const session::Identified& identified, Time, Effects& out
                                              : name_from_link(facts_.link);
         safety_.name_board(name_);
         if (!options_.keep_outputs) safety_.stop_services(services_);
-        announcer_ = std::make_unique<Announcer>(
-            topics_,
-            AnnouncerOptions{name_, options_.lease_seconds, options_.takeover, options_.started_unix},
-            random_);
+        announcer_ =
+            std::make_unique<Announcer>(topics_,
+                                        AnnouncerOptions{name_, options_.lease_seconds, options_.takeover,
+                                                         options_.started_unix, options_.on_shared_topic},
+                                        random_);
     } else if (options_.name.empty() && !board.stored_name.empty() && board.stored_name != name_) {
         out.log(Level::kWarning,
                 "the board at this port calls itself otherwise; restart this agent to use that name",

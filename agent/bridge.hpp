@@ -31,7 +31,8 @@ struct BridgeOptions {
     int lease_seconds = model::kDefaultLeaseSeconds;
     bool takeover = false;
     std::uint64_t started_unix = 0;
-    bool keep_outputs = false;  ///< do not stop the board's services when it is found first
+    bool on_shared_topic = true;  ///< see AnnouncerOptions
+    bool keep_outputs = false;    ///< do not stop the board's services when it is found first
     session::SessionOptions session;
     ContextOptions context;
 };

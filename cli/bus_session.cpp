@@ -13,12 +13,19 @@ namespace asip::cli {
 
 using namespace std::chrono_literals;
 
+namespace {
+
+constexpr const char* kWhoMayGrant =
+    "; whoever keeps the broker can give credentials that may: asipctl secure add operator NAME";
+
+}  // namespace
+
 struct BusSession::State {
     explicit State(const Context& its_context)
         : context(its_context),
           timeout(context.timeout),
           name(random_hex(system_random(), 12)),
-          requester(name, context.topics.reply(context.mqtt.user, name)),
+          requester(name, bus::ReplyTopics(context.topics, context.mqtt.user, name)),
           signal(io, [this](int) { stopped = true; }),
           client(io, context.mqtt, handlers()),
           router([this](const std::string& filter) { client.unsubscribe(filter); }) {
@@ -30,6 +37,7 @@ struct BusSession::State {
         mqtt::Client::Handlers result;
         result.on_connected = [this](const mqtt::Connected&) { connected_again(); };
         result.on_disconnected = [this](const mqtt::ConnectionFailure& why) {
+            if (why.after_sending != 0) suspect_denial();
             if (connection_changed) connection_changed(false, why.text);
         };
         result.on_connect_failed = [this](const mqtt::ConnectionFailure& why) {
@@ -39,16 +47,25 @@ struct BusSession::State {
         result.on_published = [this](const std::string&) { ++acknowledged; };
         result.on_publish_denied = [this](const std::string& topic, const std::string& reason) {
             if (!denied.insert(topic).second) return;
-            const auto who = context.mqtt.user.empty() ? "whoever has no user" : "user " + context.mqtt.user;
-            context.note(
-                "the broker does not let " + who + " write to " + topic + " (" + reason +
-                "); whoever keeps the broker can give credentials that may: asipctl secure add operator "
-                "NAME");
+            context.note("the broker does not let " + who() + " write to " + topic + " (" + reason + ")" +
+                         kWhoMayGrant);
         };
         result.on_subscribe_refused = [this](const std::string& filter, const std::string& reason) {
             refused = filter + ": " + reason;
         };
         return result;
+    }
+
+    std::string who() const {
+        return context.mqtt.user.empty() ? "whoever has no user" : "user " + context.mqtt.user;
+    }
+
+    /// Of a message that is not acknowledged brokers do not tell that they denied it: Mosquitto 2.0.11 closes
+    /// the connection.
+    void suspect_denial() {
+        if (last_topic.empty() || denied.contains(last_topic) || !suspected.insert(last_topic).second) return;
+        context.note("the broker closed the connection right after a message on " + last_topic +
+                     ": its access rules may not let " + who() + " write there" + kWhoMayGrant);
     }
 
     void connected_again() {
@@ -87,7 +104,8 @@ struct BusSession::State {
     std::set<std::string> brokers;
     std::map<std::string, mqtt::ConnectionFailure> failed;  // the last failure of each broker
     std::string refused;
-    std::set<std::string> denied;
+    std::set<std::string> denied, suspected;
+    std::string last_topic;  // that was published on
     std::function<void(bool, const std::string&)> connection_changed;
     std::size_t marks = 0;
     bool started = false;
@@ -97,7 +115,7 @@ struct BusSession::State {
 };
 
 BusSession::BusSession(const Context& context) : state_(std::make_unique<State>(context)) {
-    state_->client.subscribe(state_->requester.reply_topic(),
+    state_->client.subscribe(state_->requester.replies().filter(),
                              {.qos = 0, .no_local = false, .retained = false});
 }
 
@@ -137,6 +155,7 @@ void BusSession::publish(const std::string& topic, const std::string& payload, i
     message.payload = payload;
     message.qos = qos;
     message.retain = retain;
+    state_->last_topic = topic;
     state_->client.publish(std::move(message), mqtt::Priority::kReply);
 }
 
@@ -147,13 +166,13 @@ BusSession::Request BusSession::ask(const std::string& topic, const std::string&
     message.payload = payload;
     message.qos = qos;
     auto request = state_->requester.ask(message, v5(), std::move(on_reply));
+    state_->last_topic = topic;
     state_->client.publish(std::move(message), mqtt::Priority::kReply);
     return request;
 }
 
 BusSession::Mark BusSession::mark_retained() {
-    const auto topic = state_->context.topics.reply(state_->context.mqtt.user,
-                                                    state_->name + "-mark" + std::to_string(++state_->marks));
+    const auto topic = state_->requester.replies().below("mark" + std::to_string(++state_->marks)).own();
     Mark mark;
     mark.at_ = std::make_shared<std::optional<Time>>();
     mark.subscription_ = subscribe(topic, [at = mark.at_](const mqtt::Message&) {

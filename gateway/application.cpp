@@ -152,8 +152,9 @@ int Application::run() {
         port().subscribe(std::move(filter), retained);
     mqtt::SubscribeOptions replies;
     replies.qos = 1;
-    client_->subscribe(options_.gateway.reply_base + "/+", replies);
-    urgent_->subscribe(Commands::urgent_replies(options_.gateway.reply_base) + "/+", replies);
+    const auto answers = options_.gateway.replies();
+    client_->subscribe(answers.below("+").filter(), replies);
+    urgent_->subscribe(Commands::urgent(answers).below("+").filter(), replies);
     client_->start();
     urgent_->start();
     server_->start();

@@ -29,7 +29,7 @@ Mirror::Options mirror_options(const GatewayOptions& options, registry::UnitsOf 
     result.forget_after = options.forget_after;
     result.values = options.values;
     result.units_of = std::move(units_of);
-    result.own_topic = options.reply_base + "/mark";
+    result.own_topic = options.replies().below("mark").own();
     return result;
 }
 
@@ -43,11 +43,11 @@ Gateway::Gateway(GatewayOptions options, model::ModelSet models, registry::Units
       mirror_(mirror_options(options_, std::move(units_of)), random,
               {[this](mqtt::Message message) { port_.publish(std::move(message)); }, port_.subscribe,
                port_.unsubscribe}),
-      commands_(options_.reply_base),
+      commands_(options_.replies()),
       gate_(options_.gate, std::move(secrets)),
       streams_(options_.streams_per_client),
       command_rates_(options_.commands_per_second),
-      requester_(random_hex(random, 8), options_.reply_base + "/registry") {
+      requester_(random_hex(random, 8), options_.replies().below("registry")) {
     commands_.on_finished = [this](const CommandRecord& record, Duration time) {
         if (!record.late) durations_.add(std::chrono::duration<double>(time).count());
         log_command(record);

@@ -24,9 +24,10 @@ namespace asip::gateway {
 
 struct GatewayOptions {
     std::string topic_root = "asip";
-    std::string reply_base;  ///< answers come one level below it
-    std::string broker;      ///< for people
-    std::string base_path;   ///< of a proxy, "/asip"; empty: none
+    std::string user;       ///< of the broker, in reply topics
+    std::string client;     ///< of this gateway alone, likewise
+    std::string broker;     ///< for people
+    std::string base_path;  ///< of a proxy, "/asip"; empty: none
     Duration forget_after = std::chrono::hours(7 * 24);
     ValueLimits values;
     Gate::Options gate;
@@ -35,6 +36,9 @@ struct GatewayOptions {
     std::size_t subscriptions = 256;  ///< of one WebSocket
     bool page = true;
     bool metrics = true;
+
+    /// Where what it asks is answered, on topics below.
+    bus::ReplyTopics replies() const { return {bus::Topics(topic_root), user, client}; }
 };
 
 /// The gateway without its sockets: requests, messages of the bus and time go in, answers and messages come

@@ -231,8 +231,8 @@ Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
     options.mqtt = std::move(*mqtt);
     options.gateway.topic_root = raw.broker.topic_root;
     options.gateway.broker = options.mqtt.brokers.front().describe();
-    options.gateway.reply_base =
-        bus::Topics(raw.broker.topic_root).reply(options.mqtt.user, options.mqtt.client_id);
+    options.gateway.user = options.mqtt.user;
+    options.gateway.client = options.mqtt.client_id;
     return result;
 }
 

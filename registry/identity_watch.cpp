@@ -3,15 +3,17 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/query.hpp"
+#include "asip/bus/reply_topics.hpp"
 #include "asip/model/json.hpp"
 
 namespace asip::registry {
 
-IdentityWatch::IdentityWatch(const bus::Topics& topics, std::string id, std::string run)
+IdentityWatch::IdentityWatch(const bus::Topics& topics, std::string id, std::string run,
+                             const std::string& user)
     : topics_(topics),
       id_(std::move(id)),
       run_(std::move(run)),
-      reply_topic_(topics_.root() + "/reply/registry-" + run_) {
+      reply_topic_(bus::ReplyTopics(topics_, user, "registry-" + run_).to(topics_.registry_query(id_))) {
     bus::Query query;
     query.limit = 1;
     query.brief = true;

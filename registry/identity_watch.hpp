@@ -11,8 +11,8 @@ namespace asip::registry {
 /// publish on one topic. Pure.
 class IdentityWatch {
   public:
-    /// `run`: random, what the epochs of this run begin with.
-    IdentityWatch(const bus::Topics& topics, std::string id, std::string run);
+    /// `run`: random, what the epochs of this run begin with. `user`: of the broker, for the reply topic.
+    IdentityWatch(const bus::Topics& topics, std::string id, std::string run, const std::string& user);
 
     /// Topics to subscribe to, before probe() is published.
     std::string reply_topic() const { return reply_topic_; }

@@ -29,7 +29,7 @@ Registry::Registry(const RegistryOptions& options, UnitsOf units_of, Random rand
       catalogue_(catalogue_options(options, std::move(units_of))),
       feed_(id_),
       statistics_(options.stats_interval, now.time),
-      identity_(topics_, id_, run_),
+      identity_(topics_, id_, run_, options.mqtt.user),
       tidier_(topics_, port_,
               [this](const std::string& board) {
                   const auto item = catalogue_.board(board, now_);

@@ -32,23 +32,24 @@ const std::string& Requester::Request::id() const {
 Requester::Request Requester::ask(mqtt::Message& message, bool v5, OnReply on_reply) {
     std::erase_if(open_, [](const auto& one) { return one.second.expired(); });
     const auto id = name_ + "-" + std::to_string(++last_);
-    const auto entry = std::make_shared<Request::Entry>(Request::Entry{id, std::move(on_reply)});
+    const auto entry =
+        std::make_shared<Request::Entry>(Request::Entry{id, replies_.to(message.topic), std::move(on_reply)});
     open_.emplace(id, entry);
     if (v5) {
-        message.response_topic = reply_topic_;
+        message.response_topic = entry->reply_topic;
         message.correlation = id;
     } else {
-        message.payload = with_reply_members(message.payload, reply_topic_, id);
+        message.payload = with_reply_members(message.payload, entry->reply_topic, id);
     }
     return Request(entry);
 }
 
 bool Requester::take(const mqtt::Message& message) {
-    if (message.topic != reply_topic_) return false;
+    if (!replies_.have(message.topic)) return false;
     const auto found = open_.find(message.correlation.empty() ? id_of(message.payload) : message.correlation);
     if (found == open_.end()) return true;
     const auto entry = found->second.lock();
-    if (entry) entry->on_reply(message);
+    if (entry && entry->reply_topic == message.topic) entry->on_reply(message);
     return true;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "asip/bus/reply_topics.hpp"
 #include "asip/mqtt/message.hpp"
 
 namespace asip::bus {
@@ -30,6 +31,7 @@ class Requester {
         friend class Requester;
         struct Entry {
             std::string id;
+            std::string reply_topic;
             OnReply on_reply;
         };
         explicit Request(std::shared_ptr<Entry> entry) : entry_(std::move(entry)) {}
@@ -37,12 +39,11 @@ class Requester {
     };
 
     /// `name`: unique among all programs of the bus, because ids begin with it and a repeated id is taken for
-    /// a repeated request. `reply_topic`: of this program alone, see Topics::reply().
-    Requester(std::string name, std::string reply_topic)
-        : name_(std::move(name)), reply_topic_(std::move(reply_topic)) {}
+    /// a repeated request. `replies`: of this program alone.
+    Requester(std::string name, ReplyTopics replies) : name_(std::move(name)), replies_(std::move(replies)) {}
 
-    /// Subscribe to it before the first request.
-    const std::string& reply_topic() const { return reply_topic_; }
+    /// Where answers come. Subscribe to its filter() before the first request.
+    const ReplyTopics& replies() const { return replies_; }
 
     /// Makes `message` (topic and payload are set) one that is answered. `v5`: the connection speaks MQTT 5.
     /// On 3.1.1 a payload that is not a JSON object becomes the member "raw" of one. `on_reply` is called for
@@ -50,12 +51,13 @@ class Requester {
     /// reset. There is no time limit: that is the caller's.
     Request ask(mqtt::Message& message, bool v5, OnReply on_reply);
 
-    /// Give it every message that arrives. True: it was on the reply topic, and is dealt with.
+    /// Give it every message that arrives. True: it was on a reply topic, and is dealt with. What comes on
+    /// the topic of somebody else than was asked is no answer.
     bool take(const mqtt::Message& message);
 
   private:
     std::string name_;
-    std::string reply_topic_;
+    ReplyTopics replies_;
     std::size_t last_ = 0;
     std::map<std::string, std::weak_ptr<Request::Entry>> open_;
 };

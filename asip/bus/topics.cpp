@@ -84,14 +84,6 @@ std::string Topics::join(std::string_view a, std::string_view b, std::string_vie
     return topic.append(root_).append("/").append(a).append("/").append(b).append("/").append(c);
 }
 
-std::string Topics::reply(std::string_view user, std::string_view client) const {
-    const bool usable = !user.empty() && std::none_of(user.begin(), user.end(), [](char c) {
-        const auto byte = static_cast<unsigned char>(c);
-        return byte < 0x20 || byte == 0x7f || c == '+' || c == '#' || c == '/';
-    });
-    return usable ? join("reply", user, client) : join("reply", client);
-}
-
 std::optional<TopicRef> Topics::parse(std::string_view topic) const {
     if (!topic.starts_with(root_) || topic.size() <= root_.size() || topic[root_.size()] != '/')
         return std::nullopt;

@@ -80,11 +80,6 @@ class Topics {
     std::string registry_query(std::string_view id) const { return join("registry", id, "query"); }
     std::string any_registry_query() const { return root_ + "/registry/query"; }
 
-    /// Where answers come for the program `client` (a name that no other program has) of the broker's user
-    /// `user`: ROOT/reply/USER/CLIENT, so that access rules can keep others from reading them. Without a
-    /// user, or with one whose name cannot be a level of a topic: ROOT/reply/CLIENT.
-    std::string reply(std::string_view user, std::string_view client) const;
-
     /// What `topic` is; nothing when it is not below this root, not one of these topics, or carries a name
     /// that is not valid. Any bytes may be given.
     std::optional<TopicRef> parse(std::string_view topic) const;

@@ -90,7 +90,7 @@ Expected<void> BusTransport::make_client() {
     const std::string client_id = "asip-client-" + random_hex(system_random(), 16);
     auto mqtt = mqtt_options(address_, options_, client_id);
     if (!mqtt) return fail(mqtt.error());
-    requester_.emplace(client_id, topics_.reply(mqtt->user, client_id));
+    requester_.emplace(client_id, bus::ReplyTopics(topics_, mqtt->user, client_id));
     mqtt::Client::Handlers handlers;
     // A callback may drop the last Board, and this with it, while the client has more to deliver.
     handlers.on_message = while_alive([this](const mqtt::Message& message) { take(message); });
@@ -98,7 +98,7 @@ Expected<void> BusTransport::make_client() {
     handlers.on_connect_failed = while_alive([this](const mqtt::ConnectionFailure& why) { failed(why); });
     handlers.on_disconnected = while_alive([this](const mqtt::ConnectionFailure& why) { failed(why); });
     client_ = std::make_unique<mqtt::Client>(io_, std::move(*mqtt), std::move(handlers));
-    client_->subscribe(requester_->reply_topic(), {.qos = 1});
+    client_->subscribe(requester_->replies().filter(), {.qos = 1});
     client_->subscribe(topics_.state(address_.board), {.qos = 1});
     client_->subscribe(topics_.description(address_.board), {.qos = 1});
     client_->subscribe(topics_.service_out(address_.board, "+"),

@@ -112,7 +112,8 @@ std::string Announcer::description_text() const {
 void Announcer::announce(Time now, Announcements& out) {
     if (subscribed_ && described_) publish_state(out);
     if (!renew(now, out)) return;
-    out.publish.push_back({plain(topics_.board_names(), options_.board), mqtt::Priority::kAnnouncement});
+    if (options_.on_shared_topic)
+        out.publish.push_back({plain(topics_.board_names(), options_.board), mqtt::Priority::kAnnouncement});
     for (const auto& service : description_.services)
         out.publish.push_back(
             {plain(topics_.service_names(options_.board), service.name), mqtt::Priority::kAnnouncement});

@@ -18,6 +18,9 @@ struct AnnouncerOptions {
     /// Seconds since 1970 at the start of this program: sessions are ordered by it, so that of two agents
     /// with one name all agree on the later one.
     std::uint64_t started_unix = 0;
+    /// Whether the board's name goes out on the topic that all boards share, too. No access rule can tie that
+    /// one to its sender: a secured bus denies it.
+    bool on_shared_topic = true;
 };
 
 /// Claims a board's name on the bus, announces the board, keeps its lease, answers probes, and puts its

@@ -37,6 +37,9 @@ struct ConnectionFailure {
     /// Every broker of the list has failed fatally, and none has ever accepted the connection: a program
     /// should stop and report it. The client itself tries on.
     bool hopeless = false;
+    /// So many connections in a row, this one included, were closed without a reason soon after a message of
+    /// ours: access rules may have denied it.
+    unsigned after_sending = 0;
 
     /// Whether trying this broker again cannot help until somebody changes something: kTls, kBadCredentials
     /// or kTakenOver, unless it may pass.

@@ -53,8 +53,11 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
     if (was_up_) {
         was_up_ = false;
         ++counters_.failures;
-        retry_after(brokers_.lost(end, Clock::now() - up_since_, options_.random).wait);
-        if (handlers_.on_disconnected) handlers_.on_disconnected(end.failure);
+        const auto now = Clock::now();
+        auto failure = end.failure;
+        cut_off_.ended(failure, now - up_since_, options_.user, now);
+        retry_after(brokers_.lost(end, now - up_since_, options_.random).wait);
+        if (handlers_.on_disconnected) handlers_.on_disconnected(failure);
         return;
     }
     if (end.failure.kind == Kind::kUnreachable && !addresses_.empty()) {

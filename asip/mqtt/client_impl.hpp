@@ -9,6 +9,7 @@
 #include "asip/mqtt/broker_list.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/mqtt/connection.hpp"
+#include "asip/mqtt/cut_off.hpp"
 #include "asip/mqtt/host_lookup.hpp"
 #include "asip/mqtt/outbox.hpp"
 
@@ -80,6 +81,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     bool was_up_ = false;
     Time up_since_{};
     bool tried_v5_ = false;
+    CutOff cut_off_;
 
     Subscriptions subscriptions_;
     Time last_granted_{};  ///< or refused: when the broker was last busy with a subscription

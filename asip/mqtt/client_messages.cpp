@@ -113,7 +113,9 @@ int Client::Impl::send(Outbox::Entry entry) {
         debug_line("not published on " + entry.message.topic + ": " + mosquitto_strerror(error));
     } else if (entry.message.qos == 0) {
         ++counters_.published;
+        cut_off_.sent(Clock::now());
     } else {
+        cut_off_.sent(Clock::now());
         unacknowledged_.emplace(id, Unacknowledged{std::move(entry), Clock::now()});
     }
     return error;

@@ -44,8 +44,8 @@ class Examination {
 
   private:
     void measure_acknowledgement() {
-        const auto topic = context_.topics.reply(
-            context_.mqtt.user, "doctor-" + std::to_string(Clock::now().time_since_epoch().count()));
+        const auto client = "doctor-" + std::to_string(Clock::now().time_since_epoch().count());
+        const auto topic = bus::ReplyTopics(context_.topics, context_.mqtt.user, client).own();
         bool back = false;
         // QoS 0 back: an acknowledgement of ours would carry the TCP acknowledgement that Nagle's algorithm
         // waits for.

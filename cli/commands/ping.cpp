@@ -36,10 +36,10 @@ class Pinger {
         if (!board) return context_.fail_with(board.error());
         echo_ = board->description && board->description->firmware.extensions.has(protocol::kEcho);
         by_name_ = !board->description;
-        while (!session_.stopped() && (count_ == 0 || summary_.sent < count_)) {
+        while (!session_.stopped() && !denied_ && (count_ == 0 || summary_.sent < count_)) {
             const auto next = Clock::now() + options_.interval;
             once();
-            const bool last = count_ != 0 && summary_.sent >= count_;
+            const bool last = denied_ || (count_ != 0 && summary_.sent >= count_);
             if (!last) session_.run_until([] { return false; }, next);
         }
         if (options_.output.for_people()) {
@@ -48,6 +48,7 @@ class Pinger {
             records_.print(summary_.json());
         }
         if (!summary_.milliseconds.empty()) return program::kExitOk;
+        if (denied_) return program::kExitFailure;
         return summary_.failed > 0 ? program::kExitFailure : program::kExitNoAnswer;
     }
 
@@ -60,12 +61,19 @@ class Pinger {
         std::optional<bus::Reply> reply;
         returned_.reset();
         const auto begin = Clock::now();
-        const auto request =
-            session_.ask(context_.topics.board_in(options_.board), line, [&](const mqtt::Message& message) {
+        const auto topic = context_.topics.board_in(options_.board);
+        // The first one is acknowledged by the broker: it tells whether we may.
+        const int qos = summary_.sent == 1 ? 1 : 0;
+        const auto request = session_.ask(
+            topic, line,
+            [&](const mqtt::Message& message) {
                 if (auto parsed = bus::parse_reply(message.payload)) reply = std::move(*parsed);
                 if (!returned_) returned_ = Clock::now();
-            });
-        session_.run_until([&] { return returned_.has_value(); }, begin + context_.timeout);
+            },
+            qos);
+        session_.run_until([&] { return returned_.has_value() || session_.denied(topic); },
+                           begin + context_.timeout);
+        denied_ = session_.denied(topic);
         if (session_.stopped() && !returned_) {
             --summary_.sent;
             return;
@@ -80,7 +88,9 @@ class Pinger {
 
     void print(std::optional<Duration> took, const std::optional<bus::Reply>& reply) {
         const bool answered = took && (!reply || reply->succeeded());
-        std::string problem = took ? "" : "no answer within " + text::duration_text(context_.timeout);
+        std::string problem = took      ? ""
+                              : denied_ ? "the broker does not let us ask"
+                                        : "no answer within " + text::duration_text(context_.timeout);
         if (took && !answered) {
             problem = explain(*reply);
             ++summary_.failed;
@@ -108,6 +118,7 @@ class Pinger {
     PingSummary summary_;
     bool echo_ = false;
     bool by_name_ = false;
+    bool denied_ = false;
     std::string token_;
     std::string expected_;
     std::optional<Time> returned_;
@@ -170,7 +181,8 @@ Run declare_ping(Declaration& verb) {
 
 Verb ping_verb() {
     return {"ping", "Round trip to the board itself, through broker, agent and link",
-            "Exit status: 0 when at least one was answered, 4 when none was.\n"
+            "Exit status: 0 when at least one was answered, 4 when none was, 1 when the board or the broker "
+            "refused.\n"
             "Examples:\n"
             "  asipctl ping uno1 -n 5\n"
             "  asipctl ping uno1 -n 1000 -i 0 -q",

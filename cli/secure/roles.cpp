@@ -19,7 +19,8 @@ constexpr std::array<Description, 6> kRoles{{
      "announces and reports for the board of its name, receives what that board is asked"},
     {Role::kOperator, "operator", "reads what boards report, commands boards, asks registries"},
     {Role::kViewer, "viewer", "reads what boards report, asks registries"},
-    {Role::kRegistry, "registry", "reads everything, clears what forgotten boards left, answers queries"},
+    {Role::kRegistry, "registry",
+     "reads what boards report, clears what forgotten boards left, answers queries"},
     {Role::kGateway, "gateway", "reads what boards report, commands boards, asks registries"},
     {Role::kAdmin, "admin", "everything below the topic root"},
 }};
@@ -36,13 +37,9 @@ const Lines kOwnBoard{
     {"write", "/%u/out"},        {"write", "/%u/+/out"},
     {"write", "/%u/+/error"},    {"read", "/%u/in"},
     {"read", "/%u/$stop"},       {"read", "/%u/+/in"},
+    {"write", "/reply/+/%u/#"},
 };
-const Lines kEverybody{
-    {"write", "/servicebus"},
-    {"readwrite", "/servicebus/$probe"},
-    {"write", "/reply/#"},
-    {"read", "/reply/%u/#"},
-};
+const Lines kEverybody{{"readwrite", "/servicebus/$probe"}, {"readwrite", "/reply/%u/#"}};
 const Lines kReads{
     {"read", "/servicebus/#"},
     {"read", "/registry/+/$state"},
@@ -55,15 +52,17 @@ const Lines kReads{
     {"write", "/registry/+/query"},
 };
 const Lines kCommands{{"write", "/+/in"}, {"write", "/+/+/in"}, {"write", "/+/$stop"}};
+/// No line tells an empty message from another: who may clear what a board left may also report for it.
+/// Nobody needs to command for that: agents refuse commands that are retained.
 const Lines kRegistry{
-    {"read", "/#"},        {"write", "/servicebus/+/#"}, {"write", "/+/in"},
-    {"write", "/+/$stop"}, {"write", "/+/out"},          {"write", "/+/+/in"},
-    {"write", "/+/+/out"}, {"write", "/+/+/error"},      {"readwrite", "/registry/#"},
+    {"read", "/servicebus/#"},        {"write", "/servicebus/+/#"}, {"readwrite", "/+/out"},
+    {"readwrite", "/+/+/out"},        {"readwrite", "/+/+/error"},  {"readwrite", "/registry/#"},
+    {"write", "/reply/+/registry/#"},
 };
 const Lines kEverything{{"readwrite", "/#"}};
 
 /// A person must not announce a board of its own name, which the rules for boards would allow.
-const Lines kNoBoard{{"deny", "/servicebus/%u/#"}, {"deny", "/%u/#"}};
+const Lines kNoBoard{{"deny", "/servicebus/%u/#"}, {"deny", "/%u/#"}, {"deny", "/reply/+/%u/#"}};
 
 std::string written(const Lines& lines, std::string_view word, const std::string& root,
                     std::string_view user) {
@@ -124,6 +123,9 @@ std::string_view rights_of(Role role) {
 std::string explain_user_name(std::string_view name, Role role) {
     if (role == Role::kRegistry && name == "registry") return {};
     if (name == "reply") return "'reply' is reserved: answers come below it";
+    // ROOT/reply/USER/in would match ROOT/+/+/in.
+    if (name == "in" || name == "out" || name == "error")
+        return "'" + std::string(name) + "' is reserved: it ends the topics of services";
     if (name == "broker") return "'broker' is reserved for the broker itself";
     return model::explain_board_name(name);
 }
@@ -137,7 +139,12 @@ std::string access_rules(const std::string& root, const std::vector<RoleOfUser>&
         "# An agent's user is called as its board is: user greenhouse speaks for board greenhouse and no "
         "other.\n";
     text += written(kOwnBoard, "pattern", root, {});
-    text += "\n# Probing, and answering whoever asked. Each user reads its own answers only.\n";
+    text += "\n# Probing, and reading the answers to one's own questions: " + root +
+            "/reply/WHO ASKED/WHO ANSWERS/... "
+            "Names\n# of boards on " +
+            root +
+            "/servicebus itself are for a bus without rules: no line could tie them to "
+            "their sender.\n";
     text += written(kEverybody, "pattern", root, {});
     for (const auto& user : users)
         text += section(user, root);

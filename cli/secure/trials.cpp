@@ -1,5 +1,6 @@
 #include "cli/secure/trials.hpp"
 
+#include "asip/bus/reply_topics.hpp"
 #include "asip/bus/topics.hpp"
 
 namespace asip::cli {
@@ -16,7 +17,9 @@ std::vector<Trial> trials_of(const RoleOfUser& user, const std::string& root, co
                                           topics.service_error(stranger, "io")};
     const std::vector<std::string> announcements{topics.state(stranger), topics.description(stranger),
                                                  topics.service_names(stranger)};
-    const auto answers = topics.reply(stranger, "check");
+    const auto answers = [&](const std::string& asked) {
+        return bus::ReplyTopics(topics, stranger, "check").to(topics.board_in(asked));
+    };
 
     std::vector<Trial> made;
     const auto publish = [&](const char* what, bool allowed, std::vector<std::string> where) {
@@ -29,16 +32,21 @@ std::vector<Trial> trials_of(const RoleOfUser& user, const std::string& root, co
         // A topic of its own that nobody reads.
         publish("announce its own board", true, {topics.service_names(user.name) + "/$check"});
     }
-    publish("announce other boards", admin || registry, announcements);
-    publish("report for other boards", admin || registry, values);
     if (registry) {
-        publish("clear retained commands", true, requests);
+        publish("clear what boards left", true, announcements);
+        publish("clear what boards reported", true, values);
+        publish("answer queries", true, {answers("registry")});
     } else {
-        publish("command boards", commands, requests);
+        publish("announce other boards", admin, announcements);
+        publish("report for other boards", admin, values);
     }
+    // An administrator may, but would put a nameless board onto the bus.
+    if (!admin) publish("name boards on the shared topic", false, {topics.board_names()});
+    publish("answer for other boards", admin, {answers(stranger)});
+    publish("command boards", commands, requests);
     if (!board) read("read what boards report", true, values);
-    read("read what others are asked", admin || registry, requests);
-    read("read answers to others", admin || registry, {answers + "/" + stranger});
+    read("read what others are asked", admin, requests);
+    read("read answers to others", admin, {answers(stranger)});
     return made;
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "asip/bus/reply_topics.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/random.hpp"
@@ -109,7 +110,8 @@ Outcome<std::vector<Found>> try_out(const std::vector<Trial>& trials, const mqtt
     // Read and write in two connections: what the reader publishes itself would be its own.
     Attempt reader(io, subject_options);
     const auto mark =
-        bus::Topics(root).reply(subject_options.user, "check-" + random_hex(system_random(), 12));
+        bus::ReplyTopics(bus::Topics(root), subject_options.user, "check-" + random_hex(system_random(), 12))
+            .own();
     reader.client().subscribe(mark, {.qos = 1});
     for (const auto& trial : trials) {
         for (const auto& topic : trial.reads)

@@ -9,8 +9,6 @@
 namespace asip::gateway {
 namespace {
 
-constexpr std::string_view kUrgent = "/urgent";
-
 std::string with_deadline(std::string payload, Duration deadline) {
     const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(deadline).count();
     payload.pop_back();
@@ -24,10 +22,6 @@ std::string with_by(std::string payload, const std::string& by) {
 }
 
 }  // namespace
-
-std::string Commands::urgent_replies(const std::string& reply_base) {
-    return reply_base + std::string(kUrgent);
-}
 
 std::string Commands::bus_id(std::string_view session, std::string_view id) {
     return std::string(session).append(".").append(id);
@@ -52,7 +46,7 @@ Commands::Started Commands::start(Start start, bool v5, const Instant& now, Done
     message.qos = 1;
     message.payload = with_deadline(start.payload, start.deadline);
     const auto reply_topic =
-        (start.answer_first ? urgent_replies(reply_base_) : reply_base_) + "/" + start.session;
+        (start.answer_first ? urgent(replies_) : replies_).below(start.session).to(start.topic);
     if (v5) {
         message.response_topic = reply_topic;
         message.correlation = key;
@@ -63,26 +57,19 @@ Commands::Started Commands::start(Start start, bool v5, const Instant& now, Done
     Entry entry;
     entry.record = {start.id, start.by, start.target, start.payload, now, std::nullopt, false};
     entry.topic = start.topic;
+    entry.reply_topic = reply_topic;
     entry.waiting.push_back(std::move(done));
     const auto added = entries_.emplace(key, std::move(entry)).first;
     added->second.due = due_.emplace(now.time + start.deadline + kGrace, added->first);
     return Started::kPublish;
 }
 
-std::string_view Commands::session_of(std::string_view topic) const {
-    if (!topic.starts_with(reply_base_)) return {};
-    topic.remove_prefix(reply_base_.size());
-    if (topic.starts_with(kUrgent)) topic.remove_prefix(kUrgent.size());
-    return topic.starts_with('/') ? topic.substr(1) : std::string_view();
-}
-
 bool Commands::take(const mqtt::Message& message, const Instant& now) {
-    const auto session = session_of(message.topic);
-    if (session.empty()) return false;
+    if (!replies_.of_user(message.topic)) return false;
     auto reply = bus::parse_reply(message.payload);
     if (!reply) return false;
     const auto found = entries_.find(message.correlation.empty() ? reply->id : message.correlation);
-    if (found == entries_.end() || !found->first.starts_with(bus_id(session, ""))) return false;
+    if (found == entries_.end() || found->second.reply_topic != message.topic) return false;
     auto& entry = found->second;
     if (entry.answered && (!entry.record.reply || entry.record.reply->reason != kNoAnswer)) return true;
     finish(entry, std::move(*reply), now.time);

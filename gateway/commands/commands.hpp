@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "asip/bus/reply.hpp"
+#include "asip/bus/reply_topics.hpp"
 #include "asip/mqtt/message.hpp"
 #include "gateway/instant.hpp"
 
@@ -45,18 +46,18 @@ class Commands {
         std::string payload;  ///< JSON object, without `deadline_ms`
         Duration deadline = std::chrono::seconds(5);
         bool urgent = false;  ///< a stop: taken when there are too many others
-        /// The answer comes one level below urgent_replies(), past the answers of others: the caller has
-        /// subscribed that over another connection.
+        /// The answer comes below urgent(), past the answers of others: the caller has subscribed that over
+        /// another connection.
         bool answer_first = false;
     };
     using Done = std::function<void(const CommandRecord&)>;
     enum class Started { kPublish, kRepeated, kIdReused, kTooMany };
 
-    /// `reply_base`: reply topics are one level below it.
-    explicit Commands(std::string reply_base) : reply_base_(std::move(reply_base)) {}
+    /// Answers come below `replies`, in a level for each session.
+    explicit Commands(bus::ReplyTopics replies) : replies_(std::move(replies)) {}
 
-    /// Where the answers to urgent commands come, one level below.
-    static std::string urgent_replies(const std::string& reply_base);
+    /// Those of urgent commands.
+    static bus::ReplyTopics urgent(const bus::ReplyTopics& replies) { return replies.below("urgent"); }
 
     /// kPublish: `message` is to be published. kRepeated: nothing is, `done` is called with the first one's
     /// answer, now or later. Else `done` is not called.
@@ -82,16 +83,14 @@ class Commands {
     using Due = std::multimap<Time, std::string_view>;  // -> key of an entry
     struct Entry {
         CommandRecord record;
-        std::string topic;
+        std::string topic, reply_topic;
         Due::iterator due;  // without an answer: the end of waiting; with one: of keeping it
         bool answered = false;
         std::vector<Done> waiting;
     };
     void finish(Entry& entry, bus::Reply reply, Time now);
-    /// The session whose reply topic this is; empty: none of ours.
-    std::string_view session_of(std::string_view topic) const;
 
-    std::string reply_base_;
+    bus::ReplyTopics replies_;
     std::map<std::string, Entry, std::less<>> entries_;  // by "SESSION.ID"
     Due due_;
     std::uint64_t made_up_ = 0;

@@ -149,12 +149,13 @@ TEST_F(SecuredBus, AgentOfOneBoard_CannotSpeakForAnotherNorCommandIt) {
         return published.errors.find("Not authorized") != std::string::npos;
     };
     for (const char* topic :
-         {"asip/servicebus/other/$state", "asip/servicebus/other/$description", "asip/other/out",
-          "asip/other/io/out", "asip/other/in", "asip/other/io/in", "asip/registry/query"}) {
+         {"asip/servicebus", "asip/servicebus/other/$state", "asip/servicebus/other/$description",
+          "asip/other/out", "asip/other/io/out", "asip/other/in", "asip/other/io/in", "asip/registry/query",
+          "asip/reply/operator/other/x"}) {
         EXPECT_TRUE(refused(topic)) << topic;
     }
     for (const char* topic :
-         {"asip/servicebus/uno/$state", "asip/uno/out", "asip/uno/io/out", "asip/reply/x/y"}) {
+         {"asip/servicebus/uno/$state", "asip/uno/out", "asip/uno/io/out", "asip/reply/operator/uno/x"}) {
         EXPECT_FALSE(refused(topic)) << topic;
     }
 }
@@ -193,11 +194,13 @@ TEST_F(SecuredBus, Registry_ClearsWhatAForgottenBoardLeft) {
                    .output == "gone\n";
     })) << registry.errors();
     mqtt::Message forget{.topic = "asip/registry/hall/query", .payload = R"({"forget":"gone"})"};
-    forget.response_topic = "asip/reply/admin/test";
+    forget.response_topic = "asip/reply/admin/registry/test";
     admin.publish(forget);
-    ASSERT_TRUE(admin.wait_for("asip/reply/admin/test"));
-    for (const char* topic : {"asip/servicebus/gone/$state", "asip/gone/io/out", "asip/gone/io/in"})
+    ASSERT_TRUE(admin.wait_for(forget.response_topic));
+    for (const char* topic : {"asip/servicebus/gone/$state", "asip/gone/io/out"})
         EXPECT_TRUE(admin.wait_for(topic, "")) << topic << "\n" << registry.errors();
+    EXPECT_EQ(registry.errors().find("access rules"), std::string::npos) << registry.errors();
+    EXPECT_EQ(admin.last("asip/gone/io/in"), "W,1") << "who clears commands could also command";
     EXPECT_EQ(registry.errors().find("connection lost"), std::string::npos) << registry.errors();
 }
 

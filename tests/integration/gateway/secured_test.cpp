@@ -57,7 +57,6 @@ TEST_F(SecuredGateway, ShippedRules_AllowWhatItDoes) {
     EXPECT_EQ(post(port, "/api/boards/uno1/raw", R"({"lines":["I,d,99,1"]})").status, 422);
     EXPECT_EQ(post(port, "/api/stop").status, 200);
     BusProbe paper_only(broker_.port(), {}, {.user = "B4", .password = "of-B4"});
-    paper_only.publish("asip/servicebus", "B4");
     paper_only.publish("asip/servicebus/B4", "S1");
     EXPECT_TRUE(wait_until([&] { return get(port, "/api/boards/B4/services/S1").status == 200; }));
     paper_only.publish("asip/B4/out", "@D,e,1,{7}");

@@ -29,7 +29,7 @@ TEST_F(PeopleOnSecuredBus, Viewer_SeesBoardsAndCannotCommandThem) {
 }
 
 TEST_F(PeopleOnSecuredBus, Viewer_CannotSeeAnswersOrRequestsOfOthers) {
-    for (const char* topic : {"asip/reply/ann/x/uno1", "asip/reply/gateway/x/s/uno1", "asip/uno1/in",
+    for (const char* topic : {"asip/reply/ann/uno1/x", "asip/reply/gateway/uno1/x/s", "asip/uno1/in",
                               "asip/uno1/io/in", "asip/uno1/$stop", "asip/registry/query"})
         EXPECT_FALSE(may_read("bob", topic)) << topic;
 }
@@ -50,21 +50,38 @@ TEST_F(PeopleOnSecuredBus, Operator_CommandsBoardsAndReadsItsOwnAnswersOnly) {
             EXPECT_TRUE(may_publish(user, topic)) << user << " " << topic;
         for (const char* topic : {"asip/uno1/out", "asip/servicebus/uno1/$state"})
             EXPECT_FALSE(may_publish(user, topic)) << user << " " << topic;
-        EXPECT_TRUE(may_read(user, "asip/reply/" + std::string(user) + "/x/uno1"));
-        EXPECT_FALSE(may_read(user, "asip/reply/bob/x/uno1"));
+        EXPECT_TRUE(may_read(user, "asip/reply/" + std::string(user) + "/uno1/x"));
+        EXPECT_FALSE(may_read(user, "asip/reply/bob/uno1/x"));
         EXPECT_FALSE(may_read(user, "asip/uno1/io/in"));
     }
 }
 
+TEST_F(PeopleOnSecuredBus, AnswersToAnOperator_AreForgedByNobody) {
+    for (const char* user : {"bob", "gateway", "registry"}) {
+        for (const char* topic : {"asip/reply/ann/uno1/x", "asip/reply/ann/uno1", "asip/reply/ann/$self/x",
+                                  "asip/reply/ann/x", "asip/reply/ann"})
+            EXPECT_FALSE(may_publish(user, topic)) << user << " " << topic;
+    }
+    for (const char* user : {"uno1", "bob", "gateway"})
+        EXPECT_FALSE(may_publish(user, "asip/reply/ann/registry/x")) << user;
+    EXPECT_TRUE(may_publish("uno1", "asip/reply/ann/uno1/x")) << "who is asked answers";
+    EXPECT_TRUE(may_publish("registry", "asip/reply/ann/registry/x"));
+    EXPECT_FALSE(may_publish("gateway", "asip/reply/ann/gateway/x")) << "is no board";
+}
+
 TEST_F(PeopleOnSecuredBus, Registry_ClearsWhatBoardsLeftAndNothingElse) {
-    for (const char* topic :
-         {"asip/servicebus/gone", "asip/servicebus/gone/$state", "asip/servicebus/gone/$description",
-          "asip/gone/out", "asip/gone/io/out", "asip/gone/io/error", "asip/gone/in", "asip/gone/io/in",
-          "asip/registry/hall/$state", "asip/registry/hall/events"})
+    for (const char* topic : {"asip/servicebus/gone", "asip/servicebus/gone/$state",
+                              "asip/servicebus/gone/$description", "asip/gone/out", "asip/gone/io/out",
+                              "asip/gone/io/error", "asip/registry/hall/$state", "asip/registry/hall/events"})
         EXPECT_TRUE(may_publish("registry", topic)) << topic;
-    for (const char* topic :
-         {"asip/gone", "asip/gone/io", "asip/gone/io/other", "elsewhere", "homeassistant/x"})
+    for (const char* topic : {"asip/gone", "asip/gone/io", "asip/gone/io/other", "elsewhere",
+                              "homeassistant/x", "asip/servicebus"})
         EXPECT_FALSE(may_publish("registry", topic)) << topic;
+    for (const char* topic : {"asip/uno1/in", "asip/uno1/io/in", "asip/uno1/$stop"}) {
+        EXPECT_FALSE(may_publish("registry", topic)) << "commands nobody: " << topic;
+        EXPECT_FALSE(may_read("registry", topic)) << topic;
+    }
+    EXPECT_FALSE(may_read("registry", "asip/reply/ann/uno1/x"));
 }
 
 TEST_F(PeopleOnSecuredBus, StrangersGetNothing) {

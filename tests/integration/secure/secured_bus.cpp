@@ -50,7 +50,7 @@ bool SecuredBus::may_publish(const std::string& user, const std::string& topic) 
 }
 
 bool SecuredBus::may_read(const std::string& user, const std::string& topic) const {
-    const auto mark = "asip/reply/" + user + "/mark";
+    const auto mark = "asip/reply/" + user + "/$self/mark";
     const auto reader = probe(user, {"#", topic, mark});
     auto admin = probe("admin", {});
     admin.publish(topic, "secret");

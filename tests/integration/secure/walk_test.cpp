@@ -58,6 +58,48 @@ TEST_F(WalkOnSecuredBus, ViewerWhoCommands_IsToldWhoWhatAndWhoMayGrantIt) {
     EXPECT_THAT(refused.errors, Not(HasSubstr("no answer")));
 }
 
+TEST_F(WalkOnSecuredBus, ViewerWhoPings_IsToldWhoWhatAndWhoMayGrantIt) {
+    ASSERT_TRUE(listed_for("bob")) << agent_->errors() << registry_->errors();
+    for (const char* version : {"5", "3.1.1"}) {
+        const auto refused = asipctl("bob", {"ping", "uno", "-n", "2", "--mqtt-version", version});
+        EXPECT_NE(refused.status, 0) << refused.output;
+        EXPECT_THAT(refused.errors, HasSubstr("asip/uno/in")) << version;
+        EXPECT_THAT(refused.errors, HasSubstr("let user bob write")) << version;
+        EXPECT_THAT(refused.errors, HasSubstr("asipctl secure add operator")) << version;
+    }
+    EXPECT_EQ(asipctl("ann", {"ping", "uno", "-n", "2"}).status, 0);
+}
+
+TEST_F(WalkOnSecuredBus, AgentWithTheCredentialsOfAnotherBoard_SaysWhoWhatAndWhoMayGrantIt) {
+    add({"board", "uno2"});
+    SimulatedBoards second{{"asip_uno"}};
+    for (const char* version : {"5", "3.1.1"}) {
+        ChildProcess wrong(
+            Words{ASIP_TEST_AGENT, "--serial", second.serial(), "--name", "uno3", "--mqtt-version", version} +
+            as("uno2"));
+        EXPECT_TRUE(wrong.wait_for_errors("denied announcing board uno3")) << wrong.errors();
+        EXPECT_THAT(wrong.errors(), HasSubstr("User uno2 must be allowed to write asip/servicebus/$probe"));
+        EXPECT_THAT(wrong.errors(), HasSubstr("asipctl secure add board uno3"));
+        EXPECT_THAT(wrong.errors(), HasSubstr("--name uno2"));
+    }
+    EXPECT_THAT(asipctl("bob", {"list", "-o", "name"}).output, Not(HasSubstr("uno3")));
+}
+
+TEST_F(WalkOnSecuredBus, BoardWithoutAgent_IsFoundByItsServicesAndCannotNameAnother) {
+    add({"board", "plain"});
+    ASSERT_TRUE(listed_for("bob")) << agent_->errors() << registry_->errors();
+    auto board = probe("plain", {"asip/plain/in"});
+    board.publish("asip/servicebus/plain", "io");
+    EXPECT_TRUE(wait_until([&] {
+        return asipctl("bob", {"list", "-o", "name"}).output == "plain\nuno\n";
+    })) << registry_->errors();
+    board.publish("asip/servicebus", "forged");
+    auto again = probe("plain", {});
+    again.publish("asip/servicebus/plain", "io");
+    ASSERT_TRUE(wait_until([&] { return again.all_acknowledged(); }));
+    EXPECT_EQ(asipctl("bob", {"list", "-o", "name"}).output, "plain\nuno\n");
+}
+
 TEST_F(WalkOnSecuredBus, RevokedOperator_IsToldWhoToAsk) {
     const auto copy = place_.write("copy", run({"cat", credentials("ann")}).output);
     ASSERT_EQ(secure({"revoke", "ann", "--reload-pid", std::to_string(broker_->pid())}).status, 0);

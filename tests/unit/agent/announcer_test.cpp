@@ -43,6 +43,15 @@ TEST(Announcer, BoardAndBusThere_NameIsProbedThenAnnouncedInBothLayers) {
     EXPECT_EQ(description->agent.client, "client");
 }
 
+TEST(Announcer, BusThatKnowsItsUsers_NothingGoesOutWhereNoRuleTiesItToTheSender) {
+    auto options = BridgeBench::defaults();
+    options.on_shared_topic = false;
+    BridgeBench bench(options);
+    bench.go_online();
+    EXPECT_THAT(bench.on("asip/servicebus"), IsEmpty());
+    EXPECT_THAT(bench.on("asip/servicebus/uno1"), ElementsAre("io", "servo", "distance"));
+}
+
 TEST(Announcer, StateAndDescription_AreRetainedAndTheDescriptionExpiresWithTheLease) {
     BridgeBench bench;
     bench.go_online();

@@ -18,6 +18,8 @@ mqtt::Message message(std::string topic, std::string payload, std::string correl
     return made;
 }
 
+constexpr const char* kReply = "asip/reply/ann/uno1/me";
+
 class RequesterTest : public testing::Test {
   protected:
     Requester::Request ask(std::string payload, bool v5, const std::string& name) {
@@ -26,7 +28,7 @@ class RequesterTest : public testing::Test {
             heard.push_back(name + ":" + reply.payload);
         });
     }
-    Requester requester{"me", "asip/reply/me"};
+    Requester requester{"me", ReplyTopics(Topics("asip"), "ann", "me")};
     mqtt::Message sent;
     std::vector<std::string> heard;
 };
@@ -34,54 +36,65 @@ class RequesterTest : public testing::Test {
 TEST_F(RequesterTest, OnVersion5_AnswersAreFoundByCorrelation) {
     const auto a = ask("W,0,90", true, "a");
     EXPECT_EQ(sent.payload, "W,0,90");
-    EXPECT_EQ(sent.response_topic, "asip/reply/me");
+    EXPECT_EQ(sent.response_topic, kReply);
+    EXPECT_EQ(requester.replies().filter(), "asip/reply/ann/+/me");
     const auto id_of_a = sent.correlation;
     const auto b = ask("W,0,91", true, "b");
     EXPECT_NE(sent.correlation, id_of_a);
-    EXPECT_TRUE(requester.take(message("asip/reply/me", "2", sent.correlation)));
-    EXPECT_TRUE(requester.take(message("asip/reply/me", "1", id_of_a)));
-    EXPECT_TRUE(requester.take(message("asip/reply/me", "?", "stranger")));
-    EXPECT_FALSE(requester.take(message("asip/reply/you", "x", id_of_a)));
+    EXPECT_TRUE(requester.take(message(kReply, "2", sent.correlation)));
+    EXPECT_TRUE(requester.take(message(kReply, "1", id_of_a)));
+    EXPECT_TRUE(requester.take(message(kReply, "?", "stranger")));
+    EXPECT_FALSE(requester.take(message("asip/reply/ann/uno1/you", "x", id_of_a)));
+    EXPECT_FALSE(requester.take(message("asip/reply/you/uno1/me", "x", id_of_a)));
     EXPECT_THAT(heard, ElementsAre("b:2", "a:1"));
 }
 
 TEST_F(RequesterTest, OnVersion311_RequestAndAnswerCarryTheIdInTheirText) {
     const auto a = ask(R"({"write":[0,90]})", false, "a");
-    EXPECT_EQ(sent.payload, R"({"id":"me-1","reply_to":"asip/reply/me","write":[0,90]})");
+    EXPECT_EQ(sent.payload, R"({"id":"me-1","reply_to":"asip/reply/ann/uno1/me","write":[0,90]})");
     EXPECT_TRUE(sent.response_topic.empty());
     const auto b = ask("W,0,90", false, "b");
-    EXPECT_EQ(sent.payload, R"({"id":"me-2","raw":"W,0,90","reply_to":"asip/reply/me"})");
-    requester.take(message("asip/reply/me", R"({"status":"ok","id":"me-2"})"));
-    requester.take(message("asip/reply/me", R"({"id":7})"));
-    requester.take(message("asip/reply/me", "nonsense"));
-    requester.take(message("asip/reply/me", R"({"nested":{"id":"me-1"}})"));
+    EXPECT_EQ(sent.payload, R"({"id":"me-2","raw":"W,0,90","reply_to":"asip/reply/ann/uno1/me"})");
+    requester.take(message(kReply, R"({"status":"ok","id":"me-2"})"));
+    requester.take(message(kReply, R"({"id":7})"));
+    requester.take(message(kReply, "nonsense"));
+    requester.take(message(kReply, R"({"nested":{"id":"me-1"}})"));
     EXPECT_THAT(heard, ElementsAre(R"(b:{"status":"ok","id":"me-2"})"));
+}
+
+TEST_F(RequesterTest, AnswerOnTheTopicOfAnotherBoard_IsNone) {
+    const auto a = ask("W,0,90", true, "a");
+    EXPECT_TRUE(requester.take(message("asip/reply/ann/uno2/me", "forged", sent.correlation)));
+    EXPECT_TRUE(requester.take(message("asip/reply/ann/$self/me", "forged", sent.correlation)));
+    EXPECT_TRUE(heard.empty());
+    EXPECT_TRUE(requester.take(message(kReply, "true", sent.correlation)));
+    EXPECT_THAT(heard, ElementsAre("a:true"));
 }
 
 TEST_F(RequesterTest, RequestEnded_ItsAnswerIsIgnored) {
     auto a = ask("x", true, "a");
     const auto correlation = sent.correlation;
     a.reset();
-    EXPECT_TRUE(requester.take(message("asip/reply/me", "late", correlation)));
+    EXPECT_TRUE(requester.take(message(kReply, "late", correlation)));
     EXPECT_TRUE(heard.empty());
 }
 
 TEST_F(RequesterTest, RequestEndsInsideItsOwnCallback_IsHarmless) {
     std::optional<Requester::Request> own;
     std::string seen;
-    sent = message("t", "x");
+    sent = message("asip/uno1/in", "x");
     own = requester.ask(sent, true, [&, text = std::string(100, 'y')](const mqtt::Message&) {
         own.reset();
         seen = text;
     });
-    requester.take(message("asip/reply/me", "1", sent.correlation));
+    requester.take(message(kReply, "1", sent.correlation));
     EXPECT_EQ(seen, std::string(100, 'y'));
 }
 
 TEST(Request, OutlivesItsRequester_IsHarmless) {
     Requester::Request left;
     {
-        Requester requester("me", "r");
+        Requester requester("me", ReplyTopics(Topics(), "", "r"));
         auto sent = message("t", "x");
         left = requester.ask(sent, true, [](const mqtt::Message&) { FAIL(); });
     }

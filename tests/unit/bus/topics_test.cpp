@@ -105,12 +105,5 @@ TEST(TopicRoot, InvalidRoot_IsRefused) {
     EXPECT_TRUE(Topics::valid_root("plant/line-1/asip"));
 }
 
-TEST(Topics, Reply_StandsBelowItsUserWhereThatIsALevel) {
-    const Topics topics("plant/asip");
-    EXPECT_EQ(topics.reply("operator", "c1"), "plant/asip/reply/operator/c1");
-    for (const char* user : {"", "a/b", "a+", "#", "a\nb"})
-        EXPECT_EQ(topics.reply(user, "c1"), "plant/asip/reply/c1") << user;
-}
-
 }  // namespace
 }  // namespace asip::bus

@@ -48,7 +48,7 @@ TEST(SecureRoles, EachRole_IsReadBackFromItsName) {
 
 TEST(SecureRoles, NamesThatWouldChangeTheRules_AreRefused) {
     for (const char* name : {"", "a b", "a/b", "+", "#", "$x", "a:b", "a\nuser admin", "servicebus", "reply",
-                             "broker", "registry"})
+                             "broker", "registry", "in", "out", "error"})
         EXPECT_NE(explain_user_name(name, Role::kOperator), "") << name;
     EXPECT_EQ(explain_user_name("ann", Role::kOperator), "");
     EXPECT_EQ(explain_user_name("uno_1.left", Role::kBoard), "");
@@ -72,14 +72,23 @@ TEST(SecureRoles, OtherTopicRoot_LeavesNoTraceOfTheDefault) {
 TEST(SecureRoles, Person_IsDeniedTheBoardThatIsCalledLikeIt) {
     for (const auto role : {Role::kOperator, Role::kViewer, Role::kGateway}) {
         const auto rules = access_rules("asip", {{"ann", role}});
-        EXPECT_THAT(rules, HasSubstr("user ann\ntopic deny asip/servicebus/ann/#\ntopic deny asip/ann/#\n"));
+        EXPECT_THAT(rules, HasSubstr("user ann\ntopic deny asip/servicebus/ann/#\ntopic deny asip/ann/#\n"
+                                     "topic deny asip/reply/+/ann/#\n"));
     }
 }
 
-TEST(SecureRoles, Viewer_HasNoLineThatCommands) {
-    const auto rules = access_rules("asip", {{"bob", Role::kViewer}});
-    EXPECT_THAT(rules.substr(rules.find("user bob")), Not(HasSubstr("/in\n")));
-    EXPECT_THAT(rules.substr(rules.find("user bob")), Not(HasSubstr("$stop")));
+TEST(SecureRoles, ViewerAndRegistry_HaveNoLineThatCommands) {
+    for (const auto role : {Role::kViewer, Role::kRegistry}) {
+        const auto rules = access_rules("asip", {{"bob", role}});
+        EXPECT_THAT(rules.substr(rules.find("user bob")), Not(HasSubstr("/in\n")));
+        EXPECT_THAT(rules.substr(rules.find("user bob")), Not(HasSubstr("$stop")));
+    }
+}
+
+TEST(SecureRoles, Nobody_WritesWhereNoRuleCanTellTheSender) {
+    const auto rules = access_rules("asip", {{"ann", Role::kOperator}, {"registry", Role::kRegistry}});
+    EXPECT_THAT(rules, Not(HasSubstr("write asip/servicebus\n")));
+    EXPECT_THAT(rules, Not(HasSubstr("write asip/reply/#\n")));
 }
 
 TEST(SecureRoles, ShippedRules_AreThoseOfTheRoles) {

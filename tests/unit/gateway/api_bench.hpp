@@ -40,7 +40,8 @@ class ApiTest : public testing::Test {
     explicit ApiTest(Role role = Role::kAdmin, std::string base_path = {}) {
         program::log::configure(program::log::Level::kOff, program::log::Format::kText);
         GatewayOptions options;
-        options.reply_base = "asip/reply/gw";
+        options.user = "gate";
+        options.client = "gw";
         options.base_path = std::move(base_path);
         options.gate.hosts = {"localhost"};
         options.gate.loopback.role = role;
@@ -68,7 +69,7 @@ class ApiTest : public testing::Test {
 
     void settle() {
         for (const auto& message : std::vector<mqtt::Message>(published_)) {
-            if (message.topic == "asip/reply/gw/mark") gateway_->message(message);
+            if (message.topic == "asip/reply/gate/$self/gw/mark") gateway_->message(message);
         }
         published_.clear();
     }

@@ -25,7 +25,7 @@ class CommandsTest : public testing::Test {
         return reply;
     }
 
-    Commands commands_{"asip/reply/gw"};
+    Commands commands_{bus::ReplyTopics(bus::Topics(), "gate", "gw")};
     mqtt::Message message_;
     std::vector<CommandRecord> done_;
 };
@@ -34,7 +34,7 @@ TEST_F(CommandsTest, Sent_CarriesDeadlineReplyTopicOfTheSessionAndWhoSentIt) {
     ASSERT_EQ(send("s1", "7"), Commands::Started::kPublish);
     EXPECT_EQ(message_.topic, "asip/uno1/servo/in");
     EXPECT_EQ(message_.payload, R"({"write":[0,90],"deadline_ms":1000})");
-    EXPECT_EQ(message_.response_topic, "asip/reply/gw/s1");
+    EXPECT_EQ(message_.response_topic, "asip/reply/gate/uno1/gw/s1");
     EXPECT_EQ(message_.user_properties, (std::vector<std::pair<std::string, std::string>>{{"by", "anna"}}));
 }
 
@@ -45,7 +45,7 @@ TEST_F(CommandsTest, Urgent_ItsAnswerComesPastThoseOfOthers) {
         commands_.start(
             start, true, at(0ms), [this](const CommandRecord& record) { done_.push_back(record); }, message_),
         Commands::Started::kPublish);
-    EXPECT_EQ(message_.response_topic, "asip/reply/gw/urgent/stop");
+    EXPECT_EQ(message_.response_topic, "asip/reply/gate/uno1/gw/urgent/stop");
     EXPECT_TRUE(commands_.take(answer(R"({"status":"ok","proof":"fence"})"), at(5ms)));
     ASSERT_EQ(done_.size(), 1u);
     EXPECT_TRUE(done_[0].reply->succeeded());
@@ -68,9 +68,9 @@ TEST_F(CommandsTest, AsManyKeptAsMayBe_OnlyWhatIsUrgentIsTaken) {
 
 TEST_F(CommandsTest, OverMqtt311_ReplyTopicAndIdAreInThePayload) {
     ASSERT_EQ(send("s1", "7", R"({"write":[0,90]})", false), Commands::Started::kPublish);
-    EXPECT_THAT(message_.payload, testing::HasSubstr(R"("reply_to":"asip/reply/gw/s1")"));
+    EXPECT_THAT(message_.payload, testing::HasSubstr(R"("reply_to":"asip/reply/gate/uno1/gw/s1")"));
     mqtt::Message reply;
-    reply.topic = "asip/reply/gw/s1";
+    reply.topic = "asip/reply/gate/uno1/gw/s1";
     reply.payload = R"({"id":"s1.7","status":"ok","proof":"fence"})";
     EXPECT_TRUE(commands_.take(reply, at(5ms)));
     ASSERT_EQ(done_.size(), 1u);
@@ -95,7 +95,7 @@ TEST_F(CommandsTest, SameIdInTwoSessions_AreTwoCommands) {
     const auto first = message_.correlation;
     EXPECT_EQ(send("s2", "7"), Commands::Started::kPublish);
     EXPECT_NE(message_.correlation, first);
-    EXPECT_EQ(message_.response_topic, "asip/reply/gw/s2");
+    EXPECT_EQ(message_.response_topic, "asip/reply/gate/uno1/gw/s2");
 }
 
 TEST_F(CommandsTest, Repeated_IsNotPublishedAgainAndGetsTheSameAnswer) {
@@ -131,8 +131,10 @@ TEST_F(CommandsTest, NobodyAnswers_TimeoutAndALateAnswerIsStillKept) {
 TEST_F(CommandsTest, AnswerOfAnotherSession_IsNotTaken) {
     send("s1", "7");
     auto forged = answer(R"({"status":"ok"})");
-    forged.topic = "asip/reply/gw/s2";
+    forged.topic = "asip/reply/gate/uno1/gw/s2";
     EXPECT_FALSE(commands_.take(forged, at(5ms)));
+    forged.topic = "asip/reply/gate/uno2/gw/s1";
+    EXPECT_FALSE(commands_.take(forged, at(5ms))) << "another board";
     EXPECT_FALSE(commands_.take(answer("nonsense"), at(5ms)));
     EXPECT_TRUE(done_.empty());
     EXPECT_TRUE(commands_.take(answer(R"({"status":"ok"})"), at(5ms)));

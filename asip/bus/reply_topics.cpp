@@ -1,0 +1,44 @@
+#include "asip/bus/reply_topics.hpp"
+
+#include <algorithm>
+
+namespace asip::bus {
+namespace {
+
+bool can_be_level(std::string_view text) {
+    return !text.empty() && std::none_of(text.begin(), text.end(), [](char c) {
+        const auto byte = static_cast<unsigned char>(c);
+        return byte < 0x20 || byte == 0x7f || c == '+' || c == '#' || c == '/';
+    });
+}
+
+}  // namespace
+
+ReplyTopics::ReplyTopics(const Topics& topics, std::string_view user, std::string_view client)
+    : root_(topics.root() + "/"),
+      prefix_(root_ + "reply/" + std::string(can_be_level(user) ? user : "$nobody") + "/"),
+      client_("/" + std::string(client)) {}
+
+ReplyTopics ReplyTopics::below(std::string_view level) const {
+    ReplyTopics made = *this;
+    made.client_.append("/").append(level);
+    return made;
+}
+
+std::string ReplyTopics::to(std::string_view request_topic) const {
+    if (request_topic.starts_with(root_)) request_topic.remove_prefix(root_.size());
+    return of(request_topic.substr(0, request_topic.find('/')));
+}
+
+bool ReplyTopics::have(std::string_view topic) const {
+    if (!of_user(topic)) return false;
+    topic.remove_prefix(prefix_.size());
+    const auto level = topic.find('/');
+    return level != std::string_view::npos && topic.substr(level) == client_;
+}
+
+std::string ReplyTopics::of(std::string_view asked) const {
+    return std::string(prefix_).append(asked).append(client_);
+}
+
+}  // namespace asip::bus

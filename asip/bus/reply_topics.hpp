@@ -1,0 +1,41 @@
+#pragma once
+#include <string>
+#include <string_view>
+
+#include "asip/bus/topics.hpp"
+
+namespace asip::bus {
+
+/// Where the answers to one program's requests come: ROOT/reply/USER/ASKED/CLIENT. USER is the program's user
+/// of the broker, ASKED the board that is asked or `registry`, CLIENT what no other program has. So the
+/// broker's access rules can keep others from reading an answer (by USER), and from giving one for somebody
+/// else (by ASKED). Whoever answers takes any reply topic that a request names.
+class ReplyTopics {
+  public:
+    /// `user`: empty, or one that cannot be a level of a topic, becomes `$nobody`. `client`: one or more
+    /// levels that are valid in a topic.
+    ReplyTopics(const Topics& topics, std::string_view user, std::string_view client);
+
+    /// Of the answers to a part of the program's requests: CLIENT becomes CLIENT/`level`.
+    ReplyTopics below(std::string_view level) const;
+
+    /// Subscribe to it before the first request: answers of everybody.
+    std::string filter() const { return of("+"); }
+    /// Where the answer to a request on `request_topic` comes.
+    std::string to(std::string_view request_topic) const;
+    /// A topic that the program itself writes and reads, and nobody else.
+    std::string own() const { return of("$self"); }
+    /// Whether the topic matches filter().
+    bool have(std::string_view topic) const;
+    /// Whether the topic is of this user, and of whichever of its programs.
+    bool of_user(std::string_view topic) const { return topic.starts_with(prefix_); }
+
+  private:
+    std::string of(std::string_view asked) const;
+
+    std::string root_;    // with a slash behind it
+    std::string prefix_;  // ROOT/reply/USER/
+    std::string client_;  // with a slash in front of it
+};
+
+}  // namespace asip::bus

@@ -1,0 +1,43 @@
+#include "asip/bus/reply_topics.hpp"
+
+#include <gtest/gtest.h>
+
+namespace asip::bus {
+namespace {
+
+TEST(ReplyTopics, Answer_ComesBelowWhoAsksAndWhoIsAsked) {
+    const Topics topics("plant/asip");
+    const ReplyTopics replies(topics, "ann", "c1");
+    EXPECT_EQ(replies.filter(), "plant/asip/reply/ann/+/c1");
+    for (const auto& request :
+         {topics.board_in("uno1"), topics.service_in("uno1", "servo"), topics.stop("uno1")})
+        EXPECT_EQ(replies.to(request), "plant/asip/reply/ann/uno1/c1") << request;
+    for (const auto& request : {topics.any_registry_query(), topics.registry_query("hall")})
+        EXPECT_EQ(replies.to(request), "plant/asip/reply/ann/registry/c1") << request;
+    EXPECT_EQ(replies.own(), "plant/asip/reply/ann/$self/c1");
+}
+
+TEST(ReplyTopics, Parts_AreLevelsBelow) {
+    const auto part = ReplyTopics(Topics(), "ann", "c1").below("s1").below("x");
+    EXPECT_EQ(part.to("asip/uno1/in"), "asip/reply/ann/uno1/c1/s1/x");
+    EXPECT_EQ(part.filter(), "asip/reply/ann/+/c1/s1/x");
+}
+
+TEST(ReplyTopics, UserThatIsNoLevel_IsNobody) {
+    for (const char* user : {"", "a/b", "a+", "#", "a\nb", "a\x7f"})
+        EXPECT_EQ(ReplyTopics(Topics(), user, "c1").to("asip/uno1/in"), "asip/reply/$nobody/uno1/c1") << user;
+}
+
+TEST(ReplyTopics, TopicsOfOthers_AreNotIts) {
+    const ReplyTopics replies(Topics(), "ann", "c1");
+    EXPECT_TRUE(replies.have("asip/reply/ann/uno1/c1"));
+    EXPECT_TRUE(replies.have("asip/reply/ann/$self/c1"));
+    for (const char* topic : {"asip/reply/ann/uno1/c11", "asip/reply/ann/uno1/c1/x", "asip/reply/ann/c1",
+                              "asip/reply/anna/uno1/c1", "asip/reply/ann/a/b/c1", "asip/reply/ann/", "", "x"})
+        EXPECT_FALSE(replies.have(topic)) << topic;
+    EXPECT_TRUE(replies.of_user("asip/reply/ann/uno1/c2"));
+    EXPECT_FALSE(replies.of_user("asip/reply/anna/uno1/c1"));
+}
+
+}  // namespace
+}  // namespace asip::bus

@@ -1,0 +1,56 @@
+#include "asip/mqtt/cut_off.hpp"
+
+#include <gmock/gmock.h>
+
+namespace asip::mqtt {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using testing::Not;
+
+class CutOffTest : public testing::Test {
+  protected:
+    ConnectionFailure ended(Duration up, Duration after_message, int code = 0) {
+        now_ += up;
+        cut_off_.sent(now_ - after_message);
+        ConnectionFailure failure{ConnectionFailure::Kind::kClosed, {}, code, "closed the connection"};
+        cut_off_.ended(failure, up, "uno1", now_);
+        return failure;
+    }
+    CutOff cut_off_;
+    Time now_{100s};
+};
+
+TEST_F(CutOffTest, ThreeTimesInARow_IsSaidWithTheUser) {
+    EXPECT_EQ(ended(1s, 10ms).after_sending, 1U);
+    EXPECT_THAT(ended(1s, 10ms).text, Not(HasSubstr("access rules")));
+    const auto third = ended(1s, 10ms);
+    EXPECT_EQ(third.after_sending, 3U);
+    EXPECT_THAT(third.text, HasSubstr("3 times in a row"));
+    EXPECT_THAT(third.text, HasSubstr("user \"uno1\""));
+}
+
+TEST_F(CutOffTest, ConnectionThatLasted_BeginsAnew) {
+    ended(1s, 10ms);
+    ended(1s, 10ms);
+    EXPECT_EQ(ended(11s, 10ms).after_sending, 0U);
+    EXPECT_EQ(ended(1s, 10ms).after_sending, 1U);
+}
+
+TEST_F(CutOffTest, LongAfterAMessageOrWithAReason_IsSomethingElse) {
+    for (int i = 0; i < 4; ++i) {
+        EXPECT_EQ(ended(5s, 2s).after_sending, 0U);
+        EXPECT_EQ(ended(1s, 10ms, 0x8b).after_sending, 0U) << "the broker shuts down";
+    }
+}
+
+TEST_F(CutOffTest, NothingSentOverThisConnection_IsSomethingElse) {
+    ended(500ms, 10ms);
+    ConnectionFailure failure{ConnectionFailure::Kind::kClosed, {}, 0, ""};
+    cut_off_.ended(failure, 100ms, "uno1", now_ + 100ms);
+    EXPECT_EQ(failure.after_sending, 0U);
+}
+
+}  // namespace
+}  // namespace asip::mqtt
