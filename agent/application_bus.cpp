@@ -172,8 +172,7 @@ void Application::log_rejections() {
     if (!announcement_published_) return announcing_denied();
     log::warning(
         "the broker refuses some of what this agent publishes; look at its access control. Answers are "
-        "written "
-        "to the topics that requests name: on a secured bus " +
+        "written to the topics that requests name: on a secured bus " +
             options_.bridge.topic_root + "/reply/USER/" + bridge_.name() + "/...",
         {{"board", bridge_.name()}, {"refused", bus_->counters().rejected - rejected_before_}});
 }

@@ -6,19 +6,13 @@
 #include <set>
 #include <utility>
 
+#include "asip/mqtt/failure.hpp"
 #include "asip/program/stop_signal.hpp"
 #include "asip/random.hpp"
 
 namespace asip::cli {
 
 using namespace std::chrono_literals;
-
-namespace {
-
-constexpr const char* kWhoMayGrant =
-    "; whoever keeps the broker can give credentials that may: asipctl secure add operator NAME";
-
-}  // namespace
 
 struct BusSession::State {
     explicit State(const Context& its_context)
@@ -47,8 +41,7 @@ struct BusSession::State {
         result.on_published = [this](const std::string&) { ++acknowledged; };
         result.on_publish_denied = [this](const std::string& topic, const std::string& reason) {
             if (!denied.insert(topic).second) return;
-            context.note("the broker does not let " + who() + " write to " + topic + " (" + reason + ")" +
-                         kWhoMayGrant);
+            context.note(mqtt::denied_text(context.mqtt.user, topic, reason));
         };
         result.on_subscribe_refused = [this](const std::string& filter, const std::string& reason) {
             refused = filter + ": " + reason;
@@ -56,16 +49,11 @@ struct BusSession::State {
         return result;
     }
 
-    std::string who() const {
-        return context.mqtt.user.empty() ? "whoever has no user" : "user " + context.mqtt.user;
-    }
-
     /// Of a message that is not acknowledged brokers do not tell that they denied it: Mosquitto 2.0.11 closes
     /// the connection.
     void suspect_denial() {
         if (last_topic.empty() || denied.contains(last_topic) || !suspected.insert(last_topic).second) return;
-        context.note("the broker closed the connection right after a message on " + last_topic +
-                     ": its access rules may not let " + who() + " write there" + kWhoMayGrant);
+        context.note(mqtt::cut_off_text(context.mqtt.user, last_topic));
     }
 
     void connected_again() {

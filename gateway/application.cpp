@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "asip/mqtt/failure.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
 #include "asip/random.hpp"
@@ -103,6 +104,9 @@ mqtt::Client::Handlers Application::handlers() {
     };
     result.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) { connect_failed(failure); };
     result.on_message = [this](const mqtt::Message& received) { gateway_->message(received); };
+    result.on_publish_denied = [this](const std::string& topic, const std::string& reason) {
+        log::warning(mqtt::denied_text(options_.mqtt.user, topic, reason, "gateway"));
+    };
     result.on_subscribe_refused = program::BrokerLog::subscribe_refused;
     return result;
 }

@@ -1,5 +1,6 @@
 #include "registry/registry.hpp"
 
+#include "asip/mqtt/failure.hpp"
 #include "asip/program/log.hpp"
 
 namespace asip::registry {
@@ -13,6 +14,7 @@ constexpr Duration kStall = std::chrono::seconds(2);
 // Another registry with the same id that answers within this time of the start was there first.
 constexpr Duration kStartTime = std::chrono::seconds(5);
 constexpr Duration kIdentityLogInterval = std::chrono::minutes(1);
+constexpr std::size_t kMaxDeniedLogged = 16;  // topics; answers go wherever somebody wants
 constexpr Duration kStateRepeat = std::chrono::seconds(1);
 
 }  // namespace
@@ -21,6 +23,7 @@ Registry::Registry(const RegistryOptions& options, UnitsOf units_of, Random rand
                    HistoryKeeper* history, Instant now)
     : topics_(options.topic_root),
       id_(options.id),
+      user_(options.mqtt.user),
       random_(std::move(random)),
       port_(std::move(port)),
       history_(history),
@@ -263,7 +266,11 @@ void Registry::publish_statistics() {
 void Registry::denied(const std::string& topic, const std::string& reason, Instant now) {
     now_ = now;
     ++statistics_.counts.denied;
-    if (!tidier_.denied(topic, now.time)) return;
+    if (!tidier_.denied(topic, now.time)) {
+        if (!denied_.contains(topic) && denied_.size() < kMaxDeniedLogged && denied_.insert(topic).second)
+            log::warning(mqtt::denied_text(user_, topic.substr(0, 200), reason, "registry"));
+        return;
+    }
     log::warning(
         "the broker's access rules do not let this registry clear what is left of a board; nothing more is "
         "cleared for an hour. Allow its user to write there, or clear it as a user who may: asipctl prune",

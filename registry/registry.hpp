@@ -1,6 +1,7 @@
 #pragma once
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -72,6 +73,8 @@ class Registry {
 
     bus::Topics topics_;
     std::string id_;
+    std::string user_;  // of the broker, for people
+    std::set<std::string> denied_;
     Random random_;
     Port port_;
     HistoryKeeper* history_;

@@ -7,6 +7,7 @@
 #include "asip/bus/reply.hpp"
 #include "asip/bus/request_envelope.hpp"
 #include "asip/model/json.hpp"
+#include "asip/mqtt/failure.hpp"
 #include "asip/random.hpp"
 
 namespace asip::client {
@@ -90,6 +91,7 @@ Expected<void> BusTransport::make_client() {
     const std::string client_id = "asip-client-" + random_hex(system_random(), 16);
     auto mqtt = mqtt_options(address_, options_, client_id);
     if (!mqtt) return fail(mqtt.error());
+    user_ = mqtt->user;
     requester_.emplace(client_id, bus::ReplyTopics(topics_, mqtt->user, client_id));
     mqtt::Client::Handlers handlers;
     // A callback may drop the last Board, and this with it, while the client has more to deliver.
@@ -97,6 +99,10 @@ Expected<void> BusTransport::make_client() {
     handlers.on_connected = while_alive([this](const mqtt::Connected&) { connected(); });
     handlers.on_connect_failed = while_alive([this](const mqtt::ConnectionFailure& why) { failed(why); });
     handlers.on_disconnected = while_alive([this](const mqtt::ConnectionFailure& why) { failed(why); });
+    handlers.on_publish_denied = [alive = std::weak_ptr<bool>(alive_), this](const std::string& topic,
+                                                                             const std::string& reason) {
+        if (alive.lock()) denied(topic, reason);
+    };
     client_ = std::make_unique<mqtt::Client>(io_, std::move(*mqtt), std::move(handlers));
     client_->subscribe(requester_->replies().filter(), {.qos = 1});
     client_->subscribe(topics_.state(address_.board), {.qos = 1});
@@ -152,11 +158,15 @@ Awaitable<Json> BusTransport::request(std::string topic, Json payload) {
     const auto asked = requester_->ask(message, client_->v5(),
                                        [this, id](const mqtt::Message& answer) { take_reply(id, answer); });
     calls_.begin(id);
+    const auto asked_topics = asked_;
+    asked_topics->emplace(id, message.topic);
     if (client_->publish(std::move(message), mqtt::Priority::kReply) == mqtt::PublishResult::kRefused) {
         calls_.finish(id, failure(Error::Kind::kRefused, "the broker is slower than the commands come"));
     }
-    co_return co_await calls_.wait(id, deadline + kAnswerTime,
-                                   "neither the board nor its agent answered; the agent may be gone");
+    auto outcome = co_await calls_.wait(id, deadline + kAnswerTime,
+                                        "neither the board nor its agent answered; the agent may be gone");
+    asked_topics->erase(id);  // this may be gone
+    co_return outcome;
 }
 
 std::vector<ServiceInfo> BusTransport::services() const {
@@ -246,8 +256,17 @@ void BusTransport::connected() {
     client_->publish(std::move(probe));
 }
 
+void BusTransport::denied(const std::string& topic, const std::string& reason) {
+    const auto asked = *asked_;
+    for (const auto& [id, where] : asked) {
+        if (where == topic)
+            calls_.finish(id, failure(Error::Kind::kRefused, mqtt::denied_text(user_, topic, reason)));
+    }
+}
+
 void BusTransport::failed(const mqtt::ConnectionFailure& why) {
-    failure_ = why.text;
+    const bool cut_off = why.after_sending != 0 && !asked_->empty();
+    failure_ = cut_off ? mqtt::cut_off_text(user_, asked_->rbegin()->second) : why.text;
     if (why.hopeless) {
         calls_.finish(kOpening, failure(Error::Kind::kUnreachable, why.text));
     }

@@ -2,6 +2,7 @@
 #include "asip/client/transport.hpp"
 
 #include <boost/asio/io_context.hpp>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -49,6 +50,7 @@ class BusTransport final : public Transport {
     void take_event(std::string_view service, const mqtt::Message& message);
     void look_again();
     void failed(const mqtt::ConnectionFailure& failure);
+    void denied(const std::string& topic, const std::string& reason);
     std::string why_not_there() const;
 
     boost::asio::io_context& io_;
@@ -60,6 +62,10 @@ class BusTransport final : public Transport {
     std::unique_ptr<mqtt::Client> client_;
     PendingCalls calls_;
     PendingCalls::Id next_id_ = 1;
+    /// Topics of what is not yet answered; outlives this with the last call.
+    std::shared_ptr<std::map<PendingCalls::Id, std::string>> asked_ =
+        std::make_shared<std::map<PendingCalls::Id, std::string>>();
+    std::string user_;
     std::string state_;
     std::optional<model::Description> description_;
     std::string failure_;                                         // of the last attempt to connect

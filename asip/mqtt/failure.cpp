@@ -32,6 +32,14 @@ std::string words(int code) {
     return code < 128 ? mosquitto_connack_string(code) : mosquitto_reason_string(code);
 }
 
+std::string user_named(const std::string& user) {
+    return user.empty() ? "whoever has no user" : "user " + user;
+}
+
+std::string who_may_grant(const std::string& role) {
+    return "; whoever keeps the broker can give credentials that may: asipctl secure add " + role;
+}
+
 }  // namespace
 
 bool ConnectionFailure::fatal() const {
@@ -58,6 +66,17 @@ std::string_view name_of(ConnectionFailure::Kind kind) {
             return "closed";
     }
     return "unknown";
+}
+
+std::string denied_text(const std::string& user, const std::string& topic, const std::string& reason,
+                        const std::string& role) {
+    return "the broker does not let " + user_named(user) + " write to " + topic + " (" + reason + ")" +
+           who_may_grant(role);
+}
+
+std::string cut_off_text(const std::string& user, const std::string& topic, const std::string& role) {
+    return "the broker closed the connection right after a message on " + topic +
+           ": its access rules may not let " + user_named(user) + " write there" + who_may_grant(role);
 }
 
 std::string advice_on_topic(std::string_view topic) {

@@ -28,6 +28,14 @@ struct ConnectionEnd {
 /// with a blank.
 std::string advice_on_topic(std::string_view topic);
 
+/// What to tell a person whose message the broker denied: who, what, and who may grant it. `role`: what
+/// `asipctl secure add` should make of the user. Empty `user`: none.
+std::string denied_text(const std::string& user, const std::string& topic, const std::string& reason,
+                        const std::string& role = "operator NAME");
+/// The same where the broker gave no reason, and closed the connection right after the message.
+std::string cut_off_text(const std::string& user, const std::string& topic,
+                         const std::string& role = "operator NAME");
+
 /// Whether a CONNACK code means that the broker does not know this version of the protocol.
 bool is_version_refusal(int connack_code);
 

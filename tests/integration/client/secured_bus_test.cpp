@@ -133,7 +133,11 @@ TEST_F(SecuredBus, Viewer_SeesTheBoardAndCannotCommandIt) {
     auto board = open_as("viewer");
     ASSERT_TRUE(board) << to_string(board.error()) << agent_.errors();
     EXPECT_FALSE(board->services().empty());
-    EXPECT_FALSE(board->raw("I,P,13,3"));
+    const auto refused = board->raw("I,P,13,3");
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().text, HasSubstr("let user viewer write"));
+    EXPECT_THAT(refused.error().text, HasSubstr("asip/uno/in"));
+    EXPECT_THAT(refused.error().text, HasSubstr("asipctl secure add operator"));
     auto commander = open_as("operator");
     ASSERT_TRUE(commander);
     EXPECT_TRUE(commander->set_pin_mode(13, protocol::PinMode::kOutput)) << "the agent itself is well";
