@@ -167,6 +167,8 @@ class Replayer {
             const auto client = context_.mqtt.client_id + "-" + std::to_string(++number);
             ReplayBoard::Identity identity{options_.prefix + name, source, {}, {}};
             identity.announcer.started_unix = static_cast<std::uint64_t>(std::time(nullptr));
+            identity.announcer.on_shared_topic =
+                context_.mqtt.user.empty() && context_.mqtt.cert_file.empty();
             identity.agent = {ASIP_VERSION, program::host_name(), client};
             players_.emplace(name, std::make_unique<Player>(
                                        io_, context_,
