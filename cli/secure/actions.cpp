@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "cli/secure/broker_files.hpp"
 #include "cli/secure/machine_names.hpp"
 #include "cli/secure/reload.hpp"
 #include "cli/secure/users.hpp"
@@ -14,123 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-CertificateTime now() {
-    return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-}
-
-std::string joined(const std::vector<std::string>& words) {
-    std::string text;
-    for (const auto& word : words)
-        text += (text.empty() ? "" : ", ") + word;
-    return text;
-}
-
-/// Programs on the broker's machine may call it by loopback.
-std::vector<std::string> certificate_hosts(std::vector<std::string> hosts) {
-    for (const char* own : {"localhost", "127.0.0.1", "::1"}) {
-        if (std::find(hosts.begin(), hosts.end(), own) == hosts.end()) hosts.emplace_back(own);
-    }
-    return hosts;
-}
-
 Outcome<void> check_hosts(const std::vector<std::string>& hosts) {
     for (const auto& host : hosts) {
         if (!valid_host(host))
             return failure(program::kExitUsage, "--host " + host + " is neither a host name nor an address");
-    }
-    return {};
-}
-
-Outcome<void> ensure_authority(const SecureFolder& folder, SecureReport& report) {
-    const bool key = fs::exists(folder.authority_key());
-    const bool certificate = fs::exists(folder.authority());
-    if (key && certificate) {
-        report.did("kept", "authority", folder.authority());
-        return {};
-    }
-    if (certificate) {
-        return failure(program::kExitFailure, "the authority's key " + folder.authority_key().string() +
-                                                  " is missing; put it back for this");
-    }
-    const auto made = make_authority(now());
-    if (!made) return failure(program::kExitFailure, made.error());
-    // The key without its certificate is one of a run that was interrupted: nobody has its certificate.
-    if (auto done = folder.write(folder.authority_key(), made->key, SecureFolder::Readers::kOwner); !done)
-        return tl::unexpected(done.error());
-    if (auto done = folder.write(folder.authority(), made->certificate, SecureFolder::Readers::kAll); !done)
-        return tl::unexpected(done.error());
-    report.did("made", "authority, whose key signs the broker (back it up, give it to nobody)",
-               folder.authority_key());
-    return {};
-}
-
-Outcome<void> write_certificate(const SecureFolder& folder, const SecuredBus& bus) {
-    const auto authority = folder.authority_and_key();
-    if (!authority) return tl::unexpected(authority.error());
-    const auto made = make_broker_certificate(*authority, certificate_hosts(bus.hosts), now());
-    if (!made) return failure(program::kExitFailure, made.error());
-    if (auto done = folder.write(folder.key(), made->key, SecureFolder::Readers::kOwner); !done)
-        return tl::unexpected(done.error());
-    if (auto done = folder.write(folder.certificate(), made->certificate, SecureFolder::Readers::kAll); !done)
-        return tl::unexpected(done.error());
-    return {};
-}
-
-Outcome<void> ensure_certificate(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report) {
-    if (fs::exists(folder.key()) && fs::exists(folder.certificate())) {
-        report.did("kept", "certificate of the broker", folder.certificate());
-        return {};
-    }
-    if (auto done = write_certificate(folder, bus); !done) return done;
-    report.did("made", "certificate of the broker for " + joined(bus.hosts), folder.certificate());
-    return {};
-}
-
-std::string configuration_text(const SecureFolder& folder, const SecuredBus& bus) {
-    BrokerPlaces places{
-        folder.passwords(), folder.rules(), folder.certificate(), folder.key(), {}, {}, bus.port};
-    if (!is_system_broker(folder, bus)) {
-        places.store = folder.store();
-        places.pid_file = folder.pid_file();
-    }
-    return broker_configuration(places);
-}
-
-Outcome<void> ensure_configuration(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report) {
-    const auto wanted = configuration_text(folder, bus);
-    const auto present = file_text(bus.configuration);
-    if (present) {
-        report.did("kept", "Mosquitto's configuration", bus.configuration);
-        if (*present != wanted)
-            report.did("warning", "it is not as asipctl would write it: remove it and repeat this for that",
-                       bus.configuration);
-        return {};
-    }
-    if (auto done = folder.write(bus.configuration, wanted, SecureFolder::Readers::kAll); !done)
-        return tl::unexpected(done.error());
-    report.did("made", "Mosquitto's configuration", bus.configuration);
-    return {};
-}
-
-/// Other files of the system broker's configuration that let in everybody: ours is moved out of the way,
-/// others are the administrator's.
-Outcome<void> close_open_listeners(const SecuredBus& bus, SecureReport& report) {
-    std::error_code error;
-    for (fs::directory_iterator it(fs::path(bus.configuration).parent_path(), error), end;
-         !error && it != end; it.increment(error)) {
-        const auto text = it->path().extension() == ".conf" ? file_text(it->path()) : std::nullopt;
-        if (!text || text->find("\nallow_anonymous true") == std::string::npos) continue;
-        auto moved = it->path();
-        moved += ".open";
-        if (it->path().filename() != "asip.conf" || fs::exists(moved)) {
-            report.did("warning", "this file lets in everybody; remove it", it->path());
-            continue;
-        }
-        fs::rename(it->path(), moved, error);
-        if (error)
-            return failure(program::kExitFailure,
-                           "cannot move " + it->path().string() + ": " + error.message());
-        report.did("moved", "the configuration that lets in everybody", moved);
     }
     return {};
 }
@@ -154,6 +42,8 @@ Outcome<SecuredBus> ensure_bus(const SecureOptions& options, const Context& cont
         return bus;
     }
     if (auto valid = check_hosts(options.hosts); !valid) return tl::unexpected(valid.error());
+    if (context.topics.root().find('%') != std::string::npos)
+        return failure(program::kExitUsage, "access rules cannot have a topic root with %");
     SecuredBus bus;
     bus.hosts = options.hosts.empty() ? machine_names() : options.hosts;
     bus.port = static_cast<std::uint16_t>(options.port);
@@ -216,6 +106,7 @@ fs::path secure_folder(const SecureOptions& options) {
 }
 
 Outcome<void> secure_init(const SecureOptions& options, const Context& context, SecureReport& report) {
+    if (auto right = check_clock(); !right) return right;
     const auto folder = SecureFolder::create(secure_folder(options));
     if (!folder) return tl::unexpected(folder.error());
     auto bus = ensure_bus(options, context, *folder);
@@ -236,7 +127,8 @@ Outcome<void> secure_add(const SecureOptions& options, SecureReport& report) {
     const auto role = parse_role(options.what);
     if (!role) {
         return failure(program::kExitUsage,
-                       "secure add needs a role: board, operator, viewer, registry, gateway or admin");
+                       "secure add needs a role: board, operator, viewer, "
+                       "registry, gateway or admin");
     }
     auto names = options.names;
     if (names.empty() && (*role == Role::kRegistry || *role == Role::kGateway))
@@ -269,7 +161,12 @@ Outcome<void> secure_revoke(const SecureOptions& options, SecureReport& report) 
     auto names = options.names;
     names.insert(names.begin(), options.what);
     for (const auto& name : names) {
-        if (auto known = check_known(*bus, name); !known) return known;
+        if (auto known = check_known(*bus, name); !known) {
+            // It may have been taken out by a run that was interrupted before the broker heard of it.
+            if (auto done = write_users(*folder, *bus); !done) return done;
+            report_reload(options, *folder, *bus, report);
+            return known;
+        }
     }
     for (const auto& name : names) {
         if (auto done = remove_user(*folder, *bus, name, report); !done) return done;
@@ -287,9 +184,13 @@ Outcome<void> secure_renew(const SecureOptions& options, SecureReport& report) {
     auto bus = folder->bus();
     if (!bus) return tl::unexpected(bus.error());
     if (options.what == "broker") {
+        if (auto right = check_clock(); !right) return right;
         if (!options.hosts.empty()) bus->hosts = options.hosts;
+        // First, so that init makes the certificate for them if this run ends here.
+        if (auto done = folder->save(*bus); !done) return done;
         if (auto done = write_certificate(*folder, *bus); !done) return done;
         report.did("changed", "certificate of the broker for " + joined(bus->hosts), folder->certificate());
+        if (auto done = refresh_credentials(*folder, *bus, report); !done) return done;
     } else if (auto done = renew_user(*folder, *bus, options.what, report); !done) {
         return done;
     }

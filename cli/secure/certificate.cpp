@@ -73,12 +73,11 @@ bool set_serial(X509* certificate) {
 }
 
 /// Everything but extensions and signature.
-Certificate begin(EVP_PKEY* key, const std::string& name, CertificateTime now, std::chrono::years length) {
+Certificate begin(EVP_PKEY* key, const std::string& name, CertificateTime now, CertificateTime end) {
     Certificate made(X509_new());
     if (!made) return nullptr;
     const auto from = std::chrono::system_clock::to_time_t(now - 24h);
-    const auto until =
-        std::chrono::system_clock::to_time_t(now + std::chrono::duration_cast<std::chrono::seconds>(length));
+    const auto until = std::chrono::system_clock::to_time_t(end);
     auto* const subject = X509_get_subject_name(made.get());
     const bool done = X509_set_version(made.get(), 2) == 1 && set_serial(made.get()) &&
                       ASN1_TIME_set(X509_getm_notBefore(made.get()), from) != nullptr &&
@@ -110,12 +109,23 @@ Certificate certificate_in(const std::string& pem) {
     return Certificate(PEM_read_bio_X509(bio_of(pem).get(), nullptr, nullptr, nullptr));
 }
 
+Key key_in(const std::string& pem) {
+    // Without a callback OpenSSL would ask the terminal for the password of an encrypted key.
+    const auto none = [](char*, int, int, void*) { return 0; };
+    return Key(PEM_read_bio_PrivateKey(bio_of(pem).get(), nullptr, none, nullptr));
+}
+
+CertificateTime after(CertificateTime now, std::chrono::years length) {
+    return now + std::chrono::duration_cast<std::chrono::seconds>(length);
+}
+
 }  // namespace
 
-Expected<CertificateAndKey> make_authority(CertificateTime now) {
-    const Key key(EVP_EC_gen("P-256"));
-    if (!key) return openssl_failed("cannot make a key");
-    const auto made = begin(key.get(), "ASIP authority", now, kAuthorityTime);
+Expected<CertificateAndKey> make_authority(CertificateTime now, const std::string& known_key) {
+    const Key key = known_key.empty() ? Key(EVP_EC_gen("P-256")) : key_in(known_key);
+    if (!key)
+        return openssl_failed(known_key.empty() ? "cannot make a key" : "cannot read the authority's key");
+    const auto made = begin(key.get(), "ASIP authority", now, after(now, kAuthorityTime));
     if (!made) return openssl_failed("cannot make the authority's certificate");
     X509_set_issuer_name(made.get(), X509_get_subject_name(made.get()));
     const bool done =
@@ -130,11 +140,16 @@ Expected<CertificateAndKey> make_broker_certificate(const CertificateAndKey& aut
                                                     const std::vector<std::string>& hosts,
                                                     CertificateTime now) {
     const auto issuer = certificate_in(authority.certificate);
-    const Key issuer_key(PEM_read_bio_PrivateKey(bio_of(authority.key).get(), nullptr, nullptr, nullptr));
+    const auto issuer_key = key_in(authority.key);
     if (!issuer || !issuer_key) return openssl_failed("cannot read the authority's certificate and key");
+    if (X509_check_private_key(issuer.get(), issuer_key.get()) != 1)
+        return openssl_failed("the authority's certificate and key do not belong together");
+    const auto end = end_of(authority.certificate);
+    if (!end) return fail(end.error());
+    if (*end <= now) return fail("the authority's certificate has ended; begin anew in another folder");
     const Key key(EVP_EC_gen("P-256"));
     if (!key) return openssl_failed("cannot make a key");
-    const auto made = begin(key.get(), "ASIP broker", now, kBrokerTime);
+    const auto made = begin(key.get(), "ASIP broker", now, std::min(*end, after(now, kBrokerTime)));
     if (!made) return openssl_failed("cannot make the broker's certificate");
     X509_set_issuer_name(made.get(), X509_get_subject_name(issuer.get()));
     const bool done =
@@ -155,6 +170,26 @@ Expected<CertificateTime> end_of(const std::string& certificate) {
     if (ASN1_TIME_to_tm(X509_get0_notAfter(read.get()), &time) != 1)
         return openssl_failed("a certificate without an end");
     return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::from_time_t(timegm(&time)));
+}
+
+std::string explain_certificate(const CertificateAndKey& broker, const std::string& authority,
+                                const std::vector<std::string>& hosts) {
+    const auto own = certificate_in(broker.certificate);
+    const auto key = key_in(broker.key);
+    const auto issuer = certificate_in(authority);
+    const bool read = own && key && issuer;
+    const bool fits = read && X509_check_private_key(own.get(), key.get()) == 1;
+    const bool signed_by = read && X509_verify(own.get(), X509_get0_pubkey(issuer.get())) == 1;
+    ERR_clear_error();
+    if (!read) return "it cannot be read";
+    if (!fits) return "it belongs to another key";
+    if (!signed_by) return "it is not signed by the authority";
+    for (const auto& host : hosts) {
+        const bool named = is_address(host) ? X509_check_ip_asc(own.get(), host.c_str(), 0) == 1
+                                            : X509_check_host(own.get(), host.c_str(), 0, 0, nullptr) == 1;
+        if (!named) return "it does not name " + host;
+    }
+    return {};
 }
 
 bool valid_host(const std::string& host) {

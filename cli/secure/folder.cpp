@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -29,10 +30,91 @@ const passwd* broker_user() {
     return ::geteuid() == 0 ? ::getpwnam("mosquitto") : nullptr;
 }
 
-Outcome<void> make_folder(const fs::path& path, mode_t mode) {
-    if (::mkdir(path.c_str(), mode) == 0) return {};
-    if (errno == EEXIST && fs::is_directory(path)) return {};
-    return tl::unexpected(cannot("make the folder", path));
+/// Modes are as they stand here, whatever mask the shell gave us: the broker, another user, must be able to
+/// read what is meant for it.
+class Mask {
+  public:
+    explicit Mask(mode_t mask) : before_(::umask(mask)) {}
+    ~Mask() { ::umask(before_); }
+    Mask(const Mask&) = delete;
+    Mask& operator=(const Mask&) = delete;
+
+  private:
+    mode_t before_;
+};
+constexpr mode_t kOthersMayNotWrite = 022;
+
+class File {
+  public:
+    explicit File(int number) : number_(number) {}
+    ~File() {
+        if (number_ >= 0) ::close(number_);
+    }
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+    int number() const { return number_; }
+    int release() { return std::exchange(number_, -1); }
+
+  private:
+    int number_;
+};
+
+/// Makes the folder unless it exists, and opens it. One of somebody else, or in which others may write, could
+/// be exchanged under our hands for one that leads elsewhere.
+Outcome<int> own_folder(const fs::path& path, mode_t mode, int flags, const passwd* also_of = nullptr) {
+    if (::mkdir(path.c_str(), mode) != 0 && errno != EEXIST)
+        return tl::unexpected(cannot("make the folder", path));
+    File folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | flags));
+    struct stat status {};
+    if (folder.number() < 0 || ::fstat(folder.number(), &status) != 0)
+        return tl::unexpected(cannot("open the folder", path));
+    if (status.st_uid != ::geteuid() && (also_of == nullptr || status.st_uid != also_of->pw_uid)) {
+        return failure(program::kExitFailure, path.string() +
+                                                  " belongs to another user; do this as that user, or "
+                                                  "in another folder (--dir DIR)");
+    }
+    if ((status.st_mode & kOthersMayNotWrite) != 0) {
+        return failure(program::kExitFailure, "others may write in " + path.string() +
+                                                  "; end that first: chmod go-w " + path.string());
+    }
+    return folder.release();
+}
+
+/// One that nobody else looks into.
+Outcome<void> private_folder(const fs::path& path, const passwd* owner = nullptr) {
+    const auto folder = own_folder(path, 0700, O_NOFOLLOW, owner);
+    if (!folder) return tl::unexpected(folder.error());
+    const File closed(*folder);
+    if (::fchmod(*folder, 0700) != 0) return tl::unexpected(cannot("close to others", path));
+    if (owner != nullptr && ::fchown(*folder, owner->pw_uid, owner->pw_gid) != 0)
+        return tl::unexpected(cannot("give to user mosquitto", path));
+    return {};
+}
+
+void make_parents(const fs::path& path) {
+    std::error_code error;
+    if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
+}
+
+/// A run that was killed may have left credentials that were not yet in their place.
+void remove_unfinished(const fs::path& folder) {
+    std::error_code error;
+    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+        std::error_code ignored;
+        if (it->path().extension() == ".new") fs::remove(it->path(), ignored);
+    }
+}
+
+/// Whether those who should, and nobody else, can read the file.
+bool has_mode(const fs::path& file, mode_t mode) {
+    struct stat status {};
+    return ::lstat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode) && (status.st_mode & 0777) == mode;
+}
+
+/// The name of a file is safe on the disk only when its folder is.
+void sync_folder(const fs::path& path) {
+    const File folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (folder.number() >= 0) ::fsync(folder.number());
 }
 
 bool write_all(int file, const std::string& text) {
@@ -55,18 +137,26 @@ std::optional<std::string> file_text(const fs::path& file) {
 
 Outcome<SecureFolder> SecureFolder::create(const Path& path) {
     const bool root = ::geteuid() == 0;
-    std::error_code error;
-    if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
+    const auto text = path.string();
+    if (std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
+        return failure(program::kExitUsage,
+                       "the folder's name has control characters; take another (--dir DIR)");
+    if (!root) make_parents(path);
+    const Mask mask(kOthersMayNotWrite);
+    if (root) make_parents(path);
     // The broker, another user, must get to broker/.
-    if (auto made = make_folder(path, root ? 0755 : 0700); !made) return tl::unexpected(made.error());
-    if (auto made = make_folder(path / "broker", 0700); !made) return tl::unexpected(made.error());
-    if (auto made = make_folder(path / "credentials", 0700); !made) return tl::unexpected(made.error());
-    if (const auto* user = broker_user();
-        user != nullptr && ::chown((path / "broker").c_str(), user->pw_uid, user->pw_gid) != 0)
-        return tl::unexpected(cannot("give to user mosquitto", path / "broker"));
-    const int lock = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (lock < 0 || ::flock(lock, LOCK_EX) != 0) return tl::unexpected(cannot("lock", path));
-    return SecureFolder(fs::canonical(path), lock);
+    const auto opened = own_folder(path, root ? 0755 : 0700, 0);
+    if (!opened) return tl::unexpected(opened.error());
+    File lock(*opened);
+    if (::flock(lock.number(), LOCK_EX) != 0) return tl::unexpected(cannot("lock", path));
+    if (auto made = private_folder(path / "broker", broker_user()); !made)
+        return tl::unexpected(made.error());
+    if (auto made = private_folder(path / "credentials"); !made) return tl::unexpected(made.error());
+    remove_unfinished(path / "credentials");
+    std::error_code error;
+    auto whole = fs::canonical(path, error);
+    if (error) return failure(program::kExitFailure, "cannot find " + text + ": " + error.message());
+    return SecureFolder(std::move(whole), lock.release());
 }
 
 Outcome<SecureFolder> SecureFolder::open(const Path& path) {
@@ -108,11 +198,12 @@ Outcome<void> SecureFolder::save(const SecuredBus& bus) const {
 }
 
 Outcome<bool> SecureFolder::write(const Path& file, const std::string& text, Readers readers) const {
-    if (file_text(file) == text) return false;
+    const mode_t mode = readers == Readers::kOwner ? 0600 : 0644;
+    if (has_mode(file, mode) && file_text(file) == text) return false;
+    const Mask mask(kOthersMayNotWrite);
     const auto temporary = file.string() + ".new";
     ::unlink(temporary.c_str());
-    const int opened = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC,
-                              readers == Readers::kOwner ? 0600 : 0644);
+    const int opened = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
     if (opened < 0) return tl::unexpected(cannot("write", file));
     bool done = write_all(opened, text);
     if (const auto* user = broker_user(); done && user != nullptr && for_broker(file))
@@ -125,6 +216,7 @@ Outcome<bool> SecureFolder::write(const Path& file, const std::string& text, Rea
         ::unlink(temporary.c_str());
         return tl::unexpected(std::move(why));
     }
+    sync_folder(file.parent_path());
     return true;
 }
 

@@ -47,7 +47,7 @@ class SecureFolder {
 
     Outcome<void> save(const SecuredBus& bus) const;
     /// Writes `text` for its owner alone, or for everybody to read. True: the file was not there, or was
-    /// different.
+    /// different, or others could read it than should.
     enum class Readers { kOwner, kAll };
     Outcome<bool> write(const Path& file, const std::string& text, Readers readers) const;
 

@@ -16,15 +16,13 @@ SecuredUser made_user(const std::string& name, Role role, const std::string& pas
     return {name, role, mosquitto_hash(password, random_bytes(kSaltBytes)), text::iso_time(text::wall_now())};
 }
 
-Outcome<void> write_credentials(const SecureFolder& folder, const SecuredBus& bus, const SecuredUser& user,
+/// True: they are not as they were.
+Outcome<bool> write_credentials(const SecureFolder& folder, const SecuredBus& bus, const SecuredUser& user,
                                 const std::string& password) {
     const auto authority = file_text(folder.authority());
     if (!authority) return failure(program::kExitFailure, "cannot read " + folder.authority().string());
-    const auto written =
-        folder.write(folder.credentials(user.name), credentials_text(bus, user, password, *authority),
-                     SecureFolder::Readers::kOwner);
-    if (!written) return tl::unexpected(written.error());
-    return {};
+    return folder.write(folder.credentials(user.name), credentials_text(bus, user, password, *authority),
+                        SecureFolder::Readers::kOwner);
 }
 
 std::string who(const SecuredUser& user) {
@@ -58,12 +56,12 @@ Outcome<void> ensure_user(const SecureFolder& folder, SecuredBus& bus, const std
     if (has_file) {
         const auto read = program::read_credentials(file);
         if (!read) return failure(program::kExitFailure, read.error());
-        password = read->password;
+        if (read->user == name) password = read->password;
     }
     const auto user = made_user(name, role, password);
-    if (!has_file) {
-        if (auto done = write_credentials(folder, bus, user, password); !done) return done;
-    }
+    // What was interrupted may have been the addition for another role, or with other addresses.
+    if (auto done = write_credentials(folder, bus, user, password); !done)
+        return tl::unexpected(done.error());
     bus.users.push_back(user);
     report.did("made", "credentials of " + who(user), file);
     return {};
@@ -85,7 +83,8 @@ Outcome<void> renew_user(const SecureFolder& folder, SecuredBus& bus, const std:
                                    [&name](const auto& one) { return one.name == name; });
     const auto password = random_password();
     *user = made_user(name, user->role, password);
-    if (auto done = write_credentials(folder, bus, *user, password); !done) return done;
+    if (auto done = write_credentials(folder, bus, *user, password); !done)
+        return tl::unexpected(done.error());
     report.did("changed", "credentials of " + who(*user), folder.credentials(name));
     return {};
 }
@@ -93,21 +92,39 @@ Outcome<void> renew_user(const SecureFolder& folder, SecuredBus& bus, const std:
 Outcome<void> remove_user(const SecureFolder& folder, SecuredBus& bus, const std::string& name,
                           SecureReport& report) {
     if (auto known = check_known(bus, name); !known) return known;
-    report.did("removed", who(*bus.find(name)));
-    std::erase_if(bus.users, [&name](const auto& one) { return one.name == name; });
+    // First of all: credentials that stay would be taken for those of an addition that was interrupted.
     std::error_code error;
-    if (std::filesystem::remove(folder.credentials(name), error))
-        report.did("removed", "its credentials", folder.credentials(name));
+    const bool removed = std::filesystem::remove(folder.credentials(name), error);
+    if (error) {
+        return failure(program::kExitFailure,
+                       "cannot remove " + folder.credentials(name).string() + ": " + error.message());
+    }
+    report.did("removed", who(*bus.find(name)));
+    if (removed) report.did("removed", "its credentials", folder.credentials(name));
+    std::erase_if(bus.users, [&name](const auto& one) { return one.name == name; });
+    return {};
+}
+
+Outcome<void> refresh_credentials(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report) {
+    for (const auto& user : bus.users) {
+        const auto read = program::read_credentials(folder.credentials(user.name));
+        if (!read || read->user != user.name) continue;
+        const auto written = write_credentials(folder, bus, user, read->password);
+        if (!written) return tl::unexpected(written.error());
+        if (*written)
+            report.did("changed", "addresses in the credentials of " + who(user),
+                       folder.credentials(user.name));
+    }
     return {};
 }
 
 Outcome<void> write_users(const SecureFolder& folder, const SecuredBus& bus) {
     if (auto saved = folder.save(bus); !saved) return saved;
+    const auto rules = folder.write(folder.rules(), rule_lines(bus), SecureFolder::Readers::kOwner);
+    if (!rules) return tl::unexpected(rules.error());
     const auto passwords =
         folder.write(folder.passwords(), password_lines(bus), SecureFolder::Readers::kOwner);
     if (!passwords) return tl::unexpected(passwords.error());
-    const auto rules = folder.write(folder.rules(), rule_lines(bus), SecureFolder::Readers::kOwner);
-    if (!rules) return tl::unexpected(rules.error());
     return {};
 }
 

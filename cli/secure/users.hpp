@@ -5,8 +5,8 @@
 namespace asip::cli {
 
 /// Adds the user and writes its credentials, or keeps both. A credentials file that is there already, of an
-/// addition that was interrupted, is used. Fails for a name that is not valid or has another role.
-/// `bus` is changed and not yet saved.
+/// addition that was interrupted, is used. Fails for a name that is not valid or has another role. `bus` is
+/// changed and not yet saved.
 Outcome<void> ensure_user(const SecureFolder& folder, SecuredBus& bus, const std::string& name, Role role,
                           SecureReport& report);
 
@@ -21,7 +21,11 @@ Outcome<void> renew_user(const SecureFolder& folder, SecuredBus& bus, const std:
 Outcome<void> remove_user(const SecureFolder& folder, SecuredBus& bus, const std::string& name,
                           SecureReport& report);
 
-/// Saves `bus` and writes what the broker reads of users.
+/// Writes the credentials that are here anew, with the same passwords: the broker's addresses have changed.
+Outcome<void> refresh_credentials(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report);
+
+/// Saves `bus` and writes what the broker reads of users, in an order in which a run that is killed between
+/// is completed by the next one: what the broker reads follows from the saved bus.
 Outcome<void> write_users(const SecureFolder& folder, const SecuredBus& bus);
 
 }  // namespace asip::cli
