@@ -72,8 +72,8 @@ TEST_F(WalkOnSecuredBus, ViewerWhoPings_IsToldWhoWhatAndWhoMayGrantIt) {
 
 TEST_F(WalkOnSecuredBus, AgentWithTheCredentialsOfAnotherBoard_SaysWhoWhatAndWhoMayGrantIt) {
     add({"board", "uno2"});
-    SimulatedBoards second{{"asip_uno"}};
     for (const char* version : {"5", "3.1.1"}) {
+        SimulatedBoards second{{"asip_uno"}};
         ChildProcess wrong(
             Words{ASIP_TEST_AGENT, "--serial", second.serial(), "--name", "uno3", "--mqtt-version", version} +
             as("uno2"));
