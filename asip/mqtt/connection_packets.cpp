@@ -9,12 +9,10 @@ namespace asip::mqtt {
 
 int Connection::publish(const Message& message, int& id) {
     const auto properties = v5_ ? publish_properties(message) : Properties{};
-    int error = mosquitto_publish_v5(mosquitto_.get(), &id, message.topic.c_str(),
-                                     static_cast<int>(message.payload.size()), message.payload.data(),
-                                     message.qos, message.retain, properties.get());
-    if (serving_) return error;
-    if (error == MOSQ_ERR_SUCCESS) error = mosquitto_loop_write(mosquitto_.get(), 1);
-    arm();
+    const int error = mosquitto_publish_v5(mosquitto_.get(), &id, message.topic.c_str(),
+                                           static_cast<int>(message.payload.size()), message.payload.data(),
+                                           message.qos, message.retain, properties.get());
+    if (!serving_) arm();
     return error;
 }
 

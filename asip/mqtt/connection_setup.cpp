@@ -15,10 +15,6 @@ const char* or_null(const std::string& text) {
 int Connection::configure() {
     auto* m = mosquitto_.get();
     mosquitto_int_option(m, MOSQ_OPT_PROTOCOL_VERSION, v5_ ? MQTT_PROTOCOL_V5 : MQTT_PROTOCOL_V311);
-    // It only queues what it has to send, and we write. Else it writes an acknowledgement before it hands
-    // over the message, and the broker, woken by that, takes the processor from us before we have done
-    // anything with it.
-    mosquitto_threaded_set(m, true);
     // Without it a QoS 1 round trip waits for a delayed acknowledgement: 44 ms instead of 0.09.
     mosquitto_int_option(m, MOSQ_OPT_TCP_NODELAY, 1);
     if (!options_.user.empty()) {
