@@ -34,7 +34,7 @@ TEST(AgentBroker, AnnouncingDenied_IsWarnedOfWithWhatToDo) {
     Agent agent(broker, port.path(), {"--user", "pi", "--password", "right"});
     ASSERT_TRUE(agent.process().wait_for_errors("access control denied announcing board uno1"))
         << agent.process().errors();
-    EXPECT_THAT(agent.process().errors(), HasSubstr("--user uno1"));
+    EXPECT_THAT(agent.process().errors(), HasSubstr("asipctl secure add board uno1"));
     EXPECT_TRUE(agent.process().running());
 }
 
