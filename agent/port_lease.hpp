@@ -30,7 +30,7 @@ class PortLease {
     static constexpr Duration kMakeSafe = std::chrono::milliseconds(500);
     /// A board that does not answer within this time after its port was taken back is lost: a boot loader, a
     /// restart by DTR, and the asking.
-    static constexpr Duration kAnswerTime = std::chrono::seconds(15);
+    static constexpr Duration kAnswerTime = std::chrono::seconds(20);
 
     enum class Phase {
         kOurs,

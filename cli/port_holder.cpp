@@ -14,8 +14,8 @@
 namespace asip::cli {
 namespace {
 
-// The agent itself waits up to 15 s for the board.
-constexpr std::chrono::milliseconds kBoardPatience{20'000};
+// The agent itself waits up to 20 s for the board.
+constexpr std::chrono::milliseconds kBoardPatience{26'000};
 
 std::string who_asks(const Context& context) {
     const char* login = ::getlogin();

@@ -103,7 +103,7 @@ TEST_F(ReleasedPortTest, SecondWhoAsks_IsRefusedAndToldWhoHasIt) {
 TEST_F(ReleasedPortTest, BoardThatDoesNotAnswerAfterwards_IsLost) {
     release();
     bench.ask(kIn, {{"port", "take"}}, "back");
-    bench.pass(16s);
+    bench.pass(21s);
     EXPECT_EQ(last_answer()["id"], "back");
     EXPECT_EQ(last_answer()["status"], "timeout");
     EXPECT_EQ(state(), "lost");
