@@ -1,3 +1,5 @@
+#include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 
 #include "asip/model/command_encoder.hpp"
@@ -5,7 +7,10 @@
 namespace asip::model {
 namespace {
 
+// Models may name limits that no integer holds.
 std::string number(double value) {
+    constexpr double kWhole = 9007199254740992.0;
+    if (std::abs(value) > kWhole) return nlohmann::json(value).dump();
     return nlohmann::json(static_cast<std::int64_t>(value)).dump();
 }
 
