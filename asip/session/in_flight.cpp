@@ -136,7 +136,7 @@ InFlight::Meaning InFlight::on_event(const protocol::Event& event, const protoco
     }
     if (found) {
         meaning.is_fence = true;
-        meaning.contradicts = contradicts(batches_[*found], event);
+        meaning.contradicts = !settle_errors(batches_[*found], event);
         fences_back(*found, matches > 1 || meaning.contradicts, now, ended);
         return meaning;
     }

@@ -130,7 +130,8 @@ class InFlight {
     };
 
     class Explanation;  // in_flight_digest.cpp
-    static bool contradicts(Batch& batch, const protocol::Event& event);
+    // Gives each unclear error to the request that the digest says. False: the digest contradicts the batch.
+    static bool settle_errors(Batch& batch, const protocol::Event& event);
     Item* find_question(const protocol::Event& event);
     void fences_back(std::size_t batch, bool ambiguous, Time now, std::vector<RequestEnd>& ended);
     void finish(Batch batch, bool missing, Time now, std::vector<RequestEnd>& ended);

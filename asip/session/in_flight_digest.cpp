@@ -55,21 +55,21 @@ class InFlight::Explanation {
     unsigned found_ = 0;
 };
 
-bool InFlight::contradicts(Batch& batch, const protocol::Event& event) {
-    if (!batch.fence.verifies) return false;
+bool InFlight::settle_errors(Batch& batch, const protocol::Event& event) {
+    if (!batch.fence.verifies) return true;
     const auto digest = fence_digest(event);
-    if (!digest) return true;
+    if (!digest) return false;
     const Explanation explanation(batch, *digest);
-    if (explanation.is_none()) return true;
+    if (explanation.is_none()) return false;
     const auto* const owners = explanation.owners();
-    if (owners == nullptr) return false;
+    if (owners == nullptr) return true;
     for (Item& item : batch.items)
         item.suspected = false;
     for (std::size_t i = 0; i < owners->size(); ++i) {
         Unclear& error = batch.unclear[i];
         batch.items[(*owners)[i]].error.emplace(error.code, std::move(error.text));
     }
-    return false;
+    return true;
 }
 
 }  // namespace asip::session

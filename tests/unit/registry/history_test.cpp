@@ -64,22 +64,28 @@ TEST(History, Boards_HaveTheTimeOfTheirFirstRowAndOfTheirState) {
     EXPECT_EQ(history.boards().at("uno2").first, wall(9000)) << "a forgotten board begins anew";
 }
 
-TEST(History, FileOfTheFirstVersion_ItsBoardsHaveTheStateOfTheirLastRow) {
-    const HistoryFile file;
+/// As former versions had it.
+const std::string kChanges =
+    "CREATE TABLE changes(id INTEGER PRIMARY KEY, at INTEGER NOT NULL, board TEXT NOT NULL, "
+    "what TEXT NOT NULL, state TEXT NOT NULL, was TEXT NOT NULL, reason TEXT NOT NULL);";
+
+/// A file as a former version left it.
+void make(const HistoryFile& file, const std::string& statements) {
     sqlite3* database = nullptr;
     ASSERT_EQ(sqlite3_open(file.path().c_str(), &database), SQLITE_OK);
-    ASSERT_EQ(
-        sqlite3_exec(database,
-                     "CREATE TABLE boards(name TEXT PRIMARY KEY, first INTEGER NOT NULL, last INTEGER NOT "
-                     "NULL) WITHOUT ROWID;"
-                     "CREATE TABLE changes(id INTEGER PRIMARY KEY, at INTEGER NOT NULL, board TEXT NOT NULL, "
-                     "what TEXT NOT NULL, state TEXT NOT NULL, was TEXT NOT NULL, reason TEXT NOT NULL);"
-                     "INSERT INTO boards VALUES('uno1',1000,2000);"
-                     "INSERT INTO changes VALUES(1,1000,'uno1','added','online','','');"
-                     "INSERT INTO changes VALUES(2,2000,'uno1','state','lost','online','lease')",
-                     nullptr, nullptr, nullptr),
-        SQLITE_OK);
+    ASSERT_EQ(sqlite3_exec(database, statements.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
     sqlite3_close(database);
+}
+
+TEST(History, FileOfTheFirstVersion_ItsBoardsHaveTheStateOfTheirLastRow) {
+    const HistoryFile file;
+    make(file,
+         std::string("CREATE TABLE boards(name TEXT PRIMARY KEY, first INTEGER NOT NULL, last INTEGER NOT "
+                     "NULL) WITHOUT ROWID;") +
+             kChanges +
+             "INSERT INTO boards VALUES('uno1',1000,2000);"
+             "INSERT INTO changes VALUES(1,1000,'uno1','added','online','','');"
+             "INSERT INTO changes VALUES(2,2000,'uno1','state','lost','online','lease')");
     History history({.path = file.path()});
     EXPECT_THAT(
         history.boards(),
@@ -118,20 +124,13 @@ TEST(History, Commands_AreKeptAndChangeNothingOfTheirBoard) {
 
 TEST(History, FileOfTheSecondVersion_TakesCommands) {
     const HistoryFile file;
-    sqlite3* database = nullptr;
-    ASSERT_EQ(sqlite3_open(file.path().c_str(), &database), SQLITE_OK);
-    ASSERT_EQ(
-        sqlite3_exec(database,
-                     "CREATE TABLE boards(name TEXT PRIMARY KEY, first INTEGER NOT NULL, last INTEGER NOT "
-                     "NULL, state TEXT NOT NULL DEFAULT '', since INTEGER NOT NULL DEFAULT 0) WITHOUT ROWID;"
-                     "CREATE TABLE changes(id INTEGER PRIMARY KEY, at INTEGER NOT NULL, board TEXT NOT NULL, "
-                     "what TEXT NOT NULL, state TEXT NOT NULL, was TEXT NOT NULL, reason TEXT NOT NULL);"
-                     "INSERT INTO boards VALUES('uno1',1000,1000,'online',1000);"
-                     "INSERT INTO changes VALUES(1,1000,'uno1','added','online','','');"
-                     "PRAGMA user_version=1",
-                     nullptr, nullptr, nullptr),
-        SQLITE_OK);
-    sqlite3_close(database);
+    make(file, std::string(
+                   "CREATE TABLE boards(name TEXT PRIMARY KEY, first INTEGER NOT NULL, last INTEGER NOT "
+                   "NULL, state TEXT NOT NULL DEFAULT '', since INTEGER NOT NULL DEFAULT 0) WITHOUT ROWID;") +
+                   kChanges +
+                   "INSERT INTO boards VALUES('uno1',1000,1000,'online',1000);"
+                   "INSERT INTO changes VALUES(1,1000,'uno1','added','online','','');"
+                   "PRAGMA user_version=1");
     for (int opened = 0; opened < 2; ++opened) {
         History history({.path = file.path()});
         history.write({command("uno1", 2000 + opened)});
