@@ -6,6 +6,7 @@
 
 #include "agent/command_note.hpp"
 #include "agent/error_report.hpp"
+#include "agent/refusal_text.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/event_decoder.hpp"
 #include "asip/model/json.hpp"
@@ -30,44 +31,6 @@ std::string service_of_line(const session::ServiceTable& services, std::string_v
 // On a service's topic the request stands without its service.
 std::string_view request_of_line(std::string_view line) {
     return line.size() > 2 && line[1] == ',' ? line.substr(2) : line;
-}
-
-std::string refusal_text(session::Refusal refusal) {
-    switch (refusal) {
-        case session::Refusal::kQueueFull:
-            return "too many commands wait for the board; send fewer, or wait for answers";
-        case session::Refusal::kNoBoard:
-            return "the board is not there now";
-        case session::Refusal::kTooLong:
-            return "the request is longer than the board takes; send it in parts";
-        case session::Refusal::kInvalid:
-            return "not a request that may be sent to the board";
-    }
-    return {};
-}
-
-std::string_view reason_of(const session::Finished& end) {
-    switch (end.not_sent) {
-        case session::NotSent::kDeadline:
-            return bus::kRefusedDeadline;
-        case session::NotSent::kStopped:
-            return bus::kRefusedStopped;
-        case session::NotSent::kBoardGone:
-            break;
-    }
-    return bus::kRefusedBoardNotThere;
-}
-
-std::string not_sent_text(const session::Finished& end) {
-    switch (end.not_sent) {
-        case session::NotSent::kDeadline:
-            return "its time was over before the board could be given it; it was not sent";
-        case session::NotSent::kStopped:
-            return "the board was stopped while it waited; it was not sent";
-        case session::NotSent::kBoardGone:
-            break;
-    }
-    return refusal_text(session::Refusal::kNoBoard);
 }
 
 session::ClientId client_of(const std::string& topic) {
@@ -101,27 +64,25 @@ void Control::on_message(const mqtt::Message& message, const Arrival& arrival,
     command->arrived = arrival.at;
     command->board = topic->board;
     command->service = topic->service;
-    const std::string request = envelope ? envelope->shown() : message.payload;
-    command->noted = request;
+    command->noted = envelope ? envelope->shown() : message.payload;
+    const auto refuse_it = [&](std::string_view reason, std::string text) {
+        refuse(*command, command->noted, reason, std::move(text), out);
+    };
     if (message.retain)
-        return refuse(
-            *command, request, bus::kRefusedRetained,
+        return refuse_it(
+            bus::kRefusedRetained,
             "a stored command was not executed; clear it by publishing an empty retained message on " +
-                message.topic,
-            out);
-    if (!envelope) return refuse(*command, request, bus::kRefusedInvalid, envelope.error().error, out);
-
+                message.topic);
+    if (!envelope) return refuse_it(bus::kRefusedInvalid, envelope.error().error);
     if (arrival.stopped)
-        return refuse(*command, request, bus::kRefusedStopped,
-                      "the board was stopped while it waited; it was not sent", out);
+        return refuse_it(bus::kRefusedStopped, "the board was stopped while it waited; it was not sent");
 
     const session::ServiceTable::Entry* service = nullptr;
     if (topic->kind == bus::TopicKind::kServiceIn) {
         service = services.find(topic->service);
         if (!service)
-            return refuse(*command, request,
-                          services.entries().empty() ? bus::kRefusedBoardNotThere : bus::kRefusedInvalid,
-                          "the board has no service \"" + std::string(topic->service) + "\"", out);
+            return refuse_it(services.entries().empty() ? bus::kRefusedBoardNotThere : bus::kRefusedInvalid,
+                             "the board has no service \"" + std::string(topic->service) + "\"");
         command->model_owner = service->model;
         command->model = service->model.get();
     }
@@ -130,38 +91,44 @@ void Control::on_message(const mqtt::Message& message, const Arrival& arrival,
         command->noted.clear();
         return renew(*command, *envelope, now, out);
     }
-    const std::string id = command->reply.key();
-    if (!id.empty()) {
-        const auto key = RecentAnswers::key(message.topic, command->reply.topic, id);
-        switch (recent_.see(key, message.payload, now)) {
-            case RecentAnswers::Seen::kNew:
-                command->key = key;
-                break;
-            case RecentAnswers::Seen::kPending:
-                return;
-            case RecentAnswers::Seen::kAnswered:
-                return send(command->reply, *recent_.find(key), out);
-            case RecentAnswers::Seen::kOtherPayload:
-                return refuse(*command, request, bus::kRefusedIdReused,
-                              "another command had this id within the last minute", out);
-        }
-    }
+    if (was_seen(*command, message, now, out)) return;
     command->deadline = arrival.at + deadline_of(*envelope, message);
     command->hold = envelope->hold;
     // Nobody is there to renew it after that.
     if (command->hold) command->deadline = std::min(command->deadline, arrival.at + *command->hold);
     const auto lines = read(*envelope, service, services);
-    if (!lines) return refuse(*command, request, bus::kRefusedInvalid, lines.error(), out);
-    if (const auto fault = hold_fault(*command, *lines); !fault.empty())
-        return refuse(*command, request, bus::kRefusedInvalid, fault, out);
+    if (!lines) return refuse_it(bus::kRefusedInvalid, lines.error());
+    if (auto fault = hold_fault(*command, *lines); !fault.empty())
+        return refuse_it(bus::kRefusedInvalid, std::move(fault));
     if (const auto why = refusal(*lines, command->client, session)) {
-        if (service != nullptr)
-            return refuse(*command, request, session::to_string(*why), refusal_text(*why), out);
+        if (service != nullptr) return refuse_it(session::to_string(*why), refusal_text(*why));
         const std::string& line = lines->front().text;
         command->service = service_of_line(services, line);
         return refuse(*command, request_of_line(line), session::to_string(*why), refusal_text(*why), out);
     }
     execute(std::move(command), *lines, services, session, now, actions, out);
+}
+
+// The same message again is answered as the first was, or when that one is.
+bool Control::was_seen(Command& command, const mqtt::Message& message, Time now, Effects& out) {
+    const std::string id = command.reply.key();
+    if (id.empty()) return false;
+    const auto key = RecentAnswers::key(message.topic, command.reply.topic, id);
+    switch (recent_.see(key, message.payload, now)) {
+        case RecentAnswers::Seen::kNew:
+            command.key = key;
+            return false;
+        case RecentAnswers::Seen::kPending:
+            break;
+        case RecentAnswers::Seen::kAnswered:
+            send(command.reply, *recent_.find(key), out);
+            break;
+        case RecentAnswers::Seen::kOtherPayload:
+            refuse(command, command.noted, bus::kRefusedIdReused,
+                   "another command had this id within the last minute", out);
+            break;
+    }
+    return true;
 }
 
 std::string Control::hold_fault(const Command& command, const std::vector<Line>& lines) const {

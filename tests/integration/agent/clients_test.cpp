@@ -61,6 +61,18 @@ class Socket {
     bool connected_ = false;
 };
 
+/// An agent of a board that the test plays, with a port for clients.
+class AgentOnPort : public testing::Test {
+  protected:
+    void SetUp() override { ASSERT_TRUE(wait_state(probe_, "online")) << agent_.process().errors(); }
+
+    MosquittoBroker broker_;
+    FakePort fake_;
+    BusProbe probe_{broker_.port(), {"asip/servicebus/#", "asip/uno1/+/error"}};
+    std::uint16_t port_ = free_port();
+    Agent agent_{broker_, fake_.path(), {"--listen", std::to_string(port_)}};
+};
+
 TEST(AgentClients, PlainAndJavaClientsAtOnce_BothTalkToTheBoard) {
     MosquittoBroker broker;
     SimulatedUno uno;
@@ -81,75 +93,57 @@ TEST(AgentClients, PlainAndJavaClientsAtOnce_BothTalkToTheBoard) {
     EXPECT_TRUE(probe.wait_for("asip/uno1/out", "@#,?,0,4,ATmega328P,20,AsipServices")) << "alongside MQTT";
 }
 
-TEST(AgentClients, ClientThatDoesNotRead_IsDroppedAndTheOthersStay) {
-    MosquittoBroker broker;
-    FakePort fake;
-    BusProbe probe(broker.port(), {"asip/servicebus/#"});
-    const auto port = free_port();
-    Agent agent(broker, fake.path(), {"--listen", std::to_string(port)});
-    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-    Socket slow(port);
-    Socket good(port);
+TEST_F(AgentOnPort, ClientThatDoesNotRead_IsDroppedAndTheOthersStay) {
+    Socket slow(port_);
+    Socket good(port_);
     ASSERT_TRUE(slow.connected() && good.connected());
-    fake.flood("@I,a,6,{0:111,1:222,2:333,3:444,4:555,5:666}");
+    fake_.flood("@I,a,6,{0:111,1:222,2:333,3:444,4:555,5:666}");
     bool dropped = false;
     EXPECT_TRUE(wait_until(
         [&] {
             good.received.clear();
             (void)good.receive("never", 1ms);
-            dropped = dropped || agent.process().errors().find("too slow") != std::string::npos;
+            dropped = dropped || agent_.process().errors().find("too slow") != std::string::npos;
             return dropped;
         },
         40s));
-    fake.flood("");
+    fake_.flood("");
     good.send("I,d,2,1\n");
-    EXPECT_TRUE(wait_until([&] { return fake.executed("I,d,2,1"); }));
+    EXPECT_TRUE(wait_until([&] { return fake_.executed("I,d,2,1"); }));
 }
 
-TEST(AgentClients, SixtyFourIdleConnections_LockNobodyOutForLong) {
+TEST_F(AgentOnPort, SixtyFourIdleConnections_LockNobodyOutForLong) {
     constexpr std::size_t kMaxClients = 64;
-    MosquittoBroker broker;
-    FakePort fake;
-    BusProbe probe(broker.port(), {"asip/servicebus/#"});
-    const auto port = free_port();
-    Agent agent(broker, fake.path(), {"--listen", std::to_string(port)});
-    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
     std::deque<Socket> idle;
     while (idle.size() < kMaxClients)
-        ASSERT_TRUE(idle.emplace_back(port).connected());
-    Socket active(port);  // before the others were idle for long: refused
+        ASSERT_TRUE(idle.emplace_back(port_).connected());
+    Socket active(port_);  // before the others were idle for long: refused
     EXPECT_TRUE(active.closed_by_peer());
     const bool answered = wait_until(
         [&] {
-            Socket late(port);
+            Socket late(port_);
             late.send("#,?\n");
             return late.receive("@#,?", 1s);
         },
         30s);
-    EXPECT_TRUE(answered) << agent.process().errors();
-    EXPECT_TRUE(agent.process().wait_for_errors("another wants its place"));
+    EXPECT_TRUE(answered) << agent_.process().errors();
+    EXPECT_TRUE(agent_.process().wait_for_errors("another wants its place"));
 }
 
-TEST(AgentClients, ThousandRefusedConnections_AreLoggedAFewTimes) {
-    MosquittoBroker broker;
-    FakePort fake;
-    BusProbe probe(broker.port(), {"asip/servicebus/#"});
-    const auto port = free_port();
-    Agent agent(broker, fake.path(), {"--listen", std::to_string(port)});
-    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+TEST_F(AgentOnPort, ThousandRefusedConnections_AreLoggedAFewTimes) {
     std::deque<Socket> kept;
     while (kept.size() < 64)
-        ASSERT_TRUE(kept.emplace_back(port).connected());
+        ASSERT_TRUE(kept.emplace_back(port_).connected());
     const auto began = std::chrono::steady_clock::now();
     for (int i = 0; i < 1000; ++i) {
         if (i % 100 == 0)
             for (Socket& socket : kept)
                 socket.send("#,?\n");  // they are not idle
-        Socket refused(port);
+        Socket refused(port_);
         ASSERT_TRUE(refused.connected() && refused.closed_by_peer()) << i;
     }
     const auto seconds = std::chrono::steady_clock::now() - began;
-    const std::string log = agent.process().errors();
+    const std::string log = agent_.process().errors();
     std::size_t lines = 0;
     for (auto at = log.find("client refused"); at != std::string::npos;
          at = log.find("client refused", at + 1))
@@ -158,22 +152,16 @@ TEST(AgentClients, ThousandRefusedConnections_AreLoggedAFewTimes) {
     EXPECT_LE(lines, 1u + static_cast<std::size_t>(seconds / 10s)) << "one in ten seconds";
 }
 
-TEST(AgentClients, JavaClientThatConnectsWhileTheBoardReports_GetsNothingButFrames) {
-    MosquittoBroker broker;
-    FakePort fake;
-    BusProbe probe(broker.port(), {"asip/servicebus/#"});
-    const auto port = free_port();
-    Agent agent(broker, fake.path(), {"--listen", std::to_string(port)});
-    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-    Socket java(port), silent(port);
+TEST_F(AgentOnPort, JavaClientThatConnectsWhileTheBoardReports_GetsNothingButFrames) {
+    Socket java(port_), silent(port_);
     ASSERT_TRUE(java.connected() && silent.connected());
-    ASSERT_TRUE(agent.process().wait_for_errors("client connected"));
-    fake.say("@I,a,1,{0:1}\r\n@I,a,1,{0:2}\r\n");
+    ASSERT_TRUE(agent_.process().wait_for_errors("client connected"));
+    fake_.say("@I,a,1,{0:1}\r\n@I,a,1,{0:2}\r\n");
     java.send(std::string("\0\3#,N", 5));
     ASSERT_TRUE(java.receive("@#,N"));
     EXPECT_EQ(java.received[0], '\0') << "a length, not a line";
     EXPECT_TRUE(wait_until([&] {
-        fake.say("@I,a,1,{0:3}\r\n");
+        fake_.say("@I,a,1,{0:3}\r\n");
         return silent.receive("@I,a,1,{0:3}\n", 50ms);
     })) << "a client that stays silent gets lines after a while";
 }
@@ -196,23 +184,17 @@ TEST(AgentClients, FramingGivenForAPort_IsUsedFromTheFirstByteOn) {
     EXPECT_EQ(java.received[0], '\0');
 }
 
-TEST(AgentClients, ManyLinesAtOnce_AreReadMoreSlowlyAndNoneIsLost) {
-    MosquittoBroker broker;
-    FakePort fake;
-    BusProbe probe(broker.port(), {"asip/servicebus/#", "asip/uno1/+/error"});
-    const auto port = free_port();
-    Agent agent(broker, fake.path(), {"--listen", std::to_string(port)});
-    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-    Socket client(port);
+TEST_F(AgentOnPort, ManyLinesAtOnce_AreReadMoreSlowlyAndNoneIsLost) {
+    Socket client(port_);
     ASSERT_TRUE(client.connected());
     std::string lines;
     for (int i = 0; i < 400; ++i)
         lines += "S,W,1," + std::to_string(i) + "\n";
     client.send(lines);
-    EXPECT_TRUE(wait_until([&] { return fake.executed("S,W,1,399"); }, 20s));
+    EXPECT_TRUE(wait_until([&] { return fake_.executed("S,W,1,399"); }, 20s));
     for (int i = 0; i < 400; ++i)
-        ASSERT_TRUE(fake.executed("S,W,1," + std::to_string(i))) << i;
-    EXPECT_EQ(probe.count("asip/uno1/servo/error"), 0u);
+        ASSERT_TRUE(fake_.executed("S,W,1," + std::to_string(i))) << i;
+    EXPECT_EQ(probe_.count("asip/uno1/servo/error"), 0u);
 }
 
 }  // namespace

@@ -1,0 +1,18 @@
+#pragma once
+#include <string>
+#include <string_view>
+
+#include "asip/session/action.hpp"
+#include "asip/session/board_session.hpp"
+
+namespace asip::agent {
+
+/// Why a request was not queued, and what to do about it, for people.
+std::string refusal_text(session::Refusal refusal);
+
+/// Why a queued request was not sent to the board: the word of `asip/bus/reply.hpp` for programs.
+std::string_view reason_of(const session::Finished& end);
+/// The same for people.
+std::string not_sent_text(const session::Finished& end);
+
+}  // namespace asip::agent

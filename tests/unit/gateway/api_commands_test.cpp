@@ -1,0 +1,162 @@
+#include "api_bench.hpp"
+#include "gateway/api/board_models.hpp"
+
+namespace asip::gateway {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+TEST_F(ApiTest, EachAnswerOfTheBus_HasItsStatus) {
+    announce();
+    const std::vector<std::pair<std::string, int>> answers{
+        {R"({"status":"ok","proof":"fence"})", 200},
+        {R"({"status":"error","code":7,"error":"INVALID_DEVICE_NUMBER"})", 422},
+        {R"({"status":"refused","reason":"invalid","error":"x"})", 400},
+        {R"({"status":"refused","reason":"queue-full","error":"x"})", 429},
+        {R"({"status":"refused","reason":"board-not-there","error":"x"})", 503},
+        {R"({"status":"refused","reason":"stopped","error":"x"})", 409},
+        {R"({"status":"timeout","reason":"doubt"})", 504},
+    };
+    for (const auto& [payload, status] : answers) {
+        const auto sent = ask("POST", "/api/boards/uno1/services/servo/commands/write", "[0,90]");
+        ASSERT_EQ(sent->status(), 0);
+        EXPECT_EQ(published_.back().payload, R"({"write":[0,90],"deadline_ms":5000})");
+        answer(payload);
+        EXPECT_EQ(sent->status(), status) << payload;
+        EXPECT_EQ(sent->header("Retry-After"), status == 429 || status == 503 ? "1" : "");
+        EXPECT_EQ(sent->response->content_type,
+                  status == 200 ? "application/json" : "application/problem+json");
+        if (status == 422) {
+            EXPECT_EQ(sent->body()["code"], 7);
+            EXPECT_EQ(sent->detail(), "INVALID_DEVICE_NUMBER");
+        }
+        EXPECT_EQ(sent->body().value("proof", ""), status == 200 ? "fence" : "");
+    }
+}
+
+TEST_F(ApiTest, ArgumentsThatDoNotFit_AreRefusedBeforeTheyAreSent) {
+    announce();
+    const auto wrong = ask("POST", "/api/boards/uno1/services/servo/commands/write", "[0,999]");
+    EXPECT_EQ(wrong->status(), 400);
+    EXPECT_THAT(wrong->detail(), HasSubstr("999 is above 180"));
+    EXPECT_EQ(ask("POST", "/api/boards/uno1/services/servo/commands/write", "[0,")->status(), 400);
+    EXPECT_EQ(ask("POST", "/api/boards/uno1/services/servo/commands/write?deadline_ms=7", "[0,90]")->status(),
+              400);
+    EXPECT_TRUE(published_.empty());
+    ask("POST", "/api/boards/uno1/services/servo/commands/write", R"({"servo":0,"angle":90})");
+    EXPECT_EQ(published_.size(), 1u);
+}
+
+TEST_F(ApiTest, ServiceOfAnotherModel_CommandsAreCheckedByThatOne) {
+    announce();
+    const std::string write = "/api/boards/uno1/services/servo/commands/write";
+    EXPECT_EQ(ask("POST", write, "[0,90]")->status(), 0) << "it is on its way";
+    bus("asip/servicebus/uno1/$description",
+        R"({"board":"uno1","session":"s1","seq":2,"lease":60,"services":[)"
+        R"({"name":"servo","id":"S","model":"distance@1","title":"Servos"}]})");
+    EXPECT_EQ(ask("POST", write, "[0,90]")->status(), 404);
+    EXPECT_EQ(ask("POST", "/api/boards/uno1/services/servo/commands/measure")->status(), 0);
+    EXPECT_EQ(get("/api/boards/uno1/services/servo")->body()["model"]["name"], "distance");
+}
+
+TEST_F(ApiTest, MoreBoardsThanModelsAreKeptOf_EachIsCheckedByItsOwn) {
+    for (std::size_t i = 0; i < api::BoardModels::kMaxBoards + 2; ++i) {
+        const auto board = "b" + std::to_string(i);
+        announce(board);
+        EXPECT_EQ(ask("POST", "/api/boards/" + board + "/services/servo/commands/write", "[0,181]")->status(),
+                  400);
+    }
+    EXPECT_EQ(ask("POST", "/api/boards/b0/services/servo/commands/write", "[0,181]")->status(), 400);
+}
+
+TEST_F(ApiTest, IdempotencyKey_TwiceIsOneCommandAndAnotherCommandIsRefused) {
+    announce();
+    const std::string path = "/api/boards/uno1/services/servo/commands/write";
+    const auto first = ask("POST", path, "[0,90]", {{"idempotency-key", "k1"}});
+    answer(R"({"status":"ok","proof":"fence"})");
+    EXPECT_EQ(ask("POST", path, "[0,90]", {{"idempotency-key", "k1"}})->status(), 200);
+    EXPECT_EQ(published_.size(), 1u);
+    EXPECT_EQ(ask("POST", path, "[0,91]", {{"idempotency-key", "k1"}})->status(), 409);
+    EXPECT_EQ(ask("POST", path, "[0,91]", {{"idempotency-key", "k1"}, {"asip-session", "tab 2"}})->status(),
+              0)
+        << "another session's k1 is another command";
+    EXPECT_EQ(ask("POST", path, "[0,91]", {{"idempotency-key", "a/b"}})->status(), 400);
+    EXPECT_EQ(get("/api/commands/k1")->body()["answer"]["status"], "ok");
+    EXPECT_EQ(get("/api/commands/k1")->body()["by"], "loopback");
+    EXPECT_EQ(get("/api/commands/k2")->status(), 404);
+}
+
+TEST_F(ApiTest, LateAnswer_IsFoundAfterThe504) {
+    announce();
+    const auto sent = ask("POST", "/api/boards/uno1/services/servo/commands/write?deadline_ms=100", "[0,90]");
+    pass(600ms);
+    ASSERT_EQ(sent->status(), 504);
+    const auto location = sent->header("Location");
+    answer(R"({"status":"ok","proof":"fence"})");
+    const auto found = get(location)->body();
+    EXPECT_EQ(found["answer"]["status"], "ok");
+    EXPECT_EQ(found["late"], true);
+}
+
+class ProxiedApi : public ApiTest {
+  protected:
+    ProxiedApi() : ApiTest(Role::kAdmin, "/asip") {}
+};
+
+TEST_F(ProxiedApi, LocationOfACommand_IsBelowTheBasePath) {
+    announce();
+    const auto sent = ask("POST", "/asip/api/boards/uno1/services/servo/commands/write", "[0,90]",
+                          {{"idempotency-key", "7"}});
+    answer(R"({"status":"ok","proof":"fence"})");
+    ASSERT_EQ(sent->status(), 200);
+    EXPECT_EQ(sent->header("Location"), "/asip/api/commands/7");
+    EXPECT_EQ(get(sent->header("Location"))->body()["answer"]["proof"], "fence");
+    const auto refused = ask("POST", "/asip/api/boards/uno1/services/servo/commands/write", "[0,90]",
+                             {{"idempotency-key", "8"}});
+    answer(R"({"status":"error","code":7,"error":"INVALID_DEVICE_NUMBER"})");
+    EXPECT_EQ(refused->header("Location"), "/asip/api/commands/8");
+}
+
+TEST_F(ApiTest, BoardThatIsGone_Is503WithoutAsking) {
+    announce();
+    bus("asip/servicebus/uno1/$state", "lost");
+    const auto sent = ask("POST", "/api/boards/uno1/services/servo/commands/write", "[0,90]");
+    EXPECT_EQ(sent->status(), 503);
+    EXPECT_EQ(sent->body()["reason"], "board-not-there");
+    EXPECT_TRUE(published_.empty());
+}
+
+TEST_F(ApiTest, RawLines_GoTogether) {
+    announce();
+    ask("POST", "/api/boards/uno1/raw", R"({"lines":["I,P,13,3","I,d,13,1"]})");
+    ASSERT_EQ(published_.size(), 1u);
+    EXPECT_EQ(published_[0].topic, "asip/uno1/in");
+    EXPECT_EQ(json::parse(published_[0].payload)["raw"], "I,P,13,3\nI,d,13,1");
+    for (const char* body :
+         {"", "[]", R"({"lines":[]})", R"({"lines":[1]})", R"({"lines":"x"})", R"({"lines":["x"],"y":1})"})
+        EXPECT_EQ(ask("POST", "/api/boards/uno1/raw", body)->status(), 400) << body;
+    EXPECT_EQ(published_.size(), 1u);
+}
+
+TEST_F(ApiTest, Forget_OnlyWhatIsNotAliveAndByTheRegistry) {
+    announce();
+    EXPECT_EQ(ask("DELETE", "/api/boards/uno1")->status(), 409);
+    bus("asip/servicebus/uno1/$state", "offline");
+    const auto forgotten = ask("DELETE", "/api/boards/uno1");
+    ASSERT_EQ(published_.size(), 1u);
+    EXPECT_EQ(json::parse(published_[0].payload)["forget"], "uno1");
+    mqtt::Message reply;
+    reply.topic = published_[0].response_topic;
+    reply.correlation = published_[0].correlation;
+    reply.payload = R"({"registry":"r","epoch":"e","seq":2,"forgotten":["uno1"],"items":[],"find":"boards"})";
+    gateway_->message(reply);
+    EXPECT_EQ(forgotten->status(), 200);
+    EXPECT_EQ(forgotten->body()["forgotten"][0], "uno1");
+    const auto nobody = ask("DELETE", "/api/boards/uno1");
+    pass(3s);
+    EXPECT_EQ(nobody->status(), 503) << "no registry answers";
+}
+
+}  // namespace
+}  // namespace asip::gateway

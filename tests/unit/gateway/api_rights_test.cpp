@@ -1,0 +1,179 @@
+#include "api_bench.hpp"
+#include "gateway/api/routes.hpp"
+
+namespace asip::gateway {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+class ViewersApi : public ApiTest {
+  protected:
+    ViewersApi() : ApiTest(Role::kViewer) {}
+};
+
+TEST_F(ViewersApi, ReadsAndNothingElse) {
+    announce();
+    EXPECT_EQ(get("/api/boards/uno1")->status(), 200);
+    EXPECT_EQ(ask("POST", "/api/boards/uno1/services/servo/commands/write", "[0,90]")->status(), 403);
+    EXPECT_EQ(ask("POST", "/api/boards/uno1/raw", R"({"lines":["x"]})")->status(), 403);
+    EXPECT_EQ(ask("DELETE", "/api/boards/uno1")->status(), 403);
+    EXPECT_TRUE(published_.empty());
+}
+
+class OperatorsApi : public ApiTest {
+  protected:
+    OperatorsApi() : ApiTest(Role::kOperator) {}
+};
+
+TEST_F(OperatorsApi, CommandsButNoRawLinesAndNoForgetting) {
+    announce();
+    ask("POST", "/api/boards/uno1/services/servo/commands/write", "[0,90]");
+    EXPECT_EQ(published_.size(), 1u);
+    EXPECT_EQ(ask("POST", "/api/boards/uno1/raw", R"({"lines":["x"]})")->status(), 403);
+    EXPECT_EQ(ask("DELETE", "/api/boards/uno1")->status(), 403);
+}
+
+TEST_F(OperatorsApi, FloodOfCommands_Is429) {
+    announce();
+    int refused = 0;
+    for (int i = 0; i < 150; ++i)
+        refused += ask("POST", "/api/boards/uno1/services/servo/commands/write", "[0,90]")->status() == 429;
+    EXPECT_EQ(refused, 50) << "50 a second, twice as many at once";
+    time_ += 1s;
+    EXPECT_EQ(ask("POST", "/api/boards/uno1/services/servo/commands/write", "[0,90]")->status(), 0);
+}
+
+// However many WebSockets somebody opens.
+TEST_F(OperatorsApi, FloodOverTwoWebSockets_IsLimitedAsOne) {
+    announce();
+    Principal principal;
+    principal.rights = *parse_role("operator");
+    int refused = 0;
+    for (int i = 0; i < 150; ++i) {
+        const nlohmann::json command{
+            {"command", "uno1/servo"}, {"write", {0, 90}}, {"id", std::to_string(i)}};
+        api::websocket_command(
+            *gateway_, principal, "address 127.0.0.1", i % 2 == 0 ? "one" : "two", command,
+            [&](const std::string& answer) { refused += answer.find("too-many") != std::string::npos; });
+    }
+    EXPECT_EQ(refused, 50);
+}
+
+TEST_F(OperatorsApi, Stop_ItsAnswerComesPastThoseOfOthersWhereThereIsAConnectionForIt) {
+    announce();
+    ask("POST", "/api/stop");
+    ASSERT_EQ(published_.size(), 1u);
+    EXPECT_EQ(published_.back().response_topic, "asip/reply/gate/uno1/gw/stop");
+    urgent_ready_ = true;
+    const auto stopped = ask("POST", "/api/boards/uno1/stop");
+    ASSERT_EQ(published_.size(), 2u);
+    EXPECT_EQ(published_.back().response_topic, "asip/reply/gate/uno1/gw/urgent/stop");
+    answer(R"({"status":"ok","proof":"fence"})");
+    EXPECT_EQ(stopped->status(), 200);
+}
+
+class NobodysApi : public ApiTest {
+  protected:
+    NobodysApi() : ApiTest(Role::kNone) {}
+};
+
+TEST_F(NobodysApi, OnlyHealthAndThePage) {
+    announce();
+    EXPECT_EQ(get("/api/boards")->status(), 401);
+    EXPECT_THAT(get("/api/boards")->header("WWW-Authenticate"), HasSubstr("Bearer"));
+    EXPECT_EQ(get("/api/events")->status(), 401);
+    EXPECT_EQ(get("/healthz")->status(), 200);
+    EXPECT_EQ(get("/")->status(), 200);
+}
+
+class LimitedApi : public ApiTest {
+  protected:
+    LimitedApi() : ApiTest(Role::kNone) {
+        gateway_->gate().set_tokens(
+            *Tokens::parse("operator anna " + hash_of("do") + " boards=uno1 services=servo\n"));
+    }
+    std::shared_ptr<Captured> as_anna(const std::string& method, const std::string& target,
+                                      const std::string& body = {}) {
+        return ask(method, target, body, {{"authorization", "Bearer do"}});
+    }
+};
+
+TEST_F(LimitedApi, WhatTheTokenDoesNotShow_IsAsIfItWereNotThere) {
+    announce("uno1");
+    announce("uno2");
+    EXPECT_EQ(as_anna("GET", "/api/boards")->body()["items"].size(), 1u);
+    EXPECT_EQ(as_anna("GET", "/api/boards/uno2")->status(), 404);
+    EXPECT_THAT(as_anna("GET", "/api/boards/uno2")->detail(), HasSubstr("uno1"))
+        << "only what is seen is near";
+    EXPECT_THAT(as_anna("GET", "/api/boards/uno3")->detail(), testing::Not(HasSubstr("uno2")));
+    EXPECT_EQ(as_anna("GET", "/api/boards/uno1/services/distance")->status(), 404);
+    EXPECT_EQ(as_anna("GET", "/api/boards/uno1/services/servo")->status(), 200);
+    EXPECT_EQ(as_anna("GET", "/api/services")->body()["items"].size(), 1u);
+    for (const std::string target :
+         {"/api/boards/uno1", "/api/boards", "/api/boards?full=true", "/api/events"}) {
+        const auto shown = as_anna("GET", target);
+        std::string body(shown->response->text());
+        if (shown->source) shown->source->take(body, 100'000);
+        EXPECT_THAT(body, HasSubstr("servo")) << target;
+        EXPECT_THAT(body, testing::Not(HasSubstr("distance"))) << target;
+    }
+    EXPECT_EQ(as_anna("POST", "/api/boards/uno2/services/servo/commands/write", "[0,90]")->status(), 404);
+    const auto stream = as_anna("GET", "/api/events");
+    std::string text;
+    stream->source->take(text, 100'000);
+    EXPECT_THAT(text, testing::Not(HasSubstr("uno2")));
+}
+
+// Raw lines reach every service.
+TEST_F(LimitedApi, HistoryOfCommands_IsOfTheServicesThatItShows) {
+    announce("uno1");
+    const auto history = as_anna("GET", "/api/boards/uno1/history");
+    answer(
+        R"({"find":"history","items":[{"board":"uno1","what":"command","by":"bert","service":"servo","status":"ok"},)"
+        R"({"board":"uno1","what":"command","by":"bert","service":"distance","status":"ok"},)"
+        R"({"board":"uno1","what":"stop","by":"bert","status":"ok"},)"
+        R"({"board":"uno2","what":"command","by":"bert","service":"servo","status":"ok"},)"
+        R"({"board":"uno1","what":"state","state":"lost"}]})");
+    ASSERT_EQ(history->status(), 200);
+    const auto items = history->body()["items"];
+    ASSERT_EQ(items.size(), 2u) << items;
+    EXPECT_EQ(items[0]["by"], "bert");
+    EXPECT_EQ(items[0]["service"], "servo");
+    EXPECT_EQ(items[1]["what"], "state");
+}
+
+TEST_F(LimitedApi, RawRightOfATokenLimitedToServices_IsNone) {
+    gateway_->gate().set_tokens(
+        *Tokens::parse("operator+raw anna " + hash_of("do") + " boards=uno1 services=servo\n"));
+    announce("uno1");
+    EXPECT_EQ(as_anna("POST", "/api/boards/uno1/raw", R"({"lines":["D,M"]})")->status(), 403);
+    gateway_->gate().set_tokens(*Tokens::parse("operator+raw anna " + hash_of("do") + " boards=uno1\n"));
+    EXPECT_EQ(as_anna("POST", "/api/boards/uno1/raw", R"({"lines":["D,M"]})")->status(), 0) << "sent";
+}
+
+TEST_F(LimitedApi, CommandsEnvelope_NamesWhoSentIt) {
+    announce("uno1");
+    as_anna("POST", "/api/boards/uno1/services/servo/commands/write", "[0,90]");
+    ASSERT_EQ(published_.size(), 1u);
+    EXPECT_EQ(published_[0].user_properties[0].second, "anna");
+}
+
+TEST_F(LimitedApi, CodeOfAToken_BecomesACookieWithItsRights) {
+    announce("uno1");
+    const auto code = as_anna("POST", "/api/codes", "{}");
+    ASSERT_EQ(code->status(), 200);
+    const auto opened = get("/?code=" + code->body()["code"].get<std::string>());
+    EXPECT_EQ(opened->status(), 303);
+    EXPECT_EQ(opened->header("Location"), "/");
+    const auto cookie = opened->header("Set-Cookie");
+    EXPECT_THAT(cookie, HasSubstr("HttpOnly; SameSite=Strict"));
+    const auto value = cookie.substr(0, cookie.find(';'));
+    EXPECT_EQ(ask("GET", "/api/status", "", {{"cookie", value}})->body()["you"]["name"], "anna");
+    EXPECT_EQ(get("/?code=wrong")->status(), 401);
+    EXPECT_EQ(ask("DELETE", "/api/session", "", {{"cookie", value}})->status(), 204);
+    EXPECT_EQ(ask("GET", "/api/status", "", {{"cookie", value}})->status(), 401);
+}
+
+}  // namespace
+}  // namespace asip::gateway
