@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <cstdlib>
+#include <map>
 #include <mutex>
 #include <set>
 #include <stdexcept>
@@ -54,10 +55,13 @@ struct BusProbe::State {
     std::atomic<bool> connected{false};
     std::atomic<int> connect_code{-1};
     std::atomic<bool> dropped{false};
+    std::atomic<int> reconnects{0};
+    std::atomic<int> last_reason{0};
     mutable std::mutex mutex;
     std::vector<mqtt::Message> messages;
-    std::set<int> awaited;         ///< subscriptions and publications without an answer so far
-    std::set<int> answered_early;  ///< answered before the call that sent it returned
+    std::map<std::string, int> filters;  ///< filter -> QoS
+    std::set<int> awaited;               ///< subscriptions and publications without an answer so far
+    std::set<int> answered_early;        ///< answered before the call that sent it returned
     int requests = 0;
 
     void expect(int id) {
@@ -73,16 +77,27 @@ struct BusProbe::State {
         return !awaited.contains(id);
     }
 
+    void subscribe_again(mosquitto* instance) {
+        const std::lock_guard lock(mutex);
+        for (const auto& [filter, qos] : filters)
+            mosquitto_subscribe(instance, nullptr, filter.c_str(), qos);
+    }
+
     void set_callbacks() {
         mosquitto_connect_v5_callback_set(
-            client, [](mosquitto*, void* self, int code, int, const mosquitto_property*) {
+            client, [](mosquitto* instance, void* self, int code, int, const mosquitto_property*) {
                 auto& state = *static_cast<State*>(self);
+                const bool again = state.connect_code == 0;
                 state.connect_code = code;
                 state.connected = code == 0;
+                if (!again || code != 0) return;
+                state.subscribe_again(instance);
+                ++state.reconnects;
             });
-        mosquitto_disconnect_callback_set(client, [](mosquitto* instance, void* self, int) {
+        mosquitto_disconnect_callback_set(client, [](mosquitto* instance, void* self, int reason) {
             auto& state = *static_cast<State*>(self);
             state.connected = false;
+            state.last_reason = reason;
             if (state.dropped) mosquitto_disconnect(instance);  // ends the thread instead of reconnecting
         });
         mosquitto_publish_callback_set(
@@ -152,6 +167,10 @@ BusProbe::~BusProbe() {
 }
 
 void BusProbe::subscribe(const std::string& filter, int qos) {
+    {
+        const std::lock_guard lock(state_->mutex);
+        state_->filters[filter] = qos;
+    }
     int id = 0;
     mosquitto_subscribe(state_->client, &id, filter.c_str(), qos);
     state_->expect(id);
@@ -273,6 +292,14 @@ std::optional<std::string> BusProbe::request(const std::string& topic, const std
 
 bool BusProbe::connected() const {
     return state_->connected;
+}
+
+int BusProbe::reconnects() const {
+    return state_->reconnects;
+}
+
+int BusProbe::last_reason() const {
+    return state_->last_reason;
 }
 
 void BusProbe::drop() {

@@ -51,10 +51,11 @@ int main(int argc, char** argv) {
         fmt::print(
             "seed {}: {} commands, {} incidents, {} faults of the line; ok {}, error {}, doubt {}, timeout "
             "{}, refused {}, repeated {}, unanswered while agent or broker was gone {}, late on a starved "
-            "machine {}; false ok without a checksum that left no sign {}; wrong answers {}\n",
+            "machine {}; false ok without a checksum that left no sign {}; own connection lost {}; wrong "
+            "answers {}\n",
             seed, counts.commands, counts.incidents, counts.faults, counts.ok, counts.error, counts.doubt,
             counts.timeout, counts.refused, counts.repeated, counts.nobody_there, counts.starved,
-            counts.invisible, counts.failures);
+            counts.invisible, counts.own_reconnects, counts.failures);
         std::fflush(stdout);
     }
     return counts.failures == 0 && counts.commands > 0 ? 0 : 1;

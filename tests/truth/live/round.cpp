@@ -28,6 +28,7 @@ Round::Round(std::uint64_t seed, Counts& counts) : seed_(seed), counts_(counts),
 
 void Round::connect() {
     replies_seen_ = 0;
+    reconnects_seen_ = 0;
     for (Outage& outage : outages_)
         outage.announced = 0;
     probe_ = std::make_unique<asip::test::BusProbe>(
@@ -70,6 +71,21 @@ void Round::end_outages() {
     }
 }
 
+// Answers that come while the test itself has no connection are lost: the broker keeps none for a clean
+// session.
+void Round::watch_own_connection() {
+    const auto now = now_ms();
+    if (probe_->reconnects() != reconnects_seen_) {
+        reconnects_seen_ = probe_->reconnects();
+        ++counts_.own_reconnects;
+        note(
+            fmt::format("the test's own connection was lost (reason {}) and is back", probe_->last_reason()));
+        for (const auto& board : boards_)
+            outages_.push_back({board.get(), connected_, 0, now + kStarvedMs});
+    }
+    if (probe_->connected()) connected_ = now;
+}
+
 void Round::pump() {
     if (pumped_ != 0 && now_ms() > pumped_ + kStarvedMs) starved_.emplace_back(pumped_, now_ms());
     pumped_ = now_ms();
@@ -86,7 +102,10 @@ void Round::pump() {
         } else {
             ++i;
         }
-    if (probe_) end_outages();
+    if (probe_) {
+        end_outages();
+        watch_own_connection();
+    }
     asip::test::wait_until([] { return false; }, 3ms);
 }
 

@@ -26,7 +26,7 @@ constexpr std::int64_t kStarvedMs = 300;
 struct Counts {
     std::uint64_t rounds = 0, commands = 0, faults = 0, incidents = 0, ok = 0, error = 0, doubt = 0,
                   timeout = 0, refused = 0, repeated = 0, nobody_there = 0, starved = 0, invisible = 0,
-                  failures = 0, not_begun = 0;
+                  failures = 0, not_begun = 0, own_reconnects = 0;
 };
 
 /// One command: a PWM duty that this pin has never had before.
@@ -80,6 +80,7 @@ class Round {
     std::size_t announced(const LiveBoard& board) const;
     void begin_outage(const LiveBoard& board) { outages_.push_back({&board, now_ms(), announced(board)}); }
     void end_outages();
+    void watch_own_connection();
 
     std::uint64_t seed_;
     Counts& counts_;
@@ -89,6 +90,8 @@ class Round {
     std::vector<std::unique_ptr<TcpClient>> clients_;  // two of each board
     std::unique_ptr<asip::test::BusProbe> probe_;
     std::size_t replies_seen_ = 0;
+    int reconnects_seen_ = 0;
+    std::int64_t connected_ = 0;  // when the probe was last seen connected
     bool broker_restarted_ = false;
     std::deque<Sent> sent_;
     std::array<std::array<int, 16>, 2> duties_{};
