@@ -20,6 +20,7 @@ constexpr auto kCountersEvery = std::chrono::seconds(10);
 
 void Application::connect_bus() {
     mqtt::Options options = options_.mqtt;
+    options.packet_log = log::enabled(log::Level::kTrace);
     options.will = bridge_.will();
     // 10,000 commands at once get as many answers at once; twice this many of them may wait.
     options.max_queued_messages = 16 * 1024;

@@ -105,7 +105,7 @@ class Client {
         /// the first refusal on a connection; the subscription is tried again (1 s to 30 s apart), and a
         /// required one that is refused three times makes the client try the next broker of the list.
         std::function<void(const std::string& filter, const std::string& reason)> on_subscribe_refused;
-        /// A line of libmosquitto's own log, for debug logs.
+        /// What was not published and why, and with Options::packet_log each line of libmosquitto's own log.
         std::function<void(const std::string& line)> on_debug;
         /// Every subscription is granted: what is published from here on reaches us. Called after
         /// on_connected, and again whenever the last missing one is granted.

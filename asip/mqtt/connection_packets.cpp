@@ -39,6 +39,8 @@ void Connection::on_connect(int code, const mosquitto_property* properties) {
         return;
     }
     phase_ = Phase::kUp;
+    // Until here it explains why TLS failed.
+    if (!options_.packet_log) mosquitto_log_callback_set(mosquitto_.get(), nullptr);
     Connected connected{broker_, v5_, options_.client_id, 0};
     std::uint32_t limit = 0;
     if (mosquitto_property_read_int32(properties, MQTT_PROP_MAXIMUM_PACKET_SIZE, &limit, false) != nullptr) {
@@ -67,7 +69,7 @@ void Connection::on_message(const mosquitto_message& received, const mosquitto_p
 
 void Connection::on_log(int level, const char* line) {
     if (level == MOSQ_LOG_ERR && std::strncmp(line, "OpenSSL Error", 13) == 0) tls_detail_ = line;
-    if (phase_ != Phase::kDown) events_.debug_line(line);
+    if (options_.packet_log && phase_ != Phase::kDown) events_.debug_line(line);
 }
 
 }  // namespace asip::mqtt
