@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -13,13 +14,14 @@ const PartKind& square_wave_part();
 
 namespace {
 
-/// A square-wave generator that drives a pin. 0 Hz is a steady low.
+/// A square-wave generator that drives a pin, for good or for a number of pulses. 0 Hz is a steady low.
 struct SquareWaveSpec {
     int pin = 0;
     double hertz = 1;
 };
 
 constexpr double kHighestHertz = 1'000'000;
+constexpr double kMostPulses = 1e9;
 
 class SquareWave final : public Part {
   public:
@@ -34,13 +36,32 @@ class SquareWave final : public Part {
     std::string state() const override { return short_number(spec_.hertz); }
 
   private:
-    Expected<void> perform(std::string_view, std::string_view argument) override {
+    Expected<void> perform(std::string_view verb, std::string_view argument) override {
+        if (verb == "burst") return burst(argument);
         const auto hertz = parse_number(argument);
         if (!hertz || *hertz < 0 || *hertz > kHighestHertz)
             return fail(
                 fmt::format("a square-wave is set from 0 to {} Hz, not to \"{}\"", kHighestHertz, argument));
-        if (*hertz == spec_.hertz) return {};
+        if (*hertz == spec_.hertz && edges_left_ == 0) return {};
+        edges_left_ = 0;
         spec_.hertz = *hertz;
+        start();
+        context_.changed(*this);
+        return {};
+    }
+
+    Expected<void> burst(std::string_view argument) {
+        const auto blank = std::min(argument.find(' '), argument.size());
+        const double hertz = parse_number(argument.substr(0, blank)).value_or(0);
+        const double pulses = parse_number(argument.substr(std::min(blank + 1, argument.size()))).value_or(0);
+        if (hertz <= 0 || hertz > kHighestHertz || pulses < 1 || pulses > kMostPulses ||
+            pulses != std::floor(pulses))
+            return fail(fmt::format(
+                "a burst is HERTZ (up to {}) and a whole number of PULSES (1 to {}), as in \"50 100\", "
+                "not \"{}\"",
+                kHighestHertz, kMostPulses, argument));
+        spec_.hertz = hertz;
+        edges_left_ = 2 * static_cast<std::uint64_t>(pulses);
         start();
         context_.changed(*this);
         return {};
@@ -58,7 +79,9 @@ class SquareWave final : public Part {
     void toggle() {
         high_ = !high_;
         context_.wiring.drive(spec_.pin, high_);
-        schedule();
+        if (edges_left_ == 0 || --edges_left_ > 0) return schedule();
+        spec_.hertz = 0;
+        context_.changed(*this);
     }
 
     void schedule() {
@@ -71,6 +94,7 @@ class SquareWave final : public Part {
     PartContext& context_;
     Alarm edge_;
     double next_ = 0;
+    std::uint64_t edges_left_ = 0;  // of a burst; 0: for good
     bool high_ = false;
 };
 
@@ -79,7 +103,9 @@ PartPlan read_square_wave(PartReader& reader) {
     return {.claims = {{spec.pin, PinUse::kDrives}}, .timers = 1, .make = maker<SquareWave>(spec)};
 }
 
-constexpr std::array kSquareWaveVerbs{PartVerb{"set", "HERTZ", "change the frequency of a generator"}};
+constexpr std::array kSquareWaveVerbs{
+    PartVerb{"set", "HERTZ", "change the frequency of a generator"},
+    PartVerb{"burst", "HERTZ PULSES", "so many pulses of a generator, then 0 Hz"}};
 
 }  // namespace
 

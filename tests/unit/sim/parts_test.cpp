@@ -234,6 +234,43 @@ TEST(SquareWave, SetToZero_StaysLow) {
     EXPECT_EQ(monitor->pin(2), Level::kLow);
 }
 
+TEST(SquareWave, Burst_HasSoManyPulsesAndEndsLow) {
+    Monitor monitor({{"square-wave", {{"pin", 2}, {"hertz", 1000}}, "wave"}});
+    std::vector<std::string> values;
+    monitor->on_change([&](const Change& change) { values.push_back(change.value); });
+    int rises = 0, falls = 0;
+    ASSERT_TRUE(monitor->part("wave").command("set", "0"));
+    monitor->on_pin(2, [&](Level level) { ++(level == Level::kHigh ? rises : falls); });
+    ASSERT_TRUE(monitor->part("wave").command("burst", "500 25"));
+    monitor->run_for(49ms);
+    EXPECT_EQ(rises, 25);
+    EXPECT_EQ(falls, 24);
+    monitor->run_for(100ms);
+    EXPECT_EQ(falls, 25);
+    EXPECT_EQ(monitor->pin(2), Level::kLow);
+    EXPECT_THAT(values, ElementsAre("0", "500", "0"));
+}
+
+TEST(SquareWave, SetDuringABurst_RunsForGood) {
+    Monitor monitor({{"square-wave", {{"pin", 2}, {"hertz", 0}}, "wave"}});
+    ASSERT_TRUE(monitor->part("wave").command("burst", "1000 5"));
+    ASSERT_TRUE(monitor->part("wave").command("set", "1000"));
+    int changes = 0;
+    monitor->on_pin(2, [&](Level) { ++changes; });
+    monitor->run_for(100ms);
+    EXPECT_NEAR(changes, 200, 1);
+}
+
+TEST(SquareWave, BurstThatIsNone_SaysWhatOneIs) {
+    Monitor monitor({{"square-wave", {{"pin", 2}, {"hertz", 0}}, "wave"}});
+    for (const char* wrong : {"", "50", "50 0", "50 1.5", "0 5", "-1 5", "50 five", "50 5 5", "2000000 1"}) {
+        const auto done = monitor->part("wave").command("burst", wrong);
+        ASSERT_FALSE(done) << wrong;
+        EXPECT_THAT(done.error(), HasSubstr("PULSES")) << wrong;
+    }
+    EXPECT_EQ(monitor->part("wave").state(), "0");
+}
+
 TEST(SquareWave, WatchdogReset_GoesOn) {
     Monitor monitor({{"square-wave", {{"pin", 2}, {"hertz", 1000}}, "wave"}});
     monitor.send("X");
