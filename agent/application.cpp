@@ -108,7 +108,7 @@ void Application::perform(Effects& effects) {
     }
     if (bus_ && effects.name_claimed) {
         for (const auto& filter : bridge_.control_subscriptions())
-            bus_->subscribe(filter, {.qos = 1, .required = true});
+            bus_->subscribe(filter, {.qos = 1, .no_local = true, .required = true});
     }
     if (bus_)
         for (auto& publication : effects.publish)

@@ -75,7 +75,8 @@ void Application::message_received(const mqtt::Message& message) {
         return;
     }
     // A renewal has no queue to wait in.
-    const bool command = topic.ends_with("/in") && message.payload.find("\"renew\"") == std::string::npos;
+    const bool command = (topic.ends_with("/in") || topic.ends_with("/out")) &&
+                         message.payload.find("\"renew\"") == std::string::npos;
     if (command) ++arrived_, schedule_turn();
     if (!command || (inbox_.empty() && arrived_ <= kAtOnce)) {
         with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, now, out); });

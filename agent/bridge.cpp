@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "asip/bus/request_envelope.hpp"
 #include "asip/model/names.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/options.hpp"
@@ -272,7 +273,10 @@ std::vector<std::string> Bridge::subscriptions() const {
 }
 
 std::vector<std::string> Bridge::control_subscriptions() const {
-    return {topics_.stop(name_), topics_.board_in(name_), topics_.service_in(name_, "+")};
+    std::vector<std::string> filters{topics_.stop(name_), topics_.board_in(name_),
+                                     topics_.service_in(name_, "+")};
+    if (options_.context.client_side) filters.push_back(topics_.board_out(name_));
+    return filters;
 }
 
 void Bridge::bus_connected(Time now, const std::string& client_id, Effects& out) {
@@ -298,18 +302,27 @@ void Bridge::bus_message(const mqtt::Message& message, const Arrival& arrival, T
     const auto topic = topics_.parse(message.topic);
     if (!topic) return;
     const bool stop = topic->kind == bus::TopicKind::kStop;
-    if (!stop && topic->kind != bus::TopicKind::kBoardIn && topic->kind != bus::TopicKind::kServiceIn)
+    const bool raw = topic->kind == bus::TopicKind::kBoardIn || topic->kind == bus::TopicKind::kBoardOut;
+    if (!stop && !raw && topic->kind != bus::TopicKind::kServiceIn)
         return announcer_->on_message(message, now, out);
     if (!announcer_->established()) return;
     session::Actions actions;
     if (stop) {
         safety_.on_stop(message, arrival.waiting, services_, session_, now, actions, out);
         send_safe_lines(now, out);
-    } else if (topic->kind != bus::TopicKind::kBoardIn || !take_port_request(message, now, out)) {
+    } else if ((!raw || !take_port_request(message, now, out)) && is_request(topic->kind, message)) {
         control_.on_message(message, {arrival.at.value_or(now), arrival.stopped}, services_, session_, now,
                             actions, out);
     }
     perform(actions, now, out);
+}
+
+bool Bridge::is_request(bus::TopicKind kind, const mqtt::Message& message) const {
+    const bool client_side = options_.context.client_side;
+    if (kind == bus::TopicKind::kBoardOut) return client_side;
+    if (!client_side || kind != bus::TopicKind::kBoardIn) return true;
+    const auto envelope = bus::open_envelope(message);
+    return (envelope ? envelope->reply : envelope.error().reply).wanted();
 }
 
 Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_view line, Time now,

@@ -34,6 +34,10 @@ struct BridgeOptions {
     bool on_shared_topic = true;  ///< see AnnouncerOptions
     bool keep_outputs = false;    ///< do not stop the board's services when it is found first
     session::SessionOptions session;
+    /// `context.client_side`: `/in` and `/out` of raw lines are named as the client sees them. Requests come
+    /// on
+    /// `/out`, lines of the board go to `/in`. On `/in` only requests that want an answer are executed: those
+    /// of programs that do not know.
     ContextOptions context;
 };
 
@@ -98,6 +102,7 @@ class Bridge {
     const session::BoardSession& session() const { return session_; }
 
   private:
+    bool is_request(bus::TopicKind kind, const mqtt::Message& message) const;
     bool take_port_request(const mqtt::Message& message, Time now, Effects& out);
     void tick_port(Time now, Effects& out);
     void let_go_of_port(Time now, Effects& out);

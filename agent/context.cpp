@@ -12,7 +12,7 @@ void Context::on_line(const std::string& board, const protocol::ParsedLine& line
                       const session::Identity& identity, const session::ServiceTable& services, Effects& out,
                       std::string_view by) {
     mqtt::Message raw;
-    raw.topic = topics_.board_out(board);
+    raw.topic = options_.client_side ? topics_.board_in(board) : topics_.board_out(board);
     raw.payload = line.text() + options_.terminator;
     out.publish.push_back({std::move(raw), mqtt::Priority::kContext});
 

@@ -11,8 +11,9 @@
 namespace asip::agent {
 
 struct ContextOptions {
-    std::string terminator;      ///< put behind each raw line on `/out`
+    std::string terminator;      ///< put behind each raw line
     bool retain_values = false;  ///< decoded values are retained
+    bool client_side = false;    ///< raw lines go to `/in`, see BridgeOptions
 };
 
 /// Lines of the board to the context bus: raw, decoded by their service's model, and errors.

@@ -56,8 +56,7 @@ void Control::on_message(const mqtt::Message& message, const Arrival& arrival,
                          const session::ServiceTable& services, session::BoardSession& session, Time now,
                          session::Actions& actions, Effects& out) {
     const auto topic = topics_.parse(message.topic);
-    if (!topic || (topic->kind != bus::TopicKind::kBoardIn && topic->kind != bus::TopicKind::kServiceIn))
-        return;
+    if (!topic) return;
     auto command = std::make_shared<Command>();
     auto envelope = bus::open_envelope(message);
     command->reply = envelope ? envelope->reply : envelope.error().reply;

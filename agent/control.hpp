@@ -35,7 +35,7 @@ class Control {
         Time at;
         bool stopped = false;  ///< the board was stopped after it came: it is refused
     };
-    /// A message on one of the board's `/in` topics.
+    /// A message on one of the board's topics for requests.
     void on_message(const mqtt::Message& message, const Arrival& arrival,
                     const session::ServiceTable& services, session::BoardSession& session, Time now,
                     session::Actions& actions, Effects& out);

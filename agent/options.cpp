@@ -42,7 +42,8 @@ struct Raw {
     program::LogOptions log;
     std::vector<std::string> listen;
     std::string listen_silence = "2s", statistics = "15s";
-    std::string name, serial, tcp, services, reset = "if-silent", terminator = "none";
+    std::string name, serial, tcp, services, reset = "if-silent", terminator;
+    std::string topics = "board-side";
     unsigned baud = 57600;
     unsigned max_baud = 1'000'000;
     bool no_step_up = false;
@@ -105,9 +106,17 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
             ->capture_default_str()
             ->group("Bus"));
     settings.setting(
-        app.add_option("--line-terminator", raw.terminator, "What ends each message on BOARD/out")
-            ->check(CLI::IsMember({"none", "lf", "crlf"}))
+        app.add_option(
+               "--topics", raw.topics,
+               "Whose side the topics BOARD/in and BOARD/out of raw lines are named from. client-side: "
+               "requests come on BOARD/out and lines of the board go to BOARD/in, for newer python-asip")
+            ->check(CLI::IsMember({"board-side", "client-side"}))
             ->capture_default_str()
+            ->group("Bus"));
+    settings.setting(
+        app.add_option("--line-terminator", raw.terminator,
+                       "What ends each raw line: none, or lf with --topics client-side, unless given")
+            ->check(CLI::IsMember({"none", "lf", "crlf"}))
             ->group("Bus"));
     settings.setting(
         app.add_flag("--retain-values", raw.retain_values, "Retain the last value of each service")
@@ -206,6 +215,8 @@ Expected<AgentOptions, int> read_options(int argc, const char* const* argv) {
     if (raw.checksum) options.bridge.session.checksum = session::ChecksumPolicy::kAlways;
     options.bridge.session.patience =
         std::chrono::duration_cast<Duration>(std::chrono::duration<double>(raw.patience));
+    options.bridge.context.client_side = raw.topics == "client-side";
+    if (raw.terminator.empty()) raw.terminator = options.bridge.context.client_side ? "lf" : "none";
     options.bridge.context.terminator = raw.terminator == "lf"     ? "\n"
                                         : raw.terminator == "crlf" ? "\r\n"
                                                                    : "";

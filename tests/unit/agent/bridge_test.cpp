@@ -8,9 +8,11 @@ namespace asip::agent {
 namespace {
 
 using nlohmann::json;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 TEST(NoAnswer, NoBoardEverIdentified_EndsTheProgram) {
     BridgeBench bench;
@@ -124,6 +126,52 @@ TEST(Context, TerminatorAndRetainWanted_AreUsed) {
     for (const auto& p : bench.published)
         retained = retained || (p.message.topic == "asip/uno1/distance/out" && p.message.retain);
     EXPECT_TRUE(retained);
+}
+
+struct ClientSideTopics : testing::Test {
+    ClientSideTopics() : bench(options()) {
+        bench.go_online();
+        bench.published.clear();
+        bench.board.executed.clear();
+    }
+    static BridgeOptions options() {
+        auto options = BridgeBench::defaults();
+        options.context = {"\n", false, true};
+        return options;
+    }
+    BridgeBench bench;
+};
+
+TEST_F(ClientSideTopics, RawLines_GoTheOtherWayRound) {
+    EXPECT_THAT(bench.bridge.control_subscriptions(), Contains("asip/uno1/out"));
+    bench.say("@D,e,1,{42}\r\n");
+    EXPECT_THAT(bench.on("asip/uno1/in"), ElementsAre("@D,e,1,{42}\n"));
+    EXPECT_THAT(bench.on("asip/uno1/out"), IsEmpty());
+    EXPECT_THAT(bench.on("asip/uno1/distance/out"), SizeIs(1));
+    bench.hear("asip/uno1/out", "S,W,0,90\n");
+    EXPECT_THAT(bench.board.executed, ElementsAre("S,W,0,90"));
+}
+
+TEST_F(ClientSideTopics, LineOnIn_IsExecutedOnlyWhereAnAnswerIsWanted) {
+    // Our own lines come back from brokers that speak 3.1.1.
+    for (const char* line : {"S,W,0,90", "@D,e,1,{42}\n", R"({"raw":"S,W,0,90"})", "{", ""})
+        bench.hear("asip/uno1/in", line);
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+    EXPECT_THAT(bench.published, IsEmpty());
+    bench.hear("asip/uno1/in", R"({"raw":"S,W,0,90","id":"1","reply_to":"me"})");
+    EXPECT_THAT(bench.board.executed, Contains("S,W,0,90"));
+    EXPECT_THAT(bench.on("me"), SizeIs(1));
+}
+
+TEST_F(ClientSideTopics, RetainedRequestOnOut_IsRefused) {
+    bench.hear("asip/uno1/out", "S,W,0,90", true);
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+    EXPECT_THAT(bench.on("asip/uno1/io/error"), SizeIs(1));
+}
+
+TEST_F(OnlineBridge, LineOnOut_IsNoRequest) {
+    bench.hear("asip/uno1/out", "S,W,0,90");
+    EXPECT_THAT(bench.board.executed, IsEmpty());
 }
 
 TEST_F(OnlineBridge, ForeignTopics_ChangeNothing) {
