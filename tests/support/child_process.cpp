@@ -53,8 +53,7 @@ class Capture {
             ssize_t size = 0;
             while ((size = read(fd, buffer, sizeof buffer)) > 0 || (size < 0 && errno == EINTR)) {
                 if (size < 0) continue;
-                const std::lock_guard lock(mutex_);
-                text_.append(buffer, static_cast<std::size_t>(size));
+                take({buffer, static_cast<std::size_t>(size)});
             }
             close(fd);
             ended_ = true;
@@ -69,10 +68,24 @@ class Capture {
         const std::lock_guard lock(mutex_);
         return text_;
     }
+    void on_line(std::function<void(std::string_view)> callback) {
+        const std::lock_guard lock(mutex_);
+        on_line_ = std::move(callback);
+    }
 
   private:
+    void take(std::string_view bytes) {
+        const std::lock_guard lock(mutex_);
+        auto from = text_.rfind('\n') + 1;  // npos + 1 is the beginning
+        text_.append(bytes);
+        for (auto end = text_.find('\n', from); on_line_ && end != std::string::npos;
+             from = end + 1, end = text_.find('\n', from))
+            on_line_(std::string_view(text_).substr(from, end - from));
+    }
+
     mutable std::mutex mutex_;
     std::string text_;
+    std::function<void(std::string_view)> on_line_;
     std::atomic<bool> ended_ = false;
     std::thread thread_;
 };
@@ -214,6 +227,9 @@ void ChildProcess::close_input() {
 
 std::string ChildProcess::output() const {
     return state_->output.text();
+}
+void ChildProcess::on_output(std::function<void(std::string_view line)> callback) {
+    state_->output.on_line(std::move(callback));
 }
 std::string ChildProcess::errors() const {
     return state_->errors.text();

@@ -2,10 +2,12 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tests/support/wait.hpp"
@@ -35,6 +37,11 @@ class ChildProcess {
     /// pipe.
     std::string output() const;  ///< standard output
     std::string errors() const;  ///< standard error
+
+    /// From now on `callback` gets each line of standard output as it comes, for who needs to know when. It
+    /// is called by another thread, must not call this object, and outlives it or is replaced by an empty
+    /// one.
+    void on_output(std::function<void(std::string_view line)> callback);
 
     /// The first line of standard output (or error) that contains a match of the ECMAScript regular
     /// expression. Nothing when none came in time.

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-namespace asip::test {
+namespace asip::experiments {
 
 /// Some curves over one axis. Points of a curve without a value (the drive failed) are drawn as a cross at
 /// the upper edge.
@@ -22,4 +22,13 @@ struct Plot {
     std::string svg() const;
 };
 
-}  // namespace asip::test
+/// One bar for each name, from above, with its value.
+struct Bars {
+    std::string title;
+    std::vector<std::pair<std::string, double>> bars;
+
+    /// An SVG document.
+    std::string svg() const;
+};
+
+}  // namespace asip::experiments

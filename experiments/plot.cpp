@@ -1,4 +1,4 @@
-#include "tests/robot/plot.hpp"
+#include "experiments/plot.hpp"
 
 #include <fmt/format.h>
 
@@ -6,11 +6,11 @@
 #include <array>
 #include <cmath>
 
-namespace asip::test {
+namespace asip::experiments {
 namespace {
 
 constexpr double kLeft = 70, kTop = 50, kWidth = 560, kHeight = 300;
-constexpr std::array kColours = {"#1b6ca8", "#c2571a", "#3a7d34", "#7b3fa0"};
+constexpr std::array kColours = {"#1b6ca8", "#c2571a", "#3a7d34", "#7b3fa0", "#a0831b", "#8a2846"};
 
 /// A round number of which four to nine fit below `most`.
 double tick_for(double most) {
@@ -40,6 +40,22 @@ Axes axes_for(const std::vector<Plot::Curve>& curves) {
     return axes;
 }
 
+std::string escaped(const std::string& text) {
+    std::string all;
+    for (const char c : text)
+        all += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
+    return all;
+}
+
+/// Its beginning.
+std::string document(double height, const std::string& title, double left) {
+    return fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 800 {0}\" font-family=\"sans-serif\" "
+        "font-size=\"12\">\n<rect width=\"800\" height=\"{0}\" fill=\"#fff\"/>\n"
+        "<text x=\"{1}\" y=\"24\" font-size=\"15\">{2}</text>\n",
+        height, left, escaped(title));
+}
+
 std::string grid(const Axes& axes) {
     std::string text;
     for (double x = 0; x <= axes.x_most; x += tick_for(axes.x_most))
@@ -67,23 +83,41 @@ std::string curve_of(const Plot::Curve& curve, const Axes& axes, std::size_t ind
             fmt::format("<path d=\"M{:.1f} {}m-5-5l10 10m0-10l-10 10\" stroke=\"{}\" stroke-width=\"2\"/>\n",
                         axes.x(x), kTop + 8 + 14 * static_cast<double>(index), colour);
     return text + fmt::format("<text x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>\n", kLeft + kWidth + 12,
-                              kTop + 14 + 18 * static_cast<double>(index), colour, curve.name);
+                              kTop + 14 + 18 * static_cast<double>(index), colour, escaped(curve.name));
 }
 
 }  // namespace
 
 std::string Plot::svg() const {
     const auto axes = axes_for(curves);
-    auto text = fmt::format(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 800 410\" font-family=\"sans-serif\" "
-        "font-size=\"12\">\n<rect width=\"800\" height=\"410\" fill=\"#fff\"/>\n"
-        "<text x=\"{0}\" y=\"24\" font-size=\"15\">{1}</text>\n<text x=\"{2}\" y=\"{3}\" "
-        "text-anchor=\"middle\">{4}</text>\n<text x=\"{0}\" y=\"42\" text-anchor=\"start\">{5}</text>\n",
-        kLeft, title, kLeft + kWidth / 2, kTop + kHeight + 42, x_label, y_label);
+    auto text = document(410, title, kLeft) +
+                fmt::format(
+                    "<text x=\"{2}\" y=\"{3}\" text-anchor=\"middle\">{0}</text>\n<text x=\"{4}\" y=\"42\" "
+                    "text-anchor=\"start\">{1}</text>\n",
+                    x_label, y_label, kLeft + kWidth / 2, kTop + kHeight + 42, kLeft);
     text += grid(axes);
     for (std::size_t i = 0; i < curves.size(); ++i)
         text += curve_of(curves[i], axes, i);
     return text + "</svg>\n";
 }
 
-}  // namespace asip::test
+std::string Bars::svg() const {
+    constexpr double kNames = 300, kLongest = 400, kStep = 24;
+    double most = 1e-9;
+    for (const auto& [name, value] : bars)
+        most = std::max(most, value);
+    auto text = document(60 + kStep * static_cast<double>(bars.size()), title, 20);
+    double y = 44;
+    for (const auto& [name, value] : bars) {
+        text += fmt::format(
+            "<text x=\"{0}\" y=\"{1}\" text-anchor=\"end\">{2}</text><rect x=\"{3}\" y=\"{4}\" "
+            "width=\"{5:.1f}\" "
+            "height=\"16\" fill=\"{6}\"/><text x=\"{7:.1f}\" y=\"{1}\">{8:.5g}</text>\n",
+            kNames - 8, y + 12, escaped(name), kNames, y, value / most * kLongest, kColours[0],
+            kNames + value / most * kLongest + 6, value);
+        y += kStep;
+    }
+    return text + "</svg>\n";
+}
+
+}  // namespace asip::experiments
