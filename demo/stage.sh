@@ -51,7 +51,10 @@ within() { # within SECONDS WHAT COMMAND...: tries until it succeeds
     done
 }
 
-step() { printf '\n\033[1m%s\033[0m\n' "$1"; }
+step() { # ASIP_DEMO_PAUSE: seconds before each, for who watches a recording
+    sleep "${ASIP_DEMO_PAUSE:-0}"
+    printf '\n\033[1m%s\033[0m\n' "$1"
+}
 show() { # prints a command as a person would type it, then runs it
     printf '$ %s\n' "$*"
     "$@"
