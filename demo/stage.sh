@@ -81,4 +81,19 @@ start_bus() { # the broker, a registry and a gateway
     start registry "$bin/asip-registry"
     start gateway "$bin/asip-gateway" --http 127.0.0.1:0
 }
+start_boards() { # two simulated boards, desk and lamp, each with its agent
+    local board
+    for board in desk lamp; do
+        sed -e "s|\.\./\.\./build/dev|$root/build/dev|" -e "s|\"link\": \"|&$work/|" "$root/demo/boards/$board.json" >"$work/$board.json"
+    done
+    start boards "$bin/asip-sim" --socket "$work/sim.sock" "$work/desk.json" "$work/lamp.json"
+    for board in desk lamp; do
+        within 5 "the start of board $board" test -e "$work/$board.port"
+        start "agent-$board" "$bin/asip-agent" --serial "$work/$board.port" --name "$board"
+    done
+    within 20 "both boards' announcement" boards_are 2
+}
+boards_are() { [ "$(asipctl list boards --state online -o name 2>/dev/null | wc -l)" -eq "$1" ]; }
+# What a second terminal needs.
+exports() { printf 'export ASIP_BROKER=%s ASIP_SOCKET=%s PATH=%s:$PATH\n' "$ASIP_BROKER" "$work/sim.sock" "$bin"; }
 page() { sed -n 's/.*listening  address=\(http[^ ]*\).*/\1/p' "$work/gateway.log"; }

@@ -97,6 +97,8 @@ std::vector<std::string> child_environment(const std::map<std::string, std::stri
         if (text.starts_with("ASIP_") || added.contains(text.substr(0, text.find('=')))) continue;
         all.push_back(text);
     }
+    // A board that is simulated on a busy machine is slow to answer.
+    if (!added.contains("ASIP_PATIENCE")) all.push_back("ASIP_PATIENCE=30");
     for (const auto& [name, value] : added)
         all.push_back(name + "=" + value);
     return all;

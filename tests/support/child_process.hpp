@@ -21,7 +21,8 @@ class ChildProcess {
     /// `arguments[0]` is the program: a path, or looked up in PATH. For a path, a program of the same name in
     /// the folder ASIP_TEST_PROGRAMS is started instead, where that variable names one; not for asip-sim,
     /// unless replace_simulator() was called. `environment` is added to the test's own, from which all ASIP_
-    /// variables are taken out. Throws std::runtime_error when it cannot be started.
+    /// variables are taken out; agents get a patience of 30 s with their board. Throws std::runtime_error
+    /// when it cannot be started.
     explicit ChildProcess(std::vector<std::string> arguments,
                           std::map<std::string, std::string> environment = {});
     ~ChildProcess();
