@@ -106,10 +106,7 @@ void Application::perform(Effects& effects) {
         reset_timer_.cancel();
         if (!bus_) connect_bus();
     }
-    if (bus_ && effects.name_claimed) {
-        for (const auto& filter : bridge_.control_subscriptions())
-            bus_->subscribe(filter, {.qos = 1, .no_local = true, .required = true});
-    }
+    if (bus_ && effects.name_claimed) subscribe_to_commands();
     if (bus_)
         for (auto& publication : effects.publish)
             bus_->publish(std::move(publication.message), publication.priority);

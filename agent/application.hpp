@@ -32,6 +32,9 @@ class Application {
     void with_bridge(Call&& call);
     void perform(Effects& effects);
     void connect_bus();
+    void subscribe_to_commands();
+    Expected<void> use_credentials(const std::string& file);
+    bool look_for_credentials();
     void arm_timer();
     void stop();
     void end_once_safe(std::function<void()> end);
@@ -82,6 +85,7 @@ class Application {
     mqtt::Outage bus_outage_;
     bool board_ever_known_ = false;
     bool link_tried_ = false;
+    bool missing_credentials_logged_ = false;
     bool stop_asked_ = false;
     bool stopping_ = false;
     int status_ = 0;

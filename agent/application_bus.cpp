@@ -1,5 +1,6 @@
 // What is between the bridge and the broker: messages in their order, and what is reported of the connection.
 #include <boost/asio/post.hpp>
+#include <filesystem>
 
 #include "agent/application.hpp"
 #include "asip/mqtt/cut_off.hpp"
@@ -19,6 +20,11 @@ constexpr auto kCountersEvery = std::chrono::seconds(10);
 }  // namespace
 
 void Application::connect_bus() {
+    const auto own = program::credentials_in_dir(options_.broker, bridge_.name());
+    if (const auto used = own.empty() ? Expected<void>() : use_credentials(own); !used) {
+        log::error(used.error(), {});
+        return finish(program::kExitUsage);
+    }
     mqtt::Options options = options_.mqtt;
     options.packet_log = log::enabled(log::Level::kTrace);
     options.will = bridge_.will();
@@ -27,7 +33,54 @@ void Application::connect_bus() {
     bus_ = std::make_unique<mqtt::Client>(io_, std::move(options), bus_handlers());
     for (const auto& filter : bridge_.subscriptions())
         bus_->subscribe(filter, {.qos = 1, .no_local = false, .retained = true});
+    if (bridge_.name_claimed()) subscribe_to_commands();
     bus_->start();
+}
+
+void Application::subscribe_to_commands() {
+    for (const auto& filter : bridge_.control_subscriptions())
+        bus_->subscribe(filter, {.qos = 1, .no_local = true, .required = true});
+}
+
+Expected<void> Application::use_credentials(const std::string& file) {
+    auto broker = options_.broker;
+    const auto board = program::take_credentials(broker, file);
+    if (!board) return fail(board.error());
+    if (*board != bridge_.name()) return fail(file + " is not for board " + bridge_.name());
+    if (broker.topic_root != options_.bridge.topic_root)
+        return fail(file + " is for topic root " + broker.topic_root + ": give that by --topic-root");
+    auto mqtt = program::mqtt_options(broker, "asip-agent");
+    if (!mqtt) return fail(mqtt.error());
+    options_.broker = std::move(broker);
+    options_.mqtt = std::move(*mqtt);
+    bridge_.leave_shared_topic();
+    log::info("credentials found", {{"file", file}});
+    return {};
+}
+
+/// Whether they are there now, or may come: this machine has a folder of them, and its broker is a secured
+/// one.
+bool Application::look_for_credentials() {
+    namespace fs = std::filesystem;
+    const fs::path folder = options_.broker.credentials_dir;
+    if (folder.empty() || !options_.broker.credentials.empty()) return false;
+    if (!program::credentials_in_dir(options_.broker, bridge_.name()).empty()) {
+        boost::asio::post(io_, [this] {
+            if (stopping_) return;
+            bus_.reset();
+            connect_bus();
+        });
+        return true;
+    }
+    std::error_code error;
+    if (fs::directory_iterator(folder, error) == fs::directory_iterator() || error) return false;
+    if (!std::exchange(missing_credentials_logged_, true)) {
+        log::warning("there are no credentials for board " + bridge_.name() +
+                         " on this machine; waiting for them: sudo asipctl secure add board " +
+                         bridge_.name() + " --here",
+                     {{"folder", folder.string()}});
+    }
+    return true;
 }
 
 mqtt::Client::Handlers Application::bus_handlers() {
@@ -109,7 +162,8 @@ void Application::turn() {
 
 void Application::bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected) {
     if (stopping_) return;
-    if (failure.hopeless) {
+    const bool may_change = !was_connected && look_for_credentials();
+    if (failure.hopeless && !may_change) {
         log::error(failure.text, {{"broker", failure.broker.describe()}});
         return finish(program::kExitBroker);
     }

@@ -59,6 +59,8 @@ class Bridge {
     /// The broker granted every subscription that was asked for so far.
     void bus_subscribed(Time now, Effects& out);
     void bus_disconnected();
+    /// The broker knows its users, and may have rules for them. Once the board is known.
+    void leave_shared_topic() { announcer_->leave_shared_topic(); }
     /// How a message came that was not handled at once.
     struct Arrival {
         std::optional<Time> at{};  ///< none: now
@@ -79,6 +81,8 @@ class Bridge {
     /// `client`: any number below kBusClient; lines of one client keep their order.
     ClientResult client_line(session::ClientId client, std::string_view line, Time now, Effects& out);
 
+    /// Whether the name has become ours.
+    bool name_claimed() const { return name_claimed_; }
     /// Whether the name is ours, and the bus is there.
     bool may_publish() const { return announcer_ && announcer_->may_publish(); }
     /// Publishes what was counted, where the bus is there. To be called periodically.

@@ -165,6 +165,7 @@ Expected<AgentOptions, int> read_options(int argc, const char* const* argv) {
     program::Settings settings(app, "asip-agent");
     declare(app, settings, raw);
     settings.add_broker_options(raw.broker);
+    settings.add_credentials_dir(raw.broker);
     settings.add_log_options(raw.log);
     if (const auto status = settings.parse(argc, argv)) return Unexpected<int>(*status);
 
@@ -192,6 +193,7 @@ Expected<AgentOptions, int> read_options(int argc, const char* const* argv) {
     auto mqtt = program::mqtt_options(raw.broker, "asip-agent");
     if (!mqtt) return usage_error(mqtt.error());
     options.mqtt = std::move(*mqtt);
+    options.broker = raw.broker;
     options.models = model::ModelSet::standard();
     if (!raw.services.empty())
         if (const auto loaded = options.models.load_directory(raw.services); !loaded)

@@ -8,6 +8,7 @@
 #include "asip/expected.hpp"
 #include "asip/link/tcp_stream.hpp"
 #include "asip/mqtt/options.hpp"
+#include "asip/program/options.hpp"
 
 namespace asip::agent {
 
@@ -21,6 +22,7 @@ struct ListenAddress {
 struct AgentOptions {
     BridgeOptions bridge;
     mqtt::Options mqtt;
+    program::BrokerOptions broker;  ///< what `mqtt` was made from
     model::ModelSet models;
     std::string serial;                 ///< device; empty: `tcp`
     std::string tcp;                    ///< HOST:PORT; empty: `serial`

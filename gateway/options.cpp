@@ -102,6 +102,7 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
     declare_access(app, settings, raw);
     declare_limits(app, settings, raw);
     settings.add_broker_options(raw.broker);
+    settings.add_credentials_dir(raw.broker);
     settings.add_log_options(raw.log);
 }
 

@@ -104,6 +104,7 @@ Expected<RegistryOptions, int> read_options(int argc, const char* const* argv) {
     Raw raw;
     declare(app, settings, raw);
     settings.add_broker_options(raw.broker);
+    settings.add_credentials_dir(raw.broker);
     settings.add_log_options(raw.log);
     if (auto status = settings.parse(argc, argv)) return Unexpected<int>(*status);
 

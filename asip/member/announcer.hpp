@@ -45,6 +45,9 @@ class Announcer {
     /// Empty: nobody. Announced as describe() is.
     void set_updating(std::string json);
 
+    /// See AnnouncerOptions::on_shared_topic: from now on not.
+    void leave_shared_topic() { options_.on_shared_topic = false; }
+
     void on_connected(Time now, Announcements& out);
     void on_disconnected();
     /// Commands reach us now.

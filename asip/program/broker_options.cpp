@@ -2,10 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <cctype>
+#include <filesystem>
 #include <fstream>
 
 #include "asip/bus/topics.hpp"
 #include "asip/program/command_words.hpp"
+#include "asip/program/credentials.hpp"
 #include "asip/program/options.hpp"
 #include "asip/random.hpp"
 
@@ -74,6 +76,40 @@ void Settings::add_broker_options(BrokerOptions& options) {
         ->type_name("TOPIC")
         ->default_str("asip")
         ->group(group);
+}
+
+void Settings::add_credentials_dir(BrokerOptions& options) {
+    setting(app().add_option("--credentials-dir", options.credentials_dir,
+                             "Folder in which asipctl secure keeps the credentials of this machine's "
+                             "services; used where neither broker nor user is given"))
+        ->type_name("DIR")
+        ->group("Broker");
+}
+
+std::string credentials_in_dir(const BrokerOptions& options, const std::string& user) {
+    const bool given = options.brokers != BrokerOptions{}.brokers || !options.user.empty() ||
+                       !options.cert.empty() || !options.credentials.empty();
+    if (given || options.credentials_dir.empty() || user.empty()) return {};
+    const auto file = std::filesystem::path(options.credentials_dir) / (user + ".credentials");
+    std::error_code error;
+    const bool absent = std::filesystem::status(file, error).type() == std::filesystem::file_type::not_found;
+    return absent ? std::string() : file.string();
+}
+
+Expected<std::string> take_credentials(BrokerOptions& options, const std::string& path) {
+    const auto read = read_credentials(path);
+    if (!read) return fail(read.error());
+    BrokerOptions replaced;
+    replaced.brokers = read->brokers;
+    replaced.user = read->user;
+    replaced.password = read->password;
+    if (read->certificate) replaced.ca = path;
+    if (!read->topic_root.empty()) replaced.topic_root = read->topic_root;
+    replaced.credentials = path;
+    replaced.credentials_dir = options.credentials_dir;
+    replaced.mqtt_version = options.mqtt_version;
+    options = std::move(replaced);
+    return read->name;
 }
 
 std::string host_name() {

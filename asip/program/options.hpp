@@ -26,6 +26,7 @@ struct BrokerOptions {
     std::string key;
     bool insecure = false;
     std::string credentials;            ///< file of `asipctl secure`: broker, CA, user, password
+    std::string credentials_dir;        ///< see credentials_in_dir()
     std::string mqtt_version = "best";  ///< best, 5, 3.1.1
     std::string topic_root = "asip";
 };
@@ -61,6 +62,9 @@ class Settings {
     CLI::Option* setting(CLI::Option* option);
 
     void add_broker_options(BrokerOptions& options);
+    /// `--credentials-dir`, for a program that runs as a service: after add_broker_options(). A program
+    /// asip-NAME takes NAME.credentials there; an agent does that itself, as soon as it knows its board.
+    void add_credentials_dir(BrokerOptions& options);
     void add_log_options(LogOptions& options);
     CLI::App& app();
 
@@ -87,6 +91,14 @@ class Settings {
 
 /// A variable of this process's environment; nothing when it is not set.
 std::optional<std::string> environment_variable(const std::string& name);
+
+/// The file `user`.credentials in the folder of --credentials-dir. Empty where there is none, and where
+/// broker, user, certificate or credentials were given: then these count.
+std::string credentials_in_dir(const BrokerOptions& options, const std::string& user);
+
+/// Replaces all that `options` says of broker, user, certificates and topic root by what the file says.
+/// Returns the name of the board that the credentials are for, else an empty text.
+Expected<std::string> take_credentials(BrokerOptions& options, const std::string& path);
 
 /// What the MQTT client needs, from the options: addresses parsed, password file read, files checked to be
 /// readable, topic root checked, a client id unique to this process: `PROGRAM-HOST-RANDOM`.

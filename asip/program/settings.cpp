@@ -7,7 +7,6 @@
 
 #include "asip/program/command_words.hpp"
 #include "asip/program/config_file.hpp"
-#include "asip/program/credentials.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
 #include "asip/text/nearest.hpp"
@@ -113,23 +112,26 @@ struct Settings::State {
     }
 
     /// All or nothing: a user of the environment does not go with a password of the file.
-    void apply_credentials(const std::optional<std::string>& argument) const {
+    void apply_credentials(const std::vector<std::string>& arguments) const {
         if (broker == nullptr) return;
-        const auto path = argument ? *argument : broker->credentials;
+        const auto argument = early(arguments, "--credentials");
+        auto path = argument ? *argument : broker->credentials;
+        if (const auto folder = early(arguments, "--credentials-dir")) broker->credentials_dir = *folder;
+        const bool other =
+            early(arguments, "--broker") || early(arguments, "--user") || early(arguments, "--cert");
+        if (path.empty() && !other) path = credentials_in_dir(*broker, user_of_service());
         if (path.empty()) return;
-        const auto read = read_credentials(path);
-        if (!read) throw CLI::FileError(read.error(), CLI::ExitCodes::FileError);
-        BrokerOptions replaced;
-        replaced.brokers = read->brokers;
-        replaced.user = read->user;
-        replaced.password = read->password;
-        if (read->certificate) replaced.ca = path;
-        if (!read->topic_root.empty()) replaced.topic_root = read->topic_root;
-        replaced.credentials = path;
-        replaced.mqtt_version = broker->mqtt_version;
-        *broker = std::move(replaced);
+        const auto name = take_credentials(*broker, path);
+        if (!name) throw CLI::FileError(name.error(), CLI::ExitCodes::FileError);
         auto* const own_name = named("name");
-        if (own_name != nullptr && !read->name.empty()) apply(own_name, read->name, path);
+        if (own_name != nullptr && !name->empty()) apply(own_name, *name, path);
+    }
+
+    /// Empty: it has none, or knows it later.
+    std::string user_of_service() const {
+        constexpr std::string_view kPrefix = "asip-";
+        if (!program.starts_with(kPrefix) || named("name") != nullptr) return {};
+        return program.substr(kPrefix.size());
     }
 };
 
@@ -197,7 +199,7 @@ std::optional<int> Settings::parse(std::vector<std::string> arguments, const Env
         if (!config) config = environment("ASIP_CONFIG");
         if (config && !config->empty()) state_->apply_file(*config);
         state_->apply_environment(environment);
-        state_->apply_credentials(early(arguments, "--credentials"));
+        state_->apply_credentials(arguments);
         // The environment was read already; CLI11 must not read it again, with its own precedence.
         for (auto* option : state_->settings)
             option->envname({});

@@ -264,5 +264,63 @@ TEST_F(SettingsFile, CredentialsThatAreDamaged_AreRefusedWithTheirPlace) {
     EXPECT_THAT(program.errors, HasSubstr("cannot read the credentials"));
 }
 
+/// As asip-registry: takes registry.credentials of a folder.
+struct Service {
+    CLI::App app{"A service"};
+    Settings settings{app, "asip-registry"};
+    BrokerOptions broker;
+    Service() {
+        settings.add_broker_options(broker);
+        settings.add_credentials_dir(broker);
+    }
+};
+
+class CredentialsDir : public testing::Test {
+  protected:
+    CredentialsDir() {
+        folder.write("registry.credentials",
+                     "broker = mqtts://hall:8883\nuser = registry\npassword = secret\n");
+    }
+    /// Who the service is, with these options and variables.
+    std::string user(const Arguments& arguments, Variables variables = {}) {
+        Service service;
+        variables.emplace("ASIP_CREDENTIALS_DIR", folder.path().string());
+        testing::internal::CaptureStderr();
+        const auto status = service.settings.parse(arguments, [&](const std::string& name) {
+            const auto found = variables.find(name);
+            return found == variables.end() ? std::nullopt : std::optional(found->second);
+        });
+        testing::internal::GetCapturedStderr();
+        return status ? "none" : service.broker.user;
+    }
+    test::TempDir folder;
+};
+
+TEST_F(CredentialsDir, NothingElseGiven_OwnFileIsTaken) {
+    EXPECT_EQ(user({}), "registry");
+    EXPECT_EQ(user({"--broker", "127.0.0.1:1883"}), "")
+        << "a broker was given, even if it is the default one";
+}
+
+TEST_F(CredentialsDir, BrokerUserOrCertificateGiven_GoBefore) {
+    EXPECT_EQ(user({"--broker", "other.example"}), "");
+    EXPECT_EQ(user({}, {{"ASIP_BROKER", "other.example"}}), "");
+    EXPECT_EQ(user({}, {{"ASIP_USER", "ann"}}), "ann");
+    EXPECT_EQ(user({"--user", "ann"}), "ann");
+    EXPECT_EQ(user({}, {{"ASIP_CERT", "/x.crt"}}), "");
+    const auto own = folder.write("own", "broker = mqtts://hall:8883\nuser = own\npassword = secret\n");
+    EXPECT_EQ(user({"--credentials", own}), "own");
+}
+
+TEST_F(CredentialsDir, NoFileThere_NothingIsTaken) {
+    EXPECT_EQ(user({"--credentials-dir", folder.file("absent")}), "");
+    EXPECT_EQ(credentials_in_dir({}, "registry"), "");
+}
+
+TEST_F(CredentialsDir, DamagedFile_IsAnErrorAndNotPassedOver) {
+    folder.write("registry.credentials", "nonsense");
+    EXPECT_EQ(user({}), "none");
+}
+
 }  // namespace
 }  // namespace asip::program
