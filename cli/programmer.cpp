@@ -101,10 +101,26 @@ Expected<RunningProgram> RunningProgram::start(const std::vector<std::string>& c
     return RunningProgram(pid);
 }
 
+namespace {
+
+int exit_status(int status) {
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+}  // namespace
+
 std::optional<int> RunningProgram::ended() {
     int status = 0;
     if (waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return exit_status(status);
+}
+
+int RunningProgram::wait() {
+    int status = 0;
+    while (waitpid(pid_, &status, 0) < 0) {
+        if (errno != EINTR) return -1;
+    }
+    return exit_status(status);
 }
 
 Expected<PortLock> PortLock::take(const std::string& path) {

@@ -39,6 +39,8 @@ class RunningProgram {
 
     /// Its exit status (128 + signal) once it has ended.
     std::optional<int> ended();
+    /// The same, once it has.
+    int wait();
 
   private:
     explicit RunningProgram(int pid) : pid_(pid) {}

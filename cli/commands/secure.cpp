@@ -47,6 +47,7 @@ Run declare_secure(Declaration& verb) {
                 "init: folder of the system broker's configuration; default for root: /etc/mosquitto/conf.d");
     verb.option("--reload-pid", "PID", options->reload_pid,
                 "Process of the broker that has to read the change; default: found by its pid file");
+    verb.flag("--here", options->here, "add: for a service or board of this machine, the broker's");
     verb.output(
         options->output, {Output::kText},
         {"action", "what", "file", "command", "name", "role", "since", "until", "may", "should", "is"});
@@ -60,6 +61,7 @@ Verb secure_verb() {
         "secure", "Make a bus that lets in only whom you add",
         "init makes an authority, the broker's certificate, configuration and access rules, and an "
         "administrator.\n"
+        "On a machine with the services of the packages, init by root secures them and their boards, too.\n"
         "add makes one file for a program on another machine: asip-agent --credentials FILE takes all "
         "of it.\n"
         "revoke takes a user out; a running broker drops it at once and keeps all others. check tries at the "

@@ -18,6 +18,7 @@ struct SecureOptions {
     std::vector<std::string> hosts;
     std::size_t port = 8883;
     std::optional<std::size_t> reload_pid;
+    bool here = false;  ///< add: for a service of this machine
     OutputOptions output{};
 };
 

@@ -8,6 +8,7 @@
 #include "cli/secure/broker_files.hpp"
 #include "cli/secure/machine_names.hpp"
 #include "cli/secure/reload.hpp"
+#include "cli/secure/services.hpp"
 #include "cli/secure/users.hpp"
 
 namespace asip::cli {
@@ -58,6 +59,12 @@ std::string in_folder(const SecureOptions& options) {
 
 void next_after_init(const SecureOptions& options, const SecureFolder& folder, const SecuredBus& bus,
                      SecureReport& report) {
+    if (keeps_services(options, folder, bus)) {
+        report.next("a board that is plugged in here later gets its credentials by",
+                    "sudo asipctl secure add board NAME --here");
+        report.next("give each person a file", "sudo asipctl secure add operator ann");
+        return;
+    }
     if (is_system_broker(folder, bus)) {
         report.next("let the broker read it", "sudo systemctl restart mosquitto");
     } else {
@@ -105,22 +112,66 @@ fs::path secure_folder(const SecureOptions& options) {
     return ::geteuid() == 0 ? fs::path("/etc/asip/bus") : fs::absolute("asip-bus");
 }
 
+namespace {
+
+Outcome<void> make_bus(const SecureFolder& folder, SecuredBus& bus, SecureReport& report) {
+    if (auto done = ensure_authority(folder, report); !done) return done;
+    if (auto done = ensure_certificate(folder, bus, report); !done) return done;
+    if (auto done = ensure_user(folder, bus, "admin", Role::kAdmin, report); !done) return done;
+    if (auto done = write_users(folder, bus); !done) return done;
+    if (auto done = ensure_configuration(folder, bus, report); !done) return done;
+    return is_system_broker(folder, bus) ? close_open_listeners(bus, report) : Outcome<void>();
+}
+
+/// The bus, and the services of this machine with it. A run that ended before the broker was started with it
+/// is known by a mark.
+Outcome<void> make_bus_of_machine(const SecureOptions& options, const Context& context,
+                                  const SecureFolder& folder, SecuredBus& bus, SecureReport& report) {
+    const auto boards = boards_of_this_machine(context);
+    const bool interrupted = fs::exists(folder.unfinished());
+    if (auto done = folder.write(folder.unfinished(), "", SecureFolder::Readers::kOwner); !done)
+        return tl::unexpected(done.error());
+    if (auto done = make_bus(folder, bus, report); !done) return done;
+    const bool broker = interrupted || report.changed();
+    const auto services = ensure_services(folder, bus, boards, report);
+    if (!services) return tl::unexpected(services.error());
+    if (auto done = write_users(folder, bus); !done) return done;
+    auto changed = give_to_services(folder, bus, *services, report);
+    if (!changed) return tl::unexpected(changed.error());
+    if (!broker && report.changed()) report_reload(options, folder, bus, report);
+    if (auto done = restart_services(broker, broker ? *services : *changed, report); !done) return done;
+    become_default(folder, bus, report);
+    std::error_code ignored;
+    fs::remove(folder.unfinished(), ignored);
+    return {};
+}
+
+/// What changed for services of this machine reaches them.
+Outcome<void> tell_services(const SecureOptions& options, const SecureFolder& folder, const SecuredBus& bus,
+                            SecureReport& report) {
+    if (!keeps_services(options, folder, bus)) return {};
+    const auto changed = refresh_services(folder, bus, report);
+    if (!changed) return tl::unexpected(changed.error());
+    for (const auto& name : *changed) {
+        if (bus.find(name)->role == Role::kBoard)
+            report.next("let the agent of " + name + " read it", "sudo systemctl restart 'asip-agent@*'");
+    }
+    return restart_services(false, *changed, report);
+}
+
+}  // namespace
+
 Outcome<void> secure_init(const SecureOptions& options, const Context& context, SecureReport& report) {
     if (auto right = check_clock(); !right) return right;
     const auto folder = SecureFolder::create(secure_folder(options));
     if (!folder) return tl::unexpected(folder.error());
     auto bus = ensure_bus(options, context, *folder);
     if (!bus) return tl::unexpected(bus.error());
-    if (auto done = ensure_authority(*folder, report); !done) return done;
-    if (auto done = ensure_certificate(*folder, *bus, report); !done) return done;
-    if (auto done = ensure_user(*folder, *bus, "admin", Role::kAdmin, report); !done) return done;
-    if (auto done = write_users(*folder, *bus); !done) return done;
-    if (auto done = ensure_configuration(*folder, *bus, report); !done) return done;
-    if (is_system_broker(*folder, *bus)) {
-        if (auto done = close_open_listeners(*bus, report); !done) return done;
-    }
-    next_after_init(options, *folder, *bus, report);
-    return {};
+    const auto done = keeps_services(options, *folder, *bus)
+                          ? make_bus_of_machine(options, context, *folder, *bus, report)
+                          : make_bus(*folder, *bus, report);
+    if (done) next_after_init(options, *folder, *bus, report);
+    return done;
 }
 
 Outcome<void> secure_add(const SecureOptions& options, SecureReport& report) {
@@ -138,11 +189,20 @@ Outcome<void> secure_add(const SecureOptions& options, SecureReport& report) {
     if (!folder) return tl::unexpected(folder.error());
     auto bus = folder->bus();
     if (!bus) return tl::unexpected(bus.error());
+    if (options.here && !keeps_services(options, *folder, *bus)) {
+        return failure(program::kExitUsage,
+                       "--here is for root on the broker's machine, with the services of the packages "
+                       "(/etc/asip/credentials is made by asip-common)");
+    }
     for (const auto& name : names) {
         if (auto done = ensure_user(*folder, *bus, name, *role, report); !done) return done;
     }
     if (auto done = write_users(*folder, *bus); !done) return done;
     report_reload(options, *folder, *bus, report);
+    if (options.here) {
+        const auto changed = give_to_services(*folder, *bus, names, report);
+        return changed ? restart_services(false, *changed, report) : tl::unexpected(changed.error());
+    }
     for (const auto& name : names) {
         const auto file = folder->credentials(name);
         if (fs::exists(file))
@@ -173,7 +233,7 @@ Outcome<void> secure_revoke(const SecureOptions& options, SecureReport& report) 
     }
     if (auto done = write_users(*folder, *bus); !done) return done;
     report_reload(options, *folder, *bus, report);
-    return {};
+    return tell_services(options, *folder, *bus, report);
 }
 
 Outcome<void> secure_renew(const SecureOptions& options, SecureReport& report) {
@@ -199,7 +259,7 @@ Outcome<void> secure_renew(const SecureOptions& options, SecureReport& report) {
     if (options.what != "broker")
         report.next("copy " + folder->credentials(options.what).string() +
                     " to its machine; the file from before counts no more");
-    return {};
+    return tell_services(options, *folder, *bus, report);
 }
 
 }  // namespace asip::cli

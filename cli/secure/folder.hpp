@@ -36,6 +36,8 @@ class SecureFolder {
     Path key() const { return path_ / "broker" / "broker.key"; }
     Path pid_file() const { return path_ / "broker" / "mosquitto.pid"; }
     Path store() const { return path_ / "broker"; }
+    /// There while the broker has not yet been started with what was made.
+    Path unfinished() const { return path_ / "unfinished"; }
     Path credentials(const std::string& user) const {
         return path_ / "credentials" / (user + ".credentials");
     }

@@ -13,17 +13,20 @@ class SecureReport {
     SecureReport(const OutputOptions& options, Context& context)
         : options_(options), out_(context.out), records_(options, RecordPrinter::Count::kList, context.out) {}
 
-    /// `action`: `made`, `kept`, `changed`, `removed`, `moved`, `reloaded` or `warning`.
+    /// `action`: `made`, `kept`, `changed`, `removed`, `moved`, `gave`, `reloaded`, `restarted` or `warning`.
     void did(const std::string& action, const std::string& what, const std::string& file = {});
     /// A command to run (or a file to copy) and why.
     void next(const std::string& why, const std::string& command = {});
     void finish();
+    /// Whether anything is not as it was before.
+    bool changed() const { return changed_; }
 
   private:
     const OutputOptions& options_;
     std::ostream& out_;
     RecordPrinter records_;
     std::string next_;
+    bool changed_ = false;
 };
 
 }  // namespace asip::cli

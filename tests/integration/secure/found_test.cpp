@@ -116,6 +116,9 @@ TEST_F(FoundBus, NamesThatAreNone_AreRefusedAndChangeNothing) {
     for (const char* name :
          {"../x", "a\nuser admin", "a:b", "#", "+", "$x", "in", "out", "error", "reply", "", "a b"})
         EXPECT_NE(secure({"add", "board", name}).status, 0) << name;
+    for (const char* name : {"a/b", "../../x", "/etc/x", "a+b", "a#", "a\tb", "a b", "\u00e4nn", "\u0430nn",
+                             "%u", "a'b", "$(id)", "reply", "broker"})
+        EXPECT_EQ(secure({"add", "operator", name}).status, 2) << name;
     EXPECT_NE(secure({"init", "--host", "a,DNS:evil"}).status, 0);
     EXPECT_EQ(run({ASIP_TEST_ASIPCTL, "secure", "init", "--dir", place_.file("a\nb")}).status, 2);
     EXPECT_EQ(

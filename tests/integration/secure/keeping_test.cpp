@@ -120,6 +120,26 @@ TEST_F(KeptBus, InterruptedAddition_IsCompletedWithTheSameFile) {
     EXPECT_TRUE(wait_until([&] { return may_publish("ann", "asip/uno1/in"); }));
 }
 
+TEST_F(KeptBus, ManyAtOnce_WaitForEachOther) {
+    std::vector<std::unique_ptr<ChildProcess>> runs;
+    for (int i = 0; i < 8; ++i) {
+        const auto number = std::to_string(i);
+        runs.push_back(std::make_unique<ChildProcess>(
+            Words{ASIP_TEST_ASIPCTL, "secure", "add", "viewer", "v" + number, "--dir", folder()}));
+        if (i % 2 == 1)
+            runs.push_back(std::make_unique<ChildProcess>(
+                Words{ASIP_TEST_ASIPCTL, "secure", "renew", "uno2", "--dir", folder()}));
+    }
+    for (const auto& one : runs)
+        EXPECT_EQ(one->wait_exit(), 0) << one->errors();
+    ASSERT_EQ(secure({"revoke", "uno1"}).status, 0);
+    for (int i = 0; i < 8; ++i) {
+        const auto name = "v" + std::to_string(i);
+        EXPECT_TRUE(wait_until([&] { return may_publish(name, "asip/registry/query"); })) << name;
+    }
+    EXPECT_TRUE(may_publish("uno2", "asip/uno2/out")) << "the file is that of the last renewal";
+}
+
 TEST_F(KeptBus, NameInUse_IsRefusedAndKept) {
     const auto before = all_files();
     const auto refused = secure({"add", "operator", "uno1"});

@@ -1,0 +1,53 @@
+// The services of a machine find their credentials by themselves, in one folder.
+#include <gmock/gmock.h>
+
+#include "tests/integration/client/simulated_boards.hpp"
+#include "tests/integration/secure/secured_bus.hpp"
+
+namespace asip::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class ServicesOnSecuredBus : public SecuredBus {
+  protected:
+    ServicesOnSecuredBus() {
+        add({"board", "uno"});
+        add({"operator", "ann"});
+        add({"registry"});
+        start_broker();
+    }
+    Words from_folder() const { return {"--credentials-dir", file("credentials")}; }
+
+    SimulatedBoards boards_{{"asip_uno"}};
+};
+
+TEST_F(ServicesOnSecuredBus, EachTakesItsOwnFile) {
+    ChildProcess registry(Words{ASIP_TEST_REGISTRY, "--id", "hall"} + from_folder());
+    ChildProcess agent(Words{ASIP_TEST_AGENT, "--serial", boards_.serial(), "--name", "uno"} + from_folder());
+    EXPECT_TRUE(wait_until([&] {
+        return run(Words{ASIP_TEST_ASIPCTL, "list", "--state", "online", "-o", "name"} + as("ann")).output ==
+               "uno\n";
+    })) << agent.errors()
+        << registry.errors();
+    EXPECT_EQ(run(Words{ASIP_TEST_ASIPCTL, "pin", "uno", "13", "high"} + as("ann")).status, 0);
+}
+
+TEST_F(ServicesOnSecuredBus, FileForAnotherBoard_EndsTheAgentWithItsName) {
+    const auto text = run({"cat", credentials("uno")}).output;
+    const auto wrong = place_.write("other.credentials", text);
+    const auto ended = run({ASIP_TEST_AGENT, "--serial", boards_.serial(), "--name", "other",
+                            "--credentials-dir", wrong.substr(0, wrong.rfind('/'))});
+    EXPECT_EQ(ended.status, 2);
+    EXPECT_THAT(ended.errors, HasSubstr("other.credentials is not for board other"));
+}
+
+TEST_F(ServicesOnSecuredBus, ForAServiceOfThisMachine_NeedsTheFolderOfThePackages) {
+    const auto refused = secure({"add", "board", "uno2", "--here"});
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_THAT(refused.errors, HasSubstr("asip-common"));
+    EXPECT_EQ(secure({"revoke", "uno2"}).status, 1) << "nobody was added";
+}
+
+}  // namespace
+}  // namespace asip::test
