@@ -23,7 +23,10 @@ asip_build_type(SANITIZE "-O0 -g1")
 # Interface target that each target of ours links: warnings, and sanitizers where asked for.
 add_library(asip_options INTERFACE)
 target_compile_options(asip_options INTERFACE
-  "$<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wnon-virtual-dtor;-Woverloaded-virtual;-Wcast-align;-Werror>") # not of those who use the installed library
+  "$<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wnon-virtual-dtor;-Woverloaded-virtual;-Wcast-align>") # not of those who use the installed library
+if(ASIP_WERROR)
+  target_compile_options(asip_options INTERFACE $<BUILD_INTERFACE:-Werror>)
+endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # GCC 12 sees overlapping and overlong copies inside std::string's operator+ when it optimises (GCC bug 105651).
   target_compile_options(asip_options INTERFACE
