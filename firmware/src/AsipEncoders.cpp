@@ -50,17 +50,20 @@ Error Encoders::processRequest(Request&) {
 }
 
 void Encoders::onPinChange() {
-    for (uint8_t i = 0; i < counting->count(); ++i) {
-        Wheel& wheel = counting->wheels_[i];
-        if (wheel.first.isConnected()) look(wheel);
-    }
+    Wheel* wheel = counting->wheels_;
+    for (uint8_t left = counting->count(); left != 0; --left, ++wheel)
+        if (wheel->first.isConnected()) look(*wheel);
 }
 
 void Encoders::look(Wheel& wheel) {
     const bool high = wheel.first.isHigh();
     if (high == wheel.wasHigh) return;
     wheel.wasHigh = high;
-    wheel.steps += high != wheel.second.isHigh() ? 1 : -1;
+    if (high != wheel.second.isHigh()) {
+        ++wheel.steps;
+    } else {
+        --wheel.steps;
+    }
     if (!high) return;
     const uint32_t now = micros() | 1;
     if (wheel.rose != 0) wheel.cycle = now - wheel.rose;

@@ -68,13 +68,17 @@ bool EchoTimer::finished(uint16_t& microseconds) {
     return true;
 }
 
+// Encoders call it at each of their edges too: it must not take long where there is no echo to wait for.
 void EchoTimer::onPinChange() {
-    const bool high = isHigh();
-    if (phase == kBeforeEcho && high) {
-        since = now();
+    const uint8_t before = phase;
+    if (before != kBeforeEcho && before != kInEcho) return;
+    if (isHigh() == (before == kInEcho)) return;
+    const uint16_t time = now();
+    if (before == kBeforeEcho) {
+        since = time;
         phase = kInEcho;
-    } else if (phase == kInEcho && !high) {
-        length = now() - since;
+    } else {
+        length = time - since;
         phase = kEchoOver;
     }
 }
