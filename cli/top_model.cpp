@@ -7,11 +7,13 @@
 #include "asip/model/json.hpp"
 #include "asip/text/duration.hpp"
 #include "cli/commands/list.hpp"
+#include "cli/text/sparkline.hpp"
 
 namespace asip::cli {
 namespace {
 
 constexpr int kSlots = 10;
+constexpr std::size_t kTrend = 12;
 
 Cell age_cell(const std::optional<Time>& last, const std::optional<int>& period, Time now) {
     if (!last) return Cell("-", Colour::kDim);
@@ -29,8 +31,19 @@ void TopModel::value(const std::string& board, const std::string& service, const
     ++one.arrivals[Time((now.time_since_epoch() / slot) * slot)];
     one.last = now;
     one.payload = payload;
+    sample(one, slot, now);
     while (!one.arrivals.empty() && one.arrivals.begin()->first + window_ <= now)
         one.arrivals.erase(one.arrivals.begin());
+}
+
+void TopModel::sample(Service& service, Duration slot, Time now) {
+    if (!service.trend.empty() && now - service.sampled < slot) return;
+    const auto value = model::parse_json(service.payload);
+    const auto number = value ? first_number(*value) : std::nullopt;
+    if (!number) return;
+    service.sampled = now;
+    service.trend.push_back(*number);
+    if (service.trend.size() > kTrend) service.trend.pop_front();
 }
 
 void TopModel::error(const std::string& board, const std::string& service, Time now) {
@@ -88,6 +101,7 @@ Table TopModel::table(Time now) {
                  {"RATE", true},
                  {"AGE", true},
                  {"ERRORS", true},
+                 {"TREND"},
                  {"LAST", false, 10}});
     for (auto& [name, board] : boards_) {
         bool first = true;
@@ -100,7 +114,8 @@ Table TopModel::table(Time now) {
                 Cell(std::to_string(service.errors), service.errors > 0 ? Colour::kRed : Colour::kNone);
             table.add({first ? name : "", first ? Cell(board.state, state_colour(board.state)) : Cell(""),
                        first ? trip : Cell(""), service_name, fmt::format("{:.1f}/s", rate(service, now)),
-                       age_cell(service.last, service.period, now), errors, service.payload});
+                       age_cell(service.last, service.period, now), errors,
+                       sparkline(std::vector(service.trend.begin(), service.trend.end())), service.payload});
             first = false;
         }
     }

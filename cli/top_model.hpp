@@ -1,6 +1,7 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -12,7 +13,8 @@
 
 namespace asip::cli {
 
-/// What `asipctl top` shows: rate, age, errors and round trip of each service, over a sliding window. Pure.
+/// What `asipctl top` shows: rate, trend, age, errors and round trip of each service, over a sliding window.
+/// Pure.
 class TopModel {
   public:
     /// Rates are over the last `window`.
@@ -39,7 +41,10 @@ class TopModel {
         std::optional<Time> last;
         std::optional<int> period;
         std::string payload;
+        std::deque<double> trend;  // of the value's first number: one for each slot in which one came
+        Time sampled;
     };
+    static void sample(Service& service, Duration slot, Time now);
     struct Board {
         std::string state;
         std::optional<std::optional<std::chrono::duration<double>>> round_trip;

@@ -117,10 +117,27 @@ TEST(TopModel, RatesAgesAndErrors_AreOfTheWindow) {
     model.error("uno1", "servo", kStart);
     model.round_trip("uno1", 1500us);
     const auto text = model.table(kStart + 4950ms).render(0, false);
-    EXPECT_THAT(text,
-                HasSubstr("uno1   online  1.50 ms  distance  10.0/s  50 ms       0  {\"distance\":[42]}"));
+    EXPECT_THAT(text, HasSubstr("uno1   online  1.50 ms  distance  10.0/s  50 ms       0  \u2581"));
+    EXPECT_THAT(text, HasSubstr("{\"distance\":[42]}"));
     EXPECT_THAT(text, HasSubstr("servo"));
     EXPECT_THAT(model.table(kStart + 20s).render(0, false), HasSubstr("0.0/s"));
+}
+
+TEST(TopModel, Trend_IsOfTheFirstNumberAtMostTwiceASecond) {
+    const Time start{};
+    TopModel model(5s);
+    for (int i = 0; i < 40; ++i)
+        model.value("uno1", "distance", R"({"distance":[)" + std::to_string(i / 10) + ",7]}",
+                    start + i * 100ms);
+    model.value("uno1", "log", R"({"text":"no number"})", start + 4s);
+    model.value("uno1", "broken", "{", start + 4s);
+    const auto shown = model.table(start + 4s).render(200, false);
+    EXPECT_THAT(shown, HasSubstr("TREND"));
+    EXPECT_THAT(shown, HasSubstr(" \u2581\u2581\u2583\u2583\u2586\u2586\u2588\u2588 "));
+    for (int i = 0; i < 100; ++i)
+        model.value("uno1", "distance", R"({"distance":[1]})", start + 5s + i * 1s);
+    EXPECT_THAT(model.table(start + 105s).render(200, false),
+                HasSubstr(" \u2581\u2581\u2581\u2581\u2581\u2581\u2581\u2581\u2581\u2581\u2581\u2581 "));
 }
 
 TEST(TopModel, Records_CarryNumbersForPrograms) {
