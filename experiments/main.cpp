@@ -1,5 +1,6 @@
 // The experiments of the ASIP papers, each as a table, a CSV file and a plot.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -31,7 +32,8 @@ std::string list() {
            "  experiments latency throughput          two of them\n"
            "  experiments footprint latency --with-image my.elf\n"
            "                                          an image of another ASIP firmware, measured the same "
-           "way";
+           "way\n"
+           "\nExit status: 0 all were carried out; 1 one could not be; 2 wrong option.";
 }
 
 const Experiment* find(const std::string& name) {
@@ -77,7 +79,11 @@ int main(int argc, char** argv) try {
         ->check(CLI::ExistingFile);
     app.add_option("--out", out, "Folder for CSV and SVG files")->capture_default_str();
     app.add_flag("--quick", setup.quick, "A small part of each: shows that it works, gives no figures");
-    CLI11_PARSE(app, argc, argv);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
     if (!setup.other_image.empty()) setup.other_image = std::filesystem::absolute(setup.other_image).string();
     std::filesystem::create_directories(out);
     bool good = true;
