@@ -111,23 +111,6 @@ Expected<json> order_members(const CommandModel& command, const json& members) {
     return values;
 }
 
-Expected<json> json_values(const CommandModel& command, const json& given) {
-    const auto args = given_arguments(command);
-    const bool one_list = args.size() == 1 && args.front()->type == ValueType::kList;
-    if (given.is_null()) return json::array();
-    if (given.is_object()) return order_members(command, given);
-    if (given.is_array()) {
-        if (!one_list || !is_list_itself(*args.front(), given)) return given;
-        json values = json::array();
-        values.push_back(given);
-        return values;
-    }
-    if (args.empty() && given == json(true)) return json::array();
-    json values = json::array();
-    values.push_back(given);
-    return values;
-}
-
 /// A list as it stands on the wire, to an array of its items as text.
 Expected<json> list_from_text(const Field& list, std::string_view text) {
     if (list.braces) {
@@ -178,6 +161,23 @@ Expected<json> values_from_text(const CommandModel& command, std::string_view pa
 
 }  // namespace
 
+Expected<nlohmann::json> argument_values(const CommandModel& command, const nlohmann::json& given) {
+    const auto args = given_arguments(command);
+    const bool one_list = args.size() == 1 && args.front()->type == ValueType::kList;
+    if (given.is_null()) return json::array();
+    if (given.is_object()) return order_members(command, given);
+    if (given.is_array()) {
+        if (!one_list || !is_list_itself(*args.front(), given)) return given;
+        json values = json::array();
+        values.push_back(given);
+        return values;
+    }
+    if (args.empty() && given == json(true)) return json::array();
+    json values = json::array();
+    values.push_back(given);
+    return values;
+}
+
 Expected<EncodedCommand> encode_json_command(const ServiceModel& model, const nlohmann::json& command) {
     if (!command.is_object()) return fail("a command is an object such as {\"NAME\":[ARGUMENTS]}");
     const std::string* name = nullptr;
@@ -193,7 +193,7 @@ Expected<EncodedCommand> encode_json_command(const ServiceModel& model, const nl
     if (name == nullptr) return fail("it has no command");
     const auto* known = model.command(*name);
     if (known == nullptr) return unknown_command(model, *name);
-    const auto values = json_values(*known, *given);
+    const auto values = argument_values(*known, *given);
     if (!values) return fail(values.error());
     return finish(model, *known, *values, Strictness::kStrict);
 }

@@ -40,6 +40,11 @@ Expected<EncodedCommand> encode_text_command(const ServiceModel& model, std::str
 /// of a list with several fields is one word: "0:255".
 Expected<EncodedCommand> encode_word_command(const ServiceModel& model, std::span<const std::string> words);
 
+/// What stands behind the name of a command in JSON, [0,90], {"servo":0,"angle":90} or 90, as an array with
+/// the value of each of given_arguments(), in order. Fails when an argument is unknown or, in the form with
+/// names, missing; the number of values and what they are is not checked.
+Expected<nlohmann::json> argument_values(const CommandModel& command, const nlohmann::json& given);
+
 /// A command for the service `letter` as its control topic carries it: ASIP text without the service
 /// ("W,0,90", a line end is allowed), or an object as for encode_json_command() or {"raw":"W,0,90"}. `model`
 /// may be null: then only ASIP text and {"raw":...} are taken, and only the form of the line is checked.

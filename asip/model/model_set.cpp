@@ -13,20 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Expected<ServiceModel> load_file(const fs::path& path) {
-    constexpr std::uintmax_t kMaxFileBytes = std::size_t{64} * 1024;
-    std::error_code fault;
-    const auto size = fs::file_size(path, fault);
-    if (fault) return fail(path.string() + ": " + fault.message());
-    if (size > kMaxFileBytes) return fail(path.string() + ": is larger than 64 KiB");
-    std::ifstream file(path, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
-    if (!file) return fail(path.string() + ": cannot be read");
-    auto model = parse_service_model(text);
-    if (!model) return fail(path.string() + ": " + model.error());
-    return model;
-}
-
 ModelSet load_standard() {
     ModelSet set;
     for (const auto& [name, text] : embedded_models()) {
@@ -67,7 +53,7 @@ Expected<void> ModelSet::load_directory(const std::string& path) {
     std::sort(files.begin(), files.end());
     ModelSet extended = *this;
     for (const auto& file : files) {
-        auto model = load_file(file);
+        auto model = load_service_model(file.string());
         if (!model) return fail(model.error());
         extended.add(std::move(*model));
     }
@@ -103,6 +89,20 @@ std::vector<std::string> ModelSet::names() const {
     for (const auto& model : models_)
         result.push_back(model->name);
     return result;
+}
+
+Expected<ServiceModel> load_service_model(const std::string& path) {
+    constexpr std::uintmax_t kMaxFileBytes = std::size_t{64} * 1024;
+    std::error_code fault;
+    const auto size = fs::file_size(path, fault);
+    if (fault) return fail(path + ": " + fault.message());
+    if (size > kMaxFileBytes) return fail(path + ": is larger than 64 KiB");
+    std::ifstream file(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    if (!file) return fail(path + ": cannot be read");
+    auto model = parse_service_model(text);
+    if (!model) return fail(path + ": " + model.error());
+    return model;
 }
 
 std::vector<std::string> units_of(const ModelSet& models, std::string_view reference) {

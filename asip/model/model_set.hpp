@@ -47,6 +47,10 @@ class ModelSet {
     std::vector<ModelPtr> models_;
 };
 
+/// The model in a file. Fails with "FILE: /place: reason" when it cannot be read, is larger than 64 KiB or is
+/// no valid model.
+Expected<ServiceModel> load_service_model(const std::string& path);
+
 /// The units of the model that a description refers to ("distance@1"; where this version is unknown, of
 /// another one); empty: no such model, or it has none.
 std::vector<std::string> units_of(const ModelSet& models, std::string_view reference);

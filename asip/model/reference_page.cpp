@@ -80,11 +80,16 @@ std::string examples_table(const ServiceModel& model) {
     return rows.empty() ? rows : "| | JSON | on the wire |\n| --- | --- | --- |\n" + rows + "\n";
 }
 
-std::string section(const ServiceModel& model) {
-    auto text = "## " + model.name + "\n\n" + model.title + ". Letter " + code(std::string(1, model.id)) +
-                ", version " + std::to_string(model.version);
+std::string section(const ServiceModel& model, const std::string& heading) {
+    auto text = heading + " " + model.name + "\n\n" + model.title + ". Letter " +
+                code(std::string(1, model.id)) + ", version " + std::to_string(model.version);
     if (!model.match.empty()) text += "; boards call it " + joined(model.match);
     return text + ".\n\n" + commands_table(model) + events_table(model) + examples_table(model);
+}
+
+void end_with_one_newline(std::string& text) {
+    while (text.ends_with("\n\n"))
+        text.pop_back();
 }
 
 }  // namespace
@@ -98,9 +103,14 @@ std::string reference_page(const ModelSet& models) {
         "the board\n"
         "itself receives and sends.\n\n";
     for (const auto& model : models.all())
-        text += section(*model);
-    while (text.ends_with("\n\n"))
-        text.pop_back();
+        text += section(*model, "##");
+    end_with_one_newline(text);
+    return text;
+}
+
+std::string reference_page(const ServiceModel& model) {
+    auto text = section(model, "#");
+    end_with_one_newline(text);
     return text;
 }
 

@@ -9,4 +9,7 @@ namespace asip::model {
 /// of their names. docs/services.md is this page of the standard models.
 std::string reference_page(const ModelSet& models);
 
+/// The page of one model alone.
+std::string reference_page(const ServiceModel& model);
+
 }  // namespace asip::model
