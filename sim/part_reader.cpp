@@ -29,6 +29,22 @@ std::vector<int> PartReader::pins(const std::string& key, std::vector<int> other
     return otherwise;
 }
 
+std::string PartReader::text(const std::string& key) {
+    if (settings_.required(key) == nullptr) return {};
+    auto text = settings_.text(key);
+    if (text.empty()) settings_.fault(key, "is empty");
+    return text;
+}
+
+void PartReader::each(const std::string& key, const std::function<void(PartReader&)>& read) {
+    constexpr std::size_t kMostItems = 64;
+    for (auto& item : settings_.list(key, kMostItems)) {
+        PartReader reader(item, board_, has_world_);
+        read(reader);
+        item.refuse_others();
+    }
+}
+
 void PartReader::need_world() {
     if (!has_world_) settings_.fault("", "needs a world: \"world\" of the board names its file");
 }

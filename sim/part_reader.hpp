@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -22,9 +23,17 @@ class PartReader {
     double number(const std::string& key, double otherwise, double minimum, double maximum) {
         return settings_.number(key, otherwise, minimum, maximum);
     }
+    /// Whether the pin can be read as an analog input.
+    bool is_analog(int pin) const { return board_.pins.at(static_cast<std::size_t>(pin)).channel >= 0; }
     /// The pins of the board's I2C bus.
     int sda() const { return board_.sda; }
     int scl() const { return board_.scl; }
+    /// A required text; a fault where it is empty.
+    std::string text(const std::string& key);
+    /// Calls `read` with a reader of each item of a list, which may be missing; at most 64.
+    void each(const std::string& key, const std::function<void(PartReader&)>& read);
+    /// A fault of this part: "must be above min".
+    void fault(const std::string& key, const std::string& reason) { settings_.fault(key, reason); }
     /// False where there is none.
     bool flag(const std::string& key) { return settings_.flag(key); }
     /// A fault where the board stands in no world.

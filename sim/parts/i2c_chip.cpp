@@ -59,21 +59,17 @@ Expected<void> I2cChip::perform(std::string_view verb, std::string_view argument
 
 Expected<void> I2cChip::set(std::string_view argument) {
     auto values = values_;
-    while (!argument.empty()) {
-        const auto comma = std::min(argument.find(','), argument.size());
-        const auto item = argument.substr(0, comma);
-        argument.remove_prefix(std::min(comma + 1, argument.size()));
-        const auto equals = std::min(item.find('='), item.size());
+    for (const auto& [name, text] : assignments(argument)) {
         const auto found =
             std::find_if(quantities_.begin(), quantities_.end(),
-                         [&](const Quantity& quantity) { return quantity.name == item.substr(0, equals); });
+                         [&, wanted = name](const Quantity& quantity) { return quantity.name == wanted; });
         if (found == quantities_.end()) {
             std::string names;
             for (const auto& quantity : quantities_)
                 names += fmt::format("{}{}", names.empty() ? "" : ", ", quantity.name);
-            return fail(fmt::format("{} has no \"{}\": {}", kind().name, item.substr(0, equals), names));
+            return fail(fmt::format("{} has no \"{}\": {}", kind().name, name, names));
         }
-        const auto value = parse_number(item.substr(std::min(equals + 1, item.size())));
+        const auto value = parse_number(text);
         if (!value || *value < found->min || *value > found->max)
             return fail(fmt::format("{} is a number from {} to {}", found->name, found->min, found->max));
         values[static_cast<std::size_t>(found - quantities_.begin())] = *value;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -13,6 +14,17 @@ std::optional<double> parse_number(std::string_view text) {
     if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
         return std::nullopt;
     return value;
+}
+
+std::vector<Assignment> assignments(std::string_view text) {
+    std::vector<Assignment> items;
+    while (!text.empty()) {
+        const auto item = text.substr(0, text.find(','));
+        text.remove_prefix(std::min(item.size() + 1, text.size()));
+        const auto equals = std::min(item.find('='), item.size());
+        items.push_back({item.substr(0, equals), item.substr(std::min(equals + 1, item.size()))});
+    }
+    return items;
 }
 
 std::string short_number(double value) {

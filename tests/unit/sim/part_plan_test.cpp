@@ -52,6 +52,24 @@ TEST(PartPlan, WireAndListeners_ShareAPin) {
               "");
 }
 
+TEST(PartPlan, ValuesThatCannotBe_Refused) {
+    const auto fault_of = [](nlohmann::json input) {
+        return fault({{"values", {{"inputs", nlohmann::json::array({std::move(input)})}}, "a"}});
+    };
+    EXPECT_EQ(fault({{"values", nlohmann::json::object(), "a"}}),
+              "/parts/0: has neither \"inputs\" nor \"outputs\"");
+    EXPECT_EQ(fault_of({{"pin", 2}}), "/parts/0/inputs/0/name: is missing");
+    EXPECT_EQ(fault_of({{"name", "a,b"}, {"pin", 2}}),
+              "/parts/0/inputs/0/name: has a space, a comma or \"=\" in it");
+    EXPECT_EQ(fault_of({{"name", "x"}}), "/parts/0/inputs/0/pin: is missing");
+    EXPECT_EQ(fault_of({{"name", "x"}, {"pin", "A0"}, {"max", 0}}),
+              "/parts/0/inputs/0/max: must be above min");
+    EXPECT_EQ(fault_of({{"name", "x"}, {"pin", 2}, {"value", 7}}),
+              "/parts/0/inputs/0/value: on a digital pin it is min or max");
+    EXPECT_NE(fault_of({{"name", "x"}, {"pin", 2}, {"colour", 7}}), "");
+    EXPECT_EQ(fault_of({{"name", "x"}, {"pin", 1}}), "/parts/0: a: pin 1 is taken by the serial port");
+}
+
 TEST(PartPlan, PotentiometerOnDigitalPin_Refused) {
     EXPECT_EQ(fault({{"potentiometer", {{"pin", 13}}, "a"}}),
               "/parts/0: a: pin 13 of the uno is not an analog input");
@@ -79,7 +97,7 @@ TEST(PartPlan, UnknownKindOrSetting_NamesTheNearest) {
     EXPECT_EQ(
         fault({{"buton", {{"pin", 2}}}}),
         "/parts/0/kind: there is no part \"buton\" (did you mean \"button\"?); one of led, button, wire, "
-        "potentiometer, ultrasonic, servo, square-wave, pixels, mpu6050, hmc5883l, bmp085, sh1106, rover");
+        "potentiometer, ultrasonic, servo, square-wave, pixels, mpu6050, hmc5883l, bmp085, sh1106, values, rover");
     EXPECT_EQ(fault({{"led", {{"pin", 2}, {"active-low", true}}}}),
               "/parts/0/active-low: is unknown (did you mean \"active_low\"?)");
     EXPECT_EQ(fault({{"potentiometer", {{"pin", "A0"}, {"position", 2}}}}),

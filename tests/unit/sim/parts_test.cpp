@@ -155,6 +155,53 @@ TEST(Potentiometer, BeyondItsEnds_RefusedAndUnchanged) {
     EXPECT_EQ(monitor->part("pot").state(), "0.5");
 }
 
+PartConfig values(nlohmann::json inputs, nlohmann::json outputs) {
+    return {"values", {{"inputs", std::move(inputs)}, {"outputs", std::move(outputs)}}, "fan"};
+}
+
+TEST(Values, Inputs_AreWhatTheChipMeasures) {
+    Monitor monitor({values({{{"name", "speed"}, {"pin", "A0"}, {"max", 5000}, {"value", 5000}},
+                             {{"name", "raw"}, {"pin", "A1"}},
+                             {{"name", "door"}, {"pin", 2}, {"max", 1}}},
+                            nlohmann::json::array())});
+    EXPECT_EQ(monitor.ask_word({"A\0", 2}), 1023u);
+    ASSERT_TRUE(monitor->part("fan").command("set", "speed=2500,raw=77"));
+    EXPECT_EQ(monitor.ask_word({"A\0", 2}), 512u);
+    EXPECT_EQ(monitor.ask_word({"A\1", 2}), 77u);
+    EXPECT_FALSE(monitor->pin(2) == Level::kHigh);
+    ASSERT_TRUE(monitor->part("fan").command("set", "door=1"));
+    EXPECT_TRUE(monitor->pin(2) == Level::kHigh);
+    EXPECT_EQ(monitor->part("fan").state(), "speed=2500,raw=77,door=1");
+}
+
+TEST(Values, EachStepOfAnAnalogInput_IsReadAsItWasSet) {
+    Monitor monitor({values({{{"name", "raw"}, {"pin", "A0"}}}, nlohmann::json::array())});
+    for (const unsigned value : {0u, 1u, 2u, 340u, 341u, 511u, 512u, 1021u, 1022u, 1023u}) {
+        ASSERT_TRUE(monitor->part("fan").command("set", "raw=" + std::to_string(value)));
+        EXPECT_EQ(monitor.ask_word({"A\0", 2}), value);
+    }
+}
+
+TEST(Values, Outputs_ShowWhatTheChipDrives) {
+    Monitor monitor({values(nlohmann::json::array(), {{{"name", "power"}, {"pin", 13}, {"max", 100}}})});
+    EXPECT_EQ(monitor->part("fan").state(), "power=-");
+    monitor.write_register(kDdrB, 0x20);
+    EXPECT_EQ(monitor->part("fan").state(), "power=0");
+    monitor.write_register(kPortB, 0x20);
+    EXPECT_EQ(monitor->part("fan").state(), "power=100");
+}
+
+TEST(Values, WhatCannotBeSet_RefusedAndUnchanged) {
+    Monitor monitor({values(
+        {{{"name", "speed"}, {"pin", "A0"}, {"max", 100}}, {{"name", "door"}, {"pin", 2}, {"max", 1}}},
+        nlohmann::json::array())});
+    for (const auto* argument :
+         {"speed=101", "speed=-1", "speed=", "speed", "door=0.5", "none=1", "speed=5,none=1", ","})
+        EXPECT_FALSE(monitor->part("fan").command("set", argument)) << argument;
+    EXPECT_EQ(monitor->part("fan").state(), "speed=0,door=0");
+    EXPECT_THAT(monitor->part("fan").command("set", "none=1").error(), HasSubstr("there is: speed, door"));
+}
+
 class EchoTime : public testing::TestWithParam<double> {};
 
 TEST_P(EchoTime, OnePin_LastsAsLongAsSoundNeeds) {
