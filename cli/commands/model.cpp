@@ -1,0 +1,194 @@
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <ostream>
+
+#include "asip/model/example_check.hpp"
+#include "asip/model/reference_page.hpp"
+#include "cli/context.hpp"
+#include "cli/declaration.hpp"
+#include "cli/generate/clashes.hpp"
+#include "cli/generate/generate.hpp"
+#include "cli/generate/layout.hpp"
+
+namespace asip::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using generate::GeneratedFile;
+using model::ServiceModel;
+
+constexpr std::size_t kMostElements = 100;
+
+struct ModelOptions {
+    std::string action;
+    std::string file;
+    std::string output;
+    std::string image;
+    std::optional<std::size_t> elements;
+    bool force = false;
+};
+
+std::size_t elements_of(const ModelOptions& options, const ServiceModel& model) {
+    return options.elements.value_or(generate::elements_in_examples(model));
+}
+
+std::optional<std::string> generated_content(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) return std::nullopt;
+    return std::string{std::istreambuf_iterator<char>(file), {}};
+}
+
+Outcome<void> write_generated(const fs::path& path, const std::string& text) {
+    std::ofstream file(path, std::ios::binary | std::ios::trunc);
+    file << text << std::flush;
+    if (!file) return failure(program::kExitFailure, path.string() + ": cannot be written");
+    return {};
+}
+
+/// All or none: nothing is written where a file would be written over that must not.
+Outcome<void> write_all(const std::vector<GeneratedFile>& files, const fs::path& folder,
+                        const ModelOptions& options, Context& context) {
+    std::error_code fault;
+    fs::create_directories(folder, fault);
+    if (fault) return failure(program::kExitFailure, folder.string() + ": " + fault.message());
+    if (!options.force) {
+        for (const auto& file : files) {
+            const auto path = folder / file.name;
+            if (fs::exists(path, fault) && generated_content(path) != file.text)
+                return failure(
+                    program::kExitFailure,
+                    path.string() + " is there already; --force writes it anew" +
+                        (files.size() > 1 ? " (never the file with your code), --output FOLDER elsewhere"
+                                          : ""));
+        }
+    }
+    for (const auto& file : files) {
+        const auto path = folder / file.name;
+        const bool kept = file.own_code && fs::exists(path, fault);
+        if (!kept && generated_content(path) != file.text)
+            if (const auto written = write_generated(path, file.text); !written) return written;
+        context.out << path.lexically_normal().string() << (kept ? " (kept as it is)" : "") << '\n';
+    }
+    context.out << std::flush;
+    return {};
+}
+
+Outcome<void> check_model(const ServiceModel& model, const ModelOptions& options, Context& context) {
+    const auto examples = model::examples(model);
+    std::vector<std::string> faults;
+    for (const auto& example : examples)
+        if (const auto checked = check_example(model, example); !checked) faults.push_back(checked.error());
+    const auto wrong_examples = faults.size();
+    auto clashes = generate::find_clashes(model, context.models());
+    faults.insert(faults.end(), clashes.faults.begin(), clashes.faults.end());
+    context.out << model.ref() << ", letter " << model.id << ": " << examples.size() - wrong_examples
+                << " of " << examples.size() << " examples are true\n";
+    auto notes = missing_examples(model);
+    notes.insert(notes.end(), clashes.notes.begin(), clashes.notes.end());
+    const auto made = [&](const char* what, const generate::Files& files) {
+        if (!files) notes.push_back(std::string("no ") + what + " can be made of it: " + files.error());
+    };
+    made("firmware", generate::firmware(model, generate::sketch_name(model), elements_of(options, model)));
+    made("Python client", generate::python_client(model));
+    made("C++ client", generate::cpp_client(model));
+    for (const auto& note : notes)
+        context.out << "note: " << note << '\n';
+    context.out << std::flush;
+    std::string all;
+    for (const auto& fault : faults)
+        all += (all.empty() ? "" : "\n") + options.file + ": " + fault;
+    if (!faults.empty()) return failure(program::kExitFailure, all);
+    return {};
+}
+
+Outcome<void> make_firmware(const ServiceModel& model, const ModelOptions& options, Context& context) {
+    const fs::path folder = options.output.empty() ? generate::sketch_name(model) : options.output;
+    const auto name = fs::absolute(folder / "sketch").parent_path().filename().string();
+    constexpr const char* kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_";
+    if (name.empty() || name.size() > 32 || name.find_first_not_of(kAllowed) != std::string::npos)
+        return failure(program::kExitUsage,
+                       "\"" + name + "\" cannot be the name of a sketch: up to 32 letters, digits and _");
+    const auto files = generate::firmware(model, name, elements_of(options, model));
+    if (!files) return failure(program::kExitFailure, options.file + ": " + files.error());
+    return write_all(*files, folder, options, context);
+}
+
+Outcome<void> make_part(const ServiceModel& model, const ModelOptions& options, Context& context) {
+    const auto image = options.image.empty() ? generate::sketch_name(model) + ".elf"
+                                             : fs::absolute(options.image).lexically_normal().string();
+    auto files = generate::simulated_part(model, image, elements_of(options, model));
+    if (!files) return failure(program::kExitFailure, options.file + ": " + files.error());
+    const fs::path output(options.output);
+    if (!options.output.empty()) files->front().name = output.filename().string();
+    return write_all(*files, options.output.empty() || !output.has_parent_path() ? "." : output.parent_path(),
+                     options, context);
+}
+
+Outcome<void> make_client(const ServiceModel& model, const ModelOptions& options, Context& context) {
+    const auto files =
+        options.action == "python" ? generate::python_client(model) : generate::cpp_client(model);
+    if (!files) return failure(program::kExitFailure, options.file + ": " + files.error());
+    return write_all(*files, options.output.empty() ? "." : options.output, options, context);
+}
+
+Outcome<void> make_docs(const ServiceModel& model, const ModelOptions& options, Context& context) {
+    const auto page = model::reference_page(model);
+    if (options.output.empty()) {
+        context.out << page << std::flush;
+        return {};
+    }
+    const fs::path output(options.output);
+    return write_all({{output.filename().string(), page}},
+                     output.has_parent_path() ? output.parent_path() : fs::path("."), options, context);
+}
+
+int run_model(const ModelOptions& options, Context& context) {
+    if (options.elements && (*options.elements < 1 || *options.elements > kMostElements))
+        return context.fail_with({program::kExitUsage, "--elements: a number from 1 to 100"});
+    const auto model = model::load_service_model(options.file);
+    if (!model) return context.fail_with({program::kExitFailure, model.error()});
+    const auto action = options.action == "check"      ? check_model
+                        : options.action == "firmware" ? make_firmware
+                        : options.action == "part"     ? make_part
+                        : options.action == "docs"     ? make_docs
+                                                       : make_client;
+    const auto done = action(*model, options, context);
+    return done ? program::kExitOk : context.fail_with(done.error());
+}
+
+Run declare_model(Declaration& verb) {
+    auto options = std::make_shared<ModelOptions>();
+    verb.argument("check|firmware|part|python|cpp|docs", options->action, "What to do");
+    verb.argument("FILE", options->file, "The service model, a JSON file");
+    verb.option("--output", "FILE", options->output,
+                "Where to: a folder for firmware, python and cpp, a file for part and docs");
+    verb.option("--elements", "COUNT", options->elements,
+                "How many elements the board has; default: as many as the examples show");
+    verb.option("--image", "FILE", options->image, "Firmware image that the simulated board runs");
+    verb.flag("--force", options->force,
+              "Write over files that are there, but not over the one with your code");
+    return [options](Context& context) { return run_model(*options, context); };
+}
+
+}  // namespace
+
+Verb model_verb() {
+    return {"model", "Checks a service model, and makes firmware, clients and a page of it",
+            "check     its form, its examples, and clashes with the models that are known\n"
+            "firmware  an Arduino sketch: the class of the service, and a file for your code\n"
+            "part      a board for asip-sim that runs the sketch, with a part in the place of the hardware\n"
+            "python    a typed client on paho-mqtt, and tests made of the examples\n"
+            "cpp       the same on the C++ library\n"
+            "docs      the reference page\n"
+            "No broker is asked. docs/add-a-service.md goes all the way.\n"
+            "Examples:\n"
+            "  asipctl model check fan.json\n"
+            "  asipctl model firmware fan.json --output Fan\n"
+            "  asipctl model part fan.json --image build/sketch/uno/firmware/images/Fan.elf && asip-sim "
+            "fan.board.json",
+            declare_model};
+}
+
+}  // namespace asip::cli

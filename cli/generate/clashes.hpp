@@ -1,0 +1,18 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "asip/model/model_set.hpp"
+
+namespace asip::generate {
+
+/// What stands in the way of a model beside others, in words for a person.
+struct Clashes {
+    std::vector<std::string> faults;  ///< boards or programs would take one for the other
+    std::vector<std::string> notes;   ///< worth knowing
+};
+
+/// Compares a model with those that programs know; with itself among them it does not clash.
+Clashes find_clashes(const model::ServiceModel& model, const model::ModelSet& known);
+
+}  // namespace asip::generate

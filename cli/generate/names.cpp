@@ -1,0 +1,245 @@
+#include "cli/generate/names.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <vector>
+
+namespace asip::generate {
+namespace {
+
+// Besides the keywords, lower-case words that are macros: of g++ (linux, unix) and of the C library (errno,
+// ...).
+constexpr std::array kCppWords{"alignas",
+                               "alignof",
+                               "and",
+                               "and_eq",
+                               "asm",
+                               "auto",
+                               "bitand",
+                               "bitor",
+                               "bool",
+                               "break",
+                               "case",
+                               "catch",
+                               "char",
+                               "char8_t",
+                               "char16_t",
+                               "char32_t",
+                               "class",
+                               "co_await",
+                               "co_return",
+                               "co_yield",
+                               "compl",
+                               "concept",
+                               "const",
+                               "const_cast",
+                               "consteval",
+                               "constexpr",
+                               "constinit",
+                               "continue",
+                               "decltype",
+                               "default",
+                               "delete",
+                               "do",
+                               "double",
+                               "dynamic_cast",
+                               "else",
+                               "enum",
+                               "errno",
+                               "explicit",
+                               "export",
+                               "extern",
+                               "false",
+                               "float",
+                               "for",
+                               "friend",
+                               "goto",
+                               "if",
+                               "inline",
+                               "int",
+                               "linux",
+                               "long",
+                               "mutable",
+                               "namespace",
+                               "new",
+                               "noexcept",
+                               "not",
+                               "not_eq",
+                               "nullptr",
+                               "operator",
+                               "or",
+                               "or_eq",
+                               "private",
+                               "protected",
+                               "public",
+                               "register",
+                               "reinterpret_cast",
+                               "requires",
+                               "return",
+                               "short",
+                               "signed",
+                               "sizeof",
+                               "static",
+                               "static_assert",
+                               "static_cast",
+                               "stderr",
+                               "stdin",
+                               "stdout",
+                               "struct",
+                               "switch",
+                               "template",
+                               "this",
+                               "thread_local",
+                               "throw",
+                               "true",
+                               "try",
+                               "typedef",
+                               "typeid",
+                               "typename",
+                               "typeof",
+                               "union",
+                               "unix",
+                               "unsigned",
+                               "using",
+                               "virtual",
+                               "void",
+                               "volatile",
+                               "wchar_t",
+                               "while",
+                               "xor",
+                               "xor_eq"};
+
+constexpr std::array kPythonWords{"and",      "as",       "assert", "async", "await",  "break",  "class",
+                                  "continue", "def",      "del",    "elif",  "else",   "except", "finally",
+                                  "for",      "from",     "global", "if",    "import", "in",     "is",
+                                  "lambda",   "nonlocal", "not",    "or",    "pass",   "raise",  "return",
+                                  "self",     "try",      "while",  "with",  "yield"};
+
+// What generated firmware calls by these names where arguments stand.
+constexpr std::array kFirmwareWords{"request", "index", "error", "asip", "item", "pin"};
+
+// The same in clients in C++.
+constexpr std::array kClientWords{"request", "answer", "event", "expected", "place", "item"};
+
+template <class Words>
+bool is_one_of(const Words& words, const std::string& name) {
+    return std::find(words.begin(), words.end(), name) != words.end();
+}
+
+std::vector<std::string> words_of(std::string_view name) {
+    std::vector<std::string> words(1);
+    for (const char c : name) {
+        if (std::isalnum(static_cast<unsigned char>(c)) != 0)
+            words.back() += c;
+        else if (!words.back().empty())
+            words.emplace_back();
+    }
+    if (words.back().empty()) words.pop_back();
+    return words;
+}
+
+/// Of UTF-8: characters that no one sees, some of which turn the order of what follows. U+200B to U+200F,
+/// U+2028 to U+202E, U+2060 to U+2069, U+FEFF.
+bool is_unseen(std::string_view character) {
+    if (character == "\xef\xbb\xbf") return true;
+    if (character.size() != 3 || character[0] != '\xe2') return false;
+    const auto second = static_cast<unsigned char>(character[1]);
+    const auto third = static_cast<unsigned char>(character[2]);
+    return (second == 0x80 && ((third >= 0x8b && third <= 0x8f) || (third >= 0xa8 && third <= 0xae))) ||
+           (second == 0x81 && third >= 0xa0 && third <= 0xa9);
+}
+
+std::string visible(std::string_view text) {
+    std::string result;
+    for (std::size_t at = 0; at < text.size();) {
+        const auto byte = static_cast<unsigned char>(text[at]);
+        if (byte < 0x20 || byte == 0x7f || is_unseen(text.substr(at, 3))) {
+            result += '?';
+            at += byte < 0x80 ? 1 : 3;
+        } else {
+            result += text[at++];
+        }
+    }
+    return result;
+}
+
+}  // namespace
+
+std::string pascal_case(std::string_view name) {
+    std::string result;
+    for (auto& word : words_of(name)) {
+        word.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(word.front())));
+        result += word;
+    }
+    return result;
+}
+
+std::string camel_case(std::string_view name) {
+    auto result = pascal_case(name);
+    result.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(result.front())));
+    return is_one_of(kCppWords, result) || is_one_of(kFirmwareWords, result) ? result + '_' : result;
+}
+
+std::string snake_case(std::string_view name) {
+    return fmt::format("{}", fmt::join(words_of(name), "_"));
+}
+
+std::string cpp_name(std::string_view name) {
+    auto result = snake_case(name);
+    return is_one_of(kCppWords, result) || is_one_of(kClientWords, result) ? result + '_' : result;
+}
+
+std::string python_name(std::string_view name) {
+    auto result = snake_case(name);
+    return is_one_of(kPythonWords, result) ? result + '_' : result;
+}
+
+void Scope::add(const std::string& name, const std::string& origin) {
+    const auto [place, added] = origins_.emplace(name, origin);
+    if (added || !fault_.empty()) return;
+    fault_ =
+        fmt::format("{} and {} both become {} in {}: rename one", place->second, origin, name, language_);
+}
+
+std::string comment(std::string_view text) {
+    auto result = visible(text);
+    for (std::size_t at = 0; (at = result.find("??", at)) != std::string::npos;)
+        result.erase(at, 1);
+    while (!result.empty() && (result.back() == '\\' || result.back() == ' '))
+        result.pop_back();
+    return result;
+}
+
+std::string docstring(std::string_view text) {
+    std::string result;
+    for (const char c : visible(text)) {
+        if (c == '\\' || c == '"') result += '\\';
+        result += c;
+    }
+    return result;
+}
+
+std::string cpp_character(char c) {
+    return c == '\'' || c == '\\' ? fmt::format("'\\{}'", c) : fmt::format("'{}'", c);
+}
+
+std::string string_literal(std::string_view text) {
+    std::string result = "\"";
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (c == '"' || c == '\\')
+            result += fmt::format("\\{}", c);
+        else if (c == '?')  // two of them and another would be one character
+            result += "\\?";
+        else if (byte < 0x20 || byte >= 0x7f)
+            result += fmt::format("\\{:03o}", byte);
+        else
+            result += c;
+    }
+    return result + '"';
+}
+
+}  // namespace asip::generate
