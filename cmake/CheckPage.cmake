@@ -7,7 +7,7 @@ file(READ "${PAGE}" rest)
 # Semicolons and brackets mean something to CMake's lists.
 string(REPLACE ";" "<semicolon>" rest "${rest}")
 string(REPLACE "," ";" FILES "${FILES}")
-while(rest MATCHES "<!-- file: ([A-Za-z.]+) -->\n```cpp\n")
+while(rest MATCHES "<!-- file: ([A-Za-z.]+) -->\n```[a-z]+\n")
   set(name "${CMAKE_MATCH_1}")
   string(FIND "${rest}" "${CMAKE_MATCH_0}" at)
   string(LENGTH "${CMAKE_MATCH_0}" length)

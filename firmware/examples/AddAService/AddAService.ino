@@ -1,4 +1,4 @@
-// The board of docs/add-a-service.md: two fans beside its pins.
+// The board of docs/service-by-hand.md: two fans beside its pins.
 #include <Asip.h>
 #include <AsipFastSerial.h>
 

@@ -1,4 +1,4 @@
-// What docs/add-a-service.md promises of the service it builds.
+// What docs/service-by-hand.md promises of the service it builds.
 #include <gtest/gtest.h>
 
 #include "firmware_board.hpp"

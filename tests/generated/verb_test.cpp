@@ -1,0 +1,93 @@
+// asipctl model, as a person uses it: what it writes, what it does not write over, and what it refuses.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "tests/support/child_process.hpp"
+#include "tests/support/temp_dir.hpp"
+
+namespace asip::test {
+namespace {
+
+using testing::HasSubstr;
+
+class ModelVerb : public testing::Test {
+  protected:
+    Finished model(std::vector<std::string> words) const {
+        words.insert(words.begin(), {ASIP_PROGRAMS "/asipctl", "model"});
+        return run(std::move(words), {{"HOME", folder_.path().string()}});
+    }
+    std::string read(const std::string& name) const {
+        std::ifstream file(folder_.file(name));
+        return {std::istreambuf_iterator<char>(file), {}};
+    }
+
+    TempDir folder_;
+    const std::string fan_ = ASIP_TEST_SOURCE "/tests/generated/models/fan.json";
+};
+
+TEST_F(ModelVerb, CodeOfAPerson_IsNeverWrittenOver) {
+    const auto sketch = folder_.file("Fan");
+    ASSERT_EQ(model({"firmware", fan_, "--output", sketch}).status, 0);
+    EXPECT_EQ(model({"firmware", fan_, "--output", sketch}).status, 0) << "nothing would change";
+    std::ofstream(sketch + "/FanHardware.cpp") << "mine";
+    const auto refused = model({"firmware", fan_, "--output", sketch});
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_THAT(refused.errors, HasSubstr("FanHardware.cpp is there already; --force"));
+    std::ofstream(sketch + "/FanService.h") << "changed";
+    const auto forced = model({"firmware", fan_, "--output", sketch, "--force", "--elements", "1"});
+    EXPECT_EQ(forced.status, 0) << forced.errors;
+    EXPECT_THAT(forced.output, HasSubstr("FanHardware.cpp (kept as it is)"));
+    EXPECT_EQ(read("Fan/FanHardware.cpp"), "mine");
+    EXPECT_THAT(read("Fan/FanService.h"), HasSubstr("kElements = 1"));
+}
+
+TEST_F(ModelVerb, OneFileThatIsThere_KeepsAllFromBeingWritten) {
+    folder_.write("test_fan_service.py", "mine");
+    const auto refused = model({"python", fan_, "--output", folder_.path().string()});
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_EQ(read("test_fan_service.py"), "mine");
+    EXPECT_FALSE(std::filesystem::exists(folder_.file("fan_service.py")));
+}
+
+TEST_F(ModelVerb, Check_NamesFileAndPlace) {
+    const auto checked = model({"check", fan_});
+    EXPECT_EQ(checked.status, 0) << checked.errors;
+    EXPECT_THAT(checked.output, HasSubstr("2 of 2 examples are true"));
+    const auto wrong = folder_.write("wrong.json", R"({"name":"fan","version":1,"id":"f","title":"Fans"})");
+    EXPECT_THAT(model({"check", wrong}).errors, HasSubstr("wrong.json: /id: \"f\" does not match"));
+    const auto untrue = folder_.write(
+        "untrue.json",
+        R"({"name":"fan","version":1,"id":"F","match":["Fan"],"title":"Fans","commands":{"stop":{"tag":"S"}},
+            "examples":[{"json":{"stop":null},"wire":"F,T"}]})");
+    const auto failed = model({"check", untrue});
+    EXPECT_EQ(failed.status, 1);
+    EXPECT_THAT(failed.errors, HasSubstr(R"({"stop":null} is F,S, not F,T)"));
+    EXPECT_THAT(failed.output, HasSubstr("0 of 1 examples are true"));
+}
+
+TEST_F(ModelVerb, BadArguments_AreRefused) {
+    EXPECT_EQ(model({"bake", fan_}).status, 2);
+    EXPECT_EQ(model({"firmware", fan_, "--elements", "0"}).status, 2);
+    EXPECT_EQ(model({"firmware", fan_, "--elements", "101"}).status, 2);
+    EXPECT_THAT(model({"firmware", fan_, "--output", folder_.file("my fan")}).errors,
+                HasSubstr("cannot be the name of a sketch"));
+    EXPECT_THAT(model({"check", folder_.file("none.json")}).errors, HasSubstr("none.json: No such file"));
+    EXPECT_EQ(
+        model({"part", ASIP_TEST_SOURCE "/services/lcd.json", "--output", folder_.file("x.json")}).status, 1);
+    EXPECT_FALSE(std::filesystem::exists(folder_.file("x.json")));
+    EXPECT_THAT(model({"docs", fan_, "--output", "/proc/fan.md"}).errors, HasSubstr("/proc/fan.md"));
+}
+
+TEST_F(ModelVerb, Docs_ArePrintedOrWritten) {
+    const auto printed = model({"docs", fan_});
+    EXPECT_THAT(printed.output, HasSubstr("# fan\n"));
+    EXPECT_EQ(model({"docs", fan_, "--output", folder_.file("fan.md")}).status, 0);
+    EXPECT_EQ(read("fan.md"), printed.output);
+}
+
+}  // namespace
+}  // namespace asip::test
