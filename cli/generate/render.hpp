@@ -11,7 +11,8 @@ namespace asip::generate {
 /// ours.
 std::string render(std::string_view text, const nlohmann::json& view);
 
-/// A file of templates/, by its name without `.mustache`: "service.cpp". Throws std::logic_error where there is none.
+/// A file of templates/, by its name without `.mustache`: "service.cpp". Throws std::logic_error where there
+/// is none.
 std::string_view template_text(std::string_view name);
 
 }  // namespace asip::generate
