@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "asip/model/command_encoder.hpp"
 #include "cli/generate/generate.hpp"
 #include "cli/generate/layout.hpp"
 #include "cli/generate/names.hpp"
