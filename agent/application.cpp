@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "agent/application.hpp"
 
 #include "asip/program/exit_status.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is between the bridge and the broker: messages in their order, and what is reported of the connection.
 #include <boost/asio/post.hpp>
 #include <filesystem>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Letting go of the board's port for somebody else, and taking it back.
 #include "agent/bridge.hpp"
 #include "asip/bus/request_envelope.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "agent/point_to_point.hpp"
 
 #include <algorithm>

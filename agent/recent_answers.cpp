@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "agent/recent_answers.hpp"
 
 #include <functional>

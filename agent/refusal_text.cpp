@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "agent/refusal_text.hpp"
 
 #include "asip/bus/reply.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // asip-agent under attack: what a flood costs a polite client, and what hostile input costs the agent.
 // Simulated boards with real firmware, a real Mosquitto, the agent as it is shipped.
 #include <arpa/inet.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The figures of asip-agent, each beside what it is compared with, measured in the same run: simulated boards
 // with real firmware, a real Mosquitto, the agent as it is shipped.
 #include <fcntl.h>

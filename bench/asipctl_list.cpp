@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `asipctl list` against a registry with 1,000 boards of five services each, as a whole process, beside
 // `mosquitto_sub -C 1` on the same broker.
 #include <algorithm>

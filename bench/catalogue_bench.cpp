@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The catalogue alone: announcements a second, memory a board, queries among 500,000 services, leases by the
 // million.
 #include <malloc.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // asip-registry beside a real broker: cold start on 100,000 retained boards, and how long a change takes to
 // its watchers.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Prints the figures that the firmware is held to. Status 1 if one that must be met is not.
 #include <cstdio>
 #include <exception>

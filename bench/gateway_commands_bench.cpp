@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Commands, values and stops through asip-gateway, beside the same over MQTT: a real board in the simulator,
 // its agent, the broker.
 #include <poll.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // asip-gateway's answers from its catalogue: beside nginx with the same bytes as a file, and beside a
 // registry's own answer.
 #include <cstdio>

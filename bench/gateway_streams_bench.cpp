@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Server-Sent Events to very many clients: how late values come, and what a client costs.
 #include <sys/epoll.h>
 #include <sys/resource.h>

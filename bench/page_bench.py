@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the web page costs a browser: a bus of ten thousand boards, and a plot that moves all the time.
 
     bench_page [SECONDS]    of the plot, and of one that gets the points of eight hours; 60 when not given

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `asipctl record` while boards say 5,000 messages a second: what it loses, and what it costs.
 #include <csignal>
 #include <cstdio>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/change_record.hpp"
 
 #include "asip/text/wall_time.hpp"

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # How everything of ours that runs on the host is compiled.
 
 set(CMAKE_CXX_STANDARD 20)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Everything here is a Debian package; packages.txt lists them for ./run.
 
 find_package(Threads REQUIRED)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Script: turns services/*.json into a C++ source. -DOUTPUT=file.cpp -DSCHEMA=schema.json -DMODELS=a.json;b.json
 # Texts go in as raw strings, cut into pieces because a compiler need not take one literal above 64 KiB.
 

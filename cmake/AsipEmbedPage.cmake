@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Builds the files of a web page into a program, compressed. files.txt in the folder lists them, one path a line, relative
 # to the folder; `#` begins a comment. Run as a script it writes the source.
 

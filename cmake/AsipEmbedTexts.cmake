@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Script: turns text files into a C++ source with `std::string_view FUNCTION(std::string_view name)`, which finds one by its
 # name without its last extension and throws std::logic_error where there is none. -DOUTPUT=file.cpp -DHEADER=the/header.hpp -DNAMESPACE=a::b
 # -DFUNCTION=name -DFILES=a;b

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Builds Arduino sketches as the Arduino IDE would: same compiler flags (platform.txt of arduino-core-avr), the
 # core as one archive per board, our library as another. Host code is not touched: these are custom commands.
 #

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # The library for other projects: find_package(asip), then link asip::client (or a layer below it).
 
 include(CMakePackageConfigHelpers)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Headers that nearly every source includes are parsed once: most of the time of a compiler goes there. A source still names
 # what it uses: it must compile with CMAKE_DISABLE_PRECOMPILE_HEADERS, too.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Ways to declare tests. Each source list is written out; nothing is globbed.
 
 add_custom_target(unit-tests)

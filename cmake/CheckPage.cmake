@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Checks that the files a page builds, block by block, are those of a folder:
 #   cmake -DPAGE=docs/page.md -DFOLDER=firmware/examples/x -DFILES=a.h,a.cpp -P CheckPage.cmake
 # A block belongs to the file named in the comment before it (file: NAME); blocks of one file follow each other with an

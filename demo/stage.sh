@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # What the demonstrations share: programs that are started and ended together, a broker on a free port. Sourced by them,
 # after they have set `once`. Sets root, bin, work (a folder of its own), port and ASIP_BROKER.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)

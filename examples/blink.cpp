@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Blinks the LED of a board, in blocking calls.
 //
 //     blink [ADDRESS [PIN [TIMES]]]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a line follower decides: three reflectance values in, the power of two motors out. No clock, no board.
 #pragma once
 #include <algorithm>

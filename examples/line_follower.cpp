@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Drives a two-wheeled robot (firmware/examples/AsipMirto) along a dark line. The board may be on a serial
 // port, behind TCP or anywhere on a broker: the program is the same.
 //

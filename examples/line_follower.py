@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Drives a two-wheeled robot along a dark line: plain MQTT, no library of ours.
 
     python3 line_follower.py [BOARD [BROKER [PORT]]] [--power 50] [--kp 0.015] [--ki 0] [--kd 0] [--period 50] [--cutoff 50]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A button on one board switches an LED on another. Neither board knows of the other, and each may be on a
 // serial port, behind TCP or anywhere on a broker: the program is the same.
 //

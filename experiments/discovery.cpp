@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Four boards on one broker, a program beside each that wants to know all others: how long until all see each
 // other, until a board that comes later is seen, and until it is known that one has gone.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // RAM and flash that the firmware takes on an Uno, as the linker placed it.
 #include <array>
 #include <cstdio>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pin 13 wired to pin 2: the time from a write of the program to the change that the board reports.
 #include <algorithm>
 #include <numeric>

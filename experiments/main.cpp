@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The experiments of the ASIP papers, each as a table, a CSV file and a plot.
 #include <CLI/CLI.hpp>
 #include <algorithm>

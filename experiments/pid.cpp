@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How well the robot follows its line: over each path at several periods, and at several injected latencies
 // until it leaves the line. In simulated time: exact, and the same each time.
 #include <fmt/format.h>

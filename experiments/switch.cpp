@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Two boards that know nothing of each other: a button on one, a LED on the other, and a program between them
 // (examples/two_board_switch.cpp).
 #include <algorithm>

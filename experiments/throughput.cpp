@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A square wave on an input pin, made faster until the program has not seen, or not copied to another pin,
 // each of its edges.
 #include <atomic>

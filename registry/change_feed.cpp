@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "registry/change_feed.hpp"
 
 namespace asip::registry {

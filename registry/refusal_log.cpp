@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "registry/refusal_log.hpp"
 
 #include "asip/model/description.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // simavr's headers, for the files that talk to it.
 #include <simavr/sim_avr.h>

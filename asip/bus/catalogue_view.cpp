@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "asip/bus/catalogue_view.hpp"
 #include "asip/bus/pattern.hpp"
 

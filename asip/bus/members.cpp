@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "asip/bus/members.hpp"
 
 #include "asip/model/json.hpp"

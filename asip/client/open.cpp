@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "asip/client/address.hpp"
 #include "asip/client/board.hpp"
 #include "asip/client/bus_transport.hpp"

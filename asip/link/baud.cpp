@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "asip/link/baud.hpp"
 
 // The kernel's own termios2 has the speed as a number; its header cannot be included beside <termios.h>.

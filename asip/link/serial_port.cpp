@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "asip/link/serial_port.hpp"
 
 #include <fcntl.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <mqtt_protocol.h>
 
 #include "asip/mqtt/connection.hpp"

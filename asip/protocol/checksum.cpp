@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "asip/protocol/checksum.hpp"
 
 #include "asip/protocol/body.hpp"

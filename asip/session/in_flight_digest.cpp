@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the digest of a verified fence tells of the requests before it.
 #include <algorithm>
 #include <cstdint>

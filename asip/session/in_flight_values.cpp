@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The values that requests ask for: which event is whose.
 #include <algorithm>
 #include <limits>

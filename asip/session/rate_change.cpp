@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "asip/session/rate_change.hpp"
 
 #include "asip/protocol/limits.hpp"

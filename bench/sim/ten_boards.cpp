@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many boards asip-sim runs in real time on this machine: processor time, the pace of simulated time
 // against the wall clock, and the time of a round trip over the pseudo-terminals while all of them run.
 #include <fmt/format.h>

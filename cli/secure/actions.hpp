@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "cli/commands/secure.hpp"
 #include "cli/secure/report.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/secure/try_out.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The ASIP library. A sketch includes this, one of <AsipFastSerial.h> and <AsipSerial.h> (which carries
 // the line) and the headers of its services:
 //

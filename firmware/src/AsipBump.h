@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bump sensors, switches to ground: B,A,ms reports @B,e,2,{0,1}, 0 while something is touched, 1 while the
 // sensor is free.
 #pragma once

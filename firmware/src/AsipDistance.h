@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ultrasonic distance sensors with trigger and echo on one pin each, in centimetres; 0 where nothing echoes
 // within 4 metres.
 //

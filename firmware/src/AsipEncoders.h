@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Wheel encoders, two pins each:
 //
 //   asip::Encoders encoders(2, 4,  3, 12);      // encoder 0, encoder 1

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Carries the line with a lean driver of its own on the chip's first UART (the second of a 32u4): 500,000
 // baud with time to spare, 1,000,000 for what fits its rings. Include it in the sketch, once, instead of
 // <AsipSerial.h>; the sketch must then not use `Serial`, whose interrupts it takes.

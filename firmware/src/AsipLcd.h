@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A display of 128 x 64 pixels with an SH1106 at 0x3C on the I2C bus of an AVR, as 5 lines of 21 characters:
 //
 //   asip::Lcd lcd;

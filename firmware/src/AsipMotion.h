@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Motion sensors on the I2C bus of an AVR (pins A4 and A5 of an Uno), which report as they measure:
 //
 //   asip::Motion accelerometer(asip::Motion::kAccelerometer);  // MPU-6050 at 0x68, +-2 g:          A,M and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Motors behind H-bridges, three pins each: forward, backward, power (a PWM pin).
 //
 //   asip::Motors motors(7, 8, 5,  12, 13, 6);      // motor 0, motor 1

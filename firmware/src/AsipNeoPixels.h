@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Strips of WS2812 pixels (NeoPixel) that are set pixel by pixel and then shown, on an AVR:
 //
 //   asip::PixelStripOf<8> left(5), right(6);

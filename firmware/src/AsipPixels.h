@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A strip of WS2812 pixels (NeoPixel), on an AVR:
 //
 //   asip::Pixels<18> pixels(6);      // 18 pixels on pin 6

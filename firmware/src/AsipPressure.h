@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A pressure sensor, the BMP085 at 0x77 on the I2C bus of an AVR:
 //
 //   asip::Pressure pressure;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Infrared reflectance sensors on analog pins, with one pin that switches their emitters on for each
 // measurement:
 //

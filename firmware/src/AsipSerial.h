@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Carries the line with the Arduino core's own `Serial`, or with another port of its kind:
 //
 //   #define ASIP_SERIAL Serial1

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #ifdef __AVR__
 
 #include "AsipServos.h"

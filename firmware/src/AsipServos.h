@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Servos on any pins: S,W,servo,angle turns one to 0..180 degrees (pulses of 544 to 2400 microseconds, every
 // 20 ms); S,M,count,pin,... puts the servos on other pins. At start, and on other pins, they turn to the
 // middle.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "gateway/api/board_models.hpp"
 
 #include "asip/bus/mirror.hpp"

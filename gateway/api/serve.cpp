@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A request to its route: who may, which parameters, what every response carries.
 #include <algorithm>
 #include <set>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "gateway/mirror/mirror.hpp"
 
 #include "asip/bus/change_event.hpp"

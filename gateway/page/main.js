@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which screen is shown.
 import "./ui/board.js";
 import "./ui/boards.js";

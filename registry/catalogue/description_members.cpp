@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "registry/catalogue/description_members.hpp"
 
 #include "asip/bus/json_scanner.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Queries over the history: bounded by the rows looked at, not by the rows there are.
 #include <algorithm>
 #include <deque>

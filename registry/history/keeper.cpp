@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "registry/history/keeper.hpp"
 
 #include <boost/asio/post.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sim/program/input_commands.hpp"
 
 #include <sys/stat.h>

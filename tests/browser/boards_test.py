@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The table of boards: appears, changes, is searched."""
 
 import unittest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The connection lost and back, and several tabs on one connection."""
 
 import contextlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The page in a frame of another site, by a kiosk's link: no cookie, no token but the one in the address."""
 
 import functools

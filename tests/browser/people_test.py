@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The page for people who use no mouse, read with a screen reader, or hold a phone."""
 
 import pathlib

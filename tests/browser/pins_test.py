@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The pins of a board: set by clicks, lit by what happens on the board, held and stopped. What the simulated board does is checked, too."""
 
 import time

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A whole bus for the tests of the web page: broker, registry, simulated boards, agents, gateway and a browser. All of it
 on loopback, on ports that were free, and gone when the test ends."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Services of a board: values, plots, commands with their answers; history and the bus. What the simulated board does is checked, too."""
 
 import csv

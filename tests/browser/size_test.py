@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the page weighs, and what it must not contain. No browser is needed."""
 
 import gzip

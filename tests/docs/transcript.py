@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Runs what a page of the documentation shows: each ```console block, command by command, and compares the outputs.
 
 A block holds what a terminal shows: a line "$ COMMAND", then what it prints. Commands of one page run one after the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Runs a fuzz target over every file of its corpus, so that each input that ever mattered is a plain test.
 #include <cstdint>
 #include <cstdio>

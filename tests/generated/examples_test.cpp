@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The firmware that is made of each model, in a simulated chip, against the examples of the model; and what
 // is made for asip-sim.
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From a model to a service on the bus: what `asipctl model` made of it, real firmware in a simulated chip
 // with the part that was made for it, agent, broker, asipctl and the clients.
 #include "cpp/fan_service.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // asipctl model, as a person uses it: what it writes, what it does not write over, and what it refuses.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The flow of docs/python-and-node-red.md, imported into a real Node-RED: the button switches the LED, distances and what the
 board refuses appear in the debug panel."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # For the scripts of this folder: named checks that go on after a failure, and waiting for a condition.
 
 failed=0

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # podman as root on any Linux, with control groups of either version and without a systemd around it.
 
 containers_folder=$PWD/build/packages

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Robots in real time, with everything real between world and line follower.
 #include <gtest/gtest.h>
 

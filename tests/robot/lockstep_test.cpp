@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The whole loop in simulated time: does the robot keep to its line, and how well.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The rover part on a board with the image of AsipMirto, line by line.
 #include <gmock/gmock.h>
 

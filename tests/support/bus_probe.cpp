@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/support/bus_probe.hpp"
 
 #include <mosquitto.h>

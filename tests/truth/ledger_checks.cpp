@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whether an answer is true: compared with what the board did.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whether damage left a sign that the session got: only an answer without one may be untrue.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The truth test in simulated time: histories, one after the other, each from its own seed.
 //
 // That it can fail was tried with sessions that were broken on purpose, and within how many histories it did:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A board with a network, an ESP8266 or ESP32: its pins over TCP (port 5507) and on the ASIP bus, with no computer in
 // between. Fill in your network and your broker. What was tried of it where: README.md beside this file.
 #include <Asip.h>

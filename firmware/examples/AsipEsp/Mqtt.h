@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // As much of MQTT 3.1.1 as a bare member of the bus needs: one connection with a will, messages of quality 0.
 // Nothing here waits for the broker but the opening of the connection, which the Arduino core's client waits
 // for.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Carries the line of the board over the network, in place of a serial port: what comes from a TCP client or
 // from the bus is read by the board, and each line that the board writes goes to whoever listens. Include it
 // in one file.

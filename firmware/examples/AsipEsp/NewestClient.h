@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The one TCP client of the board: a newer one takes the place of the older, one that is silent for 30 s is
 // dropped.
 #pragma once

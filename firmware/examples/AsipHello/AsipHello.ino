@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A board with the input/output service alone: its pins, analog inputs and PWM, over the serial line.
 #include <Asip.h>
 #include <AsipFastSerial.h>

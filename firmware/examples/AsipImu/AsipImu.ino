@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Accelerometer, gyroscope, compass and pressure sensor on the I2C bus: an MPU-6050, an HMC5883L and a BMP085, as on
 // the usual boards with ten degrees of freedom.
 #include <Asip.h>

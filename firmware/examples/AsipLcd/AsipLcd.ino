@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A display with an SH1106 on the I2C bus.
 #include <Asip.h>
 #include <AsipFastSerial.h>

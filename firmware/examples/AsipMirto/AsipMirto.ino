@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The robot of the ASIP papers (MIRTO, its board with an ATmega328), on its published pins: two motors with encoders, two
 // bump sensors, three reflectance sensors, a servo that turns a distance sensor.
 #include <Asip.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Two strips of 8 WS2812 pixels, on pins 5 and 6, as boards of python-asip have them.
 #include <Asip.h>
 #include <AsipFastSerial.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A strip of 18 WS2812 pixels on pin 6.
 #include <Asip.h>
 #include <AsipFastSerial.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A two-wheeled robot: motors, wheel encoders, bump and reflectance sensors, and a buzzer.
 #include <Asip.h>
 #include <AsipBump.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A board with two distance sensors (pins 7 and 8) and two servos (pins 9 and 10) beside its input/output.
 #include <Asip.h>
 #include <AsipDistance.h>

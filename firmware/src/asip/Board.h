@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The board: collects requests, gives each to its service, keeps the auto-events, and answers for the system
 // itself (service `#`). There is one, `asip::board`, as there is one line.
 #pragma once

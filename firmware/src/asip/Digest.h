@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // CRC-16/CCITT, reflected (polynomial 0x8408), of one more byte.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Times the echo of one ultrasonic sensor at a time, while everything else goes on. The echo is timed by the
 // pin-change interrupt where its pin has one, else by finished(), to within the time between two calls.
 #pragma once

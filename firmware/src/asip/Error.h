@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The errors of the protocol, by the numbers that go over the wire.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The link extensions: echo, verified fence, identity, line rate, checksum.
 #include "Board.h"
 #include "Digest.h"

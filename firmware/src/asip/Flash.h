@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Text and tables that stay in flash on AVR, and are plain constants on the host.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The characters of the display, ' ' to '~': five columns each, the lowest bit on top, seven rows. Drawn for
 // this library.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The hardware interface on the Arduino core for AVR: pins and ports, time, EEPROM. Inline, and as thin as it
 // can be.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The hardware interface on any Arduino core, by its plain functions alone: pins in ports of eight, in their
 // order; no EEPROM, so that a name given by #,I is not kept (the answer shows it); no service takes a timer.
 // Slower than on AVR, where ports are read at once. Define before the library is compiled (build flags) what

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The I2C bus of an AVR at 100 kHz, by interrupts: a service starts a transfer, goes on, and looks in poll()
 // whether it is over. One transfer at a time; who finds the bus busy tries again in the next pass.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "I2cSensor.h"
 
 #ifdef __AVR__

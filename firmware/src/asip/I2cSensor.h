@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Base of the services that measure with a chip on the I2C bus. It finds the chip, sets it up and reads it,
 // step by step in the loop; a chip that is not there is looked for again at each request and each period, and
 // reports go on once it is back. M and A are answered by error 8 while it is not there, by 9 where the bus

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The input/output service `I` that every board has, and with it the record of what each pin is used for.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The serial line under the protocol. These functions are defined by whichever of <AsipFastSerial.h> and
 // <AsipSerial.h> the sketch includes (exactly one, in one file), and by a fake in the tests: chosen when
 // linking, a line costs no RAM and no indirect call.

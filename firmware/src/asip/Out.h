@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes the lines that the board sends. A service uses the global `out`:
 //
 //   out.event('D', 'e');         // @D,e

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Calls functions whenever the level of one of their pins may have changed, from an interrupt: by the
 // pin-change interrupts of an AVR, and on a Mega or Leonardo by the external interrupts of the pins that have
 // no such. On other chips as the core's attachInterrupt() can.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "PixelStrip.h"
 
 #ifdef __AVR__

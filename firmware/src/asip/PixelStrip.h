@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A strip of WS2812 pixels on one pin, which shows what it is told in the loop: 33 microseconds a pixel, in
 // which the loop stands but interrupts do not, so that no byte of the line is lost at 1,000,000 baud. On an
 // AVR at 16 or 8 MHz.

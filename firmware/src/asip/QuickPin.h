@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An input pin that an interrupt reads: on AVR in a few cycles, elsewhere by digitalRead().
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What line rates a chip can make from its clock: by a whole divisor of a sixteenth or an eighth of it.
 #pragma once
 

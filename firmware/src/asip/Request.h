@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One request line, read argument by argument. A service reads all its arguments, then asks once whether
 // they were all there and well-formed, and acts only then:
 //

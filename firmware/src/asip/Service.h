@@ -1,6 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 // Base of everything a board offers. A service is a class with an id, a name, begin() and
 // processRequest(); one that reports adds count() and reportValue(). The core finds the service of a
-// request, sends its errors, and keeps its auto-event period. docs/add-a-service.md builds one step by step.
+// request, sends its errors, and keeps its auto-event period. docs/service-by-hand.md builds one step by
+// step.
 #pragma once
 
 #include <stdint.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "ServoPulses.h"
 
 #ifdef __AVR__

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Makes the pulses of up to eight servos with timer 1, one after the other in each frame of 20 ms.
 #pragma once
 

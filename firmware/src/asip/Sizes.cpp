@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // RAM on AVR, where each byte is deliberate: a change here is a decision, not an accident.
 #ifdef __AVR__
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The system service `#`, as 0.4 boards have it.
 #include "Board.h"
 

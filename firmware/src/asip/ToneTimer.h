@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Makes the wave of a tone: with the Arduino core's tone(), or, on a chip without timer 2, with timer 1,
 // which then goes on counting for the servos.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The boards that are there, as a table shows them: rows by name, filtered and sorted.
 import { time_of } from "./text.js";
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Forms for commands, made from the service model.
 
 const kMaxSliderSteps = 1023;

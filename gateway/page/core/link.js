@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The connection to the gateway, kept up: a state machine. Inputs are method calls with the time in milliseconds, outputs
 // are what `take_actions` gives: {open}, {close}, {send: object}, {state}, {deliver: message}, {fetch: id}: ask what became of
 // a command.

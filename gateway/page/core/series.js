@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Values over time, for plots: bounded, oldest first.
 
 function member(key, name, value, field) { return { key, name, value, unit: field?.unit, min: field?.min, max: field?.max }; }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Words and numbers for people.
 
 /// "3 s", "5 min", "2 h", "4 days"; "" where it is not known.

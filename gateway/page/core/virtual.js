@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which rows of a long list are drawn.
 
 /// The rows [first, end) to draw so that the viewport is covered, with `extra` rows above and below.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a tab knows of the gateway: subscriptions, commands, requests.
 import { Hub } from "./hub.js";
 

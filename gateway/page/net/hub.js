@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One connection to the gateway for all tabs of the browser. Each tab is a port; what it subscribed to and what it asked
 // belongs to it alone, and goes when it goes.
 import { Link } from "../core/link.js";

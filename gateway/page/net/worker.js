@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 import { Hub } from "./hub.js";
 
 const hub = new Hub(new URL("../api/", self.location).href);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One board: what it is, its pins, its services, its history.
 import { alive } from "../core/catalogue.js";
 import { duration_text, moment_text, time_of } from "../core/text.js";

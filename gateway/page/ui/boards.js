@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The table of all boards.
 import { alive, states } from "../core/catalogue.js";
 import { duration_text, moment_text, plural } from "../core/text.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A form for one command, made from the model of its service.
 import { answer_text, arguments_of, fields_of, hint_of, parse_field, safe_form } from "../core/form.js";
 import { unit_text, words } from "../core/text.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Elements without HTML text: names and values only ever become text nodes.
 
 /// h("button", { class: "plain", onclick: f, disabled: true }, "Send")

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What happened to one board, or on the whole bus.
 import { moment_text, time_of } from "../core/text.js";
 import { request } from "../net/bus.js";

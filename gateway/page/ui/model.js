@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What several screens share: the catalogue and the state of gateway and broker.
 import { Catalogue } from "../core/catalogue.js";
 import { bus, request } from "../net/bus.js";

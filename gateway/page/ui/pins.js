@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The pins of a board, drawn as the board has them. A click on a free pin shows what it can do.
 import { answer_text } from "../core/form.js";
 import { board_rows, mode_names, pins_of, PinValues, settable_modes } from "../core/pins.js";

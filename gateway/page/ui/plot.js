@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A plot of the last minutes on a canvas: follows, pauses, zooms, and gives its points as CSV.
 import { thinned, ticks } from "../core/series.js";
 import { clock_text, unit_text, with_unit } from "../core/text.js";

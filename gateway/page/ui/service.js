@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One service of a board: its live values, a plot, and a form for each command.
 import { command_order } from "../core/form.js";
 import { numbers_of, Series } from "../core/series.js";

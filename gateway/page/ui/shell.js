@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What stands above every screen: the state of the connection, what is wrong, and the stop button.
 import { clock_text, duration_text } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";

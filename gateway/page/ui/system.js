@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The bus itself: broker, gateway, registries, and what was lost since when.
 import { alive } from "../core/catalogue.js";
 import { duration_text, moment_text, time_of, words } from "../core/text.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Control payloads and command answers from strangers: refused or read, and what was read can be written and
 // read again.
 #include <cstdint>

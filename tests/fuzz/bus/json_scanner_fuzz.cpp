@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The scanner takes exactly what a JSON parser takes, except for deep nesting, and takes it apart as the
 // parser does.
 #include <cstdint>

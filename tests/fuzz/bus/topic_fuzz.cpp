@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Any topic either is none of ours, or is rebuilt from its parts byte by byte.
 #include <cstdint>
 #include <cstdlib>

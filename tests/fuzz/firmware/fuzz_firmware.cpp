@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The firmware's board against any bytes: it must survive them, keep to lines of its own, and answer a good
 // request afterwards. The fake hardware aborts on any pin, channel or address that does not exist.
 #include <cstdint>

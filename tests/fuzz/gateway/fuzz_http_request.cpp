@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bytes of a connection: requests are the same whatever pieces they come in, keep their limits, and name no
 // path that could leave a folder.
 #include <cstdint>

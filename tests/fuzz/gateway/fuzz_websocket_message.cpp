@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Messages of a WebSocket, one a line, with values in between: each message is answered, every answer is
 // JSON, and what was unsubscribed stays silent.
 #include <cstdint>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What anyone may publish on a control topic. First byte: which standard service it is for.
 #include <cstdint>
 #include <nlohmann/json.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What anyone may publish as a board's description.
 #include <cstdint>
 #include <nlohmann/json.hpp>

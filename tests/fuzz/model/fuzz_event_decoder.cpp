@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A line of a board, decoded by each standard model of its letter.
 #include <cstdint>
 #include <nlohmann/json.hpp>

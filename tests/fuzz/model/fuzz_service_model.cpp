@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a stranger may carry as a service model, and commands encoded and events decoded by it.
 #include <cstdint>
 #include <nlohmann/json.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bytes as a board might send them: first byte says how they are cut into reads.
 #include <cstdint>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bytes as a client might send them, over TCP (lines or frames) or in one control payload.
 #include <cstdint>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Any sequence of messages and times: the catalogue's invariants hold, what it puts out can be encoded and
 // read back.
 //

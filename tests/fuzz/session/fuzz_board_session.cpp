@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A board session that receives anything, in any order: it never has too much in flight, never writes a line
 // that is not a request, ends each request exactly once and in time, sends none after its end or its
 // deadline, proves none without its fence or where the line showed damage, and is silent where there is no

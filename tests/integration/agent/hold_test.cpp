@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A motor runs on a held command, and something dies. Real broker, agent, asipctl and firmware; the simulator
 // says when the motor's pins really changed.
 #include <gmock/gmock.h>

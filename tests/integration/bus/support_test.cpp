@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The helpers themselves: a test that leans on them must be able to trust them.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What asipctl makes of the bus when no registry runs.
 #include <gmock/gmock.h>
 

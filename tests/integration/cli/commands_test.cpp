@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Commands and their answers, against a scripted agent.
 #include <gmock/gmock.h>
 

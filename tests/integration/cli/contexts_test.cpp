@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Buses by name, registries with what they counted, and completion for fish.
 #include <gmock/gmock.h>
 

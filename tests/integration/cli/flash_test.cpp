@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The port in other hands, end to end: a simulated Uno, its agent, asipctl release and flash; and each part
 // killed.
 #include <gmock/gmock.h>

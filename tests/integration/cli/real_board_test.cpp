@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The main job from end to end: firmware in a simulated Uno, asip-agent, asip-registry, asipctl.
 #include <gmock/gmock.h>
 

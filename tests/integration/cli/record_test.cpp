@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Recordings: made of a real board, of a flood, cut by kill -9; and played as boards of their own.
 #include <gmock/gmock.h>
 

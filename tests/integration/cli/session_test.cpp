@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a command waits for ends with the command: late messages reach nobody.
 #include <gtest/gtest.h>
 

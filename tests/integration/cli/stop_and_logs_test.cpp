@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The verbs stop, send --hold, top --stats and logs against a scripted agent; those with a real one are in
 // tests/integration/agent/hold_test.cpp.
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What boards report, in the forms that people and scripts ask for; lists by condition; models.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What changes on the bus: waiting for it, following it, and what a registry has kept of it.
 #include <gmock/gmock.h>
 

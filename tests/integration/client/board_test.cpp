@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The same calls over each link, to real firmware of both generations.
 
 #include <gmock/gmock.h>

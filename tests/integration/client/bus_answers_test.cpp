@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a command over MQTT carries, and what its answers become, with a plain client in the place of the
 // agent.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A callback may drop the last handle of its board, on every link and while more is to be delivered. With the
 // sanitizers on, what is touched afterwards is found.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The clients that are deployed already, each in its own framing, written from the facts of docs/protocol.md:
 // none of our client code takes part.
 

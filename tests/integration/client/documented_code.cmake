@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Takes code out of a page of the documentation, to be compiled and run by a test: the block of C++ behind the line
 # `<!-- code: NAME -->`, with texts in it replaced by expressions of the test.
 #   asip_documented_code(docs/page.md NAME "\"/dev/ttyACM0\"" port.c_str() ...)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The C++ of the documentation, as it stands there, on a real broker and a simulated board.
 
 #include "asip/client/board.hpp"

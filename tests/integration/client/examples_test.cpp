@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The examples of the documentation, as their users run them.
 
 #include <gtest/gtest.h>

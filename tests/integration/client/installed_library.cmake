@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Installs the library into a folder of its own and builds a project against nothing but that. Run as
 #   cmake -DBUILD=... -DSOURCE=... -DCOMPILER=... -P installed_library.cmake
 set(place "${BUILD}/installed_library")

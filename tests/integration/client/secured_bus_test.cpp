@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The broker configuration that is shipped for several machines, with everything on it: TLS, passwords,
 // access rules.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A small part of each of the papers' experiments, so that they still work when somebody needs them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What docs/service-by-hand.md promises of the service it builds.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The same sketch on each board, with either driver of the line.
 #include <gtest/gtest.h>
 

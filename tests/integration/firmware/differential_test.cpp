@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What an ASIP 0.4 board and ours answer to the same requests, and what they do. The column of 0.4 is facts,
 // measured on its images in the simulator; ours comes from the image. They may differ only where
 // docs/protocol.md says so.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Wheel encoders of AsipRobot: 0 on pins 2 and 4, 1 on pins 3 and 9.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The services on the I2C bus, with simulated chips: what they report, and what happens without them.
 #include <gtest/gtest.h>
 

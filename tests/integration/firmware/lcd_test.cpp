@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The display: what can be read on it.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Without the extensions a board behaves as a 0.4 board does.
 #include <gtest/gtest.h>
 

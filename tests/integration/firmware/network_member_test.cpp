@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is ours in the AsipEsp example, on this computer: the library on a fake Arduino core, the bus on a
 // real broker.
 #include <gmock/gmock.h>

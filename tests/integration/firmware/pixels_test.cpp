@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pixels: what a strip reads from the waveform on its pin.
 #include <gtest/gtest.h>
 

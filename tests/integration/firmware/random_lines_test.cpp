@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // 100,000 random and mutated lines: no board is reset or hung by any, and the next good line is answered.
 #include <gtest/gtest.h>
 

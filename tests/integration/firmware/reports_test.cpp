@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reports of several services on one line: none is silenced, none drifts.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Request by request, on the image a maker would load, in the simulated chip.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The services of a robot: motors, encoders, bump and reflectance sensors, tone.
 #include <gtest/gtest.h>
 

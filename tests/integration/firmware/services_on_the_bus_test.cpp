@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pixels, displays and I2C sensors driven over the bus: broker, agent, simulated board and parts are the real
 // ones.
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Timers that two services want: PWM is hidden and refused where a service uses its timer.
 #include <gtest/gtest.h>
 

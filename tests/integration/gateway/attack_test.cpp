@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a stranger may send: the gateway answers or closes, lives on, and serves the others meanwhile.
 #include <gmock/gmock.h>
 #include <sys/resource.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Everything real: Mosquitto, registry, agent, firmware in the simulator.
 #include <gmock/gmock.h>
 

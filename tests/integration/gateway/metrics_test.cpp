@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Metrics as Prometheus reads them: promtool and a real server, with a real agent's numbers.
 #include <gmock/gmock.h>
 

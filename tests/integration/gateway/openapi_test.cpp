@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The OpenAPI document is valid and true: a validator accepts it, and every operation with each documented
 // status is driven from it (openapi/drive.mjs).
 #include <gmock/gmock.h>

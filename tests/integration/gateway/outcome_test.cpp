@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What became of a command whose connection was cut before its answer. Everything real.
 #include <gmock/gmock.h>
 

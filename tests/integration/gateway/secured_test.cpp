@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The gateway at a broker with the rules that are shipped: they allow what it needs, and no more.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Live streams with the real program and broker.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // TLS with a chain: root, intermediate, server.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Tokens and cookies with the real program.
 #include <gmock/gmock.h>
 

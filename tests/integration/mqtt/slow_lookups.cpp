@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/integration/mqtt/slow_lookups.hpp"
 
 #include <arpa/inet.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A scripted broker that refuses subscriptions, or takes its time over them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A scripted broker, for what Mosquitto 2.0.11 never does: refuse MQTT 5, or say why it closes a connection.
 #include <gtest/gtest.h>
 

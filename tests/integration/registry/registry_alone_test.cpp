@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a registry may expect of others and does not get: an id of its own, permission to clear, a clean
 // start.
 #include <gmock/gmock.h>

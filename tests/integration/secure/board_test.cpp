@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the agent of one board may do, and what it may not.
 #include "tests/integration/secure/secured_bus.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Killed between any two steps, asipctl secure leaves a bus that the same command completes.
 #include <sys/stat.h>
 

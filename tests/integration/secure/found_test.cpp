@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What asipctl secure finds in its folder: files that are lost or do not fit, links, loose modes, other
 // masks.
 #include <sys/stat.h>

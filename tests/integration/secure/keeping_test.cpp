@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Adding, revoking and renewing while the broker runs.
 #include <sys/stat.h>
 #include <csignal>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Preloaded into a program: kills it just before the call number ASIP_KILL_AT of those that change files.
 #include <dlfcn.h>
 #include <fcntl.h>

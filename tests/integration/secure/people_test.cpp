@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Operators, viewers, registries and strangers.
 #include <csignal>
 

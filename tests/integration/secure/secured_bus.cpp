@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/integration/secure/secured_bus.hpp"
 
 #include <unistd.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The services of a machine find their credentials by themselves, in one folder.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From an open bus to a secured one, with the programs as they are shipped.
 #include <gmock/gmock.h>
 

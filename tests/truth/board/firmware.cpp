@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Compiled twice, with the firmware's namespace under two names: with link extensions and without.
 #include "tests/truth/board/firmware.hpp"
 

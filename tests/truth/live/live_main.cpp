@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The truth test with everything real: firmware in simavr behind a damaged line, agents, Mosquitto, clients
 // over MQTT and TCP. What the LEDs at the boards' pins showed is compared with each answer.
 //

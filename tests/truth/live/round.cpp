@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What happens in a round: commands, incidents, answers.
 #include "tests/truth/live/round.hpp"
 

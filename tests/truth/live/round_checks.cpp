@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whether the answers of a round are true.
 #include <fmt/chrono.h>
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The board's port in other hands: who has it, until when, and what state is told.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Completion of the real verbs: what each declares is what is offered.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An Uno that exists in these variables only, in place of HardwareAvr.h, and its line. Tests set the levels
 // of inputs and the time, and look at what was sent.
 #pragma once

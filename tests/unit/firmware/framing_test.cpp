@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How bytes become requests: each way a line can be wrong is reported, does nothing, and the next one works.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The library on an Arduino core that is not AVR: the whole of it but the servos, which need a timer of an
 // AVR.
 #include <gtest/gtest.h>

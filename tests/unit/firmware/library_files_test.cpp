@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The files by which the Arduino IDE and PlatformIO know the library: that they are of the right form, and
 // true.
 #include <gtest/gtest.h>

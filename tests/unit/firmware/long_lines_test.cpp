@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Requests of more than 62 characters, on a board with a service that asks for them.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "api_bench.hpp"
 #include "gateway/api/routes.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The way to a board that is kept open: against pseudo-terminals and loopback connections.
 #include "asip/link/kept_stream.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Serial ports against pseudo-terminals: all of it but the modem lines and the speeds' effect.
 #include "asip/link/serial_port.hpp"
 

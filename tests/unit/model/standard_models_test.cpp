@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every standard model, and the one that docs/service-models.md teaches with, against its own examples.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "asip/program/log_observer.hpp"
 
 #include <gmock/gmock.h>

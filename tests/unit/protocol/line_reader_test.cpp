@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "asip/protocol/line_reader.hpp"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "asip/protocol/utf_frame.hpp"
 
 #include <gmock/gmock.h>

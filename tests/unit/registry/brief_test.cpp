@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Brief answers: rows instead of objects, written and read without a JSON tree.
 #include "asip/bus/brief.hpp"
 

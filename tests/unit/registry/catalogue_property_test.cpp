@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What must hold whatever arrives: order does not matter where the contract says so, nothing breaks the
 // invariants, and the indices answer as a full scan would.
 #include <gmock/gmock.h>

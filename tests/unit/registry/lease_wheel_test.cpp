@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "registry/catalogue/lease_wheel.hpp"
 
 #include <gmock/gmock.h>

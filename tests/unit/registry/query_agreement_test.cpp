@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A query has one answer, whoever looks: a registry's catalogue, or asipctl that reads the bus itself.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A registry over a scripted connection: messages and times in, messages out.
 #include "registry/registry.hpp"
 

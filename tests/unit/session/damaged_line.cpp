@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/unit/session/damaged_line.hpp"
 
 #include <algorithm>

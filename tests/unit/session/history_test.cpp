@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Random histories in simulated time: what the session reports is true whatever the line does. ASIP_HISTORIES
 // says how many of each kind, ASIP_SEED runs one again.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <simavr/sim_avr.h>
 // sim_avr.h has to come first.

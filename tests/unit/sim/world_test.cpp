@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The world without a board: tracks, rovers, laps, sensors, pictures.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Drives every operation of the served document, each documented status included, and checks each answer against its
 // schema. A status that is documented and not brought about here is a failure; so is an answer that is not documented.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An Arduino core that is not there, of a chip that is not AVR: the functions that such cores share, over
 // variables that a test sets and looks at (ArduinoFake).
 #pragma once

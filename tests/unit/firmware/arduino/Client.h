@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The interface that Arduino cores give to their network clients, as far as it is used here.
 #pragma once
 

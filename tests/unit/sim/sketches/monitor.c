@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A sketch that does what a test asks for over the serial port: the tests of the simulator look at one chip
 // feature at a time, without a firmware's own ideas in between. Every command is a letter and its binary
 // arguments.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Services that want what is in use: a servo and the emitters of reflectance sensors on a pin of the serial
 // line, a motor whose power pin has its PWM from the servos' timer.
 #include <Asip.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Everything on the I2C bus, and a strip of 18 pixels: what the sizes are measured with. Pixels and Pressure have the
 // same letter: the one that is added first gets the requests.
 #include <Asip.h>

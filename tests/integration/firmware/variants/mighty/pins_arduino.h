@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pins of an ATmega644P or 1284P board in the numbering that the cores for these chips call standard: port B,
 // D, C, A, eight pins each; A0 to A7 are pins 24 to 31.
 #pragma once
