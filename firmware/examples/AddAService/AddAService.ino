@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: Apache-2.0
 // The board of docs/service-by-hand.md: two fans beside its pins.
 #include <Asip.h>
 #include <AsipFastSerial.h>

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: Apache-2.0
 #include "Fans.h"
 
 static const uint8_t kPowerPins[] = {5, 6};

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: Apache-2.0
 // Two fans: F,W,fan,power sets the power of one; F,M and F,A,ms report their speeds.
 #pragma once
 
