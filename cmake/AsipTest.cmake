@@ -16,7 +16,7 @@ function(asip_add_unit_test name)
   target_link_libraries(${name} PRIVATE asip_options asip_test_options ${arg_LIBS} GTest::gmock GTest::gtest_main)
   add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
   # For the sanitizers; other builds do not look at it.
-  set_tests_properties(${name} PROPERTIES LABELS unit TIMEOUT 900
+  set_tests_properties(${name} PROPERTIES LABELS unit TIMEOUT 1800
     ENVIRONMENT ASAN_OPTIONS=detect_stack_use_after_return=1)
   add_dependencies(unit-tests ${name})
 endfunction()

@@ -61,7 +61,7 @@ Outcome<void> write_all(const std::vector<GeneratedFile>& files, const fs::path&
                 return failure(
                     program::kExitFailure,
                     path.string() + " is there already; --force writes it anew" +
-                        (files.size() > 1 ? " (never the file with your code), --output FOLDER elsewhere"
+                        (files.size() > 1 ? " (never the file with your code), --into FOLDER elsewhere"
                                           : ""));
         }
     }
@@ -163,7 +163,7 @@ Run declare_model(Declaration& verb) {
     auto options = std::make_shared<ModelOptions>();
     verb.argument("check|firmware|part|python|cpp|docs", options->action, "What to do");
     verb.argument("FILE", options->file, "The service model, a JSON file");
-    verb.option("--output", "FILE", options->output,
+    verb.option("--into", "FILE", options->output,
                 "Where to: a folder for firmware, python and cpp, a file for part and docs");
     verb.option("--elements", "COUNT", options->elements,
                 "How many elements the board has; default: as many as the examples show");
@@ -186,7 +186,7 @@ Verb model_verb() {
             "No broker is asked. docs/add-a-service.md goes all the way.\n"
             "Examples:\n"
             "  asipctl model check fan.json\n"
-            "  asipctl model firmware fan.json --output Fan\n"
+            "  asipctl model firmware fan.json --into Fan\n"
             "  asipctl model part fan.json --image build/sketch/uno/firmware/images/Fan.elf && asip-sim "
             "fan.board.json",
             declare_model};

@@ -54,7 +54,7 @@ class GeneratedBoard {
 
     std::unique_ptr<ChildProcess> start() {
         const auto file = folder_.file(name_ + ".board.json");
-        const auto made = run({kControl, "model", "part", model_, "--output", file, "--image",
+        const auto made = run({kControl, "model", "part", model_, "--into", file, "--image",
                                ASIP_IMAGES "/generated_" + name_ + ".elf"});
         if (made.status != 0) throw std::runtime_error(made.errors);
         auto process = std::make_unique<ChildProcess>(Words{ASIP_PROGRAMS "/asip-sim", file, "--no-socket"});

@@ -32,14 +32,14 @@ class ModelVerb : public testing::Test {
 
 TEST_F(ModelVerb, CodeOfAPerson_IsNeverWrittenOver) {
     const auto sketch = folder_.file("Fan");
-    ASSERT_EQ(model({"firmware", fan_, "--output", sketch}).status, 0);
-    EXPECT_EQ(model({"firmware", fan_, "--output", sketch}).status, 0) << "nothing would change";
+    ASSERT_EQ(model({"firmware", fan_, "--into", sketch}).status, 0);
+    EXPECT_EQ(model({"firmware", fan_, "--into", sketch}).status, 0) << "nothing would change";
     std::ofstream(sketch + "/FanHardware.cpp") << "mine";
-    const auto refused = model({"firmware", fan_, "--output", sketch});
+    const auto refused = model({"firmware", fan_, "--into", sketch});
     EXPECT_EQ(refused.status, 1);
     EXPECT_THAT(refused.errors, HasSubstr("FanHardware.cpp is there already; --force"));
     std::ofstream(sketch + "/FanService.h") << "changed";
-    const auto forced = model({"firmware", fan_, "--output", sketch, "--force", "--elements", "1"});
+    const auto forced = model({"firmware", fan_, "--into", sketch, "--force", "--elements", "1"});
     EXPECT_EQ(forced.status, 0) << forced.errors;
     EXPECT_THAT(forced.output, HasSubstr("FanHardware.cpp (kept as it is)"));
     EXPECT_EQ(read("Fan/FanHardware.cpp"), "mine");
@@ -48,7 +48,7 @@ TEST_F(ModelVerb, CodeOfAPerson_IsNeverWrittenOver) {
 
 TEST_F(ModelVerb, OneFileThatIsThere_KeepsAllFromBeingWritten) {
     folder_.write("test_fan_service.py", "mine");
-    const auto refused = model({"python", fan_, "--output", folder_.path().string()});
+    const auto refused = model({"python", fan_, "--into", folder_.path().string()});
     EXPECT_EQ(refused.status, 1);
     EXPECT_EQ(read("test_fan_service.py"), "mine");
     EXPECT_FALSE(std::filesystem::exists(folder_.file("fan_service.py")));
@@ -74,19 +74,19 @@ TEST_F(ModelVerb, BadArguments_AreRefused) {
     EXPECT_EQ(model({"bake", fan_}).status, 2);
     EXPECT_EQ(model({"firmware", fan_, "--elements", "0"}).status, 2);
     EXPECT_EQ(model({"firmware", fan_, "--elements", "101"}).status, 2);
-    EXPECT_THAT(model({"firmware", fan_, "--output", folder_.file("my fan")}).errors,
+    EXPECT_THAT(model({"firmware", fan_, "--into", folder_.file("my fan")}).errors,
                 HasSubstr("cannot be the name of a sketch"));
     EXPECT_THAT(model({"check", folder_.file("none.json")}).errors, HasSubstr("none.json: No such file"));
-    EXPECT_EQ(
-        model({"part", ASIP_TEST_SOURCE "/services/lcd.json", "--output", folder_.file("x.json")}).status, 1);
+    EXPECT_EQ(model({"part", ASIP_TEST_SOURCE "/services/lcd.json", "--into", folder_.file("x.json")}).status,
+              1);
     EXPECT_FALSE(std::filesystem::exists(folder_.file("x.json")));
-    EXPECT_THAT(model({"docs", fan_, "--output", "/proc/fan.md"}).errors, HasSubstr("/proc/fan.md"));
+    EXPECT_THAT(model({"docs", fan_, "--into", "/proc/fan.md"}).errors, HasSubstr("/proc/fan.md"));
 }
 
 TEST_F(ModelVerb, Docs_ArePrintedOrWritten) {
     const auto printed = model({"docs", fan_});
     EXPECT_THAT(printed.output, HasSubstr("# fan\n"));
-    EXPECT_EQ(model({"docs", fan_, "--output", folder_.file("fan.md")}).status, 0);
+    EXPECT_EQ(model({"docs", fan_, "--into", folder_.file("fan.md")}).status, 0);
     EXPECT_EQ(read("fan.md"), printed.output);
 }
 
