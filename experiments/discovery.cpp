@@ -175,10 +175,9 @@ std::vector<Results> discovery(const Setup& setup) {
         std::vector<double> samples;
         for (const auto& one : found)
             samples.push_back(one.*value);
-        std::sort(samples.begin(), samples.end());
-        const double median = samples[samples.size() / 2];
-        results.rows.push_back({name, number(median, 0), number(samples.back(), 0)});
-        bars.bars.emplace_back(name, median);
+        const auto of_all = summary(samples);
+        results.rows.push_back({name, number(of_all.median, 0), number(of_all.max, 0)});
+        bars.bars.emplace_back(name, of_all.median);
     };
     add("all four, started at once, see each other", &Found::all_at_once);
     add("all see a board that joins three others late", &Found::late_board);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pin 13 wired to pin 2: the time from a write of the program to the change that the board reports.
 #include <algorithm>
-#include <numeric>
 #include <thread>
 
 #include "experiments/experiment.hpp"
@@ -42,16 +41,6 @@ std::vector<double> round_trips(const Way& way, int rounds) {
             io, [] { return false; }, 4ms + std::chrono::milliseconds(round % 7));
     }
     return samples;
-}
-
-struct Summary {
-    double mean, median, p99, max;
-};
-Summary summary(std::vector<double> samples) {
-    std::sort(samples.begin(), samples.end());
-    const auto count = samples.size();
-    return {std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(count),
-            samples[count / 2], samples[(count - 1) * 99 / 100], samples.back()};
 }
 
 /// Share of the rounds that took at most so long.

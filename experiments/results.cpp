@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
+#include <numeric>
 #include <stdexcept>
 
 namespace asip::experiments {
@@ -70,6 +71,13 @@ void Results::save(const std::filesystem::path& folder) const {
     write_file(folder / (name + ".csv"), csv());
     for (const auto& picture : pictures)
         write_file(folder / (name + (pictures.size() > 1 ? "-" + picture.name : "") + ".svg"), picture.svg);
+}
+
+Summary summary(std::vector<double> samples) {
+    std::sort(samples.begin(), samples.end());
+    const auto count = samples.size();
+    return {std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(count),
+            samples[count / 2], samples[(count - 1) * 99 / 100], samples.back()};
 }
 
 }  // namespace asip::experiments

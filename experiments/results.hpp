@@ -30,4 +30,10 @@ struct Results {
     std::string csv() const;
 };
 
+struct Summary {
+    double mean, median, p99, max;
+};
+/// Of at least one sample, in any order and unit.
+Summary summary(std::vector<double> samples);
+
 }  // namespace asip::experiments

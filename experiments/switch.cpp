@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Two boards that know nothing of each other: a button on one, a LED on the other, and a program between them
 // (examples/two_board_switch.cpp).
-#include <algorithm>
 #include <condition_variable>
 #include <mutex>
 
@@ -55,7 +54,6 @@ std::vector<double> press(Simulator& simulator, int presses) {
         samples.push_back(std::chrono::duration<double, std::milli>(led.wait() - began).count());
         std::this_thread::sleep_for(5ms + std::chrono::milliseconds(i % 7));
     }
-    std::sort(samples.begin(), samples.end());
     return samples;
 }
 
@@ -91,11 +89,10 @@ std::vector<Results> two_board_switch(const Setup& setup) {
             std::this_thread::sleep_for(200ms);
             const auto samples = press(simulator, presses);
             behind += simulator.times_behind();
-            const double median = samples[samples.size() / 2];
-            results.rows.push_back({name_of(link), firmware.name, number(median, 2),
-                                    number(samples[(samples.size() - 1) * 99 / 100], 2),
-                                    number(samples.back(), 2)});
-            bars.bars.emplace_back(firmware.name + std::string(", ") + name_of(link), median);
+            const auto found = summary(samples);
+            results.rows.push_back({name_of(link), firmware.name, number(found.median, 2),
+                                    number(found.p99, 2), number(found.max, 2)});
+            bars.bars.emplace_back(firmware.name + std::string(", ") + name_of(link), found.median);
         }
     }
     note_behind(results, behind);
