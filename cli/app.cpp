@@ -19,6 +19,7 @@ int run_verb(CommandLine& line, Context& context) {
     if (const auto applied = line.apply(context); !applied) return context.fail_with(applied.error());
     context.width = terminal_width(STDOUT_FILENO);
     context.colour = use_colour(line.colour(), context.terminal(), program::environment_variable);
+    context.command_line = &line.app();
     context.help = [&line](const std::string& verb) { return line.help(verb); };
     return line.run(context);
 }

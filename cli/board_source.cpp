@@ -189,6 +189,7 @@ void BoardSource::take(const mqtt::Message& message) {
 }
 
 void BoardSource::listen(const std::string& filter) {
+    if (!listened_.insert(filter).second) return;
     subscriptions_.push_back(
         session_.subscribe(filter, [this](const mqtt::Message& message) { take(message); }));
 }

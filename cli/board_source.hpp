@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -91,6 +92,7 @@ class BoardSource {
     std::function<void(const std::string&, const std::string&)> announced_;
     bool no_registry_ = false;
     bool bus_subscribed_ = false;
+    std::set<std::string> listened_;  // filters
     std::vector<BusSession::Subscription> subscriptions_;
 };
 

@@ -7,6 +7,7 @@
 
 #include "asip/program/command_words.hpp"
 #include "cli/board_source.hpp"
+#include "cli/name_sources.hpp"
 #include "cli/target.hpp"
 
 namespace asip::cli {
@@ -167,84 +168,6 @@ std::vector<std::string> for_bash(std::vector<std::string> candidates, const std
     return candidates;
 }
 
-namespace {
-
-/// Names from the bus, read once and only when asked for.
-class LiveNames {
-  public:
-    explicit LiveNames(Context& context) : context_(context), session_(context), source_(context, session_) {}
-
-    NameSources sources() {
-        NameSources names;
-        names.boards = [this] { return connected() ? source_.names() : Words(); };
-        names.services = [this](const std::string& board) {
-            const auto found = this->board(board);
-            return found ? found->service_names() : Words();
-        };
-        names.commands = [this](const std::string& board, const std::string& service) {
-            Words result;
-            if (const auto model = this->model(board, service)) {
-                for (const auto& command : model->commands)
-                    result.push_back(command.name);
-            }
-            return result;
-        };
-        names.fields = [this](const std::string& board, const std::string& service) {
-            Words result;
-            if (const auto model = this->model(board, service)) {
-                for (const auto& event : model->events)
-                    result.push_back(event.name);
-            }
-            return result;
-        };
-        names.kinds = [this] { return context_.models().names(); };
-        names.units = [this] { return units(); };
-        return names;
-    }
-
-  private:
-    bool connected() {
-        if (!std::exchange(tried_, true)) connected_ = session_.connect().has_value();
-        return connected_;
-    }
-
-    std::optional<KnownBoard> board(const std::string& name) {
-        return connected() ? source_.retained_board(name) : std::nullopt;
-    }
-
-    model::ModelPtr model(const std::string& name, const std::string& service) {
-        const auto found = board(name);
-        if (!found) return nullptr;
-        const auto info = find_service(*found, service);
-        return info ? bus::model_of(*info, context_.models()) : nullptr;
-    }
-
-    Words units() const {
-        Words result;
-        const auto add = [&result](const std::vector<model::Field>& fields) {
-            for (const auto& field : fields) {
-                if (!field.unit.empty()) result.push_back(field.unit);
-            }
-        };
-        for (const auto& name : context_.models().names()) {
-            const auto model = context_.models().find(name);
-            for (const auto& event : model->events)
-                add(event.fields);
-            for (const auto& command : model->commands)
-                add(command.args);
-        }
-        return result;
-    }
-
-    Context& context_;
-    BusSession session_;
-    BoardSource source_;
-    bool tried_ = false;
-    bool connected_ = false;
-};
-
-}  // namespace
-
 int run_complete(const std::vector<std::string>& arguments, CommandLine& line, Context& context) {
     if (arguments.size() != 2) return program::kExitUsage;
     const auto typed = typed_line(arguments[1]);
@@ -254,8 +177,14 @@ int run_complete(const std::vector<std::string>& arguments, CommandLine& line, C
     options.insert(options.end(), {"completion", "bash"});
     if (line.parse(std::move(options)) || !line.apply(context)) return program::kExitOk;
     context.timeout = std::min(context.timeout, kPatience);
-    LiveNames live(context);
-    auto found = complete(line.app(), typed.words, typed.start, live.sources());
+    BusSession session(context);
+    BoardSource source(context, session);
+    std::optional<bool> there;
+    const auto connected = [&] {
+        if (!there) there = session.connect().has_value();
+        return *there;
+    };
+    auto found = complete(line.app(), typed.words, typed.start, bus_names(context, source, connected));
     if (arguments[0] == "bash") found = for_bash(std::move(found), typed.start);
     for (const auto& candidate : found)
         context.out << candidate << '\n';

@@ -16,6 +16,10 @@
 #include "asip/program/exit_status.hpp"
 #include "asip/program/options.hpp"
 
+namespace CLI {
+class App;
+}
+
 namespace asip::cli {
 
 /// Why a command ends early: the text for standard error (with what to do next), and the exit status.
@@ -53,6 +57,8 @@ struct Context {
 
     /// Service models; the standard ones are read when first asked for, which `asipctl list` never does.
     const model::ModelSet& models() const { return own_models ? *own_models : model::ModelSet::standard(); }
+    /// All that may be typed, for who reads lines: the verbs and their options.
+    const CLI::App* command_line = nullptr;
     /// What `asipctl VERB --help` prints (without a verb: `asipctl --help`), or the nearest verb.
     std::function<Outcome<std::string>(const std::string& verb)> help{};
 

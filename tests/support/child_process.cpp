@@ -91,32 +91,7 @@ class Capture {
     std::thread thread_;
 };
 
-std::vector<std::string> child_environment(const std::map<std::string, std::string>& added) {
-    std::vector<std::string> all;
-    for (char** entry = environ; *entry != nullptr; ++entry) {
-        const std::string text = *entry;
-        if (text.starts_with("ASIP_") || added.contains(text.substr(0, text.find('=')))) continue;
-        all.push_back(text);
-    }
-    // A board that is simulated on a busy machine is slow to answer.
-    if (!added.contains("ASIP_PATIENCE")) all.push_back("ASIP_PATIENCE=30");
-    for (const auto& [name, value] : added)
-        all.push_back(name + "=" + value);
-    return all;
-}
-
 bool simulator_under_test = false;
-
-/// Where ASIP_TEST_PROGRAMS names a folder with a program of the same name, that one: so the same tests run
-/// programs that were built in another way.
-std::string program_to_start(const std::string& program) {
-    const char* const folder = std::getenv("ASIP_TEST_PROGRAMS");
-    if (folder == nullptr || program.find('/') == std::string::npos) return program;
-    const auto name = std::filesystem::path(program).filename();
-    if (name == "asip-sim" && !simulator_under_test) return program;
-    const auto other = std::filesystem::path(folder) / name;
-    return std::filesystem::exists(other) ? other.string() : program;
-}
 
 /// A sanitizer's report fails the test whatever the test looks at, and even where the program was to be
 /// killed.
@@ -145,6 +120,29 @@ std::optional<std::string> find_line(const std::string& text, const std::regex& 
 }
 
 }  // namespace
+
+std::vector<std::string> child_environment(const std::map<std::string, std::string>& added) {
+    std::vector<std::string> all;
+    for (char** entry = environ; *entry != nullptr; ++entry) {
+        const std::string text = *entry;
+        if (text.starts_with("ASIP_") || added.contains(text.substr(0, text.find('=')))) continue;
+        all.push_back(text);
+    }
+    // A board that is simulated on a busy machine is slow to answer.
+    if (!added.contains("ASIP_PATIENCE")) all.push_back("ASIP_PATIENCE=30");
+    for (const auto& [name, value] : added)
+        all.push_back(name + "=" + value);
+    return all;
+}
+
+std::string program_to_start(const std::string& program) {
+    const char* const folder = std::getenv("ASIP_TEST_PROGRAMS");
+    if (folder == nullptr || program.find('/') == std::string::npos) return program;
+    const auto name = std::filesystem::path(program).filename();
+    if (name == "asip-sim" && !simulator_under_test) return program;
+    const auto other = std::filesystem::path(folder) / name;
+    return std::filesystem::exists(other) ? other.string() : program;
+}
 
 struct ChildProcess::State {
     pid_t pid = -1;

@@ -79,6 +79,11 @@ bool other_programs();
 std::size_t memory_limit(std::size_t bytes);
 std::chrono::milliseconds time_limit(std::chrono::milliseconds time);
 
+/// Which program is started for `program`, and in which environment, as ChildProcess says: for who starts one
+/// in another way.
+std::string program_to_start(const std::string& program);
+std::vector<std::string> child_environment(const std::map<std::string, std::string>& added);
+
 struct Finished {
     int status = -1;  ///< -1: did not end in time and was killed
     std::string output;

@@ -47,7 +47,7 @@ class CompletionTest : public ::testing::Test {
 };
 
 TEST_F(CompletionTest, FirstWord_IsAVerb) {
-    EXPECT_THAT(after("s"), ElementsAre("secure", "send", "show", "stop", "subscribe"));
+    EXPECT_THAT(after("s"), ElementsAre("secure", "send", "shell", "show", "stop", "subscribe"));
     EXPECT_THAT(after(""), IsSupersetOf({"help", "list", "pin", "send", "show"}));
     EXPECT_THAT(after("x"), IsEmpty());
     EXPECT_THAT(after("help su"), ElementsAre("subscribe"));

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/commands/shell.hpp"
+
+#include <unistd.h>
+
+#include <istream>
+#include <ostream>
+
+#include "cli/declaration.hpp"
+#include "cli/shell/interactive_shell.hpp"
+#include "cli/shell/run_self.hpp"
+#include "cli/shell/shell_words.hpp"
+#include "cli/target.hpp"
+
+namespace asip::cli {
+namespace {
+
+/// One line, of which no more than the shell takes is kept. False: the input has ended.
+bool read_line(std::istream& in, std::string& line) {
+    line.clear();
+    for (int c = in.get(); c != std::istream::traits_type::eof(); c = in.get()) {
+        if (c == '\n') return true;
+        if (line.size() <= kMaxShellLine) line += static_cast<char>(c);
+    }
+    return !line.empty();
+}
+
+/// Each line of the input, in order; the status of the first that failed.
+class ScriptShell {
+  public:
+    ScriptShell(Context& context, std::string board) : context_(context), board_(std::move(board)) {}
+
+    int run() {
+        std::string line;
+        for (std::size_t number = 1; !ended_ && !context_.output_ended() && read_line(context_.in, line);
+             ++number) {
+            const auto status = run_line(line);
+            if (status && *status == program::kExitOk) continue;
+            const int failed = status ? *status : program::kExitUsage;
+            context_.note("line " + std::to_string(number) + ": " +
+                          (status ? "ended with status " + std::to_string(failed) : status.error()));
+            if (first_failed_ == program::kExitOk) first_failed_ = failed;
+        }
+        return first_failed_;
+    }
+
+  private:
+    Expected<int> run_line(const std::string& line) {
+        const auto words = shell_words(line);
+        if (!words) return fail(words.error());
+        if (words->empty() || words->front().starts_with("#")) return program::kExitOk;
+        const auto& first = words->front();
+        ended_ = first == "exit" || first == "quit";
+        if (ended_ || first == "values") return program::kExitOk;
+        if (first == "shell") return fail("this is a shell already");
+        if (*words == std::vector<std::string>{"help"}) {
+            context_.out << shell_help(board_) << std::flush;
+            return program::kExitOk;
+        }
+        context_.out.flush();
+        return run_self({arguments_for(context_, expand_words(*context_.command_line, *words, board_))});
+    }
+
+    Context& context_;
+    std::string board_;
+    bool ended_ = false;
+    int first_failed_ = program::kExitOk;
+};
+
+}  // namespace
+
+int run_shell(const ShellOptions& options, Context& context) {
+    const auto target = parse_target(options.board);
+    if (!target) return context.fail_with(target.error());
+    if (!target->service.empty())
+        return context.fail_with(
+            {program::kExitUsage, "name the board alone: asipctl shell " + target->board});
+    if (!context.terminal() || isatty(STDIN_FILENO) == 0) return ScriptShell(context, target->board).run();
+    return InteractiveShell(context, target->board, options.values == "on").run();
+}
+
+namespace {
+
+Run declare_shell(Declaration& verb) {
+    auto options = std::make_shared<ShellOptions>();
+    verb.argument("BOARD", options->board, "Which");
+    verb.option("--values", "on|off", options->values, "Show the newest reports above the line");
+    return [options](Context& context) { return run_shell(*options, context); };
+}
+
+}  // namespace
+
+Verb shell_verb() {
+    return {
+        "shell", "Commands for one board, typed one after the other, with its values in sight",
+        "In it, SERVICE COMMAND [ARG...] is what asipctl send does, and every other command is one of\n"
+        "asipctl for this board: get SERVICE, pin 13 high, subscribe SERVICE. Tab completes; lines are kept\n"
+        "in $XDG_STATE_HOME/asipctl/history. Where standard input is no terminal, each of its lines is a\n"
+        "command, and the exit status is that of the first that failed.\n"
+        "Examples:\n"
+        "  asipctl shell uno1\n"
+        "  asipctl shell uno1 --values off\n"
+        "  printf 'servo write 0 90\\nget distance\\n' | asipctl shell uno1",
+        declare_shell};
+}
+
+}  // namespace asip::cli
