@@ -30,6 +30,7 @@ class Waiter {
 
     int run() {
         watch_announcements();
+        retained_ = session_.mark_retained();
         if (!for_state_) watch_events();
         if (const auto connected = session_.connect(); !connected)
             return context_.fail_with(connected.error());
@@ -38,11 +39,9 @@ class Waiter {
         session_.run_until([this] { return came(); }, deadline);
         if (came()) return print();
         if (session_.stopped()) return context_.fail_with({program::kExitFailure, "interrupted"});
-        const auto known = catalogue_.board(board(), Clock::now());
         return context_.fail_with(
             {program::kExitNoAnswer, targets_.front().text() + ": no " + options_.what + " within " +
-                                         std::to_string(context_.timeout.count()) + " ms; the board is " +
-                                         (known ? known->state : std::string("not announced"))});
+                                         std::to_string(context_.timeout.count()) + " ms; " + present()});
     }
 
   private:
@@ -75,10 +74,24 @@ class Waiter {
         event_ = std::move(event);
     }
 
+    /// What it is now, for people.
+    std::string present() const {
+        const auto known = catalogue_.board(board(), Clock::now());
+        if (!known) return "the board is not announced";
+        if (!reported(*known)) return "its state is not known: only an old description is retained";
+        return "the board is " + known->state;
+    }
+
+    /// A description may arrive before the state, and an old one without an agent has none. Boards without
+    /// states are those that are heard.
+    bool reported(const bus::BoardItem& known) const {
+        return !known.reported.empty() || (known.age >= 0 && retained_ && retained_->passed());
+    }
+
     bool came() const {
         if (!for_state_) return event_.has_value();
         const auto known = catalogue_.board(board(), Clock::now());
-        if (!known || known->state != options_.what) return false;
+        if (!known || known->state != options_.what || !reported(*known)) return false;
         // An online board can be used once it has a description.
         return options_.what != "online" || known->names_only || catalogue_.description(board()) != nullptr;
     }
@@ -102,6 +115,7 @@ class Waiter {
     bool for_state_;
     BusSession session_;
     bus::Mirror catalogue_;
+    std::optional<BusSession::Mark> retained_;
     std::optional<ContextEvent> event_;
     std::vector<BusSession::Subscription> subscriptions_;
 };

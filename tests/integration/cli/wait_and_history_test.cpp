@@ -52,6 +52,14 @@ TEST_F(ChangesTest, WaitForWhatDoesNotCome_EndsWith4AndTheState) {
     EXPECT_THAT(asipctl({"wait", "nobody", "--timeout", "200ms"}).errors, HasSubstr("not announced"));
 }
 
+TEST_F(ChangesTest, WaitForOnline_IsNotEndedByADescriptionThatComesBeforeTheState) {
+    announce("uno1");
+    probe_.publish("asip/servicebus/uno1/$state", "", true);  // what a broker is late with is not there
+    const auto wait = asipctl({"wait", "uno1", "--timeout", "200ms"});
+    EXPECT_EQ(wait.status, 4);
+    EXPECT_THAT(wait.errors, HasSubstr("only an old description is retained"));
+}
+
 TEST_F(ChangesTest, WaitForAnEvent_TakesNoRetainedOneAndPrintsIt) {
     announce("uno1");
     probe_.publish("asip/uno1/distance/out", R"({"distance":[1]})", true);
