@@ -40,10 +40,21 @@ void Outbox::erase(Queue& queue, Queue::iterator entry) {
     queue.erase(entry);
 }
 
+/// At the back, what is renewed faster than the queue empties would never leave.
+bool Outbox::replaced(Entry& older, Message& message, Priority priority) {
+    const auto bytes = bytes_ - weight(older.message) + weight(message);
+    const bool renewed = message.expiry_seconds && older.message.expiry_seconds;
+    if (!renewed || older.priority != priority || bytes > max_.bytes) return false;
+    bytes_ = bytes;
+    older.message = std::move(message);
+    return true;
+}
+
 bool Outbox::push(Message message, Priority priority) {
     if (message.retain) {
         if (const auto older = retained_.find(message.topic); older != retained_.end()) {
             const auto place = older->second;
+            if (replaced(*place.entry, message, priority)) return true;
             erase(*place.queue, place.entry);
         }
     }

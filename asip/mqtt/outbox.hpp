@@ -14,8 +14,9 @@ namespace asip::mqtt {
 /// What waits to be published: bounded, in order, dropping what matters least.
 ///
 /// Urgent entries leave first, all others in the order they came, whatever their priority. A retained message
-/// replaces a waiting one of the same topic. When `max` is exceeded the oldest context values are dropped;
-/// what may not be dropped is taken up to twice `max` and then refused, what is urgent up to three times.
+/// replaces a waiting one of the same topic: one that expires, and so is renewed again and again, in its
+/// place, any other at the back. When `max` is exceeded the oldest context values are dropped; what may not
+/// be dropped is taken up to twice `max` and then refused, what is urgent up to three times.
 class Outbox {
   public:
     struct Bounds {
@@ -57,6 +58,7 @@ class Outbox {
     const Queue* first() const;
     Queue& queue(Priority priority) { return queues_[static_cast<int>(priority)]; }
     const Queue& queue(Priority priority) const { return queues_[static_cast<int>(priority)]; }
+    bool replaced(Entry& older, Message& message, Priority priority);
     void erase(Queue& queue, Queue::iterator entry);
     void insert(Queue& queue, Queue::iterator before, Entry entry);
 

@@ -1,20 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/mqtt/subscriptions.hpp"
 
-#include <algorithm>
-
 namespace asip::mqtt {
 
 void Subscriptions::add(const std::string& filter, SubscribeOptions options) {
-    Wanted wanted;
-    wanted.options = options;
-    wanted_.insert_or_assign(filter, std::move(wanted));
+    remove(filter);
+    wanted_[filter].options = options;
+    open_.insert(filter);
+}
+
+void Subscriptions::remove(const std::string& filter) {
+    const auto found = wanted_.find(filter);
+    if (found == wanted_.end()) return;
+    if (found->second.state == State::kGranted) --granted_;
+    open_.erase(filter);
+    wanted_.erase(found);
+}
+
+void Subscriptions::set(Wanted& wanted, const std::string& filter, State state) {
+    if (wanted.state == State::kGranted) --granted_;
+    if (state == State::kGranted) ++granted_;
+    if (state == State::kDue || state == State::kRefused)
+        open_.insert(filter);
+    else
+        open_.erase(filter);
+    wanted.state = state;
 }
 
 void Subscriptions::restart() {
     unanswered_.clear();
     for (auto& [filter, wanted] : wanted_) {
-        wanted.state = State::kDue;
+        set(wanted, filter, State::kDue);
         wanted.refusals = 0;
         wanted.backoff.reset();
     }
@@ -22,9 +38,9 @@ void Subscriptions::restart() {
 
 std::vector<Subscriptions::Sending> Subscriptions::due(Time now) const {
     std::vector<Sending> result;
-    for (const auto& [filter, wanted] : wanted_) {
-        const bool again = wanted.state == State::kRefused && now >= wanted.again;
-        if (wanted.state == State::kDue || again) result.emplace_back(filter, wanted.options);
+    for (const auto& filter : open_) {
+        const auto& wanted = wanted_.at(filter);
+        if (wanted.state == State::kDue || now >= wanted.again) result.emplace_back(filter, wanted.options);
     }
     return result;
 }
@@ -32,7 +48,7 @@ std::vector<Subscriptions::Sending> Subscriptions::due(Time now) const {
 void Subscriptions::sent(int id, const std::string& filter, Time now) {
     const auto found = wanted_.find(filter);
     if (found == wanted_.end()) return;
-    found->second.state = State::kSent;
+    set(found->second, filter, State::kSent);
     unanswered_[id] = {filter, now};
 }
 
@@ -46,19 +62,14 @@ std::optional<Subscriptions::Refusal> Subscriptions::answered(int id, bool grant
     if (found == wanted_.end() || found->second.state != State::kSent) return std::nullopt;
     auto& wanted = found->second;
     if (granted) {
-        wanted.state = State::kGranted;
+        set(wanted, filter, State::kGranted);
         wanted.refusals = 0;
         return std::nullopt;
     }
-    wanted.state = State::kRefused;
+    set(wanted, filter, State::kRefused);
     wanted.again = now + wanted.backoff.next(random);
     ++wanted.refusals;
     return Refusal{filter, wanted.refusals == 1, wanted.options.required && wanted.refusals == kMaxRefusals};
-}
-
-bool Subscriptions::all_granted() const {
-    return std::all_of(wanted_.begin(), wanted_.end(),
-                       [](const auto& one) { return one.second.state == State::kGranted; });
 }
 
 std::optional<Time> Subscriptions::waiting_since() const {

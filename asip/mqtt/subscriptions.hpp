@@ -2,6 +2,7 @@
 #pragma once
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -26,7 +27,8 @@ struct SubscribeOptions {
 };
 
 /// Which subscriptions are wanted and how far the broker has granted them. A refused one is due again after a
-/// growing pause (1 s to 30 s). Pure: the caller sends what is due and reports what the broker answered.
+/// growing pause (1 s to 30 s). Pure: the caller sends what is due and reports what the broker answered. What
+/// a call costs does not grow with the number of subscriptions that are granted.
 class Subscriptions {
   public:
     static constexpr int kMaxRefusals = 3;
@@ -40,7 +42,7 @@ class Subscriptions {
 
     /// The same filter again replaces its options and is due again.
     void add(const std::string& filter, SubscribeOptions options);
-    void remove(const std::string& filter) { wanted_.erase(filter); }
+    void remove(const std::string& filter);
 
     /// A new connection: nothing is granted, everything is due.
     void restart();
@@ -54,7 +56,7 @@ class Subscriptions {
     std::optional<Refusal> answered(int id, bool granted, Time now, const Random& random);
 
     /// Whether the broker has granted all that are wanted; true when there are none.
-    bool all_granted() const;
+    bool all_granted() const { return granted_ == wanted_.size(); }
     /// When the oldest packet without an answer was sent.
     std::optional<Time> waiting_since() const;
 
@@ -72,7 +74,11 @@ class Subscriptions {
         Time at;
     };
 
+    void set(Wanted& wanted, const std::string& filter, State state);
+
     std::map<std::string, Wanted> wanted_;
+    std::set<std::string> open_;  // those of wanted_ that are due or refused
+    std::size_t granted_ = 0;     // so many of wanted_ are
     std::unordered_map<int, Sent> unanswered_;
 };
 

@@ -109,6 +109,23 @@ TEST(Outbox, RetainedOfTheSameTopic_ReplacesTheOlder) {
     EXPECT_EQ(drain(outbox), "1 2 ");
 }
 
+TEST(Outbox, RetainedThatExpires_IsReplacedInItsPlaceSoThatItLeavesHoweverOftenItIsRenewed) {
+    Outbox outbox({10, kPlenty});
+    auto lease = message("description", "1", true);
+    lease.expiry_seconds = 60;
+    outbox.push(lease, Priority::kAnnouncement);
+    outbox.push(message("name", "board"), Priority::kAnnouncement);
+    lease.payload = "longer";
+    const auto before = outbox.bytes();
+    outbox.push(lease, Priority::kAnnouncement);
+    EXPECT_EQ(outbox.size(), 2u);
+    EXPECT_EQ(outbox.bytes(), before + 5);
+    EXPECT_EQ(drain(outbox), "longer board ");
+    EXPECT_EQ(outbox.bytes(), 0u);
+    outbox.push(lease, Priority::kAnnouncement);
+    EXPECT_EQ(drain(outbox), "longer ");
+}
+
 TEST(Outbox, PutBack_TakesItsOldPlace) {
     Outbox outbox({10, kPlenty});
     for (const char* payload : {"1", "2", "3"})

@@ -96,6 +96,27 @@ TEST_F(SubscriptionsTest, Removed_IsNeitherMissedNorRefused) {
     EXPECT_EQ(answer(false), std::nullopt);
 }
 
+TEST_F(SubscriptionsTest, GrantedOneRemovedOrAskedForAnew_IsCountedOnce) {
+    subscriptions.add("a", {});
+    send_due();
+    answer(true);
+    subscriptions.add("b", {});
+    send_due();
+    answer(true);
+    EXPECT_TRUE(subscriptions.all_granted());
+    subscriptions.add("a", {.qos = 1});
+    EXPECT_FALSE(subscriptions.all_granted());
+    EXPECT_THAT(filters(subscriptions.due(now)), testing::ElementsAre("a"));
+    send_due();
+    answer(true);
+    EXPECT_TRUE(subscriptions.all_granted());
+    subscriptions.remove("b");
+    EXPECT_TRUE(subscriptions.all_granted());
+    subscriptions.restart();
+    EXPECT_FALSE(subscriptions.all_granted());
+    EXPECT_THAT(filters(subscriptions.due(now)), testing::ElementsAre("a"));
+}
+
 TEST_F(SubscriptionsTest, WithoutAnAnswer_SaysSinceWhen) {
     subscriptions.add("a", {});
     const auto first = now;
