@@ -32,8 +32,8 @@ void Application::connect_bus() {
     // 10,000 commands at once get as many answers at once; twice this many of them may wait.
     options.max_queued_messages = 16 * 1024;
     bus_ = std::make_unique<mqtt::Client>(io_, std::move(options), bus_handlers());
-    for (const auto& filter : bridge_.subscriptions())
-        bus_->subscribe(filter, {.qos = 1, .no_local = false, .retained = true});
+    for (auto& [filter, how] : bridge_.subscriptions())
+        bus_->subscribe(std::move(filter), how);
     if (bridge_.name_claimed()) subscribe_to_commands();
     bus_->start();
 }

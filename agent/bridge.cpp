@@ -269,8 +269,8 @@ void Bridge::describe_again() {
 
 // --- the bus's side
 
-std::vector<std::string> Bridge::subscriptions() const {
-    return {topics_.state(name_), topics_.description(name_), topics_.probe()};
+std::vector<member::Announcer::Subscription> Bridge::subscriptions() const {
+    return announcer_->subscriptions();
 }
 
 std::vector<std::string> Bridge::control_subscriptions() const {

@@ -101,7 +101,7 @@ class Bridge {
     /// Empty until the board was identified.
     const std::string& name() const { return name_; }
     mqtt::Message will() const { return announcer_->will(); }
-    std::vector<std::string> subscriptions() const;
+    std::vector<member::Announcer::Subscription> subscriptions() const;
     /// To be added once the name is claimed: until then another agent may be meant.
     std::vector<std::string> control_subscriptions() const;
     const session::BoardSession& session() const { return session_; }

@@ -36,13 +36,13 @@ std::optional<mqtt::Message> ReplayBoard::will() const {
     return announcer_ ? std::optional(announcer_->will()) : std::nullopt;
 }
 
-std::vector<std::string> ReplayBoard::subscriptions() const {
+std::vector<member::Announcer::Subscription> ReplayBoard::subscriptions() const {
     const auto& name = identity_.name;
-    std::vector<std::string> filters{topics_.board_in(name), topics_.service_in(name, "+"),
-                                     topics_.stop(name)};
-    if (announcer_)
-        filters.insert(filters.end(), {topics_.state(name), topics_.description(name), topics_.probe()});
-    return filters;
+    std::vector<member::Announcer::Subscription> all;
+    if (announcer_) all = announcer_->subscriptions();
+    for (const auto& filter : {topics_.board_in(name), topics_.service_in(name, "+"), topics_.stop(name)})
+        all.push_back({filter, {.qos = 1}});
+    return all;
 }
 
 void ReplayBoard::on_connected(Time now, Announcements& out) {

@@ -30,7 +30,7 @@ class ReplayBoard {
     const std::string& name() const { return identity_.name; }
     /// What the broker publishes when this program dies; nothing for a board of names only.
     std::optional<mqtt::Message> will() const;
-    std::vector<std::string> subscriptions() const;
+    std::vector<member::Announcer::Subscription> subscriptions() const;
 
     void on_connected(Time now, member::Announcements& out);
     void on_subscribed(Time now, member::Announcements& out);

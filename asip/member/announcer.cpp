@@ -58,6 +58,15 @@ mqtt::Message Announcer::will() const {
     return retained(topics_.state(options_.board), std::string(to_text(model::BoardState::kLost)));
 }
 
+/// Of descriptions and probes, only what another one says now matters: each of ours would come back
+/// otherwise. Of states our own will, too, which the broker may hold for a message of ours.
+std::vector<Announcer::Subscription> Announcer::subscriptions(const bus::Topics& topics,
+                                                              const std::string& board) {
+    return {{topics.state(board), {.qos = 1}},
+            {topics.description(board), {.qos = 1, .no_local = true, .retained = false}},
+            {topics.probe(), {.qos = 1, .no_local = true}}};
+}
+
 void Announcer::describe(model::Description description) {
     description_ = std::move(description);
     description_.board = options_.board;

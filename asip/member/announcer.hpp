@@ -2,11 +2,13 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "asip/bus/topics.hpp"
 #include "asip/member/announcements.hpp"
 #include "asip/model/board_state.hpp"
 #include "asip/model/description.hpp"
+#include "asip/mqtt/subscriptions.hpp"
 #include "asip/random.hpp"
 #include "asip/time.hpp"
 
@@ -48,6 +50,14 @@ class Announcer {
 
     /// See AnnouncerOptions::on_shared_topic: from now on not.
     void leave_shared_topic() { options_.on_shared_topic = false; }
+
+    /// What its messages come by, beside commands: subscribe to it before connecting.
+    struct Subscription {
+        std::string filter;
+        mqtt::SubscribeOptions options;
+    };
+    static std::vector<Subscription> subscriptions(const bus::Topics& topics, const std::string& board);
+    std::vector<Subscription> subscriptions() const { return subscriptions(topics_, options_.board); }
 
     void on_connected(Time now, Announcements& out);
     void on_disconnected();

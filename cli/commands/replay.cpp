@@ -86,8 +86,8 @@ class Player {
         options.client_id = std::move(client_id);
         options.will = board_.will();
         client_ = std::make_unique<mqtt::Client>(io, std::move(options), handlers());
-        for (const auto& filter : board_.subscriptions())
-            client_->subscribe(filter, {.qos = 1, .no_local = false, .retained = true});
+        for (auto& [filter, how] : board_.subscriptions())
+            client_->subscribe(std::move(filter), how);
         client_->start();
     }
 

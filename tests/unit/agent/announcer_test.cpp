@@ -53,6 +53,15 @@ TEST(Announcer, BusThatKnowsItsUsers_NothingGoesOutWhereNoRuleTiesItToTheSender)
     EXPECT_THAT(bench.on("asip/servicebus/uno1"), ElementsAre("io", "servo", "distance"));
 }
 
+TEST(Announcer, ItsRenewalsAndProbes_DoNotComeBackToIt) {
+    BridgeBench bench;
+    bench.plug();
+    for (const auto& [filter, options] : bench.bridge.subscriptions()) {
+        EXPECT_EQ(options.no_local, filter != kState) << filter;
+        EXPECT_EQ(options.qos, 1) << filter;
+    }
+}
+
 TEST(Announcer, StateAndDescription_AreRetainedAndTheDescriptionExpiresWithTheLease) {
     BridgeBench bench;
     bench.go_online();
