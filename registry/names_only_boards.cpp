@@ -15,7 +15,7 @@ void NamesOnlyBoards::add(const std::string& board, Time now) {
 void NamesOnlyBoards::remove(const std::string& board) {
     const auto question = questions_.find(board);
     if (question != questions_.end()) {
-        if (question->second.open) port_.unsubscribe(topics_.description(board));
+        if (question->second.open) close(board, question->second);
         questions_.erase(question);
     }
     if (listened_.erase(board) == 0) return;
@@ -51,21 +51,42 @@ void NamesOnlyBoards::listen(const std::string& board) {
     }
 }
 
-void NamesOnlyBoards::step(const std::string& board, Question& question, Time now) {
-    question.open = !question.open;
-    if (!question.open) {
-        port_.unsubscribe(topics_.description(board));
-        question.at = now + kQuestionTime * (1 << question.asked);
-        return;
-    }
+bool NamesOnlyBoards::must_wait(const Question& question) const {
+    return open_ >= kMaxOpen || (question.probes() && probing_ >= kMaxProbes);
+}
+
+void NamesOnlyBoards::ask(const std::string& board, Question& question, Time now) {
     listen(board);
     port_.subscribe(topics_.description(board), true);
-    mqtt::Message probe;
-    probe.topic = topics_.probe();
-    probe.payload = board;
-    port_.publish(std::move(probe));
+    ++open_;
+    if (question.probes()) {
+        ++probing_;
+        mqtt::Message probe;
+        probe.topic = topics_.probe();
+        probe.payload = board;
+        port_.publish(std::move(probe));
+    }
+    question.open = true;
     question.at = now + kQuestionTime;
     ++question.asked;
+}
+
+void NamesOnlyBoards::close(const std::string& board, Question& question) {
+    port_.unsubscribe(topics_.description(board));
+    question.open = false;
+    --open_;
+    if (question.asked > 1) --probing_;
+}
+
+void NamesOnlyBoards::step(const std::string& board, Question& question, Time now) {
+    if (question.open) {
+        close(board, question);
+        question.at = now + kQuestionTime * (1 << question.asked);
+    } else if (!must_wait(question)) {
+        ask(board, question, now);
+    } else {
+        listen(board);
+    }
 }
 
 void NamesOnlyBoards::tick(Time now) {

@@ -227,14 +227,15 @@ TEST_F(RegistryTest, NamesOnlyBoardWhoseDescriptionWasMissed_IsAskedAndThenDescr
     registry.message(bus_message("asip/servicebus", "uno1"), moment(1s));
     const auto probes = connection.count("asip/servicebus/$probe");
     registry.tick(moment(1500ms));
-    registry.tick(moment(2500ms));
+    for (Duration time = 2s; time < 10s; time += 100ms)
+        registry.tick(moment(time));
     ASSERT_EQ(connection.count("asip/servicebus/$probe"), probes + 1);
     EXPECT_EQ(sent("asip/servicebus/$probe", probes).payload, "uno1");
     registry.message(bus_message("asip/servicebus/uno1/$description", description("uno1").payload),
-                     moment(3s));
+                     moment(10s));
     mqtt::Message query = bus_message("asip/registry/query", R"({"find":"boards","board":"uno1"})");
     query.response_topic = "answers";
-    registry.message(query, moment(4s));
+    registry.message(query, moment(11s));
     EXPECT_EQ(connection.last("answers").at("items").at(0).value("names_only", false), false);
 }
 
