@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <optional>
+
+#include "asip/program/stop_signal.hpp"
+#include "load/commander.hpp"
+#include "load/fleet.hpp"
+#include "load/options.hpp"
+#include "load/report.hpp"
+#include "load/watch.hpp"
+
+namespace asip::load {
+
+/// The program: boards, what happens to them, what is watched, and the report.
+class Application {
+  public:
+    explicit Application(LoadOptions options);
+
+    /// Until the time is over, or a signal. Prints the report on standard output and returns the exit status.
+    int run();
+
+  private:
+    void schedule_steps();
+    void schedule_progress();
+    void stop();
+    void compared();
+    void hopeless(const std::string& why);
+    void finish();
+    int print();
+
+    LoadOptions options_;
+    boost::asio::io_context io_{1};
+    Fleet fleet_;
+    Plan plan_;
+    std::optional<Watch> watch_;
+    std::optional<Commander> commander_;
+    program::StopSignal stop_signal_;
+    boost::asio::steady_timer steps_timer_;
+    boost::asio::steady_timer progress_timer_;
+    Time started_{};
+    Report report_;
+    bool stopping_ = false;
+    bool no_broker_ = false;
+};
+
+}  // namespace asip::load

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <string>
+#include <vector>
+
+#include "asip/bus/topics.hpp"
+#include "asip/member/announcer.hpp"
+#include "load/board_kind.hpp"
+
+namespace asip::load {
+
+/// How a simulated board answers commands: nothing executes them.
+inline constexpr std::string_view kProofSimulated = "simulated";
+
+/// A board as a member of the bus: announced as its agent would, by the same code, and answering commands.
+/// Pure. The kind outlives it.
+class SimulatedBoard {
+  public:
+    SimulatedBoard(const bus::Topics& topics, const BoardKind& kind, member::AnnouncerOptions options,
+                   model::Description description, Random random);
+
+    mqtt::Message will() const { return announcer_.will(); }
+    /// What a board of this name subscribes to.
+    static std::vector<member::Announcer::Subscription> subscriptions(const bus::Topics& topics,
+                                                                      const std::string& name);
+
+    void on_connected(Time now, member::Announcements& out) { announcer_.on_connected(now, out); }
+    void on_subscribed(Time now, member::Announcements& out) { announcer_.on_subscribed(now, out); }
+    void on_disconnected() { announcer_.on_disconnected(); }
+    /// Returns whether it was a command, and was answered or was not to be.
+    bool on_message(const mqtt::Message& message, Time now, member::Announcements& out);
+    void tick(Time now, member::Announcements& out) { announcer_.tick(now, out); }
+    std::optional<Time> next_deadline() const { return announcer_.next_deadline(); }
+    void goodbye(member::Announcements& out) { announcer_.goodbye(out); }
+
+    bool announced() const { return announcer_.may_publish(); }
+    /// One value of each service; nothing where it may not publish.
+    void report(member::Announcements& out) const;
+
+  private:
+    void answer(const mqtt::Message& command, const bus::TopicRef& topic, member::Announcements& out) const;
+
+    const bus::Topics& topics_;
+    const BoardKind& kind_;
+    std::string name_;
+    member::Announcer announcer_;
+};
+
+}  // namespace asip::load

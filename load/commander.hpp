@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <string>
+#include <unordered_map>
+
+#include "asip/bus/reply.hpp"
+#include "asip/bus/requester.hpp"
+#include "asip/mqtt/client.hpp"
+#include "load/fleet.hpp"
+
+namespace asip::load {
+
+struct CommandTally {
+    std::uint64_t sent = 0, ok = 0, refused = 0, unanswered = 0;
+    std::uint64_t left_out = 0;  ///< too many waited for their answers
+    Times answered;
+};
+
+/// Commands boards at a steady rate, one after the other, each service in turn, over a connection of its own.
+class Commander {
+  public:
+    /// `kind`, `fleet` and `io` outlive it. `per_second`: above 0.
+    Commander(boost::asio::io_context& io, mqtt::Options options, const std::string& topic_root,
+              const BoardKind& kind, const Fleet& fleet, double per_second);
+
+    void start();
+    /// Sends no more; answers that are under way are still counted.
+    void stop() { timer_.cancel(), stopped_ = true; }
+    CommandTally tally() const;
+
+  private:
+    struct Waiting {
+        bus::Requester::Request request;
+        Time sent;
+    };
+
+    void schedule();
+    void send_due();
+    void send(std::size_t board, const BoardKind::Service& service);
+    void forget_overdue(Time now);
+
+    const BoardKind& kind_;
+    const Fleet& fleet_;
+    bus::Topics topics_;
+    double per_second_;
+    bus::Requester requester_;
+    mqtt::Client client_;
+    boost::asio::steady_timer timer_;
+    Time since_{};
+    double due_ = 0;
+    std::size_t next_ = 0;
+    std::unordered_map<std::string, Waiting> waiting_;
+    Time swept_{};
+    CommandTally tally_;
+    bool stopped_ = false;
+};
+
+}  // namespace asip::load

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "asip/expected.hpp"
+#include "load/board_kind.hpp"
+#include "load/fleet.hpp"
+#include "load/script.hpp"
+
+namespace asip::load {
+
+struct LoadOptions {
+    FleetOptions fleet;
+    BoardKind kind;
+    std::vector<Step> steps;
+    std::optional<Duration> time;  ///< nothing: until a signal
+    bool watch = false;
+    Duration settle = std::chrono::seconds(10);  ///< for the comparison with registries at the end
+    double commands_per_second = 0;
+    bool json = false;
+};
+
+/// From command line, environment and configuration file. The error is the exit status to end with; whatever
+/// there was to print has been printed.
+Expected<LoadOptions, int> read_options(int argc, const char* const* argv);
+
+/// Boards that share a connection, at least, so that `boards` connections fit into `files` file descriptors
+/// and `ports` port numbers of this machine.
+std::size_t boards_per_connection(std::size_t boards, std::size_t files, std::size_t ports);
+
+}  // namespace asip::load

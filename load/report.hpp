@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstddef>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "load/commander.hpp"
+#include "load/fleet.hpp"
+#include "load/watch.hpp"
+
+namespace asip::load {
+
+/// What a run did and saw.
+struct Report {
+    std::size_t boards = 0;
+    std::size_t connections = 0;
+    double seconds = 0;
+    std::size_t present = 0;    ///< at the end
+    std::size_t announced = 0;  ///< of those, the broker has the description of so many
+    Tally tally;
+    std::optional<CommandTally> commands;
+    std::map<std::string, Watched> registries;
+    bool watched = false;
+    double processor_seconds = 0;
+    double resident_bytes = 0;
+
+    /// Every present board is announced, no name was another's, and each registry agrees.
+    bool good() const;
+};
+
+/// Processor time and memory of this process.
+void measure_process(Report& report);
+
+nlohmann::json to_json(const Report& report);
+/// A table for a person, with a line end behind each row.
+std::string to_table(const Report& report);
+
+}  // namespace asip::load

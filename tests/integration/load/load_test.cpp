@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// asip-load beside a real broker and a real registry.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "running_registry.hpp"
+
+namespace asip::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+struct LoadTest : testing::Test {
+    std::vector<std::string> command(std::vector<std::string> more) const {
+        more.insert(more.begin(),
+                    {ASIP_LOAD_PROGRAM, "--broker", broker.address(), "--log-level", "warning"});
+        return more;
+    }
+    json report(std::vector<std::string> more, int status = 0) const {
+        more.insert(more.end(), {"-o", "json", "--watch", "--settle", "25s"});
+        const auto done = run(command(std::move(more)), {}, time_limit(60s));
+        EXPECT_EQ(done.status, status) << done.output << done.errors;
+        return json::parse(done.output, nullptr, false);
+    }
+    std::size_t count(const std::string& state) {
+        BusProbe probe(broker.port(), {"answers"});
+        const auto answer = ask(
+            probe, R"({"find":"boards","state":")" + state + R"(","board":"load-*","limit":1,"count":true})");
+        return answer ? answer->total.value_or(0) : 0;
+    }
+    bool counts(const std::string& state, std::size_t boards) {
+        return wait_until([&] { return count(state) == boards; }, time_limit(10s));
+    }
+
+    MosquittoBroker broker;
+    RunningRegistry registry{broker.address()};
+};
+
+TEST_F(LoadTest, BoardsThatDieFlapLeaveAndJoin_AreSeenAsSuchByTheRegistry) {
+    ASSERT_TRUE(registry.complete());
+    const auto result = report({"--boards", "200", "--join-rate", "400", "--time", "7s", "--commands", "100",
+                                "--values", "1", "--step", "4s die 10", "--step", "4s flap 20 down 300ms",
+                                "--step", "4s leave 5", "--step", "5s join 4"});
+    EXPECT_EQ(result.at("present"), 189);
+    EXPECT_EQ(result.at("announced"), 189);
+    EXPECT_EQ(result.at("connections"), 200);
+    EXPECT_EQ(result.at("flapped"), 20);
+    const auto& seen = result.at("registries").at("r1");
+    EXPECT_EQ(seen.at("wrong"), 0) << seen;
+    EXPECT_EQ(seen.at("gaps"), 0);
+    EXPECT_GE(seen.at("lost").at("count"), 30) << "10 died and 20 flapped: each will fired";
+    EXPECT_GE(seen.at("online").at("count"), 200 + 20 + 4);
+    EXPECT_GT(result.at("commands").at("ok"), 0);
+    EXPECT_EQ(result.at("commands").at("refused"), 0);
+    EXPECT_GT(result.at("values"), 0);
+    EXPECT_TRUE(counts("offline", 189 + 5));
+    EXPECT_TRUE(counts("lost", 6)) << "4 of the 10 that died joined again";
+}
+
+TEST_F(LoadTest, BoardsThatShareConnections_AreTheSameToTheRegistry) {
+    ASSERT_TRUE(registry.complete());
+    const auto result = report({"--boards", "200", "--boards-per-connection", "50", "--join-rate", "400",
+                                "--time", "11s", "--lease", "4", "--step", "3s die 10", "--step",
+                                "3s flap 20 down 300ms", "--step", "3s hang 6"});
+    EXPECT_EQ(result.at("connections"), 4);
+    EXPECT_EQ(result.at("connections_made"), 4);
+    EXPECT_EQ(result.at("announced"), 184);
+    const auto& seen = result.at("registries").at("r1");
+    EXPECT_EQ(seen.at("wrong"), 0) << seen;
+    EXPECT_GE(seen.at("lost").at("count"), 30);
+    EXPECT_TRUE(counts("lost", 16)) << "10 by a will, 6 by their leases";
+    EXPECT_TRUE(counts("offline", 184));
+}
+
+TEST_F(LoadTest, Killed_ItsWillsAreFired) {
+    ASSERT_TRUE(registry.complete());
+    ChildProcess load(command({"--boards", "50"}));
+    ASSERT_TRUE(counts("online", 50));
+    load.signal(SIGKILL);
+    EXPECT_TRUE(counts("lost", 50));
+}
+
+TEST_F(LoadTest, Signalled_SaysGoodbyeAndReports) {
+    ASSERT_TRUE(registry.complete());
+    ChildProcess load(command({"--boards", "20"}));
+    ASSERT_TRUE(counts("online", 20));
+    load.signal(SIGINT);
+    EXPECT_EQ(load.wait_exit(), 0);
+    EXPECT_THAT(load.output(), HasSubstr("20 present, 20 announced"));
+    EXPECT_TRUE(counts("offline", 20));
+}
+
+TEST_F(LoadTest, NamesOfOthers_AreLeftToThem) {
+    ASSERT_TRUE(registry.complete());
+    ChildProcess first(command({"--boards", "5"}));
+    ASSERT_TRUE(counts("online", 5));
+    const auto second = run(command({"--boards", "7", "--time", "3s"}), {}, time_limit(30s));
+    EXPECT_EQ(second.status, 6);
+    EXPECT_THAT(second.output, HasSubstr("5 boards: take another --prefix"));
+    EXPECT_TRUE(first.running());
+    EXPECT_EQ(count("online"), 5u);
+}
+
+TEST_F(LoadTest, BrokerRestarted_AllComeBack) {
+    ASSERT_TRUE(registry.complete());
+    ChildProcess load(command({"--boards", "30", "--watch"}));
+    ASSERT_TRUE(counts("online", 30));
+    broker.restart();
+    ASSERT_TRUE(wait_until([&] {
+        const auto log = registry.process().errors();
+        return log.find("catalogue is complete") != log.rfind("catalogue is complete");
+    }));
+    ASSERT_TRUE(counts("online", 30));
+    load.signal(SIGINT);
+    EXPECT_EQ(load.wait_exit(), 0) << load.output();
+}
+
+TEST(LoadWithoutBroker, NoRegistryToWatch_IsNoSuccess) {
+    MosquittoBroker broker;
+    const auto done =
+        run({ASIP_LOAD_PROGRAM, "--broker", broker.address(), "--boards", "3", "--time", "3s", "--watch"});
+    EXPECT_EQ(done.status, 1);
+    EXPECT_THAT(done.output, HasSubstr("none was there"));
+}
+
+TEST(LoadWithoutBroker, RefusedByTheBroker_EndsAndSaysSo) {
+    MosquittoBroker broker(MosquittoBroker::Options{.users = {{"u", "p"}}});
+    const auto done = run({ASIP_LOAD_PROGRAM, "--broker", broker.address(), "--boards", "3"});
+    EXPECT_EQ(done.status, 3);
+    EXPECT_THAT(done.errors, HasSubstr("user"));
+}
+
+}  // namespace
+}  // namespace asip::test
