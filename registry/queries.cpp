@@ -25,6 +25,7 @@ Queries::Queries(std::string registry, Dependencies dependencies)
 bus::Answer Queries::complete(bus::Answer answer) const {
     answer.registry = registry_;
     answer.epoch = epoch_;
+    if (answer.refused.empty()) answer.seq = dependencies_.seq();
     answer.settling = settling_;
     return answer;
 }
@@ -45,6 +46,7 @@ void Queries::answer(const Request& request, std::size_t max_bytes, const Done& 
 }
 
 bus::Answer Queries::find(bus::Query query, std::size_t max_bytes) {
+    if (query.full) query.limit = std::min(query.limit, bus::Query::kMaxFullPage);
     for (;;) {
         auto answer = dependencies_.catalogue.find(query, dependencies_.now());
         if (!answer) return refusal("invalid", answer.error());
@@ -78,7 +80,6 @@ bus::Answer Queries::forget(const bus::Forget& forget) {
             if (auto events = catalogue.forget(board, now.time)) dependencies_.forgotten(*events);
         }
     }
-    answer.seq = catalogue.seq();
     return answer;
 }
 

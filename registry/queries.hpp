@@ -20,6 +20,8 @@ class Queries {
     struct Dependencies {
         Catalogue& catalogue;
         std::function<Instant()> now;
+        /// Number of the last change event that was published.
+        std::function<std::uint64_t()> seq;
         /// Boards were forgotten by request: the events of that.
         std::function<void(const std::vector<Event>&)> forgotten;
         /// A page of history, or a refusal; may call back later. Empty: none is kept.

@@ -61,7 +61,7 @@ Catalogue::Options Registry::catalogue_options(const RegistryOptions& options, U
 }
 
 Queries::Dependencies Registry::query_dependencies() {
-    Queries::Dependencies result{catalogue_, [this] { return now_; }, {}, {}};
+    Queries::Dependencies result{catalogue_, [this] { return now_; }, [this] { return feed_.seq(); }, {}, {}};
     result.forgotten = [this](const std::vector<Event>& events) { handle(events, true); };
     if (history_ != nullptr) {
         result.history = [this](bus::Query query, Queries::Done done) {
@@ -210,7 +210,7 @@ void Registry::complete() {
     feed_.complete();
     if (history_ != nullptr) history_->complete(catalogue_, now_);
     log::info("catalogue is complete", {{"boards", catalogue_.size()}});
-    if (auto reset = feed_.reset(catalogue_, now_, 0)) publish(*reset);
+    if (auto reset = feed_.reset(now_, 0)) publish(*reset);
     publish_statistics();
 }
 
@@ -240,11 +240,16 @@ void Registry::change(const Event& event) {
                      {{"board", event.board}});
     }
     const bool overrun_before = feed_.overrun();
-    if (auto published = feed_.change(event, catalogue_, now_, port_.queued())) {
-        publish(*published);
-        ++statistics_.counts.events;
-    } else if (feed_.overrun() && !overrun_before) {
+    feed_.change(event);
+    if (feed_.overrun() && !overrun_before)
         log::warning("changes come faster than the broker accepts them; watchers will have to query again");
+    publish_changes();
+}
+
+void Registry::publish_changes() {
+    while (auto event = feed_.next(catalogue_, now_, port_.queued())) {
+        publish(*event);
+        ++statistics_.counts.events;
     }
 }
 
@@ -259,7 +264,7 @@ void Registry::publish_statistics() {
     if (history_ != nullptr) statistics_.counts.history_dropped = history_->dropped_rows();
     mqtt::Message message;
     message.topic = topics_.registry_stats(id_);
-    message.payload = statistics_.document(catalogue_, feed_.epoch(), now_);
+    message.payload = statistics_.document(catalogue_, feed_.epoch(), feed_.seq(), now_);
     message.retain = true;
     port_.publish(std::move(message));
 }
@@ -300,7 +305,8 @@ void Registry::tick_connected() {
     names_only_.tick(now_.time);
     if (settling_.overdue(now_.time)) complete();
     if (settling_.active()) return;
-    if (auto reset = feed_.reset(catalogue_, now_, port_.queued())) publish(*reset);
+    if (auto reset = feed_.reset(now_, port_.queued())) publish(*reset);
+    publish_changes();
     catalogue_.settle();
     if (statistics_.due(now_.time)) publish_statistics();
 }

@@ -67,6 +67,7 @@ class Registry {
     void complete();
     void handle(const std::vector<Event>& events, bool decided_here);
     void change(const Event& event);
+    void publish_changes();
     void publish(const bus::ChangeEvent& event);
     void publish_statistics();
     void tick_connected();

@@ -48,7 +48,8 @@ double seconds(Duration duration) {
 
 }  // namespace
 
-std::string Statistics::document(const Catalogue& catalogue, const std::string& epoch, Instant now) {
+std::string Statistics::document(const Catalogue& catalogue, const std::string& epoch, std::uint64_t seq,
+                                 Instant now) {
     const CatalogueStats stats = catalogue.stats();
     const double since_last = std::max(0.001, seconds(now.time - last_));
     const double rate = static_cast<double>(counts.messages - messages_then_) / since_last;
@@ -56,7 +57,7 @@ std::string Statistics::document(const Catalogue& catalogue, const std::string& 
     messages_then_ = counts.messages;
     json document{{"version", ASIP_VERSION},
                   {"epoch", epoch},
-                  {"seq", catalogue.seq()},
+                  {"seq", seq},
                   {"at", text::iso_time(now.wall)},
                   {"uptime", std::round(seconds(now.time - started_))},
                   {"boards", boards_by_state(stats)},

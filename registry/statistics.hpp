@@ -26,7 +26,8 @@ class Statistics {
     bool due(Time now) const { return now - last_ >= interval_; }
     Duration age(Time now) const { return now - started_; }
     /// The payload of `$stats`: JSON, documented in docs/asip-registry.md. The next is due an interval later.
-    std::string document(const Catalogue& catalogue, const std::string& epoch, Instant now);
+    std::string document(const Catalogue& catalogue, const std::string& epoch, std::uint64_t seq,
+                         Instant now);
 
   private:
     Duration interval_;

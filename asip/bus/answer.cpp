@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/json_scanner.hpp"
 #include "asip/bus/members.hpp"
 #include "asip/model/json.hpp"
 
@@ -24,6 +25,32 @@ std::string encode_brief(json& envelope, const std::vector<BriefBoard>& boards) 
     return text;
 }
 
+/// A description is JSON already, and most of a full answer: where it is well-formed, it is not taken apart.
+void append_board(std::string& text, const BoardItem& item) {
+    JsonScanner scanner(item.description);
+    std::string_view whole;
+    const bool as_it_is = !item.description.empty() && item.description.front() == '{' &&
+                          scanner.value(whole) && whole.size() == item.description.size();
+    text += model::dump_json(as_it_is ? to_json_without_description(item) : to_json(item));
+    if (!as_it_is) return;
+    text.pop_back();
+    text += ",\"description\":";
+    text += item.description;
+    text += '}';
+}
+
+std::string encode_boards(const json& envelope, const std::vector<BoardItem>& boards) {
+    std::string text = model::dump_json(envelope);
+    text.pop_back();
+    text += ",\"items\":[";
+    for (const BoardItem& item : boards) {
+        if (&item != &boards.front()) text += ',';
+        append_board(text, item);
+    }
+    text += "]}";
+    return text;
+}
+
 }  // namespace
 
 std::string encode(const Answer& answer) {
@@ -40,8 +67,6 @@ std::string encode(const Answer& answer) {
     if (answer.settling) object["settling"] = true;
     if (answer.total) object["total"] = *answer.total;
     json items = json::array();
-    for (const BoardItem& item : answer.boards)
-        items.push_back(to_json(item));
     for (const ServiceItem& item : answer.services)
         items.push_back(to_json(item));
     for (const HistoryItem& item : answer.history)
@@ -50,6 +75,7 @@ std::string encode(const Answer& answer) {
     object["find"] = to_string(answer.find);
     put(object, "cursor", answer.cursor);
     if (answer.brief) return encode_brief(object, *answer.brief);
+    if (!answer.boards.empty()) return encode_boards(object, answer.boards);
     object["items"] = std::move(items);
     return model::dump_json(object);
 }

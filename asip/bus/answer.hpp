@@ -16,12 +16,15 @@ namespace asip::bus {
 /// An answer of a registry to a query or a forget. One that refuses has `refused` and `error` set, and
 /// otherwise only `id` and `registry`.
 struct Answer {
-    std::string id;         ///< of the request
-    std::string registry;   ///< who answers
-    std::string epoch;      ///< differs each time a registry starts counting anew
-    std::uint64_t seq = 0;  ///< the items hold after exactly the change events of `epoch` up to this number
-    bool settling = false;  ///< the registry is still reading what the broker retains: more will come
-    Find find = Find::kBoards;         ///< what the items are, also where there are none
+    std::string id;        ///< of the request
+    std::string registry;  ///< who answers
+    std::string epoch;     ///< differs each time a registry starts counting anew
+    /// The items hold after the change events of `epoch` up to this number. In a burst, of boards whose
+    /// changes wait to be reported, they hold those changes already: their events follow, and say nothing
+    /// new.
+    std::uint64_t seq = 0;
+    bool settling = false;      ///< the registry is still reading what the broker retains: more will come
+    Find find = Find::kBoards;  ///< what the items are, also where there are none
     std::optional<std::size_t> total;  ///< all matches, where asked for or known anyway
     std::vector<BoardItem> boards;
     /// Set: the answer is to a brief query, and `boards` is empty. A registry that does not know brief

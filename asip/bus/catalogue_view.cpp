@@ -6,6 +6,15 @@
 
 namespace asip::bus {
 
+namespace {
+
+bool differs(const BoardItem& a, const BoardItem& b) {
+    return a.state != b.state || a.session != b.session || a.services != b.services ||
+           a.conflict != b.conflict;
+}
+
+}  // namespace
+
 CatalogueView::CatalogueView(OnChange on_change, std::string pattern)
     : on_change_(std::move(on_change)), pattern_(std::move(pattern)) {}
 
@@ -105,11 +114,17 @@ void CatalogueView::event(const ChangeEvent& event) {
     apply(event);
 }
 
+/// Of a burst, a snapshot may hold changes before their events come.
 void CatalogueView::apply(const ChangeEvent& event) {
+    const auto known = boards_.find(event.board.board);
     if (event.kind == ChangeEvent::Kind::kForgotten) {
-        boards_.erase(event.board.board);
+        if (known == boards_.end()) return;
+        boards_.erase(known);
     } else {
+        const bool news = known == boards_.end() || differs(known->second, event.board) ||
+                          event.kind == ChangeEvent::Kind::kDescription;
         boards_.insert_or_assign(event.board.board, event.board);
+        if (!news) return;
     }
     notify(event.kind, event.board, event.was, event.reason);
 }

@@ -93,7 +93,7 @@ json to_json(const ServiceItem& item, bool with_board) {
     return object;
 }
 
-json to_json(const BoardItem& item) {
+json to_json_without_description(const BoardItem& item) {
     json object{{"board", item.board}, {"state", item.state}};
     if (item.reported != item.state) put(object, "reported", item.reported);
     if (item.names_only) object["names_only"] = true;
@@ -119,6 +119,11 @@ json to_json(const BoardItem& item) {
     for (const ServiceItem& service : item.services)
         services.push_back(to_json(service, false));
     object["services"] = std::move(services);
+    return object;
+}
+
+json to_json(const BoardItem& item) {
+    json object = to_json_without_description(item);
     if (!item.description.empty()) {
         if (auto description =
                 model::parse_json(item.description, {.max_bytes = 1u << 20, .max_depth = 40})) {

@@ -90,6 +90,8 @@ BriefBoard brief_of(const BoardItem& board);
 
 /// What stands in "items" of an answer.
 nlohmann::json to_json(const BoardItem& item);
+/// The same, for who puts the text of the description in as it is.
+nlohmann::json to_json_without_description(const BoardItem& item);
 nlohmann::json to_json(const ServiceItem& item, bool with_board = true);
 nlohmann::json to_json(const HistoryItem& item);
 

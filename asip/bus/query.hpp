@@ -43,6 +43,9 @@ struct Query {
     bool brief = false;  ///< boards only with what a table shows: Answer::brief instead of Answer::boards
 
     static constexpr std::size_t kMaxPage = 1000;  ///< a larger limit is lowered to this
+    /// The same for `full`: a registry that answers one such page after the other has time for others
+    /// between.
+    static constexpr std::size_t kMaxFullPage = 250;
     bool operator==(const Query&) const = default;
 };
 

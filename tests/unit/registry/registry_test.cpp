@@ -253,21 +253,5 @@ TEST(RefusalLogTest, MalformedDescription_LineSaysWhichMember) {
     EXPECT_FALSE(refusals.refused(message, "uno2", Refusal::kOldSequence)) << "replays are no faults";
 }
 
-TEST(ChangeFeedTest, BrokerSlowerThanTheChanges_OneResetOnceItHasCaughtUp) {
-    ChangeFeed feed("r1");
-    Catalogue catalogue;
-    feed.begin("e-1");
-    feed.complete();
-    ASSERT_TRUE(feed.reset(catalogue, moment(0s), 0));
-    const Event change{Event::Kind::kState, "uno1", 7};
-    EXPECT_TRUE(feed.change(change, catalogue, moment(0s), ChangeFeed::kMaxQueued));
-    EXPECT_FALSE(feed.change(change, catalogue, moment(0s), ChangeFeed::kMaxQueued + 1));
-    EXPECT_TRUE(feed.overrun());
-    EXPECT_FALSE(feed.change(change, catalogue, moment(0s), 0)) << "a gap must not be hidden";
-    EXPECT_FALSE(feed.reset(catalogue, moment(0s), ChangeFeed::kMaxQueued / 2));
-    EXPECT_TRUE(feed.reset(catalogue, moment(0s), 0));
-    EXPECT_TRUE(feed.change(change, catalogue, moment(0s), 0));
-}
-
 }  // namespace
 }  // namespace asip::registry
