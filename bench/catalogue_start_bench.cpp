@@ -9,14 +9,15 @@
 #include <vector>
 
 #include "asip/mqtt/client.hpp"
-#include "bench/catalogue_load.hpp"
+#include "bench/retained_boards.hpp"
 #include "tests/support/child_process.hpp"
-#include "tests/support/mosquitto_broker.hpp"
 
 namespace asip {
 namespace {
 
 using bench::BoardTexts;
+using bench::description;
+using bench::options_for;
 using test::ChildProcess;
 
 constexpr std::uint32_t kBoards = 100'000;
@@ -32,44 +33,6 @@ double median(std::vector<double> values) {
 double percentile(std::vector<double> values, std::size_t percent) {
     std::sort(values.begin(), values.end());
     return values[values.size() * percent / 100];
-}
-
-mqtt::Options options_for(const test::MosquittoBroker& broker) {
-    mqtt::Options options;
-    options.brokers = {*mqtt::parse_broker(broker.address())};
-    options.max_queued_messages = 4 * kBoards;
-    options.max_queued_bytes = 1u << 30;
-    return options;
-}
-
-mqtt::Message description(std::uint32_t board, std::uint64_t seq) {
-    mqtt::Message message;
-    message.topic = "asip/servicebus/" + BoardTexts::name(board) + "/$description";
-    message.payload = BoardTexts().description(board, seq, 3600);
-    message.retain = true;
-    message.qos = 1;
-    message.expiry_seconds = 3600;
-    return message;
-}
-
-void load(const test::MosquittoBroker& broker) {
-    boost::asio::io_context io;
-    std::uint32_t sent = 0;
-    std::uint32_t acknowledged = 0;
-    mqtt::Client* client = nullptr;
-    mqtt::Client::Handlers handlers;
-    handlers.on_connected = [&](const mqtt::Connected&) {
-        while (sent < 1000)
-            client->publish(description(sent++, 1), mqtt::Priority::kAnnouncement);
-    };
-    handlers.on_published = [&](const std::string&) {
-        if (++acknowledged == kBoards) return io.stop();
-        if (sent < kBoards) client->publish(description(sent++, 1), mqtt::Priority::kAnnouncement);
-    };
-    mqtt::Client loader(io, options_for(broker), handlers);
-    client = &loader;
-    loader.start();
-    io.run();
 }
 
 double registry_start(const test::MosquittoBroker& broker) {
@@ -124,7 +87,7 @@ std::vector<double> round_trips(const test::MosquittoBroker& broker, const std::
 
 void cold_start() {
     test::MosquittoBroker broker(test::MosquittoBroker::Options{.extra_lines = {"max_queued_messages 0"}});
-    load(broker);
+    bench::retain_boards(broker, kBoards);
     std::vector<double> ours;
     std::vector<double> plain;
     for (int i = 0; i < 5; ++i) {
