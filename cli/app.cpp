@@ -17,6 +17,7 @@ namespace {
 
 int run_verb(CommandLine& line, Context& context) {
     if (const auto applied = line.apply(context); !applied) return context.fail_with(applied.error());
+    if (const auto found = line.find_broker(context); !found) return context.fail_with(found.error());
     context.width = terminal_width(STDOUT_FILENO);
     context.colour = use_colour(line.colour(), context.terminal(), program::environment_variable);
     context.command_line = &line.app();

@@ -6,6 +6,7 @@
 #include "asip/program/command_words.hpp"
 #include "asip/text/duration.hpp"
 #include "asip/text/nearest.hpp"
+#include "cli/broker_search.hpp"
 #include "cli/declaration.hpp"
 
 namespace asip::cli {
@@ -14,6 +15,8 @@ namespace {
 constexpr const char* kAbout =
     "Lists, watches, reads and commands boards on the ASIP service bus.\n"
     "Data goes to standard output, everything else to standard error.";
+
+constexpr std::chrono::milliseconds kSearch{1000};
 
 /// A registry's answer may hold a thousand boards with their descriptions.
 constexpr std::uint32_t kMaxAnswerBytes = 64u << 20;
@@ -44,7 +47,10 @@ CommandLine::CommandLine(const std::vector<Verb>& verbs)
         command->footer(verb.notes + "\nOptions of every command: asipctl --help");
         command->group("Commands");
         Declaration declaration(*command);
-        command->callback([this, run = verb.declare(declaration)] { chosen_ = run; });
+        command->callback([this, run = verb.declare(declaration), uses_bus = verb.uses_bus] {
+            chosen_ = run;
+            uses_bus_ = uses_bus;
+        });
     }
 }
 
@@ -65,6 +71,10 @@ void CommandLine::add_common_options() {
         ->capture_default_str();
     app_.add_option("--context", context_, "Bus that asipctl context add has given this name")
         ->type_name("NAME");
+    settings_
+        .setting(app_.add_flag("--no-mdns", no_mdns_,
+                               "Do not search the local network for a broker where none is configured"))
+        ->group("Broker");
     settings_.setting(app_.add_flag("--from-bus", from_bus_, "Do not ask a registry, read the bus itself"));
 }
 
@@ -113,6 +123,30 @@ Outcome<void> CommandLine::apply(Context& context) const {
             return failure(program::kExitUsage, loaded.error());
         }
     }
+    return {};
+}
+
+Outcome<void> CommandLine::find_broker(Context& context) const {
+    // Credentials are for the broker that they were made for, and never for one that turns up.
+    const bool configured = broker_.brokers_given || !broker_.credentials.empty() || !broker_.user.empty() ||
+                            !broker_.password_file.empty() || !broker_.cert.empty();
+    if (!uses_bus_ || no_mdns_ || configured || listens_here(context.mqtt.brokers.front().port)) return {};
+    const auto found = search_brokers(std::min<Duration>(kSearch, context.timeout));
+    if (found.empty()) {
+        context.note(
+            "no broker is configured, none is on this machine, and none is announced on this network");
+        return {};
+    }
+    std::string all;
+    for (const auto& broker : found)
+        all += (all.empty() ? "" : ", ") + broker.address.describe() + " (" + broker.name + ")";
+    if (found.size() > 1)
+        return failure(program::kExitBroker, "several brokers are announced on this network: " + all +
+                                                 "; choose one: --broker ADDRESS, or asipctl context add");
+    context.note("no broker is configured: using " + all + ", which is announced on this network");
+    context.mqtt.brokers = {found.front().address};
+    // For what we start ourselves.
+    context.typed_options.emplace_back("broker", found.front().address.describe());
     return {};
 }
 

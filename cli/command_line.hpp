@@ -31,6 +31,10 @@ class CommandLine {
 
     /// Brings the options of every command into `context`. Fails with kExitUsage.
     Outcome<void> apply(Context& context) const;
+    /// Where no broker is configured and none is on this machine: takes the one that is announced on the
+    /// local network, and says so. Only for verbs that use the bus. Fails with kExitBroker where there are
+    /// several.
+    Outcome<void> find_broker(Context& context) const;
     ColourChoice colour() const;
 
     /// Runs the verb that was given.
@@ -52,6 +56,8 @@ class CommandLine {
     std::string colour_ = "auto";
     std::string context_;
     bool from_bus_ = false;
+    bool no_mdns_ = false;
+    bool uses_bus_ = false;
     OptionValues typed_;
     Run chosen_;
 };

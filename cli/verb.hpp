@@ -19,6 +19,7 @@ struct Verb {
     std::string summary;  ///< one line of `asipctl --help`
     std::string notes;    ///< below the options in `asipctl NAME --help`: what to know, and examples
     Run (*declare)(Declaration& verb) = nullptr;
+    bool uses_bus = true;  ///< it connects to a broker: one is searched where none is configured
 };
 
 /// All of them, in the order in which help shows them.

@@ -19,6 +19,7 @@ namespace asip::program {
 
 struct BrokerOptions {
     std::vector<std::string> brokers{"127.0.0.1:1883"};
+    bool brokers_given = false;  ///< Settings: not the default, though it may be the same
     std::string user;
     std::string password;
     std::string password_file;  ///< first line is the password

@@ -71,6 +71,7 @@ struct Settings::State {
             option->run_callback_for_default(true);
             option->default_val(value);
             option->default_str(shown);
+            if (broker != nullptr && option == named("broker")) broker->brokers_given = true;
         } catch (const CLI::Error& error) {
             throw CLI::ValidationError(source, error.what());
         }
@@ -206,6 +207,9 @@ std::optional<int> Settings::parse(std::vector<std::string> arguments, const Env
             option->envname({});
         std::reverse(arguments.begin(), arguments.end());
         app.parse(std::move(arguments));
+        const auto* brokers = state_->named("broker");
+        if (state_->broker != nullptr && brokers != nullptr && brokers->count() > 0)
+            state_->broker->brokers_given = true;
     } catch (const CLI::Success& asked_for_help) {
         for (auto* option : state_->settings)
             option->envname(environment_name(option->get_lnames().front()));

@@ -77,7 +77,7 @@ Verb completion_verb() {
             "  source <(asipctl completion bash)\n"
             "  asipctl completion fish > ~/.config/fish/completions/asipctl.fish\n"
             "  asipctl completion zsh > ~/.zfunc/_asipctl",
-            declare_completion};
+            declare_completion, false};
 }
 
 }  // namespace asip::cli

@@ -112,7 +112,7 @@ Verb context_verb() {
         "  asipctl context add lab mqtts://lab.local --user ann --password-file ~/.lab --ca lab.crt\n"
         "  asipctl context use lab\n"
         "  asipctl --context workshop list",
-        declare_context};
+        declare_context, false};
 }
 
 }  // namespace asip::cli

@@ -63,7 +63,7 @@ Verb explain_verb() {
             "Examples:\n"
             "  asipctl explain servo\n"
             "  asipctl explain distance -o json | jq .commands",
-            declare_explain};
+            declare_explain, false};
 }
 
 }  // namespace asip::cli

@@ -21,7 +21,8 @@ Run declare_help(Declaration& verb) {
 }  // namespace
 
 Verb help_verb() {
-    return {"help", "Options and examples of a command", "Example:\n  asipctl help send", declare_help};
+    return {"help", "Options and examples of a command", "Example:\n  asipctl help send", declare_help,
+            false};
 }
 
 }  // namespace asip::cli

@@ -189,7 +189,7 @@ Verb model_verb() {
             "  asipctl model firmware fan.json --into Fan\n"
             "  asipctl model part fan.json --image build/sketch/uno/firmware/images/Fan.elf && asip-sim "
             "fan.board.json",
-            declare_model};
+            declare_model, false};
 }
 
 }  // namespace asip::cli

@@ -69,7 +69,7 @@ Verb models_verb() {
             "Examples:\n"
             "  asipctl models\n"
             "  asipctl models --services ./my-models -o name",
-            declare_models};
+            declare_models, false};
 }
 
 }  // namespace asip::cli

@@ -96,7 +96,7 @@ Verb open_verb() {
             "Examples:\n"
             "  asipctl open uno1\n"
             "  asipctl open --gateway https://gateway.example:8443 --token-file ~/.asip-token -p",
-            declare_open};
+            declare_open, false};
 }
 
 }  // namespace asip::cli

@@ -77,7 +77,7 @@ Verb secure_verb() {
         "  asipctl secure renew ann\n"
         "  asipctl secure show\n"
         "  asipctl secure check",
-        declare_secure};
+        declare_secure, false};
 }
 
 }  // namespace asip::cli
