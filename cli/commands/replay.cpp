@@ -10,6 +10,7 @@
 #include "asip/bus/pattern.hpp"
 #include "asip/model/names.hpp"
 #include "asip/mqtt/client.hpp"
+#include "asip/program/options.hpp"
 #include "asip/program/stop_signal.hpp"
 #include "cli/bus_session.hpp"
 #include "cli/declaration.hpp"
@@ -33,6 +34,7 @@ struct ReplayOptions {
     std::string file;
     std::vector<std::string> patterns;
     std::string prefix;
+    std::string credentials_dir;  ///< NAME.credentials of each board; empty: all use those of asipctl
     double speed = 1;
     bool loop = false;
     OutputOptions output{};
@@ -76,14 +78,42 @@ Outcome<RecordedBoards> recorded_boards(const ReplayOptions& options) {
     return boards;
 }
 
+/// How the board `name` connects. Fails with kExitUsage.
+Outcome<mqtt::Options> connection_of(const std::string& name, const ReplayOptions& options,
+                                     Context& context) {
+    if (options.credentials_dir.empty()) return context.mqtt;
+    program::BrokerOptions own;
+    const auto file = std::filesystem::path(options.credentials_dir) / (name + ".credentials");
+    if (std::error_code error; !std::filesystem::exists(file, error))
+        return failure(program::kExitUsage,
+                       file.string() +
+                           " does not exist; who keeps the broker makes it: asipctl secure add board " +
+                           name + ", or leave this board out");
+    if (const auto taken = program::take_credentials(own, file.string()); !taken)
+        return failure(program::kExitUsage, taken.error());
+    auto result = program::mqtt_options(own, "asipctl");
+    if (!result) return failure(program::kExitUsage, file.string() + ": " + result.error());
+    result->connect_timeout = context.mqtt.connect_timeout;
+    context.topics = bus::Topics(own.topic_root);
+    return std::move(*result);
+}
+
+/// What the user is missing, where the broker's access rules deny a board.
+std::string denied_board(const std::string& user, const std::string& name) {
+    return "the broker's access rules deny " + (user.empty() ? "users without a name" : "user " + user) +
+           " to speak for board " + name +
+           ": a recorded board needs credentials as every board does. Who keeps "
+           "the broker makes them: asipctl secure add board " +
+           name + "; then --credentials " + name +
+           ".credentials, or --credentials-dir FOLDER for several boards";
+}
+
 /// One recorded board with its connection.
 class Player {
   public:
-    Player(boost::asio::io_context& io, Context& context, ReplayBoard board, std::string client_id,
+    Player(boost::asio::io_context& io, mqtt::Options options, ReplayBoard board,
            std::function<void(const std::string&)> on_fatal)
-        : board_(std::move(board)), on_fatal_(std::move(on_fatal)) {
-        auto options = context.mqtt;
-        options.client_id = std::move(client_id);
+        : board_(std::move(board)), user_(options.user), on_fatal_(std::move(on_fatal)) {
         options.will = board_.will();
         client_ = std::make_unique<mqtt::Client>(io, std::move(options), handlers());
         for (auto& [filter, how] : board_.subscriptions())
@@ -111,7 +141,9 @@ class Player {
         call(Clock::now(), out);
         for (auto& publication : out.publish)
             client_->publish(std::move(publication.message), publication.priority);
-        if (out.fatal) on_fatal_(out.fatal->text.substr(0, out.fatal->text.find(';')));
+        if (out.fatal)
+            on_fatal_(out.fatal->text.substr(0, out.fatal->text.find(';')) +
+                      "; replay under other names: --prefix old-");
     }
 
     mqtt::Client::Handlers handlers() {
@@ -123,7 +155,17 @@ class Player {
         result.on_subscribed = [this] {
             with([this](Time now, auto& out) { board_.on_subscribed(now, out); });
         };
-        result.on_disconnected = [this](const mqtt::ConnectionFailure&) { board_.on_disconnected(); };
+        result.on_disconnected = [this](const mqtt::ConnectionFailure& why) {
+            // Older brokers close the connection over what they deny.
+            if (why.after_sending != 0 && !board_.ready()) on_fatal_(denied_board(user_, board_.name()));
+            board_.on_disconnected();
+        };
+        result.on_publish_denied = [this](const std::string&, const std::string&) {
+            on_fatal_(denied_board(user_, board_.name()));
+        };
+        result.on_subscribe_refused = [this](const std::string&, const std::string&) {
+            on_fatal_(denied_board(user_, board_.name()));
+        };
         result.on_connect_failed = [this](const mqtt::ConnectionFailure& why) {
             if (why.hopeless) on_fatal_(why.text);
         };
@@ -134,6 +176,7 @@ class Player {
     }
 
     ReplayBoard board_;
+    std::string user_;
     std::function<void(const std::string&)> on_fatal_;
     std::unique_ptr<mqtt::Client> client_;
 };
@@ -144,7 +187,7 @@ class Replayer {
         : options_(options), context_(context), signal_(io_, [this](int) { stopped_ = true; }) {}
 
     int run(const RecordedBoards& boards) {
-        make_players(boards);
+        if (const auto made = make_players(boards); !made) return context_.fail_with(made.error());
         if (!run_until([this] { return all_ready(); }, Clock::now() + kClaimPatience) && fatal_.empty() &&
             !stopped_)
             fatal_ = "the boards could not be announced within 10 s; may this user write below " +
@@ -161,25 +204,28 @@ class Replayer {
     }
 
   private:
-    void make_players(const RecordedBoards& boards) {
+    Outcome<void> make_players(const RecordedBoards& boards) {
         const auto source = std::filesystem::path(options_.file).filename().string();
-        std::size_t number = 0;
+        std::map<std::string, mqtt::Options> connections;
         for (const auto& [name, description] : boards) {
-            const auto client = context_.mqtt.client_id + "-" + std::to_string(++number);
+            auto connection = connection_of(options_.prefix + name, options_, context_);
+            if (!connection) return tl::unexpected(connection.error());
+            connection->client_id += "-" + std::to_string(connections.size() + 1);
+            connections.emplace(name, std::move(*connection));
+        }
+        for (const auto& [name, description] : boards) {
+            auto& connection = connections.at(name);
             ReplayBoard::Identity identity{options_.prefix + name, source, {}, {}};
             identity.announcer.started_unix = static_cast<std::uint64_t>(std::time(nullptr));
-            identity.announcer.on_shared_topic =
-                context_.mqtt.user.empty() && context_.mqtt.cert_file.empty();
-            identity.agent = {ASIP_VERSION, program::host_name(), client};
-            players_.emplace(name, std::make_unique<Player>(
-                                       io_, context_,
-                                       ReplayBoard(context_.topics, std::move(identity), description,
-                                                   context_.mqtt.random),
-                                       client, [this](const std::string& why) {
-                                           if (fatal_.empty())
-                                               fatal_ = why + "; replay under other names: --prefix old-";
-                                       }));
+            identity.announcer.on_shared_topic = connection.user.empty() && connection.cert_file.empty();
+            identity.agent = {ASIP_VERSION, program::host_name(), connection.client_id};
+            ReplayBoard board(context_.topics, std::move(identity), description, context_.mqtt.random);
+            players_.emplace(name, std::make_unique<Player>(io_, std::move(connection), std::move(board),
+                                                            [this](const std::string& why) {
+                                                                if (fatal_.empty()) fatal_ = why;
+                                                            }));
         }
+        return {};
     }
 
     bool all_ready() const {
@@ -268,9 +314,13 @@ class Replayer {
 int run_replay(const ReplayOptions& options, Context& context) {
     const auto boards = recorded_boards(options);
     if (!boards) return context.fail_with(boards.error());
+    // Says what is wrong with the broker, once for all boards.
+    Context first = context;
+    auto connection = connection_of(options.prefix + boards->begin()->first, options, first);
+    if (!connection) return context.fail_with(connection.error());
+    first.mqtt = std::move(*connection);
     {
-        // Says what is wrong with the broker, once for all boards.
-        BusSession session(context);
+        BusSession session(first);
         if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
     }
     return Replayer(options, context).run(*boards);
@@ -283,6 +333,8 @@ Run declare_replay(Declaration& verb) {
                    Declaration::Needed::kNo);
     verb.option("--speed", "FACTOR", options->speed, "How much faster than it was", 0.01, 1000);
     verb.option("--prefix", "TEXT", options->prefix, "Before the name of each board, for a bus that has it");
+    verb.option("--credentials-dir", "DIR", options->credentials_dir,
+                "On a secured bus: folder with the credentials of each board, NAME.credentials");
     verb.flag("--loop", options->loop, "Begin again at the end, until Ctrl-C");
     verb.output(options->output, {Output::kText}, {"file", "messages", "boards", "seconds"});
     return [options](Context& context) { return run_replay(*options, context); };
@@ -294,11 +346,14 @@ Verb replay_verb() {
     return {
         "replay", "Plays a recording onto the bus, as boards of its own",
         "Each recorded board is a member as others are: announced, with a lease and a state, and lost when\n"
-        "this program dies. It refuses commands. A name that a living board has is refused.\n"
+        "this program dies. It refuses commands. A name that a living board has is refused. On a secured "
+        "bus\n"
+        "each needs credentials of its own: asipctl secure add board NAME.\n"
         "Examples:\n"
         "  asipctl replay walk.jsonl\n"
         "  asipctl replay walk.jsonl 'robot*' --speed 10 --prefix old-\n"
-        "  asipctl replay walk.jsonl --loop --broker 127.0.0.1:1884",
+        "  asipctl replay walk.jsonl --loop --broker 127.0.0.1:1884\n"
+        "  asipctl replay walk.jsonl --prefix old- --credentials-dir ~/recorded",
         declare_replay};
 }
 
