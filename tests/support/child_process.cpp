@@ -2,6 +2,7 @@
 #include "tests/support/child_process.hpp"
 
 #include <fcntl.h>
+#include <linux/close_range.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -180,6 +181,8 @@ ChildProcess::ChildProcess(std::vector<std::string> arguments, std::map<std::str
         dup2(input.read_end, 0);
         dup2(output.write_end, 1);
         dup2(errors.write_end, 2);
+        // A socket of the test that a child held would keep its port.
+        close_range(3, ~0U, CLOSE_RANGE_CLOEXEC);
         execvpe(argv[0], argv.data(), envp.data());
         const int problem = errno;
         [[maybe_unused]] const auto written = write(failure.write_end, &problem, sizeof problem);

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/mosquitto_broker.hpp"
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -11,17 +8,6 @@
 
 namespace asip::test {
 namespace {
-
-bool accepts(std::uint16_t port) {
-    const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const bool connected = connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
-    close(fd);
-    return connected;
-}
 
 void must_succeed(std::vector<std::string> command) {
     const auto name = command[0] + " " + command[1];
@@ -98,7 +84,7 @@ MosquittoBroker::~MosquittoBroker() {
 void MosquittoBroker::write_configuration() {
     std::string text = "listener " + std::to_string(port_) + " 127.0.0.1\nset_tcp_nodelay true\n";
     // Started by root it would drop to its own user, who may not read the test's folder.
-    text += "user root\nlog_dest stderr\nlog_type all\nconnection_messages true\n";
+    text += "user root\nlog_dest stderr\nconnection_messages true\nlog_type " + options_.log_type + "\n";
     text += options_.users.empty() ? "allow_anonymous true\n" : "allow_anonymous false\n";
     if (options_.persistence) {
         text += "persistence true\npersistence_location " + folder_.path().string() +

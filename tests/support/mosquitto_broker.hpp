@@ -33,6 +33,7 @@ class MosquittoBroker {
         bool tls = false;
         bool require_client_certificate = false;
         ServerCertificate certificate{};
+        std::string log_type = "all";            ///< what log() holds
         std::vector<std::string> extra_lines{};  ///< of the configuration file
     };
 

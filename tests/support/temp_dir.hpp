@@ -27,5 +27,7 @@ class TempDir {
 
 /// A TCP port of 127.0.0.1 that is free now.
 std::uint16_t free_port();
+/// Whether somebody accepts TCP connections there.
+bool accepts(std::uint16_t port);
 
 }  // namespace asip::test

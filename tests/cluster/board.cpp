@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/cluster/board.hpp"
+
+#include <boost/asio/write.hpp>
+#include <chrono>
+#include <cstdlib>
+#include <utility>
+
+#include "asip/time.hpp"
+
+namespace cluster {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+
+namespace {
+
+constexpr std::string_view kServo = "S,W,0,";
+constexpr auto kBetweenValues = std::chrono::milliseconds(200);
+constexpr std::string_view kValue = "@D,e,1,{42}";
+
+}  // namespace
+
+/// Handlers of an old connection hold it, and see that it is not the board's any more.
+struct Board::Connection {
+    explicit Connection(tcp::socket accepted) : socket(std::move(accepted)) {}
+    tcp::socket socket;
+    std::array<char, 512> buffer{};
+};
+
+Board::Board(asio::io_context& io, std::string name, OnExecuted on_executed)
+    : on_executed_(std::move(on_executed)), io_(io), acceptor_(io), timer_(io) {
+    board_.stored_name = std::move(name);
+    board_.verified_fences = true;
+    plug();
+}
+
+std::string Board::request(std::size_t token) {
+    return std::string(kServo) + std::to_string(token);
+}
+
+void Board::cut() {
+    acceptor_.close();
+    timer_.cancel();
+    if (connection_) connection_->socket.close();
+    connection_.reset();
+}
+
+void Board::plug() {
+    const tcp::endpoint endpoint(asio::ip::address_v4::loopback(), port_);
+    acceptor_.open(endpoint.protocol());
+    acceptor_.set_option(tcp::acceptor::reuse_address(true));
+    acceptor_.bind(endpoint);
+    acceptor_.listen();
+    port_ = acceptor_.local_endpoint().port();
+    accept();
+    report();
+}
+
+void Board::accept() {
+    acceptor_.async_accept([this](const boost::system::error_code& error, tcp::socket socket) {
+        if (error) return;
+        if (connection_) connection_->socket.close();
+        connection_ = std::make_shared<Connection>(std::move(socket));
+        say(board_.reboot());
+        read();
+        accept();
+    });
+}
+
+void Board::read() {
+    connection_->socket.async_read_some(asio::buffer(connection_->buffer), [this, connection = connection_](
+                                                                               const boost::system::
+                                                                                   error_code& error,
+                                                                               std::size_t count) {
+        if (error || connection != connection_) return;
+        const auto said = board_.hear({connection->buffer.data(), count}, board_.baud, asip::Clock::now());
+        executed();
+        say(said);
+        if (connection == connection_) read();
+    });
+}
+
+void Board::executed() {
+    for (const auto& line : board_.executed)
+        if (line.starts_with(kServo)) on_executed_(std::strtoull(line.c_str() + kServo.size(), nullptr, 10));
+    board_.executed.clear();
+    board_.heard.clear();
+}
+
+void Board::report() {
+    timer_.expires_after(kBetweenValues);
+    timer_.async_wait([this](const boost::system::error_code& error) {
+        if (error) return;
+        if (connection_) say(board_.framed(std::string(kValue)));
+        report();
+    });
+}
+
+// An agent that is stopped does not read: what does not fit is lost, as on a serial line.
+void Board::say(std::string_view bytes) {
+    boost::system::error_code ignored;
+    connection_->socket.non_blocking(true, ignored);
+    connection_->socket.write_some(asio::buffer(bytes), ignored);
+}
+
+}  // namespace cluster

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tests/cluster/history.hpp"
+
+namespace cluster {
+
+/// What a fault is done to. Further kinds (the network between two hosts, a host's clock) belong here.
+enum class Target {
+    kNode,     ///< one broker of the engine
+    kCluster,  ///< all brokers of the engine at once
+    kRegistry,
+    kAgent,
+    kLink,  ///< the connection between a board and its agent
+};
+enum class Action {
+    kKill,  ///< kill -9, started again after `lasts`; a link is cut and comes back
+    kStop,  ///< SIGSTOP, SIGCONT after `lasts`; not of a link
+};
+
+struct Fault {
+    Target target = Target::kNode;
+    Action action = Action::kKill;
+    std::size_t index = 0;  ///< which of its kind; a cluster has one
+    Millis after = 0;       ///< from the begin of the round
+    Millis lasts = 0;
+
+    bool operator==(const Fault&) const = default;
+};
+
+/// "agent kill"
+std::string name_of(const Fault& fault);
+/// Of a round: the names of its faults in alphabetical order, "agent stop + broker kill".
+std::string name_of(const std::vector<Fault>& faults);
+
+/// How many there are of each kind.
+struct Shape {
+    std::size_t nodes = 1, registries = 3, boards = 12;
+    Millis longest_stop = 20'000;
+};
+
+/// Each kind of fault once, alone; stops of 5 s.
+std::vector<std::vector<Fault>> each_once(std::uint64_t seed, const Shape& shape);
+/// Faults alone and in pairs, at random: the same seed and shape give the same.
+std::vector<std::vector<Fault>> at_random(std::uint64_t seed, std::size_t rounds, const Shape& shape);
+
+}  // namespace cluster

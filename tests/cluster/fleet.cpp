@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/cluster/fleet.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include "tests/support/loop.hpp"
+
+namespace cluster {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t kDeparting = 2;
+constexpr Millis kSetUp = 60'000;
+
+}  // namespace
+
+Fleet::Fleet(boost::asio::io_context& io, Engine& engine, const FleetOptions& options, History& history)
+    : io_(io), engine_(engine), options_(options), history_(history) {
+    for (std::size_t i = 0; i < options_.registries; ++i) {
+        const auto id = fmt::format("r{}", i);
+        registries_.push_back(std::make_unique<Process>(program("asip-registry", i, {"--id", id})));
+        watchers_.push_back(
+            std::make_unique<Watcher>(io_, connection("watch-" + id, i), id, truth_, history_));
+    }
+    for (std::size_t i = 0; i < options_.boards + kDeparting; ++i) {
+        const bool stays = i < options_.boards;
+        const auto name = stays ? fmt::format("board{:03}", i) : fmt::format("left{}", i - options_.boards);
+        history_.boards.push_back(name);
+        truth_.online.insert(name);
+        boards_.push_back(std::make_unique<Board>(io_, name, [this, i](std::size_t token) {
+            history_.executions.push_back({token, i, now()});
+        }));
+        agents_.push_back(std::make_unique<Process>(
+            program("asip-agent", i,
+                    {"--name", name, "--tcp", fmt::format("127.0.0.1:{}", boards_.back()->port())})));
+    }
+    const double each =
+        options_.per_board * static_cast<double>(options_.boards) / static_cast<double>(options_.clients);
+    for (std::size_t i = 0; i < options_.clients; ++i)
+        commanders_.push_back(std::make_unique<Commander>(io_, connection(fmt::format("commands-{}", i), i),
+                                                          history_, options_.boards, each,
+                                                          i * options_.boards / options_.clients));
+}
+
+Shape Fleet::shape() const {
+    return {.nodes = engine_.ports().size(), .registries = options_.registries, .boards = options_.boards};
+}
+
+std::vector<std::string> Fleet::program(const std::string& name, std::size_t first_node,
+                                        std::vector<std::string> more) const {
+    std::string brokers;
+    for (const auto& broker : connection(name, first_node).brokers)
+        brokers += (brokers.empty() ? "" : ",") + broker.describe();
+    std::vector<std::string> command{std::string(ASIP_PROGRAMS "/") + name, "--broker", brokers};
+    command.insert(command.end(), more.begin(), more.end());
+    return command;
+}
+
+asip::mqtt::Options Fleet::connection(const std::string& id, std::size_t first_node) const {
+    asip::mqtt::Options options;
+    options.client_id = "cluster-" + id;
+    options.brokers.clear();
+    const auto ports = engine_.ports();
+    for (std::size_t i = 0; i < ports.size(); ++i)
+        options.brokers.push_back({.host = "127.0.0.1", .port = ports[(first_node + i) % ports.size()]});
+    return options;
+}
+
+void Fleet::set_up() {
+    for (const auto& watcher : watchers_)
+        watcher->start();
+    const auto steady = [&] { return catalogues_agree(0).has_value(); };
+    if (!asip::test::run_until(io_, steady, std::chrono::milliseconds(kSetUp)))
+        throw std::runtime_error("the registries do not find the boards");
+    depart();
+    for (const auto& commander : commanders_)
+        commander->start();
+    const auto begin = now();
+    std::vector<std::size_t> mute;
+    const auto ready = [&] {
+        return catalogues_agree(begin).has_value() && commands_work(begin, mute).has_value();
+    };
+    if (!asip::test::run_until(io_, ready, std::chrono::milliseconds(kSetUp)))
+        throw std::runtime_error("the boards cannot be commanded");
+}
+
+void Fleet::depart() {
+    for (std::size_t i = options_.boards; i < boards_.size(); ++i) {
+        truth_.online.erase(history_.boards[i]);
+        if (i == options_.boards)
+            agents_[i]->say_goodbye();
+        else
+            agents_[i]->kill();
+    }
+}
+
+void Fleet::run_until(Millis time) {
+    while (now() < time) {
+        asip::test::run_for(io_, std::chrono::milliseconds(std::min<Millis>(time - now(), 20)));
+        look_for_ends();
+    }
+}
+
+Process& Fleet::process(const Fault& fault) {
+    return fault.target == Target::kRegistry ? *registries_[fault.index] : *agents_[fault.index];
+}
+
+void Fleet::nodes(const Fault& fault, void (Engine::*what)(std::size_t)) {
+    if (fault.target == Target::kNode) return (engine_.*what)(fault.index);
+    for (std::size_t node = 0; node < engine_.ports().size(); ++node)
+        (engine_.*what)(node);
+}
+
+void Fleet::begin(const Fault& fault) {
+    const bool kill = fault.action == Action::kKill;
+    switch (fault.target) {
+        case Target::kLink:
+            return boards_[fault.index]->cut();
+        case Target::kNode:
+        case Target::kCluster:
+            return nodes(fault, kill ? &Engine::kill : &Engine::stop);
+        case Target::kAgent:
+        case Target::kRegistry:
+            return kill ? process(fault).kill() : process(fault).stop();
+    }
+}
+
+void Fleet::end(const Fault& fault) {
+    const bool kill = fault.action == Action::kKill;
+    switch (fault.target) {
+        case Target::kLink:
+            return boards_[fault.index]->plug();
+        case Target::kNode:
+        case Target::kCluster:
+            return nodes(fault, kill ? &Engine::start : &Engine::go_on);
+        case Target::kAgent:
+        case Target::kRegistry:
+            return kill ? process(fault).start() : process(fault).go_on();
+    }
+}
+
+void Fleet::mark_held(const Fault& fault, Round& round) const {
+    if (fault.action != Action::kStop) return;
+    if (fault.target == Target::kAgent) round.held.push_back(fault.index);
+    if (fault.target == Target::kNode || fault.target == Target::kCluster) round.all_held = true;
+}
+
+void Fleet::suffer(const std::vector<Fault>& faults) {
+    history_.rounds.push_back({.name = name_of(faults), .begin = now()});
+    Round& round = history_.rounds.back();
+    struct Step {
+        Millis at;
+        bool begins;
+        const Fault* fault;
+    };
+    std::vector<Step> steps;
+    for (const auto& fault : faults) {
+        mark_held(fault, round);
+        steps.push_back({round.begin + fault.after, true, &fault});
+        steps.push_back({round.begin + fault.after + fault.lasts, false, &fault});
+    }
+    std::stable_sort(steps.begin(), steps.end(),
+                     [](const Step& one, const Step& other) { return one.at < other.at; });
+    for (const auto& step : steps) {
+        run_until(step.at);
+        step.begins ? begin(*step.fault) : end(*step.fault);
+    }
+    round.end = now();
+    for (const auto& watcher : watchers_)
+        watcher->look_anew();
+    while (!recovered(round) && now() < round.end + options_.look)
+        run_until(now() + 20);
+    round.looked_until = now();
+    for (const auto& watcher : watchers_)
+        if (!watcher->right_since()) round.wrong[watcher->registry()] = watcher->difference();
+}
+
+bool Fleet::recovered(Round& round) {
+    if (!round.commands_work) round.commands_work = commands_work(round.end, round.mute);
+    round.catalogues_agree = catalogues_agree(round.end);
+    return round.commands_work && round.catalogues_agree;
+}
+
+// When the last board had answered one of the commands that were sent since.
+std::optional<Millis> Fleet::commands_work(Millis end, std::vector<std::size_t>& mute) const {
+    std::vector<std::optional<Millis>> first(options_.boards);
+    for (auto command = history_.commands.rbegin();
+         command != history_.commands.rend() && command->sent >= end; ++command) {
+        if (command->outcome != Outcome::kOk) continue;
+        auto& known = first[command->board];
+        known = std::min(known.value_or(*command->answered), *command->answered);
+    }
+    mute.clear();
+    Millis last = end;
+    for (std::size_t board = 0; board < first.size(); ++board) {
+        if (first[board])
+            last = std::max(last, *first[board]);
+        else
+            mute.push_back(board);
+    }
+    return mute.empty() ? std::optional(last) : std::nullopt;
+}
+
+std::optional<Millis> Fleet::catalogues_agree(Millis end) const {
+    Millis since = end;
+    for (const auto& watcher : watchers_) {
+        const auto right = watcher->right_since();
+        if (!right) return std::nullopt;
+        since = std::max(since, *right);
+    }
+    return now() >= since + options_.steady ? std::optional(since) : std::nullopt;
+}
+
+// As a service manager does, but it is not forgotten.
+void Fleet::look_for_ends() {
+    const auto look = [&](std::vector<std::unique_ptr<Process>>& processes, const char* what) {
+        for (std::size_t i = 0; i < processes.size(); ++i) {
+            const auto status = processes[i]->ended_by_itself();
+            if (!status) continue;
+            history_.exits.push_back(fmt::format("{:.3f} s: {} {} ended by itself with status {}",
+                                                 static_cast<double>(now()) / 1000, what, i, *status));
+            processes[i]->start();
+        }
+    };
+    look(agents_, "agent");
+    look(registries_, "registry");
+}
+
+void Fleet::finish() {
+    for (const auto& commander : commanders_)
+        commander->stop();
+    run_until(now() + history_.deadline + 1000);
+    history_.ended = now();
+}
+
+void Fleet::write_logs(const std::string& folder) const {
+    std::filesystem::create_directories(folder);
+    const auto write = [&](const std::string& name, const std::string& text) {
+        std::ofstream(std::filesystem::path(folder) / (name + ".log")) << text;
+    };
+    for (std::size_t i = 0; i < agents_.size(); ++i)
+        write(history_.boards[i], agents_[i]->log());
+    for (std::size_t i = 0; i < registries_.size(); ++i)
+        write(watchers_[i]->registry(), registries_[i]->log());
+    for (std::size_t i = 0; i < engine_.ports().size(); ++i)
+        write(fmt::format("{}{}", engine_.name(), i), engine_.log(i));
+}
+
+}  // namespace cluster

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <boost/asio/io_context.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/cluster/board.hpp"
+#include "tests/cluster/commander.hpp"
+#include "tests/cluster/engine.hpp"
+#include "tests/cluster/faults.hpp"
+#include "tests/cluster/process.hpp"
+#include "tests/cluster/watcher.hpp"
+
+namespace cluster {
+
+struct FleetOptions {
+    std::size_t boards = 12;
+    std::size_t registries = 3;
+    std::size_t clients = 3;
+    double per_board = 2;  ///< commands a second
+    Millis look = 30'000;  ///< at the most, for the recovery after a fault
+    Millis steady = 1500;  ///< for so long the catalogues must stay right
+};
+
+/// Registries, agents with scripted boards, clients and watchers around an engine, each with another node
+/// first in its list. Two further boards leave when all is set up, one with a goodbye and one without. What
+/// happens is written into the history.
+class Fleet {
+  public:
+    Fleet(boost::asio::io_context& io, Engine& engine, const FleetOptions& options, History& history);
+
+    /// Waits until everything is there and every board can be commanded. Throws std::runtime_error when it
+    /// does not come to that.
+    void set_up();
+    /// One round: does these faults, puts everything back, and looks until all is well again.
+    void suffer(const std::vector<Fault>& faults);
+    /// Waits for the last answers.
+    void finish();
+
+    Shape shape() const;
+    /// The log of each program into a file of the folder.
+    void write_logs(const std::string& folder) const;
+
+  private:
+    std::vector<std::string> program(const std::string& name, std::size_t first_node,
+                                     std::vector<std::string> more) const;
+    asip::mqtt::Options connection(const std::string& id, std::size_t first_node) const;
+    void depart();
+    void run_until(Millis time);
+    void begin(const Fault& fault);
+    void end(const Fault& fault);
+    Process& process(const Fault& fault);
+    void nodes(const Fault& fault, void (Engine::*what)(std::size_t));
+    void mark_held(const Fault& fault, Round& round) const;
+    void look_for_ends();
+    bool recovered(Round& round);
+    std::optional<Millis> commands_work(Millis end, std::vector<std::size_t>& mute) const;
+    std::optional<Millis> catalogues_agree(Millis end) const;
+
+    boost::asio::io_context& io_;
+    Engine& engine_;
+    FleetOptions options_;
+    History& history_;
+    Truth truth_;
+    std::vector<std::unique_ptr<Board>> boards_;  // the last two are those that leave
+    std::vector<std::unique_ptr<Process>> agents_;
+    std::vector<std::unique_ptr<Process>> registries_;
+    std::vector<std::unique_ptr<Watcher>> watchers_;
+    std::vector<std::unique_ptr<Commander>> commanders_;
+};
+
+}  // namespace cluster

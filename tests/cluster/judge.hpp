@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/cluster/history.hpp"
+
+namespace cluster {
+
+/// What is demanded of the time after a fault, and what the judge allows its own measuring.
+struct Limits {
+    Millis agree = 10'000;     ///< until all catalogues are right
+    Millis commands = 10'000;  ///< until each board can be commanded
+    Millis slack = 1000;       ///< of deadlines: client and agent begin to count at other moments
+    Millis order = 200;        ///< of an execution and its answer, which are read from two connections
+};
+
+/// One line of the table: a fault by name, all its rounds together.
+struct Row {
+    std::string fault;
+    std::size_t rounds = 0;
+    std::optional<Millis> commands_work{};     ///< the longest; none: not in one of them
+    std::optional<Millis> catalogues_agree{};  ///< the same
+    std::array<std::size_t, 5> answers{};      ///< by Outcome: commands sent from its begin to its recovery
+    std::size_t late_behind_stop = 0;  ///< executed after the deadline, because SIGSTOP held them on the way
+};
+
+struct Verdict {
+    std::vector<Row> rows;  ///< in the order in which the faults came first; then "between faults"
+    std::vector<std::string> violations;
+};
+
+/// Decides, by what the boards executed and the registries said, whether all was as promised. Pure.
+Verdict judge(const History& history, const Limits& limits = {});
+
+/// The table and the violations as text.
+std::string report(const std::string& engine, const Verdict& verdict);
+
+}  // namespace cluster

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bus under faults: an engine, registries, agents, clients and watchers, which are killed and stopped.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+
+#include "tests/cluster/fleet.hpp"
+#include "tests/cluster/judge.hpp"
+
+namespace {
+
+using namespace cluster;
+
+struct Settings {
+    std::string engine = "mosquitto";
+    std::size_t rounds = 0;
+    std::uint64_t seed = 1;
+    std::string logs = "cluster-logs";
+    FleetOptions fleet;
+};
+
+std::string described(const std::vector<Fault>& faults) {
+    std::string text;
+    for (const auto& fault : faults)
+        text += fmt::format("{}{} {} at {} ms for {} ms", text.empty() ? "" : ", ", name_of(fault),
+                            fault.index, fault.after, fault.lasts);
+    return text;
+}
+
+int run(const Settings& settings) {
+    fmt::print("engine {}, seed {}, {} boards, {} registries, {} clients\n", settings.engine, settings.seed,
+               settings.fleet.boards, settings.fleet.registries, settings.fleet.clients);
+    History history;
+    boost::asio::io_context io;
+    const auto engine = make_engine(settings.engine);
+    for (const auto& lack : engine->lacks())
+        fmt::print("{}: {}\n", engine->name(), lack);
+    Fleet fleet(io, *engine, settings.fleet, history);
+    try {
+        fleet.set_up();
+    } catch (const std::runtime_error& error) {
+        fleet.write_logs(settings.logs);
+        fmt::print("not begun: {}; logs are in {}\n", error.what(), settings.logs);
+        return 1;
+    }
+    const auto plan = settings.rounds == 0 ? each_once(settings.seed, fleet.shape())
+                                           : at_random(settings.seed, settings.rounds, fleet.shape());
+    for (const auto& faults : plan) {
+        fmt::print("{:8.3f} s: {}\n", static_cast<double>(now()) / 1000, described(faults));
+        std::fflush(stdout);
+        fleet.suffer(faults);
+    }
+    fleet.finish();
+    const auto verdict = judge(history);
+    fmt::print("\n{}\n{} commands, {} violations, seed {}\n", report(engine->name(), verdict),
+               history.commands.size(), verdict.violations.size(), settings.seed);
+    if (verdict.violations.empty()) return 0;
+    fleet.write_logs(settings.logs);
+    fmt::print("logs are in {}\n", settings.logs);
+    return 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Settings settings;
+    CLI::App app("Kills and stops the parts of a bus and checks that commands and catalogues stay true.");
+    app.add_option("engine", settings.engine, "MQTT engine")
+        ->check(CLI::IsMember(engine_names()))
+        ->capture_default_str();
+    app.add_option("--rounds", settings.rounds,
+                   "Faults and pairs of them at random; default: each fault once");
+    app.add_option("--seed", settings.seed, "Decides the faults")->capture_default_str();
+    app.add_option("--agents", settings.fleet.boards, "Boards")
+        ->check(CLI::Range(1, 200))
+        ->capture_default_str();
+    app.add_option("--registries", settings.fleet.registries)->check(CLI::Range(1, 9))->capture_default_str();
+    app.add_option("--clients", settings.fleet.clients, "That send commands")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str();
+    app.add_option("--logs", settings.logs, "Folder for the programs' logs after a violation")
+        ->capture_default_str();
+    CLI11_PARSE(app, argc, argv);
+    try {
+        return run(settings);
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "cluster: {}\n", error.what());
+        return 2;
+    }
+}
