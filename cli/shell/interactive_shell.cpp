@@ -62,6 +62,7 @@ struct InteractiveShell::State {
             if (!line || session.stopped()) break;
             take_line(*line);
         }
+        session.on_connection_change({});
         return program::kExitOk;
     }
 
