@@ -14,9 +14,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <cstdlib>
 #include <map>
 #include <optional>
-#include <string_view>
 
 #include "asip/random.hpp"
 

@@ -16,6 +16,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <cwchar>
+#include <cwctype>
+#include <new>
 
 #include "cli/complete.hpp"
 #include "cli/shell/line_history.hpp"
