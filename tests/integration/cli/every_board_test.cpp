@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every verb that reads, follows or commands a board, on each kind of board: with our firmware, with that of
+// ASIP 0.4, and recorded and replayed.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/integration/cli/bus_fixture.hpp"
+#include "tests/support/temp_dir.hpp"
+
+namespace asip::test {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+struct BoardKind {
+    const char* name;
+    const char* image;
+    bool recorded = false;
+    friend std::ostream& operator<<(std::ostream& out, const BoardKind& kind) { return out << kind.name; }
+};
+
+class EveryBoardTest : public BusTest, public ::testing::WithParamInterface<BoardKind> {
+  protected:
+    void SetUp() override {
+        ASSERT_TRUE(probe_.wait_for("asip/registry/r1/$state", "online")) << registry_.errors();
+        start_board();
+        if (!GetParam().recorded) return;
+        const auto recording = record();
+        agent_.reset();
+        sim_.reset();
+        ASSERT_EQ(asipctl({"wait", "desk", "--for", "lost"}).status, 0);
+        replay_ = std::make_unique<ChildProcess>(program({"replay", recording, "--loop"}), environment());
+        ASSERT_TRUE(replay_->wait_for_errors("replaying 1 board")) << replay_->errors();
+        ASSERT_EQ(asipctl({"wait", "desk", "--for", "online"}).status, 0);
+    }
+
+    void start_board() {
+        const auto file = folder_.write(
+            "desk.json", std::string(R"({"name":"desk","board":"uno","image":")") + ASIP_IMAGES + "/" +
+                             GetParam().image + R"(","link":")" + folder_.file("port") +
+                             R"(","parts":[{"kind":"ultrasonic","name":"distance","trigger":7,"echo":7,)"
+                             R"("distance":42},{"kind":"servo","name":"servo","pin":9}]})");
+        sim_ = std::make_unique<ChildProcess>(Words{ASIP_PROGRAMS "/asip-sim", "--no-socket", file});
+        ASSERT_TRUE(sim_->wait_for_output("desk .*port")) << sim_->errors();
+        agent_ = std::make_unique<ChildProcess>(
+            Words{ASIP_PROGRAMS "/asip-agent", "--serial", folder_.file("port"), "--name", "desk"},
+            environment());
+        ASSERT_EQ(asipctl({"wait", "desk", "--for", "online"}).status, 0) << agent_->errors();
+        ASSERT_EQ(asipctl({"send", "desk/distance", "report", "100"}).status, 0);
+    }
+
+    /// Two seconds of reports, and an error.
+    std::string record() const {
+        const auto path = folder_.file("walk.jsonl");
+        ChildProcess record(program({"record", path, "desk", "-W", "2s"}), environment());
+        std::this_thread::sleep_for(1s);
+        fail_once();
+        EXPECT_EQ(record.wait_exit(), 0) << record.errors();
+        return path;
+    }
+
+    bool recorded() const { return GetParam().recorded; }
+    void fail_once() const { asipctl({"send", "desk/servo", "write", "9", "90"}); }
+    /// What the verb prints as JSON; it must succeed.
+    Json json(Words arguments) const {
+        arguments.insert(arguments.end(), {"-o", "jsonl", "--timeout", "20s"});
+        const auto result = asipctl(arguments);
+        EXPECT_EQ(result.status, 0) << arguments.front() << ": " << result.errors;
+        const auto line = result.output.substr(0, result.output.find('\n'));
+        EXPECT_TRUE(Json::accept(line)) << arguments.front() << ": " << line;
+        return Json::parse(line, nullptr, false);
+    }
+    /// A command: the board takes it, or is recorded and refuses.
+    void commanded(Words arguments) const {
+        arguments.insert(arguments.end(), {"-o", "jsonl"});
+        const auto result = asipctl(arguments);
+        EXPECT_EQ(result.status, recorded() ? 1 : 0) << arguments.front() << ": " << result.errors;
+        const auto first = result.output.substr(0, result.output.find('\n'));
+        EXPECT_TRUE(first.empty() || Json::accept(first)) << arguments.front() << ": " << first;
+        if (recorded()) {
+            EXPECT_THAT(result.output + result.errors, HasSubstr("recorded")) << arguments.front();
+        }
+    }
+
+    TempDir folder_;
+    ChildProcess registry_{
+        {ASIP_PROGRAMS "/asip-registry", "--id", "r1", "--history", folder_.file("history.db")},
+        environment()};
+    std::unique_ptr<ChildProcess> sim_, agent_, replay_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Kind, EveryBoardTest,
+                         ::testing::Values(BoardKind{"Ours", "asip_uno_services.elf"},
+                                           BoardKind{"Asip04", "asip_uno_04_services.elf"},
+                                           BoardKind{"Recorded", "asip_uno_services.elf", true}),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+TEST_P(EveryBoardTest, IsReadAndFollowed) {
+    EXPECT_EQ(json({"get", "desk/distance/0"})["value"], 42);
+    EXPECT_EQ(json({"subscribe", "desk/distance", "-n", "1", "--field", "0", "--changes", "--max-hz",
+                    "5"})["value"],
+              42);
+    EXPECT_EQ(json({"wait", "desk", "--for", "online"})["state"], "online");
+    EXPECT_EQ(json({"wait", "desk/distance", "--for", "distance"})["service"], "distance");
+    EXPECT_EQ(json({"list", "--where", "services.name=distance", "--sort", "chip"})["board"], "desk");
+    EXPECT_EQ(json({"list", "services", "--unit", "cm"})["name"], "distance");
+    EXPECT_EQ(json({"show", "desk/distance"})["board"], "desk");
+    EXPECT_EQ(json({"top", "desk", "-n", "1", "--no-ping"})["board"], "desk");
+    EXPECT_EQ(json({"history", "desk"})["board"], "desk");
+    EXPECT_EQ(json({"events", "desk", "--since", "1h", "-n", "1"})["board"], "desk");
+    EXPECT_EQ(json({"registries"})["registry"], "r1");
+    const auto again = folder_.file("again.jsonl");
+    EXPECT_EQ(json({"record", again, "desk/distance", "-n", "5"})["messages"], 5);
+    const auto line = asipctl({"subscribe", "desk/distance", "-n", "1", "--format", "{data.distance.0}"});
+    EXPECT_EQ(line.output, "42\n") << line.errors;
+    const auto wide = asipctl({"list", "-o", "wide"});
+    EXPECT_THAT(wide.output, HasSubstr(recorded() ? "replay walk.jsonl" : "serial"));
+}
+
+TEST_P(EveryBoardTest, ItsErrorsAreLogged) {
+    ChildProcess logs(program({"logs", "desk", "-n", "1", "-W", "20s", "-o", "jsonl"}), environment());
+    EXPECT_TRUE(wait_until([&] {
+        if (!recorded()) fail_once();
+        return !logs.running();
+    }));
+    EXPECT_THAT(logs.output(), HasSubstr("INVALID_DEVICE_NUMBER"));
+}
+
+TEST_P(EveryBoardTest, IsCommanded_OrSaysThatItIsRecorded) {
+    commanded({"send", "desk/servo", "write", "0", "90"});
+    commanded({"pin", "desk", "13", "high"});
+    commanded({"stop", "desk"});
+    commanded({"send", "desk/io", "pwm", "3", "120", "--hold", "500ms", "--for", "300ms"});
+    const auto ping = asipctl({"ping", "desk", "-c", "1", "-o", "json"});
+    EXPECT_EQ(ping.status, recorded() ? 1 : 0) << ping.errors;
+    commanded({"release", "desk", "--for", "10s"});
+    if (!recorded()) {
+        EXPECT_EQ(json({"release", "desk", "--back"})["same"], true);
+    }
+}
+
+}  // namespace
+}  // namespace asip::test
