@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `asipctl record` while boards say 5,000 messages a second: what it loses, and what it costs.
+// `asipctl record` while boards say 5,000 messages a second: what it loses, and what it costs, beside
+// `mosquitto_sub` that writes the same messages to a file.
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -68,17 +69,34 @@ int main() {
             return lines_with(path, "\"first\"") > 0;
         }))
         return 1;
+    ChildProcess sub({"sh", "-c",
+                      "exec mosquitto_sub -p " + std::to_string(broker.port()) +
+                          " -F '%I %t %p' -t 'asip/#' >" + folder.file("sub.txt")});
+    if (!wait_until([&] {
+            boards.publish("asip/uno0/second/out", "{}");
+            boards.spin(std::chrono::milliseconds(20));
+            return std::filesystem::exists(folder.file("sub.txt")) && sub.processor_time().count() > 0;
+        }))
+        return 1;
     const auto before = record.processor_time();
+    const auto sub_before = sub.processor_time();
     say_all(boards);
     const auto used = record.processor_time() - before;
+    const auto sub_used = sub.processor_time() - sub_before;
     record.signal(SIGINT);
     record.wait_exit();
     const auto recorded = lines_with(path, "118");
-    const double percent = static_cast<double>(used.count()) / (kSeconds * 1000.0) * 100 / (kRate / 1000.0);
+    const auto percent_of = [](std::chrono::milliseconds time) {
+        return static_cast<double>(time.count()) / (kSeconds * 1000.0) * 100 / (kRate / 1000.0);
+    };
+    const double percent = percent_of(used);
     std::printf("%d messages a second for %d s, of %d boards: %zu recorded, %zu bytes\n", kRate, kSeconds,
                 kBoards, recorded, static_cast<std::size_t>(std::filesystem::file_size(path)));
     asip::bench::row("record: messages that are missing", kRate * kSeconds - static_cast<double>(recorded),
                      "", 0, 0);
     asip::bench::row("record: of one core, for 1,000 messages a second", percent, "%", 3, 3);
+    std::printf(
+        "mosquitto_sub beside it, which writes topic and payload: %.2f %% for 1,000 messages a second\n",
+        percent_of(sub_used));
     return recorded == kRate * kSeconds ? 0 : 1;
 }
