@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "asip/expected.hpp"
+#include "asip/model/labels.hpp"
 #include "asip/model/service_model.hpp"
 #include "asip/protocol/extensions.hpp"
 
@@ -87,6 +88,7 @@ struct Description {
     AgentInfo agent;
     PinsInfo pins;
     std::vector<ServiceInfo> services;
+    Labels labels;
 
     /// The service of that name, or null. Valid as long as `services` is not changed.
     const ServiceInfo* service(std::string_view name) const;

@@ -220,6 +220,7 @@ nlohmann::json to_json(const Description& description) {
     auto& services = document["services"] = json::array();
     for (const auto& service : description.services)
         services.push_back(service_json(service));
+    put_labels(document, description.labels);
     return document;
 }
 
@@ -246,6 +247,7 @@ Expected<Description> description_from_json(const nlohmann::json& document) {
     if (auto member = reader.object("agent")) result.agent = read_agent(std::move(*member));
     if (auto member = reader.object("pins")) result.pins = read_pins(std::move(*member));
     if (reader.ok()) result.services = read_services(reader);
+    if (reader.ok()) result.labels = read_labels(reader);
     if (!reader.ok()) return fail(fault);
     return result;
 }

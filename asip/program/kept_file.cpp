@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "asip/program/kept_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+namespace asip::program {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Descriptor {
+  public:
+    explicit Descriptor(int number) : number_(number) {}
+    ~Descriptor() {
+        if (number_ >= 0) ::close(number_);
+    }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    bool valid() const { return number_ >= 0; }
+    bool write(std::string_view text) const {
+        while (!text.empty()) {
+            const auto count = ::write(number_, text.data(), text.size());
+            if (count < 0 && errno == EINTR) continue;
+            if (count <= 0) return false;
+            text.remove_prefix(static_cast<std::size_t>(count));
+        }
+        return true;
+    }
+    bool sync() const { return ::fsync(number_) == 0; }
+
+  private:
+    int number_;
+};
+
+Unexpected<std::string> failed(const fs::path& path) {
+    return fail(path.string() + " cannot be written: " + std::strerror(errno));
+}
+
+bool sync_folder(const fs::path& path) {
+    const Descriptor folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    return folder.valid() && folder.sync();
+}
+
+// A new folder is on the disk only when the one above it is.
+bool make_folder(const fs::path& path) {
+    if (::access(path.c_str(), F_OK) == 0) return true;
+    if (path.has_parent_path() && path.parent_path() != path && !make_folder(path.parent_path()))
+        return false;
+    if (::mkdir(path.c_str(), 0700) != 0 && errno != EEXIST) return false;
+    return sync_folder(path.has_parent_path() ? path.parent_path() : fs::path("."));
+}
+
+}  // namespace
+
+Expected<void> keep_file(const fs::path& path, std::string_view text) {
+    const auto folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    if (!make_folder(folder)) return failed(folder);
+    auto unfinished = path;
+    unfinished += ".new";
+    {
+        const Descriptor file(
+            ::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
+        if (!file.valid() || !file.write(text) || !file.sync()) return failed(unfinished);
+    }
+    if (::rename(unfinished.c_str(), path.c_str()) != 0 || !sync_folder(folder)) return failed(path);
+    return {};
+}
+
+}  // namespace asip::program
