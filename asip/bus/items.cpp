@@ -5,6 +5,7 @@
 
 #include "asip/bus/members.hpp"
 #include "asip/model/json.hpp"
+#include "asip/text/json_reader.hpp"
 
 namespace asip::bus {
 
@@ -22,6 +23,7 @@ ServiceItem read_service_item(const json& object) {
     item.title = text_of(object, "title");
     item.count = int_of(object, "count");
     item.period = int_of(object, "period");
+    item.label = text_of(object, "label");
     if (item.kind.empty()) item.kind = item.name;
     return item;
 }
@@ -45,6 +47,9 @@ BoardItem read_board_item(const json& object) {
     item.protocol = text_of(object, "protocol");
     item.agent = text_of(object, "agent");
     item.link = text_of(object, "link");
+    std::string ignored;
+    text::JsonReader reader(object, "", ignored);
+    item.labels = model::read_labels(reader);
     if (const auto found = object.find("conflict"); found != object.end() && found->is_object()) {
         item.conflict =
             Conflict{text_of(*found, "holder"), text_of(*found, "other"), text_of(*found, "other_agent")};
@@ -90,6 +95,7 @@ json to_json(const ServiceItem& item, bool with_board) {
     put(object, "title", item.title);
     if (item.count) object["count"] = *item.count;
     if (item.period) object["period"] = *item.period;
+    put(object, "label", item.label);
     return object;
 }
 
@@ -111,6 +117,7 @@ json to_json_without_description(const BoardItem& item) {
     put(object, "protocol", item.protocol);
     put(object, "agent", item.agent);
     put(object, "link", item.link);
+    model::put_labels(object, item.labels);
     if (item.conflict) {
         object["conflict"] = {{"holder", item.conflict->holder}, {"other", item.conflict->other}};
         put(object["conflict"], "other_agent", item.conflict->other_agent);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "asip/bus/brief.hpp"
+#include "asip/model/labels.hpp"
 #include "asip/text/wall_time.hpp"
 
 /// What answers and change events are made of: one board, service or change. Their `state` is effective: what
@@ -24,6 +25,7 @@ struct ServiceItem {
     std::string title;
     std::optional<int> count;   ///< elements
     std::optional<int> period;  ///< of its auto-event, milliseconds
+    std::string label{};        ///< its friendly name
 
     bool operator==(const ServiceItem&) const = default;
 };
@@ -55,6 +57,7 @@ struct BoardItem {
     std::string protocol;  ///< "0.4"
     std::string agent;     ///< host and client of its agent, for a person
     std::string link;      ///< kind and path of the link, for a person
+    model::Labels labels;  ///< and friendly names
     std::optional<Conflict> conflict;
     /// Their `board` and `state` are left out on the wire and filled when parsed.
     std::vector<ServiceItem> services;

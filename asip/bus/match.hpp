@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <algorithm>
+#include <map>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -19,6 +21,7 @@ struct BoardFacts {
     std::string_view chip;
     std::string_view sketch;
     unsigned capabilities = 0;  ///< of all its pins together: 1 digital, 2 analog, 4 PWM
+    const std::map<std::string, std::string>* labels = nullptr;  ///< null: none
 };
 
 /// The bit of "digital", "analog" or "pwm"; 0: none of these.
@@ -31,11 +34,15 @@ inline bool is_among(const std::vector<std::string>& wanted, std::string_view va
     return wanted.empty() || std::find(wanted.begin(), wanted.end(), value) != wanted.end();
 }
 
-/// Whether the filters on boards hold: `board`, `state`, `chip`, `sketch`, `capability`.
+/// Whether the filters on boards hold: `board`, `state`, `chip`, `sketch`, `capability`, `labels`.
 inline bool matches_board(const Query& query, const BoardFacts& board) {
     if (!is_among(query.state, board.state) || !matches_pattern(query.board, board.board)) return false;
     if (!query.chip.empty() && !matches_pattern(query.chip, board.chip)) return false;
     if (!query.sketch.empty() && !matches_pattern(query.sketch, board.sketch)) return false;
+    if (!query.labels.empty()) {
+        static const std::map<std::string, std::string> kNone;
+        if (!query.labels.matches(board.labels != nullptr ? *board.labels : kNone)) return false;
+    }
     return query.capability.empty() || (board.capabilities & capability_bit(query.capability)) != 0;
 }
 

@@ -179,6 +179,7 @@ BoardItem board_item(const model::Description& description, std::string reported
     result.protocol = description.firmware.protocol;
     result.agent = joined(description.agent.host, description.agent.client);
     result.link = joined(description.link.kind, description.link.path);
+    result.labels = description.labels;
     for (const auto& service : description.services) {
         ServiceItem one;
         one.board = result.board;
@@ -190,6 +191,7 @@ BoardItem board_item(const model::Description& description, std::string reported
         one.title = service.title;
         one.count = service.count;
         one.period = service.period;
+        one.label = description.labels.service(service.name);
         result.services.push_back(std::move(one));
     }
     return result;
@@ -209,7 +211,8 @@ bool service_matches(const Query& query, const ServiceItem& service, const model
 bool board_matches(const Query& query, const BoardItem& board, const model::Description* description,
                    const model::ModelSet& models) {
     const unsigned capabilities = description == nullptr ? 0 : capabilities_of(*description);
-    if (!matches_board(query, {board.board, board.state, board.chip, board.sketch, capabilities}))
+    if (!matches_board(
+            query, {board.board, board.state, board.chip, board.sketch, capabilities, &board.labels.labels}))
         return false;
     if (!asks_for_services(query)) return true;
     return std::any_of(board.services.begin(), board.services.end(), [&](const ServiceItem& service) {

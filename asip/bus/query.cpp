@@ -29,6 +29,14 @@ void read_find(JsonReader& reader, Query& query) {
                                               "\"forget\", with a board)");
 }
 
+void read_labels(JsonReader& reader, Query& query) {
+    const auto text = reader.text("labels", {}, LabelSelector::kMaxBytes);
+    if (text.empty()) return;
+    auto selector = LabelSelector::parse(text);
+    if (!selector) return reader.fault("labels", selector.error());
+    query.labels = std::move(*selector);
+}
+
 Query query_from(JsonReader& reader) {
     Query query;
     read_find(reader, query);
@@ -40,6 +48,7 @@ Query query_from(JsonReader& reader) {
     query.unit = filter("unit");
     query.capability = filter("capability");
     query.cursor = filter("cursor");
+    read_labels(reader, query);
     if (auto sort = filter("sort"); !sort.empty()) query.sort = std::move(sort);
     query.kind = reader.texts("kind", kMaxChoices, kMaxFilterBytes);
     query.state = reader.texts("state", kMaxChoices, kMaxFilterBytes);
@@ -72,6 +81,7 @@ json to_object(const Query& query) {
     put(object, "sketch", query.sketch);
     put(object, "unit", query.unit);
     put(object, "capability", query.capability);
+    put(object, "labels", query.labels.text());
     if (query.sort != defaults.sort) put(object, "sort", query.sort);
     if (query.limit != defaults.limit) object["limit"] = query.limit;
     put(object, "cursor", query.cursor);

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "asip/bus/label_selector.hpp"
 #include "asip/expected.hpp"
 
 /// What is sent to a registry: queries and requests to forget. Pure: JSON in and out, no connection. A query
@@ -35,6 +36,7 @@ struct Query {
     std::string sketch;              ///< wildcards
     std::string unit;                ///< a unit that some event or command of the service has ("cm")
     std::string capability;          ///< some pin can do this: "digital", "analog" or "pwm"
+    LabelSelector labels;            ///< by labels of the board
     std::string sort = "name";  ///< "name", "state", "chip", "sketch", "last_seen"; "-" in front: descending
     std::size_t limit = 100;    ///< items a page; a registry gives at most kMaxPage
     std::string cursor;  ///< of the previous page's answer, with all else the same; empty: the first page
@@ -71,7 +73,8 @@ std::string encode(const RegistryRequest& request);
 /// What the object of a request's envelope asks for. A member that is null counts as absent. Fails with the
 /// first fault and its place: "/limit: 0 is below 1". Unknown members are refused, with the nearest that is
 /// known: a filter that is misspelt would let everything pass, and a forget that is misspelt would forget.
-/// Texts have at most 256 bytes, lists at most 64 items.
+/// Texts have at most 256 bytes, lists at most 64 items, a selector of labels
+/// LabelSelector::kMaxBytes.
 Expected<std::variant<Query, Forget>> read_registry_request(const nlohmann::json& object);
 
 }  // namespace asip::bus

@@ -71,6 +71,8 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
         return Refusal::kMalformed;
     }
     if (members.board != a.board) return Refusal::kWrongBoard;
+    const bool same_labels = known != nullptr && known->described && known->extra() == members.extra;
+    if (!same_labels && read_labels(members.labels, members.names) == nullptr) return Refusal::kMalformed;
     FirmwarePart* firmware = nullptr;
     PinsPart* pins = nullptr;
     ServicesPart* services = nullptr;

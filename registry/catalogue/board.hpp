@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "asip/model/board_state.hpp"
+#include "asip/model/labels.hpp"
 #include "asip/time.hpp"
 #include "registry/catalogue/description_parts.hpp"
 
@@ -29,6 +30,7 @@ struct UncommonBoardData {
     std::vector<std::pair<std::string, std::uint64_t>> old_sessions;
     std::vector<std::string> service_names;  // published names, sorted
     std::unique_ptr<Challenger> challenger;
+    std::unique_ptr<model::Labels> labels;  // null: none
 };
 
 struct Board {
@@ -64,6 +66,7 @@ struct Board {
         if (!uncommon) uncommon = std::make_unique<UncommonBoardData>();
         return *uncommon;
     }
+    const model::Labels* labels() const { return uncommon ? uncommon->labels.get() : nullptr; }
     const Challenger* conflict() const {
         return uncommon && uncommon->challenger && uncommon->challenger->confirmed
                    ? uncommon->challenger.get()

@@ -83,6 +83,7 @@ class Catalogue::Impl {
                ServicesPart* services);
     void drop_unused(FirmwarePart* firmware, PinsPart* pins, ServicesPart* services);
     void set_services(std::uint32_t slot, ServicesPart* services);
+    void set_labels(Board& b, const DescriptionMembers& members);
     void set_named_services(std::uint32_t slot);
     template <class Part>
     void assign(Part*& member, Part* part, PartPool<Part>& pool);

@@ -27,7 +27,9 @@ bool read_member(JsonScanner& in, std::string_view key, const Guesses& guesses, 
         kPins = 32,
         kServices = 64,
         kAgent = 128,
-        kLink = 256
+        kLink = 256,
+        kLabels = 512,
+        kNames = 1024
     };
     const auto once = [&seen](unsigned bit) { return (seen & bit) == 0 && (seen |= bit) != 0; };
     if (key == "board") return once(kBoard) && in.plain_string(members.board);
@@ -43,6 +45,10 @@ bool read_member(JsonScanner& in, std::string_view key, const Guesses& guesses, 
     if (key == "link") return once(kLink) && read_structure(in, guesses.link, '{', members.link);
     std::string_view value;
     if (!in.value(value)) return false;
+    if (key == "labels" && !once(kLabels)) return false;
+    if (key == "names" && !once(kNames)) return false;
+    if (key == "labels") members.labels = value;
+    if (key == "names") members.names = value;
     if (!members.extra.empty()) members.extra += ',';
     members.extra.append("\"").append(key).append("\":").append(value);
     return true;

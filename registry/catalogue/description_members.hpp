@@ -17,7 +17,9 @@ struct DescriptionMembers {
     std::string_view services;
     std::string_view agent;
     std::string_view link;
-    std::string extra;  // unknown members with their keys, as received, joined by commas
+    std::string_view labels;
+    std::string_view names;
+    std::string extra;  // all others with their keys, as received, joined by commas; labels and names, too
 };
 
 /// Texts that members are likely to have. A member that is equal to its guess is not parsed again.

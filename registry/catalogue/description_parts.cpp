@@ -7,6 +7,7 @@
 #include "asip/bus/json_scanner.hpp"
 #include "asip/model/description.hpp"
 #include "asip/model/names.hpp"
+#include "asip/text/json_reader.hpp"
 
 namespace asip::registry {
 namespace {
@@ -179,6 +180,17 @@ std::unique_ptr<ServicesPart> read_services(std::string_view text, KindTable& ki
     for (const Service& service : part->services)
         kinds.release(service.kind);
     return nullptr;
+}
+
+std::unique_ptr<model::Labels> read_labels(std::string_view labels, std::string_view names) {
+    if (labels.empty() && names.empty()) return std::make_unique<model::Labels>();
+    auto members = nlohmann::json::object();
+    if (!labels.empty()) members["labels"] = nlohmann::json::parse(labels, nullptr, false);
+    if (!names.empty()) members["names"] = nlohmann::json::parse(names, nullptr, false);
+    std::string fault;
+    text::JsonReader reader(members, "", fault);
+    auto read = std::make_unique<model::Labels>(model::read_labels(reader));
+    return reader.ok() ? std::move(read) : nullptr;
 }
 
 std::string unescape(std::string_view raw) {

@@ -36,6 +36,7 @@ bus::ServiceItem Catalogue::Impl::service_item(const Board& b, const Service& se
     item.title = unescape(service.title);
     if (service.count >= 0) item.count = service.count;
     if (service.period >= 0) item.period = service.period;
+    if (b.labels() != nullptr) item.label = b.labels()->service(item.name);
     return item;
 }
 
@@ -79,6 +80,7 @@ bus::BoardItem Catalogue::Impl::board_item(const Board& b, Instant now, bool ful
     }
     item.agent = summary(b.agent(), "host", "client");
     item.link = summary(b.link(), "kind", "path");
+    if (b.labels() != nullptr) item.labels = *b.labels();
     if (const Challenger* other = b.conflict(); other != nullptr) {
         item.conflict = bus::Conflict{b.session, other->session, summary(other->agent, "host", "client")};
     }

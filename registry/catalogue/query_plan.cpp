@@ -84,7 +84,8 @@ Expected<QueryPlan> make_query_plan(const bus::Query& query, const KindTable& ki
 }
 
 bool QueryPlan::board_matches(const Board& b) const {
-    bus::BoardFacts facts{b.name, {}, {}, {}, b.pins == nullptr ? 0 : b.pins->capabilities};
+    bus::BoardFacts facts{b.name, {}, {}, {}, b.pins == nullptr ? 0 : b.pins->capabilities,
+                          b.labels() == nullptr ? nullptr : &b.labels()->labels};
     if (b.firmware != nullptr) {
         facts.chip = b.firmware->chip;
         facts.sketch = b.firmware->sketch;
@@ -114,7 +115,7 @@ bool QueryPlan::some_service_matches(const Board& b) const {
 
 bool QueryPlan::counted_by_index() const {
     return query.board.empty() && query.service.empty() && query.chip.empty() && query.sketch.empty() &&
-           query.unit.empty() && query.capability.empty() &&
+           query.unit.empty() && query.capability.empty() && query.labels.empty() &&
            (query.kind.size() <= 1 || query.find == bus::Find::kServices);
 }
 

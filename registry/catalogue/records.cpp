@@ -98,6 +98,7 @@ bool Catalogue::Impl::store(std::uint32_t slot, const DescriptionMembers& member
     last_services_ = services;
     if (b.agent() != members.agent || b.link() != members.link || b.extra() != members.extra) {
         changed = true;
+        set_labels(b, members);
         std::string own;
         own.reserve(members.agent.size() + members.link.size() + members.extra.size());
         own.append(members.agent).append(members.link).append(members.extra);
@@ -108,6 +109,16 @@ bool Catalogue::Impl::store(std::uint32_t slot, const DescriptionMembers& member
     b.described = true;
     if (b.uncommon) b.uncommon->service_names.clear();
     return changed;
+}
+
+// They were checked when the description came.
+void Catalogue::Impl::set_labels(Board& b, const DescriptionMembers& members) {
+    auto labels = read_labels(members.labels, members.names);
+    if (labels == nullptr || labels->empty()) {
+        if (b.uncommon) b.uncommon->labels.reset();
+    } else {
+        b.uncommon_data().labels = std::move(labels);
+    }
 }
 
 void Catalogue::Impl::set_services(std::uint32_t slot, ServicesPart* services) {

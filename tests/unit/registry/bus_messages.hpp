@@ -40,6 +40,7 @@ struct DescriptionText {
     int lease = 60;
     std::string chip = "ATmega328P";
     std::string capabilities = "00111555";
+    std::string more{};  ///< further members
 };
 
 inline OwnedMessage description(const std::string& board, const DescriptionText& text = {}) {
@@ -49,7 +50,8 @@ inline OwnedMessage description(const std::string& board, const DescriptionText&
             std::to_string(text.seq) + R"(,"lease":)" + std::to_string(text.lease) +
             R"(,"firmware":{"protocol":"0.4","chip":")" + text.chip +
             R"(","sketch":"AsipHello"},"link":{"kind":"serial","path":"/dev/ttyACM0"},"agent":{"host":"pi","client":"asip-agent-1"},)" +
-            R"("pins":{"capabilities":")" + text.capabilities + R"("},"services":)" + text.services + "}"};
+            R"("pins":{"capabilities":")" + text.capabilities + R"("},"services":)" + text.services +
+            (text.more.empty() ? "" : "," + text.more) + "}"};
 }
 
 inline OwnedMessage state(const std::string& board, const std::string& word) {

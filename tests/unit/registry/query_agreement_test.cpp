@@ -56,10 +56,13 @@ std::vector<OwnedMessage> bus_of(Engine& engine) {
             all.push_back(service_name(board, one_of<std::string>(engine, {"servo", "distance", "strange"})));
             continue;
         }
-        all.push_back(
-            description(board, {.services = services(engine),
-                                .chip = one_of<std::string>(engine, {"ATmega328P", "ATmega2560", ""}),
-                                .capabilities = one_of<std::string>(engine, {"0011", "2", "0", "5"})}));
+        all.push_back(description(
+            board, {.services = services(engine),
+                    .chip = one_of<std::string>(engine, {"ATmega328P", "ATmega2560", ""}),
+                    .capabilities = one_of<std::string>(engine, {"0011", "2", "0", "5"}),
+                    .more = one_of<std::string>(
+                        engine, {"", R"("labels":{"room":"lab"})", R"("labels":{"room":"hall","old":""})",
+                                 R"("names":{"services":{"servo":"arm"}},"labels":{"floor":"2"})"})}));
         all.push_back(state(board, one_of<std::string>(engine, {"online", "offline", "sleeping", "lost"})));
     }
     return all;
@@ -77,6 +80,9 @@ bus::Query query_of(Engine& engine) {
     if (sometimes()) query.sketch = one_of<std::string>(engine, {"AsipHello", "Other*"});
     if (sometimes())
         query.unit = one_of<std::string>(engine, {"cm", "degrees", "Hz", "lux", "ms", "furlongs"});
+    if (sometimes())
+        query.labels = *bus::LabelSelector::parse(
+            one_of<std::string>(engine, {"room=lab", "room!=lab", "!old", "floor", "room,!old", "floor=3"}));
     if (sometimes()) query.capability = one_of<std::string>(engine, {"digital", "analog", "pwm"});
     return query;
 }

@@ -34,6 +34,7 @@ BoardItem some_board(const std::string& name, const std::string& state = "online
     item.last_seen = wall(1'700'000'001'000);
     item.since = wall(1'700'000'000'500);
     item.chip = "ATmega328P";
+    item.labels = {{{"room", "lab"}}, {{"distance", "ears"}}, {{13, "lamp"}}};
     item.conflict = Conflict{"a", "b", "pi agent"};
     ServiceItem service;
     service.board = name;
@@ -44,6 +45,7 @@ BoardItem some_board(const std::string& name, const std::string& state = "online
     service.id = "D";
     service.title = "Distance \"front\"";
     service.count = 2;
+    service.label = "ears";
     item.services.push_back(service);
     return item;
 }
