@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/application.hpp"
 
+#include <boost/asio/post.hpp>
+
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
 #include "asip/text/wall_time.hpp"
@@ -25,11 +27,17 @@ link::StreamTarget stream_target(const AgentOptions& options) {
     return link::SerialTarget{options.serial, options.baud, dtr};
 }
 
+BridgeOptions bridge_options(BridgeOptions options, const LabelFiles& files) {
+    options.load_labels = [&files](const std::string& board) { return files.load(board); };
+    return options;
+}
+
 }  // namespace
 
 Application::Application(AgentOptions options)
     : options_(std::move(options)),
-      bridge_(options_.bridge, options_.models, system_random()),
+      label_files_(options_.state_folder),
+      bridge_(bridge_options(options_.bridge, label_files_), options_.models, system_random()),
       link_(io_, stream_target(options_),
             {[this](const link::StreamOpened& opened) { link_opened(opened); },
              [this](const link::StreamError& error) { link_lost(error); },
@@ -114,6 +122,7 @@ void Application::perform(Effects& effects) {
     for (const auto& [line, client] : effects.lines)
         clients_.send(line, client);
     if (effects.name_claimed) publish_log();
+    if (effects.keep_labels) keep_labels(std::move(*effects.keep_labels));
     if (effects.reopen_link) link_.reopen("the board does not answer");
     if (effects.port == Effects::Port::kLetGo) {
         reset_timer_.cancel();
@@ -124,6 +133,15 @@ void Application::perform(Effects& effects) {
         if (!stop_asked_) log::error(effects.fatal->text, {});
         end_once_safe([this, status = effects.fatal->status] { finish(status); });
     }
+}
+
+void Application::keep_labels(model::Labels labels) {
+    if (!disk_) disk_.emplace(1);
+    boost::asio::post(*disk_, [this, board = bridge_.name(), labels = std::move(labels)] {
+        boost::asio::post(io_, [this, result = label_files_.save(board, labels)] {
+            with_bridge([&](Time, Effects& out) { bridge_.labels_kept(result, out); });
+        });
+    });
 }
 
 void Application::arm_timer() {

@@ -2,12 +2,14 @@
 #pragma once
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <functional>
 #include <memory>
 #include <optional>
 
 #include "agent/bridge.hpp"
 #include "agent/inbox.hpp"
+#include "agent/label_files.hpp"
 #include "agent/log_feed.hpp"
 #include "agent/options.hpp"
 #include "agent/outage.hpp"
@@ -51,6 +53,7 @@ class Application {
     void report_counters();
     void publish_statistics(Duration after);
     void publish_log();
+    void keep_labels(model::Labels labels);
     void message_received(const mqtt::Message& message);
     void handle_oldest();
     void schedule_turn();
@@ -60,6 +63,7 @@ class Application {
     void announcing_denied();
 
     AgentOptions options_;
+    LabelFiles label_files_;
     boost::asio::io_context io_{1};
     Bridge bridge_;
     link::KeptStream link_;
@@ -90,6 +94,7 @@ class Application {
     bool stop_asked_ = false;
     bool stopping_ = false;
     int status_ = 0;
+    std::optional<boost::asio::thread_pool> disk_;  // a slow one must not hold up the board
 };
 
 template <class Call>

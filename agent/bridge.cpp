@@ -44,7 +44,8 @@ Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
       session_(options_.session, random_),
       safety_(topics_, statistics_),
       control_(topics_, session_, statistics_, safety_),
-      context_(topics_, options_.context) {}
+      context_(topics_, options_.context),
+      labels_(topics_, options_.labels) {}
 
 // --- the board's side
 
@@ -153,6 +154,7 @@ void Bridge::on_action(const session::Identified& identified, Time, Effects& out
                 : !board.stored_name.empty() ? board.stored_name
                                              : name_from_link(facts_.link);
         safety_.name_board(name_);
+        load_labels(out);
         if (!options_.keep_outputs) safety_.stop_services(services_);
         announcer_ =
             std::make_unique<Announcer>(topics_,
@@ -311,7 +313,8 @@ void Bridge::bus_message(const mqtt::Message& message, const Arrival& arrival, T
     if (stop) {
         safety_.on_stop(message, arrival.waiting, services_, session_, now, actions, out);
         send_safe_lines(now, out);
-    } else if ((!raw || !take_port_request(message, now, out)) && is_request(topic->kind, message)) {
+    } else if ((!raw || (!take_port_request(message, now, out) && !take_label_request(message, out))) &&
+               is_request(topic->kind, message)) {
         control_.on_message(message, {arrival.at.value_or(now), arrival.stopped}, services_, session_, now,
                             actions, out);
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "agent/control.hpp"
 #include "agent/describe.hpp"
 #include "agent/effects.hpp"
+#include "agent/label_book.hpp"
 #include "agent/port_lease.hpp"
 #include "agent/safety.hpp"
 #include "agent/statistics.hpp"
@@ -34,6 +36,9 @@ struct BridgeOptions {
     std::uint64_t started_unix = 0;
     bool on_shared_topic = true;  ///< see AnnouncerOptions
     bool keep_outputs = false;    ///< do not stop the board's services when it is found first
+    model::Labels labels;         ///< of the configuration: they cannot be changed over the bus
+    /// Labels of a board as they were kept; where none are, empty ones.
+    std::function<Expected<model::Labels>(const std::string& board)> load_labels;
     session::SessionOptions session;
     /// `context.client_side`: `/in` and `/out` of raw lines are named as the client sees them. Requests come
     /// on
@@ -89,6 +94,9 @@ class Bridge {
     /// Publishes what was counted, where the bus is there. To be called periodically.
     void publish_statistics(const mqtt::Counters& bus, Time now, Effects& out);
 
+    /// What became of Effects::keep_labels.
+    void labels_kept(const Expected<void>& result, Effects& out);
+
     void tick(Time now, Effects& out);
     std::optional<Time> next_deadline() const;
     /// Undoes what is held, before the goodbye. True: that is not confirmed yet; tick() goes on.
@@ -109,6 +117,9 @@ class Bridge {
   private:
     bool is_request(bus::TopicKind kind, const mqtt::Message& message) const;
     bool take_port_request(const mqtt::Message& message, Time now, Effects& out);
+    bool take_label_request(const mqtt::Message& message, Effects& out);
+    void load_labels(Effects& out);
+    void show_labels();
     void tick_port(Time now, Effects& out);
     void let_go_of_port(Time now, Effects& out);
     BoardTraits traits() const;
@@ -140,6 +151,7 @@ class Bridge {
     ClientRequests client_requests_;
     Context context_;
     PortLease port_;
+    LabelBook labels_;
     std::unique_ptr<Announcer> announcer_;  // once there is a name
     session::ServiceTable services_;
     BoardFacts facts_;

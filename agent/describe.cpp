@@ -33,6 +33,7 @@ model::Description describe(const session::Identity& board, const session::Servi
     description.link = facts.link;
     description.agent = facts.agent;
     description.pins = describe_pins(board);
+    description.labels = facts.labels;
     for (const auto& entry : services.entries()) {
         model::ServiceInfo service;
         service.name = entry.name;

@@ -16,6 +16,7 @@ struct BoardFacts {
     model::AgentInfo agent;
     std::map<char, int> counts;   ///< elements of a service, as seen in its events
     std::map<char, int> periods;  ///< of auto-events, ms
+    model::Labels labels;
 };
 
 /// Everything of the description but board name, session, seq and lease, which whoever announces it fills in.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "asip/member/announcements.hpp"
+#include "asip/model/labels.hpp"
 #include "asip/session/action.hpp"
 
 namespace asip::agent {
@@ -27,7 +28,8 @@ struct Effects : member::Announcements {
     bool board_known = false;           ///< the board was identified (again): its name is known now
     bool name_claimed = false;          ///< the board's name is ours now: commands may come
     enum class Port { kKeep, kLetGo, kTakeBack };
-    Port port = Port::kKeep;   ///< whether somebody else is to have the board's port
+    Port port = Port::kKeep;                   ///< whether somebody else is to have the board's port
+    std::optional<model::Labels> keep_labels;  ///< to be written to the disk; then Bridge::labels_kept()
     bool reopen_link = false;  ///< open, but the board behind it is gone: a connection may be dead
 };
 

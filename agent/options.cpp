@@ -6,6 +6,7 @@
 #include <ctime>
 #include <iostream>
 
+#include "agent/label_files.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/link/tcp_stream.hpp"
 #include "asip/model/names.hpp"
@@ -30,6 +31,8 @@ constexpr const char* kExamples =
     "      Two brokers: the second is used while the first does not answer.\n"
     "  asip-agent --tcp 192.168.1.20:5005 --broker mqtts://broker.local --user pi --password-file ~/.asip\n"
     "      A board with a network of its own; encrypted to the broker.\n"
+    "  asip-agent --serial /dev/ttyACM0 --label room=lab,floor=2\n"
+    "      Labels by which asipctl and programs choose boards.\n"
     "  asip-agent --serial /dev/ttyACM0 --listen 6789\n"
     "      Clients without MQTT may connect to port 6789, with plain lines or Java's writeUTF frames.\n"
     "\n"
@@ -42,6 +45,8 @@ struct Raw {
     program::BrokerOptions broker;
     program::LogOptions log;
     std::vector<std::string> listen;
+    std::vector<std::string> labels;
+    std::string state_dir;
     std::string listen_silence = "2s", statistics = "15s";
     std::string name, serial, tcp, services, reset = "if-silent", terminator;
     std::string topics = "board-side";
@@ -64,6 +69,16 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
         app.add_option("--name", raw.name,
                        "Name of the board on the bus; default: stored on the board, else from the port")
             ->group("Board"));
+    settings.setting(
+        app.add_option("--label", raw.labels,
+                       "KEY=VALUE, pin.N=NAME or SERVICE/name=NAME: what to call the board by. Not "
+                       "to be changed over the bus. Several: separated by commas, or several times")
+            ->delimiter(',')
+            ->group("Board"));
+    settings.setting(app.add_option("--state-dir", raw.state_dir,
+                                    "Folder to keep labels in that are set over the bus; default: "
+                                    "$STATE_DIRECTORY, $XDG_STATE_HOME/asip or ~/.local/state/asip")
+                         ->group("Board"));
     settings.setting(app.add_flag("--takeover", raw.takeover,
                                   "Take the name even if another agent holds it; that one ends")
                          ->group("Board"));
@@ -152,6 +167,15 @@ Expected<ListenAddress> parse_listen(std::string_view text) {
     return listen;
 }
 
+Expected<model::Labels> parse_labels(const std::vector<std::string>& texts) {
+    model::LabelChange change;
+    for (const auto& text : texts) {
+        if (text.find('=') == std::string::npos) return fail("\"" + text + "\" is not KEY=VALUE");
+        if (const auto added = model::add_assignment(change, text); !added) return fail(added.error());
+    }
+    return model::changed({}, change);
+}
+
 Unexpected<int> usage_error(const std::string& text) {
     std::cerr << "asip-agent: " << text << "\n";
     return Unexpected<int>(program::kExitUsage);
@@ -199,6 +223,12 @@ Expected<AgentOptions, int> read_options(int argc, const char* const* argv) {
     if (!raw.services.empty())
         if (const auto loaded = options.models.load_directory(raw.services); !loaded)
             return usage_error("--services: " + loaded.error());
+
+    auto labels = parse_labels(raw.labels);
+    if (!labels) return usage_error("--label: " + labels.error());
+    options.bridge.labels = std::move(*labels);
+    options.state_folder =
+        raw.state_dir.empty() ? default_state_folder() : std::filesystem::path(raw.state_dir);
 
     options.serial = raw.serial;
     options.tcp = raw.tcp;

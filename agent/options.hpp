@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,9 +26,10 @@ struct AgentOptions {
     mqtt::Options mqtt;
     program::BrokerOptions broker;  ///< what `mqtt` was made from
     model::ModelSet models;
-    std::string serial;                 ///< device; empty: `tcp`
-    std::string tcp;                    ///< HOST:PORT; empty: `serial`
-    std::vector<ListenAddress> listen;  ///< for point-to-point clients
+    std::filesystem::path state_folder;  ///< where labels are kept; empty: nowhere
+    std::string serial;                  ///< device; empty: `tcp`
+    std::string tcp;                     ///< HOST:PORT; empty: `serial`
+    std::vector<ListenAddress> listen;   ///< for point-to-point clients
     Duration listen_silence = std::chrono::seconds(2);
     Duration statistics = std::chrono::seconds(15);  ///< between two documents; 0: none
     unsigned baud = 57600;

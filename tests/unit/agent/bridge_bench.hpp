@@ -36,6 +36,7 @@ class BridgeBench {
     std::vector<ClientLine> lines_for_one;
     std::vector<std::string> notices;
     std::optional<Fatal> fatal;
+    std::vector<model::Labels> to_keep;         ///< what was to be written to the disk
     Effects::Port port = Effects::Port::kKeep;  ///< what the agent did last with the port
 
     void plug() {
@@ -76,6 +77,9 @@ class BridgeBench {
     }
     void release_holds() {
         run([&](Effects& out) { bridge.release_holds(now, out); });
+    }
+    void labels_kept(const Expected<void>& result = {}) {
+        run([&](Effects& out) { bridge.labels_kept(result, out); });
     }
     void publish_statistics() {
         run([&](Effects& out) { bridge.publish_statistics({}, now, out); });
@@ -124,6 +128,7 @@ class BridgeBench {
             line.client ? lines_for_one.push_back(line) : client_lines.push_back(line.line);
         for (auto& notice : effects.notices)
             notices.push_back(notice.text);
+        if (effects.keep_labels) to_keep.push_back(*effects.keep_labels);
         if (effects.fatal) fatal = effects.fatal;
         if (effects.port != Effects::Port::kKeep) port = effects.port;
         if (!answer.empty()) say(answer);

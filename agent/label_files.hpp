@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "asip/expected.hpp"
+#include "asip/model/labels.hpp"
+
+namespace asip::agent {
+
+/// Where an agent keeps what it must remember where nothing else is given: $STATE_DIRECTORY (of a service of
+/// systemd), $XDG_STATE_HOME/asip, or ~/.local/state/asip; empty: there is no such place.
+std::filesystem::path default_state_folder();
+
+/// Labels of boards on the disk: FOLDER/labels/BOARD.json. A file is whole or as it was before, whenever the
+/// program or the machine dies.
+class LabelFiles {
+  public:
+    /// `folder` is made with the first file. Empty: nothing can be kept.
+    explicit LabelFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+    /// Empty labels where there is no file. Fails, with the file and what to do, on one that cannot be read.
+    Expected<model::Labels> load(const std::string& board) const;
+    /// Returns when they are on the disk. Fails with the file and the reason.
+    Expected<void> save(const std::string& board, const model::Labels& labels) const;
+
+  private:
+    std::filesystem::path file(const std::string& board) const;
+
+    std::filesystem::path folder_;
+};
+
+}  // namespace asip::agent
