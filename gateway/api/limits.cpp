@@ -10,9 +10,19 @@ namespace asip::gateway::api {
 namespace {
 
 using nlohmann::json;
+using namespace nlohmann::literals;
+
+void limit_names(const Rights& rights, const std::string& board, json& object) {
+    if (!object.contains("/names/services"_json_pointer)) return;
+    auto& services = object["/names/services"_json_pointer];
+    if (!services.is_object()) return;
+    for (auto it = services.begin(); it != services.end();)
+        it = rights.sees_service(board, it.key()) ? std::next(it) : services.erase(it);
+}
 
 // Of a board, or of a description, as JSON.
 void limit_services(const Rights& rights, const std::string& board, json& object) {
+    limit_names(rights, board, object);
     const auto services = object.find("services");
     if (services == object.end() || !services->is_array()) return;
     json kept = json::array();
@@ -51,6 +61,8 @@ void limit_to(const Rights& rights, bus::BoardItem& board) {
     if (rights.services.empty()) return;
     std::erase_if(board.services,
                   [&](const auto& each) { return !rights.sees_service(board.board, each.name); });
+    std::erase_if(board.labels.services,
+                  [&](const auto& each) { return !rights.sees_service(board.board, each.first); });
     if (board.description.empty()) return;
     auto description = json::parse(board.description, nullptr, false);
     if (description.is_object()) limit_services(rights, board.board, description);

@@ -32,14 +32,19 @@ inline constexpr std::string_view kComponents = R"json({
   "ServiceItem": {"type": "object", "required": ["name"], "properties": {
     "name": {"type": "string"}, "board": {"type": "string"}, "state": {"$ref": "#/components/schemas/State"},
     "kind": {"type": "string"}, "model": {"type": "string"}, "id": {"type": "string"}, "title": {"type": "string"},
-    "count": {"type": "integer"}, "period": {"type": "integer"}}},
+    "count": {"type": "integer"}, "period": {"type": "integer"},
+    "label": {"type": "string", "description": "What people call it"}}},
+  "Names": {"type": "object", "description": "What people call services and pins", "properties": {
+    "services": {"type": "object", "additionalProperties": {"type": "string"}},
+    "pins": {"type": "object", "additionalProperties": {"type": "string"}}}},
   "Board": {"type": "object", "required": ["board", "state", "services"], "properties": {
     "board": {"type": "string"}, "state": {"$ref": "#/components/schemas/State"}, "age": {"type": "number"},
     "names_only": {"type": "boolean"}, "session": {"type": "string"}, "seq": {"type": "integer"},
     "lease": {"type": "integer"}, "first_seen": {"type": "string"}, "last_seen": {"type": "string"},
     "since": {"type": "string"}, "chip": {"type": "string"}, "sketch": {"type": "string"},
     "protocol": {"type": "string"}, "agent": {"type": "string"}, "link": {"type": "string"},
-    "conflict": {"type": "object"}, "description": {"type": "object"},
+    "labels": {"type": "object", "additionalProperties": {"type": "string", "maxLength": 63}},
+    "names": {"$ref": "#/components/schemas/Names"}, "conflict": {"type": "object"}, "description": {"type": "object"},
     "services": {"type": "array", "items": {"$ref": "#/components/schemas/ServiceItem"}}}},
   "Page": {"type": "object", "required": ["find", "items"], "properties": {
     "find": {"type": "string", "enum": ["boards", "services", "history"]},

@@ -18,6 +18,7 @@ std::vector<Parameter> query_parameters(bool boards) {
         {"unit", kText, "Some event or command of the service has this unit", R"("cm")"},
         {"capability", R"({"type":"string","enum":["digital","analog","pwm"]})", "Some pin can do this",
          R"("pwm")"},
+        {"labels", kText, "Selector of labels: `room=lab,floor!=2,camera,!old`; all must hold", R"("!retired")"},
         {"sort",
          R"({"type":"string","enum":["name","-name","state","-state","chip","-chip","sketch","-sketch","last_seen","-last_seen"]})",
          "Order", R"("-name")"},

@@ -5,6 +5,9 @@ import { time_of } from "./text.js";
 export const states = ["online", "sleeping", "updating", "lost", "offline"];
 export const alive = (state) => state === "online" || state === "sleeping" || state === "updating";
 
+/// Labels as they are written: ["room=lab", "camera"].
+export const label_texts = (labels) => Object.entries(labels ?? {}).map(([key, value]) => (value === "" ? key : `${key}=${value}`));
+
 function row_of(board, at, now) {
   const services = typeof board.services === "string" ? board.services.split(" ").filter(Boolean) : board.services ?? [];
   return {
@@ -13,6 +16,8 @@ function row_of(board, at, now) {
     chip: board.chip ?? "",
     sketch: board.sketch ?? "",
     conflict: Boolean(board.conflict),
+    labels: label_texts(board.labels),
+    called: Object.values(board.names?.services ?? {}).join(" "),
     services: services.map((service) => (typeof service === "string" ? service : service.name)),
     since: time_of(board.since) ?? at ?? (board.age === undefined ? undefined : now - board.age * 1000),
     seen: time_of(board.last_seen) ?? (board.age === undefined ? undefined : now - board.age * 1000),
@@ -70,14 +75,14 @@ export class Catalogue {
     return [...kinds].sort();
   }
 
-  /// Rows that fit; `text` is looked for in name, chip, sketch and services, each of its words.
+  /// Rows that fit; `text` is looked for in name, chip, sketch, services, their names and labels, each of its words.
   view({ text = "", kind = "", state = "", sort = "name", descending = false } = {}) {
     const wanted = text.toLowerCase().split(/\s+/).filter(Boolean);
     const fits = (row) => {
       if (state !== "" && row.state !== state) return false;
       if (kind !== "" && !row.services.includes(kind)) return false;
       if (wanted.length === 0) return true;
-      const all = `${row.name} ${row.chip} ${row.sketch} ${row.services.join(" ")}`.toLowerCase();
+      const all = `${row.name} ${row.chip} ${row.sketch} ${row.services.join(" ")} ${row.called} ${row.labels.join(" ")}`.toLowerCase();
       return wanted.every((word) => all.includes(word));
     };
     const rows = this.by_name().filter(fits);

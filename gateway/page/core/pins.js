@@ -6,7 +6,8 @@ export const kDigital = 1;
 export const kAnalog = 2;
 export const kPwm = 4;
 
-/// What each pin is: [{number, label, can, owner, mode, channel}]. `owner` is "" (free), "system" or a service's name.
+/// What each pin is: [{number, label, name, can, owner, mode, channel}]. `name`: what people call it, "" where they do not.
+/// `owner` is "" (free), "system" or a service's name.
 export function pins_of(description) {
   const pins = description?.pins;
   if (!pins?.capabilities) return [];
@@ -19,6 +20,7 @@ export function pins_of(description) {
       number,
       channel,
       label: channel === undefined || !is_analog_label(number, pins.capabilities.length) ? String(number) : `A${channel}`,
+      name: description.names?.pins?.[number] ?? "",
       can: Number(digit),
       owner: letter === "@" ? "system" : letter === "-" || letter === "I" ? "" : letters.get(letter) ?? letter,
       mode: pins.modes?.[number] === undefined ? undefined : Number(pins.modes[number]),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One board: what it is, its pins, its services, its history.
-import { alive } from "../core/catalogue.js";
+import { alive, label_texts } from "../core/catalogue.js";
 import { duration_text, moment_text, time_of } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
 import { h, Part, set_text, state_mark } from "./dom.js";
@@ -92,15 +92,17 @@ class Board extends Part {
     const { board } = this;
     const description = board.description ?? { services: board.services };
     const facts = [["Chip", board.chip], ["Sketch", board.sketch], ["Protocol", board.protocol && `ASIP ${board.protocol}`], ["Link", board.link],
+      ["Labels", label_texts(board.labels).join(", ")],
       ["Agent", board.agent], ["Conflict", board.conflict && `another agent, ${board.conflict.other_agent ?? board.conflict.other}, uses this name`],
       ["Known by", !board.description && "its names only: it publishes no description"]].filter(([, text]) => text);
     this.facts.replaceChildren(...facts.map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text))));
     this.show_pins(description);
-    this.show_services(description.services ?? board.services ?? []);
+    this.show_services((description.services ?? board.services ?? []).map((service) => (
+      { ...service, label: board.names?.services?.[service.name] })));
   }
 
   show_pins(description) {
-    const key = JSON.stringify([description.pins, description.services]);
+    const key = JSON.stringify([description.pins, description.services, description.names]);
     if (key === this.pins_key) return;
     this.pins_key = key;
     this.pins_box.hidden = !has_pins(description);

@@ -26,7 +26,7 @@ class Boards extends Part {
   }
 
   toolbar() {
-    const search = h("input", { type: "search", "aria-label": "Search boards", placeholder: "Search name, chip, sketch or service",
+    const search = h("input", { type: "search", "aria-label": "Search boards", placeholder: "Search name, label, chip, sketch or service",
       value: filter.text, oninput: () => this.filtered({ text: search.value }) });
     this.kind = h("select", { "aria-label": "Kind of service", onchange: () => this.filtered({ kind: this.kind.value }) });
     this.chips = h("div", { class: "chips", role: "group", "aria-label": "State" });
@@ -129,7 +129,7 @@ class Boards extends Part {
 
   new_row() {
     const cells = columns.map(([key]) => h("span", { role: "cell", class: `c-${key}` }));
-    cells[0].append(h("a", {}));
+    cells[0].append(h("a", {}), " ", h("small", { class: "muted" }));
     cells[1].append(h("span", {}));
     const row = h("div", { role: "row", class: "row" }, cells);
     this.filler.append(row);
@@ -142,6 +142,8 @@ class Boards extends Part {
     set_text(link, board.name);
     const href = `#/board/${encodeURIComponent(board.name)}`;
     if (link.getAttribute("href") !== href) link.setAttribute("href", href);
+    set_text(name.lastChild, board.labels.join("  "));
+    name.title = board.labels.join(", ");
     link.tabIndex = index === this.current ? 0 : -1;
     set_text(state.firstChild, board.conflict ? `${board.state}, conflict` : board.state);
     set_class(state.firstChild, `state ${board.state}`);

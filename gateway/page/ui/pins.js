@@ -83,9 +83,10 @@ class Pins extends Part {
   }
 
   label_of(pin, mode, value) {
-    if (pin.owner === "system") return `Pin ${pin.label}: used by the board itself`;
-    if (pin.owner !== "") return `Pin ${pin.label}: belongs to ${pin.owner}`;
-    return `Pin ${pin.label}: free, ${words(mode ?? "unknown mode").toLowerCase()}${value ? `, ${value}` : ""}`;
+    const called = pin.name ? ` (${pin.name})` : "";
+    if (pin.owner === "system") return `Pin ${pin.label}${called}: used by the board itself`;
+    if (pin.owner !== "") return `Pin ${pin.label}${called}: belongs to ${pin.owner}`;
+    return `Pin ${pin.label}${called}: free, ${words(mode ?? "unknown mode").toLowerCase()}${value ? `, ${value}` : ""}`;
   }
 
   open(pin) {
@@ -102,7 +103,7 @@ class Pins extends Part {
     this.panel.setAttribute("aria-label", `Pin ${pin.label}`);
     this.state_line = h("span", {});
     this.output = h("output", { class: "answer", "aria-live": "polite" });
-    this.panel.replaceChildren(h("h3", {}, `Pin ${pin.label} `, h("small", { class: "muted" }, can || "no use known")), h("p", {}, this.state_line));
+    this.panel.replaceChildren(h("h3", {}, `Pin ${pin.label} `, h("small", { class: "muted" }, [pin.name, can || "no use known"].filter(Boolean).join(", "))), h("p", {}, this.state_line));
     this.mode_buttons = new Map();
     this.controls = h("div", { class: "pin-controls" });
     if (pin.owner !== "") return;

@@ -24,7 +24,8 @@ class Service extends Part {
     this.note = h("p", { class: "muted note" });
     this.plots = h("div", { class: "plots" });
     this.commands = h("div", { class: "commands" });
-    this.append(h("h3", { id: `service-${this.service.name}` }, this.service.title ?? words(this.service.name), " ",
+    this.heading = h("span", {}, this.title_text());
+    this.append(h("h3", { id: `service-${this.service.name}` }, this.heading, " ",
       h("small", { class: "muted" }, this.subtitle())), this.values, this.note, this.plots, this.commands);
     this.refresh = before_picture(() => this.draw());
     this.every(1000, () => this.draw());
@@ -32,9 +33,12 @@ class Service extends Part {
     if (this.isConnected) this.follow();
   }
 
+  /// What people call it, else what the board does.
+  title_text() { return this.service.label ?? this.service.title ?? words(this.service.name); }
+
   subtitle() {
-    const { name, count, model } = this.service;
-    const parts = [name];
+    const { name, count, model, label, title } = this.service;
+    const parts = label && title ? [title, name] : [name];
     if (count > 0) parts.push(plural(count, this.element ?? "element"));
     if (!model) parts.push("no model describes it");
     return parts.join(", ");
@@ -43,6 +47,7 @@ class Service extends Part {
   /// The same service with another count or title; what is entered and drawn stays.
   update(service) {
     this.service = service;
+    set_text(this.heading, this.title_text());
     set_text(this.querySelector("small"), this.subtitle());
   }
 

@@ -50,6 +50,13 @@ test("Search_FindsEachWordInNameChipSketchAndServices", () => {
   assert.deepEqual(names(all.view({ text: "nothing" })), []);
 });
 
+test("Search_FindsLabelsAndFriendlyNames", () => {
+  const all = catalogue(board("a", { labels: { room: "lab", camera: "" } }), board("b", { names: { services: { io: "left arm" } } }));
+  assert.deepEqual(names(all.view({ text: "room=lab camera" })), ["a"]);
+  assert.deepEqual(names(all.view({ text: "LEFT arm" })), ["b"]);
+  assert.deepEqual(all.view({ text: "lab" })[0].labels, ["room=lab", "camera"]);
+});
+
 test("EveryOrder_WorksInBothDirections", () => {
   const all = catalogue(board("a", { state: "lost", chip: "X", since: 1e12 }), board("b", { chip: "Y", since: 2e12, services: ["io", "servo"] }));
   for (const [sort, first] of [["name", "a"], ["state", "b"], ["services", "a"], ["chip", "a"], ["since", "b"]]) {

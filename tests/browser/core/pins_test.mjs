@@ -17,6 +17,11 @@ test("Description_SaysOwnerLabelAndMode", () => {
   assert.equal(pins[14].channel, 0);
 });
 
+test("NameOfAPin_IsWithIt", () => {
+  const pins = pins_of({ ...uno, names: { pins: { 13: "status lamp" } } });
+  assert.deepEqual([pins[13].name, pins[13].label, pins[12].name], ["status lamp", "13", ""]);
+});
+
 test("NoPinsInDescription_IsEmpty", () => {
   assert.deepEqual(pins_of({ services: [] }), []);
   assert.deepEqual(pins_of(undefined), []);

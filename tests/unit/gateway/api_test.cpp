@@ -141,6 +141,24 @@ TEST_F(ApiTest, HostileNamesInEveryPath_AreRefusedAndNothingIsSent) {
     EXPECT_EQ(get("/api/boards/uno1")->status(), 200);
 }
 
+TEST_F(ApiTest, Labels_ChooseBoardsAndAreShown) {
+    announce("uno1");
+    bus("asip/servicebus/uno2/$description",
+        R"({"board":"uno2","session":"s1","seq":1,"lease":60,"services":[{"name":"servo","id":"S","model":"servo@1"}],)"
+        R"("labels":{"room":"lab"},"names":{"services":{"servo":"left arm"},"pins":{"13":"lamp"}}})");
+    const auto chosen = get("/api/boards?labels=room%3Dlab")->body();
+    ASSERT_EQ(chosen["items"].size(), 1u);
+    EXPECT_EQ(chosen["items"][0]["labels"], json::parse(R"({"room":"lab"})"));
+    EXPECT_EQ(get("/api/boards?labels=!room")->body()["items"][0]["board"], "uno1");
+    EXPECT_EQ(get("/api/services?labels=room")->body()["items"][0]["label"], "left arm");
+    const auto board = get("/api/boards/uno2")->body();
+    EXPECT_EQ(board["names"]["pins"]["13"], "lamp");
+    EXPECT_EQ(board["description"]["labels"]["room"], "lab");
+    const auto wrong = get("/api/boards?labels=a%20b%3Dc");
+    EXPECT_EQ(wrong->status(), 400);
+    EXPECT_THAT(wrong->detail(), HasSubstr("is not a key"));
+}
+
 TEST_F(ApiTest, Value_LastOfEachEventAndTheNextWithWait) {
     announce();
     bus("asip/uno1/distance/out", R"({"distance":[42]})");
