@@ -111,6 +111,17 @@ Outcome<std::vector<bus::BoardItem>> BoardSource::boards(bus::Query query) {
     return all;
 }
 
+Outcome<std::vector<KnownBoard>> BoardSource::known_boards(bus::Query query) {
+    query.full = true;
+    auto items = boards(std::move(query));
+    if (!items) return tl::unexpected(items.error());
+    std::vector<KnownBoard> result;
+    result.reserve(items->size());
+    for (auto& item : *items)
+        result.push_back(known(std::move(item)));
+    return result;
+}
+
 Outcome<std::vector<bus::BriefBoard>> BoardSource::brief_boards(bus::Query query) {
     std::vector<bus::BoardItem> items;
     if (asks_registry()) {

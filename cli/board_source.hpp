@@ -39,6 +39,8 @@ class BoardSource {
 
     /// All that `query` asks for, every page, in the order of their names.
     Outcome<std::vector<bus::BoardItem>> boards(bus::Query query);
+    /// The same with their descriptions.
+    Outcome<std::vector<KnownBoard>> known_boards(bus::Query query);
     Outcome<std::vector<bus::ServiceItem>> services(bus::Query query);
     /// The same boards as `boards`, as far as a table needs them: in a small part of the time where they are
     /// many.

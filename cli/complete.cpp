@@ -79,6 +79,7 @@ Words offered(const CLI::App& app, const std::string& type, const std::string& s
     if (type == "COMMAND") return commands(arguments, names);
     if (type == "KIND") return names.kinds();
     if (type == "UNIT") return names.units();
+    if (type == "SELECTOR" || type == "KEY=VALUE") return names.labels();
     if (type == "VERB") return verbs(app);
     if (type == "FILE") return {kOfferFiles};
     if (type == "DIR") return {kOfferFolders};
@@ -93,7 +94,8 @@ std::string type_of(const CLI::Option& option) {
 Words values(const CLI::App& app, const CLI::Option& option, const std::string& start, const Words& arguments,
              const NameSources& names) {
     // Of `distance,se` only the last part is still open.
-    const auto comma = option.get_delimiter() == ',' ? start.rfind(',') : std::string::npos;
+    const bool list = option.get_delimiter() == ',' || type_of(option) == "SELECTOR";
+    const auto comma = list ? start.rfind(',') : std::string::npos;
     const auto before = comma == std::string::npos ? std::string() : start.substr(0, comma + 1);
     const auto open = start.substr(before.size());
     auto found = offered(app, type_of(option), open, arguments, names);

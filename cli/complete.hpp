@@ -17,6 +17,7 @@ struct NameSources {
     std::function<Names(const std::string& board, const std::string& service)> fields;
     std::function<Names()> kinds;
     std::function<Names()> units;
+    std::function<Names()> labels;  ///< `room=lab`, of all boards
 };
 
 /// What a shell is asked to offer instead of words.

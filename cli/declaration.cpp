@@ -68,6 +68,11 @@ void Declaration::option(const std::string& names, const std::string& type, std:
     if (!value.empty()) option->default_str(value);
 }
 
+void Declaration::option(const std::string& names, const std::string& type, std::optional<std::string>& value,
+                         const std::string& help) {
+    command_.add_option(names, value, help)->type_name(type);
+}
+
 void Declaration::option(const std::string& names, const std::string& type, std::vector<std::string>& values,
                          const std::string& help) {
     // What follows the value is not one more of them: `list --kind servo boards`.

@@ -40,6 +40,9 @@ class Declaration {
     void flag(const std::string& names, bool& value, const std::string& help);
     void option(const std::string& names, const std::string& type, std::string& value,
                 const std::string& help);
+    /// Nothing where it is not given, which is not the same as empty.
+    void option(const std::string& names, const std::string& type, std::optional<std::string>& value,
+                const std::string& help);
     /// Several, with commas or repeated.
     void option(const std::string& names, const std::string& type, std::vector<std::string>& values,
                 const std::string& help);

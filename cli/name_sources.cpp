@@ -62,6 +62,16 @@ NameSources bus_names(const Context& context, BoardSource& source, std::function
     };
     names.kinds = [&context] { return context.models().names(); };
     names.units = [&context] { return units_of(context.models()); };
+    names.labels = [&source, connected] {
+        Words result;
+        if (!connected()) return result;
+        const auto boards = source.boards({});
+        if (!boards) return result;
+        for (const auto& each : *boards)
+            for (const auto& [key, value] : each.labels.labels)
+                result.push_back(key + "=" + value);
+        return result;
+    };
     return names;
 }
 

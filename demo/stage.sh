@@ -90,7 +90,7 @@ start_boards() { # two simulated boards, desk and lamp, each with its agent
     start boards "$bin/asip-sim" --socket "$work/sim.sock" "$work/desk.json" "$work/lamp.json"
     for board in desk lamp; do
         within 5 "the start of board $board" test -e "$work/$board.port"
-        start "agent-$board" "$bin/asip-agent" --serial "$work/$board.port" --name "$board"
+        start "agent-$board" "$bin/asip-agent" --serial "$work/$board.port" --name "$board" --state-dir "$work/state"
     done
     within 20 "both boards' announcement" boards_are 2
 }

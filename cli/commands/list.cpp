@@ -26,6 +26,13 @@ void print_records(const std::vector<Item>& items, const OutputOptions& output, 
     records.finish();
 }
 
+std::string labels_text(const model::Labels& labels) {
+    std::string text;
+    for (const auto& [key, value] : labels.labels)
+        text += (text.empty() ? "" : ",") + key + "=" + value;
+    return text;
+}
+
 std::string number_text(const std::optional<int>& number) {
     return number ? std::to_string(*number) : "";
 }
@@ -106,9 +113,9 @@ int show_all(const ListOptions& options, const std::optional<Where>& where, Cont
 }
 
 const std::vector<std::string> kListFields{
-    "board",  "state", "reported", "chip",     "sketch",     "protocol",  "lease",    "age",
-    "link",   "agent", "session",  "services", "name",       "kind",      "title",    "count",
-    "period", "id",    "model",    "since",    "first_seen", "last_seen", "conflict", "names_only"};
+    "board", "state",   "reported", "chip",  "sketch", "protocol",   "lease",     "age",      "link",
+    "agent", "session", "services", "name",  "kind",   "title",      "count",     "label",    "labels",
+    "names", "period",  "id",       "model", "since",  "first_seen", "last_seen", "conflict", "names_only"};
 
 }  // namespace
 
@@ -124,8 +131,12 @@ Table board_table(bool wide) {
         {"BOARD"},    {"STATE"}, {"CHIP", false, 6}, {"SKETCH", false, 6}, {"SERVICES", false, 10},
         {"ANNOUNCED"}};
     if (wide) {
-        columns.insert(columns.end(),
-                       {{"PROTOCOL"}, {"LEASE", true}, {"LINK", false, 8}, {"AGENT", false, 8}, {"SESSION"}});
+        columns.insert(columns.end(), {{"LABELS", false, 8},
+                                       {"PROTOCOL"},
+                                       {"LEASE", true},
+                                       {"LINK", false, 8},
+                                       {"AGENT", false, 8},
+                                       {"SESSION"}});
     }
     return Table(std::move(columns));
 }
@@ -151,7 +162,8 @@ std::vector<Cell> board_row(const bus::BoardItem& board, bool wide) {
     if (!wide) return row;
     const auto lease =
         board.lease > 0 ? text::duration_text(std::chrono::duration<double>(board.lease)) : std::string();
-    for (const auto& text : {board.protocol, lease, board.link, board.agent, board.session})
+    for (const auto& text :
+         {labels_text(board.labels), board.protocol, lease, board.link, board.agent, board.session})
         row.emplace_back(text);
     return row;
 }
@@ -159,7 +171,7 @@ std::vector<Cell> board_row(const bus::BoardItem& board, bool wide) {
 Table service_table(bool wide) {
     std::vector<Column> columns{{"BOARD"},       {"SERVICE"},      {"KIND"}, {"TITLE", false, 8},
                                 {"COUNT", true}, {"PERIOD", true}, {"STATE"}};
-    if (wide) columns.insert(columns.end(), {{"ID"}, {"MODEL"}});
+    if (wide) columns.insert(columns.end(), {{"NAME", false, 8}, {"ID"}, {"MODEL"}});
     return Table(std::move(columns));
 }
 
@@ -172,7 +184,7 @@ std::vector<Cell> service_row(const bus::ServiceItem& service, bool wide) {
                           number_text(service.count),
                           period,
                           Cell(service.state, state_colour(service.state))};
-    if (wide) row.insert(row.end(), {service.id, service.model});
+    if (wide) row.insert(row.end(), {service.label, service.id, service.model});
     return row;
 }
 
@@ -256,9 +268,13 @@ bool where_holds(const std::optional<Where>& where, const bus::BoardItem& board)
     return where->holds(record);
 }
 
-int run_list(const ListOptions& options, Context& context) {
-    const auto where = parse_where(options);
+int run_list(const ListOptions& given, Context& context) {
+    const auto where = parse_where(given);
     if (!where) return context.fail_with(where.error());
+    auto selector = parse_selector(given.selector);
+    if (!selector) return context.fail_with(selector.error());
+    ListOptions options = given;
+    options.query.labels = std::move(*selector);
     if (options.watch) return run_watch(options, context);
     BusSession session(context);
     BoardSource source(context, session);
@@ -280,6 +296,7 @@ Run declare_list(Declaration& verb) {
     verb.option("--chip", "CHIP", query.chip, "Only with this micro-controller; * and ? as in a shell");
     verb.option("--sketch", "SKETCH", query.sketch, "Only with this sketch; * and ? as in a shell");
     verb.option("--capability", "digital|analog|pwm", query.capability, "Only with a pin that can do this");
+    declare_selector(verb, options->selector);
     verb.option("--where", "CONDITION", options->where, "Only what this holds for, as below");
     verb.option("--sort", "name|state|chip|sketch|kind|announced", options->sort,
                 "What the list is sorted by");
@@ -302,6 +319,7 @@ Verb list_verb() {
             "  asipctl list --where 'chip ~ ATmega* and services.name=servo and not state=online'\n"
             "  asipctl list services --where 'period < 100' -o wide\n"
             "  asipctl list services --kind distance,servo\n"
+            "  asipctl list -l room=lab,!old -o wide\n"
             "  asipctl list --state lost -o name\n"
             "  asipctl list --sort announced\n"
             "  asipctl list --format '{board} {chip}'\n"

@@ -6,6 +6,7 @@
 
 #include "asip/bus/items.hpp"
 #include "asip/bus/query.hpp"
+#include "cli/chosen_boards.hpp"
 #include "cli/context.hpp"
 #include "cli/output.hpp"
 #include "cli/text/table.hpp"
@@ -16,6 +17,7 @@ namespace asip::cli {
 struct ListOptions {
     std::string what = "boards";  ///< or `services`
     bus::Query query{};
+    SelectorText selector{};
     std::string sort = "name";  ///< name, state, chip, sketch, kind or announced
     bool reverse = false;
     bool watch = false;

@@ -10,6 +10,7 @@
 #include "cli/board_request.hpp"
 #include "cli/commands/show.hpp"
 #include "cli/declaration.hpp"
+#include "cli/text/width.hpp"
 
 namespace asip::cli {
 namespace {
@@ -129,11 +130,13 @@ class PinAccess {
     std::map<std::string, nlohmann::json> latest_;
 };
 
-void print(const PinOptions& options, Context& context, int pin, const Reading& reading) {
+void print(const PinOptions& options, Context& context, int pin, const Reading& reading,
+           const std::string& label) {
     const auto mode = protocol::to_text(reading.mode);
     if (!options.output.for_people()) {
         nlohmann::json record{{"board", options.board}, {"pin", pin}, {"mode", mode}};
         if (reading.value) record["value"] = *reading.value;
+        if (!label.empty()) record["label"] = label;
         RecordPrinter(options.output, RecordPrinter::Count::kOne, context.out).print(record);
         return;
     }
@@ -145,13 +148,15 @@ void print(const PinOptions& options, Context& context, int pin, const Reading& 
             context.out << (*reading.value == 0 ? " low" : " high");
         }
     }
+    if (!label.empty()) context.out << "  " << for_terminal(label);
     context.out << std::endl;
 }
 
 Outcome<void> act(const PinOptions& options, Context& context, PinAccess& access) {
-    const auto pin = parse_pin(
-        options.pin, access.board().description ? access.board().description->pins : model::PinsInfo{});
+    const auto description = access.board().description.value_or(model::Description());
+    const auto pin = find_pin(options.pin, description);
     if (!pin) return tl::unexpected(pin.error());
+    const auto label = description.labels.pin(*pin);
     const auto modes = access.modes();
     if (!modes) return tl::unexpected(modes.error());
     if (static_cast<std::size_t>(*pin) >= modes->size()) {
@@ -162,7 +167,7 @@ Outcome<void> act(const PinOptions& options, Context& context, PinAccess& access
     if (options.word.empty()) {
         const auto reading = access.read(*pin, mode);
         if (!reading) return tl::unexpected(reading.error());
-        print(options, context, *pin, *reading);
+        print(options, context, *pin, *reading, label);
         return {};
     }
     const auto action = parse_pin_word(options.word);
@@ -174,7 +179,8 @@ Outcome<void> act(const PinOptions& options, Context& context, PinAccess& access
         }
     }
     const bool level = action->kind == PinAction::Kind::kWrite;
-    print(options, context, *pin, {action->mode, level ? std::optional<int>(action->value) : std::nullopt});
+    print(options, context, *pin, {action->mode, level ? std::optional<int>(action->value) : std::nullopt},
+          label);
     return {};
 }
 
@@ -213,6 +219,21 @@ Outcome<int> parse_pin(std::string_view text, const model::PinsInfo& pins) {
         if (channel == *number) return pin;
     }
     return failure(program::kExitUsage, "the board has no analog channel " + std::to_string(*number));
+}
+
+Outcome<int> find_pin(std::string_view text, const model::Description& description) {
+    auto number = parse_pin(text, description.pins);
+    if (number) return number;
+    std::optional<int> found;
+    for (const auto& [pin, name] : description.labels.pins) {
+        if (name != text) continue;
+        if (found)
+            return failure(program::kExitUsage, "pins " + std::to_string(*found) + " and " +
+                                                    std::to_string(pin) + " are both called " + name +
+                                                    "; write the number");
+        found = pin;
+    }
+    return found ? Outcome<int>(*found) : number;
 }
 
 std::string why_taken(const model::Description& description, int pin) {
@@ -282,12 +303,12 @@ namespace {
 Run declare_pin(Declaration& verb) {
     auto options = std::make_shared<PinOptions>();
     verb.argument("BOARD", options->board, "Name of the board");
-    verb.argument("PIN", options->pin, "13, D13 or A0; without it all pins are shown",
+    verb.argument("PIN", options->pin, "13, D13, A0 or its name; without it all pins are shown",
                   Declaration::Needed::kNo);
     verb.argument("high|low|input|pullup|output|analog|pwm|...", options->word,
                   "What to set, or 0..255 for PWM; without it the pin is read", Declaration::Needed::kNo);
     verb.output(options->output, {Output::kText},
-                {"board", "pin", "mode", "value", "owner", "can", "channel"});
+                {"board", "pin", "mode", "value", "owner", "can", "channel", "label"});
     return [options](Context& context) { return run_pin(*options, context); };
 }
 
@@ -301,7 +322,8 @@ Verb pin_verb() {
             "  asipctl pin uno1 3 128\n"
             "  asipctl pin uno1 2 pullup\n"
             "  asipctl pin uno1 2\n"
-            "  asipctl pin uno1 A0",
+            "  asipctl pin uno1 A0\n"
+            "  asipctl pin uno1 \"status lamp\" high",
             declare_pin};
 }
 

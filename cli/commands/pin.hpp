@@ -25,6 +25,9 @@ int run_pin(const PinOptions& options, Context& context);
 /// `13`, `D13`, or `A0` by the board's analog map. Fails with kExitUsage.
 Outcome<int> parse_pin(std::string_view text, const model::PinsInfo& pins);
 
+/// The same, or the name that was given to a pin (asipctl label BOARD pin.13=NAME).
+Outcome<int> find_pin(std::string_view text, const model::Description& description);
+
 /// What to put behind the board's error when a pin belongs to another service than io: `; pin 9 belongs to
 /// the service desk/servo: ...`. Empty when it does not, or when the board does not report owners.
 std::string why_taken(const model::Description& description, int pin);

@@ -10,6 +10,7 @@
 #include "asip/model/json.hpp"
 #include "cli/board_request.hpp"
 #include "cli/declaration.hpp"
+#include "cli/group_command.hpp"
 #include "cli/held_command.hpp"
 
 namespace asip::cli {
@@ -27,10 +28,14 @@ class Sender {
                    options.from_input ? RecordPrinter::Count::kStream : RecordPrinter::Count::kOne,
                    context.out) {}
 
-    int run() {
+    int run(const std::optional<bus::LabelSelector>& labels) {
         if (const auto connected = session_.connect(); !connected)
             return context_.fail_with(connected.error());
         if (options_.from_input) return run_input();
+        if (labels)
+            return send_to_group({*parse_target(options_.target, true), *labels, options_.words, options_.raw,
+                                  options_.no_wait, options_.in_flight, options_.output},
+                                 context_, session_, source_);
         const auto command = prepare(options_.target, options_.words, options_.raw);
         if (!command) return context_.fail_with(command.error());
         if (options_.hold)
@@ -187,26 +192,32 @@ int run_send(const SendOptions& options, Context& context) {
     if (!options.raw.empty() && (options.from_input || !options.words.empty())) {
         return context.fail_with({program::kExitUsage, "--raw goes with a board alone"});
     }
-    if (!options.target.empty()) {
-        if (const auto target = parse_target(options.target); !target)
-            return context.fail_with(target.error());
-    }
+    const auto target = parse_target(options.target.empty() ? "*" : options.target, true);
+    if (!target) return context.fail_with(target.error());
+    const auto labels = parse_selector(options.selector);
+    if (!labels) return context.fail_with(labels.error());
+    const bool many = !options.from_input && (options.selector || target->is_pattern());
+    if (options.from_input && (options.selector || (!options.target.empty() && target->is_pattern())))
+        return context.fail_with({program::kExitUsage, "--stdin goes with one board a line"});
+    if (many && options.hold) return context.fail_with({program::kExitUsage, "--hold goes with one board"});
     if (options.hold && (options.from_input || options.no_wait || !options.raw.empty()))
         return context.fail_with({program::kExitUsage, "--hold goes with one command of a service"});
     if (options.during && !options.hold)
         return context.fail_with({program::kExitUsage, "--for goes with --hold"});
-    return Sender(options, context).run();
+    return Sender(options, context).run(many ? std::optional(*labels) : std::nullopt);
 }
 
 namespace {
 
 Run declare_send(Declaration& verb) {
     auto options = std::make_shared<SendOptions>();
-    verb.argument("BOARD/SERVICE", options->target, "Whom; BOARD alone takes request lines",
+    verb.argument("BOARD/SERVICE", options->target,
+                  "Whom; BOARD alone takes request lines. With * and ? as in a shell, or -l: several boards",
                   Declaration::Needed::kNo);
     verb.arguments("COMMAND", options->words,
                    "Command and arguments, or one JSON object; see asipctl show BOARD/SERVICE",
                    Declaration::Needed::kNo);
+    declare_selector(verb, options->selector);
     verb.option("--raw", "LINE", options->raw, "Send this ASIP request line to the board, as S,W,0,90");
     verb.flag("--stdin", options->from_input,
               "Read commands from standard input, one a line: [BOARD/SERVICE] COMMAND [ARG...]");
@@ -218,7 +229,7 @@ Run declare_send(Declaration& verb) {
                 "nothing for so long");
     verb.option("--for", options->during, "With --hold: end after so long");
     verb.output(options->output, {Output::kText},
-                {"target", "line", "status", "proof", "answer", "code", "error", "reason"});
+                {"board", "target", "line", "status", "proof", "answer", "code", "error", "reason"});
     return [options](Context& context) { return run_send(*options, context); };
 }
 
@@ -228,12 +239,15 @@ Verb send_verb() {
     return {"send", "Give a service a command and wait for its acknowledgement",
             "Prints ok, or what the board answered. Exit status: 0 executed by the board, 1 refused, 4 no "
             "answer.\n"
+            "To several boards: a table of what each answered; 0 only where all executed it. Nothing is sent "
+            "where the command is wrong for one of them.\n"
             "With --hold the command is undone at Ctrl-C, and by the board's agent when asipctl, the network "
             "or the broker dies.\n"
             "Examples:\n"
             "  asipctl send uno1/servo write 0 90\n"
             "  asipctl send uno1/servo '{\"write\":{\"servo\":0,\"angle\":90}}'\n"
             "  asipctl send uno1 --raw S,W,0,90\n"
+            "  asipctl send '*/servo' write 0 90 -l room=lab\n"
             "  asipctl send robot/motors power 0 120 --hold 500ms\n"
             "  asipctl send robot/motors drive 120 120 --hold 0.5 --for 3s\n"
             "  printf 'uno1/servo write 0 10\\nuno1/servo write 0 170\\n' | asipctl send --stdin",

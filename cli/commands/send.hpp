@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/chosen_boards.hpp"
 #include "cli/context.hpp"
 #include "cli/output.hpp"
 
@@ -13,6 +14,7 @@ namespace asip::cli {
 struct SendOptions {
     std::string target;              ///< may be empty with from_input
     std::vector<std::string> words;  ///< command and arguments
+    SelectorText selector{};         ///< to all boards with these labels that the target matches
     std::string raw;                 ///< a request line for the board itself, instead of words
     bool from_input = false;         ///< one command a line of standard input
     bool no_wait = false;            ///< do not wait for answers
@@ -23,7 +25,7 @@ struct SendOptions {
 };
 
 /// `asipctl send`: one command, or those of standard input in order; the status is that of the first that
-/// failed.
+/// failed. A target with wildcards, or a selector: the same command to many boards.
 int run_send(const SendOptions& options, Context& context);
 
 }  // namespace asip::cli

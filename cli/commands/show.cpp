@@ -152,6 +152,8 @@ std::vector<nlohmann::json> pin_records(const model::Description& description) {
         for (const auto& [digital, channel] : pins.analog) {
             if (digital == pin) record["channel"] = channel;
         }
+        if (auto name = description.labels.pin(static_cast<int>(pin)); !name.empty())
+            record["label"] = std::move(name);
         records.push_back(std::move(record));
     }
     return records;
@@ -161,13 +163,19 @@ std::string pins_text(const model::Description& description, std::size_t width, 
     const auto& pins = description.pins;
     const auto count = std::max({pins.capabilities.size(), pins.owners.size(), pins.modes.size()});
     if (count == 0) return {};
-    Table table({{"PIN"}, {"MODE"}, {"OWNER", false, 6}, {"CAN", false, 6}});
+    std::vector<Column> columns{{"PIN"}, {"MODE"}, {"OWNER", false, 6}, {"CAN", false, 6}};
+    const bool named = !description.labels.pins.empty();
+    if (named) columns.push_back({"NAME", false, 8});
+    Table table(std::move(columns));
     for (std::size_t pin = 0; pin < count; ++pin) {
         const auto owner = at(pins.owners, pin);
         const auto tint = owner == '@' ? Colour::kDim : Colour::kNone;
-        table.add({Cell(pin_name(description, pin), tint), Cell(mode_text(at(pins.modes, pin)), tint),
-                   Cell(owner_text(description, owner), tint),
-                   Cell(capability_text(at(pins.capabilities, pin)), tint)});
+        std::vector<Cell> row{Cell(pin_name(description, pin), tint),
+                              Cell(mode_text(at(pins.modes, pin)), tint),
+                              Cell(owner_text(description, owner), tint),
+                              Cell(capability_text(at(pins.capabilities, pin)), tint)};
+        if (named) row.emplace_back(description.labels.pin(static_cast<int>(pin)));
+        table.add(std::move(row));
     }
     return table.render(width, colour);
 }
@@ -204,13 +212,14 @@ std::string model_text(const model::ServiceModel& model, std::size_t width, bool
 }
 
 std::string service_text(const std::string& board, const model::ServiceInfo& service,
-                         const model::ServiceModel* model, std::size_t width, bool colour) {
+                         const std::string& label, const model::ServiceModel* model, std::size_t width,
+                         bool colour) {
     auto text = painted(board + "/" + service.name, Colour::kBold, colour);
     const auto title = model != nullptr ? model->title : service.title;
     if (!title.empty()) text += "  " + for_terminal(title);
     text += "\n";
     const auto named = service.id == 0 ? std::string() : std::string(1, service.id) + " " + service.title;
-    text += labelled("on board", named, colour);
+    text += labelled("name", label, colour) + labelled("on board", named, colour);
     if (service.count) {
         const auto element = model != nullptr && !model->element.empty() ? model->element : "element";
         text += labelled(
@@ -255,12 +264,15 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
         text += labelled("agent", agent, colour) +
                 labelled("session", all.session + ", announcement " + std::to_string(all.seq), colour);
         text += labelled("lease", std::to_string(all.lease) + " s", colour);
+        for (const auto& [key, value] : all.labels.labels)
+            text += labelled("label", key + "=" + value, colour);
         if (const auto pins = pins_text(all, width, colour); !pins.empty()) text += "\n" + pins;
     }
     if (board.description) {
         for (const auto& service : board.description->services) {
             const auto model = bus::model_of(service, models);
-            text += "\n" + service_text(item.board, service, model.get(), width, colour);
+            text += "\n" + service_text(item.board, service, board.description->labels.service(service.name),
+                                        model.get(), width, colour);
         }
     } else {
         for (const auto& service : item.services)
@@ -294,8 +306,10 @@ int run_show(const ShowOptions& options, Context& context) {
     if (!service) return context.fail_with(service.error());
     const auto model = bus::model_of(*service, context.models());
     if (!people) records.print(service_json(*board, *service, model.get()));
+    const auto label = board->description ? board->description->labels.service(service->name) : std::string();
     if (people)
-        context.out << service_text(target->board, *service, model.get(), context.width, context.colour)
+        context.out << service_text(target->board, *service, label, model.get(), context.width,
+                                    context.colour)
                     << std::flush;
     return program::kExitOk;
 }
@@ -305,9 +319,10 @@ namespace {
 Run declare_show(Declaration& verb) {
     auto options = std::make_shared<ShowOptions>();
     verb.argument("BOARD[/SERVICE]", options->target, "Which");
-    verb.output(options->output, {Output::kText},
-                {"board", "state", "chip", "sketch", "protocol", "lease", "link", "agent", "services",
-                 "description", "name", "kind", "title", "count", "period", "definition"});
+    verb.output(
+        options->output, {Output::kText},
+        {"board", "state", "chip", "sketch", "protocol", "lease", "link", "agent", "services", "description",
+         "name", "kind", "title", "count", "period", "definition", "label", "labels", "names"});
     return [options](Context& context) { return run_show(*options, context); };
 }
 

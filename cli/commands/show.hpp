@@ -23,10 +23,13 @@ int run_show(const ShowOptions& options, Context& context);
 std::string board_text(const KnownBoard& board, const model::ModelSet& models, std::size_t width,
                        bool colour);
 std::string pins_text(const model::Description& description, std::size_t width, bool colour);
-/// One object a pin: board, pin, and mode, owner, can (a list of digital, analog, pwm), channel where known.
+/// One object a pin: board, pin, and mode, owner, can (a list of digital, analog, pwm), channel and label
+/// where known.
 std::vector<nlohmann::json> pin_records(const model::Description& description);
+/// `label`: its friendly name; empty: none.
 std::string service_text(const std::string& board, const model::ServiceInfo& service,
-                         const model::ServiceModel* model, std::size_t width, bool colour);
+                         const std::string& label, const model::ServiceModel* model, std::size_t width,
+                         bool colour);
 
 /// The events and commands of a model, as tables.
 std::string model_text(const model::ServiceModel& model, std::size_t width, bool colour);

@@ -96,10 +96,12 @@ class EventPrinter {
 /// Takes what comes, keeps what is wanted and prints it.
 class Subscriber {
   public:
-    Subscriber(const SubscribeOptions& options, std::vector<Target> targets, Context& context)
+    Subscriber(const SubscribeOptions& options, std::vector<Target> targets, bus::LabelSelector labels,
+               Context& context)
         : options_(options),
           context_(context),
           targets_(std::move(targets)),
+          labels_(std::move(labels)),
           catalogue_(context.topics),
           printer_(options, context),
           pace_(options.changes, options.max_hz) {}
@@ -133,6 +135,8 @@ class Subscriber {
         for (const auto& target : targets_) {
             if (!options_.raw && !target.is_pattern())
                 filters.insert(context_.topics.description(target.board));
+            if (!labels_.empty())
+                filters.insert(context_.topics.description(target.is_pattern() ? "+" : target.board));
         }
         return filters;
     }
@@ -159,10 +163,17 @@ class Subscriber {
         ++count_;
     }
 
+    bool is_chosen(const std::string& board) const {
+        if (labels_.empty()) return true;
+        const auto* description = catalogue_.description(board);
+        return description != nullptr && labels_.matches(description->labels.labels);
+    }
+
     void take(const mqtt::Message& message) {
         if (enough()) return;
         auto event = context_event(context_.topics, message.topic, message.payload);
         if (!event || !is_wanted(*event, targets_, catalogue_.description(event->board))) return;
+        if (!is_chosen(event->board)) return;
         event->retained = message.retain;
         event->time = std::chrono::system_clock::now();
         const auto now = Clock::now();
@@ -178,6 +189,7 @@ class Subscriber {
     const SubscribeOptions& options_;
     Context& context_;
     std::vector<Target> targets_;
+    bus::LabelSelector labels_;
     bus::Mirror catalogue_;
     EventPrinter printer_;
     EventPace pace_;
@@ -187,8 +199,14 @@ class Subscriber {
 };
 
 /// A name that no board has is reported at once, but one may still come.
-void note_unknown(const std::vector<Target>& targets, Context& context, BoardSource& source) {
+void note_unknown(const std::vector<Target>& targets, const bus::LabelSelector& labels, Context& context,
+                  BoardSource& source) {
     for (const auto& target : targets) {
+        if (!labels.empty()) {
+            if (const auto boards = choose_boards(source, target, labels); !boards)
+                context.note(boards.error().text + "; waiting for one");
+            continue;
+        }
         if (target.is_pattern()) continue;
         const auto board = source.board(target.board);
         if (!board) {
@@ -207,20 +225,27 @@ void note_unknown(const std::vector<Target>& targets, Context& context, BoardSou
 }  // namespace
 
 int run_subscribe(const SubscribeOptions& options, Context& context) {
-    const auto targets = parse_targets(options.targets);
+    if (options.targets.empty() && !options.selector)
+        return context.fail_with(
+            {program::kExitUsage,
+             "subscribe to what? Write BOARD[/SERVICE]..., or choose boards by -l SELECTOR"});
+    const auto targets =
+        parse_targets(options.targets.empty() ? std::vector<std::string>{"*"} : options.targets);
     if (!targets) return context.fail_with(targets.error());
+    const auto labels = parse_selector(options.selector);
+    if (!labels) return context.fail_with(labels.error());
     if (options.raw && !options.field.empty())
         return context.fail_with({program::kExitUsage, "--field takes decoded values; leave --raw away"});
     BusSession session(context);
     BoardSource source(context, session);
-    Subscriber subscriber(options, *targets, context);
+    Subscriber subscriber(options, *targets, *labels, context);
     subscriber.subscribe(session);
     session.on_connection_change([&context](bool connected, const std::string& why) {
         context.note(connected ? "connected again" : why);
     });
     const auto deadline = options.limit ? Clock::now() + *options.limit : Time::max();
     if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
-    note_unknown(*targets, context, source);
+    note_unknown(*targets, *labels, context, source);
     while (!session.stopped() && !subscriber.enough() && Clock::now() < deadline) {
         const auto ended = [&] {
             subscriber.print_due();
@@ -239,7 +264,9 @@ namespace {
 
 Run declare_subscribe(Declaration& verb) {
     auto options = std::make_shared<SubscribeOptions>();
-    verb.arguments("BOARD[/SERVICE]", options->targets, "Whose reports; with * and ? as in a shell");
+    verb.arguments("BOARD[/SERVICE]", options->targets, "Whose reports; with * and ? as in a shell",
+                   Declaration::Needed::kNo);
+    declare_selector(verb, options->selector);
     verb.flag("--raw", options->raw, "The board's own ASIP lines instead of decoded values");
     verb.option("-n,--count", "COUNT", options->count, "End after so many; 0: no limit");
     verb.option("-W,--for", options->limit,
@@ -265,6 +292,8 @@ Verb subscribe_verb() {
             "  asipctl subscribe uno1/distance --field 0 --changes --format '{value}'\n"
             "  asipctl subscribe 'uno*' --max-hz 2\n"
             "  asipctl subscribe 'uno*' -o jsonl\n"
+            "  asipctl subscribe -l room=lab\n"
+            "  asipctl subscribe '*/distance' -l room=lab --field 0\n"
             "  asipctl subscribe uno1/distance -n 1 -W 5 --format '{data.distance.0} cm'\n"
             "  asipctl subscribe uno1 --raw",
             declare_subscribe};

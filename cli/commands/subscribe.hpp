@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/chosen_boards.hpp"
 #include "cli/context.hpp"
 #include "cli/output.hpp"
 
@@ -13,6 +14,7 @@ namespace asip::cli {
 
 struct SubscribeOptions {
     std::vector<std::string> targets;
+    SelectorText selector{};
     bool raw = false;                                  ///< ASIP lines instead of decoded values
     std::size_t count = 0;                             ///< end after so many; 0: no limit
     std::optional<std::chrono::milliseconds> limit{};  ///< end after this time

@@ -83,6 +83,10 @@ std::vector<std::string> expand_words(const CLI::App& app, const std::vector<std
     }
     if (arguments.empty())
         return type.starts_with("BOARD/") && type != "BOARD/SERVICE" ? words : with_board(words, board);
+    // `label room=lab`: the board is left out.
+    const auto& first = words[arguments.front()];
+    if (type == "BOARD[/SERVICE]" && (first.find('=') != std::string::npos || first.ends_with('-')))
+        return with_board(words, board);
     Words result = words;
     const bool all = program::classify(app, words)[arguments.front()].option->get_items_expected_max() > 1;
     for (std::size_t i = 0; i < (all ? arguments.size() : 1); ++i)

@@ -11,11 +11,13 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-const std::string kIn = "asip/uno1/in";
+const std::string kRequests = "asip/uno1/in";
 const std::string kDescribed = "asip/servicebus/uno1/$description";
 
 struct LabelledBridge : OnlineBridge {
-    json ask(json request, const std::string& id = "1") { return bench.ask(kIn, std::move(request), id); }
+    json ask(json request, const std::string& id = "1") {
+        return bench.ask(kRequests, std::move(request), id);
+    }
     json described() {
         bench.published.clear();
         bench.pass(1500ms);
@@ -85,7 +87,7 @@ TEST_F(LabelledBridge, WhatCannotBe_IsRefused) {
 }
 
 TEST_F(LabelledBridge, RetainedRequest_ChangesNothing) {
-    bench.hear(kIn, R"({"labels":{"room":"lab"}})", true);
+    bench.hear(kRequests, R"({"labels":{"room":"lab"}})", true);
     EXPECT_THAT(bench.to_keep, IsEmpty());
 }
 
@@ -130,7 +132,7 @@ json labels_after_start(BridgeBench& bench) {
 TEST(KeptLabels, AreThereAfterTheStart_AndThoseOfTheConfigurationCountFirst) {
     BridgeBench bench(with_labels(model::Labels{{{"room", "hall"}, {"floor", "2"}}, {}, {}}));
     EXPECT_EQ(labels_after_start(bench), json::parse(R"({"room":"lab","floor":"2"})"));
-    EXPECT_THAT(bench.ask(kIn, {{"labels", {{"room", "x"}}}})["error"],
+    EXPECT_THAT(bench.ask(kRequests, {{"labels", {{"room", "x"}}}})["error"],
                 HasSubstr("(--label): change it there"));
 }
 
@@ -138,7 +140,8 @@ TEST(KeptLabels, ThatCannotBeRead_AreNotOverwritten) {
     BridgeBench bench(with_labels(fail("/var/lib/asip/labels/uno1.json: not JSON; mend or remove it")));
     EXPECT_EQ(labels_after_start(bench), json::parse(R"({"room":"lab"})"));
     EXPECT_THAT(bench.notices, testing::Contains("labels cannot be read"));
-    EXPECT_THAT(bench.ask(kIn, {{"labels", {{"floor", "2"}}}})["error"], HasSubstr("mend or remove it"));
+    EXPECT_THAT(bench.ask(kRequests, {{"labels", {{"floor", "2"}}}})["error"],
+                HasSubstr("mend or remove it"));
     EXPECT_THAT(bench.to_keep, IsEmpty());
 }
 

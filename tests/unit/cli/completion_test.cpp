@@ -43,6 +43,9 @@ class CompletionTest : public ::testing::Test {
                        },
                        [] {
                            return Words{"cm", "ms"};
+                       },
+                       [] {
+                           return Words{"room=lab", "floor=2"};
                        }};
 };
 
@@ -69,13 +72,16 @@ TEST_F(CompletionTest, EachDeclaredEnumeration_IsOfferedAndNoFiles) {
     EXPECT_THAT(after("pin nano 13 ."), IsEmpty());
     EXPECT_THAT(after("list --unit c"), ElementsAre("cm"));
     EXPECT_THAT(after("list --kind "), ElementsAre("distance", "servo"));
+    EXPECT_THAT(after("list -l "), ElementsAre("floor=2", "room=lab"));
+    EXPECT_THAT(after("list -l floor=2,r"), ElementsAre("floor=2,room=lab"));
+    EXPECT_THAT(after("label uno1 f"), ElementsAre("floor=2"));
 }
 
 TEST_F(CompletionTest, OptionsOfEveryCommand_AreOfferedWithTheirValues) {
     EXPECT_THAT(after("list --color a"), ElementsAre("always", "auto"));
     EXPECT_THAT(after("--log-level w"), ElementsAre("warning"));
     EXPECT_THAT(after("--mqtt-version "), ElementsAre("3.1.1", "5", "best"));
-    EXPECT_THAT(after("list --s"), ElementsAre("--services", "--sketch", "--sort", "--state"));
+    EXPECT_THAT(after("list --s"), ElementsAre("--selector", "--services", "--sketch", "--sort", "--state"));
     EXPECT_THAT(after("--ca /etc/s"), ElementsAre(kOfferFiles));
     EXPECT_THAT(after("--services "), ElementsAre(kOfferFolders));
 }
@@ -154,6 +160,8 @@ TEST(Verbs, EachType_IsOneThatCompletionKnows) {
                                          "BAUD",
                                          "FIELD",
                                          "WHEN",
+                                         "SELECTOR",
+                                         "KEY=VALUE",
                                          ""};
     const auto check = [&known](const CLI::App& app) {
         for (const auto* option : app.get_options()) {

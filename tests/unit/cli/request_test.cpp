@@ -96,6 +96,18 @@ TEST(ParsePin, NumbersAndArduinoNames_AreUnderstood) {
         EXPECT_FALSE(parse_pin(text, pins)) << text;
 }
 
+TEST(PinWords, NameOfAPin_IsTakenForItsNumberUnlessTwoHaveIt) {
+    model::Description board;
+    board.labels.pins = {{13, "status lamp"}, {2, "door"}, {3, "door"}, {4, "5"}};
+    EXPECT_EQ(find_pin("status lamp", board), 13);
+    EXPECT_EQ(find_pin("12", board), 12);
+    EXPECT_EQ(find_pin("5", board), 5) << "a number is a number";
+    const auto both = find_pin("door", board);
+    ASSERT_FALSE(both);
+    EXPECT_THAT(both.error().text, HasSubstr("pins 2 and 3 are both called door"));
+    EXPECT_FALSE(find_pin("status", board));
+}
+
 TEST(PinWords, BringTheModeTheyNeed) {
     using protocol::PinMode;
     EXPECT_THAT(pin_requests(13, *parse_pin_word("high"), PinMode::kInput), ElementsAre("P,13,3", "d,13,1"));

@@ -49,7 +49,8 @@ class ShellWordsTest : public ::testing::Test {
             return board == "desk" && service == "distance" ? Line{"distance"} : Line{};
         },
         [] { return Line{"distance"}; },
-        [] { return Line{"cm"}; }};
+        [] { return Line{"cm"}; },
+        [] { return Line{"room=lab"}; }};
 };
 
 TEST_F(ShellWordsTest, AServiceFirst_IsSent) {
@@ -57,6 +58,10 @@ TEST_F(ShellWordsTest, AServiceFirst_IsSent) {
     EXPECT_EQ(expanded("servo write 0 90 -o json"), "send desk/servo write 0 90 -o json");
     EXPECT_EQ(expanded("send servo write 0 90"), "send desk/servo write 0 90");
     EXPECT_EQ(expanded("send --raw S,W,0,90"), "send desk --raw S,W,0,90");
+    EXPECT_EQ(expanded("label room=lab"), "label desk room=lab");
+    EXPECT_EQ(expanded("label room-"), "label desk room-");
+    EXPECT_EQ(expanded("label servo name=arm"), "label desk/servo name=arm");
+    EXPECT_EQ(expanded("label"), "label desk");
     EXPECT_EQ(expanded("nosuch"), "send desk/nosuch");
 }
 

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <list>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "asip/bus/label_request.hpp"
+#include "asip/model/json.hpp"
+#include "asip/text/json_reader.hpp"
+#include "cli/board_request.hpp"
+#include "cli/chosen_boards.hpp"
+#include "cli/port_holder.hpp"
+#include "cli/text/table.hpp"
+
+namespace asip::cli {
+namespace {
+
+/// An agent announces at most once a second what changed.
+constexpr std::chrono::milliseconds kAnnounceTime{2500};
+
+struct LabelOptions {
+    std::string target;
+    std::vector<std::string> words;
+    SelectorText selector{};
+    OutputOptions output{};
+};
+
+model::Labels labels_of(const nlohmann::json& object) {
+    std::string fault;
+    text::JsonReader reader(object, "", fault);
+    return model::read_labels(reader);
+}
+
+void add_rows(Table& table, const std::string& board, const model::Labels& labels) {
+    for (const auto& [key, value] : labels.labels)
+        table.add({board, key, value});
+    for (const auto& [service, name] : labels.services)
+        table.add({board + "/" + service, "name", name});
+    for (const auto& [pin, name] : labels.pins)
+        table.add({board, "pin." + std::to_string(pin), name});
+}
+
+/// One `asipctl label`: shows labels, or asks the agents of the boards to change them.
+class Labeller {
+  public:
+    Labeller(const LabelOptions& options, Target target, bus::LabelSelector selector,
+             model::LabelChange change, Context& context)
+        : options_(options),
+          target_(std::move(target)),
+          selector_(std::move(selector)),
+          change_(std::move(change)),
+          context_(context),
+          session_(context),
+          source_(context, session_) {}
+
+    int run() {
+        if (const auto connected = session_.connect(); !connected)
+            return context_.fail_with(connected.error());
+        auto boards = find();
+        if (!boards) return context_.fail_with(boards.error());
+        return change_.empty() ? show(*boards) : change(*boards);
+    }
+
+  private:
+    struct Asked {
+        std::string board;
+        std::optional<bus::Reply> reply{};
+        model::Labels now{};
+        std::optional<model::Labels> announced{};
+        BusSession::Subscription descriptions{};
+        BusSession::Request request{};
+    };
+
+    bool one_board() const { return !target_.is_pattern() && !options_.selector; }
+
+    Outcome<std::vector<KnownBoard>> find() {
+        if (!one_board()) return choose_boards(source_, target_, selector_);
+        auto board =
+            change_.empty() ? source_.board(target_.board) : find_board_with_agent(source_, target_.board);
+        if (!board) return tl::unexpected(board.error());
+        if (!board->description)
+            return failure(program::kExitFailure,
+                           target_.board + " is known by its names only: it has no agent that keeps labels");
+        if (!target_.service.empty())
+            if (const auto service = find_service(*board, target_.service); !service)
+                return tl::unexpected(service.error());
+        return std::vector<KnownBoard>{std::move(*board)};
+    }
+
+    model::Labels shown(model::Labels labels) const {
+        if (target_.service.empty()) return labels;
+        std::erase_if(labels.services,
+                      [this](const auto& one) { return !target_.matches(target_.board, one.first); });
+        labels.labels.clear();
+        labels.pins.clear();
+        return labels;
+    }
+
+    int show(const std::vector<KnownBoard>& boards) {
+        RecordPrinter records(options_.output, RecordPrinter::Count::kList, context_.out);
+        Table table({{"TARGET"}, {"KEY"}, {"VALUE", false, 10}});
+        bool any = false;
+        for (const auto& board : boards) {
+            if (!board.description) continue;
+            const auto labels = shown(board.description->labels);
+            any = any || !labels.empty();
+            if (options_.output.for_people()) {
+                add_rows(table, board.item.board, labels);
+            } else {
+                records.print(record(board.item.board, labels));
+            }
+        }
+        records.finish();
+        if (any && options_.output.for_people())
+            context_.out << table.render(context_.width, context_.colour) << std::flush;
+        if (!any) context_.note("no labels; set one: asipctl label BOARD room=lab");
+        return program::kExitOk;
+    }
+
+    static nlohmann::json record(const std::string& board, const model::Labels& labels) {
+        nlohmann::json object{{"board", board}, {"labels", nlohmann::json::object()}};
+        model::put_labels(object, labels);
+        return object;
+    }
+
+    int change(const std::vector<KnownBoard>& boards) {
+        for (const auto& board : boards) {
+            if (!board.description || board.item.state == "offline") {
+                asked_.emplace_back(Asked{board.item.board});
+                asked_.back().reply = bus::Reply::refused(
+                    std::string(bus::kRefusedBoardNotThere),
+                    board.description ? "it is offline: its agent has ended"
+                                      : "it is known by its names only: it has no agent that keeps labels");
+                continue;
+            }
+            ask(asked_.emplace_back(Asked{board.item.board}));
+        }
+        const auto all = [this](auto done) {
+            return [this, done] { return std::all_of(asked_.begin(), asked_.end(), done); };
+        };
+        session_.run_until(all([this](const Asked& one) {
+                               return one.reply.has_value() ||
+                                      session_.denied(context_.topics.board_in(one.board));
+                           }),
+                           Clock::now() + context_.timeout);
+        // Whoever asks for boards next finds them by their new labels.
+        session_.run_until(all([](const Asked& one) {
+                               return !one.reply || !one.reply->succeeded() || one.announced == one.now;
+                           }),
+                           Clock::now() + kAnnounceTime);
+        return report();
+    }
+
+    void ask(Asked& asked) {
+        asked.descriptions = session_.subscribe(
+            context_.topics.description(asked.board), [&asked](const mqtt::Message& message) {
+                if (auto description = model::parse_description(message.payload))
+                    asked.announced = std::move(description->labels);
+            });
+        asked.request = session_.ask(
+            context_.topics.board_in(asked.board), bus::encode(change_, {}),
+            [&asked](const mqtt::Message& message) {
+                auto reply = bus::parse_reply(message.payload);
+                if (asked.reply || !reply) return;
+                asked.reply = std::move(*reply);
+                asked.now =
+                    labels_of(model::parse_json(asked.reply->answer).value_or(nlohmann::json::object()));
+            },
+            1);
+    }
+
+    int report() {
+        int status = program::kExitOk;
+        RecordPrinter records(options_.output, RecordPrinter::Count::kList, context_.out);
+        Table table({{"TARGET"}, {"KEY"}, {"VALUE", false, 10}});
+        bool any = false;
+        for (const auto& asked : asked_) {
+            const auto reply = reply_of(asked);
+            const auto labels = shown(asked.now);
+            if (!reply.succeeded()) {
+                context_.note(asked.board + ": " + why_not(asked, reply));
+                if (status == program::kExitOk) status = exit_status(reply);
+            }
+            any = any || !labels.empty();
+            if (options_.output.for_people()) {
+                add_rows(table, asked.board, labels);
+                continue;
+            }
+            auto object = record(asked.board, labels);
+            object["status"] = bus::to_string(reply.status);
+            if (!reply.reason.empty()) object["reason"] = reply.reason;
+            if (!reply.error.empty()) object["error"] = reply.error;
+            records.print(object);
+        }
+        records.finish();
+        if (any && options_.output.for_people())
+            context_.out << table.render(context_.width, context_.colour) << std::flush;
+        return status;
+    }
+
+    bus::Reply reply_of(const Asked& asked) const {
+        if (asked.reply) return *asked.reply;
+        const auto topic = context_.topics.board_in(asked.board);
+        if (session_.denied(topic))
+            return bus::Reply::refused("denied", "the broker's access rules deny writing to " + topic);
+        return bus::Reply::timeout("no-answer");
+    }
+
+    std::string why_not(const Asked& asked, const bus::Reply& reply) const {
+        if (!asked.reply && reply.status == bus::Reply::Status::kTimeout)
+            return "nobody answered within " + std::to_string(context_.timeout.count()) +
+                   " ms; is the board's agent running? Try: asipctl doctor";
+        return reply.error.empty() ? explain(reply) : reply.error;
+    }
+
+    const LabelOptions& options_;
+    const Target target_;
+    const bus::LabelSelector selector_;
+    const model::LabelChange change_;
+    Context& context_;
+    BusSession session_;
+    BoardSource source_;
+    std::list<Asked> asked_;
+};
+
+/// `asipctl label -l room=lab shelf=3` and `asipctl label` name no board.
+void find_target(LabelOptions& options) {
+    const auto& first = options.target;
+    const bool change = first.find('=') != std::string::npos || (options.selector && first.ends_with('-'));
+    if (change && options.selector)
+        options.words.insert(options.words.begin(), std::exchange(options.target, ""));
+    if (options.target.empty()) options.target = "*";
+}
+
+int run_label(LabelOptions options, Context& context) {
+    const auto selector = parse_selector(options.selector);
+    if (!selector) return context.fail_with(selector.error());
+    find_target(options);
+    if (options.target.find('=') != std::string::npos)
+        return context.fail_with({program::kExitUsage, "which board? Write asipctl label BOARD " +
+                                                           options.target +
+                                                           ", or choose boards by -l SELECTOR"});
+    const auto target = parse_target(options.target, true);
+    if (!target) return context.fail_with(target.error());
+    if (!options.words.empty() && target->service.find_first_of("*?") != std::string::npos)
+        return context.fail_with({program::kExitUsage, "'" + target->service + "': name one service"});
+    model::LabelChange change;
+    for (const auto& word : options.words)
+        if (const auto added = model::add_assignment(change, word, target->service); !added)
+            return context.fail_with({program::kExitUsage, added.error()});
+    return Labeller(options, *target, *selector, change, context).run();
+}
+
+Run declare_label(Declaration& verb) {
+    auto options = std::make_shared<LabelOptions>();
+    verb.argument("BOARD[/SERVICE]", options->target,
+                  "Which; with * and ? as in a shell. Without it, or with -l alone: every board",
+                  Declaration::Needed::kNo);
+    verb.arguments("KEY=VALUE", options->words,
+                   "What to set: a label, pin.13=NAME, or name=NAME of a service; KEY- removes it. Without "
+                   "any: what there is",
+                   Declaration::Needed::kNo);
+    declare_selector(verb, options->selector);
+    verb.output(options->output, {Output::kTable}, {"board", "labels", "names", "status", "error", "reason"});
+    return [options](Context& context) { return run_label(*options, context); };
+}
+
+}  // namespace
+
+Verb label_verb() {
+    return {
+        "label", "Labels of boards, and friendly names of their services and pins",
+        "They are kept by the board's agent, on its disk, and stand in the board's description. Boards are "
+        "chosen by\n"
+        "them with -l in list, subscribe, send and label: KEY=VALUE, KEY!=VALUE, KEY (it has one), !KEY; a "
+        "comma means and.\n"
+        "Exit status: 0 all kept, 1 refused, 4 no answer.\n"
+        "Examples:\n"
+        "  asipctl label uno1 room=lab floor=2\n"
+        "  asipctl label uno1 floor-\n"
+        "  asipctl label uno1/servo name=\"left arm\"\n"
+        "  asipctl label uno1 pin.13=\"status lamp\"\n"
+        "  asipctl label 'uno*' room=lab\n"
+        "  asipctl label -l room=lab,!shelf shelf=3\n"
+        "  asipctl label uno1\n"
+        "  asipctl label --format '{board} {labels.room}'",
+        declare_label};
+}
+
+}  // namespace asip::cli

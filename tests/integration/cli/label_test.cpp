@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+// Labels end to end: simulated boards, their agents, a registry and asipctl; and the agent killed.
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/integration/cli/bus_fixture.hpp"
+#include "tests/support/temp_dir.hpp"
+
+namespace asip::test {
+namespace {
+
+using nlohmann::json;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+using ::testing::Not;
+
+/// `desk`, and `old`, a board of ASIP 0.4; both with servos.
+class LabelTest : public BusTest {
+  protected:
+    void start(const std::vector<std::string>& names) {
+        Words words{ASIP_PROGRAMS "/asip-sim", "--socket", folder_.file("sim.sock")};
+        for (const auto& name : names)
+            words.push_back(
+                folder_.write(name + ".json", json{{"name", name},
+                                                   {"board", "uno"},
+                                                   {"image", ASIP_IMAGES "/" + kImages.at(name) + ".elf"},
+                                                   {"link", folder_.file(name)}}
+                                                  .dump()));
+        sim_ = std::make_unique<ChildProcess>(words);
+        for (const auto& name : names)
+            ASSERT_TRUE(sim_->wait_for_output(name + " .*port")) << sim_->errors();
+        for (const auto& name : names)
+            start_agent(name);
+        for (const auto& name : names)
+            ASSERT_TRUE(wait_state(name, "online")) << agents_[name]->errors();
+    }
+
+    void start_agent(const std::string& name, const Words& more = {}) {
+        Words words{
+            ASIP_PROGRAMS "/asip-agent", "--serial", folder_.file(name), "--name", name, "--state-dir",
+            folder_.file("state")};
+        words.insert(words.end(), more.begin(), more.end());
+        agents_[name] = std::make_unique<ChildProcess>(words, environment());
+    }
+
+    bool wait_state(const std::string& board, const std::string& state) {
+        return wait_until([&] { return probe_.last("asip/servicebus/" + board + "/$state") == state; });
+    }
+
+    void kill_agent(const std::string& board) {
+        agents_[board]->signal(SIGKILL);
+        agents_[board]->wait_exit();
+        ASSERT_TRUE(wait_state(board, "lost"));
+    }
+
+    std::string labels(const std::string& board) const {
+        return asipctl({"label", board, "--from-bus", "--format", "{labels}"}).output;
+    }
+
+    std::string names_of(Words words) const {
+        words.insert(words.begin(), "list");
+        words.insert(words.end(), {"-o", "name"});
+        return asipctl(words).output;
+    }
+
+    const std::map<std::string, std::string> kImages{{"desk", "asip_uno_services"},
+                                                     {"old", "asip_uno_04_services"}};
+    TempDir folder_;
+    std::unique_ptr<ChildProcess> sim_;
+    std::map<std::string, std::unique_ptr<ChildProcess>> agents_;
+};
+
+TEST_F(LabelTest, Labels_AreSetShownChosenByAndRemoved) {
+    ASSERT_NO_FATAL_FAILURE(start({"desk", "old"}));
+    const auto set = asipctl({"label", "desk", "room=lab", "owner=Ann, Zoë", "pin.13=status lamp"});
+    EXPECT_EQ(set.status, 0) << set.errors;
+    EXPECT_THAT(set.output, MatchesRegex("TARGET +KEY +VALUE\n"
+                                         "desk +owner +Ann, Zoë\n"
+                                         "desk +room +lab\n"
+                                         "desk +pin.13 +status lamp\n"));
+    EXPECT_EQ(asipctl({"label", "desk/servo", "name=left arm"}).output,
+              "TARGET      KEY   VALUE\ndesk/servo  name  left arm\n");
+    EXPECT_EQ(asipctl({"label", "old", "room=lab", "retired="}).status, 0) << "ASIP 0.4";
+    EXPECT_EQ(names_of({"-l", "room=lab", "--from-bus"}), "desk\nold\n") << "at once";
+    EXPECT_EQ(names_of({"-l", "room=lab,!retired", "--from-bus"}), "desk\n");
+    EXPECT_EQ(names_of({"-l", "owner=\"Ann, Zoë\"", "--from-bus"}), "desk\n");
+    EXPECT_EQ(names_of({"-l", "room=hall", "--from-bus"}), "");
+    const auto shown = asipctl({"show", "desk"}).output;
+    EXPECT_THAT(shown, HasSubstr("label      room=lab\n"));
+    EXPECT_THAT(shown, HasSubstr("name       left arm\n"));
+    EXPECT_THAT(shown, HasSubstr("status lamp"));
+    EXPECT_THAT(asipctl({"list", "-o", "wide"}).output, HasSubstr("owner=Ann, Zoë,room=lab"));
+    EXPECT_THAT(asipctl({"list", "services", "-o", "wide"}).output, HasSubstr("left arm"));
+    EXPECT_EQ(asipctl({"pin", "desk", "status lamp", "high"}).output, "13 output high  status lamp\n");
+    EXPECT_EQ(json::parse(asipctl({"pin", "desk", "13", "-o", "json"}).output)["label"], "status lamp");
+    EXPECT_EQ(asipctl({"label", "-l", "room=lab", "room=hall", "owner-"}).status, 0);
+    EXPECT_EQ(labels("desk"), "{\"room\":\"hall\"}\n");
+    EXPECT_EQ(labels("old"), "{\"retired\":\"\",\"room\":\"hall\"}\n");
+    const auto record = json::parse(asipctl({"label", "desk", "-o", "json"}).output);
+    EXPECT_EQ(record, json::parse(R"([{"board":"desk","labels":{"room":"hall"},
+        "names":{"services":{"servo":"left arm"},"pins":{"13":"status lamp"}}}])"));
+}
+
+TEST_F(LabelTest, KilledAgent_HasThemWhenItIsBack) {
+    ASSERT_NO_FATAL_FAILURE(start({"desk"}));
+    ASSERT_EQ(asipctl({"label", "desk", "n=0"}).status, 0);
+    kill_agent("desk");
+    start_agent("desk");
+    ASSERT_TRUE(wait_state("desk", "online"));
+    EXPECT_EQ(labels("desk"), "{\"n\":\"0\"}\n");
+    for (int i = 1; i < 200; ++i)
+        probe_.publish("asip/desk/in", R"({"labels":{"n":")" + std::to_string(i) + R"("}})", false);
+    ASSERT_TRUE(wait_until([&] { return labels("desk") != "{\"n\":\"0\"}\n"; }));
+    kill_agent("desk");
+    start_agent("desk");
+    ASSERT_TRUE(wait_state("desk", "online")) << agents_["desk"]->errors();
+    EXPECT_THAT(labels("desk"), MatchesRegex("\\{\"n\":\"[0-9]+\"\\}\n"));
+    EXPECT_THAT(agents_["desk"]->errors(), Not(HasSubstr("cannot be read")));
+    EXPECT_EQ(asipctl({"label", "desk", "n=last"}).status, 0)
+        << "what was left of the writing is no hindrance";
+}
+
+TEST_F(LabelTest, LabelsOfTheConfiguration_AreThereAndADamagedFileIsKept) {
+    ASSERT_NO_FATAL_FAILURE(start({"desk"}));
+    kill_agent("desk");
+    start_agent("desk", {"--label", "room=lab,floor=2", "--label", "pin.13=lamp"});
+    ASSERT_TRUE(wait_state("desk", "online"));
+    const auto changed = asipctl({"label", "desk", "room=hall"});
+    EXPECT_EQ(changed.status, 1);
+    EXPECT_THAT(changed.errors, HasSubstr("desk: the label room is set in the configuration"));
+    EXPECT_EQ(labels("desk"), "{\"floor\":\"2\",\"room\":\"lab\"}\n");
+    const auto wrong = run({ASIP_PROGRAMS "/asip-agent", "--serial", "x", "--label", "room"});
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(wrong.errors, HasSubstr("--label: \"room\" is not KEY=VALUE"));
+    kill_agent("desk");
+    std::filesystem::create_directories(folder_.path() / "state/labels");
+    const auto file = folder_.write("state/labels/desk.json", "{\"labels\":{\"room\"");
+    start_agent("desk");
+    ASSERT_TRUE(wait_state("desk", "online"));
+    const auto set = asipctl({"label", "desk", "room=lab"});
+    EXPECT_EQ(set.status, 1);
+    EXPECT_THAT(set.errors, HasSubstr(file));
+    EXPECT_THAT(set.errors, HasSubstr("mend or remove it"));
+}
+
+TEST_F(LabelTest, Registry_ChoosesByThemAndTellsChanges) {
+    ASSERT_NO_FATAL_FAILURE(start({"desk"}));
+    ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1"}, environment());
+    ASSERT_TRUE(registry.wait_for_errors("catalogue is complete"));
+    probe_.clear();
+    ASSERT_EQ(asipctl({"label", "desk", "room=lab"}).status, 0);
+    ASSERT_TRUE(wait_until([this] { return names_of({"-l", "room=lab"}) == "desk\n"; }));
+    const auto event = probe_.wait_for([](const mqtt::Message& message) {
+        return message.topic == "asip/registry/r1/events" &&
+               message.payload.find(R"("labels":{"room":"lab"})") != std::string::npos;
+    });
+    ASSERT_TRUE(event);
+    EXPECT_EQ(json::parse(event->payload)["event"], "description");
+    const auto wrong = asipctl({"list", "-l", "room in (lab)"});
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(wrong.errors, HasSubstr("write KEY=VALUE"));
+    EXPECT_EQ(asipctl({"list", "-l", ""}).status, 2) << "an empty variable must not mean every board";
+}
+
+TEST_F(LabelTest, Send_GoesToEachBoardThatIsChosen) {
+    ASSERT_NO_FATAL_FAILURE(start({"desk", "old"}));
+    ASSERT_EQ(asipctl({"label", "*", "room=lab"}).status, 0);
+    const auto sent = asipctl({"send", "*/servo", "write", "0", "90", "-l", "room=lab", "--from-bus"});
+    EXPECT_EQ(sent.status, 0) << sent.errors;
+    EXPECT_THAT(sent.output, MatchesRegex("BOARD +RESULT +ANSWER\ndesk +ok *\nold +ok *\n"));
+    const auto pattern = asipctl({"send", "d*/servo", "write", "0", "10", "-o", "json", "--from-bus"});
+    const auto records = json::parse(pattern.output);
+    ASSERT_EQ(records.size(), 1u);
+    EXPECT_EQ(records[0]["board"], "desk");
+    EXPECT_EQ(records[0]["line"], "S,W,0,10");
+    EXPECT_EQ(records[0]["status"], "ok");
+    const auto none = asipctl({"send", "*/servo", "write", "0", "90", "-l", "room=hall", "--from-bus"});
+    EXPECT_EQ(none.status, 4);
+    EXPECT_THAT(none.errors, HasSubstr("no board is like */servo with labels room=hall"));
+}
+
+TEST_F(LabelTest, OneOfTheBoards_RefusesOrIsAwayAndIsLeftOutOfWhatIsHeard) {
+    ASSERT_NO_FATAL_FAILURE(start({"desk", "old"}));
+    ASSERT_EQ(asipctl({"label", "desk", "room=lab"}).status, 0);
+    for (const char* board : {"desk/io", "old/io"})
+        ASSERT_EQ(asipctl({"send", board, "report", "50"}).status, 0);
+    const auto heard = asipctl({"subscribe", "-l", "room=lab", "-n", "5", "-W", "20"});
+    EXPECT_EQ(heard.status, 0) << heard.errors;
+    EXPECT_THAT(heard.output, HasSubstr("desk/io"));
+    EXPECT_THAT(heard.output, Not(HasSubstr("old/io")));
+    EXPECT_EQ(asipctl({"subscribe"}).status, 2);
+    const auto sent = asipctl({"send", "*", "--raw", "S,W,9,90", "--from-bus"});
+    EXPECT_EQ(sent.status, 1);
+    EXPECT_THAT(sent.output, HasSubstr("INVALID_DEVICE_NUMBER"));
+    EXPECT_THAT(sent.errors, HasSubstr("0 of 2 boards executed it"));
+    kill_agent("old");
+    const auto half = asipctl({"send", "*/servo", "write", "0", "90", "--from-bus"});
+    EXPECT_EQ(half.status, 1);
+    EXPECT_THAT(half.output, MatchesRegex("BOARD +RESULT +ANSWER\ndesk +ok *\nold +refused +it is lost.*\n"));
+    EXPECT_THAT(half.errors, HasSubstr("1 of 2 boards executed it"));
+    probe_.clear();
+    const auto wrong = asipctl({"send", "*/servo", "write", "0", "900", "--from-bus"});
+    EXPECT_EQ(wrong.status, 2) << "nothing is sent where it is wrong";
+    EXPECT_EQ(probe_.count("asip/desk/servo/in"), 0u);
+}
+
+TEST_F(LabelTest, WhatCannotBeLabelled_IsToldWithWhatToWrite) {
+    ASSERT_NO_FATAL_FAILURE(start({"desk"}));
+    probe_.publish("asip/servicebus", "paper", false);
+    probe_.publish("asip/servicebus/paper", "light", false);
+    ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1"}, environment());
+    ASSERT_TRUE(registry.wait_for_errors("catalogue is complete"));
+    probe_.publish("asip/servicebus", "paper", false);
+    ASSERT_TRUE(wait_until([this] { return names_of({"--board", "paper"}) == "paper\n"; }));
+    const auto set = asipctl({"label", "paper", "room=lab"});
+    EXPECT_EQ(set.status, 1);
+    EXPECT_THAT(set.errors, HasSubstr("known by its names only: it has no agent that keeps labels"));
+    const auto all = asipctl({"label", "*", "room=lab", "-o", "jsonl"});
+    EXPECT_EQ(all.status, 1);
+    EXPECT_THAT(all.errors, HasSubstr("paper: it is known by its names only"));
+    EXPECT_THAT(all.output, HasSubstr(R"("board":"desk")"));
+    EXPECT_EQ(labels("desk"), "{\"room\":\"lab\"}\n") << "the others are labelled all the same";
+    const auto why = [this](Words words) {
+        words.insert(words.begin(), "label");
+        const auto done = asipctl(words);
+        EXPECT_EQ(done.status, 2) << done.errors;
+        return done.errors;
+    };
+    EXPECT_THAT(why({"room=lab"}), HasSubstr("asipctl label BOARD room=lab"));
+    EXPECT_THAT(why({"desk", "room"}), HasSubstr("write KEY=VALUE"));
+    EXPECT_THAT(why({"desk/servo", "room=lab"}), HasSubstr("only its name"));
+    EXPECT_THAT(why({"desk/*", "name=x"}), HasSubstr("name one service"));
+    EXPECT_THAT(why({"desk", "pin.999=x"}), HasSubstr("is not a pin"));
+    const auto none = asipctl({"label", "dest", "room=lab"});
+    EXPECT_EQ(none.status, 4);
+    EXPECT_THAT(none.errors, HasSubstr("did you mean \"desk\"?"));
+    EXPECT_EQ(asipctl({"label", "desk/sevo", "name=x"}).status, 1);
+    EXPECT_EQ(asipctl({"label", "desk", "pin.99=x"}).status, 1) << "the agent knows how many it has";
+}
+
+}  // namespace
+}  // namespace asip::test
