@@ -95,8 +95,8 @@ std::unique_ptr<PinsPart> read_pins(std::string_view text);
 /// The kinds in it are referred to; the one that deletes the part releases them.
 std::unique_ptr<ServicesPart> read_services(std::string_view text, KindTable& kinds);
 
-/// Labels and friendly names, from the members of these names; empty: there is none. Null if they are not what
-/// they should be.
+/// Labels and friendly names, from the members of these names; empty: there is none. Null if they are not
+/// what they should be.
 std::unique_ptr<model::Labels> read_labels(std::string_view labels, std::string_view names);
 
 /// What stood between the quotes of a JSON string, escapes undone.

@@ -84,7 +84,11 @@ Expected<QueryPlan> make_query_plan(const bus::Query& query, const KindTable& ki
 }
 
 bool QueryPlan::board_matches(const Board& b) const {
-    bus::BoardFacts facts{b.name, {}, {}, {}, b.pins == nullptr ? 0 : b.pins->capabilities,
+    bus::BoardFacts facts{b.name,
+                          {},
+                          {},
+                          {},
+                          b.pins == nullptr ? 0 : b.pins->capabilities,
                           b.labels() == nullptr ? nullptr : &b.labels()->labels};
     if (b.firmware != nullptr) {
         facts.chip = b.firmware->chip;
