@@ -3,9 +3,6 @@
 
 #include <utility>
 
-#include "asip/bus/reply.hpp"
-#include "asip/bus/request_envelope.hpp"
-
 namespace asip::cli {
 
 using bus::TopicKind;
@@ -13,7 +10,10 @@ using member::Announcements;
 
 ReplayBoard::ReplayBoard(const bus::Topics& topics, Identity identity,
                          const std::optional<model::Description>& first, Random random)
-    : topics_(topics), identity_(std::move(identity)) {
+    : topics_(topics),
+      identity_(std::move(identity)),
+      bystander_(topics, identity_.name, std::string(kRefusedRecorded),
+                 "this board is a recording; it executes nothing") {
     if (!first) return;
     auto options = identity_.announcer;
     options.board = identity_.name;
@@ -37,11 +37,10 @@ std::optional<mqtt::Message> ReplayBoard::will() const {
 }
 
 std::vector<member::Announcer::Subscription> ReplayBoard::subscriptions() const {
-    const auto& name = identity_.name;
-    std::vector<member::Announcer::Subscription> all;
-    if (announcer_) all = announcer_->subscriptions();
-    for (const auto& filter : {topics_.board_in(name), topics_.service_in(name, "+"), topics_.stop(name)})
-        all.push_back({filter, {.qos = 1}});
+    auto all = bystander_.subscriptions();
+    if (announcer_)
+        for (auto& one : announcer_->subscriptions())
+            all.push_back(std::move(one));
     return all;
 }
 
@@ -60,21 +59,12 @@ void ReplayBoard::on_disconnected() {
 }
 
 void ReplayBoard::on_message(const mqtt::Message& message, Time now, Announcements& out) {
-    const auto topic = topics_.parse(message.topic);
-    if (!topic) return;
-    const bool command = topic->kind == TopicKind::kBoardIn || topic->kind == TopicKind::kServiceIn ||
-                         topic->kind == TopicKind::kStop;
-    if (command) return refuse(message, out);
-    if (announcer_) announcer_->on_message(message, now, out);
-}
-
-void ReplayBoard::refuse(const mqtt::Message& command, Announcements& out) const {
-    if (command.retain || !ready()) return;
-    const auto envelope = bus::open_envelope(command);
-    auto reply = bus::reply_message(
-        envelope ? envelope->reply : envelope.error().reply,
-        bus::Reply::refused(std::string(kRefusedRecorded), "this board is a recording; it executes nothing"));
-    if (reply) out.publish.push_back({std::move(*reply), mqtt::Priority::kReply});
+    if (!topics_.parse(message.topic)) return;
+    if (!bystander_.is_command(message)) {
+        if (announcer_) announcer_->on_message(message, now, out);
+    } else if (ready()) {
+        bystander_.refuse(message, out);
+    }
 }
 
 void ReplayBoard::tick(Time now, Announcements& out) {

@@ -6,6 +6,7 @@
 
 #include "asip/bus/topics.hpp"
 #include "asip/member/announcer.hpp"
+#include "asip/member/bystander.hpp"
 #include "asip/mqtt/message.hpp"
 #include "asip/random.hpp"
 #include "cli/recording.hpp"
@@ -47,10 +48,10 @@ class ReplayBoard {
 
   private:
     void describe(model::Description description);
-    void refuse(const mqtt::Message& command, member::Announcements& out) const;
 
     bus::Topics topics_;
     Identity identity_;
+    member::Bystander bystander_;
     std::optional<member::Announcer> announcer_;  // none: names only
     std::optional<model::Description> described_;
     bool connected_ = false;

@@ -18,6 +18,7 @@
 #include "sim/program/input_commands.hpp"
 #include "sim/program/options.hpp"
 #include "sim/program/running_boards.hpp"
+#include "sim/program/world_publisher.hpp"
 
 namespace asip::sim {
 namespace {
@@ -101,6 +102,7 @@ int run_boards(const Options& options) {
 
     Reporter reporter(options.json ? Reporter::Format::kJson : Reporter::Format::kText, write_stdout);
     std::vector<std::unique_ptr<LiveBoard>> boards;
+    RoverNames rovers;
     for (std::size_t i = 0; i < files->size(); ++i) {
         auto board = LiveBoard::create((*files)[i], reporter);
         if (!board) {
@@ -109,11 +111,19 @@ int run_boards(const Options& options) {
             return report(program::kExitUsage, has_place ? board.error() : source + ": " + board.error());
         }
         boards.push_back(std::move(*board));
+        rovers.made((*files)[i]);
     }
     const unsigned threads =
         options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
 
     boost::asio::io_context context;
+    std::unique_ptr<WorldPublisher> publisher;
+    if (!options.publish_world.empty()) {
+        auto created =
+            WorldPublisher::create(context, options.publish_world, options.broker, *files, rovers.names());
+        if (!created) return report(program::kExitUsage, created.error());
+        publisher = std::move(*created);
+    }
     boost::asio::signal_set signals(context, SIGINT, SIGTERM, SIGHUP);
     signals.async_wait([&](boost::system::error_code, int) { context.stop(); });
     RunningBoards running(std::move(boards), threads, slice_for(options, files->size(), threads));
@@ -140,6 +150,11 @@ int run_boards(const Options& options) {
         });
     });
     context.run();
+    if (publisher) {
+        context.restart();
+        publisher->end([&] { context.stop(); });
+        context.run();
+    }
     return 0;
 }
 

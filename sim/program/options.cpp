@@ -3,8 +3,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "asip/program/options.hpp"
-
 namespace asip::sim {
 namespace {
 
@@ -27,6 +25,8 @@ constexpr const char* kExamples =
     "      An Uno without parts, also at /tmp/uno.\n"
     "  asip-sim uno.json --tcp 6789\n"
     "      The same serial port over TCP.\n"
+    "  asip-sim mirto.json --publish-world world --broker 127.0.0.1\n"
+    "      A robot; the floor that it drives on is on the bus as world, and on the gateway's page.\n"
     "  asip-sim ctl set uno/pot1 0.3\n"
     "      A command, from another terminal.\n"
     "\n"
@@ -72,6 +72,7 @@ Expected<Options, int> read_options(int argc, const char* const* argv) {
     Options options;
     std::string socket;
     unsigned slice = 0;
+    program::LogOptions log;
     CLI::App app{kAbout, "asip-sim"};
     app.footer(kExamples);
     program::Settings settings(app, "asip-sim");
@@ -88,6 +89,14 @@ Expected<Options, int> read_options(int argc, const char* const* argv) {
     settings.setting(app.add_option("--threads", options.threads,
                                     "Threads that share the boards; default: one for each core")
                          ->check(CLI::Range(1, 64)));
+    settings
+        .setting(
+            app.add_option("--publish-world", options.publish_world,
+                           "Publish the world that the boards share, as a member of the bus of this name"))
+        ->type_name("NAME");
+    settings.add_broker_options(options.broker);
+    app.get_option("--broker")->allow_extra_args(false);  // what follows it is a board
+    settings.add_log_options(log);
     const auto* control = declare_control(app, socket, options);
 
     if (const auto status = settings.parse(argc, argv)) return Unexpected<int>(*status);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "asip/expected.hpp"
+#include "asip/program/options.hpp"
 
 namespace asip::sim {
 
@@ -21,6 +22,9 @@ struct Options {
     bool no_socket = false;
     std::chrono::microseconds slice{0};  ///< 0: by the number of boards
     unsigned threads = 0;                ///< 0: one for each core
+
+    std::string publish_world;  ///< the name of the boards' world on the bus; empty: it is not there
+    program::BrokerOptions broker{};
 
     std::vector<std::string> command;  ///< asip-sim ctl: its words; otherwise empty
 };

@@ -19,6 +19,7 @@ namespace asip::sim::world {
 struct Obstacle {
     Point at;
     double radius_mm = 0;
+    bool operator==(const Obstacle&) const = default;
 };
 
 /// What a world consists of at its start.
