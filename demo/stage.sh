@@ -97,4 +97,5 @@ start_boards() { # two simulated boards, desk and lamp, each with its agent
 boards_are() { [ "$(asipctl list boards --state online -o name 2>/dev/null | wc -l)" -eq "$1" ]; }
 # What a second terminal needs.
 exports() { printf 'export ASIP_BROKER=%s ASIP_SOCKET=%s PATH=%s:$PATH\n' "$ASIP_BROKER" "$work/sim.sock" "$bin"; }
+page_of() { echo "$(page)/#/board/$1"; } # page_of BOARD
 page() { sed -n 's/.*listening  address=\(http[^ ]*\).*/\1/p' "$work/gateway.log"; }

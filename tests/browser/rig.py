@@ -73,13 +73,14 @@ def die_with_parent():
 
 
 class Bus:
-    def __init__(self, boards=(DESK, LAMP)):
+    def __init__(self, boards=(DESK, LAMP), simulator_options=()):
         self.work = pathlib.Path(tempfile.mkdtemp(prefix="asip-browser-"))
         self.programs = {}
         self.broker_port = free_port()
         self.http_port = free_port()
         self.url = f"http://127.0.0.1:{self.http_port}"
         self.boards = boards
+        self.simulator_options = simulator_options
         try:
             self.start_all()
         except BaseException:
@@ -98,7 +99,7 @@ class Bus:
             file = self.work / f"{board['name']}.json"
             file.write_text(json.dumps(board))
             files.append(str(file))
-        self.start("sim", "asip-sim", "--socket", str(self.work / "sim.sock"), *files)
+        self.start("sim", "asip-sim", "--socket", str(self.work / "sim.sock"), *self.simulator_options, *files)
         for board in self.boards:
             self.start_agent(board["name"])
         eventually(lambda: all(self.state(board["name"]) == "online" for board in self.boards), "all boards online", 60)
@@ -341,11 +342,12 @@ class PageTest(unittest.TestCase):
     """One bus and one browser for all tests of a class. What a page logs as an error is a failure."""
 
     boards = (DESK, LAMP)
+    simulator_options = ()
     expected_errors = ()
 
     @classmethod
     def setUpClass(cls):
-        cls.bus = Bus(cls.boards)
+        cls.bus = Bus(cls.boards, cls.simulator_options)
         cls.addClassCleanup(cls.bus.close)
         cls.browser = Browser()
         cls.addClassCleanup(cls.browser.close)

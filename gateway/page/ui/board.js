@@ -8,6 +8,7 @@ import { boards, status } from "./model.js";
 import "./history.js";
 import { has_pins } from "./pins.js";
 import "./service.js";
+import { is_floor, is_pose } from "./world.js";
 
 const kReloadMs = 200;
 
@@ -24,13 +25,14 @@ class Board extends Part {
     this.facts = h("dl", { class: "facts" });
     this.pins = document.createElement("asip-pins");
     this.pins_box = h("section", { "aria-label": "Pins", hidden: true }, h("h2", {}, "Pins"));
+    this.world_box = h("section", { "aria-label": "World", hidden: true }, h("h2", {}, "World"));
     this.shown_services = new Map();
     this.no_service = h("p", { class: "empty", hidden: true }, "This board offers no service.");
     this.services = h("section", { class: "services", "aria-label": "Services" }, h("h2", {}, "Services"), this.no_service);
     this.problem = h("p", { class: "empty", role: "status", hidden: true });
     this.tools = h("span", { class: "tools" });
     this.append(h("p", { class: "back" }, h("a", { href: "#/" }, "← All boards")), h("div", { class: "title-row" }, this.heading, this.mark, this.since, this.tools),
-      this.problem, this.facts, this.pins_box, this.services,
+      this.problem, this.facts, this.pins_box, this.world_box, this.services,
       h("section", {}, h("h2", {}, "History"), document.createElement("asip-history").begin(path_of("boards", this.name, "history"), false)));
     this.listen(boards, "board", (event) => { if (event.board === this.name) this.reload(event.kind); });
     this.listen(boards, "change", () => this.show_state());
@@ -110,21 +112,38 @@ class Board extends Part {
     if (!this.pins_box.hidden && !this.pins.isConnected) this.pins_box.append(this.pins);
   }
 
+  show_world(floor, rovers) {
+    this.world_box.hidden = !floor;
+    if (floor && this.world?.service !== floor.name) {
+      this.world?.remove();
+      this.world = document.createElement("asip-world").begin(this.name, floor.name);
+      this.world_box.append(this.world);
+    }
+    this.world?.keep(rovers.map((each) => each.name));
+  }
+
+  listener_of(service) {
+    if (service.name === "io") return (value, past) => { if (!past) this.pins.reported?.(value); };
+    return is_pose(service) ? (value) => this.world?.moved(service.name, value) : undefined;
+  }
+
   // Services that stay keep their element: what is entered in a form must not vanish when the board says something new.
   show_services(services) {
     const pins = !this.pins_box.hidden;
-    const order = [...services].sort((a, b) => (a.name === "io") - (b.name === "io"));
+    const floor = services.find(is_floor);
+    this.show_world(floor, services.filter(is_pose));
+    const order = services.filter((service) => service !== floor).sort((a, b) => (a.name === "io") - (b.name === "io"));
     const known = this.shown_services;
     this.shown_services = new Map(order.map((service) => {
       const key = JSON.stringify([service.name, service.model, pins]);
       const element = known.get(key) ?? document.createElement("asip-service").begin(this.name, service, {
-        pins: pins && service.name === "io", on_value: service.name === "io" ? (value) => this.pins.reported?.(value) : undefined });
+        pins: pins && service.name === "io", on_value: this.listener_of(service) });
       if (known.has(key)) element.update(service);
       return [key, element];
     }));
     for (const [key, element] of known) if (!this.shown_services.has(key)) element.remove();
     for (const element of this.shown_services.values()) if (!element.isConnected) this.services.append(element);
-    this.no_service.hidden = order.length > 0;
+    this.no_service.hidden = services.length > 0;
   }
 }
 

@@ -11,7 +11,7 @@ import "./plot.js";
 const kOwnCommands = new Set(["mode", "write", "pwm"]); // of the I/O service: a click on the pin does it
 
 class Service extends Part {
-  /// Call before it is put into the page. `on_value` gets each value, `pins` says that the board's pins show them.
+  /// Call before it is put into the page. `on_value` gets each value and whether it is of the past, `pins` says that the board's pins show them.
   begin(board, service, { on_value, pins = false } = {}) {
     Object.assign(this, { board, service, on_value, pins });
     return this;
@@ -92,7 +92,7 @@ class Service extends Part {
     const at = time_of(message.at) ?? Date.now();
     this.left_out += message.left_out ?? 0;
     for (const [name, value] of Object.entries(message.value)) this.value(name, value, at);
-    if (!past) this.on_value?.(message.value);
+    this.on_value?.(message.value, past);
     this.refresh();
   }
 
