@@ -100,6 +100,12 @@ std::vector<ServiceInfo> BlockingBoard::services() const {
         .value_or(Infos());
 }
 
+std::map<std::string, std::string> BlockingBoard::labels() const {
+    using Labels = std::map<std::string, std::string>;
+    return call<Labels>([](Runner& own) -> Awaitable<Labels> { co_return own.board().labels(); })
+        .value_or(Labels());
+}
+
 Result<void> BlockingBoard::set_pin_mode(int pin, protocol::PinMode mode) {
     return call<void>([=](Runner& own) { return own.board().set_pin_mode(pin, mode); });
 }

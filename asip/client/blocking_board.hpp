@@ -34,6 +34,7 @@ class BlockingBoard {
     std::string name() const;
     bool online() const;
     std::vector<ServiceInfo> services() const;
+    std::map<std::string, std::string> labels() const;
 
     Result<void> set_pin_mode(int pin, protocol::PinMode mode);
     Result<void> digital_write(int pin, bool level);

@@ -63,6 +63,10 @@ std::vector<ServiceInfo> Board::services() const {
     return core_ ? core_->transport().services() : std::vector<ServiceInfo>();
 }
 
+std::map<std::string, std::string> Board::labels() const {
+    return core_ ? core_->transport().labels() : std::map<std::string, std::string>();
+}
+
 Awaitable<void> Board::set_pin_mode(int pin, protocol::PinMode mode) const {
     if (core_ && !protocol::is_digital_input(mode)) {
         core_->forget_level(pin);

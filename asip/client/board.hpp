@@ -5,6 +5,7 @@
 #include <boost/asio/io_context.hpp>
 #include <chrono>
 #include <functional>
+#include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -52,6 +53,9 @@ class Board {
     bool online() const;
     /// The services that the board has, in its order; empty before it was there for the first time.
     std::vector<ServiceInfo> services() const;
+    /// The labels that people gave the board (`asipctl label`), by key, as last announced. Over a serial port
+    /// or TCP there are none: they are kept by the board's agent.
+    std::map<std::string, std::string> labels() const;
 
     // Every call below may fail with kInvalid (nothing was sent), kRefused, kBoard (its error number is in
     // Error::code), kTimeout (Options::command_timeout), kUnreachable or kClosed; see Error.

@@ -174,10 +174,15 @@ std::vector<ServiceInfo> BusTransport::services() const {
     std::vector<ServiceInfo> infos;
     if (description_) {
         for (const auto& service : description_->services) {
-            infos.push_back({service.name, service.id, service.title});
+            infos.push_back(
+                {service.name, service.id, service.title, description_->labels.service(service.name)});
         }
     }
     return infos;
+}
+
+std::map<std::string, std::string> BusTransport::labels() const {
+    return description_ ? description_->labels.labels : std::map<std::string, std::string>();
 }
 
 void BusTransport::close() {

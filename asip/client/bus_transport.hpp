@@ -31,6 +31,7 @@ class BusTransport final : public Transport {
     Awaitable<void> raw(std::string line) override;
     std::string board_name() const override { return address_.board; }
     std::vector<ServiceInfo> services() const override;
+    std::map<std::string, std::string> labels() const override;
     void close() override;
 
   private:

@@ -3,6 +3,7 @@
 #include "asip/client/awaitable.hpp"
 
 #include <boost/asio/any_io_executor.hpp>
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -16,6 +17,8 @@ struct ServiceInfo {
     std::string name;   ///< as on the bus: "distance"; its letter if no model describes it
     char id = 0;        ///< its letter on the wire
     std::string title;  ///< for a person
+    /// What people call it (`asipctl label BOARD/SERVICE name=...`); empty: nothing, or not over MQTT.
+    std::string label{};
 };
 
 /// What carries a board's commands and events: Board's only dependency. DirectTransport (serial, TCP) and
@@ -63,6 +66,8 @@ class Transport {
     /// What is known since open(); stable between two on_presence calls.
     virtual std::string board_name() const = 0;
     virtual std::vector<ServiceInfo> services() const = 0;
+    /// As its agent announced them last; none where there is no agent.
+    virtual std::map<std::string, std::string> labels() const { return {}; }
 
     /// Closes the port or the connection to the broker; calls in progress end with kClosed, the listener is
     /// not called any more.

@@ -100,8 +100,9 @@ class SecuredBus : public ::testing::Test {
   protected:
     SecuredBroker broker_;
     SimulatedBoards boards_{{"asip_uno"}};
-    ChildProcess agent_{
-        with({ASIP_TEST_AGENT, "--serial", boards_.serial(), "--name", "uno"}, broker_.options("uno"))};
+    ChildProcess agent_{with(
+        {ASIP_TEST_AGENT, "--serial", boards_.serial(), "--name", "uno", "--label", "room=lab,io/name=pins"},
+        broker_.options("uno"))};
 
     client::Result<BlockingBoard> open_as(const std::string& user) {
         client::Options options;
@@ -133,7 +134,9 @@ TEST_F(SecuredBus, OptionsOfTheDocumentation_OpenTheBoard) {
 TEST_F(SecuredBus, Viewer_SeesTheBoardAndCannotCommandIt) {
     auto board = open_as("viewer");
     ASSERT_TRUE(board) << to_string(board.error()) << agent_.errors();
-    EXPECT_FALSE(board->services().empty());
+    EXPECT_EQ(board->labels(), (std::map<std::string, std::string>{{"room", "lab"}}));
+    ASSERT_FALSE(board->services().empty());
+    EXPECT_EQ(board->services().front().label, "pins");
     const auto refused = board->raw("I,P,13,3");
     ASSERT_FALSE(refused);
     EXPECT_THAT(refused.error().text, HasSubstr("let user viewer write"));
