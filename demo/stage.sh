@@ -43,6 +43,13 @@ start() { # start NAME COMMAND...: in the background, its words in a log file
     started+=("$name")
 }
 
+ended() { # ended NAME: waits for its end; with its status
+    wait "${pids[$1]}" || return
+    local i
+    for i in "${!started[@]}"; do [ "${started[i]}" != "$1" ] || unset "started[i]"; done
+    started=("${started[@]}")
+}
+
 within() { # within SECONDS WHAT COMMAND...: tries until it succeeds
     local until=$((SECONDS + $1)) what=$2
     shift 2
@@ -66,13 +73,13 @@ part() { sim list | awk -v name="$1" '$1 == name { print $3 }'; } # what a part 
 
 port_is_free() { ! (exec 3<>"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }
 for _ in {1..50}; do
-    port=$((20000 + RANDOM % 20000))
+    port=$((20000 + RANDOM % 12000))
     port_is_free $port && break
 done
 export ASIP_BROKER=127.0.0.1:$port
 
 
-start_bus() { # the broker, a registry and a gateway
+start_bus() { # the broker and a registry
     sed -e "s|^listener .*|listener $port 127.0.0.1|" -e "s|^persistence_location .*|persistence_location $work/|" \
         "$root/packaging/mosquitto/asip.conf" >"$work/mosquitto.conf"
     local mosquitto
@@ -80,8 +87,8 @@ start_bus() { # the broker, a registry and a gateway
     start broker "$mosquitto" -c "$work/mosquitto.conf"
     within 5 "the broker's start" eval "! port_is_free $port"
     start registry "$bin/asip-registry"
-    start gateway "$bin/asip-gateway" --http 127.0.0.1:0
 }
+start_gateway() { start gateway "$bin/asip-gateway" --http 127.0.0.1:0; }
 start_boards() { # two simulated boards, desk and lamp, each with its agent
     local board
     for board in desk lamp; do

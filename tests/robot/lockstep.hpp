@@ -2,6 +2,7 @@
 #pragma once
 #include <chrono>
 #include <memory>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ struct Path {
     std::chrono::microseconds jitter{0};   ///< up to this much more, evenly; messages keep their order
     double loss = 0;                       ///< share of the messages that never arrive
 };
+inline void PrintTo(const Path& path, std::ostream* out) {
+    *out << path.name;
+}
 
 /// The follower opens the serial port itself.
 Path serial_path();

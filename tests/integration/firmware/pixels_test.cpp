@@ -145,6 +145,9 @@ struct PixelKind {
     const char* board;
     std::uint32_t frequency;
 };
+void PrintTo(const PixelKind& kind, std::ostream* out) {
+    *out << kind.image;
+}
 
 class PixelBoardsTest : public testing::TestWithParam<PixelKind> {};
 
