@@ -2,6 +2,7 @@
 #include "agent/application.hpp"
 
 #include <boost/asio/post.hpp>
+#include <utility>
 
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
@@ -157,7 +158,7 @@ void Application::arm_timer() {
     timer_.expires_at(*deadline);
     timer_.async_wait([this](boost::system::error_code error) {
         if (error || stopping_) return;
-        armed_for_.reset();
+        held_up_.runs(Clock::now(), std::exchange(armed_for_, std::nullopt));
         with_bridge([&](Time now, Effects& out) {
             if (const auto due = bridge_.next_deadline(); due && *due <= now) bridge_.tick(now, out);
         });

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "agent/bridge.hpp"
+#include "agent/held_up.hpp"
 #include "agent/inbox.hpp"
 #include "agent/label_files.hpp"
 #include "agent/log_feed.hpp"
@@ -77,6 +78,7 @@ class Application {
     boost::asio::steady_timer safe_timer_;
     LogFeed log_feed_;
     Inbox inbox_;
+    HeldUp held_up_;
     std::size_t arrived_ = 0;  // commands in this turn of the loop
     bool turn_scheduled_ = false;
     Outage outage_;
@@ -100,6 +102,7 @@ class Application {
 template <class Call>
 void Application::with_bridge(Call&& call) {
     if (stopping_) return;
+    held_up_.runs(Clock::now(), armed_for_);
     Effects effects;
     call(Clock::now(), effects);
     perform(effects);

@@ -120,6 +120,9 @@ mqtt::Client::Handlers Application::bus_handlers() {
 }
 
 void Application::message_received(const mqtt::Message& message) {
+    if (stopping_) return;
+    held_up_.runs(Clock::now(), armed_for_);
+    const Time arrival = held_up_.arrival(Clock::now());
     const std::string_view topic = message.topic;
     if (topic.ends_with("/$stop")) {
         with_bridge([&](Time now, Effects& out) {
@@ -133,10 +136,10 @@ void Application::message_received(const mqtt::Message& message) {
                          message.payload.find("\"renew\"") == std::string::npos;
     if (command) ++arrived_, schedule_turn();
     if (!command || (inbox_.empty() && arrived_ <= kAtOnce)) {
-        with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, now, out); });
+        with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, {.at = arrival}, now, out); });
         return;
     }
-    inbox_.push(message, Clock::now());
+    inbox_.push(message, arrival);
     if (inbox_.full()) handle_oldest();
 }
 

@@ -39,10 +39,12 @@ session::ClientId client_of(const std::string& topic) {
 }
 
 Duration deadline_of(const bus::RequestEnvelope& envelope, const mqtt::Message& message) {
-    if (envelope.deadline) return *envelope.deadline;
-    if (!message.expiry_seconds) return session::kDefaultDeadline;
-    return std::clamp<std::chrono::milliseconds>(std::chrono::seconds(*message.expiry_seconds),
-                                                 bus::kMinDeadline, bus::kMaxDeadline);
+    if (!message.expiry_seconds)
+        return envelope.deadline ? Duration(*envelope.deadline) : session::kDefaultDeadline;
+    const auto left = std::clamp<std::chrono::milliseconds>(std::chrono::seconds(*message.expiry_seconds),
+                                                            bus::kMinDeadline, bus::kMaxDeadline);
+    // What is left of the expiry shows how long it was on its way; brokers cut off up to a second.
+    return envelope.deadline ? std::min<Duration>(*envelope.deadline, left + std::chrono::seconds(1)) : left;
 }
 
 // `{"renew":"7"}`, unless the service has a command of that name.

@@ -59,7 +59,7 @@ struct Connected {
 };
 
 /// What publish() did. Of a message of QoS 1 that was kSent or kQueued, on_published or on_publish_denied
-/// reports the end, unless it is dropped from the queue and counted.
+/// reports the end, unless it is dropped from the queue, or its time is over, and counted.
 enum class PublishResult {
     kSent,     ///< handed to the socket
     kQueued,   ///< waits: not connected, or the broker is slower than we are
@@ -72,6 +72,7 @@ struct Counters {
     std::uint64_t received = 0;
     std::uint64_t dropped_context = 0;  ///< oldest context values that were dropped from a full queue
     std::uint64_t refused = 0;          ///< publish() returned kRefused
+    std::uint64_t expired = 0;          ///< not sent, because their time was over: see publish()
     std::uint64_t rejected = 0;         ///< acknowledged by the broker with an error (not authorised, quota)
     std::uint64_t connects = 0;         ///< accepted connections
     std::uint64_t failures = 0;         ///< failed attempts and lost connections
@@ -141,6 +142,8 @@ class Client {
     /// Publishes, or queues in order. Of retained messages that wait, the newest of a topic replaces the
     /// older. May be called before start(), and while there is no connection. `priority` decides what is
     /// dropped first when the queue is full; of the order only that Priority::kUrgent leaves ahead of all.
+    /// A message with expiry_seconds that is not retained is dropped and counted when it waited, or was not
+    /// acknowledged, for so long; also on 3.1.1, where brokers do not know of it.
     PublishResult publish(Message message, Priority priority = Priority::kContext);
 
     /// Forgets what is queued and not yet handed over, for a program that announces anew on each connection.

@@ -82,7 +82,7 @@ PublishResult Client::Impl::publish(Message message, Priority priority) {
         ++counters_.refused;
         return PublishResult::kRefused;
     }
-    if (!outbox_.push(std::move(message), priority)) {
+    if (!outbox_.push(std::move(message), priority, Clock::now())) {
         ++counters_.refused;
         return PublishResult::kRefused;
     }
@@ -95,7 +95,15 @@ PublishResult Client::Impl::publish(Message message, Priority priority) {
 void Client::Impl::flush() {
     while (!outbox_.empty() && connection_ && connection_->ready_to_write() &&
            window_open(outbox_.front().message)) {
-        const int error = send(outbox_.pop());
+        auto entry = outbox_.pop();
+        const auto now = Clock::now();
+        if (entry.expired(now)) {
+            ++counters_.expired;
+            debug_line("not published on " + entry.message.topic + ": its time was over before it could be");
+            continue;
+        }
+        entry.age(now);
+        const int error = send(std::move(entry));
         if (is_connection_error(error)) {
             connection_->fail(closed_by(brokers_.current(), 0));
             break;

@@ -18,7 +18,7 @@ struct Message {
 
     std::string response_topic{};  ///< where an answer is wanted; empty: nowhere
     std::string correlation{};     ///< correlation data, any bytes
-    /// How long the broker may keep it; when received: what is left.
+    /// For how long it is of use: neither sender nor broker delivers it later. When received: what is left.
     std::optional<std::uint32_t> expiry_seconds{};
     std::vector<std::pair<std::string, std::string>> user_properties{};
 };

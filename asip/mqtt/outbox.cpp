@@ -50,7 +50,13 @@ bool Outbox::replaced(Entry& older, Message& message, Priority priority) {
     return true;
 }
 
-bool Outbox::push(Message message, Priority priority) {
+void Outbox::Entry::age(Time now) {
+    if (!until) return;
+    const auto left = std::chrono::ceil<std::chrono::seconds>(*until - now);
+    message.expiry_seconds = static_cast<std::uint32_t>(std::max<std::int64_t>(left.count(), 1));
+}
+
+bool Outbox::push(Message message, Priority priority, Time now) {
     if (message.retain) {
         if (const auto older = retained_.find(message.topic); older != retained_.end()) {
             const auto place = older->second;
@@ -69,7 +75,10 @@ bool Outbox::push(Message message, Priority priority) {
     }
     if (!fits(bound_of(priority))) return false;
     auto& own = queue(priority);
-    insert(own, own.end(), Entry{std::move(message), priority, next_order_++});
+    std::optional<Time> until;
+    if (message.expiry_seconds && !message.retain)
+        until = now + std::chrono::seconds(*message.expiry_seconds);
+    insert(own, own.end(), Entry{std::move(message), priority, next_order_++, until});
     return true;
 }
 

@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "asip/mqtt/message.hpp"
+#include "asip/time.hpp"
 
 namespace asip::mqtt {
 
@@ -27,12 +28,19 @@ class Outbox {
         Message message;
         Priority priority;
         std::uint64_t order;  ///< for put_back()
+        /// Its time is over then: whoever published it wants it no more. None without an expiry, and of what
+        /// is retained: that says how things are, and waits for as long as it takes.
+        std::optional<Time> until;
+
+        bool expired(Time now) const { return until && now >= *until; }
+        /// Makes its expiry what is left of it, in whole seconds and at least one.
+        void age(Time now);
     };
 
     explicit Outbox(Bounds max) : max_(max) {}
 
     /// False: refused.
-    bool push(Message message, Priority priority);
+    bool push(Message message, Priority priority, Time now = {});
 
     /// The entry that leaves next. Precondition: !empty().
     const Entry& front() const { return first()->front(); }

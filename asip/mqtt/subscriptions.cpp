@@ -40,7 +40,9 @@ std::vector<Subscriptions::Sending> Subscriptions::due(Time now) const {
     std::vector<Sending> result;
     for (const auto& filter : open_) {
         const auto& wanted = wanted_.at(filter);
-        if (wanted.state == State::kDue || now >= wanted.again) result.emplace_back(filter, wanted.options);
+        if (wanted.state != State::kDue && now < wanted.again) continue;
+        result.emplace_back(filter, wanted.options);
+        if (wanted.refusals > 0) result.back().second.qos = 0;
     }
     return result;
 }

@@ -27,8 +27,9 @@ struct SubscribeOptions {
 };
 
 /// Which subscriptions are wanted and how far the broker has granted them. A refused one is due again after a
-/// growing pause (1 s to 30 s). Pure: the caller sends what is due and reports what the broker answered. What
-/// a call costs does not grow with the number of subscriptions that are granted.
+/// growing pause (1 s to 30 s), and then with QoS 0, because NATS refuses only QoS 1 while a node is dead.
+/// Pure: the caller sends what is due and reports what the broker answered. What a call costs does not grow
+/// with the number of subscriptions that are granted.
 class Subscriptions {
   public:
     static constexpr int kMaxRefusals = 3;

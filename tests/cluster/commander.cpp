@@ -37,7 +37,7 @@ Millis now() {
 }
 
 Commander::Commander(boost::asio::io_context& io, asip::mqtt::Options options, History& history,
-                     std::size_t boards, double per_second, std::size_t first)
+                     const Load& load)
     : history_(history),
       requester_(options.client_id, asip::bus::ReplyTopics(topics_, options.user, options.client_id)),
       client_(io, options,
@@ -50,9 +50,9 @@ Commander::Commander(boost::asio::io_context& io, asip::mqtt::Options options, H
                .on_debug = {},
                .on_subscribed = {}}),
       timer_(io),
-      pause_(static_cast<std::int64_t>(1e6 / per_second)),
-      boards_(boards),
-      next_(first) {
+      pause_(static_cast<std::int64_t>(1e6 / load.per_second)),
+      load_(load),
+      next_(load.first) {
     client_.subscribe(requester_.replies().filter(), {.qos = 1});
 }
 
@@ -68,13 +68,13 @@ void Commander::send() {
         timer_.expires_at(timer_.expiry() + pause_);
         std::erase_if(waiting_, [](const auto& each) { return now() > each.second.until; });
         const std::size_t token = history_.commands.size();
-        const std::size_t board = next_++ % boards_;
+        const std::size_t board = next_++ % load_.boards;
         history_.commands.push_back({.board = board, .sent = now()});
         asip::mqtt::Message message;
         message.topic = topics_.board_in(history_.boards[board]);
         message.payload =
             nlohmann::json{{"raw", Board::request(token)}, {"deadline_ms", history_.deadline}}.dump();
-        message.qos = 1;
+        message.qos = load_.qos;
         message.expiry_seconds = static_cast<std::uint32_t>(history_.deadline / 1000);
         auto request =
             requester_.ask(message, client_.v5(),

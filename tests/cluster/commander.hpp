@@ -17,10 +17,14 @@ Millis now();
 /// A client that commands one board after the other, whatever the state of its connection, as programs do.
 class Commander {
   public:
-    /// Boards 0 to `boards` - 1 of the history, `per_second` commands together. `first`: the board to begin
-    /// with.
-    Commander(boost::asio::io_context& io, asip::mqtt::Options options, History& history, std::size_t boards,
-              double per_second, std::size_t first);
+    /// What it sends.
+    struct Load {
+        std::size_t boards = 1;  ///< boards 0 to `boards` - 1 of the history, one after the other
+        std::size_t first = 0;   ///< the board to begin with
+        double per_second = 1;
+        int qos = 0;  ///< 0 as the client library, 1 as other programs
+    };
+    Commander(boost::asio::io_context& io, asip::mqtt::Options options, History& history, const Load& load);
 
     void start();
     /// Sends no more; answers are still taken.
@@ -42,7 +46,8 @@ class Commander {
     asip::mqtt::Client client_;
     boost::asio::steady_timer timer_;
     std::chrono::microseconds pause_;
-    std::size_t boards_, next_;
+    Load load_;
+    std::size_t next_;
     std::map<std::size_t, Waiting> waiting_;
 };
 

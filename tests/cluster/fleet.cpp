@@ -44,9 +44,14 @@ Fleet::Fleet(boost::asio::io_context& io, Engine& engine, const FleetOptions& op
     const double each =
         options_.per_board * static_cast<double>(options_.boards) / static_cast<double>(options_.clients);
     for (std::size_t i = 0; i < options_.clients; ++i)
-        commanders_.push_back(std::make_unique<Commander>(io_, connection(fmt::format("commands-{}", i), i),
-                                                          history_, options_.boards, each,
-                                                          i * options_.boards / options_.clients));
+        commanders_.push_back(
+            std::make_unique<Commander>(io_, connection(fmt::format("commands-{}", i), i), history_,
+                                        Commander::Load{.boards = options_.boards,
+                                                        .first = i * options_.boards / options_.clients,
+                                                        .per_second = each,
+                                                        .qos = static_cast<int>(i % 2)}));
+    for (std::size_t i = 0; i < engine_.ports().size(); ++i)
+        echoes_.push_back(std::make_unique<Echo>(io_, connection(fmt::format("echo-{}", i), i)));
 }
 
 Shape Fleet::shape() const {
@@ -76,6 +81,8 @@ asip::mqtt::Options Fleet::connection(const std::string& id, std::size_t first_n
 void Fleet::set_up() {
     for (const auto& watcher : watchers_)
         watcher->start();
+    for (const auto& echo : echoes_)
+        echo->start();
     const auto steady = [&] { return catalogues_agree(0).has_value(); };
     if (!asip::test::run_until(io_, steady, std::chrono::milliseconds(kSetUp)))
         throw std::runtime_error("the registries do not find the boards");
@@ -146,12 +153,6 @@ void Fleet::end(const Fault& fault) {
     }
 }
 
-void Fleet::mark_held(const Fault& fault, Round& round) const {
-    if (fault.action != Action::kStop) return;
-    if (fault.target == Target::kAgent) round.held.push_back(fault.index);
-    if (fault.target == Target::kNode || fault.target == Target::kCluster) round.all_held = true;
-}
-
 void Fleet::suffer(const std::vector<Fault>& faults) {
     history_.rounds.push_back({.name = name_of(faults), .begin = now()});
     Round& round = history_.rounds.back();
@@ -162,7 +163,8 @@ void Fleet::suffer(const std::vector<Fault>& faults) {
     };
     std::vector<Step> steps;
     for (const auto& fault : faults) {
-        mark_held(fault, round);
+        const bool broker = fault.target == Target::kNode || fault.target == Target::kCluster;
+        if (broker && fault.action == Action::kStop) round.broker_held = true;
         steps.push_back({round.begin + fault.after, true, &fault});
         steps.push_back({round.begin + fault.after + fault.lasts, false, &fault});
     }
@@ -175,6 +177,8 @@ void Fleet::suffer(const std::vector<Fault>& faults) {
     round.end = now();
     for (const auto& watcher : watchers_)
         watcher->look_anew();
+    for (const auto& echo : echoes_)
+        echo->look_anew();
     while (!recovered(round) && now() < round.end + options_.look)
         run_until(now() + 20);
     round.looked_until = now();
@@ -185,7 +189,8 @@ void Fleet::suffer(const std::vector<Fault>& faults) {
 bool Fleet::recovered(Round& round) {
     if (!round.commands_work) round.commands_work = commands_work(round.end, round.mute);
     round.catalogues_agree = catalogues_agree(round.end);
-    return round.commands_work && round.catalogues_agree;
+    round.engine_works = engine_works(round.end);
+    return round.commands_work && round.catalogues_agree && round.engine_works;
 }
 
 // When the last board had answered one of the commands that were sent since.
@@ -206,6 +211,15 @@ std::optional<Millis> Fleet::commands_work(Millis end, std::vector<std::size_t>&
             mute.push_back(board);
     }
     return mute.empty() ? std::optional(last) : std::nullopt;
+}
+
+std::optional<Millis> Fleet::engine_works(Millis end) const {
+    Millis last = end;
+    for (const auto& echo : echoes_) {
+        if (!echo->heard()) return std::nullopt;
+        last = std::max(last, *echo->heard());
+    }
+    return last;
 }
 
 std::optional<Millis> Fleet::catalogues_agree(Millis end) const {

@@ -8,6 +8,7 @@
 
 #include "tests/cluster/board.hpp"
 #include "tests/cluster/commander.hpp"
+#include "tests/cluster/echo.hpp"
 #include "tests/cluster/engine.hpp"
 #include "tests/cluster/faults.hpp"
 #include "tests/cluster/process.hpp"
@@ -53,10 +54,10 @@ class Fleet {
     void end(const Fault& fault);
     Process& process(const Fault& fault);
     void nodes(const Fault& fault, void (Engine::*what)(std::size_t));
-    void mark_held(const Fault& fault, Round& round) const;
     void look_for_ends();
     bool recovered(Round& round);
     std::optional<Millis> commands_work(Millis end, std::vector<std::size_t>& mute) const;
+    std::optional<Millis> engine_works(Millis end) const;
     std::optional<Millis> catalogues_agree(Millis end) const;
 
     boost::asio::io_context& io_;
@@ -69,6 +70,7 @@ class Fleet {
     std::vector<std::unique_ptr<Process>> registries_;
     std::vector<std::unique_ptr<Watcher>> watchers_;
     std::vector<std::unique_ptr<Commander>> commanders_;
+    std::vector<std::unique_ptr<Echo>> echoes_;
 };
 
 }  // namespace cluster

@@ -55,12 +55,15 @@ struct Round {
     std::optional<Millis> commands_work{};     ///< when each board had executed a command sent after `end`
     std::optional<Millis> catalogues_agree{};  ///< since when all registries were right, to the end of the
                                                ///< look
+    /// When a client of each node heard its own message again, which it sent after `end`: before that no
+    /// program can do anything.
+    std::optional<Millis> engine_works{};
     Millis looked_until = 0;
     std::map<std::string, Difference> wrong{};  ///< by registry, where they never agreed
     std::vector<std::size_t> mute{};            ///< boards that executed nothing after `end`
-    /// Something on the way of commands was held by SIGSTOP: of all boards, or of one.
-    bool all_held = false;
-    std::vector<std::size_t> held{};
+    /// A broker was held by SIGSTOP. When it goes on it delivers what waits in its sockets, and nobody can
+    /// see how old that is.
+    bool broker_held = false;
 };
 
 /// All that the judge knows.

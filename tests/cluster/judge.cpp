@@ -60,16 +60,18 @@ class Judge {
     void recovery(const Round& round) {
         Row& into = row(round.name);
         const bool first = into.rounds++ == 0;
+        add(into.engine_works, first, round.engine_works, round.end);
         add(into.commands_work, first, round.commands_work, round.end);
         add(into.catalogues_agree, first, round.catalogues_agree, round.end);
-        if (!round.commands_work || *round.commands_work > round.end + limits_.commands) {
+        const Millis begin = round.engine_works.value_or(round.end);
+        if (!round.commands_work || *round.commands_work > begin + limits_.commands) {
             std::string who;
             for (const auto board : round.mute)
                 who += ' ' + history_.boards.at(board);
             fail(round.end, fmt::format("{}: commands did not work again within {} ms:{}", round.name,
                                         limits_.commands, who));
         }
-        if (round.catalogues_agree && *round.catalogues_agree <= round.end + limits_.agree) return;
+        if (round.catalogues_agree && *round.catalogues_agree <= begin + limits_.agree) return;
         std::string how;
         for (const auto& [registry, difference] : round.wrong) {
             how += fmt::format(" {}:", registry);
@@ -106,9 +108,7 @@ class Judge {
 
     bool held(const Command& command, Millis until) const {
         return std::any_of(history_.rounds.begin(), history_.rounds.end(), [&](const Round& round) {
-            const bool its_way = round.all_held || std::find(round.held.begin(), round.held.end(),
-                                                             command.board) != round.held.end();
-            return its_way && command.sent <= round.end && round.begin <= until;
+            return round.broker_held && command.sent <= round.end && round.begin <= until;
         });
     }
 
@@ -177,16 +177,16 @@ Verdict judge(const History& history, const Limits& limits) {
 }
 
 std::string report(const std::string& engine, const Verdict& verdict) {
-    std::string text =
-        fmt::format("{:<11}{:<34}{:>6}{:>10}{:>11}{:>8}{:>7}{:>8}{:>8}{:>7}{:>6}\n", "engine", "fault",
-                    "rounds", "commands", "catalogues", "ok", "error", "timeout", "refused", "none", "late");
+    std::string text = fmt::format("{:<11}{:<34}{:>6}{:>10}{:>10}{:>11}{:>8}{:>7}{:>8}{:>8}{:>7}{:>6}\n",
+                                   "engine", "fault", "rounds", "broker", "commands", "catalogues", "ok",
+                                   "error", "timeout", "refused", "none", "late");
     for (const auto& row : verdict.rows) {
         const bool fault = row.rounds > 0;
-        text +=
-            fmt::format("{:<11}{:<34}{:>6}{:>10}{:>11}{:>8}{:>7}{:>8}{:>8}{:>7}{:>6}\n", engine, row.fault,
-                        fault ? std::to_string(row.rounds) : "", fault ? seconds(row.commands_work) : "",
-                        fault ? seconds(row.catalogues_agree) : "", row.answers[0], row.answers[1],
-                        row.answers[2], row.answers[3], row.answers[4], row.late_behind_stop);
+        text += fmt::format("{:<11}{:<34}{:>6}{:>10}{:>10}{:>11}{:>8}{:>7}{:>8}{:>8}{:>7}{:>6}\n", engine,
+                            row.fault, fault ? std::to_string(row.rounds) : "",
+                            fault ? seconds(row.engine_works) : "", fault ? seconds(row.commands_work) : "",
+                            fault ? seconds(row.catalogues_agree) : "", row.answers[0], row.answers[1],
+                            row.answers[2], row.answers[3], row.answers[4], row.late_behind_stop);
     }
     for (const auto& violation : verdict.violations)
         text += "VIOLATION " + violation + '\n';

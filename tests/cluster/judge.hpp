@@ -9,7 +9,8 @@
 
 namespace cluster {
 
-/// What is demanded of the time after a fault, and what the judge allows its own measuring.
+/// What is demanded of the time after a fault, counted from when the engine itself works again, and what the
+/// judge allows its own measuring.
 struct Limits {
     Millis agree = 10'000;     ///< until all catalogues are right
     Millis commands = 10'000;  ///< until each board can be commanded
@@ -21,10 +22,11 @@ struct Limits {
 struct Row {
     std::string fault;
     std::size_t rounds = 0;
-    std::optional<Millis> commands_work{};     ///< the longest; none: not in one of them
+    std::optional<Millis> engine_works{};      ///< the longest, from its end; none: not in one of them
+    std::optional<Millis> commands_work{};     ///< the same
     std::optional<Millis> catalogues_agree{};  ///< the same
     std::array<std::size_t, 5> answers{};      ///< by Outcome: commands sent from its begin to its recovery
-    std::size_t late_behind_stop = 0;  ///< executed after the deadline, because SIGSTOP held them on the way
+    std::size_t late_behind_stop = 0;  ///< executed after the deadline, because a broker was held by SIGSTOP
 };
 
 struct Verdict {

@@ -224,6 +224,31 @@ TEST(Client, BrokerKilledAndBack_ReconnectsSubscribesAndLosesNoQos1) {
     EXPECT_TRUE(bus.client->v5());
 }
 
+TEST(Client, ExpiredWhileTheBrokerWasGone_IsNotSent) {
+    MosquittoBroker broker;
+    for (const auto version : {mqtt::Version::kV5, mqtt::Version::kV311}) {
+        auto options = options_for(broker);
+        options.version = version;
+        Recorder bus(options);
+        ASSERT_TRUE(bus.connect());
+        broker.kill();
+        ASSERT_TRUE(bus.until([&] { return !bus.losses.empty(); }));
+        for (const int qos : {0, 1}) {
+            auto command = make_message("command", "late", qos);
+            command.expiry_seconds = 1;
+            bus.client->publish(command, Priority::kReply);
+        }
+        run_for(bus.io, 1100ms);
+        bus.client->publish(make_message("command", "new", 1), Priority::kReply);
+        broker.start();
+        BusProbe probe(broker.port());
+        ASSERT_TRUE(bus.until([&] { return probe.count("command") > 0; }));
+        EXPECT_EQ(probe.last("command"), "new");
+        EXPECT_EQ(probe.count("command"), 1u);
+        EXPECT_EQ(bus.client->counters().expired, 2u);
+    }
+}
+
 TEST(Client, BrokerFrozen_IsReportedAsStalledAndTheNewestStateArrivesAfterwards) {
     MosquittoBroker broker;
     BusProbe probe(broker.port());

@@ -147,6 +147,19 @@ TEST_F(OnlineBridge, BoardMute_EachCommandIsAnsweredAtItsDeadline) {
     EXPECT_EQ(bench.on("answers").size(), 3u);
 }
 
+TEST_F(OnlineBridge, LongOnItsWay_TheRestOfItsExpiryBoundsTheDeadline) {
+    bench.board.mute = true;
+    mqtt::Message expiring;
+    expiring.topic = "asip/uno1/servo/in";
+    expiring.payload = R"({"write":[0,92],"id":"3","reply_to":"answers","deadline_ms":5000})";
+    expiring.expiry_seconds = 1;
+    bench.hear(expiring);
+    bench.pass(1900ms);
+    EXPECT_EQ(bench.on("answers").size(), 0u) << "a broker cuts off up to a second";
+    bench.pass(100ms);
+    EXPECT_EQ(bench.on("answers").size(), 1u);
+}
+
 TEST_F(OnlineBridge, DeadlineOutOfRange_IsRefused) {
     for (const char* deadline : {"49", "60001", "-1", "1.5", "\"100\""}) {
         bench.hear("asip/uno1/servo/in",

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+
 namespace asip::mqtt {
 namespace {
 
@@ -124,6 +126,41 @@ TEST(Outbox, RetainedThatExpires_IsReplacedInItsPlaceSoThatItLeavesHoweverOftenI
     EXPECT_EQ(outbox.bytes(), 0u);
     outbox.push(lease, Priority::kAnnouncement);
     EXPECT_EQ(drain(outbox), "longer ");
+}
+
+TEST(Outbox, NotRetainedWithExpiry_ExpiresAndIsSentWithWhatIsLeft) {
+    Outbox outbox({10, kPlenty});
+    const Time begin{};
+    auto command = message("in", "move");
+    command.expiry_seconds = 5;
+    outbox.push(command, Priority::kReply, begin);
+    auto entry = outbox.pop();
+    entry.age(begin);
+    EXPECT_EQ(entry.message.expiry_seconds, 5u);
+    entry.age(begin + std::chrono::milliseconds(3500));
+    EXPECT_EQ(entry.message.expiry_seconds, 2u);
+    EXPECT_FALSE(entry.expired(begin + std::chrono::milliseconds(4999)));
+    EXPECT_TRUE(entry.expired(begin + std::chrono::seconds(5)));
+    outbox.put_back(entry);
+    entry = outbox.pop();
+    EXPECT_TRUE(entry.expired(begin + std::chrono::seconds(5))) << "since it was published first";
+    entry.age(begin + std::chrono::seconds(9));
+    EXPECT_EQ(entry.message.expiry_seconds, 1u);
+}
+
+TEST(Outbox, WithoutExpiryOrRetained_NeverExpires) {
+    Outbox outbox({10, kPlenty});
+    auto lease = message("description", "1", true);
+    lease.expiry_seconds = 60;
+    outbox.push(lease, Priority::kAnnouncement, Time{});
+    outbox.push(message("c", "1"), Priority::kContext, Time{});
+    for (int i = 0; i < 2; ++i) {
+        auto entry = outbox.pop();
+        const auto expiry = entry.message.expiry_seconds;
+        entry.age(Time{} + std::chrono::hours(1));
+        EXPECT_FALSE(entry.expired(Time{} + std::chrono::hours(1)));
+        EXPECT_EQ(entry.message.expiry_seconds, expiry);
+    }
 }
 
 TEST(Outbox, PutBack_TakesItsOldPlace) {

@@ -67,6 +67,21 @@ TEST_F(SubscriptionsTest, Refused_IsDueAgainAfterAGrowingPause) {
     EXPECT_TRUE(subscriptions.all_granted());
 }
 
+TEST_F(SubscriptionsTest, RefusedWithQos1_IsAskedForWithQos0UntilTheNextConnection) {
+    subscriptions.add("a", {.qos = 1, .no_local = true});
+    EXPECT_EQ(subscriptions.due(now).at(0).second.qos, 1);
+    send_due();
+    answer(false);
+    now += 1min;
+    EXPECT_EQ(subscriptions.due(now).at(0).second.qos, 0);
+    EXPECT_TRUE(subscriptions.due(now).at(0).second.no_local);
+    send_due();
+    answer(true);
+    EXPECT_TRUE(subscriptions.all_granted());
+    subscriptions.restart();
+    EXPECT_EQ(subscriptions.due(now).at(0).second.qos, 1);
+}
+
 TEST_F(SubscriptionsTest, RequiredAndRefusedThreeTimes_GivesTheBrokerUp) {
     subscriptions.add("a", {.required = true});
     for (int i = 1; i <= 3; ++i) {
