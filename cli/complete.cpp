@@ -14,7 +14,7 @@ namespace asip::cli {
 namespace {
 
 using Words = std::vector<std::string>;
-using Kind = program::CommandWord::Kind;
+using WordKind = program::CommandWord::Kind;
 
 constexpr std::chrono::milliseconds kPatience{700};
 
@@ -127,10 +127,10 @@ std::vector<std::string> complete(const CLI::App& app, const std::vector<std::st
     const auto next = program::next_word(app, words);
     Words arguments;
     for (std::size_t i = 0; i < words.size(); ++i) {
-        if (read[i].kind == Kind::kUnknownSubcommand) return {};
-        if (read[i].kind == Kind::kArgument) arguments.push_back(words[i]);
+        if (read[i].kind == WordKind::kUnknownSubcommand) return {};
+        if (read[i].kind == WordKind::kArgument) arguments.push_back(words[i]);
     }
-    if (next.kind == Kind::kValue) return values(app, *next.option, start, arguments, names);
+    if (next.kind == WordKind::kValue) return values(app, *next.option, start, arguments, names);
     if (start.starts_with("--") && start.find('=') != std::string::npos) {
         const auto name = start.substr(0, start.find('='));
         const auto option = program::classify(*next.app, {name}).front().option;
@@ -142,7 +142,7 @@ std::vector<std::string> complete(const CLI::App& app, const std::vector<std::st
         return found;
     }
     if (start.starts_with("-")) return starting_with(option_names(next.app), start);
-    if (next.kind == Kind::kSubcommand) return starting_with(verbs(app), start);
+    if (next.kind == WordKind::kSubcommand) return starting_with(verbs(app), start);
     return next.option == nullptr ? Words() : values(app, *next.option, start, arguments, names);
 }
 

@@ -12,7 +12,7 @@ constexpr Duration kPatience = std::chrono::seconds(10);
 constexpr std::size_t kLooks = 5000;
 constexpr std::size_t kMaxWaiting = 2000;
 
-mqtt::Options with_id(mqtt::Options options) {
+mqtt::Options commander_options(mqtt::Options options) {
     options.client_id += "-commands";
     return options;
 }
@@ -27,7 +27,7 @@ Commander::Commander(boost::asio::io_context& io, mqtt::Options options, const s
       per_second_(per_second),
       requester_(options.client_id + "-commands",
                  bus::ReplyTopics(topics_, options.user, options.client_id + "-commands")),
-      client_(io, with_id(options),
+      client_(io, commander_options(options),
               {.on_connected = {},
                .on_disconnected = {},
                .on_connect_failed = {},

@@ -6,10 +6,10 @@
 namespace asip::load {
 namespace {
 
-constexpr std::size_t kExamples = 3;
+constexpr std::size_t kShownBoards = 3;
 constexpr auto kBetweenComparisons = std::chrono::milliseconds(100);
 
-mqtt::Options with_id(mqtt::Options options) {
+mqtt::Options watch_options(mqtt::Options options) {
     options.client_id += "-watch";
     // A snapshot is large.
     options.max_packet_bytes = 0;
@@ -25,7 +25,7 @@ Watch::Watch(boost::asio::io_context& io, mqtt::Options options, const std::stri
       prefix_(prefix),
       requester_(options.client_id + "-watch",
                  bus::ReplyTopics(topics_, options.user, options.client_id + "-watch")),
-      client_(io, with_id(options), handlers()),
+      client_(io, watch_options(options), handlers()),
       limit_(io),
       again_(io) {
     client_.subscribe(topics_.registry_events("+"));
@@ -119,7 +119,7 @@ void Watch::page(const std::string& registry, const bus::Answer& answer) {
             ++comparison.right;
         } else if (!expected.empty()) {
             ++comparison.wrong;
-            if (comparison.examples.size() < kExamples)
+            if (comparison.examples.size() < kShownBoards)
                 comparison.examples.push_back(row.board + " is listed as " + row.state + " and is " +
                                               std::string(expected));
         }

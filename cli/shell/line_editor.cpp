@@ -73,7 +73,7 @@ std::string common_start(const std::vector<std::string>& words) {
     return start;
 }
 
-std::string listed(const std::vector<std::string>& words, std::size_t columns) {
+std::string in_columns(const std::vector<std::string>& words, std::size_t columns) {
     std::size_t width = 0;
     for (const auto& word : words)
         width = std::max(width, display_width(word));
@@ -269,7 +269,7 @@ struct LineEditor::State {
 
     void list(const std::vector<std::string>& words) {
         go_below();
-        std::fprintf(stdout, "\n%s", listed(words, size.columns).c_str());
+        std::fprintf(stdout, "\n%s", in_columns(words, size.columns).c_str());
         print_status();
         el_set(edit, EL_REFRESH);
     }
