@@ -116,7 +116,7 @@ int Application::print() {
     else
         std::cout << to_table(report_);
     std::cout.flush();
-    if (no_broker_) return program::kExitBroker;
+    if (no_broker_ || report_.tally.connections_made == 0) return program::kExitBroker;
     if (report_.tally.conflicts > 0) return program::kExitNameConflict;
     return report_.good() && std::cout ? program::kExitOk : program::kExitFailure;
 }

@@ -53,7 +53,8 @@ class Table {
 }  // namespace
 
 bool Report::good() const {
-    return announced == present && tally.conflicts == 0 && (!watched || !registries.empty()) &&
+    return announced > 0 && announced == present && tally.conflicts == 0 &&
+           (!watched || !registries.empty()) &&
            std::all_of(registries.begin(), registries.end(),
                        [](const auto& one) { return one.second.agreed.has_value(); });
 }

@@ -108,8 +108,16 @@ Expected<Step> parse_step(std::string_view text) {
     const auto amount = parse_amount(words[2]);
     if (!amount) return fail(amount.error());
     step.amount = *amount;
-    for (std::size_t i = 3; i < words.size(); i += 2)
+    std::vector<std::string> parts;
+    for (std::size_t i = 3; i < words.size(); i += 2) {
+        if (std::find(parts.begin(), parts.end(), words[i]) != parts.end())
+            return fail(words[i] + ": given twice");
+        parts.push_back(words[i]);
         if (const auto part = parse_part(step, words[i], words[i + 1]); !part) return fail(part.error());
+        if (words[i] == "down" && step.verb != Verb::kFlap)
+            return fail(
+                "down: only boards that flap come back; a board that is to come back later joins again");
+    }
     if (step.every != Duration{} && (step.every < step.over || step.every < kShortestRound))
         return fail("every: shorter than " + std::string(step.every < step.over ? "over" : "10ms"));
     return step;

@@ -140,6 +140,11 @@ std::string explain_label_value(std::string_view value) {
         return "is " + std::to_string(value.size()) + " bytes long; at most 63 are allowed";
     if (!text::is_showable(value)) return "holds control characters";
     if (!is_utf8(value)) return "is not UTF-8";
+    for (std::size_t at = 0; at < value.size(); ++at) {
+        const auto rest = value.substr(at);
+        const bool joins = rest.starts_with("\u200c") || rest.starts_with("\u200d");  // in scripts, in emoji
+        if (text::begins_unseen(rest) && !joins) return "holds characters that no one sees";
+    }
     if (value.starts_with(' ') || value.ends_with(' ')) return "begins or ends with a blank";
     return {};
 }

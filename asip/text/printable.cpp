@@ -63,4 +63,13 @@ bool is_showable(std::string_view text) {
     return true;
 }
 
+bool begins_unseen(std::string_view text) {
+    if (text.starts_with("\xef\xbb\xbf")) return true;
+    if (text.size() < 3 || text[0] != '\xe2') return false;
+    const auto second = static_cast<unsigned char>(text[1]);
+    const auto third = static_cast<unsigned char>(text[2]);
+    return (second == 0x80 && ((third >= 0x8b && third <= 0x8f) || (third >= 0xa8 && third <= 0xae))) ||
+           (second == 0x81 && third >= 0xa0 && third <= 0xa9);
+}
+
 }  // namespace asip::text

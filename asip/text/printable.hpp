@@ -18,4 +18,8 @@ std::string escape_controls(std::string_view text);
 /// characters, so that it cannot move the cursor or change colours. Whether it is UTF-8 is not checked.
 bool is_showable(std::string_view text);
 
+/// Whether a character of UTF-8 at the beginning of `text` is one that no one sees; some of them turn the
+/// order of what follows. U+200B to U+200F, U+2028 to U+202E, U+2060 to U+2069, U+FEFF.
+bool begins_unseen(std::string_view text);
+
 }  // namespace asip::text

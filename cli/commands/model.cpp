@@ -57,7 +57,7 @@ Outcome<void> write_all(const std::vector<GeneratedFile>& files, const fs::path&
     if (!options.force) {
         for (const auto& file : files) {
             const auto path = folder / file.name;
-            if (fs::exists(path, fault) && generated_content(path) != file.text)
+            if (!file.own_code && fs::exists(path, fault) && generated_content(path) != file.text)
                 return failure(
                     program::kExitFailure,
                     path.string() + " is there already; --force writes it anew" +

@@ -8,6 +8,8 @@
 #include <cctype>
 #include <vector>
 
+#include "asip/text/printable.hpp"
+
 namespace asip::generate {
 namespace {
 
@@ -142,22 +144,11 @@ std::vector<std::string> words_of(std::string_view name) {
     return words;
 }
 
-/// Of UTF-8: characters that no one sees, some of which turn the order of what follows. U+200B to U+200F,
-/// U+2028 to U+202E, U+2060 to U+2069, U+FEFF.
-bool is_unseen(std::string_view character) {
-    if (character == "\xef\xbb\xbf") return true;
-    if (character.size() != 3 || character[0] != '\xe2') return false;
-    const auto second = static_cast<unsigned char>(character[1]);
-    const auto third = static_cast<unsigned char>(character[2]);
-    return (second == 0x80 && ((third >= 0x8b && third <= 0x8f) || (third >= 0xa8 && third <= 0xae))) ||
-           (second == 0x81 && third >= 0xa0 && third <= 0xa9);
-}
-
 std::string visible(std::string_view text) {
     std::string result;
     for (std::size_t at = 0; at < text.size();) {
         const auto byte = static_cast<unsigned char>(text[at]);
-        if (byte < 0x20 || byte == 0x7f || is_unseen(text.substr(at, 3))) {
+        if (byte < 0x20 || byte == 0x7f || text::begins_unseen(text.substr(at))) {
             result += '?';
             at += byte < 0x80 ? 1 : 3;
         } else {

@@ -24,6 +24,15 @@
 #include "cli/shell/shell_words.hpp"
 #include "cli/text/width.hpp"
 
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+// libedit does not free the key sequences that it copies.
+extern "C" const char* __lsan_default_suppressions() {
+    return "leak:wcsdup\n";
+}
+#endif
+#endif
+
 namespace asip::cli {
 namespace {
 

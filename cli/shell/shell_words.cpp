@@ -75,6 +75,11 @@ std::vector<std::string> expand_words(const CLI::App& app, const std::vector<std
     const auto type = first_argument_type(*verb);
     const auto arguments = arguments_of(app, words);
     const bool everywhere = std::find(words.begin(), words.end(), "--all") != words.end();
+    if (words.front() == "record" && arguments.size() == 1) {  // FILE alone: of this board
+        Words result = words;
+        result.push_back(board);
+        return result;
+    }
     if (type == "PATTERN") return arguments.empty() && !everywhere ? with_board(words, board) : words;
     if (!type.starts_with("BOARD")) return words;
     if (type == "BOARD") {

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <boost/asio/read_until.hpp>
+#include <csignal>
 #include <iostream>
 
 namespace asip::sim {
@@ -26,6 +27,8 @@ InputCommands::InputCommands(boost::asio::io_context& context, Execute execute)
             execute_(line);
         return;
     }
+    // In a shell's background reading the terminal would stop the program; ignored, it fails instead.
+    std::signal(SIGTTIN, SIG_IGN);
     boost::system::error_code error;
     descriptor_.assign(::dup(STDIN_FILENO), error);
     if (!error) read();

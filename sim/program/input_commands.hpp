@@ -13,7 +13,8 @@ class InputCommands {
   public:
     using Execute = std::function<void(std::string line)>;
 
-    /// Where standard input is a file, all its lines are executed at once.
+    /// Where standard input is a file, all its lines are executed at once. In the background of a shell no
+    /// commands are read from the terminal.
     InputCommands(boost::asio::io_context& context, Execute execute);
 
   private:

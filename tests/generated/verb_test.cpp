@@ -35,10 +35,13 @@ TEST_F(ModelVerb, CodeOfAPerson_IsNeverWrittenOver) {
     ASSERT_EQ(model({"firmware", fan_, "--into", sketch}).status, 0);
     EXPECT_EQ(model({"firmware", fan_, "--into", sketch}).status, 0) << "nothing would change";
     std::ofstream(sketch + "/FanHardware.cpp") << "mine";
+    const auto kept = model({"firmware", fan_, "--into", sketch});
+    EXPECT_EQ(kept.status, 0) << kept.errors;
+    EXPECT_THAT(kept.output, HasSubstr("FanHardware.cpp (kept as it is)"));
+    std::ofstream(sketch + "/FanService.h") << "changed";
     const auto refused = model({"firmware", fan_, "--into", sketch});
     EXPECT_EQ(refused.status, 1);
-    EXPECT_THAT(refused.errors, HasSubstr("FanHardware.cpp is there already; --force"));
-    std::ofstream(sketch + "/FanService.h") << "changed";
+    EXPECT_THAT(refused.errors, HasSubstr("FanService.h is there already; --force"));
     const auto forced = model({"firmware", fan_, "--into", sketch, "--force", "--elements", "1"});
     EXPECT_EQ(forced.status, 0) << forced.errors;
     EXPECT_THAT(forced.output, HasSubstr("FanHardware.cpp (kept as it is)"));

@@ -60,8 +60,8 @@ class BrokerSearchTest : public ::testing::Test {
     static Finished in_a_network(const std::string& script) {
         const TempDir folder;
         const auto asipctl = program_to_start(ASIP_PROGRAMS "/asipctl");
-        return run({"unshare", "--net", "--mount", "--pid", "--fork", "--kill-child", "bash", "-c",
-                    "dir=" + folder.path().string() + "; asipctl=" + asipctl + kNetwork + script});
+        return run({"unshare", "--net", "--mount", "--pid", "--fork", "--mount-proc", "--kill-child", "bash",
+                    "-c", "dir=" + folder.path().string() + "; asipctl=" + asipctl + kNetwork + script});
     }
     void SetUp() override {
         const auto possible = in_a_network("exit 0");

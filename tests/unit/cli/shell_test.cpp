@@ -57,6 +57,8 @@ TEST_F(ShellWordsTest, AServiceFirst_IsSent) {
     EXPECT_EQ(expanded("distance measure"), "send desk/distance measure");
     EXPECT_EQ(expanded("servo write 0 90 -o json"), "send desk/servo write 0 90 -o json");
     EXPECT_EQ(expanded("send servo write 0 90"), "send desk/servo write 0 90");
+    EXPECT_EQ(expanded("record walk.jsonl -n 3"), "record walk.jsonl -n 3 desk");
+    EXPECT_EQ(expanded("record walk.jsonl lamp"), "record walk.jsonl lamp");
     EXPECT_EQ(expanded("send --raw S,W,0,90"), "send desk --raw S,W,0,90");
     EXPECT_EQ(expanded("label room=lab"), "label desk room=lab");
     EXPECT_EQ(expanded("label room-"), "label desk room-");

@@ -48,6 +48,8 @@ TEST(Step, Wrong_IsRefusedWithWhatMayStandThere) {
     EXPECT_THAT(fault_of("1s die 5 over x"), HasSubstr("over: "));
     EXPECT_THAT(fault_of("1s die 5 over 3s every 2s"), HasSubstr("shorter than over"));
     EXPECT_THAT(fault_of("1s die 5 every 1ms"), HasSubstr("shorter than 10ms"));
+    EXPECT_THAT(fault_of("1s die 5 down 10s"), HasSubstr("only boards that flap come back"));
+    EXPECT_THAT(fault_of("1s die 5 over 1s over 2s"), HasSubstr("given twice"));
 }
 
 class ScriptFile : public testing::Test {

@@ -51,6 +51,8 @@ TEST(Labels, ValueMayHoldWhatPeopleWrite_ButNothingThatMovesACursor) {
     EXPECT_THAT(fault_of("a=x\ny"), HasSubstr("control characters"));
     EXPECT_THAT(fault_of("a=\xc2\x9b"), HasSubstr("control characters"));
     EXPECT_THAT(fault_of("a=\xff"), HasSubstr("not UTF-8"));
+    EXPECT_THAT(fault_of("a=\u202eevil"), HasSubstr("no one sees"));
+    EXPECT_THAT(fault_of("a=\U0001f468\u200d\U0001f467"), IsEmpty());
     EXPECT_THAT(fault_of("a= x"), HasSubstr("blank"));
 }
 
