@@ -70,6 +70,17 @@ TEST(Control, StandardInput_TakesTheSameCommands) {
     EXPECT_EQ(sim.process().wait_exit(), 0);
 }
 
+TEST(Control, BackgroundOfAShell_DoesNotStopIt) {
+    const TempDir folder;
+    const auto file = board_file(folder, "uno.json", kParts);
+    const auto shell = run({"script", "--quiet", "--return", "--command",
+                            "bash -c 'set -m; " ASIP_SIM " --no-socket " + file +
+                                " & sleep 0.5; jobs; kill -TERM %1; kill -CONT %1; wait'",
+                            "/dev/null"});
+    EXPECT_THAT(shell.output, HasSubstr("Running"));
+    EXPECT_THAT(shell.output, testing::Not(HasSubstr("Stopped")));
+}
+
 TEST(Control, List_ShowsBoardsPortsAndParts) {
     const TempDir folder;
     SimProgram sim(folder, {board_file(folder, "uno.json", kParts)});
