@@ -103,7 +103,7 @@ void Application::finish() {
     report_.present = fleet_.present();
     report_.announced = fleet_.announced();
     if (commander_) report_.commands = commander_->tally();
-    measure_process(report_);
+    report_.usage = program::process_usage();
     fleet_.end(no_broker_ ? Duration{} : kGoodbye, [this] {
         stop_signal_.cancel();
         io_.stop();

@@ -20,6 +20,14 @@ constexpr std::size_t kMessagesOfABoard = 16;
 constexpr std::size_t kBytesOfABoard = 8 * 1024;
 constexpr Duration kSharedSubscribeTimeout = std::chrono::minutes(5);
 
+void add(Tally& tally, const mqtt::Counters& counted) {
+    tally.received += counted.received;
+    tally.published += counted.published;
+    tally.dropped += counted.dropped_context;
+    tally.refused += counted.refused;
+    tally.denied += counted.rejected;
+}
+
 }  // namespace
 
 Fleet::Fleet(boost::asio::io_context& io, FleetOptions options, const BoardKind& kind, Random random)
@@ -203,12 +211,7 @@ void Fleet::leave(std::size_t board) {
 
 void Fleet::close(Carrier& carrier) {
     if (!carrier.client) return;
-    const auto counted = carrier.client->counters();
-    tally_.received += counted.received;
-    tally_.published += counted.published;
-    tally_.dropped += counted.dropped_context;
-    tally_.refused += counted.refused;
-    tally_.denied += counted.rejected;
+    add(tally_, carrier.client->counters());
     carrier.client.reset();
     carrier.connected = false;
 }
@@ -216,13 +219,7 @@ void Fleet::close(Carrier& carrier) {
 Tally Fleet::tally() const {
     Tally all = tally_;
     for (const auto& carrier : carriers_) {
-        if (!carrier.client) continue;
-        const auto counted = carrier.client->counters();
-        all.received += counted.received;
-        all.published += counted.published;
-        all.dropped += counted.dropped_context;
-        all.refused += counted.refused;
-        all.denied += counted.rejected;
+        if (carrier.client) add(all, carrier.client->counters());
     }
     return all;
 }

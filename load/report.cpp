@@ -2,11 +2,8 @@
 #include "load/report.hpp"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "asip/text/duration.hpp"
@@ -53,20 +50,10 @@ class Table {
 }  // namespace
 
 bool Report::good() const {
-    return announced > 0 && announced == present && tally.conflicts == 0 &&
+    return tally.descriptions > 0 && announced == present && tally.conflicts == 0 &&
            (!watched || !registries.empty()) &&
            std::all_of(registries.begin(), registries.end(),
                        [](const auto& one) { return one.second.agreed.has_value(); });
-}
-
-void measure_process(Report& report) {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    report.processor_seconds = static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-                               static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec) / 1e6;
-    long pages = 0, resident = 0;
-    std::ifstream("/proc/self/statm") >> pages >> resident;
-    report.resident_bytes = static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
 json to_json(const Report& report) {
@@ -97,8 +84,8 @@ json to_json(const Report& report) {
         {"refused", tally.refused},
         {"denied", tally.denied},
         {"late", json_of(tally.late)},
-        {"processor_seconds", report.processor_seconds},
-        {"resident_bytes", report.resident_bytes},
+        {"processor_seconds", report.usage.processor_seconds},
+        {"resident_bytes", report.usage.resident_bytes},
         {"good", report.good()},
     };
     if (const auto& commands = report.commands)
@@ -152,8 +139,9 @@ std::string to_table(const Report& report) {
     table.row("messages", "{} out, {} in, {} refused here, {} denied by the broker", tally.published,
               tally.received, tally.refused, tally.denied);
     table.row("own timers late", "{}", text_of(tally.late));
-    table.row("this program", "{:.1f} s of processor, {:.0f} MB, {:.1f} kB a board", report.processor_seconds,
-              report.resident_bytes / 1e6, report.resident_bytes / 1e3 / static_cast<double>(report.boards));
+    table.row("this program", "{:.1f} s of processor, {:.0f} MB, {:.1f} kB a board",
+              report.usage.processor_seconds, report.usage.resident_bytes / 1e6,
+              report.usage.resident_bytes / 1e3 / static_cast<double>(report.boards));
     return table.take();
 }
 

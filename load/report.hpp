@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "asip/program/process_usage.hpp"
 #include "load/commander.hpp"
 #include "load/fleet.hpp"
 #include "load/watch.hpp"
@@ -23,15 +24,11 @@ struct Report {
     std::optional<CommandTally> commands;
     std::map<std::string, Watched> registries;
     bool watched = false;
-    double processor_seconds = 0;
-    double resident_bytes = 0;
+    program::ProcessUsage usage;
 
-    /// Every present board is announced, no name was another's, and each registry agrees.
+    /// Boards were announced, each that is present is, no name was another's, and each registry agrees.
     bool good() const;
 };
-
-/// Processor time and memory of this process.
-void measure_process(Report& report);
 
 nlohmann::json to_json(const Report& report);
 /// A table for a person, with a line end behind each row.

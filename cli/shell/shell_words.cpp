@@ -21,12 +21,13 @@ const CLI::App* verb_of(const CLI::App& app, const std::string& word) {
     return found.empty() ? nullptr : found.front();
 }
 
-/// How help shows the verb's first argument; empty: it has none.
-std::string first_argument_type(const CLI::App& verb) {
+/// How help shows the verb's arguments.
+Words argument_types(const CLI::App& verb) {
+    Words result;
     for (const auto* option : verb.get_options()) {
-        if (option->get_positional()) return option->get_name(true);
+        if (option->get_positional()) result.push_back(option->get_name(true));
     }
-    return {};
+    return result;
 }
 
 /// Where the arguments stand among `words`.
@@ -72,10 +73,12 @@ std::vector<std::string> expand_words(const CLI::App& app, const std::vector<std
         result.insert(result.end(), words.begin() + 1, words.end());
         return result;
     }
-    const auto type = first_argument_type(*verb);
+    const auto types = argument_types(*verb);
+    const auto type = types.empty() ? std::string() : types.front();
     const auto arguments = arguments_of(app, words);
     const bool everywhere = std::find(words.begin(), words.end(), "--all") != words.end();
-    if (words.front() == "record" && arguments.size() == 1) {  // FILE alone: of this board
+    if (types.size() > 1 && !type.starts_with("BOARD") && types[1].starts_with("BOARD") &&
+        arguments.size() == 1) {  // `record FILE`: the boards are left out
         Words result = words;
         result.push_back(board);
         return result;

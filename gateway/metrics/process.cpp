@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 
+#include "asip/program/process_usage.hpp"
 #include "gateway/metrics/metrics.hpp"
 
 namespace asip::gateway::metrics {
@@ -18,13 +15,9 @@ const double kStarted =
 
 void read_process(Snapshot& snapshot) {
     snapshot.started_at = kStarted;
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    snapshot.processor_seconds = static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-                                 static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec) / 1e6;
-    long pages = 0, resident = 0;
-    std::ifstream("/proc/self/statm") >> pages >> resident;
-    snapshot.resident_bytes = static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    const auto usage = program::process_usage();
+    snapshot.processor_seconds = usage.processor_seconds;
+    snapshot.resident_bytes = usage.resident_bytes;
     std::error_code error;
     for (auto each = std::filesystem::directory_iterator("/proc/self/fd", error);
          !error && each != std::filesystem::directory_iterator(); each.increment(error))

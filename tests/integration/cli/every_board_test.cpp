@@ -3,6 +3,7 @@
 // ASIP 0.4, and recorded and replayed.
 #include <gmock/gmock.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/integration/cli/bus_fixture.hpp"
@@ -55,7 +56,11 @@ class EveryBoardTest : public BusTest, public ::testing::WithParamInterface<Boar
     std::string record() const {
         const auto path = folder_.file("walk.jsonl");
         ChildProcess record(program({"record", path, "desk", "-W", "2s"}), environment());
-        std::this_thread::sleep_for(1s);
+        EXPECT_TRUE(wait_until([&] {
+            std::ifstream file(path);
+            const std::string text(std::istreambuf_iterator<char>(file), {});
+            return text.find(R"("what":"value")") != std::string::npos;
+        })) << record.errors();
         fail_once();
         EXPECT_EQ(record.wait_exit(), 0) << record.errors();
         return path;
