@@ -52,11 +52,11 @@ int main(int argc, char** argv) {
         fmt::print(
             "seed {}: {} commands, {} incidents, {} faults of the line; ok {}, error {}, doubt {}, timeout "
             "{}, refused {}, repeated {}, unanswered while agent or broker was gone {}, late on a starved "
-            "machine {}; false ok without a checksum that left no sign {}; own connection lost {}; wrong "
-            "answers {}\n",
+            "machine {}; false ok without a checksum that left no sign {}; own connection lost {}; delivered "
+            "again after the broker's death {}; wrong answers {}\n",
             seed, counts.commands, counts.incidents, counts.faults, counts.ok, counts.error, counts.doubt,
             counts.timeout, counts.refused, counts.repeated, counts.nobody_there, counts.starved,
-            counts.invisible, counts.own_reconnects, counts.failures);
+            counts.invisible, counts.own_reconnects, counts.redelivered, counts.failures);
         std::fflush(stdout);
     }
     return counts.failures == 0 && counts.commands > 0 ? 0 : 1;

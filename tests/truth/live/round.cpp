@@ -184,6 +184,13 @@ void Round::take_replies() {
 }
 
 void Round::answered(Sent& sent, std::string status, std::string answer) {
+    // QoS 1: what the broker had passed on but not acknowledged when it died is sent again.
+    const bool redelivered =
+        sent.answers > 0 && !sent.tcp && answer == sent.answer && broker_died_ + kSlackMs >= sent.answered;
+    if (redelivered) {
+        ++counts_.redelivered;
+        return;
+    }
     ++sent.answers;
     sent.answered = now_ms();
     sent.status = std::move(status);
@@ -235,6 +242,7 @@ void Round::incident() {
             probe_.reset();
             broker_.kill();
             broker_restarted_ = true;
+            broker_died_ = now_ms();
             later_.emplace_back(now_ms() + lasts, [this] {
                 broker_.start();
                 connect();

@@ -27,7 +27,7 @@ constexpr std::int64_t kStarvedMs = 300;
 struct Counts {
     std::uint64_t rounds = 0, commands = 0, faults = 0, incidents = 0, ok = 0, error = 0, doubt = 0,
                   timeout = 0, refused = 0, repeated = 0, nobody_there = 0, starved = 0, invisible = 0,
-                  failures = 0, not_begun = 0, own_reconnects = 0;
+                  failures = 0, not_begun = 0, own_reconnects = 0, redelivered = 0;
 };
 
 /// One command: a PWM duty that this pin has never had before.
@@ -94,6 +94,7 @@ class Round {
     int reconnects_seen_ = 0;
     std::int64_t connected_ = 0;  // when the probe was last seen connected
     bool broker_restarted_ = false;
+    std::int64_t broker_died_ = std::numeric_limits<std::int64_t>::min() / 2;
     std::deque<Sent> sent_;
     std::array<std::array<int, 16>, 2> duties_{};
     std::vector<Outage> outages_;
