@@ -21,11 +21,19 @@ function sign_in() {
     h("p", {}, "and open the address that is printed. It works once, for 30 seconds."))];
 }
 
+function decoded(text) {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text; // "%" that somebody typed
+  }
+}
+
 function screen_of(path) {
   if (status.problem?.status === 401) return sign_in();
   for (const [pattern, make] of screens) {
     const match = pattern.exec(path);
-    if (match) return make(...match.slice(1).map(decodeURIComponent));
+    if (match) return make(...match.slice(1).map(decoded));
   }
   return ["Not found", h("div", {}, h("h1", { tabindex: "-1" }, "There is no such page"), h("a", { href: "#/" }, "All boards"))];
 }

@@ -5,6 +5,7 @@ export const mode_names = ["unallocated", "input", "input-pullup", "output", "an
 export const kDigital = 1;
 export const kAnalog = 2;
 export const kPwm = 4;
+const kMaxPin = 255;
 
 /// What each pin is: [{number, label, name, can, owner, mode, channel}]. `name`: what people call it, "" where they do not.
 /// `owner` is "" (free), "system" or a service's name.
@@ -59,6 +60,13 @@ export function settable_modes(pin) {
   return modes;
 }
 
+/// Of what anybody may have published: numbers of pins that a board can have.
+function numbers_by_pin(map) {
+  if (map === null || typeof map !== "object") return [];
+  return Object.entries(map).map(([pin, value]) => [Number(pin), value])
+    .filter(([pin, value]) => Number.isInteger(pin) && pin >= 0 && pin <= kMaxPin && typeof value === "number");
+}
+
 /// What is known of the pins from reports of the I/O service and from commands that were executed.
 export class PinValues {
   constructor() {
@@ -72,12 +80,12 @@ export class PinValues {
   /// A value of the service: {"digital":{"2":1}}, {"analog":{"0":320}}, {"modes":[6,6,1]}; or an error: {"reason":"not-renewed"}.
   reported(value) {
     if (value.reason === "not-renewed") this.stopped();
-    for (const [pin, level] of Object.entries(value.digital ?? {})) {
-      this.levels.set(Number(pin), level);
-      this.written.delete(Number(pin));
+    for (const [pin, level] of numbers_by_pin(value.digital)) {
+      this.levels.set(pin, level);
+      this.written.delete(pin);
     }
-    for (const [channel, reading] of Object.entries(value.analog ?? {})) this.analog.set(Number(channel), reading);
-    (value.modes ?? []).forEach((mode, pin) => this.modes.set(pin, mode));
+    for (const [channel, reading] of numbers_by_pin(value.analog)) this.analog.set(channel, reading);
+    for (const [pin, mode] of numbers_by_pin(value.modes)) this.modes.set(pin, mode);
   }
 
   /// A new description: a mode that it changes counts more than what was known before.

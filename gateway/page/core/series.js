@@ -1,28 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
 // Values over time, for plots: bounded, oldest first.
 
+/// More values of one event are neither shown nor kept: nobody could read them.
+export const kMaxNumbers = 256;
+
 function member(key, name, value, field) { return { key, name, value, unit: field?.unit, min: field?.min, max: field?.max }; }
 
-/// The single numbers in the value of one event: [{key, name, value, unit}]. `event` is its model, if there is one.
-export function numbers_of(name, value, event, element) {
+/// The single numbers in the value of one event: [{key, name, value, unit}], the first kMaxNumbers. `event` is its model, if there is one.
+export function numbers_of(name, value, event, element) { return all_numbers_of(name, value, event, element).slice(0, kMaxNumbers); }
+
+function all_numbers_of(name, value, event, element) {
   const fields = event?.fields ?? [];
   const field_named = (key) => fields.find((field) => field.name === key);
   if (typeof value === "number" || typeof value === "boolean") return [member(name, name, Number(value), fields[0])];
   if (value === null || typeof value !== "object") return [];
   const list = Array.isArray(value);
-  return Object.entries(value).flatMap(([key, item]) => {
+  return Object.entries(list ? value.slice(0, kMaxNumbers) : value).slice(0, kMaxNumbers).flatMap(([key, item]) => {
     const label = !list ? key : value.length === 1 ? "" : `${element ?? name} ${key}`;
     if (typeof item === "number") {
       const field = list || !field_named(key) ? fields[0] : field_named(key);
       return [member(key, label || field?.name || name, item, field)];
     }
     if (item === null || typeof item !== "object") return [];
-    return Object.entries(item).filter(([, number]) => typeof number === "number")
+    return Object.entries(Array.isArray(item) ? item.slice(0, kMaxNumbers) : item).slice(0, kMaxNumbers).filter(([, number]) => typeof number === "number")
       .map(([part, number]) => member(`${key}.${part}`, label ? `${label} ${part}` : part, number, field_named(part)));
   });
 }
 
-/// The points of several lines: times and one array of values a line (NaN: none at that time).
+/// Room for one more key in a map that holds kMaxNumbers: the first that is not in `present` goes, and is returned.
+export function make_room(map, present) {
+  if (map.size < kMaxNumbers) return undefined;
+  for (const [key, value] of map) {
+    if (present.has(key)) continue;
+    map.delete(key);
+    return value;
+  }
+}
+
+/// The points of several lines, at most kMaxNumbers: times and one array of values a line (NaN: none at that time).
 export class Series {
   constructor(max_points = 12_000, max_age_ms = 10 * 60 * 1000) {
     this.max_points = max_points;
@@ -36,12 +51,13 @@ export class Series {
   add(time, numbers) {
     if (this.times.length > 0 && time <= this.times.at(-1)) return false;
     this.times.push(time);
+    const by_key = new Map(numbers.map((number) => [number.key, number.value]));
     for (const { key, name, unit } of numbers) {
       if (!this.lines.has(key)) {
+        make_room(this.lines, by_key);
         this.lines.set(key, { key, name, unit, values: new Array(this.times.length - 1).fill(NaN) });
       }
     }
-    const by_key = new Map(numbers.map((number) => [number.key, number.value]));
     for (const line of this.lines.values()) line.values.push(by_key.get(line.key) ?? NaN);
     this.trim(time);
     return true;
@@ -127,6 +143,11 @@ export function ticks(low, high, count) {
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map((factor) => factor * power).find((each) => each >= rough) ?? power * 10;
   const result = [];
-  for (let tick = Math.ceil(low / step) * step; tick <= high + step * 1e-9; tick += step) result.push(Number(tick.toPrecision(12)));
+  const first = Math.ceil(low / step);
+  for (let i = 0; i <= count + 1; ++i) { // never more: beside huge numbers a step may change nothing
+    const tick = (first + i) * step;
+    if (!(tick <= high + step * 1e-9)) break;
+    result.push(Number(tick.toPrecision(12)));
+  }
   return result;
 }

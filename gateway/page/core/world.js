@@ -6,10 +6,14 @@ export const kGrades = 4;
 const kStepMm = 4;
 const kJumpMm = 150;     // further in one step: it was put there
 const kRunPoints = 60;
-const kMaxRuns = 400;
+const kMaxRuns = 400;    // of one rover
+const kMaxAllRuns = 1600;
 const kMaxItems = 2000;
 const kFarMm = 1e6;
 const kRoomMm = 100;
+const kMeasures = ["width", "off", "radius"];
+const kOfFloor = ["floor", "line", "obstacles"];
+const kLeastMm = 0.01;   // of a measure
 
 const known = (item, names) => names.every((name) => typeof item?.[name] === "number" && Math.abs(item[name]) <= kFarMm);
 const list = (items, names) => (Array.isArray(items) ? items.slice(0, kMaxItems).filter((item) => known(item, names)) : []);
@@ -23,14 +27,11 @@ export function sensors_of({ x, y, heading }, ahead) {
   return { x: x + ahead * Math.cos(angle), y: y + ahead * Math.sin(angle) };
 }
 
-/// The way of one rover in runs of one grade each: [{grade, points}]. The oldest run goes when there are too many.
+/// The way of one rover in runs of one grade each: [{grade, points}]. The oldest runs go when there are too many.
 export class Trail {
-  constructor(max_runs = kMaxRuns) {
-    this.max_runs = max_runs;
-    this.runs = [];
-  }
+  constructor() { this.runs = []; }
 
-  add(at, grade) {
+  add(at, grade, max_runs = kMaxRuns) {
     const run = this.runs.at(-1);
     const last = run?.points.at(-1);
     const way = last ? Math.hypot(at.x - last.x, at.y - last.y) : Infinity;
@@ -38,7 +39,7 @@ export class Trail {
     const goes_on = way <= kJumpMm;
     if (goes_on && run.grade === grade && run.points.length < kRunPoints) run.points.push(at);
     else this.runs.push({ grade, points: goes_on ? [last, at] : [at] });
-    if (this.runs.length > this.max_runs) this.runs.shift();
+    if (this.runs.length > max_runs) this.runs.splice(0, this.runs.length - max_runs);
   }
 }
 
@@ -48,29 +49,54 @@ export class World {
     this.line = [];
     this.obstacles = [];
     this.rovers = new Map(); // name -> {pose, trail}
-    this.early = [];         // poses before the floor was known
+    this.early = [];         // poses before the floor was known, the newest
+    this.faults = new Map(); // what was said last and cannot be drawn: "floor", "line", "obstacles" or a rover's name -> why
   }
 
-  /// A value of the floor's service. Whatever is not as it should be is left out.
+  /// A value of the floor's service. Whatever is not as it should be is left out, and is a fault.
   floor_said(value) {
-    if (value?.line) this.line = list(value.line, ["x", "y"]);
-    if (value?.obstacles) this.obstacles = list(value.obstacles, ["x", "y", "r"]).filter((each) => each.r > 0);
-    if (!known(value?.floor, ["width", "off", "radius", "ahead"]) || !(value.floor.off > 0 && value.floor.radius > 0 && value.floor.width > 0)) return;
-    this.floor = value.floor;
+    if (value === null || typeof value !== "object") return void this.check("floor", false, "says no measures");
+    if ("line" in value) this.line = this.checked_list("line", value.line, ["x", "y"]);
+    if ("obstacles" in value) this.obstacles = this.checked_list("obstacles", value.obstacles, ["x", "y", "r"]).filter((each) => each.r > 0);
+    if (!("floor" in value)) return;
+    const { floor } = value;
+    const good = known(floor, [...kMeasures, "ahead"]) && kMeasures.every((name) => floor[name] >= kLeastMm);
+    if (!this.check("floor", good, "has measures that cannot be drawn")) return;
+    this.floor = floor;
     for (const [name, pose] of this.early.splice(0)) this.moved(name, pose);
   }
 
+  checked_list(name, items, members) {
+    const good = list(items, members);
+    this.check(name, Array.isArray(items) && good.length === items.length, `has points that cannot be drawn, or more than ${kMaxItems}`);
+    return good;
+  }
+
+  check(name, good, fault) {
+    if (good) this.faults.delete(name);
+    else this.faults.set(name, fault);
+    return good;
+  }
+
   moved(name, pose) {
-    if (!known(pose, ["x", "y", "heading", "offset"])) return;
-    if (!this.floor) return void (this.early.length < kMaxItems && this.early.push([name, pose]));
+    if (!this.check(name, known(pose, ["x", "y", "heading", "offset"]), "says a pose that cannot be drawn")) return;
+    if (!this.floor) {
+      if (this.early.push([name, pose]) > kMaxItems) this.early.shift();
+      return;
+    }
     const rover = this.rovers.get(name) ?? { trail: new Trail() };
     this.rovers.set(name, rover);
     rover.pose = pose;
-    rover.trail.add(sensors_of(pose, this.floor.ahead), grade_of(pose.offset, this.floor.off));
+    const max_runs = Math.min(kMaxRuns, Math.ceil(kMaxAllRuns / this.rovers.size));
+    rover.trail.add(sensors_of(pose, this.floor.ahead), grade_of(pose.offset, this.floor.off), max_runs);
   }
 
   /// Forgets the rovers that are not named.
-  keep(names) { for (const name of [...this.rovers.keys()]) if (!names.includes(name)) this.rovers.delete(name); }
+  keep(names) {
+    for (const name of [...this.rovers.keys()]) if (!names.includes(name)) this.rovers.delete(name);
+    for (const name of [...this.faults.keys()]) if (!names.includes(name) && !kOfFloor.includes(name)) this.faults.delete(name);
+    this.early = this.early.filter(([name]) => names.includes(name));
+  }
 
   clear_ways() { for (const rover of this.rovers.values()) rover.trail = new Trail(); }
 
@@ -86,6 +112,13 @@ export class World {
   /// Lines of text that say what the picture shows, one for each rover.
   rover_texts() { return [...this.rovers].map(([name, { pose }]) => `${name}: ${pose_text(pose)}`); }
 
+  /// Why something is not drawn; "" while all is.
+  problem() {
+    const faults = [...this.faults].map(([name, why]) => `${name} ${why}`);
+    if (!this.floor && faults.length === 0) return "Its floor has said nothing yet.";
+    return faults.length === 0 ? "" : `Not drawn: ${faults.slice(0, 3).join("; ")}${faults.length > 3 ? " …" : "."}`;
+  }
+
   text() {
     const things = this.obstacles.length > 0 ? `, ${plural(this.obstacles.length, "obstacle")}` : "";
     return [`Floor with a line${things}`, ...this.rover_texts()].join(". ");
@@ -94,6 +127,6 @@ export class World {
 
 function pose_text({ x, y, heading, offset, laps, lap }) {
   const side = Math.abs(offset) < 0.05 ? "on the line" : `${Number(Math.abs(offset).toFixed(1))} mm ${offset > 0 ? "left" : "right"} of the line`;
-  const rounds = laps > 0 ? `; ${plural(laps, "lap")}${typeof lap === "number" ? `, the last in ${number_text(lap)} s` : ""}` : "";
+  const rounds = Number.isSafeInteger(laps) && laps > 0 ? `; ${plural(laps, "lap")}${typeof lap === "number" ? `, the last in ${number_text(lap)} s` : ""}` : "";
   return `${side}, at ${Math.round(x)}, ${Math.round(y)} mm, heading ${Math.round(heading)}°${rounds}`;
 }

@@ -22,8 +22,17 @@ class Bus extends EventTarget {
 
   connect() {
     this.port = open_port();
-    this.port.onmessage = (event) => event.data.forEach((message) => this.received(message));
+    this.port.onmessage = (event) => event.data.forEach((message) => this.received_safely(message));
     for (const [ref, { request }] of this.listeners) this.port.postMessage({ subscribe: request, ref });
+  }
+
+  /// What one listener cannot read takes nothing from the others.
+  received_safely(message) {
+    try {
+      this.received(message);
+    } catch (error) {
+      console.error("a message was not understood", message, error);
+    }
   }
 
   received(message) {

@@ -43,8 +43,10 @@ class Board extends Part {
 
   reload(kind) {
     if (kind === "state" || kind === "forgotten") this.show_state();
-    clearTimeout(this.timer);
-    this.timer = setTimeout(() => { if (this.isConnected) this.load(); }, kReloadMs);
+    this.timer ??= setTimeout(() => { // not begun anew: a board that changes all the time is shown, too
+      this.timer = undefined;
+      if (this.isConnected) this.load();
+    }, kReloadMs);
   }
 
   async load() {

@@ -35,6 +35,9 @@ class Plot extends Part {
     const resized = new ResizeObserver(() => this.resize());
     resized.observe(this.canvas);
     this.while_shown(() => resized.disconnect());
+    const seen = new IntersectionObserver((changes) => { this.seen = changes.at(-1).isIntersecting; });
+    seen.observe(this.canvas);
+    this.while_shown(() => seen.disconnect());
     const dark = matchMedia("(prefers-color-scheme: dark)");
     this.listen(dark, "change", () => this.read_colors());
     this.read_colors();
@@ -139,7 +142,7 @@ class Plot extends Part {
   }
 
   draw() {
-    if (!this.width || document.hidden) return;
+    if (!this.seen || !this.width || document.hidden) return;
     const to = this.end ?? Date.now();
     const from = to - this.span;
     // Nothing moves by a whole pixel: the picture stays.

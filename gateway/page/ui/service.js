@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // One service of a board: its live values, a plot, and a form for each command.
 import { command_order } from "../core/form.js";
-import { numbers_of, Series } from "../core/series.js";
+import { make_room, numbers_of, Series } from "../core/series.js";
 import { duration_text, moment_text, plural, time_of, with_unit, words } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
 import { before_picture, h, Part, set_text } from "./dom.js";
 import "./command.js";
 import "./plot.js";
 
+const kMaxEvents = 16;    // different ones; the gateway keeps no more either
+const kMaxText = 200;     // of a value that is no number
 const kOwnCommands = new Set(["mode", "write", "pwm"]); // of the I/O service: a click on the pin does it
+
+const shortened = (text) => (text.length > kMaxText ? `${text.slice(0, kMaxText)} …` : text);
 
 class Service extends Part {
   /// Call before it is put into the page. `on_value` gets each value and whether it is of the past, `pins` says that the board's pins show them.
@@ -99,6 +103,7 @@ class Service extends Part {
   value(name, value, at) {
     let event = this.events.get(name);
     if (!event) {
+      if (this.events.size >= kMaxEvents) return;
       const model = Object.values(this.model?.events ?? {}).find((each) => each.name === name);
       event = { name, model, series: new Series(), element: this.element };
       this.events.set(name, event);
@@ -106,23 +111,28 @@ class Service extends Part {
     event.at = at;
     const numbers = numbers_of(name, value, event.model, this.element);
     if (this.pins && name === "analog") for (const number of numbers) number.name = `A${number.key}`;
-    event.numbers = numbers.length ? numbers : [{ key: name, name, value: JSON.stringify(value) }];
+    event.numbers = numbers.length ? numbers : [{ key: name, name, value: shortened(JSON.stringify(value)) }];
     if (numbers.length) event.series.add(at, numbers);
   }
 
   board_error(message) {
     const error = message.value ?? message;
     this.on_value?.(error);
-    set_text(this.note, `The board reported an error at ${moment_text(time_of(message.at))}: ${error.error ?? "unknown"} (${error.request ?? ""})`);
+    const text = (value) => shortened(typeof value === "string" ? value : JSON.stringify(value) ?? "");
+    set_text(this.note, `The board reported an error at ${moment_text(time_of(message.at))}: ${text(error.error ?? "unknown")} (${text(error.request)})`);
   }
 
   draw() {
     for (const event of this.events.values()) {
       if (this.pins && event.name !== "analog") continue; // the pins show it
       if (!event.boxes) this.add_event(event);
+      const present = new Set(event.numbers.map((number) => number.key));
       for (const number of event.numbers) {
         let box = event.boxes.get(number.key);
-        if (!box) event.boxes.set(number.key, (box = this.add_box(event, number)));
+        if (!box) {
+          make_room(event.boxes, present)?.parentElement.remove();
+          event.boxes.set(number.key, (box = this.add_box(event, number)));
+        }
         set_text(box, with_unit(number.value, number.unit));
       }
       const age = Date.now() - event.at;

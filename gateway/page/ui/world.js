@@ -35,9 +35,10 @@ class WorldPicture extends Part {
     this.drawn = new Map(); // run -> its polyline
     this.arrows = new Map(); // name of a rover -> {group, name}
     this.svg = s("svg", { role: "img", "aria-label": "Floor: nothing yet" }, this.track, this.obstacles, this.ways, this.rovers);
+    this.problem = h("p", { class: "muted", role: "status", hidden: true });
     this.texts = h("ul", { class: "rovers" });
     this.signs = h("p", { class: "way-signs muted" });
-    this.append(this.svg, this.texts, this.signs, h("button", { onclick: () => { this.world.clear_ways(); this.refresh(); } }, "Clear the ways"));
+    this.append(this.svg, this.problem, this.texts, this.signs, h("button", { onclick: () => { this.world.clear_ways(); this.refresh(); } }, "Clear the ways"));
     this.refresh = before_picture(() => this.draw());
     this.while_shown(bus.subscribe({ subscribe: `${this.board}/${this.service}` }, (message) => {
       if (message.event !== "value") return;
@@ -48,7 +49,8 @@ class WorldPicture extends Part {
   }
 
   moved(name, value) {
-    this.world.moved(name, value?.pose);
+    if (value?.pose === undefined) return; // it says something else
+    this.world.moved(name, value.pose);
     this.refresh?.();
   }
 
@@ -119,6 +121,9 @@ class WorldPicture extends Part {
   /// Once a second: a text that changes with each pose could not be read.
   describe() {
     const { floor, rovers } = this.world;
+    const problem = this.world.problem();
+    set_text(this.problem, problem);
+    this.problem.hidden = problem === "";
     if (!floor) return;
     set(this.svg, "aria-label", this.world.text());
     const texts = this.world.rover_texts();

@@ -111,3 +111,13 @@ test("StoppedOrNotRenewed_OutputsAreNotKnownAnyMoreAndInputsAre", () => {
     assert.equal(values.state_of(pins[2]).text, "high");
   }
 });
+
+test("what others publish as reports of pins does no harm, and does not grow", () => {
+  const values = new PinValues();
+  for (const value of [{ modes: {} }, { modes: "out" }, { modes: [{}] }, { digital: 7 }, { digital: { 2: "high", x: 1, "-1": 1, 300: 1, 1.5: 1 } },
+    { analog: "no" }, { analog: { 0: { toString: 7 } } }, { analog: null }, {}]) values.reported(value);
+  for (let i = 0; i < 5000; ++i) values.reported({ digital: { [i]: 1 }, analog: { [i]: 1 } });
+  assert.equal(values.levels.size, 256);
+  assert.equal(values.analog.size, 256);
+  assert.equal(values.modes.size, 0);
+});

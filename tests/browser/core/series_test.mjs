@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from "node:assert/strict";
 import test from "node:test";
-import { numbers_of, Series, thinned, ticks } from "../../../gateway/page/core/series.js";
+import { kMaxNumbers, numbers_of, Series, thinned, ticks } from "../../../gateway/page/core/series.js";
 
 const one = (value) => [{ key: "a", name: "a", value }];
 
@@ -91,4 +91,20 @@ test("Ticks_AreRoundAndWithin", () => {
   assert.deepEqual(ticks(0, 100, 5), [0, 20, 40, 60, 80, 100]);
   assert.deepEqual(ticks(-0.3, 0.3, 3), [-0.2, 0, 0.2]);
   assert.deepEqual(ticks(17, 18, 2), [17, 17.5, 18]);
+});
+
+test("Axis_OfNumbersThatAStepDoesNotChange_Ends", () => {
+  for (const [low, high] of [[1e17, 1e17 + 16], [-1e308, 1e308], [0, 5e-324], [NaN, 1], [1, 1], [Infinity, Infinity]]) {
+    assert.ok(ticks(low, high, 5.5).length <= 7, `${low} ${high}`);
+  }
+});
+
+test("EverNewNames_DoNotGrowWithoutBound", () => {
+  const series = new Series();
+  for (let i = 0; i < 5000; ++i) series.add(i, [{ key: `k${i}`, name: `k${i}`, value: i }]);
+  assert.equal(series.lines.size, kMaxNumbers);
+  assert.ok(series.lines.has("k4999"), "the newest");
+  assert.equal(numbers_of("many", new Array(100_000).fill(1)).length, kMaxNumbers);
+  assert.equal(numbers_of("many", Object.fromEntries(Array.from({ length: 5000 }, (_, i) => [`k${i}`, { a: 1, b: 2 }]))).length, kMaxNumbers);
+  assert.equal(numbers_of("deep", [new Array(5000).fill(1)]).length, kMaxNumbers);
 });

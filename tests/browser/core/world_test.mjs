@@ -42,8 +42,8 @@ test("a rover that stands adds nothing, and one that was put elsewhere leaves no
 });
 
 test("a way is bounded: the oldest goes first", () => {
-  const trail = new Trail(5);
-  for (let i = 0; i < 10_000; ++i) trail.add({ x: i * 10, y: 0 }, 0);
+  const trail = new Trail();
+  for (let i = 0; i < 10_000; ++i) trail.add({ x: i * 10, y: 0 }, 0, 5);
   assert.equal(trail.runs.length, 5);
   assert.ok(trail.runs.every((run) => run.points.length <= 60));
   assert.equal(trail.runs.at(-1).points.at(-1).x, 99_990);
@@ -75,7 +75,44 @@ test("poses that come before the floor are not lost, and are bounded", () => {
   assert.equal(world.early.length, 2000);
   world.floor_said({ floor: measures });
   assert.equal(world.early.length, 0);
-  assert.equal(world.rovers.get("mirto").trail.runs[0].points[0].x, 60);
+  assert.equal(world.rovers.get("mirto").trail.runs[0].points[0].x, 30_060, "the newest ones");
+  world.early.push(["gone", pose(0, 0)]);
+  world.keep(["mirto"]);
+  assert.deepEqual(world.early, []);
+});
+
+test("the ways of many rovers that jump are bounded together", () => {
+  const world = square_world();
+  for (let i = 0; i < 500; ++i) for (let rover = 0; rover < 63; ++rover) world.moved(`rover${rover}`, pose(i % 2 * 1000, rover));
+  const runs = [...world.rovers.values()].reduce((sum, rover) => sum + rover.trail.runs.length, 0);
+  assert.ok(runs <= 1700 && runs >= 1500, `${runs}`);
+});
+
+test("what cannot be drawn is said, until it can be", () => {
+  const world = new World();
+  assert.equal(world.problem(), "Its floor has said nothing yet.");
+  world.floor_said("hello");
+  assert.match(world.problem(), /^Not drawn: floor says no measures\.$/);
+  world.floor_said({ floor: { ...measures, off: 0 } });
+  assert.match(world.problem(), /floor has measures that cannot be drawn/);
+  world.floor_said({ line: [{ x: 1, y: 1e308 }] });
+  world.floor_said({ obstacles: "many" });
+  world.moved("mirto", { x: "1" });
+  assert.match(world.problem(), /line has points that cannot be drawn.* …$/);
+  world.floor_said({ floor: measures });
+  world.floor_said({ line: square });
+  world.floor_said({ obstacles: [] });
+  assert.equal(world.problem(), "Not drawn: mirto says a pose that cannot be drawn.");
+  world.keep([]);
+  assert.equal(world.problem(), "");
+});
+
+test("laps that are no number are no text", () => {
+  const world = square_world();
+  for (const laps of [{ toString: 7, valueOf: 7 }, "5", [3], 1e308, 1.5, -1, null]) {
+    world.moved("mirto", pose(0, 0, { laps, lap: { toString: 7 } }));
+    assert.match(world.text(), /heading 0°$/);
+  }
 });
 
 test("what others publish in their place does no harm", () => {
@@ -86,8 +123,10 @@ test("what others publish in their place does no harm", () => {
   assert.deepEqual(world.line, [{ x: 1, y: 2 }]);
   world.floor_said({ obstacles: [{ x: 0, y: 0, r: -5 }, { x: 0, y: 0, r: 5 }] });
   assert.equal(world.obstacles.length, 1);
-  for (const value of [undefined, null, {}, pose("1", 2), pose(1, NaN), pose(1, 2, { heading: null })]) world.moved("mirto", value);
+  for (const value of [undefined, null, {}, pose("1", 2), pose(1, NaN), pose(1e308, 2), pose(1, 2, { heading: null })]) world.moved("mirto", value);
   assert.equal(world.rovers.size, 0);
+  world.floor_said({ floor: { ...measures, off: 1e-320 } });
+  assert.deepEqual(world.floor, measures, "where nothing is off the track there are no grades");
   world.floor_said({ line: Array.from({ length: 9000 }, (_, x) => ({ x, y: 0 })) });
   assert.equal(world.line.length, 2000);
 });
