@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "asip/protocol/request.hpp"
+
 namespace asip::agent {
 
 void ClientFraming::assume_lines() {
@@ -15,7 +17,9 @@ std::vector<std::string> ClientFraming::decode(std::string_view bytes) {
     if (!std::exchange(found_, true))
         kind_ = protocol::starts_utf_frame(static_cast<unsigned char>(bytes.front())) ? Kind::kFrames
                                                                                       : Kind::kLines;
-    const auto take = [&](std::string_view line) { result.emplace_back(line); };
+    const auto take = [&](std::string_view line) {
+        if (const auto request = protocol::significant(line); !request.empty()) result.emplace_back(request);
+    };
     if (kind_ == Kind::kLines) {
         lines_.push(bytes, take);
         return result;

@@ -61,6 +61,12 @@ Expected<Request> parse_request(std::string_view line) {
     return Request{line[0], line[2], line.size() > 4 ? line.substr(4) : std::string_view{}};
 }
 
+std::string_view significant(std::string_view line) {
+    const auto last = line.find_last_not_of("\r ");
+    if (last == std::string_view::npos || line.front() == '!') return {};
+    return line.substr(0, last + 1);
+}
+
 Expected<std::vector<std::string_view>> split_requests(std::string_view payload) {
     if (payload.size() > kMaxPayloadBytes) {
         return fail("payload is " + std::to_string(payload.size()) + " bytes long, above " +
@@ -69,9 +75,8 @@ Expected<std::vector<std::string_view>> split_requests(std::string_view payload)
     std::vector<std::string_view> lines;
     while (!payload.empty()) {
         const auto end = payload.find('\n');
-        auto line = payload.substr(0, end);
+        const auto line = significant(payload.substr(0, end));
         payload.remove_prefix(end == std::string_view::npos ? payload.size() : end + 1);
-        if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
         if (line.empty()) continue;
         if (const auto request = parse_request(line); !request) return fail(request.error());
         if (lines.size() == kMaxRequestsPerPayload) {

@@ -59,9 +59,14 @@ struct Request {
 /// request. A trailing line end is not allowed here; split_requests takes it off.
 Expected<Request> parse_request(std::string_view line);
 
-/// Cuts a control payload into request lines: newline or CR LF between them, optional at the end; empty lines
-/// are skipped. Fails as a whole, with the reason, for one line that parse_request() refuses, and for more
-/// than kMaxRequestsPerPayload lines. The views point into the payload.
+/// What a board reads of a line without its newline: no carriage return and no blanks at its end. Empty for a
+/// line that boards ignore: one of blanks alone, and debug text, which begins with `!`.
+std::string_view significant(std::string_view line);
+
+/// Cuts a control payload into request lines, each as significant() gives it: newline or CR LF between them,
+/// optional at the end; lines that boards ignore are skipped. Fails as a whole, with the reason, for one line
+/// that parse_request() refuses, and for more than kMaxRequestsPerPayload lines. The views point into the
+/// payload.
 Expected<std::vector<std::string_view>> split_requests(std::string_view payload);
 
 }  // namespace asip::protocol

@@ -142,9 +142,12 @@ class RoverPart final : public Part {
         const auto numbers = three_numbers(argument);
         const bool block = verb == "block";
         if (!numbers || (block && (*numbers)[2] < 1))
-            return fail(
-                block ? "block needs x, y and radius in millimetres: block rover 300 0 50"
-                      : "place needs x and y in millimetres and a heading in degrees: place rover 0 0 90");
+            return fail(fmt::format("{} (up to {:.0f})",
+                                    block ? "block needs x, y and a radius of at least 1 in millimetres: "
+                                            "block rover 300 0 50"
+                                          : "place needs x and y in millimetres and a heading in degrees: "
+                                            "place rover 0 0 90",
+                                    kFloorMm));
         const auto [x, y, last] = *numbers;
         if (block)
             world_.block({{x, y}, last});

@@ -24,6 +24,13 @@ TEST(ClientFraming, JavaClient_SendsAndGetsFrames) {
     EXPECT_EQ(framing.encode("@x"), std::string("\0\2@x", 4));
 }
 
+TEST(ClientFraming, WhatBoardsIgnore_IsNoRequest) {
+    ClientFraming lines;
+    EXPECT_THAT(lines.decode("#,?  \n!debug\n \n\n#,N \r\n"), ElementsAre("#,?", "#,N"));
+    ClientFraming frames;
+    EXPECT_THAT(frames.decode(std::string("\0\4#,? \0\3!hi", 11)), ElementsAre("#,?"));
+}
+
 TEST(ClientFraming, NothingHeardYet_NothingIsSent) {
     ClientFraming framing;
     EXPECT_EQ(framing.encode("@I,d,4,c"), "");

@@ -54,6 +54,15 @@ TEST(SplitRequests, NewlinePresentOrNot_GivesTheSame) {
     EXPECT_THAT(split_requests("I,M\nI,m\r\nI,p").value(), ElementsAre("I,M", "I,m", "I,p"));
 }
 
+TEST(SplitRequests, WhatBoardsIgnore_IsLeftOut) {
+    for (const std::string_view payload :
+         {"I,M ", "I,M  \r\n", "I,M \r", "!hello\nI,M", "I,M\n!bye", "   \nI,M\n \r\n"}) {
+        EXPECT_THAT(split_requests(payload).value(), ElementsAre("I,M")) << payload;
+    }
+    EXPECT_FALSE(split_requests(" I,M")) << "a board reads a blank as the service";
+    EXPECT_FALSE(split_requests("!hello"));
+}
+
 TEST(SplitRequests, OneBadLine_RefusesThemAll) {
     EXPECT_FALSE(split_requests("I,M\nbad\nI,p"));
 }
