@@ -9,19 +9,23 @@ declare -a started=()
 
 # Ends what was started, newest first, and waits for each; whoever does not go within three seconds is killed.
 clean_up() {
-    local i name pid
+    local i pid tries
     trap - EXIT
+    trap '' HUP INT TERM # a second Ctrl-C must not leave the rest behind
     for ((i = ${#started[@]} - 1; i >= 0; i--)); do
         pid=${pids[${started[i]}]}
-        kill -TERM "$pid" 2>/dev/null || continue
-        (sleep 3; kill -KILL "$pid" 2>/dev/null) & local guard=$!
+        kill -TERM -- "-$pid" 2>/dev/null || kill -TERM "$pid" 2>/dev/null || continue # a group begins a moment later
+        for ((tries = 0; tries < 60; tries++)); do
+            kill -0 -- "-$pid" 2>/dev/null || break
+            sleep 0.05
+        done
+        kill -KILL -- "-$pid" 2>/dev/null || true
         wait "$pid" 2>/dev/null || true
-        kill "$guard" 2>/dev/null || true
-        wait "$guard" 2>/dev/null || true
     done
     rm -rf "$work"
 }
 trap clean_up EXIT
+trap 'exit 129' HUP # the terminal was closed
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
@@ -35,10 +39,12 @@ fail() {
     exit 1
 }
 
-start() { # start NAME COMMAND...: in the background, its words in a log file
+# start NAME COMMAND...: in the background, its words in a log file. As a group of its own: a compiler's helpers end with it, and Ctrl-C ends
+# nothing before clean_up does.
+start() {
     local name=$1
     shift
-    "$@" >"$work/$name.log" 2>&1 </dev/null &
+    setsid "$@" >"$work/$name.log" 2>&1 </dev/null &
     pids[$name]=$!
     started+=("$name")
 }
@@ -85,10 +91,13 @@ start_bus() { # the broker and a registry
     local mosquitto
     mosquitto=$(PATH=$PATH:/usr/sbin:/usr/local/sbin command -v mosquitto) || fail "mosquitto is not installed"
     start broker "$mosquitto" -c "$work/mosquitto.conf"
-    within 5 "the broker's start" eval "! port_is_free $port"
+    within 20 "the broker's start" grep -q ' running$' "$work/broker.log" # its own word: another program may listen there
     start registry "$bin/asip-registry"
 }
-start_gateway() { start gateway "$bin/asip-gateway" --http 127.0.0.1:0; }
+start_gateway() {
+    start gateway "$bin/asip-gateway" --http 127.0.0.1:0
+    within 20 "the gateway's start" page
+}
 start_boards() { # two simulated boards, desk and lamp, each with its agent
     local board
     for board in desk lamp; do
@@ -105,4 +114,4 @@ boards_are() { [ "$(asipctl list boards --state online -o name 2>/dev/null | wc 
 # What a second terminal needs.
 exports() { printf 'export ASIP_BROKER=%s ASIP_SOCKET=%s PATH=%s:$PATH\n' "$ASIP_BROKER" "$work/sim.sock" "$bin"; }
 page_of() { echo "$(page)/#/board/$1"; } # page_of BOARD
-page() { sed -n 's/.*listening  address=\(http[^ ]*\).*/\1/p' "$work/gateway.log"; }
+page() { grep -om1 'listening  address=http[^ ]*' "$work/gateway.log" | cut -d= -f2; }
