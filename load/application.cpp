@@ -49,7 +49,7 @@ int Application::run() {
 
 void Application::schedule_steps() {
     const Duration now = Clock::now() - started_;
-    for (const auto& due : plan_.due(now))
+    for (const auto& due : plan_.due(now, fleet_.settled()))
         fleet_.perform(due);
     auto next = plan_.next(now);
     if (options_.time && (!next || *options_.time < *next)) next = options_.time;

@@ -65,6 +65,10 @@ class Fleet {
     std::size_t present() const { return present_.size(); }
     /// Present, and the broker has its description.
     std::size_t announced() const { return announced_; }
+    /// No board is away for a while, and each that is present is announced.
+    bool settled() const {
+        return announced_ == present_.size() && present_.size() + absent_.size() == slots_.size();
+    }
     Tally tally() const;
 
     std::string name(std::size_t board) const;

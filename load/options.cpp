@@ -38,7 +38,11 @@ constexpr const char* kExamples =
     "  asip-load --boards 200 --values 10 --commands 500 --time 30s -o json\n"
     "      Each service reports ten times a second, and 500 commands a second are sent.\n"
     "\n"
-    "Steps: AT VERB BOARDS [over TIME] [down TIME] [every TIME]. BOARDS is 100, 5% or all. VERB is\n"
+    "Steps: AT VERB BOARDS [over TIME] [down TIME] [every TIME]. AT is a time since the start, or `then`: "
+    "once "
+    "the\nsteps before it are done and all boards are announced (then+5s: so much later). BOARDS is 100, 5% "
+    "or "
+    "all. VERB is\n"
     "  join   an agent starts; all do at the start, at --join-rate, unless a step says `0s join ...`\n"
     "  die    the connection breaks for good: the will is published\n"
     "  flap   the connection breaks and comes back after 1s (down TIME)\n"
@@ -188,7 +192,7 @@ Expected<std::vector<Step>> steps_of(const Raw& raw) {
         steps.push_back(*step);
     }
     const bool joins_at_start = std::any_of(steps.begin(), steps.end(), [](const Step& step) {
-        return step.verb == Verb::kJoin && step.at == Duration{};
+        return step.verb == Verb::kJoin && !step.then && step.at == Duration{};
     });
     if (joins_at_start) return steps;
     Step join;

@@ -23,8 +23,11 @@ constexpr std::size_t kMaxSteps = 10'000;
 constexpr Duration kShortestRound = std::chrono::milliseconds(10);
 // A moment that next() named is not missed by a rounding.
 constexpr double kRounding = 1e-6;
+// How soon boards are looked at again on which a step waits.
+constexpr Duration kSettledTick = std::chrono::milliseconds(20);
 constexpr const char* kForm =
-    "AT VERB BOARDS [over TIME] [down TIME] [every TIME], such as \"30s flap 1% every 10s\"";
+    "AT VERB BOARDS [over TIME] [down TIME] [every TIME], such as \"30s flap 1% every 10s\" or \"then die "
+    "5\"";
 
 std::vector<std::string> words_of(std::string_view text) {
     std::vector<std::string> words;
@@ -67,6 +70,16 @@ Expected<Amount> parse_amount(const std::string& word) {
     return fail("\"" + word + "\" is no number of boards: 100, 5% or all");
 }
 
+Expected<void> parse_at(Step& step, std::string_view word) {
+    constexpr std::string_view kThen = "then";
+    step.then = word == kThen || word.starts_with("then+");
+    if (word == kThen) return {};
+    const auto time = text::parse_duration(word.substr(step.then ? kThen.size() + 1 : 0));
+    if (!time) return fail(time.error() + "; a step is " + kForm);
+    step.at = *time;
+    return {};
+}
+
 Expected<void> parse_part(Step& step, const std::string& name, const std::string& value) {
     Duration* const member = name == "over"    ? &step.over
                              : name == "down"  ? &step.down
@@ -99,9 +112,7 @@ Expected<Step> parse_step(std::string_view text) {
     if (words.size() < 3 || words.size() % 2 == 0)
         return fail("\"" + std::string(text) + "\" is not a step: " + kForm);
     Step step;
-    const auto at = text::parse_duration(words[0]);
-    if (!at) return fail(at.error() + "; a step is " + kForm);
-    step.at = *at;
+    if (const auto at = parse_at(step, words[0]); !at) return fail(at.error());
     const auto verb = parse_verb(words[1]);
     if (!verb) return fail(verb.error());
     step.verb = *verb;
@@ -143,15 +154,24 @@ Expected<std::vector<Step>> read_script(const std::string& path) {
 
 Plan::Plan(std::vector<Step> steps, std::size_t boards) {
     for (auto& step : steps)
-        steps_.push_back({step, step.amount.of(boards)});
+        steps_.push_back({.step = step,
+                          .total = step.amount.of(boards),
+                          .from = step.then ? std::nullopt : std::optional(Duration{})});
 }
 
-std::vector<Plan::Due> Plan::due(Duration now) {
+std::vector<Plan::Due> Plan::due(Duration now, bool settled) {
     std::vector<Due> result;
-    for (auto& [step, total, round, done] : steps_) {
+    for (auto& running : steps_) {
+        auto& [step, total, round, done, from] = running;
+        // What is due in this moment unsettles the boards.
+        if (!from && settled && result.empty()) from = now;
+        if (!from) {
+            settled = false;
+            continue;
+        }
         std::size_t count = 0;
         for (;;) {
-            const Duration begins = step.at + step.every * static_cast<Duration::rep>(round);
+            const Duration begins = running.begins();
             if (now < begins) break;
             const double part = step.over == Duration{}
                                     ? 1.0
@@ -165,15 +185,21 @@ std::vector<Plan::Due> Plan::due(Duration now) {
             done = 0;
         }
         if (count > 0) result.push_back({step.verb, count, step.down});
+        settled = settled && running.once_done();
     }
     return result;
 }
 
 std::optional<Duration> Plan::next(Duration now) const {
     std::optional<Duration> soonest;
-    for (const auto& [step, total, round, done] : steps_) {
+    for (const auto& running : steps_) {
+        const auto& [step, total, round, done, from] = running;
         if (done >= total) continue;
-        Duration when = step.at + step.every * static_cast<Duration::rep>(round);
+        if (!from) {
+            if (!soonest || now + kSettledTick < *soonest) soonest = now + kSettledTick;
+            continue;
+        }
+        Duration when = running.begins();
         if (when <= now || done > 0) {
             const Duration one = step.over / static_cast<Duration::rep>(std::max<std::size_t>(total, 1));
             when += std::max<Duration>(one * static_cast<Duration::rep>(done + 1), Duration{});

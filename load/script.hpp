@@ -31,9 +31,10 @@ struct Amount {
     std::size_t of(std::size_t boards) const;
 };
 
-/// One line of a script: `30s flap 1% over 2s down 5s every 10s`.
+/// One line of a script: `30s flap 1% over 2s down 5s every 10s`, or `then die 5`.
 struct Step {
-    Duration at{};  ///< since the start
+    Duration at{};      ///< since the start
+    bool then = false;  ///< `at` counts from when the steps before it are done and the boards are settled
     Verb verb = Verb::kJoin;
     Amount amount{};
     Duration over{};                          ///< spread evenly over this time
@@ -41,7 +42,8 @@ struct Step {
     Duration every{};                         ///< again and again; 0: once
 };
 
-/// `AT VERB BOARDS [over TIME] [down TIME] [every TIME]`; BOARDS is a number, a percentage or `all`. Fails
+/// `AT VERB BOARDS [over TIME] [down TIME] [every TIME]`; AT is a time, `then` or `then+TIME`; BOARDS is a
+/// number, a percentage or `all`. Fails
 /// with a sentence that names the word and says what may stand there.
 Expected<Step> parse_step(std::string_view text);
 /// A file of steps, one a line; what follows `#` is a comment. Fails with the file and the number of the
@@ -60,8 +62,9 @@ class Plan {
         Duration down;
     };
     /// What became due since the last call; `now`, since the start, does not decrease. In the order of the
-    /// script.
-    std::vector<Due> due(Duration now);
+    /// script. `settled`: no board is away for a while, and the broker has the description of each that is
+    /// present.
+    std::vector<Due> due(Duration now, bool settled);
     /// When to ask next; nothing: never again.
     std::optional<Duration> next(Duration now) const;
 
@@ -70,7 +73,11 @@ class Plan {
         Step step;
         std::size_t total;  // boards each time
         std::uint64_t round = 0;
-        std::size_t done = 0;  // of this round
+        std::size_t done = 0;            // of this round
+        std::optional<Duration> from{};  // what its times count from
+
+        Duration begins() const { return *from + step.at + step.every * static_cast<Duration::rep>(round); }
+        bool once_done() const { return round > 0 || done >= total; }
     };
     std::vector<Running> steps_;
 };

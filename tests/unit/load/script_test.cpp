@@ -82,9 +82,9 @@ Plan plan_of(const std::vector<std::string>& steps, std::size_t boards = 100) {
     return Plan(all, boards);
 }
 
-std::size_t due_at(Plan& plan, Duration now) {
+std::size_t due_at(Plan& plan, Duration now, bool settled = false) {
     std::size_t count = 0;
-    for (const auto& due : plan.due(now))
+    for (const auto& due : plan.due(now, settled))
         count += due.count;
     return count;
 }
@@ -136,10 +136,41 @@ TEST(Plan, FollowedByItsOwnTimes_DoesEverythingWithoutSpinning) {
 
 TEST(Plan, TwoStepsAtOneTime_AreDueInTheOrderOfTheScript) {
     auto plan = plan_of({"1s die 5", "1s join 5"});
-    const auto due = plan.due(1s);
+    const auto due = plan.due(1s, false);
     ASSERT_EQ(due.size(), 2u);
     EXPECT_EQ(due[0].verb, Verb::kDie);
     EXPECT_EQ(due[1].verb, Verb::kJoin);
+}
+
+TEST(Step, Then_IsReadWithATimeOrWithout) {
+    EXPECT_FALSE(parse_step("5s die 1")->then);
+    EXPECT_TRUE(parse_step("then die 1")->then);
+    EXPECT_EQ(parse_step("then die 1")->at, 0s);
+    EXPECT_EQ(parse_step("then+2s die 1")->at, 2s);
+    EXPECT_THAT(fault_of("then+ die 1"), HasSubstr("AT VERB BOARDS"));
+    EXPECT_THAT(fault_of("then2s die 1"), HasSubstr("then2s"));
+}
+
+TEST(Plan, StepsWithThen_WaitForTheOnesBeforeAndForSettledBoards) {
+    auto plan = plan_of({"0s join all over 2s", "then die 10", "then+3s flap 20", "20s leave 5"});
+    EXPECT_EQ(due_at(plan, 1s, true), 50u) << "not all have joined";
+    EXPECT_EQ(due_at(plan, 2s, true), 50u);
+    EXPECT_EQ(due_at(plan, 3s, false), 0u) << "they are not announced";
+    EXPECT_EQ(plan.next(3s), 3020ms);
+    EXPECT_EQ(due_at(plan, 4s, true), 10u) << "one step at a time";
+    EXPECT_EQ(due_at(plan, 5s, true), 0u);
+    EXPECT_EQ(plan.next(5s), 8s);
+    EXPECT_EQ(due_at(plan, 8s), 20u);
+    EXPECT_EQ(plan.next(8s), 20s);
+    EXPECT_EQ(due_at(plan, 20s), 5u);
+    EXPECT_EQ(plan.next(20s), std::nullopt);
+}
+
+TEST(Plan, StepWithATimeBehindOneThatWaits_IsDueAtItsTime) {
+    auto plan = plan_of({"then die 10", "1s leave 5", "then join 3"});
+    EXPECT_EQ(due_at(plan, 1s), 5u);
+    EXPECT_EQ(due_at(plan, 2s, true), 10u);
+    EXPECT_EQ(due_at(plan, 2s, true), 3u);
 }
 
 }  // namespace
