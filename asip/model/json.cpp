@@ -1,9 +1,49 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/model/json.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace asip::model {
+namespace {
+
+using nlohmann::json;
+
+/// Reads on to where a text is no JSON.
+class FaultFinder final : public json::json_sax_t {
+  public:
+    std::size_t byte = 0;  ///< the last one that was read, from 1
+
+    bool null() override { return true; }
+    bool boolean(bool) override { return true; }
+    bool number_integer(json::number_integer_t) override { return true; }
+    bool number_unsigned(json::number_unsigned_t) override { return true; }
+    bool number_float(json::number_float_t, const std::string&) override { return true; }
+    bool string(std::string&) override { return true; }
+    bool binary(json::binary_t&) override { return true; }
+    bool start_object(std::size_t) override { return true; }
+    bool key(std::string&) override { return true; }
+    bool end_object() override { return true; }
+    bool start_array(std::size_t) override { return true; }
+    bool end_array() override { return true; }
+    bool parse_error(std::size_t position, const std::string&, const json::exception&) override {
+        byte = position;
+        return false;
+    }
+};
+
+std::string place_of_fault(std::string_view text) {
+    FaultFinder finder;
+    json::sax_parse(text.begin(), text.end(), &finder);
+    const auto before = text.substr(0, finder.byte == 0 ? 0 : finder.byte - 1);
+    const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+    const auto start = before.rfind('\n');
+    const auto column = start == before.npos ? before.size() + 1 : before.size() - start;
+    return "line " + std::to_string(line) + ", column " + std::to_string(column);
+}
+
+}  // namespace
+
 bool json_depth_within(std::string_view text, int limit) {
     int depth = 0;
     bool in_string = false;
@@ -32,7 +72,7 @@ Expected<nlohmann::json> parse_json(std::string_view text, JsonLimits limits) {
         return fail("JSON nests deeper than " + std::to_string(limits.max_depth));
     }
     auto value = nlohmann::json::parse(text.begin(), text.end(), nullptr, false);
-    if (value.is_discarded()) return fail("not valid JSON");
+    if (value.is_discarded()) return fail("not valid JSON: " + place_of_fault(text));
     return value;
 }
 

@@ -22,7 +22,7 @@ bool json_depth_within(std::string_view text, int limit);
 
 /// Parses text that anyone may have written. Never throws and never recurses deeper than the limit. Fails
 /// with a reason when the text is longer or deeper than allowed, or is not valid JSON (RFC 8259; strings must
-/// be UTF-8). Of members with the same name the last one counts.
+/// be UTF-8): then with line and column. Of members with the same name the last one counts.
 Expected<nlohmann::json> parse_json(std::string_view text, JsonLimits limits = {});
 
 /// Compact text. Bytes in strings that are not UTF-8 become U+FFFD; never throws for them.

@@ -8,6 +8,20 @@
 namespace asip::model {
 namespace {
 
+TEST(ParseJson, TextThatIsNotJson_IsRefusedWithItsPlace) {
+    const std::pair<std::string_view, const char*> faults[] = {
+        {"", "line 1, column 1"},
+        {"{", "line 1, column 2"},
+        {"{\"a\": 1,\n \"b\": 2,\n}", "line 3, column 1"},
+        {"[1,\n\n  nul]", "line 3, column 6"},
+        {"{}\nx", "line 2, column 1"},
+        {"{'a':1}", "line 1, column 2"},
+    };
+    for (const auto& [text, place] : faults)
+        EXPECT_EQ(parse_json(text).error(), std::string("not valid JSON: ") + place) << text;
+    EXPECT_FALSE(parse_json("\"\xff\""));
+}
+
 TEST(ParseJson, ValidText_IsParsed) {
     EXPECT_EQ(dump_json(parse_json(R"( {"a":[1,2.5,"x"]} )").value()), R"({"a":[1,2.5,"x"]})");
 }
