@@ -26,6 +26,8 @@ using namespace std::chrono_literals;
 constexpr std::size_t kMaxReplayBoards = 1000;
 constexpr Duration kClaimPatience = 10s;
 constexpr Duration kGoodbyePatience = 1s;
+/// For what was played last: until the broker has it, or denies it.
+constexpr Duration kArrivalPatience = 30s;
 /// So much may wait for the broker before the reading waits, too.
 constexpr std::size_t kMaxWaiting = 1000;
 constexpr std::size_t kPlayedAtOnce = 200;
@@ -121,8 +123,14 @@ class Player {
         client_->start();
     }
 
-    bool ready() const { return board_.ready(); }
+    /// Announced, and every subscription granted: until then a broker that denies this board has not said so.
+    bool ready() const { return subscribed_ && board_.ready(); }
     bool keeps_up() const { return client_->counters().queued < kMaxWaiting; }
+    /// Whether the broker has, or has denied, all that was published.
+    bool arrived() const {
+        const auto counters = client_->counters();
+        return counters.queued == 0 && counters.unacknowledged == 0;
+    }
     void tick() {
         with([this](Time now, auto& out) { board_.tick(now, out); });
     }
@@ -153,11 +161,13 @@ class Player {
             with([this](Time now, auto& out) { board_.on_connected(now, out); });
         };
         result.on_subscribed = [this] {
+            subscribed_ = true;
             with([this](Time now, auto& out) { board_.on_subscribed(now, out); });
         };
         result.on_disconnected = [this](const mqtt::ConnectionFailure& why) {
             // Older brokers close the connection over what they deny.
             if (why.after_sending != 0 && !board_.ready()) on_fatal_(denied_board(user_, board_.name()));
+            subscribed_ = false;
             board_.on_disconnected();
         };
         result.on_publish_denied = [this](const std::string&, const std::string&) {
@@ -178,6 +188,7 @@ class Player {
     ReplayBoard board_;
     std::string user_;
     std::function<void(const std::string&)> on_fatal_;
+    bool subscribed_ = false;
     std::unique_ptr<mqtt::Client> client_;
 };
 
@@ -197,6 +208,7 @@ class Replayer {
         do {
             if (!play_once()) break;
         } while (options_.loop && messages_ > 0);
+        wait_for_arrival();
         end_all();
         if (!fatal_.empty()) return context_.fail_with({program::kExitFailure, fatal_});
         report();
@@ -274,6 +286,15 @@ class Replayer {
         }
         if (!reader) fatal_ = reader.error().text;
         return false;
+    }
+
+    void wait_for_arrival() {
+        const auto all_arrived = [this] {
+            return std::all_of(players_.begin(), players_.end(),
+                               [](const auto& one) { return one.second->arrived(); });
+        };
+        if (run_until(all_arrived, Clock::now() + kArrivalPatience) || stopped_ || !fatal_.empty()) return;
+        fatal_ = "the broker did not take all within 30 s; what was played last may be missing";
     }
 
     void end_all() {

@@ -148,10 +148,13 @@ TEST_P(ShellTest, LinesLongerThanTheTerminal_AndBytesThatAreNoText_AreTakenOrRef
     ASSERT_EQ(asipctl({"send", "desk/distance", "report", "0"}).status, 0);
     ASSERT_EQ(asipctl({"pin", "desk", "13", "high"}).status, 0);
     EXPECT_TRUE(shell->shows("modes")) << shell->screen().text();
-    const auto screen = shell->screen();
-    ASSERT_GE(screen.row(), 3U);
-    EXPECT_EQ(screen.line(screen.row() - 2), "desk> servo write " + std::string(62, 'x')) << screen.text();
-    EXPECT_EQ(screen.line(screen.row() - 1), std::string(80, 'x'));
+    const auto both_rows = [&] {
+        const auto screen = shell->screen();
+        return screen.row() >= 3 &&
+               screen.line(screen.row() - 2) == "desk> servo write " + std::string(62, 'x') &&
+               screen.line(screen.row() - 1) == std::string(80, 'x');
+    };
+    EXPECT_TRUE(wait_until(both_rows)) << shell->screen().text();
     shell->type("\x03");
     EXPECT_TRUE(shell->edits("desk>"));
     shell->resize(24, 40);
