@@ -89,10 +89,13 @@ std::size_t Pty::write(std::string_view bytes) {
 Expected<PortLink> PortLink::create(const std::filesystem::path& link, const std::string& target) {
     std::error_code error;
     const auto status = std::filesystem::symlink_status(link, error);
-    const bool leads_nowhere = std::filesystem::is_symlink(status) && !std::filesystem::exists(link, error);
-    if (std::filesystem::exists(status) && !leads_nowhere)
+    // Of one that was killed, whose port is gone or has the same number again.
+    const bool is_left_over =
+        std::filesystem::is_symlink(status) &&
+        (!std::filesystem::exists(link, error) || std::filesystem::read_symlink(link, error) == target);
+    if (std::filesystem::exists(status) && !is_left_over)
         return fail(link.string() + ": exists already; remove it or choose another link");
-    if (leads_nowhere) std::filesystem::remove(link, error);
+    if (is_left_over) std::filesystem::remove(link, error);
     std::filesystem::create_symlink(target, link, error);
     if (error) return fail(link.string() + ": cannot make the link: " + error.message());
     PortLink result;

@@ -42,8 +42,8 @@ class Pty {
     std::string path_;
 };
 
-/// A symbolic link to a port, for as long as the object lives. Never replaces anything but a link that leads
-/// nowhere.
+/// A symbolic link to a port, for as long as the object lives. Replaces nothing but a link that was left
+/// over: one that leads nowhere, or to the same port.
 class PortLink {
   public:
     static Expected<PortLink> create(const std::filesystem::path& link, const std::string& target);

@@ -3,6 +3,7 @@
 
 import pathlib
 import re
+import signal
 import unittest
 
 from rig import BUILD, IMAGES, ROOT, PageTest, eventually
@@ -90,7 +91,15 @@ class World(PageTest):
         self.assertGreater(picture["height"], 100)
         self.browser.screenshot("phone-world")
 
-    def test_ZLast_WorldThatEnds_IsShownAsOffline(self):
+    def test_ZLast_WorldThatIsKilled_IsLost_AndGoesOnWhenItIsBack_AndOfflineAtItsEnd(self):
+        self.bus.end("sim", signal.SIGKILL)
+        eventually(lambda: "lost" in self.browser.text(".title-row"), "lost")
+        self.assertEqual(len(self.browser.find("asip-board.gone asip-world")), 1)
+        (self.bus.work / "mirto.port").unlink()  # its number may be another program's by now
+        self.bus.start("sim", "asip-sim", "--socket", str(self.bus.work / "sim.sock"), *self.simulator_options, str(self.bus.work / "mirto.json"))
+        eventually(lambda: "online" in self.browser.text(".title-row"), "online again")
+        self.bus.sim("place", "rover", "300", "20", "0")
+        eventually(lambda: self.arrow() == (300, 20, 0), "the arrow of the new one")
         self.bus.end("sim")
         eventually(lambda: "offline" in self.browser.text(".title-row"), "offline")
         self.assertEqual(len(self.browser.find("asip-board.gone asip-world")), 1)
