@@ -67,8 +67,8 @@ class Hostile(PageTest):
         return self.browser.run("return document.querySelector(`asip-world .rover[data-rover=\"${arguments[0]}\"]`)?.getAttribute('transform') ?? ''", name)
 
     @contextlib.contextmanager
-    def quick(self, seconds=5.0):
-        """Meanwhile the page never keeps whoever uses it waiting for so long."""
+    def quick(self, seconds=15.0):
+        """Meanwhile the page never stops for so long: this finds what hangs, also on a machine that is busy."""
         self.browser.run("""
             window.longest = 0;
             let before = performance.now();
@@ -138,12 +138,12 @@ class Hostile(PageTest):
                 self.client.publish(f"asip/world/{name}/out", json.dumps(pose(n % 2 * 1000, i * 10)))
         with self.meanwhile(20, jump):
             eventually(lambda: self.arrow(names[-1]), "the last rover", 30)
-            before = self.busy()
+            before, began = self.busy(), time.monotonic()
             time.sleep(4)
-            used = self.busy() - before
+            used = (self.busy() - before) / (time.monotonic() - began)
             self.assertLess(len(self.browser.find("asip-world .way")), 2000)
-        print(f"of 4 s the page took {used:.1f} s of the processor")
-        self.assertLess(used, 3)
+        print(f"the page took {used:.0%} of a processor")
+        self.assertLess(used, 0.75)
 
     def test_EverNewNames_DoNotGrow(self):
         self.open_world()
@@ -167,7 +167,7 @@ class Hostile(PageTest):
                 self.describe(["mirto", f"rover{n % 20}"])
         with self.meanwhile(50, flap), self.quick():
             for name in ("rover0", "rover10", "rover0"):
-                eventually(lambda wanted=name: self.browser.find(f"#service-{wanted}"), f"{name} while it flaps", 10)
+                eventually(lambda wanted=name: self.browser.find(f"#service-{wanted}"), f"{name} while it flaps")
         self.describe(["mirto"])
         eventually(lambda: len(self.browser.find("asip-service")) == 1, "one rover")
         eventually(lambda: "online" in self.browser.text(".title-row"), "online")
