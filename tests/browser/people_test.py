@@ -47,7 +47,19 @@ class People(PageTest):
             self.assertLessEqual(width, 360, name)
             stop = self.browser.shown("button.stop").rect
             self.assertLessEqual(stop["x"] + stop["width"], 360, name)
+            self.assertEqual(self.broken_words(), [], name)
             self.browser.screenshot(f"phone-{name}")
+        self.browser.size(320, 568, mobile=True)
+        self.assertEqual(self.broken_words(), [])
+        self.assertLessEqual(self.browser.run("return document.querySelector('header').scrollWidth"), 320)
+
+    def broken_words(self):
+        """Pages of the navigation whose name does not stand in one line."""
+        return self.browser.run("""return [...document.querySelectorAll("nav a")].filter((link) => {
+            const words = document.createRange();
+            words.selectNodeContents(link);
+            return new Set([...words.getClientRects()].map((box) => box.top)).size > 1;
+        }).map((link) => link.textContent)""")
 
     def keys(self, *keys):
         actions = ActionChains(self.browser.driver)
