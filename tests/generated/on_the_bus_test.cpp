@@ -18,6 +18,12 @@ using Words = std::vector<std::string>;
 
 constexpr const char* kControl = ASIP_PROGRAMS "/asipctl";
 
+/// Python code that knows the generated modules.
+Finished run_python(const std::string& code, std::map<std::string, std::string> environment) {
+    environment["PYTHONPATH"] = ASIP_GENERATED "/python";
+    return run({ASIP_PYTHON, "-W", "error", "-c", code}, environment);
+}
+
 /// A board of which nothing was written by hand but the model.
 class GeneratedBoard {
   public:
@@ -36,9 +42,8 @@ class GeneratedBoard {
     }
     /// Python code that knows the generated modules and `port` of the broker.
     Finished python(const std::string& code) const {
-        return run(
-            {ASIP_PYTHON, "-W", "error", "-c", "port = " + std::to_string(broker_.port()) + "\n" + code},
-            {{"PYTHONPATH", ASIP_GENERATED "/python"}});
+        return run_python("port = " + std::to_string(broker_.port()) + "\n" + code,
+                          {{"ASIP_BROKER", broker_.url()}});
     }
     void tell(const std::string& command) { sim_->write_input(command + "\n"); }
     bool shows(const std::string& what) { return sim_->wait_for_output(what).has_value(); }
@@ -115,6 +120,8 @@ with FanService("uno1", "127.0.0.1", port) as fan:
     fan.report(50)
     print(events.get(timeout=20))
     fan.report(0)
+with FanService("uno1") as fan:  # the environment's broker
+    fan.power(0, 90)
 try:
     with FanService("nobody", "127.0.0.1", port, timeout=0.3) as fan:
         fan.power(0, 0)
@@ -125,7 +132,45 @@ except TimeoutError as error:
               "[1500, 5000]\nerror 7 INVALID_DEVICE_NUMBER\npower: 101 is above 100\n[1500, 5000]\ntimeout\n")
         << ran.errors;
     EXPECT_EQ(ran.status, 0) << ran.errors;
-    EXPECT_TRUE(board.shows("power0=100,power1=40"));
+    EXPECT_TRUE(board.shows("power0=90,power1=40"));
+}
+
+TEST(GeneratedPython, BrokerAndCredentials_AreThoseOfTheEnvironment) {
+    const MosquittoBroker broker(MosquittoBroker::Options{.users = {{"ann", "secret"}}});
+    const TempDir folder;
+    const auto secret = folder.write("password", "secret\n");
+    const auto credentials =
+        folder.write("ann.credentials", "# for ann\nbroker = 127.0.0.1:1, " + broker.url() +
+                                            "\nuser = ann\npassword = secret\nrole = operator\n");
+    const auto connects = [](const std::map<std::string, std::string>& environment,
+                             const std::string& arguments = R"("uno1")") {
+        return run_python(
+                   "from fan_service import FanService\n"
+                   "try:\n"
+                   "    FanService(" +
+                       arguments +
+                       ").close()\n"
+                       "    print('connected')\n"
+                       "except (ValueError, ConnectionError) as error:\n"
+                       "    print(error)\n",
+                   environment)
+            .output;
+    };
+    EXPECT_EQ(connects({{"ASIP_BROKER", broker.url()}, {"ASIP_USER", "ann"}, {"ASIP_PASSWORD", "secret"}}),
+              "connected\n");
+    EXPECT_EQ(
+        connects({{"ASIP_BROKER", broker.address()}, {"ASIP_USER", "ann"}, {"ASIP_PASSWORD_FILE", secret}}),
+        "connected\n");
+    EXPECT_EQ(connects({{"ASIP_CREDENTIALS", credentials}, {"ASIP_BROKER", "127.0.0.1:1"}}), "connected\n");
+    EXPECT_THAT(connects({{"ASIP_BROKER", broker.url()}, {"ASIP_USER", "ann"}, {"ASIP_PASSWORD", "wrong"}}),
+                HasSubstr("refused this client: "));
+    EXPECT_THAT(connects({{"ASIP_CREDENTIALS", credentials}},
+                         R"("uno1", "127.0.0.1", )" + std::to_string(broker.port())),
+                HasSubstr("refused this client: "))
+        << "a password goes to no other broker";
+    EXPECT_THAT(connects({{"ASIP_BROKER", "127.0.0.1:1"}}), HasSubstr("no broker: 127.0.0.1:1: "));
+    EXPECT_THAT(connects({{"ASIP_BROKER", "http://pi.local"}}), HasSubstr("only mqtt:// and mqtts://"));
+    EXPECT_THAT(connects({{"ASIP_BROKER", "pi.local:0x50"}}), HasSubstr("broker \"pi.local:0x50\": "));
 }
 
 TEST(GeneratedOnTheBus, CppClient_CommandsReadsAndIsToldOfEvents) {
