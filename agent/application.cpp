@@ -136,10 +136,10 @@ void Application::perform(Effects& effects) {
     }
 }
 
-void Application::keep_labels(model::Labels labels) {
+void Application::keep_labels(LabelsToKeep keep) {
     if (!disk_) disk_.emplace(1);
-    boost::asio::post(*disk_, [this, board = bridge_.name(), labels = std::move(labels)] {
-        boost::asio::post(io_, [this, result = label_files_.save(board, labels)] {
+    boost::asio::post(*disk_, [this, board = bridge_.name(), keep = std::move(keep)] {
+        boost::asio::post(io_, [this, result = label_files_.save(board, keep)] {
             with_bridge([&](Time, Effects& out) { bridge_.labels_kept(result, out); });
         });
     });

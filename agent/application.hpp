@@ -54,7 +54,7 @@ class Application {
     void report_counters();
     void publish_statistics(Duration after);
     void publish_log();
-    void keep_labels(model::Labels labels);
+    void keep_labels(LabelsToKeep keep);
     void message_received(const mqtt::Message& message);
     void handle_oldest();
     void schedule_turn();

@@ -95,7 +95,7 @@ class Bridge {
     void publish_statistics(const mqtt::Counters& bus, Time now, Effects& out);
 
     /// What became of Effects::keep_labels.
-    void labels_kept(const Expected<void>& result, Effects& out);
+    void labels_kept(const Expected<std::filesystem::path>& result, Effects& out);
 
     void tick(Time now, Effects& out);
     std::optional<Time> next_deadline() const;

@@ -13,6 +13,7 @@ void Bridge::load_labels(Effects& out) {
     if (!kept) out.log(Level::kError, "labels cannot be read", {{"why", kept.error()}});
     labels_.load(std::move(kept));
     facts_.labels = labels_.current();
+    facts_.labels_fault = labels_.fault();
 }
 
 bool Bridge::take_label_request(const mqtt::Message& message, Effects& out) {
@@ -29,14 +30,15 @@ bool Bridge::take_label_request(const mqtt::Message& message, Effects& out) {
     return true;
 }
 
-void Bridge::labels_kept(const Expected<void>& result, Effects& out) {
+void Bridge::labels_kept(const Expected<std::filesystem::path>& result, Effects& out) {
     labels_.kept(result, out);
     show_labels();
 }
 
 void Bridge::show_labels() {
-    if (facts_.labels == labels_.current()) return;
+    if (facts_.labels == labels_.current() && facts_.labels_fault == labels_.fault()) return;
     facts_.labels = labels_.current();
+    facts_.labels_fault = labels_.fault();
     describe_again();
 }
 

@@ -34,6 +34,7 @@ model::Description describe(const session::Identity& board, const session::Servi
     description.agent = facts.agent;
     description.pins = describe_pins(board);
     description.labels = facts.labels;
+    description.labels_fault = facts.labels_fault;
     for (const auto& entry : services.entries()) {
         model::ServiceInfo service;
         service.name = entry.name;

@@ -17,6 +17,7 @@ struct BoardFacts {
     std::map<char, int> counts;   ///< elements of a service, as seen in its events
     std::map<char, int> periods;  ///< of auto-events, ms
     model::Labels labels;
+    std::string labels_fault{};  ///< model::Description::labels_fault
 };
 
 /// Everything of the description but board name, session, seq and lease, which whoever announces it fills in.

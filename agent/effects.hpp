@@ -21,6 +21,12 @@ struct ClientLine {
     std::optional<session::ClientId> client;
 };
 
+/// Labels for the disk. `unknown_before`: what is there could not be read, and may have been mended since.
+struct LabelsToKeep {
+    model::Labels labels;
+    bool unknown_before = false;
+};
+
 /// What the pure bridge wants done, in order within each list; across lists the order does not matter.
 struct Effects : member::Announcements {
     std::vector<session::Action> link;  ///< Write and SetLineRate only
@@ -28,8 +34,8 @@ struct Effects : member::Announcements {
     bool board_known = false;           ///< the board was identified (again): its name is known now
     bool name_claimed = false;          ///< the board's name is ours now: commands may come
     enum class Port { kKeep, kLetGo, kTakeBack };
-    Port port = Port::kKeep;                   ///< whether somebody else is to have the board's port
-    std::optional<model::Labels> keep_labels;  ///< to be written to the disk; then Bridge::labels_kept()
+    Port port = Port::kKeep;                  ///< whether somebody else is to have the board's port
+    std::optional<LabelsToKeep> keep_labels;  ///< to be written to the disk; then Bridge::labels_kept()
     bool reopen_link = false;  ///< open, but the board behind it is gone: a connection may be dead
 };
 

@@ -6,8 +6,10 @@
 
 #include "agent/command_note.hpp"
 #include "asip/bus/label_request.hpp"
+#include "asip/model/description.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/nearest.hpp"
+#include "asip/text/printable.hpp"
 
 namespace asip::agent {
 
@@ -30,7 +32,7 @@ std::string fixed_fault(const std::string& what) {
 }  // namespace
 
 void LabelBook::load(Expected<model::Labels> kept) {
-    unreadable_ = kept ? std::string() : kept.error();
+    fault_ = kept ? std::string() : text::printable(kept.error(), model::kMaxFaultBytes / 4 - 1);
     kept_ = kept ? std::move(*kept) : model::Labels();
     join();
 }
@@ -47,7 +49,7 @@ void LabelBook::join() {
         if (names() < model::kMaxFriendlyNames) current_.pins.insert(pin);
 }
 
-std::string LabelBook::fault(const model::LabelChange& change, const Parts& parts) const {
+std::string LabelBook::why_not(const model::LabelChange& change, const Parts& parts) const {
     if (const auto it = first_fixed(fixed_.labels, change.labels); it != change.labels.end())
         return fixed_fault("the label " + it->first);
     if (const auto it = first_fixed(fixed_.services, change.services); it != change.services.end())
@@ -70,7 +72,7 @@ void LabelBook::request(const std::string& board, const bus::RequestEnvelope& en
                         Effects& out) {
     auto change = bus::read_label_request(envelope.object);
     Request request{board, envelope.shown(), change.value_or(model::LabelChange()), envelope.reply};
-    auto why = change ? fault(*change, parts) : change.error();
+    auto why = change ? why_not(*change, parts) : change.error();
     if (!why.empty())
         return answer(request, bus::Reply::refused(std::string(bus::kRefusedInvalid), std::move(why)), out);
     if (waiting_.size() >= kMaxWaiting)
@@ -91,25 +93,29 @@ void LabelBook::begin_next(Effects& out) {
             if (const auto all = model::changed(current_, change); !all) next = fail(all.error());
         if (!next) {
             finish(bus::Reply::refused(std::string(bus::kRefusedInvalid), next.error()), out);
+        } else if (*next == kept_ && !fault_.empty() && !change.empty()) {
+            finish(bus::Reply::refused(std::string(bus::kRefusedNotKept), fault_), out);
         } else if (*next == kept_) {
             finish(bus::Reply::ok(std::string(bus::kProofKept), answer_json()), out);
-        } else if (!unreadable_.empty()) {
-            finish(bus::Reply::refused(std::string(bus::kRefusedNotKept), unreadable_), out);
         } else {
             begun_ = *next;
-            out.keep_labels = std::move(*next);
+            out.keep_labels = LabelsToKeep{std::move(*next), !fault_.empty()};
             return;
         }
     }
 }
 
-void LabelBook::kept(const Expected<void>& result, Effects& out) {
+void LabelBook::kept(const Expected<std::filesystem::path>& result, Effects& out) {
     if (!begun_) return;
     auto written = *std::exchange(begun_, std::nullopt);
     if (result) {
         kept_ = std::move(written);
+        fault_.clear();
         join();
-        finish(bus::Reply::ok(std::string(bus::kProofKept), answer_json()), out);
+        if (!result->empty())
+            out.log(Level::kWarning, "labels that cannot be read were put aside",
+                    {{"file", result->string()}});
+        finish(bus::Reply::ok(std::string(bus::kProofKept), answer_json(*result)), out);
     } else {
         out.log(Level::kError, "labels could not be kept", {{"why", result.error()}});
         finish(bus::Reply::refused(std::string(bus::kRefusedNotKept), result.error()), out);
@@ -131,9 +137,11 @@ void LabelBook::answer(const Request& request, bus::Reply reply, Effects& out) c
         note_command(topics_, request.board, {"command", {}, request.text, request.reply.by, reply}, out);
 }
 
-std::string LabelBook::answer_json() const {
+std::string LabelBook::answer_json(const std::filesystem::path& set_aside) const {
     auto object = nlohmann::json::object();
     model::put_labels(object, current_);
+    if (!fault_.empty()) object["labels_fault"] = fault_;
+    if (!set_aside.empty()) object["set_aside"] = set_aside.string();
     return model::dump_json(object);
 }
 

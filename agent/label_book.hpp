@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <deque>
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -24,7 +25,8 @@ class LabelBook {
 
     LabelBook(const bus::Topics& topics, model::Labels fixed) : topics_(topics), fixed_(std::move(fixed)) {}
 
-    /// What was kept of this board. A fault: nothing can be changed until it is mended.
+    /// What was kept of this board. A fault: it is told in the description and in each answer, until labels
+    /// are set anew.
     void load(Expected<model::Labels> kept);
 
     /// The board, as far as names can be given to its parts. Nothing is known: each name is taken.
@@ -34,11 +36,14 @@ class LabelBook {
     };
     void request(const std::string& board, const bus::RequestEnvelope& envelope, const Parts& parts,
                  Effects& out);
-    /// What became of Effects::keep_labels.
-    void kept(const Expected<void>& result, Effects& out);
+    /// What became of Effects::keep_labels: where that was put which could not be read; empty: there was
+    /// none.
+    void kept(const Expected<std::filesystem::path>& result, Effects& out);
 
     /// All that holds now.
     const model::Labels& current() const { return current_; }
+    /// Why labels that were kept are not among them; empty: all are.
+    const std::string& fault() const { return fault_; }
 
   private:
     struct Request {
@@ -47,18 +52,18 @@ class LabelBook {
         model::LabelChange change;
         bus::ReplyTo reply;
     };
-    std::string fault(const model::LabelChange& change, const Parts& parts) const;
+    std::string why_not(const model::LabelChange& change, const Parts& parts) const;
     void begin_next(Effects& out);
     void finish(bus::Reply reply, Effects& out);
     void answer(const Request& request, bus::Reply reply, Effects& out) const;
-    std::string answer_json() const;
+    std::string answer_json(const std::filesystem::path& set_aside = {}) const;
     void join();
 
     bus::Topics topics_;
     model::Labels fixed_;
     model::Labels kept_;
     model::Labels current_;
-    std::string unreadable_;              // why what was kept cannot be read
+    std::string fault_;
     std::optional<model::Labels> begun_;  // being written for the first of waiting_
     std::deque<Request> waiting_;
 };

@@ -18,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxFileBytes = 64 * 1024;
+constexpr int kMaxSetAside = 9;
 
 std::string variable(const char* name) {
     const char* value = std::getenv(name);
@@ -47,7 +48,8 @@ Expected<model::Labels> LabelFiles::load(const std::string& board) const {
     std::ifstream stream(path, std::ios::binary);
     if (!stream && (errno == ENOENT || errno == ENOTDIR)) return model::Labels();
     const auto unreadable = [&path](const std::string& why) {
-        return fail(path.string() + ": " + why + "; mend or remove it, and start the agent again");
+        return fail(path.string() + ": " + why +
+                    "; mend it and start the agent again, or set labels anew (this file is then put aside)");
     };
     if (!stream) return unreadable(std::strerror(errno));
     std::string text(kMaxFileBytes + 1, '\0');
@@ -63,12 +65,34 @@ Expected<model::Labels> LabelFiles::load(const std::string& board) const {
     return labels;
 }
 
-Expected<void> LabelFiles::save(const std::string& board, const model::Labels& labels) const {
+Expected<fs::path> LabelFiles::set_aside(const std::string& board, bool unknown) const {
+    if (const auto there = load(board); there && (!unknown || there->empty())) return fs::path();
+    const auto damaged = file(board);
+    for (int number = 1; number <= kMaxSetAside; ++number) {
+        auto aside = damaged;
+        aside += number == 1 ? ".damaged" : ".damaged-" + std::to_string(number);
+        std::error_code error;
+        if (fs::exists(fs::symlink_status(aside, error))) continue;
+        fs::rename(damaged, aside, error);
+        if (error)
+            return fail(damaged.string() + " cannot be read, nor put aside as " + aside.string() + ": " +
+                        error.message());
+        return aside;
+    }
+    return fail(damaged.string() + " cannot be read, and " + std::to_string(kMaxSetAside) +
+                " others like it were put aside beside it: mend or remove them");
+}
+
+Expected<fs::path> LabelFiles::save(const std::string& board, const LabelsToKeep& keep) const {
     if (folder_.empty())
         return fail("the agent has no folder to keep labels in; start it with --state-dir DIR");
     auto document = nlohmann::json::object();
-    model::put_labels(document, labels);
-    return program::keep_file(file(board), model::dump_json_pretty(document) + "\n");
+    model::put_labels(document, keep.labels);
+    auto aside = set_aside(board, keep.unknown_before);
+    if (!aside) return aside;
+    if (const auto kept = program::keep_file(file(board), model::dump_json_pretty(document) + "\n"); !kept)
+        return fail(kept.error());
+    return aside;
 }
 
 }  // namespace asip::agent

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "agent/effects.hpp"
 #include "asip/expected.hpp"
 #include "asip/model/labels.hpp"
 
@@ -21,11 +22,14 @@ class LabelFiles {
 
     /// Empty labels where there is no file. Fails, with the file and what to do, on one that cannot be read.
     Expected<model::Labels> load(const std::string& board) const;
-    /// Returns when they are on the disk. Fails with the file and the reason.
-    Expected<void> save(const std::string& board, const model::Labels& labels) const;
+    /// Returns when they are on the disk. A file that load() cannot read, or could
+    /// not, is put aside first, as BOARD.json.damaged (.damaged-2 to .damaged-9 where there is one); its new
+    /// path is returned, else an empty one. Fails with the file and the reason.
+    Expected<std::filesystem::path> save(const std::string& board, const LabelsToKeep& keep) const;
 
   private:
     std::filesystem::path file(const std::string& board) const;
+    Expected<std::filesystem::path> set_aside(const std::string& board, bool unknown) const;
 
     std::filesystem::path folder_;
 };

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/board_request.hpp"
 
+#include <pwd.h>
+#include <unistd.h>
+
 #include <nlohmann/json.hpp>
 
 #include "asip/model/command_encoder.hpp"
@@ -87,6 +90,12 @@ Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const
     return std::move(**reply);
 }
 
+std::string who_asks(const Context& context) {
+    if (!context.mqtt.user.empty()) return context.mqtt.user;
+    const auto* login = ::getpwuid(::getuid());
+    return login != nullptr ? login->pw_name : "uid " + std::to_string(::getuid());
+}
+
 int exit_status(const bus::Reply& reply) {
     switch (reply.status) {
         case bus::Reply::Status::kOk:
@@ -116,6 +125,10 @@ std::string explain(const bus::Reply& reply) {
             break;
     }
     return "refused (" + reply.reason + ")" + (reply.error.empty() ? "" : ": " + reply.error);
+}
+
+Failure failure_of(const bus::Reply& reply, const std::string& where) {
+    return {exit_status(reply), where + explain(reply), reply.reason, reply.code};
 }
 
 Outcome<KnownBoard> find_living_board(BoardSource& source, const std::string& name) {

@@ -32,6 +32,9 @@ Outcome<BoardCommand> make_raw_command(const Context& context, const std::string
 /// Sends and waits for the one final answer. Fails with kExitNoAnswer when none comes in time.
 Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const BoardCommand& command);
 
+/// Who runs asipctl, for requests that say by whom they are: the user of the broker, else the login name.
+std::string who_asks(const Context& context);
+
 /// What an answer means for the exit status: 0, 1 (refused by the agent or the board) or 4 (the board was
 /// silent).
 int exit_status(const bus::Reply& reply);
@@ -39,6 +42,8 @@ int exit_status(const bus::Reply& reply);
 std::string answer_text(const bus::Reply& reply);
 /// Why it failed, for a person; empty for a success.
 std::string explain(const bus::Reply& reply);
+/// The same as a failure of the command; `where` stands before it: `desk: `.
+Failure failure_of(const bus::Reply& reply, const std::string& where);
 
 /// Finds a board that is there to be commanded: known, and neither "offline" nor "lost".
 Outcome<KnownBoard> find_living_board(BoardSource& source, const std::string& name);

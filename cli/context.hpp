@@ -26,6 +26,8 @@ namespace asip::cli {
 struct Failure {
     int status = program::kExitFailure;
     std::string text;
+    std::string reason{};  ///< the word for programs of an agent's refusal: "recorded", "queue-full"
+    int code = 0;          ///< of a board's error
 };
 
 template <class T>

@@ -8,6 +8,7 @@
 #include "asip/model/json.hpp"
 #include "cli/board_request.hpp"
 #include "cli/chosen_boards.hpp"
+#include "cli/side_by_side.hpp"
 #include "cli/text/table.hpp"
 
 namespace asip::cli {
@@ -33,7 +34,6 @@ class GroupSender {
     struct Member {
         std::string board;
         BoardCommand command;
-        Time sent{};
         std::optional<bus::Reply> reply{};
         BusSession::Request request{};
     };
@@ -68,8 +68,7 @@ class GroupSender {
         return {};
     }
 
-    void send(Member& member) {
-        member.sent = Clock::now();
+    Time send(Member& member) {
         member.request = session_.ask(
             member.command.topic, member.command.payload,
             [&member](const mqtt::Message& message) {
@@ -77,35 +76,16 @@ class GroupSender {
                 if (!member.reply && reply) member.reply = std::move(*reply);
             },
             1);
-    }
-
-    /// Its answer has come, or cannot come any more.
-    bool ended(const Member& member) const {
-        return member.reply || session_.denied(member.command.topic) ||
-               Clock::now() >= member.sent + context_.timeout;
+        return Clock::now() + context_.timeout;
     }
 
     void send_all() {
-        std::list<Member*> open;
-        const auto wait = [&](std::size_t most) {
-            while (open.size() > most && !session_.stopped()) {
-                const auto deadline = open.front()->sent + context_.timeout;
-                const auto some_ended = [&] {
-                    return std::any_of(open.begin(), open.end(),
-                                       [this](const Member* one) { return ended(*one); });
-                };
-                session_.run_until(some_ended, deadline);
-                open.remove_if([this](const Member* one) { return ended(*one); });
-            }
-        };
-        for (auto& member : members_) {
-            if (member.reply) continue;
-            wait(group_.in_flight - 1);
-            if (session_.stopped()) return;
-            send(member);
-            open.push_back(&member);
-        }
-        wait(0);
+        std::list<Member*> there;
+        for (auto& member : members_)
+            if (!member.reply) there.push_back(&member);
+        ask_side_by_side(
+            session_, std::move(there), group_.in_flight, [this](Member& member) { return send(member); },
+            [this](const Member& member) { return member.reply || session_.denied(member.command.topic); });
     }
 
     bus::Reply reply_of(const Member& member) const {

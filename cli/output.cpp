@@ -7,6 +7,7 @@
 #include "asip/model/json.hpp"
 #include "asip/protocol/body.hpp"
 #include "asip/text/nearest.hpp"
+#include "cli/context.hpp"
 
 namespace asip::cli {
 namespace {
@@ -97,6 +98,24 @@ void RecordPrinter::finish() {
     const bool array = !template_ && options_.form == Output::kJson && count_ == Count::kList;
     if (array) out_ << model::dump_json_pretty(all_) << '\n';
     out_ << std::flush;
+}
+
+nlohmann::json failure_record(const std::string& board, const Failure& failure) {
+    const auto* status = failure.code != 0                          ? "error"
+                         : failure.status == program::kExitNoAnswer ? "timeout"
+                                                                    : "refused";
+    nlohmann::json record{{"board", board}, {"status", status}, {"error", failure.text}};
+    if (!failure.reason.empty()) record["reason"] = failure.reason;
+    if (failure.code != 0) record["code"] = failure.code;
+    return record;
+}
+
+void print_failure(const OutputOptions& options, RecordPrinter::Count count, const std::string& board,
+                   const Failure& failure, std::ostream& out) {
+    if (options.for_people() || !options.format.empty()) return;
+    RecordPrinter records(options, count, out);
+    records.print(failure_record(board, failure));
+    records.finish();
 }
 
 }  // namespace asip::cli

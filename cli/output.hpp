@@ -63,4 +63,13 @@ class RecordPrinter {
     nlohmann::json all_ = nlohmann::json::array();
 };
 
+struct Failure;
+
+/// The record of a board that was not read or commanded, with the members of an answer: `board`, `status`
+/// (`error`, `timeout` or `refused`), `error`, and `reason` and `code` where there are such.
+nlohmann::json failure_record(const std::string& board, const Failure& failure);
+/// Prints it where the user wants JSON; a template is for what succeeds.
+void print_failure(const OutputOptions& options, RecordPrinter::Count count, const std::string& board,
+                   const Failure& failure, std::ostream& out);
+
 }  // namespace asip::cli

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/port_holder.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -17,12 +15,6 @@ namespace {
 
 // The agent itself waits up to 20 s for the board.
 constexpr std::chrono::milliseconds kBoardPatience{26'000};
-
-std::string who_asks(const Context& context) {
-    const char* login = ::getlogin();
-    return std::string(login != nullptr ? login : "uid " + std::to_string(::getuid())) + " by " +
-           context.mqtt.client_id;
-}
 
 nlohmann::json document_of(const std::string& text) {
     auto document = model::parse_json(text);
@@ -40,7 +32,7 @@ Outcome<KnownBoard> find_board_with_agent(BoardSource& source, const std::string
 }
 
 PortHolder::PortHolder(const Context& context, BusSession& session, std::string board)
-    : context_(context), session_(session), board_(std::move(board)), by_(who_asks(context).substr(0, 64)) {}
+    : context_(context), session_(session), board_(std::move(board)), by_((who_asks(context) + " by " + context.mqtt.client_id).substr(0, 64)) {}
 
 Outcome<std::string> PortHolder::ask(const bus::PortRequest& request, std::chrono::milliseconds patience) {
     std::optional<Expected<bus::Reply>> reply;
@@ -59,7 +51,7 @@ Outcome<std::string> PortHolder::ask(const bus::PortRequest& request, std::chron
                                                   " cannot release its port; is it of an "
                                                   "earlier version? (" +
                                                   answer.error + ")");
-    return failure(exit_status(answer), board_ + ": " + explain(answer));
+    return tl::unexpected(failure_of(answer, board_ + ": "));
 }
 
 Outcome<ReleasedPort> PortHolder::release(std::chrono::seconds time) {

@@ -23,7 +23,7 @@ ReplayBoard::ReplayBoard(const bus::Topics& topics, Identity identity,
 }
 
 void ReplayBoard::describe(model::Description description) {
-    description.link = {"replay", identity_.source, 0};
+    description.link = {std::string(kReplayLink), identity_.source, 0};
     description.agent = identity_.agent;
     description.session.clear();
     description.seq = 0;

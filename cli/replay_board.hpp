@@ -57,6 +57,8 @@ class ReplayBoard {
     bool connected_ = false;
 };
 
+/// How a recorded board is reached, in its description; the path is its recording.
+inline constexpr std::string_view kReplayLink = "replay";
 /// The reason by which a recorded board refuses commands.
 inline constexpr std::string_view kRefusedRecorded = "recorded";
 

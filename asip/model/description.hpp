@@ -20,6 +20,7 @@ namespace asip::model {
 // Bounds of a `$description`; a larger one is refused by every reader.
 inline constexpr std::size_t kMaxDescriptionBytes = std::size_t{64} * 1024;
 inline constexpr std::size_t kMaxDescriptionServices = 64;
+inline constexpr std::size_t kMaxFaultBytes = 2048;
 inline constexpr int kDefaultLeaseSeconds = 60;
 inline constexpr int kMaxLeaseSeconds = 24 * 60 * 60;
 
@@ -89,6 +90,8 @@ struct Description {
     PinsInfo pins;
     std::vector<ServiceInfo> services;
     Labels labels;
+    /// Why labels that its agent kept are not among them; empty: all are. At most kMaxFaultBytes.
+    std::string labels_fault{};
 
     /// The service of that name, or null. Valid as long as `services` is not changed.
     const ServiceInfo* service(std::string_view name) const;

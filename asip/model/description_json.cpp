@@ -83,8 +83,8 @@ void put_object(json& document, const char* key, json object) {
 // From JSON
 
 /// A text that is fit to be shown to a person.
-std::string read_text(JsonReader& reader, const char* key) {
-    auto text = reader.text(key, {}, kMaxTextBytes);
+std::string read_text(JsonReader& reader, const char* key, std::size_t max_bytes = kMaxTextBytes) {
+    auto text = reader.text(key, {}, max_bytes);
     if (!text::is_showable(text)) reader.fault(key, "holds control characters");
     return text;
 }
@@ -221,6 +221,7 @@ nlohmann::json to_json(const Description& description) {
     for (const auto& service : description.services)
         services.push_back(service_json(service));
     put_labels(document, description.labels);
+    if (!description.labels_fault.empty()) document["labels_fault"] = description.labels_fault;
     return document;
 }
 
@@ -248,6 +249,7 @@ Expected<Description> description_from_json(const nlohmann::json& document) {
     if (auto member = reader.object("pins")) result.pins = read_pins(std::move(*member));
     if (reader.ok()) result.services = read_services(reader);
     if (reader.ok()) result.labels = read_labels(reader);
+    result.labels_fault = read_text(reader, "labels_fault", kMaxFaultBytes);
     if (!reader.ok()) return fail(fault);
     return result;
 }

@@ -7,6 +7,7 @@
 #include "cli/declaration.hpp"
 #include "cli/port_holder.hpp"
 #include "cli/programmer.hpp"
+#include "cli/replay_board.hpp"
 #include "cli/target.hpp"
 #include "cli/text/width.hpp"
 
@@ -41,18 +42,18 @@ class Flasher {
         if (const auto connected = session_.connect(); !connected)
             return context_.fail_with(connected.error());
         const auto call = plan();
-        if (!call) return context_.fail_with(call.error());
+        if (!call) return fail(call.error());
         const auto released = port_.release(kLease);
-        if (!released) return context_.fail_with(released.error());
+        if (!released) return fail(released.error());
         context_.note(options_.board + ": port released; starting " + call->front());
         const auto programmed = program(*call, released->path);
         if (session_.stopped()) {
             port_.give_back_unseen();
-            return context_.fail_with({program::kExitFailure, "interrupted; the agent takes the port back"});
+            return fail({program::kExitFailure, "interrupted; the agent takes the port back"});
         }
         const auto taken = port_.give_back();
         if (!programmed) context_.note(programmed.error().text);
-        if (!taken) return context_.fail_with(taken.error());
+        if (!taken) return fail(taken.error());
         print(*taken, programmed.has_value());
         if (!programmed) return program::kExitFailure;
         if (taken->same) return program::kExitOk;
@@ -61,10 +62,19 @@ class Flasher {
     }
 
   private:
+    int fail(const Failure& failure) {
+        print_failure(options_.output, RecordPrinter::Count::kOne, options_.board, failure, context_.out);
+        return context_.fail_with(failure);
+    }
+
     /// The call of the programmer. Whatever can be wrong is found before the port is released.
     Outcome<std::vector<std::string>> plan() {
         const auto board = find_board_with_agent(source_, options_.board);
         if (!board) return tl::unexpected(board.error());
+        if (board->description && board->description->link.kind == kReplayLink)
+            return failure(program::kExitFailure, options_.board + " is recorded (" +
+                                                      board->description->link.path +
+                                                      "): there is no chip to load firmware into");
         if (!board->description || board->description->link.kind != "serial")
             return failure(program::kExitFailure,
                            options_.board + " is not at a serial port; only such a board can be flashed");
@@ -151,7 +161,9 @@ Run declare_flash(Declaration& verb) {
     verb.option("--simulated", "NAME", options->simulated,
                 "A board of asip-sim of this name; default for pseudo-terminals: the board's name");
     verb.option("--socket", "FILE", options->socket, "Control socket of asip-sim; default: its usual one");
-    verb.output(options->output, {Output::kText}, {"board", "programmed", "same", "sketch", "was", "chip"});
+    verb.output(
+        options->output, {Output::kText},
+        {"board", "programmed", "same", "sketch", "was", "chip", "status", "error", "reason", "code"});
     return [options](Context& context) { return run_flash(*options, context); };
 }
 

@@ -9,13 +9,17 @@
 #include "cli/board_request.hpp"
 #include "cli/chosen_boards.hpp"
 #include "cli/port_holder.hpp"
+#include "cli/side_by_side.hpp"
 #include "cli/text/table.hpp"
+#include "cli/text/width.hpp"
 
 namespace asip::cli {
 namespace {
 
 /// An agent announces at most once a second what changed.
 constexpr std::chrono::milliseconds kAnnounceTime{2500};
+/// How many agents may not have answered at a time.
+constexpr std::size_t kAtOnce = 128;
 
 struct LabelOptions {
     std::string target;
@@ -63,7 +67,10 @@ class Labeller {
   private:
     struct Asked {
         std::string board;
+        bool lost = false;
         std::optional<bus::Reply> reply{};
+        std::string set_aside{};
+        std::string fault{};
         model::Labels now{};
         std::optional<model::Labels> announced{};
         BusSession::Subscription descriptions{};
@@ -99,80 +106,97 @@ class Labeller {
         RecordPrinter records(options_.output, RecordPrinter::Count::kList, context_.out);
         Table table({{"TARGET"}, {"KEY"}, {"VALUE", false, 10}});
         bool any = false;
+        int status = program::kExitOk;
         for (const auto& board : boards) {
             if (!board.description) continue;
             const auto labels = shown(board.description->labels);
-            any = any || !labels.empty();
+            const auto& fault = board.description->labels_fault;
+            if (!fault.empty()) {
+                note_fault(board.item.board, fault);
+                status = program::kExitFailure;
+            }
+            any = any || !labels.empty() || !fault.empty();
             if (options_.output.for_people()) {
                 add_rows(table, board.item.board, labels);
             } else {
-                records.print(record(board.item.board, labels));
+                records.print(record(board.item.board, labels, fault));
             }
         }
         records.finish();
-        if (any && options_.output.for_people())
-            context_.out << table.render(context_.width, context_.colour) << std::flush;
+        if (!table.empty()) context_.out << table.render(context_.width, context_.colour) << std::flush;
         if (!any) context_.note("no labels; set one: asipctl label BOARD room=lab");
-        return program::kExitOk;
+        return status;
     }
 
-    static nlohmann::json record(const std::string& board, const model::Labels& labels) {
+    void note_fault(const std::string& board, const std::string& fault) const {
+        context_.note(board + ": labels that its agent kept cannot be read: " + for_terminal(fault));
+    }
+
+    static nlohmann::json record(const std::string& board, const model::Labels& labels,
+                                 const std::string& fault) {
         nlohmann::json object{{"board", board}, {"labels", nlohmann::json::object()}};
         model::put_labels(object, labels);
+        if (!fault.empty()) object["labels_fault"] = fault;
         return object;
     }
 
     int change(const std::vector<KnownBoard>& boards) {
         for (const auto& board : boards) {
             if (!board.description || board.item.state == "offline") {
-                asked_.emplace_back(Asked{board.item.board});
-                asked_.back().reply = bus::Reply::refused(
+                asked_.emplace_back(Asked{board.item.board}).reply = bus::Reply::refused(
                     std::string(bus::kRefusedBoardNotThere),
                     board.description ? "it is offline: its agent has ended"
                                       : "it is known by its names only: it has no agent that keeps labels");
                 continue;
             }
-            ask(asked_.emplace_back(Asked{board.item.board}));
+            asked_.emplace_back(Asked{board.item.board}).lost = board.item.state == "lost";
         }
-        const auto all = [this](auto done) {
-            return [this, done] { return std::all_of(asked_.begin(), asked_.end(), done); };
-        };
-        session_.run_until(all([this](const Asked& one) {
-                               return one.reply.has_value() ||
-                                      session_.denied(context_.topics.board_in(one.board));
-                           }),
-                           Clock::now() + context_.timeout);
+        std::list<Asked*> there;
+        for (auto& asked : asked_)
+            if (!asked.reply) there.push_back(&asked);
+        ask_side_by_side(
+            session_, std::move(there), kAtOnce, [this](Asked& one) { return ask(one); },
+            [this](const Asked& one) {
+                return one.reply || session_.denied(context_.topics.board_in(one.board));
+            });
         // Whoever asks for boards next finds them by their new labels.
-        session_.run_until(all([](const Asked& one) {
-                               return !one.reply || !one.reply->succeeded() || one.announced == one.now;
-                           }),
-                           Clock::now() + kAnnounceTime);
+        session_.run_until(
+            [this] {
+                return std::all_of(asked_.begin(), asked_.end(), [](const Asked& one) {
+                    return !one.reply || !one.reply->succeeded() || one.announced == one.now;
+                });
+            },
+            Clock::now() + kAnnounceTime);
         return report();
     }
 
-    void ask(Asked& asked) {
+    /// A board that is lost may have an agent that is there, which keeps labels (its cable was pulled out);
+    /// that answers soon or not at all.
+    Time ask(Asked& asked) {
         asked.descriptions = session_.subscribe(
             context_.topics.description(asked.board), [&asked](const mqtt::Message& message) {
                 if (auto description = model::parse_description(message.payload))
                     asked.announced = std::move(description->labels);
             });
         asked.request = session_.ask(
-            context_.topics.board_in(asked.board), bus::encode(change_, {}),
+            context_.topics.board_in(asked.board), bus::encode(change_, who_asks(context_)),
             [&asked](const mqtt::Message& message) {
                 auto reply = bus::parse_reply(message.payload);
                 if (asked.reply || !reply) return;
                 asked.reply = std::move(*reply);
-                asked.now =
-                    labels_of(model::parse_json(asked.reply->answer).value_or(nlohmann::json::object()));
+                const auto answer = model::parse_json(asked.reply->answer).value_or(nlohmann::json::object());
+                asked.now = labels_of(answer);
+                asked.set_aside = value_at(answer, "set_aside");
+                asked.fault = value_at(answer, "labels_fault");
             },
             1);
+        return Clock::now() + (asked.lost ? std::min(context_.timeout, kProbeWindow) : context_.timeout);
     }
 
     int report() {
         int status = program::kExitOk;
         RecordPrinter records(options_.output, RecordPrinter::Count::kList, context_.out);
         Table table({{"TARGET"}, {"KEY"}, {"VALUE", false, 10}});
-        bool any = false;
         for (const auto& asked : asked_) {
             const auto reply = reply_of(asked);
             const auto labels = shown(asked.now);
@@ -180,20 +204,23 @@ class Labeller {
                 context_.note(asked.board + ": " + why_not(asked, reply));
                 if (status == program::kExitOk) status = exit_status(reply);
             }
-            any = any || !labels.empty();
+            if (!asked.set_aside.empty())
+                context_.note(asked.board +
+                              ": labels that its agent kept could not be read; the file is now " +
+                              for_terminal(asked.set_aside));
             if (options_.output.for_people()) {
                 add_rows(table, asked.board, labels);
                 continue;
             }
-            auto object = record(asked.board, labels);
+            auto object = record(asked.board, labels, asked.fault);
+            if (!asked.set_aside.empty()) object["set_aside"] = asked.set_aside;
             object["status"] = bus::to_string(reply.status);
             if (!reply.reason.empty()) object["reason"] = reply.reason;
             if (!reply.error.empty()) object["error"] = reply.error;
             records.print(object);
         }
         records.finish();
-        if (any && options_.output.for_people())
-            context_.out << table.render(context_.width, context_.colour) << std::flush;
+        if (!table.empty()) context_.out << table.render(context_.width, context_.colour) << std::flush;
         return status;
     }
 
@@ -202,6 +229,9 @@ class Labeller {
         const auto topic = context_.topics.board_in(asked.board);
         if (session_.denied(topic))
             return bus::Reply::refused("denied", "the broker's access rules deny writing to " + topic);
+        if (asked.lost)
+            return bus::Reply::refused(std::string(bus::kRefusedBoardNotThere),
+                                       "it is lost: its agent died or lost the network; nothing was kept");
         return bus::Reply::timeout("no-answer");
     }
 
@@ -260,7 +290,8 @@ Run declare_label(Declaration& verb) {
                    "any: what there is",
                    Declaration::Needed::kNo);
     declare_selector(verb, options->selector);
-    verb.output(options->output, {Output::kTable}, {"board", "labels", "names", "status", "error", "reason"});
+    verb.output(options->output, {Output::kTable},
+                {"board", "labels", "names", "labels_fault", "set_aside", "status", "error", "reason"});
     return [options](Context& context) { return run_label(*options, context); };
 }
 

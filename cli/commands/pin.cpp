@@ -51,7 +51,7 @@ class PinAccess {
             ask_board(context_, session_,
                       {context_.topics.service_in(name, service_), text, "I," + text, name + "/" + service_});
         if (!reply) return reply;
-        if (!reply->succeeded()) return failure(exit_status(*reply), "I," + text + ": " + explain(*reply));
+        if (!reply->succeeded()) return tl::unexpected(failure_of(*reply, "I," + text + ": "));
         return reply;
     }
 
@@ -205,6 +205,16 @@ Outcome<void> show_pins(const PinOptions& options, Context& context, const Known
     return {};
 }
 
+Outcome<void> run_on_board(const PinOptions& options, Context& context, BusSession& session,
+                           BoardSource& source) {
+    auto board = find_living_board(source, options.board);
+    if (!board) return tl::unexpected(board.error());
+    if (const auto io = find_service(*board, "io"); !io) return tl::unexpected(io.error());
+    PinAccess access(context, session, *board);
+    access.listen();
+    return options.pin.empty() ? show_pins(options, context, *board, access) : act(options, context, access);
+}
+
 }  // namespace
 
 Outcome<int> parse_pin(std::string_view text, const model::PinsInfo& pins) {
@@ -288,14 +298,11 @@ int run_pin(const PinOptions& options, Context& context) {
     BusSession session(context);
     BoardSource source(context, session);
     if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
-    auto board = find_living_board(source, target->board);
-    if (!board) return context.fail_with(board.error());
-    if (const auto io = find_service(*board, "io"); !io) return context.fail_with(io.error());
-    PinAccess access(context, session, *board);
-    access.listen();
-    const auto done =
-        options.pin.empty() ? show_pins(options, context, *board, access) : act(options, context, access);
-    return done ? program::kExitOk : context.fail_with(done.error());
+    const auto done = run_on_board(options, context, session, source);
+    if (done) return program::kExitOk;
+    const auto count = options.pin.empty() ? RecordPrinter::Count::kList : RecordPrinter::Count::kOne;
+    print_failure(options.output, count, options.board, done.error(), context.out);
+    return context.fail_with(done.error());
 }
 
 namespace {
@@ -308,7 +315,8 @@ Run declare_pin(Declaration& verb) {
     verb.argument("high|low|input|pullup|output|analog|pwm|...", options->word,
                   "What to set, or 0..255 for PWM; without it the pin is read", Declaration::Needed::kNo);
     verb.output(options->output, {Output::kText},
-                {"board", "pin", "mode", "value", "owner", "can", "channel", "label"});
+                {"board", "pin", "mode", "value", "owner", "can", "channel", "label", "status", "error",
+                 "reason", "code"});
     return [options](Context& context) { return run_pin(*options, context); };
 }
 

@@ -17,9 +17,10 @@ struct ReleaseOptions {
     OutputOptions output{};
 };
 
-int give_back(const ReleaseOptions& options, Context& context, PortHolder& port) {
+/// The exit status.
+Outcome<int> give_back(const ReleaseOptions& options, Context& context, PortHolder& port) {
     const auto taken = port.give_back();
-    if (!taken) return context.fail_with(taken.error());
+    if (!taken) return tl::unexpected(taken.error());
     if (!options.output.for_people()) {
         RecordPrinter(options.output, RecordPrinter::Count::kOne, context.out)
             .print({{"board", options.board},
@@ -31,15 +32,14 @@ int give_back(const ReleaseOptions& options, Context& context, PortHolder& port)
     } else {
         context.out << for_terminal(taken->sketch) << std::endl;
     }
-    if (!taken->same)
-        return context.fail_with(
-            {program::kExitFailure, "another board answers at the port of " + options.board});
-    return program::kExitOk;
+    if (taken->same) return program::kExitOk;
+    return context.fail_with(
+        {program::kExitFailure, "another board answers at the port of " + options.board});
 }
 
-int let_go(const ReleaseOptions& options, Context& context, PortHolder& port) {
+Outcome<int> let_go(const ReleaseOptions& options, Context& context, PortHolder& port) {
     const auto released = port.release(std::chrono::ceil<std::chrono::seconds>(options.time));
-    if (!released) return context.fail_with(released.error());
+    if (!released) return tl::unexpected(released.error());
     if (!options.output.for_people()) {
         RecordPrinter(options.output, RecordPrinter::Count::kOne, context.out)
             .print({{"board", options.board},
@@ -58,6 +58,14 @@ int let_go(const ReleaseOptions& options, Context& context, PortHolder& port) {
     return program::kExitOk;
 }
 
+Outcome<int> run_on_board(const ReleaseOptions& options, Context& context, BusSession& session,
+                          BoardSource& source) {
+    if (const auto board = find_board_with_agent(source, options.board); !board)
+        return tl::unexpected(board.error());
+    PortHolder port(context, session, options.board);
+    return options.back ? give_back(options, context, port) : let_go(options, context, port);
+}
+
 int run_release(const ReleaseOptions& options, Context& context) {
     const auto target = parse_target(options.board);
     if (!target) return context.fail_with(target.error());
@@ -66,10 +74,10 @@ int run_release(const ReleaseOptions& options, Context& context) {
     BusSession session(context);
     BoardSource source(context, session);
     if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
-    if (const auto board = find_board_with_agent(source, options.board); !board)
-        return context.fail_with(board.error());
-    PortHolder port(context, session, options.board);
-    return options.back ? give_back(options, context, port) : let_go(options, context, port);
+    const auto done = run_on_board(options, context, session, source);
+    if (done) return *done;
+    print_failure(options.output, RecordPrinter::Count::kOne, options.board, done.error(), context.out);
+    return context.fail_with(done.error());
 }
 
 Run declare_release(Declaration& verb) {
@@ -79,7 +87,8 @@ Run declare_release(Declaration& verb) {
                 std::chrono::milliseconds(1000));
     verb.flag("--back", options->back, "Give it back now, and tell which sketch answers there");
     verb.output(options->output, {Output::kText},
-                {"board", "state", "kind", "path", "host", "until", "chip", "sketch", "same", "was"});
+                {"board", "state", "kind", "path", "host", "until", "chip", "sketch", "same", "was", "status",
+                 "error", "reason", "code"});
     return [options](Context& context) { return run_release(*options, context); };
 }
 

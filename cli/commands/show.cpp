@@ -29,6 +29,7 @@ std::string labelled(const std::string& label, const std::string& value, bool co
 }
 
 std::string extensions_text(const model::Description& description) {
+    if (description.firmware.protocol.empty()) return {};
     std::string text;
     for (const auto& [tag, version] : description.firmware.extensions.list) {
         text += (text.empty() ? "" : " ") + std::string(1, tag) + ":" + std::to_string(version);
@@ -258,6 +259,8 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
         text += labelled("chip", all.firmware.chip, colour) + labelled("sketch", all.firmware.sketch, colour);
         text += labelled("protocol", all.firmware.protocol, colour) +
                 labelled("extensions", extensions_text(all), colour);
+        if (all.firmware == model::FirmwareInfo())
+            text += labelled("firmware", "none: it is no board, but takes part as boards do", colour);
         text += labelled("link", link_text(all.link), colour);
         const auto agent = all.agent.client + (all.agent.host.empty() ? "" : " on " + all.agent.host) +
                            (all.agent.version.empty() ? "" : ", version " + all.agent.version);
@@ -266,6 +269,8 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
         text += labelled("lease", std::to_string(all.lease) + " s", colour);
         for (const auto& [key, value] : all.labels.labels)
             text += labelled("label", key + "=" + value, colour);
+        if (!all.labels_fault.empty())
+            text += labelled("LABELS", "cannot be read: " + all.labels_fault, colour, Colour::kRed);
         if (const auto pins = pins_text(all, width, colour); !pins.empty()) text += "\n" + pins;
     }
     if (board.description) {

@@ -43,7 +43,8 @@ class EveryBoardTest : public BusTest, public ::testing::WithParamInterface<Boar
                              GetParam().image + R"(","link":")" + folder_.file("port") +
                              R"(","parts":[{"kind":"ultrasonic","name":"distance","trigger":7,"echo":7,)"
                              R"("distance":42},{"kind":"servo","name":"servo","pin":9}]})");
-        sim_ = std::make_unique<ChildProcess>(Words{ASIP_PROGRAMS "/asip-sim", "--no-socket", file});
+        sim_ = std::make_unique<ChildProcess>(
+            Words{ASIP_PROGRAMS "/asip-sim", "--socket", folder_.file("sim.sock"), file});
         ASSERT_TRUE(sim_->wait_for_output("desk .*port")) << sim_->errors();
         agent_ = std::make_unique<ChildProcess>(
             Words{ASIP_PROGRAMS "/asip-agent", "--serial", folder_.file("port"), "--name", "desk"},
@@ -142,6 +143,57 @@ TEST_P(EveryBoardTest, IsCommanded_OrSaysThatItIsRecorded) {
     EXPECT_EQ(ping.status, recorded() ? 1 : 0) << ping.errors;
     commanded({"release", "desk", "--for", "10s"});
     if (!recorded()) {
+        EXPECT_EQ(json({"release", "desk", "--back"})["same"], true);
+    }
+    commanded({"label", "desk", "room=lab"});
+}
+
+TEST_P(EveryBoardTest, IsCommandedByAShell_OrSaysThatItIsRecorded) {
+    ChildProcess shell(program({"shell", "desk"}),
+                       {{"ASIP_BROKER", broker_.address()}, {"HOME", folder_.path().string()}});
+    shell.write_input("get distance/0 --raw\nservo write 0 90\n");
+    shell.close_input();
+    EXPECT_EQ(shell.wait_exit(), recorded() ? 1 : 0) << shell.errors();
+    EXPECT_EQ(shell.output(), recorded() ? "42\n" : "42\nok\n");
+    EXPECT_THAT(shell.errors(), HasSubstr(recorded() ? "recorded" : ""));
+}
+
+TEST_P(EveryBoardTest, IsFlashed_OrSaysThatItIsRecorded) {
+    const auto flashed = asipctl(
+        {"flash", "desk", ASIP_IMAGES "/asip_uno.elf", "--socket", folder_.file("sim.sock"), "-o", "json"});
+    const auto record = Json::parse(flashed.output, nullptr, false);
+    ASSERT_TRUE(record.is_object()) << flashed.output << flashed.errors;
+    if (recorded()) {
+        EXPECT_EQ(flashed.status, 1);
+        EXPECT_THAT(record.value("error", ""), HasSubstr("there is no chip to load firmware into"));
+        EXPECT_EQ(json({"wait", "desk", "--for", "online"})["state"], "online")
+            << "nobody asked for its port";
+    } else {
+        EXPECT_EQ(flashed.status, 0) << flashed.errors;
+        EXPECT_EQ(record["sketch"], "AsipHello");
+    }
+}
+
+TEST_P(EveryBoardTest, FailureOfPinAndRelease_IsARecordToo) {
+    const auto failed = [this](Words words) {
+        words.insert(words.end(), {"-o", "json"});
+        const auto result = asipctl(words);
+        EXPECT_NE(result.status, 0) << words.front();
+        auto record = Json::parse(result.output, nullptr, false);
+        EXPECT_EQ(record.value("board", ""), words[1]) << result.output << result.errors;
+        EXPECT_FALSE(record.value("error", "").empty());
+        return record;
+    };
+    const auto pin = failed({"pin", "desk", "9", "high"});
+    EXPECT_EQ(pin["status"], recorded() ? "refused" : "error") << pin;
+    EXPECT_EQ(failed({"pin", "desk", "200", "high"})["status"], "refused");
+    EXPECT_EQ(failed({"release", "nobody"})["status"], "timeout");
+    if (recorded()) {
+        EXPECT_EQ(failed({"release", "desk"})["reason"], "recorded");
+    } else {
+        EXPECT_EQ(json({"release", "desk", "--for", "10s"})["state"], "updating");
+        EXPECT_EQ(failed({"release", "desk"})["reason"], "released");
+        EXPECT_EQ(failed({"pin", "desk", "13"})["status"], "refused");
         EXPECT_EQ(json({"release", "desk", "--back"})["same"], true);
     }
 }

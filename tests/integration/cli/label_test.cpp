@@ -141,18 +141,52 @@ TEST_F(LabelTest, LabelsOfTheConfiguration_AreThereAndADamagedFileIsKept) {
     const auto file = folder_.write("state/labels/desk.json", "{\"labels\":{\"room\"");
     start_agent("desk");
     ASSERT_TRUE(wait_state("desk", "online"));
+    EXPECT_THAT(agents_["desk"]->errors(), HasSubstr("labels cannot be read"));
+    const auto shown = asipctl({"label", "desk"});
+    EXPECT_EQ(shown.status, 1);
+    EXPECT_THAT(shown.errors, HasSubstr("desk: labels that its agent kept cannot be read: " + file));
+    EXPECT_THAT(shown.errors, Not(HasSubstr("no labels")));
+    EXPECT_THAT(asipctl({"show", "desk"}).output, HasSubstr("cannot be read: " + file));
+    EXPECT_EQ(json::parse(asipctl({"label", "desk", "-o", "json"}).output)[0].count("labels_fault"), 1U);
+    EXPECT_EQ(asipctl({"label", "desk", "room-"}).status, 1);
     const auto set = asipctl({"label", "desk", "room=lab"});
-    EXPECT_EQ(set.status, 1);
-    EXPECT_THAT(set.errors, HasSubstr(file));
-    EXPECT_THAT(set.errors, HasSubstr("mend or remove it"));
+    EXPECT_EQ(set.status, 0) << set.errors;
+    EXPECT_THAT(set.errors, HasSubstr(file + ".damaged"));
+    EXPECT_TRUE(std::filesystem::exists(file + ".damaged"));
+    const auto again = asipctl({"label", "desk"});
+    EXPECT_EQ(again.status, 0) << again.errors;
+    EXPECT_THAT(again.output, HasSubstr("room  lab"));
+}
+
+TEST_F(LabelTest, LostBoards_HoldUpNobody_AndOneWhoseAgentIsThereIsLabelled) {
+    ASSERT_NO_FATAL_FAILURE(start({"desk", "old"}));
+    kill_agent("old");
+    for (int i = 0; i < 200; ++i)
+        announce("gone" + std::to_string(i), "lost");
+    probe_.publish("asip/servicebus/desk/$state", "lost", true);
+    const auto began = std::chrono::steady_clock::now();
+    const auto set = asipctl({"label", "*", "room=lab", "--from-bus", "--timeout", "100s", "-o", "json"});
+    EXPECT_LT(std::chrono::steady_clock::now() - began, time_limit(5s));
+    EXPECT_EQ(set.status, 1) << set.errors;
+    EXPECT_THAT(set.errors, HasSubstr("old: it is lost: its agent died"));
+    const auto records = json::parse(set.output);
+    ASSERT_EQ(records.size(), 202U);
+    for (const auto& record : records) {
+        const bool there = record["board"] == "desk";
+        EXPECT_EQ(record["status"], there ? "ok" : "refused") << record;
+        EXPECT_EQ(record.value("reason", ""), there ? "" : "board-not-there");
+    }
+    EXPECT_EQ(labels("desk"), "{\"room\":\"lab\"}\n");
 }
 
 TEST_F(LabelTest, Registry_ChoosesByThemAndTellsChanges) {
     ASSERT_NO_FATAL_FAILURE(start({"desk"}));
-    ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1"}, environment());
+    ChildProcess registry(
+        {ASIP_PROGRAMS "/asip-registry", "--id", "r1", "--history", folder_.file("history.db")},
+        environment());
     ASSERT_TRUE(registry.wait_for_errors("catalogue is complete"));
     probe_.clear();
-    ASSERT_EQ(asipctl({"label", "desk", "room=lab"}).status, 0);
+    ASSERT_EQ(asipctl({"label", "desk", "room=lab", "--user", "ann"}).status, 0);
     ASSERT_TRUE(wait_until([this] { return names_of({"-l", "room=lab"}) == "desk\n"; }));
     const auto event = probe_.wait_for([](const mqtt::Message& message) {
         return message.topic == "asip/registry/r1/events" &&
@@ -160,6 +194,10 @@ TEST_F(LabelTest, Registry_ChoosesByThemAndTellsChanges) {
     });
     ASSERT_TRUE(event);
     EXPECT_EQ(json::parse(event->payload)["event"], "description");
+    EXPECT_TRUE(wait_until([this] {
+        return asipctl({"history", "desk", "--format", "{what} {by} {request} {status}"})
+                   .output.find("command ann {\"labels\":{\"room\":\"lab\"}} ok\n") != std::string::npos;
+    })) << asipctl({"history", "desk"}).output;
     const auto wrong = asipctl({"list", "-l", "room in (lab)"});
     EXPECT_EQ(wrong.status, 2);
     EXPECT_THAT(wrong.errors, HasSubstr("write KEY=VALUE"));

@@ -34,6 +34,30 @@ TEST_F(ServicesOnSecuredBus, EachTakesItsOwnFile) {
     EXPECT_EQ(run(Words{ASIP_TEST_ASIPCTL, "pin", "uno", "13", "high"} + as("ann")).status, 0);
 }
 
+TEST_F(ServicesOnSecuredBus, Labels_AreSetByOperatorsAndReadByViewers) {
+    add({"viewer", "bob"});
+    ChildProcess registry(Words{ASIP_TEST_REGISTRY, "--id", "hall", "--history", place_.file("history.db")} +
+                          from_folder());
+    ChildProcess agent(Words{ASIP_TEST_AGENT, "--serial", boards_.serial(), "--name", "uno", "--state-dir",
+                             place_.file("state")} +
+                       from_folder());
+    const auto label = [this](const std::string& user, const Words& more) {
+        return run(Words{ASIP_TEST_ASIPCTL, "label"} + more + as(user));
+    };
+    EXPECT_TRUE(wait_until([&] { return label("ann", {"uno", "room=lab"}).status == 0; })) << agent.errors();
+    for (const char* version : {"5", "3.1.1"}) {
+        const auto denied = label("bob", {"uno", "room=hall", "--timeout", "3s", "--mqtt-version", version});
+        EXPECT_NE(denied.status, 0) << version;
+        EXPECT_THAT(denied.errors, HasSubstr("asipctl secure add operator NAME")) << version;
+    }
+    const auto read = label("bob", {"uno", "--format", "{labels.room}"});
+    EXPECT_EQ(read.output, "lab\n") << read.errors;
+    EXPECT_TRUE(wait_until([&] {
+        return run(Words{ASIP_TEST_ASIPCTL, "history", "uno", "--format", "{what} {by}"} + as("bob"))
+                   .output.find("command ann\n") != std::string::npos;
+    })) << registry.errors();
+}
+
 TEST_F(ServicesOnSecuredBus, FileForAnotherBoard_EndsTheAgentWithItsName) {
     const auto text = run({"cat", credentials("uno")}).output;
     const auto wrong = place_.write("other.credentials", text);

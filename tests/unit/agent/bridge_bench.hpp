@@ -78,7 +78,7 @@ class BridgeBench {
     void release_holds() {
         run([&](Effects& out) { bridge.release_holds(now, out); });
     }
-    void labels_kept(const Expected<void>& result = {}) {
+    void labels_kept(const Expected<std::filesystem::path>& result = {}) {
         run([&](Effects& out) { bridge.labels_kept(result, out); });
     }
     void publish_statistics() {
@@ -128,7 +128,7 @@ class BridgeBench {
             line.client ? lines_for_one.push_back(line) : client_lines.push_back(line.line);
         for (auto& notice : effects.notices)
             notices.push_back(notice.text);
-        if (effects.keep_labels) to_keep.push_back(*effects.keep_labels);
+        if (effects.keep_labels) to_keep.push_back(effects.keep_labels->labels);
         if (effects.fatal) fatal = effects.fatal;
         if (effects.port != Effects::Port::kKeep) port = effects.port;
         if (!answer.empty()) say(answer);

@@ -136,13 +136,24 @@ TEST(KeptLabels, AreThereAfterTheStart_AndThoseOfTheConfigurationCountFirst) {
                 HasSubstr("(--label): change it there"));
 }
 
-TEST(KeptLabels, ThatCannotBeRead_AreNotOverwritten) {
-    BridgeBench bench(with_labels(fail("/var/lib/asip/labels/uno1.json: not JSON; mend or remove it")));
+TEST(KeptLabels, ThatCannotBeRead_AreToldUntilOthersAreSet) {
+    BridgeBench bench(with_labels(fail("/var/lib/asip/labels/uno1.json: not JSON; mend it")));
     EXPECT_EQ(labels_after_start(bench), json::parse(R"({"room":"lab"})"));
     EXPECT_THAT(bench.notices, testing::Contains("labels cannot be read"));
-    EXPECT_THAT(bench.ask(kRequests, {{"labels", {{"floor", "2"}}}})["error"],
-                HasSubstr("mend or remove it"));
+    const std::string fault = "/var/lib/asip/labels/uno1.json: not JSON; mend it";
+    EXPECT_EQ(json::parse(bench.on(kDescribed).back())["labels_fault"], fault);
+    EXPECT_EQ(bench.ask(kRequests, {{"labels", {{"floor", nullptr}}}})["error"], fault)
+        << "nobody knows whether there was one";
+    EXPECT_EQ(bench.ask(kRequests, {{"labels", json::object()}}, "2")["answer"]["labels_fault"], fault);
     EXPECT_THAT(bench.to_keep, IsEmpty());
+    bench.ask(kRequests, {{"labels", {{"floor", "2"}}}}, "3");
+    ASSERT_EQ(bench.to_keep.size(), 1u);
+    bench.labels_kept(std::filesystem::path("/var/lib/asip/labels/uno1.json.damaged"));
+    const auto answer = json::parse(bench.on("answers").back())["answer"];
+    EXPECT_EQ(answer["set_aside"], "/var/lib/asip/labels/uno1.json.damaged");
+    EXPECT_EQ(answer["labels"]["floor"], "2");
+    bench.pass(1500ms);
+    EXPECT_FALSE(json::parse(bench.on(kDescribed).back()).contains("labels_fault"));
 }
 
 TEST(KeptLabels, WithThoseOfTheConfigurationTooMany_AreLeftOut) {

@@ -122,6 +122,18 @@ TEST(ShowBoard, DescribedBoard_ShowsChipPinsServicesAndUnits) {
     EXPECT_THAT(text, HasSubstr("none known: events come as tag and body"));
 }
 
+TEST(ShowBoard, WithoutFirmware_HasNoExtensionsToSpeakOf) {
+    auto description = *model::parse_description(kUno1);
+    EXPECT_THAT(board_text({uno1(), description}, model::ModelSet::standard(), 0, false),
+                HasSubstr("extensions "));
+    description.firmware = {};
+    description.link = {"world", "track.json", 0};
+    const auto text = board_text({uno1(), description}, model::ModelSet::standard(), 0, false);
+    EXPECT_THAT(text, Not(HasSubstr("extensions")));
+    EXPECT_THAT(text, HasSubstr("firmware   none: it is no board"));
+    EXPECT_THAT(text, HasSubstr("link       world track.json"));
+}
+
 TEST(ShowBoard, NamesOnly_IsShown) {
     bus::BoardItem item;
     item.board = "esp";
