@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <set>
 #include <string>
+#include <vector>
 
 #include "cli/board_source.hpp"
 #include "cli/bus_session.hpp"
@@ -8,15 +10,15 @@
 
 namespace asip::cli {
 
-enum class Forgotten {
-    kYes,
-    kUnknownBoard,  ///< the registry knows no such board
-    kNoRegistry
+/// What a registry said to a request to forget boards.
+struct AskedToForget {
+    std::set<std::string> forgotten;
+    std::set<std::string> refused;  ///< they are alive, or it did not answer; the user has been told why
+    int status = program::kExitOk;  ///< kExitFailure, or kExitNoAnswer
 };
 
-/// Asks the registry to forget a board. Fails with kExitNoAnswer when it does not answer, and with
-/// kExitFailure when it refuses: the board is alive.
-Outcome<Forgotten> ask_to_forget(const Context& context, BusSession& session, BoardSource& source,
-                                 const std::string& board);
+/// Asks the registry, if there is one, to forget these boards; it may know some of them or none.
+AskedToForget ask_to_forget(const Context& context, BusSession& session, BoardSource& source,
+                            const std::vector<std::string>& boards);
 
 }  // namespace asip::cli

@@ -141,6 +141,14 @@ std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vect
     return result;
 }
 
+std::set<std::string> announced_boards(const bus::Topics& topics, const std::vector<Retained>& all) {
+    const Claims claims(topics, all);
+    auto boards = claims.described;
+    for (const auto& [board, state] : claims.states)
+        boards.insert(board);
+    return boards;
+}
+
 std::vector<std::string> topics_of_board(const bus::Topics& topics, const std::vector<Retained>& all,
                                          const std::string& board) {
     std::vector<std::string> result;

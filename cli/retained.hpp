@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <set>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,9 @@ struct Lingering {
 
 /// What of `all` is no longer needed. Pure. Sorted by topic.
 std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vector<Retained>& all);
+
+/// The boards of which a state or a description is retained.
+std::set<std::string> announced_boards(const bus::Topics& topics, const std::vector<Retained>& all);
 
 /// Every retained topic of one board.
 std::vector<std::string> topics_of_board(const bus::Topics& topics, const std::vector<Retained>& all,

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/commands/forget.hpp"
 
+#include <list>
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <set>
 
 #include "asip/protocol/request.hpp"
 #include "asip/text/nearest.hpp"
@@ -10,98 +12,257 @@
 #include "cli/declaration.hpp"
 #include "cli/forget_request.hpp"
 #include "cli/retained.hpp"
+#include "cli/side_by_side.hpp"
 #include "cli/target.hpp"
 #include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
 
-/// Whether an agent (or the board itself) still answers for it, whatever is retained.
-bool answers(Context& context, BusSession& session, const std::string& board) {
-    bool heard = false;
-    const auto hear = [&heard](const mqtt::Message& message) { heard = heard || !message.retain; };
-    const auto description = session.subscribe(context.topics.description(board), hear, {.retained = false});
-    const auto reports = session.subscribe(context.topics.board_out(board), hear, {.retained = false});
-    const auto request = session.ask(context.topics.board_in(board), std::string(protocol::kAskInfo), hear);
-    session.publish(context.topics.probe(), board);
-    session.run_until([&heard] { return heard; }, Clock::now() + kProbeWindow);
-    return heard;
-}
+/// How many boards are asked at a time whether they are there.
+constexpr std::size_t kAtOnce = 128;
 
-void print_topics(const std::vector<std::string>& topics, const OutputOptions& output, Context& context) {
-    RecordPrinter records(output, RecordPrinter::Count::kList, context.out);
-    for (const auto& topic : topics) {
-        if (output.for_people()) {
-            context.out << topic << '\n';
-        } else {
-            records.print({{"topic", topic}});
-        }
+/// One `asipctl forget`.
+class Forgetter {
+  public:
+    Forgetter(const ForgetOptions& options, std::vector<Target> targets, Context& context)
+        : options_(options),
+          targets_(std::move(targets)),
+          context_(context),
+          session_(context),
+          source_(context, session_) {}
+
+    int run() {
+        if (const auto connected = session_.connect(); !connected)
+            return context_.fail_with(connected.error());
+        retained_ = read_retained(context_, session_, filters());
+        if (const auto chosen = choose(); !chosen) return context_.fail_with(chosen.error());
+        if (!options_.force) leave_living_boards();
+        if (!options_.force && !options_.dry_run) ask_registry();
+        leave_unknown_boards();
+        return options_.dry_run ? show() : clear();
     }
-    records.finish();
-}
 
-int nobody_knows(Context& context, BoardSource& source, const std::string& board) {
-    return context.fail_with({program::kExitFailure, "unknown board \"" + board + "\"" +
-                                                         text::did_you_mean(board, source.names()) +
-                                                         ": nothing is retained of it; see asipctl list"});
-}
+  private:
+    struct Board {
+        std::string name;
+        bool named = false;  ///< not chosen by a pattern
+        std::vector<std::string> topics{};
+        bool forgotten = false;  ///< by a registry
+        bool alive = false;
+        std::vector<BusSession::Subscription> heard{};
+        BusSession::Request request{};
+    };
+
+    std::vector<std::string> filters() const {
+        const auto& topics = context_.topics;
+        std::vector<std::string> result;
+        for (const auto& target : targets_) {
+            if (target.is_pattern()) return {topics.root() + "/#"};
+            result.push_back(topics.service_names(target.board) + "/#");
+            result.push_back(topics.root() + "/" + target.board + "/#");
+        }
+        return result;
+    }
+
+    void fail(const std::string& text) { status_ = context_.fail_with({program::kExitFailure, text}); }
+
+    /// What is retained and what a registry knows.
+    Outcome<std::set<std::string>> names_like(const Target& target) {
+        std::set<std::string> names;
+        for (const auto& name : announced_boards(context_.topics, retained_))
+            if (target.matches(name, "")) names.insert(name);
+        if (source_.find_registry().empty()) return names;
+        bus::Query query;
+        query.board = target.board;
+        auto boards = source_.boards(std::move(query));
+        if (!boards) return tl::unexpected(boards.error());
+        for (const auto& board : *boards)
+            names.insert(board.board);
+        return names;
+    }
+
+    void add(const std::string& name, bool named) {
+        const auto found = std::find_if(boards_.begin(), boards_.end(),
+                                        [&name](const Board& board) { return board.name == name; });
+        if (found == boards_.end())
+            boards_.push_back({name, named, topics_of_board(context_.topics, retained_, name)});
+        else
+            found->named = found->named || named;
+    }
+
+    Outcome<void> choose() {
+        for (const auto& target : targets_) {
+            if (!target.is_pattern()) {
+                add(target.board, true);
+                continue;
+            }
+            const auto names = names_like(target);
+            if (!names) return tl::unexpected(names.error());
+            if (names->empty()) fail("no board is like " + target.board + "; see asipctl list");
+            for (const auto& name : *names)
+                add(name, false);
+        }
+        return {};
+    }
+
+    /// Whether an agent (or the board itself) still answers, whatever is retained.
+    Time ask(Board& board) {
+        const auto& topics = context_.topics;
+        const auto hear = [&board](const mqtt::Message& message) {
+            board.alive = board.alive || !message.retain;
+        };
+        board.heard.push_back(session_.subscribe(topics.description(board.name), hear, {.retained = false}));
+        board.heard.push_back(session_.subscribe(topics.board_out(board.name), hear, {.retained = false}));
+        board.request = session_.ask(topics.board_in(board.name), std::string(protocol::kAskInfo), hear);
+        session_.publish(topics.probe(), board.name);
+        return Clock::now() + kProbeWindow;
+    }
+
+    /// Those that were named are asked; of a pattern only boards count that are known to be gone.
+    void leave_living_boards() {
+        std::list<Board*> seeming;
+        std::string left;
+        for (auto& board : boards_) {
+            if (!seems_alive(context_.topics, retained_, board.name)) continue;
+            if (board.named) {
+                seeming.push_back(&board);
+                continue;
+            }
+            left += (left.empty() ? "" : ", ") + board.name;
+            board.alive = true;
+        }
+        if (!left.empty()) context_.note("not gone, left alone: " + left);
+        ask_side_by_side(
+            session_, std::move(seeming), kAtOnce, [this](Board& board) { return ask(board); },
+            [](const Board& board) { return board.alive; });
+        for (const auto& board : boards_)
+            if (board.named && board.alive)
+                fail(board.name +
+                     " is alive; stop its agent first (--force clears it all the same, and its agent will "
+                     "announce it anew)");
+        std::erase_if(boards_, [](const Board& board) { return board.alive; });
+    }
+
+    void ask_registry() {
+        std::vector<std::string> names;
+        for (const auto& board : boards_)
+            names.push_back(board.name);
+        const auto asked = ask_to_forget(context_, session_, source_, names);
+        if (asked.status != program::kExitOk) status_ = asked.status;
+        std::erase_if(boards_, [&asked](const Board& board) { return asked.refused.contains(board.name); });
+        for (auto& board : boards_)
+            board.forgotten = asked.forgotten.contains(board.name);
+    }
+
+    void leave_unknown_boards() {
+        for (const auto& board : boards_)
+            if (board.named && board.topics.empty() && !board.forgotten)
+                fail("unknown board \"" + board.name + "\"" +
+                     text::did_you_mean(board.name, source_.names()) +
+                     ": nothing is retained of it; see asipctl list");
+        std::erase_if(boards_, [](const Board& board) { return board.topics.empty() && !board.forgotten; });
+    }
+
+    std::vector<std::string> topics() const {
+        std::vector<std::string> all;
+        for (const auto& board : boards_)
+            all.insert(all.end(), board.topics.begin(), board.topics.end());
+        return all;
+    }
+
+    void print_topics() {
+        RecordPrinter records(options_.output, RecordPrinter::Count::kList, context_.out);
+        for (const auto& board : boards_) {
+            for (const auto& topic : board.topics) {
+                if (options_.output.for_people())
+                    context_.out << topic << '\n';
+                else
+                    records.print({{"topic", topic}, {"board", board.name}});
+            }
+        }
+        records.finish();
+        context_.out << std::flush;
+    }
+
+    std::string boards_in_words() const {
+        return boards_.size() == 1 ? boards_.front().name : counted(boards_.size(), "board");
+    }
+
+    int show() {
+        print_topics();
+        if (!boards_.empty())
+            context_.note("would forget " + boards_in_words() + ": " +
+                          counted(topics().size(), "retained topic") + " to clear");
+        return nothing_done();
+    }
+
+    int clear() {
+        const auto all = topics();
+        if (const auto cleared = clear_retained(context_, session_, all); !cleared)
+            return context_.fail_with(cleared.error());
+        print_topics();
+        if (!boards_.empty())
+            context_.note("forgot " + boards_in_words() + ": " + counted(all.size(), "retained topic") +
+                          " cleared");
+        return nothing_done();
+    }
+
+    int nothing_done() const {
+        return boards_.empty() && status_ == program::kExitOk ? program::kExitFailure : status_;
+    }
+
+    const ForgetOptions& options_;
+    const std::vector<Target> targets_;
+    Context& context_;
+    BusSession session_;
+    BoardSource source_;
+    std::vector<Retained> retained_;
+    std::list<Board> boards_;
+    int status_ = program::kExitOk;
+};
 
 }  // namespace
 
 int run_forget(const ForgetOptions& options, Context& context) {
-    const auto target = parse_target(options.board);
-    if (!target) return context.fail_with(target.error());
-    if (!target->service.empty())
-        return context.fail_with({program::kExitUsage, "forget takes a board, not a service"});
-    BusSession session(context);
-    BoardSource source(context, session);
-    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
-    const auto& board = target->board;
-    const auto all = read_retained(
-        context, session,
-        {context.topics.service_names(board) + "/#", context.topics.root() + "/" + board + "/#"});
-    const auto topics = topics_of_board(context.topics, all, board);
-    if (!options.force && seems_alive(context.topics, all, board) && answers(context, session, board)) {
-        return context.fail_with(
-            {program::kExitFailure, board + " is alive; stop its agent first (--force clears it all the "
-                                            "same, and its agent will announce it anew)"});
+    std::vector<Target> targets;
+    for (const auto& board : options.boards) {
+        auto target = parse_target(board, true);
+        if (!target) return context.fail_with(target.error());
+        if (!target->service.empty())
+            return context.fail_with(
+                {program::kExitUsage, "'" + board + "': forget takes boards, not services"});
+        targets.push_back(std::move(*target));
     }
-    if (options.dry_run) {
-        if (topics.empty()) return nobody_knows(context, source, board);
-        print_topics(topics, options.output, context);
-        context.note("would clear " + counted(topics.size(), "retained topic"));
-        return program::kExitOk;
-    }
-    auto registry = Forgotten::kNoRegistry;
-    if (!options.force) {
-        const auto asked = ask_to_forget(context, session, source, board);
-        if (!asked) return context.fail_with(asked.error());
-        registry = *asked;
-    }
-    if (topics.empty() && registry != Forgotten::kYes) return nobody_knows(context, source, board);
-    if (const auto cleared = clear_retained(context, session, topics); !cleared)
-        return context.fail_with(cleared.error());
-    print_topics(topics, options.output, context);
-    context.note("forgot " + board + ": " + counted(topics.size(), "retained topic") + " cleared");
-    return program::kExitOk;
+    return Forgetter(options, std::move(targets), context).run();
 }
 
 namespace {
 
 Run declare_forget(Declaration& verb) {
     auto options = std::make_shared<ForgetOptions>();
-    verb.argument("BOARD", options->board, "Name of the board");
+    verb.arguments("PATTERN", options->boards,
+                   "Names of boards; with * and ? as in a shell: all such boards that are gone");
     verb.flag("--dry-run", options->dry_run, "Only show what would be cleared");
-    verb.flag("--force", options->force, "Also a board that seems alive");
-    verb.output(options->output, {Output::kText}, {"topic"});
+    verb.flag("--force", options->force, "Also boards that seem alive");
+    verb.output(options->output, {Output::kText}, {"topic", "board"});
     return [options](Context& context) { return run_forget(*options, context); };
 }
 
 }  // namespace
 
 Verb forget_verb() {
-    return {"forget", "Clear everything that is kept of a board that is gone",
-            "Prints the topics that are cleared.\nExample:\n  asipctl forget uno7", declare_forget};
+    return {
+        "forget", "Clear everything that is kept of boards that are gone",
+        "Prints the topics that are cleared. A board that answers is refused. By a pattern, only boards are "
+        "forgotten\nthat are offline or lost, or whose lease ran out.\n"
+        "Exit status: 0 all forgotten, 1 one was refused or is unknown, or there was none.\n"
+        "Examples:\n"
+        "  asipctl forget uno7\n"
+        "  asipctl forget uno7 uno8\n"
+        "  asipctl forget 'old-*' --dry-run\n"
+        "  asipctl forget 'old-*'",
+        declare_forget};
 }
 
 }  // namespace asip::cli

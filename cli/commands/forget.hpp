@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <string>
+#include <vector>
 
 #include "cli/context.hpp"
 #include "cli/output.hpp"
@@ -8,14 +9,14 @@
 namespace asip::cli {
 
 struct ForgetOptions {
-    std::string board;
+    std::vector<std::string> boards;  ///< names, and patterns of them
     bool dry_run = false;
-    bool force = false;  ///< also a board that seems alive
+    bool force = false;  ///< also boards that seem alive
     OutputOptions output{};
 };
 
-/// `asipctl forget`: a board that is gone leaves every registry, and its retained topics are emptied.
-/// kExitFailure when the board is unknown.
+/// `asipctl forget`: boards that are gone leave every registry, and their retained topics are emptied.
+/// kExitFailure when one is unknown or alive, or when a pattern means none.
 int run_forget(const ForgetOptions& options, Context& context);
 
 }  // namespace asip::cli

@@ -61,15 +61,9 @@ int forget_boards(Context& context, BusSession& session, BoardSource& source,
     for (const auto& one : lingering) {
         if (one.kind == Lingering::Kind::kGoneBoard) boards.insert(one.board);
     }
-    int status = program::kExitOk;
-    for (const auto& board : boards) {
-        if (const auto asked = ask_to_forget(context, session, source, board); !asked) {
-            status = context.fail_with(asked.error());
-            std::erase_if(lingering, [&board](const Lingering& one) { return one.board == board; });
-        }
-        if (source.registry().empty()) break;
-    }
-    return status;
+    const auto asked = ask_to_forget(context, session, source, {boards.begin(), boards.end()});
+    std::erase_if(lingering, [&asked](const Lingering& one) { return asked.refused.contains(one.board); });
+    return asked.status;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@ how wide a column is. A comment after two blanks and "#" belongs to the reader.
     transcript.py PAGE            runs it, in the environment that it gets
     transcript.py --write PAGE    writes what the commands print into the page instead
 """
+import contextlib
 import os
 import re
 import signal
@@ -21,6 +22,7 @@ LIMIT_SECONDS = 60
 
 VOLATILE = [
     (r"\d{4}-\d\d-\d\dT[\d:.]+Z", "<time>"),
+    (r"\b\d{4}-\d\d-\d\d\b", "<date>"),
     (r"\b\d+(\.\d+)? (ns|us|ms|s|min|h|d)\b", "<duration>"),
     (r"\b(minimum|p50|p99|maximum) [\d.]+( ms)?", "<duration>"),
     (r"127\.0\.0\.1:\d+", "<address>"),
@@ -78,7 +80,14 @@ def matches(expected, got):
     return bool(got) and re.fullmatch(pattern(expected[0]), normal(got[0])) is not None and matches(expected[1:], got[1:])
 
 
-def run(step, folder):
+def end_all(groups):
+    """What a command left running in the background is of the process group that it had."""
+    for group in groups:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(group, signal.SIGTERM)
+
+
+def run(step, folder, background):
     """What the command prints, standard error included, as a terminal shows it."""
     with open(os.path.join(folder, ".output"), "w+") as output:
         child = subprocess.Popen(["bash", "-c", step.command], cwd=folder, env=dict(os.environ, HOME=folder), stdin=subprocess.DEVNULL, stdout=output,
@@ -89,6 +98,8 @@ def run(step, folder):
                 os.killpg(child.pid, signal.SIGINT)
                 step.interrupt = False
             time.sleep(0.02)
+        if step.command.find(" & ") > 0:
+            background.append(child.pid)
         ended = child.poll() is not None
         if not ended:
             os.killpg(child.pid, signal.SIGKILL)
@@ -108,13 +119,15 @@ def main(words):
     page = words[-1]
     text = open(page).read()
     lines, shift, failed, count = text.split("\n"), 0, 0, 0
-    with tempfile.TemporaryDirectory(prefix="asip-docs-") as folder:
+    background = []
+    with tempfile.TemporaryDirectory(prefix="asip-docs-") as folder, contextlib.ExitStack() as at_end:
+        at_end.callback(end_all, background)
         for first, last, steps in blocks(text):
             written = []
             for step in steps:
                 count += 1
                 interrupted = step.interrupt
-                got = run(step, folder)
+                got = run(step, folder, background)
                 fits = matches(step.expected + (["..."] if interrupted else []), got)
                 written += [lines[step.line - 1 + shift]] + (step.expected if fits else got) + (["^C"] if interrupted else [])
                 if not fits and not write:

@@ -163,6 +163,33 @@ TEST_F(BusTest, ForgetABoardThatAnswers_IsRefused) {
     EXPECT_TRUE(BusProbe(broker_.port()).wait_for("asip/servicebus/uno1/$state", "online"));
 }
 
+TEST_F(BusTest, ForgetSeveralAndPatterns_TakesThoseThatAreGone) {
+    for (const auto* board : {"old-1", "old-2", "kitchen", "hall"})
+        announce(board, "lost");
+    announce("old-3");
+    const auto dry = asipctl({"forget", "old-*", "hall", "--dry-run", "-o", "jsonl"});
+    EXPECT_EQ(dry.status, 0) << dry.errors;
+    EXPECT_THAT(dry.errors, HasSubstr("not gone, left alone: old-3"));
+    EXPECT_THAT(dry.errors, HasSubstr("would forget 3 boards: 6 retained topics"));
+    EXPECT_THAT(dry.output, HasSubstr(R"({"board":"hall","topic":"asip/servicebus/hall/$state"})"));
+    EXPECT_THAT(dry.output, Not(HasSubstr("kitchen")));
+    EXPECT_TRUE(BusProbe(broker_.port()).wait_for("asip/servicebus/old-1/$state", "lost"));
+
+    EXPECT_EQ(asipctl({"forget", "hall", "old-*/servo"}).status, 2) << "and nothing is done";
+    const auto named = asipctl({"forget", "nobody", "hall", "attic-*"});
+    EXPECT_EQ(named.status, 1) << "one is unknown, and the other is done";
+    EXPECT_EQ(named.output, "asip/servicebus/hall/$description\nasip/servicebus/hall/$state\n");
+    EXPECT_THAT(named.errors, HasSubstr("unknown board \"nobody\""));
+    EXPECT_THAT(named.errors, HasSubstr("no board is like attic-*"));
+    EXPECT_THAT(named.errors, HasSubstr("forgot hall: 2 retained topics cleared"));
+    EXPECT_EQ(asipctl({"forget", "old-*", "old-1"}).status, 0);
+    const BusProbe late(broker_.port());
+    EXPECT_TRUE(late.wait_for("asip/servicebus/kitchen/$state", "lost"));
+    EXPECT_TRUE(late.wait_for("asip/servicebus/old-3/$state", "online"));
+    EXPECT_EQ(late.count("asip/servicebus/old-1/$state"), 0U);
+    EXPECT_EQ(late.count("asip/servicebus/old-2/$state"), 0U);
+}
+
 TEST_F(BusTest, Prune_ClearsWhatLingersAndNothingElse) {
     announce("uno1");
     announce("dead", "lost");
