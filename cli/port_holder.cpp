@@ -32,7 +32,10 @@ Outcome<KnownBoard> find_board_with_agent(BoardSource& source, const std::string
 }
 
 PortHolder::PortHolder(const Context& context, BusSession& session, std::string board)
-    : context_(context), session_(session), board_(std::move(board)), by_((who_asks(context) + " by " + context.mqtt.client_id).substr(0, 64)) {}
+    : context_(context),
+      session_(session),
+      board_(std::move(board)),
+      by_((who_asks(context) + " by " + context.mqtt.client_id).substr(0, 64)) {}
 
 Outcome<std::string> PortHolder::ask(const bus::PortRequest& request, std::chrono::milliseconds patience) {
     std::optional<Expected<bus::Reply>> reply;
