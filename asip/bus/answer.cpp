@@ -2,6 +2,7 @@
 #include "asip/bus/answer.hpp"
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "asip/bus/json_scanner.hpp"
 #include "asip/bus/members.hpp"
@@ -12,6 +13,13 @@ namespace {
 
 using namespace members;
 using nlohmann::json;
+
+constexpr std::size_t kMaxAnswerBytes = 16u << 20;
+
+struct LinesSplit {
+    std::string envelope;
+    std::string lines;
+};
 
 // The rows of a large catalogue are written and read straight from and into text; a JSON tree costs ten times
 // as much.
@@ -25,30 +33,60 @@ std::string encode_brief(json& envelope, const std::vector<BriefBoard>& boards) 
     return text;
 }
 
-/// A description is JSON already, and most of a full answer: where it is well-formed, it is not taken apart.
-void append_board(std::string& text, const BoardItem& item) {
-    JsonScanner scanner(item.description);
-    std::string_view whole;
-    const bool as_it_is = !item.description.empty() && item.description.front() == '{' &&
-                          scanner.value(whole) && whole.size() == item.description.size();
-    text += model::dump_json(as_it_is ? to_json_without_description(item) : to_json(item));
-    if (!as_it_is) return;
-    text.pop_back();
-    text += ",\"description\":";
-    text += item.description;
-    text += '}';
-}
-
-std::string encode_boards(const json& envelope, const std::vector<BoardItem>& boards) {
+template <class Item>
+std::string encode_items(const json& envelope, const std::vector<Item>& items) {
     std::string text = model::dump_json(envelope);
     text.pop_back();
     text += ",\"items\":[";
-    for (const BoardItem& item : boards) {
-        if (&item != &boards.front()) text += ',';
-        append_board(text, item);
+    for (const Item& item : items) {
+        if (&item != &items.front()) text += ',';
+        append_json(text, item);
     }
     text += "]}";
     return text;
+}
+
+/// One line, whoever wrote it.
+bool append_line(std::string_view object, std::string& lines) {
+    if (object.front() != '{') return false;
+    const bool one_line = object.find('\n') == object.npos && object.find('\r') == object.npos;
+    if (one_line) {
+        lines += object;
+    } else {
+        lines += model::dump_json(json::parse(object, nullptr, false));
+    }
+    lines += '\n';
+    return true;
+}
+
+/// An answer whose items are taken out as lines; nothing where it has none that could be.
+std::optional<LinesSplit> split_lines(std::string_view payload) {
+    if (payload.size() > kMaxAnswerBytes) return std::nullopt;
+    JsonScanner in(payload);
+    if (!in.enter_object()) return std::nullopt;
+    LinesSplit split;
+    std::string_view key;
+    std::string_view value;
+    bool found = false;
+    while (in.next_member(key)) {
+        if (key != "items") {
+            if (!in.value(value)) return std::nullopt;
+            split.envelope.append(split.envelope.empty() ? "{\"" : ",\"")
+                .append(key)
+                .append("\":")
+                .append(value);
+            continue;
+        }
+        if (std::exchange(found, true) || !in.enter_array()) return std::nullopt;
+        split.lines.reserve(payload.size() + 1000);
+        while (in.next_element()) {
+            if (!in.value(value) || !append_line(value, split.lines)) return std::nullopt;
+        }
+        if (!in.left()) return std::nullopt;
+    }
+    if (!in.left() || !in.at_end() || !found) return std::nullopt;
+    split.envelope += split.envelope.empty() ? "{\"items\":[]}" : ",\"items\":[]}";
+    return split;
 }
 
 }  // namespace
@@ -66,18 +104,13 @@ std::string encode(const Answer& answer) {
     object["seq"] = answer.seq;
     if (answer.settling) object["settling"] = true;
     if (answer.total) object["total"] = *answer.total;
-    json items = json::array();
-    for (const ServiceItem& item : answer.services)
-        items.push_back(to_json(item));
-    for (const HistoryItem& item : answer.history)
-        items.push_back(to_json(item));
     if (!answer.forgotten.empty()) object["forgotten"] = answer.forgotten;
     object["find"] = to_string(answer.find);
     put(object, "cursor", answer.cursor);
     if (answer.brief) return encode_brief(object, *answer.brief);
-    if (!answer.boards.empty()) return encode_boards(object, answer.boards);
-    object["items"] = std::move(items);
-    return model::dump_json(object);
+    if (!answer.services.empty()) return encode_items(object, answer.services);
+    if (!answer.history.empty()) return encode_items(object, answer.history);
+    return encode_items(object, answer.boards);
 }
 
 Expected<Answer> parse_answer(std::string_view payload) {
@@ -126,6 +159,25 @@ Expected<Answer> parse_answer(std::string_view payload) {
         }
     }
     return answer;
+}
+
+Expected<AnswerLines> parse_answer_lines(std::string_view payload) {
+    AnswerLines result;
+    auto split = split_lines(payload);
+    auto answer = parse_answer(split ? split->envelope : payload);
+    if (!answer) return Unexpected<std::string>(answer.error());
+    if (split) result.lines = std::move(split->lines);
+    const auto append = [&result](const auto& items) {
+        for (const auto& item : items) {
+            append_json(result.lines, item);
+            result.lines += '\n';
+        }
+    };
+    // What only a parser of whole documents takes apart.
+    append(std::exchange(answer->boards, {}));
+    append(std::exchange(answer->services, {}));
+    result.answer = std::move(*answer);
+    return result;
 }
 
 }  // namespace asip::bus

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/json_scanner.hpp"
+#include "asip/bus/json_text.hpp"
 #include "asip/model/json.hpp"
 
 namespace asip::bus {
@@ -14,29 +14,6 @@ namespace {
 
 constexpr std::size_t kBytesOfARow = 96;  // of a usual one
 constexpr std::size_t kMaxBytes = 16u << 20;
-
-bool is_plain(unsigned char c) {
-    return c >= 0x20 && c < 0x7F && c != '"' && c != '\\';
-}
-
-void append_text(std::string& out, const std::string& text) {
-    if (!std::all_of(text.begin(), text.end(), is_plain)) {
-        out += model::dump_json(text);
-        return;
-    }
-    out += '"';
-    out += text;
-    out += '"';
-}
-
-void append_age(std::string& out, double age) {
-    constexpr double kMost = 1e12;
-    const double bounded = std::isfinite(age) ? std::clamp(age, -1.0, kMost) : 0;
-    char digits[32];
-    const auto end = std::to_chars(digits, digits + sizeof digits, std::trunc(bounded * 1000) / 1000,
-                                   std::chars_format::fixed);
-    out.append(digits, end.ptr);
-}
 
 bool read_text(JsonScanner& in, std::string& text) {
     if (!in.next_element()) return false;
@@ -80,14 +57,14 @@ void append_brief_rows(std::string& text, const std::vector<BriefBoard>& boards)
     text += '[';
     for (const BriefBoard& board : boards) {
         text += text.back() == '[' ? "[" : ",[";
-        append_text(text, board.board);
+        append_json_text(text, board.board);
         text += ',';
-        append_text(text, board.state);
+        append_json_text(text, board.state);
         text += ',';
-        append_age(text, board.age);
+        append_json_seconds(text, std::max(board.age, -1.0));
         for (const std::string* member : {&board.chip, &board.sketch, &board.services}) {
             text += ',';
-            append_text(text, *member);
+            append_json_text(text, *member);
         }
         text += board.conflict ? ",true]" : "]";
     }

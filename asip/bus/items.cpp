@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/bus/items.hpp"
 
+#include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/json_scanner.hpp"
+#include "asip/bus/json_text.hpp"
 #include "asip/bus/members.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/json_reader.hpp"
@@ -11,6 +14,163 @@ namespace asip::bus {
 
 using namespace members;
 using nlohmann::json;
+
+namespace {
+
+/// The members of an object become those of a tree. What is empty is left out.
+class TreeMembers {
+  public:
+    explicit TreeMembers(json& object) : object_(object) {}
+
+    void text(const char* key, const std::string& value) { put(object_, key, value); }
+    void time(const char* key, text::WallTime value) { put(object_, key, value); }
+    void needed(const char* key, const std::string& value) { object_[key] = value; }
+    template <class Number>
+    void number(const char* key, Number value) {
+        object_[key] = value;
+    }
+    void seconds(const char* key, double value) {
+        object_[key] = static_cast<double>(static_cast<std::int64_t>(value * 1000)) / 1000;
+    }
+    void yes(const char* key) { object_[key] = true; }
+    void labels(const model::Labels& labels) { model::put_labels(object_, labels); }
+    void names(const model::Labels&) {}  // written with the labels
+    template <class Write>
+    void object(const char* key, Write write) {
+        TreeMembers inside(object_[key] = json::object());
+        write(inside);
+    }
+    template <class Item, class Write>
+    void array(const char* key, const std::vector<Item>& items, Write write) {
+        json& array = object_[key] = json::array();
+        for (const Item& item : items) {
+            TreeMembers inside(array.emplace_back(json::object()));
+            write(inside, item);
+        }
+    }
+
+  private:
+    json& object_;
+};
+
+/// The members of an object become text, in the order in which they are written.
+class TextMembers {
+  public:
+    explicit TextMembers(std::string& out) : out_(out) { out_ += '{'; }
+    ~TextMembers() { out_ += '}'; }
+    TextMembers(const TextMembers&) = delete;
+    TextMembers& operator=(const TextMembers&) = delete;
+
+    void text(const char* key, const std::string& value) {
+        if (!value.empty()) append_json_text(member(key), value);
+    }
+    void time(const char* key, text::WallTime value) {
+        if (value != text::WallTime{}) append_json_text(member(key), text::iso_time(value));
+    }
+    void needed(const char* key, const std::string& value) { append_json_text(member(key), value); }
+    template <class Number>
+    void number(const char* key, Number value) {
+        char digits[24];
+        const auto end = std::to_chars(digits, digits + sizeof digits, value);
+        member(key).append(digits, end.ptr);
+    }
+    void seconds(const char* key, double value) { append_json_seconds(member(key), value); }
+    void yes(const char* key) { member(key) += "true"; }
+    void labels(const model::Labels& labels) { put_tree("labels", labels); }
+    void names(const model::Labels& labels) { put_tree("names", labels); }
+    template <class Write>
+    void object(const char* key, Write write) {
+        TextMembers inside(member(key));
+        write(inside);
+    }
+    template <class Item, class Write>
+    void array(const char* key, const std::vector<Item>& items, Write write) {
+        member(key) += '[';
+        for (const Item& item : items) {
+            if (&item != &items.front()) out_ += ',';
+            TextMembers inside(out_);
+            write(inside, item);
+        }
+        out_ += ']';
+    }
+
+  private:
+    std::string& member(const char* key) {
+        if (out_.back() != '{') out_ += ',';
+        return out_.append(1, '"').append(key).append("\":");
+    }
+    void put_tree(const char* key, const model::Labels& labels) {
+        if (labels.empty()) return;
+        json object = json::object();
+        model::put_labels(object, labels);
+        if (object.contains(key)) member(key) += model::dump_json(object[key]);
+    }
+    std::string& out_;
+};
+
+// Members are written in the order of their names, as those of a tree are.
+template <class Members>
+void write(Members& members, const ServiceItem& item, bool with_board) {
+    if (with_board) members.needed("board", item.board);
+    if (item.count) members.number("count", *item.count);
+    members.text("id", item.id);
+    if (item.kind != item.name) members.text("kind", item.kind);
+    members.text("label", item.label);
+    members.text("model", item.model);
+    members.needed("name", item.name);
+    if (item.period) members.number("period", *item.period);
+    if (with_board) members.needed("state", item.state);
+    members.text("title", item.title);
+}
+
+template <class Members>
+void write(Members& members, const BoardItem& item) {
+    const bool heard = item.last_seen != text::WallTime{};
+    if (heard) members.seconds("age", item.age);
+    members.text("agent", item.agent);
+    members.needed("board", item.board);
+    members.text("chip", item.chip);
+    if (item.conflict) {
+        members.object("conflict", [&item](Members& conflict) {
+            conflict.needed("holder", item.conflict->holder);
+            conflict.needed("other", item.conflict->other);
+            conflict.text("other_agent", item.conflict->other_agent);
+        });
+    }
+    members.time("first_seen", item.first_seen);
+    members.labels(item.labels);
+    members.time("last_seen", item.last_seen);
+    if (item.lease > 0) members.number("lease", static_cast<std::int64_t>(item.lease));
+    members.text("link", item.link);
+    members.names(item.labels);
+    if (item.names_only) members.yes("names_only");
+    members.text("protocol", item.protocol);
+    if (item.reported != item.state) members.text("reported", item.reported);
+    if (!item.session.empty()) members.number("seq", item.seq);
+    members.array("services", item.services,
+                  [](Members& service, const ServiceItem& each) { write(service, each, false); });
+    members.text("session", item.session);
+    members.time("since", item.since);
+    members.text("sketch", item.sketch);
+    members.needed("state", item.state);
+}
+
+template <class Members>
+void write(Members& members, const HistoryItem& item) {
+    members.time("at", item.at);
+    members.text("board", item.board);
+    members.text("by", item.by);
+    if (item.count > 1) members.number("count", item.count);
+    members.text("reason", item.reason);
+    members.text("request", item.request);
+    members.text("service", item.service);
+    members.text("state", item.state);
+    members.text("status", item.status);
+    members.text("was", item.was);
+    members.needed("what", item.what);
+}
+
+}  // namespace
 
 ServiceItem read_service_item(const json& object) {
     ServiceItem item;
@@ -84,75 +244,56 @@ HistoryItem read_history_item(const json& object) {
 }
 
 json to_json(const ServiceItem& item, bool with_board) {
-    json object{{"name", item.name}};
-    if (with_board) {
-        object["board"] = item.board;
-        object["state"] = item.state;
-    }
-    if (item.kind != item.name) put(object, "kind", item.kind);
-    put(object, "model", item.model);
-    put(object, "id", item.id);
-    put(object, "title", item.title);
-    if (item.count) object["count"] = *item.count;
-    if (item.period) object["period"] = *item.period;
-    put(object, "label", item.label);
+    json object = json::object();
+    TreeMembers members(object);
+    write(members, item, with_board);
     return object;
 }
 
-json to_json_without_description(const BoardItem& item) {
-    json object{{"board", item.board}, {"state", item.state}};
-    if (item.reported != item.state) put(object, "reported", item.reported);
-    if (item.names_only) object["names_only"] = true;
-    put(object, "session", item.session);
-    if (!item.session.empty()) object["seq"] = item.seq;
-    if (item.lease > 0) object["lease"] = static_cast<std::int64_t>(item.lease);
-    put(object, "first_seen", item.first_seen);
-    put(object, "since", item.since);
-    if (item.last_seen != text::WallTime{}) {
-        put(object, "last_seen", item.last_seen);
-        object["age"] = static_cast<double>(static_cast<std::int64_t>(item.age * 1000)) / 1000;
-    }
-    put(object, "chip", item.chip);
-    put(object, "sketch", item.sketch);
-    put(object, "protocol", item.protocol);
-    put(object, "agent", item.agent);
-    put(object, "link", item.link);
-    model::put_labels(object, item.labels);
-    if (item.conflict) {
-        object["conflict"] = {{"holder", item.conflict->holder}, {"other", item.conflict->other}};
-        put(object["conflict"], "other_agent", item.conflict->other_agent);
-    }
-    json services = json::array();
-    for (const ServiceItem& service : item.services)
-        services.push_back(to_json(service, false));
-    object["services"] = std::move(services);
-    return object;
+void append_json(std::string& out, const ServiceItem& item) {
+    TextMembers members(out);
+    write(members, item, true);
 }
 
 json to_json(const BoardItem& item) {
-    json object = to_json_without_description(item);
-    if (!item.description.empty()) {
-        if (auto description =
-                model::parse_json(item.description, {.max_bytes = 1u << 20, .max_depth = 40})) {
-            object["description"] = std::move(*description);
-        }
-    }
+    json object = json::object();
+    TreeMembers members(object);
+    write(members, item);
+    if (item.description.empty()) return object;
+    if (auto description = model::parse_json(item.description, {.max_bytes = 1u << 20, .max_depth = 40}))
+        object["description"] = std::move(*description);
     return object;
 }
 
+/// A description is JSON already, and most of a full answer: where it is well-formed, it is not taken apart.
+void append_json(std::string& out, const BoardItem& item) {
+    JsonScanner scanner(item.description);
+    std::string_view whole;
+    const bool as_it_is = !item.description.empty() && item.description.front() == '{' &&
+                          scanner.value(whole) && whole.size() == item.description.size();
+    if (!as_it_is && !item.description.empty()) {
+        out += model::dump_json(to_json(item));
+        return;
+    }
+    {
+        TextMembers members(out);
+        write(members, item);
+    }
+    if (!as_it_is) return;
+    out.back() = ',';
+    out.append("\"description\":").append(item.description).append(1, '}');
+}
+
 json to_json(const HistoryItem& item) {
-    json object{{"what", item.what}};
-    put(object, "board", item.board);
-    put(object, "at", item.at);
-    put(object, "state", item.state);
-    put(object, "was", item.was);
-    put(object, "by", item.by);
-    put(object, "service", item.service);
-    put(object, "request", item.request);
-    put(object, "status", item.status);
-    put(object, "reason", item.reason);
-    if (item.count > 1) object["count"] = item.count;
+    json object = json::object();
+    TreeMembers members(object);
+    write(members, item);
     return object;
+}
+
+void append_json(std::string& out, const HistoryItem& item) {
+    TextMembers members(out);
+    write(members, item);
 }
 
 BriefBoard brief_of(const BoardItem& board) {

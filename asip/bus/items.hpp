@@ -93,10 +93,12 @@ BriefBoard brief_of(const BoardItem& board);
 
 /// What stands in "items" of an answer.
 nlohmann::json to_json(const BoardItem& item);
-/// The same, for who puts the text of the description in as it is.
-nlohmann::json to_json_without_description(const BoardItem& item);
 nlohmann::json to_json(const ServiceItem& item, bool with_board = true);
 nlohmann::json to_json(const HistoryItem& item);
+/// The same as text, appended: in a small part of the time.
+void append_json(std::string& out, const BoardItem& item);
+void append_json(std::string& out, const ServiceItem& item);
+void append_json(std::string& out, const HistoryItem& item);
 
 /// Reads what registries write: a member that is missing or of another type is read as empty.
 BoardItem read_board_item(const nlohmann::json& object);

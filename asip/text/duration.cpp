@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 
 #include "asip/text/printable.hpp"
 
@@ -20,10 +19,10 @@ constexpr std::array<Unit, 6> kUnits{
     {{"", 1e3}, {"ms", 1}, {"s", 1e3}, {"m", 6e4}, {"h", 3.6e6}, {"d", 8.64e7}}};
 constexpr double kMaxMilliseconds = 100.0 * 366 * 8.64e7;
 
-std::string number_with(const char* format, double number) {
-    char text[64];
-    std::snprintf(text, sizeof text, format, number);
-    return text;
+std::string number_with(double number, int decimals, const char* unit) {
+    char text[400];  // the longest double has 309 digits
+    const auto end = std::to_chars(text, text + sizeof text, number, std::chars_format::fixed, decimals).ptr;
+    return std::string(text, end) + unit;
 }
 
 }  // namespace
@@ -46,13 +45,13 @@ Expected<std::chrono::milliseconds> parse_duration(std::string_view text) {
 
 std::string duration_text(std::chrono::duration<double> duration) {
     const double seconds = duration.count();
-    if (seconds < 0.01) return number_with("%.2f ms", seconds * 1e3);
-    if (seconds < 1) return number_with("%.0f ms", seconds * 1e3);
-    if (seconds < 9.95) return number_with("%.1f s", seconds);
-    if (seconds < 120) return number_with("%.0f s", seconds);
-    if (seconds < 7200) return number_with("%.0f min", std::floor(seconds / 60));
-    if (seconds < 172800) return number_with("%.0f h", std::floor(seconds / 3600));
-    return number_with("%.0f d", std::floor(seconds / 86400));
+    if (seconds < 0.01) return number_with(seconds * 1e3, 2, " ms");
+    if (seconds < 1) return number_with(seconds * 1e3, 0, " ms");
+    if (seconds < 9.95) return number_with(seconds, 1, " s");
+    if (seconds < 120) return number_with(seconds, 0, " s");
+    if (seconds < 7200) return number_with(std::floor(seconds / 60), 0, " min");
+    if (seconds < 172800) return number_with(std::floor(seconds / 3600), 0, " h");
+    return number_with(std::floor(seconds / 86400), 0, " d");
 }
 
 }  // namespace asip::text

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/text/wall_time.hpp"
 
-#include <cstdio>
+#include <cstdint>
 
 namespace asip::text {
 namespace {
@@ -24,6 +24,11 @@ int number_at(std::string_view text, std::size_t at, std::size_t count) {
     return value;
 }
 
+void put_digits(std::string& text, std::size_t at, std::size_t count, std::int64_t number) {
+    for (std::size_t i = at + count; i > at; number /= 10)
+        text[--i] = static_cast<char>('0' + number % 10);
+}
+
 }  // namespace
 
 WallTime wall_now() {
@@ -34,11 +39,16 @@ std::string iso_time(WallTime time) {
     const auto day = std::chrono::floor<std::chrono::days>(time);
     const std::chrono::year_month_day date(day);
     const std::chrono::hh_mm_ss clock(time - day);
-    char text[64];
-    std::snprintf(text, sizeof text, "%04d-%02u-%02uT%02d:%02d:%02d.%03dZ", static_cast<int>(date.year()),
-                  static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
-                  static_cast<int>(clock.hours().count()), static_cast<int>(clock.minutes().count()),
-                  static_cast<int>(clock.seconds().count()), static_cast<int>(clock.subseconds().count()));
+    const int year = static_cast<int>(date.year());
+    std::string text(kShape);
+    put_digits(text, 5, 2, static_cast<unsigned>(date.month()));
+    put_digits(text, 8, 2, static_cast<unsigned>(date.day()));
+    put_digits(text, 11, 2, clock.hours().count());
+    put_digits(text, 14, 2, clock.minutes().count());
+    put_digits(text, 17, 2, clock.seconds().count());
+    put_digits(text, 20, 3, clock.subseconds().count());
+    if (year < 0 || year > 9999) return text.replace(0, 4, std::to_string(year));
+    put_digits(text, 0, 4, year);
     return text;
 }
 

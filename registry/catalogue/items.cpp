@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/json_scanner.hpp"
 #include "registry/catalogue/catalogue_impl.hpp"
 
 namespace asip::registry {
@@ -10,17 +11,34 @@ text::WallTime wall(Time time, Instant now) {
     return now.wall - std::chrono::duration_cast<std::chrono::milliseconds>(now.time - time);
 }
 
-std::string summary(std::string_view json, const char* first, const char* second) {
-    if (json.empty()) return {};
+constexpr std::size_t kMaxSummaryBytes = 256;  // of each part
+
+std::string unescaped(std::string_view json) {
     const auto value = nlohmann::json::parse(json, nullptr, false);
+    return value.is_string() ? value.get<std::string>() : std::string();
+}
+
+/// The member of an object, where it is a string: the last of that name.
+std::string text_member(std::string_view object, std::string_view name) {
+    bus::JsonScanner scanner(object);
+    std::string_view key;
+    std::string_view value;
     std::string text;
-    for (const char* key : {first, second}) {
-        const auto found = value.find(key);
-        if (found == value.end() || !found->is_string()) continue;
-        if (!text.empty()) text += ' ';
-        text += found->get<std::string>().substr(0, 256);
+    if (!scanner.enter_object()) return text;
+    while (scanner.next_member(key)) {
+        const bool plain = scanner.plain_string(value);
+        if (!plain && !scanner.value(value)) return {};
+        if (key != name) continue;
+        text = plain ? std::string(value) : unescaped(value);
     }
-    return text;
+    return text.substr(0, kMaxSummaryBytes);
+}
+
+std::string summary(std::string_view json, const char* first, const char* second) {
+    std::string text = text_member(json, first);
+    const std::string more = text_member(json, second);
+    if (!text.empty() && !more.empty()) text += ' ';
+    return text + more;
 }
 
 }  // namespace

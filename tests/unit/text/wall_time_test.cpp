@@ -13,6 +13,9 @@ WallTime wall(std::int64_t milliseconds) {
 TEST(IsoTime, KnownInstant_IsWrittenInUtcWithMilliseconds) {
     EXPECT_EQ(iso_time(wall(1'700'000'000'042)), "2023-11-14T22:13:20.042Z");
     EXPECT_EQ(iso_time(wall(0)), "1970-01-01T00:00:00.000Z");
+    EXPECT_EQ(iso_time(wall(-1)), "1969-12-31T23:59:59.999Z");
+    EXPECT_EQ(iso_time(wall(-62'167'219'200'000)), "0000-01-01T00:00:00.000Z");
+    EXPECT_EQ(iso_time(wall(253'402'300'799'999)), "9999-12-31T23:59:59.999Z");
 }
 
 TEST(ParseIsoTime, WhatIsoTimeWrites_IsReadBack) {

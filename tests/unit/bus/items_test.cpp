@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "asip/bus/items.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "asip/bus/answer.hpp"
+#include "asip/bus/json_text.hpp"
+
+namespace asip::bus {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+text::WallTime wall(std::int64_t milliseconds) {
+    return text::WallTime(std::chrono::milliseconds(milliseconds));
+}
+
+BoardItem full_board() {
+    BoardItem item;
+    item.board = "uno1";
+    item.state = "lost";
+    item.reported = "online";
+    item.names_only = true;
+    item.session = "5f3a9c01";
+    item.seq = 18'000'000'000'000'000'000u;
+    item.lease = 60;
+    item.age = 1.25;
+    item.first_seen = wall(1'700'000'000'042);
+    item.last_seen = wall(1'700'000'001'000);
+    item.since = wall(1'700'000'000'999);
+    item.chip = "ATmega328P";
+    item.sketch = "a\"b\\c\n\x01 Größe \xC3";
+    item.protocol = "0.4";
+    item.agent = "pi asip-agent-1";
+    item.link = "serial /dev/ttyACM0";
+    item.labels.labels = {{"room", "lab"}, {"old", ""}};
+    item.labels.services = {{"servo", "left arm"}};
+    item.labels.pins = {{13, "status lamp"}};
+    item.conflict = Conflict{"5f3a9c01", "77", "desk"};
+    item.services = {{"uno1", "lost", "servo", "servo", "servo@1", "S", "Servos", 2, 100, "left arm"},
+                     {"uno1", "lost", "x", "X", "", "", "", {}, {}, ""}};
+    return item;
+}
+
+TEST(ItemText, OfABoard_IsTheTextOfItsTree) {
+    BoardItem plain;
+    plain.board = "a";
+    for (const auto& item : {full_board(), plain, BoardItem{}}) {
+        std::string text;
+        append_json(text, item);
+        EXPECT_EQ(json::parse(text),
+                  json::parse(to_json(item).dump(-1, ' ', false, json::error_handler_t::replace)));
+        EXPECT_EQ(json::parse(text).dump(), text) << "the members are not in the order of a tree's";
+    }
+}
+
+TEST(ItemText, OfABoardWithItsDescription_HoldsItAsItIs) {
+    auto item = full_board();
+    item.description = R"({"z":1,"a":[2, 3]})";
+    std::string text;
+    append_json(text, item);
+    EXPECT_THAT(text, HasSubstr(item.description));
+    EXPECT_EQ(json::parse(text),
+              json::parse(to_json(item).dump(-1, ' ', false, json::error_handler_t::replace)));
+    for (const auto* broken : {"{", "[1]", R"({"a":1} )", "{\"a\":\"\xC3\"}"}) {
+        item.description = broken;
+        text.clear();
+        append_json(text, item);
+        EXPECT_TRUE(json::accept(text)) << broken;
+    }
+}
+
+TEST(ItemText, OfAService_IsTheTextOfItsTree) {
+    for (const auto& service : full_board().services) {
+        std::string text;
+        append_json(text, service);
+        EXPECT_EQ(json::parse(text), to_json(service));
+    }
+}
+
+TEST(ItemText, OfAChange_IsTheTextOfItsTree) {
+    HistoryItem state{"uno1", wall(1'700'000'000'042), "state", "lost", "online", "lease"};
+    HistoryItem command{"uno1", wall(0), "command", "", "", "\"why\""};
+    command.by = "ann";
+    command.service = "servo";
+    command.request = R"({"write":)";
+    command.status = "error";
+    command.count = 2;
+    for (const auto& item : {state, command, HistoryItem{}}) {
+        std::string text;
+        append_json(text, item);
+        EXPECT_EQ(json::parse(text), to_json(item));
+        EXPECT_EQ(read_history_item(json::parse(text)), item);
+    }
+}
+
+TEST(ItemText, Seconds_AreCutToMilliseconds) {
+    const std::vector<std::pair<double, std::string>> all{{0, "0"},
+                                                          {1, "1"},
+                                                          {1.25, "1.25"},
+                                                          {0.0019, "0.001"},
+                                                          {-1, "-1"},
+                                                          {-0.5, "-0.5"},
+                                                          {59.999, "59.999"},
+                                                          {1e300, "1000000000000"},
+                                                          {std::numeric_limits<double>::infinity(), "0"}};
+    for (const auto& [seconds, expected] : all) {
+        std::string text;
+        append_json_seconds(text, seconds);
+        EXPECT_EQ(text, expected);
+    }
+}
+
+std::string lines_of(const std::string& payload) {
+    const auto read = parse_answer_lines(payload);
+    if (!read) return "fault: " + read.error();
+    EXPECT_TRUE(read->answer.boards.empty() && read->answer.services.empty());
+    return read->lines;
+}
+
+TEST(AnswerLines, AreTheItemsAsTheyWereWritten) {
+    Answer answer;
+    answer.registry = "r1";
+    answer.epoch = "e-1";
+    answer.seq = 7;
+    answer.cursor = "next";
+    answer.boards = {full_board(), full_board()};
+    std::string text;
+    append_json(text, full_board());
+    const auto read = parse_answer_lines(encode(answer));
+    ASSERT_TRUE(read) << read.error();
+    EXPECT_EQ(read->lines, text + "\n" + text + "\n");
+    answer.boards.clear();
+    EXPECT_EQ(read->answer, answer);
+}
+
+TEST(AnswerLines, OfAnotherHand_AreOneLineEach) {
+    EXPECT_EQ(lines_of("{ \"items\" : [ {\"board\":\"a\",\r\n \"new\":1} , {} ] , \"find\":\"boards\"\n}"),
+              "{\"board\":\"a\",\"new\":1}\n{}\n");
+    EXPECT_EQ(lines_of(R"({"items":[]})"), "");
+    EXPECT_EQ(lines_of(R"({"items":[{"a":1}]})"), "{\"a\":1}\n");
+}
+
+TEST(AnswerLines, WhatOnlyAParserOfWholeDocumentsReads_IsReadByIt) {
+    std::string deep;
+    for (int i = 0; i < 34; ++i)
+        deep += R"({"a":)";
+    deep += "1" + std::string(34, '}');
+    EXPECT_THAT(lines_of(R"({"items":[{"board":"uno1","description":)" + deep + "}]}"), HasSubstr("uno1"));
+}
+
+TEST(AnswerLines, Refusals_AreRead) {
+    const auto read = parse_answer_lines(R"({"registry":"r1","refused":"invalid","error":"why"})");
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->answer.refused, "invalid");
+    EXPECT_EQ(read->answer.error, "why");
+    EXPECT_EQ(read->lines, "");
+}
+
+TEST(AnswerLines, WhatIsNone_Fails) {
+    for (const auto* payload : {"", "[]", "{}", R"({"items":7})", R"({"items":[7]})", R"({"items":[{"a":1})",
+                                R"({"items":[{}]} x)", R"({"items":[[]]})"})
+        EXPECT_FALSE(parse_answer_lines(payload)) << payload;
+}
+
+}  // namespace
+}  // namespace asip::bus
