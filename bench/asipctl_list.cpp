@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // `asipctl list` against a registry with 1,000 boards of five services each, as a whole process, beside
 // `mosquitto_sub -C 1` on the same broker.
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "bench/figures.hpp"
 #include "tests/support/bus_probe.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/mosquitto_broker.hpp"
@@ -29,31 +36,46 @@ std::string description(const std::string& board) {
            R"({"name":"tone","id":"T","model":"tone@1","title":"Tone"},{"name":"bump","id":"B","model":"bump@1","title":"Bump"}]})";
 }
 
-/// Milliseconds of one whole process; negative: it failed.
+/// Milliseconds of one whole process, without a shell around it; negative: it failed.
 double once(const std::vector<std::string>& command) {
-    std::string line;
+    std::vector<char*> words;
     for (const auto& word : command)
-        line += "'" + word + "' ";
-    line += ">/dev/null";
+        words.push_back(const_cast<char*>(word.c_str()));
+    words.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     const auto begin = std::chrono::steady_clock::now();
-    if (std::system(line.c_str()) != 0) return -1;
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    pid_t process = 0;
+    int status = -1;
+    const bool started = posix_spawnp(&process, words[0], &actions, nullptr, words.data(), environ) == 0;
+    if (started) waitpid(process, &status, 0);
+    const auto end = std::chrono::steady_clock::now();
+    posix_spawn_file_actions_destroy(&actions);
+    return status == 0 ? std::chrono::duration<double, std::milli>(end - begin).count() : -1;
 }
 
-/// Median milliseconds of each command. They take turns, so that what else the machine does meets all alike.
-std::vector<double> medians_of(const std::vector<std::vector<std::string>>& commands) {
+struct Times {
+    double minimum = 0, median = 0;  ///< milliseconds; negative: a run failed
+};
+
+/// They take turns, so that what else the machine does meets all alike.
+std::vector<Times> times_of(const std::vector<std::vector<std::string>>& commands) {
     std::vector<std::vector<double>> milliseconds(commands.size());
     for (int run = 0; run < kRuns; ++run) {
         for (std::size_t i = 0; i < commands.size(); ++i)
             milliseconds[i].push_back(once(commands[i]));
     }
-    std::vector<double> medians;
+    std::vector<Times> times;
     for (auto& runs : milliseconds) {
-        std::nth_element(runs.begin(), runs.begin() + kRuns / 2, runs.end());
-        const bool failed = std::any_of(runs.begin(), runs.end(), [](double ms) { return ms < 0; });
-        medians.push_back(failed ? -1 : runs[kRuns / 2]);
+        std::sort(runs.begin(), runs.end());
+        times.push_back({runs.front(), runs.front() < 0 ? -1 : runs[kRuns / 2]});
     }
-    return medians;
+    return times;
+}
+
+void print(const char* what, const Times& times) {
+    std::printf("%-64s %8.2f %8.2f\n", what, times.minimum, times.median);
 }
 
 }  // namespace
@@ -75,27 +97,30 @@ int main() {
         command.insert(command.end(), words.begin(), words.end());
         return command;
     };
-    const auto medians =
-        medians_of({{"mosquitto_sub", "-p", port, "-t", "asip/servicebus/+/$state", "-C", "1"},
-                    {"mosquitto_sub", "-p", port, "-t", "asip/servicebus/+/$description", "-C", "1000"},
-                    asipctl({"list"}),
-                    asipctl({"list", "-o", "jsonl"}),
-                    asipctl({"list", "--board", "board7", "-o", "name"})});
-    const double sub = medians[0];
-    const double all = medians[1];
-    const double list = medians[2];
-    const double whole = medians[3];
-    const double name = medians[4];
-    std::printf("median of %d runs, whole process                       ms     beside mosquitto_sub -C 1\n",
-                kRuns);
-    std::printf("mosquitto_sub -C 1                               %8.2f\n", sub);
-    std::printf("mosquitto_sub -C 1000 (all descriptions)         %8.2f   %6.2f\n", all, all / sub);
-    std::printf("asipctl list of 1,000 boards                     %8.2f   %6.2f  (must 3, aim 1.5)\n", list,
-                list / sub);
-    std::printf(
-        "asipctl list -o jsonl of them (all that is known)%8.2f   %6.2f  (%.2f of all descriptions, must "
-        "2)\n",
-        whole, whole / sub, whole / all);
-    std::printf("asipctl list of one board out of 1,000           %8.2f   %6.2f\n", name, name / sub);
-    return sub > 0 && list > 0 ? 0 : 1;
+    const auto times =
+        times_of({{"mosquitto_sub", "-p", port, "-t", "asip/servicebus/+/$state", "-C", "1"},
+                  {"mosquitto_sub", "-p", port, "-t", "asip/servicebus/+/$description", "-C", "1000"},
+                  asipctl({"list"}),
+                  asipctl({"list", "-o", "jsonl"}),
+                  asipctl({"list", "--board", "board7", "-o", "name"}),
+                  asipctl({"--version"})});
+    const auto& [sub, all, list, whole] = std::tie(times[0], times[1], times[2], times[3]);
+    std::printf("%-64s %8s %8s\n", "whole process, milliseconds", "minimum", "median");
+    print("mosquitto_sub -C 1", sub);
+    print("mosquitto_sub -C 1000, all descriptions", all);
+    print("asipctl list of 1,000 boards", list);
+    print("asipctl list -o jsonl of them, all that is known", whole);
+    print("asipctl list of one board out of 1,000", times[4]);
+    print("asipctl --version", times[5]);
+    asip::bench::row("asipctl list beside mosquitto_sub -C 1, minima", list.minimum / sub.minimum, "times",
+                     1.5, 1.5);
+    asip::bench::row("asipctl list beside mosquitto_sub -C 1, medians", list.median / sub.median, "times",
+                     1.5, 1.5);
+    asip::bench::row("asipctl list -o jsonl beside mosquitto_sub of all, minima", whole.minimum / all.minimum,
+                     "times", 2, 2);
+    asip::bench::row("asipctl list -o jsonl beside mosquitto_sub of all, medians", whole.median / all.median,
+                     "times", 2, 2);
+    const bool measured =
+        std::all_of(times.begin(), times.end(), [](const Times& one) { return one.minimum > 0; });
+    return measured ? 0 : 1;
 }

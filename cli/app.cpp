@@ -39,13 +39,14 @@ int status_after_output(const Context& context, int status) {
 
 int run_app(int argc, const char* const* argv, std::istream& in, std::ostream& out, std::ostream& err) {
     std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
-    CommandLine line(all_verbs());
     Context context{in, out, err};
     context.out_descriptor = STDOUT_FILENO;
     if (!arguments.empty() && arguments.front() == "__complete") {
         arguments.erase(arguments.begin());
-        return run_complete(arguments, line, context);
+        CommandLine all(all_verbs());
+        return run_complete(arguments, all, context);
     }
+    CommandLine line(all_verbs(), arguments);
     const auto ended = line.parse(std::move(arguments));
     return status_after_output(context, ended ? *ended : run_verb(line, context));
 }

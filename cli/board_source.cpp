@@ -6,6 +6,17 @@
 #include "asip/text/nearest.hpp"
 
 namespace asip::cli {
+namespace {
+
+Expected<bus::Answer> read_answer(std::string_view payload, std::string* lines) {
+    if (lines == nullptr) return bus::parse_answer(payload);
+    auto read = bus::parse_answer_lines(payload);
+    if (!read) return tl::unexpected(read.error());
+    *lines += read->lines;
+    return std::move(read->answer);
+}
+
+}  // namespace
 
 std::vector<std::string> KnownBoard::service_names() const {
     std::vector<std::string> result;
@@ -24,16 +35,19 @@ BoardSource::BoardSource(const Context& context, BusSession& session)
         }));
 }
 
-Outcome<bus::Answer> BoardSource::ask(const bus::Query& query) {
+Outcome<bus::Answer> BoardSource::ask(const bus::Query& query, std::string* lines) {
     const auto topic =
         registry_.empty() ? context_.topics.any_registry_query() : context_.topics.registry_query(registry_);
     std::optional<Expected<bus::Answer>> answer;
     const auto request = session_.ask(topic, bus::encode(bus::RegistryRequest{query, {}, {}}),
-                                      [&answer](const mqtt::Message& message) {
-                                          if (!answer) answer = bus::parse_answer(message.payload);
+                                      [&answer, lines](const mqtt::Message& message) {
+                                          if (!answer) answer = read_answer(message.payload, lines);
                                       });
-    const auto mark = registry_.empty() ? session_.mark_retained() : BusSession::Mark{};
     const auto asked = Clock::now();
+    const auto answered = [&answer] { return answer.has_value(); };
+    const bool soon =
+        session_.run_until(answered, asked + std::min<Duration>(kAnswerPatience, context_.timeout));
+    const auto mark = soon || !registry_.empty() ? BusSession::Mark{} : session_.mark_retained();
     const auto none_there = [&] {
         const auto waited = Clock::now() - mark.passed_at().value_or(asked);
         return registry_.empty() && online_registries_.empty() &&
@@ -52,18 +66,19 @@ Outcome<bus::Answer> BoardSource::ask(const bus::Query& query) {
     return std::move(**answer);
 }
 
-Outcome<bus::Answer> BoardSource::ask_all_pages(bus::Query query) {
+Outcome<bus::Answer> BoardSource::ask_all_pages(bus::Query query, std::string* lines) {
     query.limit = bus::Query::kMaxPage;
     const auto patience = Clock::now() + context_.timeout;
-    auto all = ask(query);
+    auto all = ask(query, lines);
     while (all && all->settling && Clock::now() < patience && !session_.stopped()) {
         session_.run_for(std::chrono::milliseconds(100));
-        all = ask(query);
+        if (lines != nullptr) lines->clear();
+        all = ask(query, lines);
     }
     if (!all) return all;
     while (!all->cursor.empty()) {
         query.cursor = all->cursor;
-        auto page = ask(query);
+        auto page = ask(query, lines);
         if (!page) return page;
         std::move(page->boards.begin(), page->boards.end(), std::back_inserter(all->boards));
         if (all->brief && page->brief)
@@ -168,6 +183,33 @@ Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {
         }
     }
     return result;
+}
+
+Outcome<std::string> BoardSource::json_lines(bus::Query query) {
+    if (asks_registry()) {
+        std::string lines;
+        const auto answer = ask_all_pages(query, &lines);
+        if (answer) return lines;
+        if (answer.error().status == program::kExitFailure) return tl::unexpected(answer.error());
+        without_registry(answer.error().text);
+    }
+    std::string lines;
+    const auto append = [&lines](const auto& items) {
+        for (const auto& item : items) {
+            bus::append_json(lines, item);
+            lines += '\n';
+        }
+    };
+    if (query.find == bus::Find::kServices) {
+        const auto found = services(std::move(query));
+        if (!found) return tl::unexpected(found.error());
+        append(*found);
+    } else {
+        const auto found = boards(std::move(query));
+        if (!found) return tl::unexpected(found.error());
+        append(*found);
+    }
+    return lines;
 }
 
 Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, std::size_t count,

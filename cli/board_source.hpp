@@ -17,6 +17,8 @@ namespace asip::cli {
 
 /// How long to wait for the mark itself: access rules may forbid it.
 inline constexpr std::chrono::milliseconds kMarkPatience{1000};
+/// Registries answer sooner; only after it is asked whether there is one at all.
+inline constexpr std::chrono::milliseconds kAnswerPatience{30};
 /// After the broker's own mark, patience with brokers that hand out retained messages later.
 inline constexpr std::chrono::milliseconds kRetainedPatience{150};
 /// Agents answer a probe within a second.
@@ -45,6 +47,8 @@ class BoardSource {
     /// The same boards as `boards`, as far as a table needs them: in a small part of the time where they are
     /// many.
     Outcome<std::vector<bus::BriefBoard>> brief_boards(bus::Query query);
+    /// The same boards or services as JSON, one a line: as a registry wrote them, or as it would have.
+    Outcome<std::string> json_lines(bus::Query query);
 
     /// Changes that a registry has kept, the newest first, at most `count`, none older than `since`. Fails
     /// with kExitFailure where none keeps a history, and with kExitNoAnswer where there is no registry.
@@ -76,8 +80,9 @@ class BoardSource {
     }
 
   private:
-    Outcome<bus::Answer> ask(const bus::Query& query);
-    Outcome<bus::Answer> ask_all_pages(bus::Query query);
+    /// With `lines`, boards and services are appended there, and are not in the answer.
+    Outcome<bus::Answer> ask(const bus::Query& query, std::string* lines = nullptr);
+    Outcome<bus::Answer> ask_all_pages(bus::Query query, std::string* lines = nullptr);
     bool asks_registry() const { return !context_.from_bus && !no_registry_; }
     void without_registry(const std::string& why);
     void take(const mqtt::Message& message);

@@ -89,6 +89,8 @@ struct BusSession::State {
     boost::asio::io_context io{1};
     bool stopped = false;
     bool was_connected = false;
+    bool leaving = false;
+    bool left = false;
     std::size_t acknowledged = 0;
     std::set<std::string> brokers;
     std::map<std::string, mqtt::ConnectionFailure> failed;  // the last failure of each broker
@@ -109,11 +111,15 @@ BusSession::BusSession(const Context& context) : state_(std::make_unique<State>(
 }
 
 BusSession::~BusSession() {
-    if (!state_->was_connected) return;
-    bool done = false;
-    state_->client.stop(300ms, [&done] { done = true; });
-    while (!done && state_->io.run_one_for(400ms) != 0) {
+    leave();
+    while (state_->leaving && !state_->left && state_->io.run_one_for(400ms) != 0) {
     }
+}
+
+void BusSession::leave() {
+    if (!state_->was_connected || std::exchange(state_->leaving, true)) return;
+    state_->client.stop(300ms, [state = state_.get()] { state->left = true; });
+    state_->io.poll();
 }
 
 BusSession::Subscription BusSession::subscribe(const std::string& filter, OnMessage on_message,

@@ -27,7 +27,7 @@ class BusSession {
 
     /// `context` must outlive it.
     explicit BusSession(const Context& context);
-    ~BusSession();  ///< sends DISCONNECT
+    ~BusSession();  ///< leaves, and waits until the broker has closed the connection
     BusSession(const BusSession&) = delete;
     BusSession& operator=(const BusSession&) = delete;
 
@@ -39,6 +39,9 @@ class BusSession {
     /// Waits for the connection. Fails with kExitBroker and what to check; refused credentials fail at once.
     Outcome<void> connect();
     bool v5() const;
+
+    /// Sends DISCONNECT: nothing more is needed of the broker. It closes while the caller prints.
+    void leave();
 
     void publish(const std::string& topic, const std::string& payload, int qos = 0, bool retain = false);
 

@@ -32,26 +32,49 @@ constexpr const char* kNotes =
     "  asipctl pin uno1 13 high\n"
     "asipctl COMMAND --help, or asipctl help COMMAND, shows the options of one command.";
 
+/// These print or complete what every verb declares.
+bool knows_all(const Verb& verb) {
+    return verb.name == "help" || verb.name == "shell";
+}
+
+std::vector<std::string> all_names(const std::vector<Verb>& verbs) {
+    std::vector<std::string> names;
+    for (const auto& verb : verbs)
+        names.push_back(verb.name);
+    return names;
+}
+
 }  // namespace
 
-CommandLine::CommandLine(const std::vector<Verb>& verbs)
+CommandLine::CommandLine(const std::vector<Verb>& verbs) : CommandLine(verbs, all_names(verbs)) {}
+
+CommandLine::CommandLine(const std::vector<Verb>& verbs, const std::vector<std::string>& arguments)
     : app_(kAbout, "asipctl"), settings_(app_, "asipctl") {
+    const auto typed = [&arguments](const Verb& verb) {
+        return std::find(arguments.begin(), arguments.end(), verb.name) != arguments.end();
+    };
+    const bool all = std::any_of(verbs.begin(), verbs.end(),
+                                 [&](const Verb& verb) { return knows_all(verb) && typed(verb); });
     app_.require_subcommand(1);
     app_.footer(kNotes);
     app_.get_formatter()->label("SUBCOMMAND", "COMMAND");
     app_.get_formatter()->label("Subcommands", "Commands");
     add_common_options();
-    for (const auto& verb : verbs) {
-        auto* command = app_.add_subcommand(verb.name, verb.summary);
-        command->fallthrough();
-        command->footer(verb.notes + "\nOptions of every command: asipctl --help");
-        command->group("Commands");
-        Declaration declaration(*command);
-        command->callback([this, run = verb.declare(declaration), uses_bus = verb.uses_bus] {
-            chosen_ = run;
-            uses_bus_ = uses_bus;
-        });
-    }
+    for (const auto& verb : verbs)
+        add_verb(verb, all || typed(verb));
+}
+
+void CommandLine::add_verb(const Verb& verb, bool with_options) {
+    auto* command = app_.add_subcommand(verb.name, verb.summary);
+    command->fallthrough();
+    command->group("Commands");
+    if (!with_options) return;
+    command->footer(verb.notes + "\nOptions of every command: asipctl --help");
+    Declaration declaration(*command);
+    command->callback([this, run = verb.declare(declaration), uses_bus = verb.uses_bus] {
+        chosen_ = run;
+        uses_bus_ = uses_bus;
+    });
 }
 
 void CommandLine::add_common_options() {

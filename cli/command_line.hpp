@@ -17,6 +17,9 @@ namespace asip::cli {
 class CommandLine {
   public:
     explicit CommandLine(const std::vector<Verb>& verbs);
+    /// The same for these arguments only (without the program's name): verbs whose names are not among them
+    /// are known by name, and have no options.
+    CommandLine(const std::vector<Verb>& verbs, const std::vector<std::string>& arguments);
     CommandLine(const CommandLine&) = delete;
     CommandLine& operator=(const CommandLine&) = delete;
 
@@ -46,6 +49,7 @@ class CommandLine {
 
   private:
     void add_common_options();
+    void add_verb(const Verb& verb, bool with_options);
 
     CLI::App app_;
     program::Settings settings_;

@@ -79,9 +79,11 @@ void sort_items(std::vector<Item>& items, const std::string& by, bool reverse) {
 
 template <class Item, class Text>
 int print_list(Outcome<std::vector<Item>> found, const ListOptions& options,
-               const std::optional<Where>& where, Context& context, const char* nothing, Text text) {
+               const std::optional<Where>& where, Context& context, BusSession& session, const char* nothing,
+               Text text) {
     const auto& output = options.output;
     if (!found) return context.fail_with(found.error());
+    session.leave();
     if constexpr (!std::is_same_v<Item, bus::BriefBoard>)
         std::erase_if(*found, [&where](const Item& item) { return !where_holds(where, item); });
     // They come sorted by name.
@@ -98,18 +100,35 @@ int print_list(Outcome<std::vector<Item>> found, const ListOptions& options,
     return program::kExitOk;
 }
 
+/// Nothing that was answered is judged or put in another order.
+bool passes_on(const ListOptions& options, const std::optional<Where>& where) {
+    return options.output.form == Output::kJsonLines && options.output.format.empty() && !where &&
+           options.sort == "name" && !options.reverse;
+}
+
+int pass_on(const ListOptions& options, Context& context, BusSession& session, BoardSource& source) {
+    auto query = options.query;
+    query.find = options.services() ? bus::Find::kServices : bus::Find::kBoards;
+    const auto lines = source.json_lines(std::move(query));
+    if (!lines) return context.fail_with(lines.error());
+    session.leave();
+    context.out << *lines << std::flush;
+    return program::kExitOk;
+}
+
 int show_all(const ListOptions& options, const std::optional<Where>& where, Context& context,
-             BoardSource& source) {
+             BusSession& session, BoardSource& source) {
     const auto& output = options.output;
+    if (passes_on(options, where)) return pass_on(options, context, session, source);
     if (options.services())
-        return print_list(source.services(options.query), options, where, context, "no service matches",
-                          services_text);
+        return print_list(source.services(options.query), options, where, context, session,
+                          "no service matches", services_text);
     // A brief row holds what a table shows, and no more.
     if (where || output.form == Output::kWide || !output.for_people())
-        return print_list(source.boards(options.query), options, where, context, "no board matches",
+        return print_list(source.boards(options.query), options, where, context, session, "no board matches",
                           boards_text);
-    return print_list(source.brief_boards(options.query), options, where, context, "no board matches",
-                      brief_text);
+    return print_list(source.brief_boards(options.query), options, where, context, session,
+                      "no board matches", brief_text);
 }
 
 const std::vector<std::string> kListFields{
@@ -279,7 +298,7 @@ int run_list(const ListOptions& given, Context& context) {
     BusSession session(context);
     BoardSource source(context, session);
     if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
-    return show_all(options, *where, context, source);
+    return show_all(options, *where, context, session, source);
 }
 
 namespace {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/integration/cli/bus_fixture.hpp"
 
@@ -78,6 +79,41 @@ TEST_F(BusTest, ServicesAsJson_CanBeReadByPrograms) {
     EXPECT_EQ(document[0]["board"], "uno1");
     EXPECT_EQ(document[0]["name"], "distance");
     EXPECT_EQ(document[0]["count"], 2);
+}
+
+/// Two answers are not of the same millisecond.
+std::vector<nlohmann::json> without_times(std::vector<nlohmann::json> records) {
+    for (auto& record : records) {
+        for (const auto* time : {"age", "first_seen", "last_seen", "since"})
+            record.erase(time);
+    }
+    return records;
+}
+
+TEST_F(BusTest, ListAsJsonLines_HoldsTheRecordsOfTheListAsJson) {
+    announce("uno1");
+    announce("uno2", "lost");
+    ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1"}, environment());
+    ASSERT_TRUE(registry.wait_for_errors("catalogue is complete"));
+    for (const std::string what : {"boards", "services"}) {
+        for (const std::vector<std::string>& more : {std::vector<std::string>{},
+                                                     {"--board", "uno1"},
+                                                     {"--board", "nosuch"},
+                                                     {"--reverse"},
+                                                     {"--from-bus"}}) {
+            std::vector<std::string> words{"list", what};
+            words.insert(words.end(), more.begin(), more.end());
+            auto as_json = words, as_lines = words;
+            as_json.insert(as_json.end(), {"-o", "json"});
+            as_lines.insert(as_lines.end(), {"-o", "jsonl"});
+            std::istringstream lines(asipctl(as_lines).output);
+            std::vector<nlohmann::json> records;
+            for (std::string line; std::getline(lines, line);)
+                records.push_back(nlohmann::json::parse(line));
+            EXPECT_EQ(without_times(records), without_times(nlohmann::json::parse(asipctl(as_json).output)))
+                << what << (more.empty() ? "" : " " + more.front());
+        }
+    }
 }
 
 TEST_F(BusTest, EmptyBus_ListsNothingAndSucceeds) {

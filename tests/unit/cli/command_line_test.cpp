@@ -61,5 +61,21 @@ TEST(CommandLine, HelpOfAVerb_ShowsWhatItDeclares) {
     EXPECT_EQ(line.help("lst").error().status, program::kExitUsage);
 }
 
+TEST(CommandLine, ForSomeArguments_DeclaresNoOptionsOfOtherVerbs) {
+    const auto options_of = [](const CommandLine& line, const char* verb) {
+        return line.app().get_subcommand(verb)->get_options().size();
+    };
+    const CommandLine all(all_verbs());
+    for (const auto& verb : all_verbs()) {
+        const CommandLine line(all_verbs(), {"--from-bus", verb.name, "x"});
+        EXPECT_EQ(options_of(line, verb.name.c_str()), options_of(all, verb.name.c_str()));
+        EXPECT_EQ(line.help(verb.name).value(), all.help(verb.name).value());
+        EXPECT_EQ(line.help("").value(), all.help("").value());
+        const char* const other = verb.name == "send" ? "list" : "send";
+        const bool knows_all = verb.name == "help" || verb.name == "shell";
+        EXPECT_EQ(options_of(line, other) < options_of(all, other), !knows_all) << verb.name;
+    }
+}
+
 }  // namespace
 }  // namespace asip::cli
