@@ -31,7 +31,8 @@ Expected<model::EncodedCommand> encode(const model::ServiceModel& model, std::sp
 }
 
 std::string how_to_use(const model::ServiceModel& model, const std::string& word) {
-    if (const auto* command = model.command(word)) return "; usage: " + model::usage(*command);
+    if (const auto* command = model.command(word))
+        return "; usage: " + command->name + " " + model::usage(*command);
     std::string names;
     for (const auto& command : model.commands)
         names += (names.empty() ? "" : ", ") + command.name;

@@ -71,6 +71,8 @@ int run_release(const ReleaseOptions& options, Context& context) {
     if (!target) return context.fail_with(target.error());
     if (!target->service.empty())
         return context.fail_with({program::kExitUsage, "release takes a board, not a service"});
+    if (options.time > std::chrono::hours(1))
+        return context.fail_with({program::kExitUsage, "--for: at most 1h; release it again to prolong it"});
     BusSession session(context);
     BoardSource source(context, session);
     if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());

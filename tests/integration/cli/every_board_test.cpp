@@ -188,6 +188,7 @@ TEST_P(EveryBoardTest, FailureOfPinAndRelease_IsARecordToo) {
     EXPECT_EQ(pin["status"], recorded() ? "refused" : "error") << pin;
     EXPECT_EQ(failed({"pin", "desk", "200", "high"})["status"], "refused");
     EXPECT_EQ(failed({"release", "nobody"})["status"], "timeout");
+    EXPECT_EQ(asipctl({"release", "desk", "--for", "2h"}).status, 2);
     if (recorded()) {
         EXPECT_EQ(failed({"release", "desk"})["reason"], "recorded");
     } else {
