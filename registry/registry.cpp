@@ -149,6 +149,7 @@ void Registry::message(const mqtt::Message& message, Instant now) {
             return;
         case TopicKind::kStats:
         case TopicKind::kLog:
+        case TopicKind::kDemand:
             if (message.retain) tidier_.retained(message.topic, topic->board);
             return;
         case TopicKind::kCommands:

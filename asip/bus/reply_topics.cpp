@@ -15,9 +15,13 @@ bool can_be_level(std::string_view text) {
 
 }  // namespace
 
+std::string user_level(std::string_view user) {
+    return std::string(can_be_level(user) ? user : "$nobody");
+}
+
 ReplyTopics::ReplyTopics(const Topics& topics, std::string_view user, std::string_view client)
     : root_(topics.root() + "/"),
-      prefix_(root_ + "reply/" + std::string(can_be_level(user) ? user : "$nobody") + "/"),
+      prefix_(root_ + "reply/" + user_level(user) + "/"),
       client_("/" + std::string(client)) {}
 
 ReplyTopics ReplyTopics::below(std::string_view level) const {

@@ -7,14 +7,16 @@
 
 namespace asip::bus {
 
+/// A program's user of the broker as a level of topics: `$nobody` where it is empty or cannot be one.
+std::string user_level(std::string_view user);
+
 /// Where the answers to one program's requests come: ROOT/reply/USER/ASKED/CLIENT. USER is the program's user
 /// of the broker, ASKED the board that is asked or `registry`, CLIENT what no other program has. So the
 /// broker's access rules can keep others from reading an answer (by USER), and from giving one for somebody
 /// else (by ASKED). Whoever answers takes any reply topic that a request names.
 class ReplyTopics {
   public:
-    /// `user`: empty, or one that cannot be a level of a topic, becomes `$nobody`. `client`: one or more
-    /// levels that are valid in a topic.
+    /// `user` becomes user_level(). `client`: one or more levels that are valid in a topic.
     ReplyTopics(const Topics& topics, std::string_view user, std::string_view client);
 
     /// Of the answers to a part of the program's requests: CLIENT becomes CLIENT/`level`.

@@ -10,6 +10,8 @@ namespace asip::bus {
 namespace {
 
 constexpr std::size_t kMaxRootBytes = 128;
+constexpr std::size_t kMaxDemanderBytes = 192;
+constexpr std::string_view kDemand = "$demand/";
 
 /// The part of `rest` before the next slash; `rest` becomes what is behind it, or ends (data() == nullptr).
 std::string_view next_level(std::string_view& rest) {
@@ -17,6 +19,13 @@ std::string_view next_level(std::string_view& rest) {
     const auto level = rest.substr(0, slash);
     rest = slash == std::string_view::npos ? std::string_view{} : rest.substr(slash + 1);
     return level;
+}
+
+/// USER/CLIENT
+bool valid_demander(std::string_view text) {
+    const auto slash = text.find('/');
+    return slash != std::string_view::npos && slash > 0 && slash + 1 < text.size() &&
+           text.find('/', slash + 1) == std::string_view::npos && text.size() <= kMaxDemanderBytes;
 }
 
 std::optional<TopicRef> parse_service_bus(std::string_view board, std::string_view rest, bool has_rest) {
@@ -29,6 +38,8 @@ std::optional<TopicRef> parse_service_bus(std::string_view board, std::string_vi
     if (rest == "$stats") return TopicRef{TopicKind::kStats, board, {}};
     if (rest == "$log") return TopicRef{TopicKind::kLog, board, {}};
     if (rest == "$commands") return TopicRef{TopicKind::kCommands, board, {}};
+    if (rest.starts_with(kDemand) && valid_demander(rest.substr(kDemand.size())))
+        return TopicRef{TopicKind::kDemand, board, {}, rest.substr(kDemand.size())};
     return std::nullopt;
 }
 
@@ -83,6 +94,10 @@ std::string Topics::join(std::string_view a, std::string_view b, std::string_vie
     std::string topic;
     topic.reserve(root_.size() + a.size() + b.size() + c.size() + 3);
     return topic.append(root_).append("/").append(a).append("/").append(b).append("/").append(c);
+}
+
+std::string Topics::demand(std::string_view board, std::string_view demander) const {
+    return join("servicebus", board, kDemand).append(demander);
 }
 
 std::optional<TopicRef> Topics::parse(std::string_view topic) const {

@@ -15,6 +15,7 @@ enum class TopicKind {
     kStats,            ///< ROOT/servicebus/BOARD/$stats: what its agent counts
     kLog,              ///< ROOT/servicebus/BOARD/$log: what its agent reports to people
     kCommands,         ///< ROOT/servicebus/BOARD/$commands: who commanded what
+    kDemand,           ///< ROOT/servicebus/BOARD/$demand/USER/CLIENT: who wants its values, and how often
     kProbe,            ///< ROOT/servicebus/$probe
     kBoardOut,         ///< ROOT/BOARD/out: raw lines
     kBoardIn,          ///< ROOT/BOARD/in: raw lines
@@ -35,6 +36,7 @@ struct TopicRef {
     TopicKind kind;
     std::string_view board;  ///< board name, or registry id
     std::string_view service;
+    std::string_view demander{};  ///< kDemand: USER/CLIENT
     friend bool operator==(const TopicRef&, const TopicRef&) = default;
 };
 
@@ -60,6 +62,8 @@ class Topics {
     std::string stats(std::string_view board) const { return join("servicebus", board, "$stats"); }
     std::string log(std::string_view board) const { return join("servicebus", board, "$log"); }
     std::string commands(std::string_view board) const { return join("servicebus", board, "$commands"); }
+    /// `demander`: USER/CLIENT, or "+/+".
+    std::string demand(std::string_view board, std::string_view demander) const;
     std::string probe() const { return root_ + "/servicebus/$probe"; }
 
     std::string board_out(std::string_view board) const { return join(board, "out"); }

@@ -50,6 +50,14 @@ struct AgentInfo {
     friend bool operator==(const AgentInfo&, const AgentInfo&) = default;
 };
 
+/// Of a board that reports on demand: its values come only while somebody demands them (bus/demand.hpp). In
+/// milliseconds, 0 to 65535.
+struct OnDemandInfo {
+    int fastest = 0;  ///< period that demands can bring a service to
+    int resting = 0;  ///< period where nobody demands; 0: it does not report then
+    friend bool operator==(const OnDemandInfo&, const OnDemandInfo&) = default;
+};
+
 /// The digital pins: one character for each, from pin 0 on, in each of the three texts; an empty text is
 /// unknown.
 struct PinsInfo {
@@ -92,6 +100,7 @@ struct Description {
     Labels labels;
     /// Why labels that its agent kept are not among them; empty: all are. At most kMaxFaultBytes.
     std::string labels_fault{};
+    std::optional<OnDemandInfo> on_demand{};  ///< none: it reports whether or not anybody listens
 
     /// The service of that name, or null. Valid as long as `services` is not changed.
     const ServiceInfo* service(std::string_view name) const;

@@ -206,6 +206,11 @@ std::vector<ServiceInfo> read_services(JsonReader& reader) {
     return services;
 }
 
+OnDemandInfo read_on_demand(JsonReader reader) {
+    return {read_small(reader, "fastest", 65535).value_or(0),
+            read_small(reader, "resting", 65535).value_or(0)};
+}
+
 }  // namespace
 
 nlohmann::json to_json(const Description& description) {
@@ -222,6 +227,8 @@ nlohmann::json to_json(const Description& description) {
         services.push_back(service_json(service));
     put_labels(document, description.labels);
     if (!description.labels_fault.empty()) document["labels_fault"] = description.labels_fault;
+    if (const auto& reports = description.on_demand)
+        document["on_demand"] = {{"fastest", reports->fastest}, {"resting", reports->resting}};
     return document;
 }
 
@@ -247,6 +254,7 @@ Expected<Description> description_from_json(const nlohmann::json& document) {
     if (auto member = reader.object("link")) result.link = read_link(std::move(*member));
     if (auto member = reader.object("agent")) result.agent = read_agent(std::move(*member));
     if (auto member = reader.object("pins")) result.pins = read_pins(std::move(*member));
+    if (auto member = reader.object("on_demand")) result.on_demand = read_on_demand(std::move(*member));
     if (reader.ok()) result.services = read_services(reader);
     if (reader.ok()) result.labels = read_labels(reader);
     result.labels_fault = read_text(reader, "labels_fault", kMaxFaultBytes);

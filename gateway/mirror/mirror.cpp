@@ -119,6 +119,7 @@ void Mirror::message(const mqtt::Message& message, const Instant& now) {
             return;
         case TopicKind::kLog:
         case TopicKind::kCommands:
+        case TopicKind::kDemand:
             return;
         case TopicKind::kServiceError:
         case TopicKind::kServiceOut: {

@@ -26,6 +26,8 @@ std::string rebuilt(const asip::bus::Topics& topics, const asip::bus::TopicRef& 
             return topics.log(ref.board);
         case kCommands:
             return topics.commands(ref.board);
+        case kDemand:
+            return topics.demand(ref.board, ref.demander);
         case kProbe:
             return topics.probe();
         case kBoardOut:
