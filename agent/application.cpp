@@ -37,6 +37,7 @@ BridgeOptions bridge_options(BridgeOptions options, const LabelFiles& files) {
 
 Application::Application(AgentOptions options)
     : options_(std::move(options)),
+      topics_(options_.bridge.topic_root),
       label_files_(options_.state_folder),
       bridge_(bridge_options(options_.bridge, label_files_), options_.models, system_random()),
       link_(io_, stream_target(options_),

@@ -64,6 +64,7 @@ class Application {
     void announcing_denied();
 
     AgentOptions options_;
+    const bus::Topics topics_;
     LabelFiles label_files_;
     boost::asio::io_context io_{1};
     Bridge bridge_;

@@ -123,8 +123,9 @@ void Application::message_received(const mqtt::Message& message) {
     if (stopping_) return;
     held_up_.runs(Clock::now(), armed_for_);
     const Time arrival = held_up_.arrival(Clock::now());
-    const std::string_view topic = message.topic;
-    if (topic.ends_with("/$stop")) {
+    const auto topic = topics_.parse(message.topic);
+    if (!topic) return;
+    if (topic->kind == bus::TopicKind::kStop) {
         with_bridge([&](Time now, Effects& out) {
             bridge_.bus_message(message, {.waiting = inbox_.waiting()}, now, out);
         });
@@ -132,8 +133,10 @@ void Application::message_received(const mqtt::Message& message) {
         return;
     }
     // A renewal has no queue to wait in.
-    const bool command = (topic.ends_with("/in") || topic.ends_with("/out")) &&
-                         message.payload.find("\"renew\"") == std::string::npos;
+    const bool request = topic->kind == bus::TopicKind::kBoardIn ||
+                         topic->kind == bus::TopicKind::kBoardOut ||
+                         topic->kind == bus::TopicKind::kServiceIn;
+    const bool command = request && message.payload.find("\"renew\"") == std::string::npos;
     if (command) ++arrived_, schedule_turn();
     if (!command || (inbox_.empty() && arrived_ <= kAtOnce)) {
         with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, {.at = arrival}, now, out); });
@@ -210,17 +213,16 @@ void Application::publish_statistics(Duration after) {
 
 void Application::publish_log() {
     if (!bus_ || !bridge_.may_publish()) return;
-    const bus::Topics topics(options_.bridge.topic_root);
     for (auto& line : log_feed_.take()) {
         mqtt::Message message;
-        message.topic = topics.log(bridge_.name());
+        message.topic = topics_.log(bridge_.name());
         message.payload = std::move(line);
         bus_->publish(std::move(message), mqtt::Priority::kContext);
     }
 }
 
 void Application::note_published(const std::string& topic) {
-    const auto known = bus::Topics(options_.bridge.topic_root).parse(topic);
+    const auto known = topics_.parse(topic);
     if (!known || known->kind != bus::TopicKind::kDescription) return;
     announcement_published_ = true;
     denial_logged_ = false;

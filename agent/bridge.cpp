@@ -43,9 +43,14 @@ Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
       random_(std::move(random)),
       session_(options_.session, random_),
       safety_(topics_, statistics_),
-      control_(topics_, session_, statistics_, safety_),
+      periods_(options_.reports),
+      control_(topics_, session_, statistics_, safety_, periods_),
       context_(topics_, options_.context),
-      labels_(topics_, options_.labels) {}
+      labels_(topics_, options_.labels) {
+    if (const auto& reports = options_.reports; reports.on_demand)
+        facts_.on_demand = {static_cast<int>(reports.fastest.count()),
+                            static_cast<int>(reports.resting.count())};
+}
 
 // --- the board's side
 
@@ -74,6 +79,7 @@ void Bridge::receive(std::string_view bytes, Time now, Effects& out) {
     session_.receive(bytes, now, actions);
     perform(actions, now, out);
     send_safe_lines(now, out);
+    send_periods(now, out);
 }
 
 void Bridge::line_rate_set(bool ok, Time now, Effects& out) {
@@ -86,6 +92,13 @@ void Bridge::send_safe_lines(Time now, Effects& out) {
     if (!safety_.pending()) return;
     session::Actions actions;
     safety_.send(session_, now, actions);
+    perform(actions, now, out);
+}
+
+void Bridge::send_periods(Time now, Effects& out) {
+    if (const auto due = periods_.next_deadline(); !due || now < *due) return;
+    session::Actions actions;
+    periods_.tick(session_, now, actions);
     perform(actions, now, out);
 }
 
@@ -144,10 +157,11 @@ void Bridge::start_publishing(Effects& out) {
         context_.on_line(name_, line, session_.identity(), services_, out);
 }
 
-void Bridge::on_action(const session::Identified& identified, Time, Effects& out) {
+void Bridge::on_action(const session::Identified& identified, Time now, Effects& out) {
     const auto& board = session_.identity();
     services_ = session::ServiceTable(board, models_);
     if (identified.changed) facts_.counts.clear();
+    periods_.board_found(services_, now);
     facts_.periods = current_periods();
     if (name_.empty()) {
         name_ = !options_.name.empty()       ? options_.name
@@ -222,6 +236,7 @@ void Bridge::on_action(const session::Garbage& garbage, Time now, Effects& out) 
 
 void Bridge::on_action(const session::Finished& end, Time now, Effects& out) {
     safety_.on_finished(end, now, out);
+    periods_.on_finished(end, now, out);
     control_.on_finished(end, now, out);
     client_requests_.on_finished(end, session_.identity(), out);
     note_settings();
@@ -238,6 +253,8 @@ void Bridge::note_settings() {
 std::map<char, int> Bridge::current_periods() const {
     std::map<char, int> periods;
     for (const auto& entry : services_.entries()) {
+        // Of reports on demand the description says only that: it would change with each subscriber.
+        if (periods_.controls(entry.letter)) continue;
         if (const auto period = session_.period(entry.letter))
             periods[entry.letter] = static_cast<int>(*period);
     }
@@ -279,6 +296,7 @@ std::vector<std::string> Bridge::control_subscriptions() const {
     std::vector<std::string> filters{topics_.stop(name_), topics_.board_in(name_),
                                      topics_.service_in(name_, "+")};
     if (options_.context.client_side) filters.push_back(topics_.board_out(name_));
+    if (periods_.on_demand()) filters.push_back(topics_.demand(name_, "+/+"));
     return filters;
 }
 
@@ -304,6 +322,11 @@ void Bridge::bus_message(const mqtt::Message& message, const Arrival& arrival, T
     if (!announcer_) return;
     const auto topic = topics_.parse(message.topic);
     if (!topic) return;
+    if (topic->kind == bus::TopicKind::kDemand) {
+        if (periods_.on_demand() && topic->board == name_)
+            periods_.demand(topic->demander, message.payload, message.retain, now);
+        return send_periods(now, out);
+    }
     const bool stop = topic->kind == bus::TopicKind::kStop;
     const bool raw = topic->kind == bus::TopicKind::kBoardIn || topic->kind == bus::TopicKind::kBoardOut;
     if (!stop && !raw && topic->kind != bus::TopicKind::kServiceIn)
@@ -338,6 +361,7 @@ Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_v
         session_.submit(line, client_requests_.options(client, line, session_.identity()), now, actions);
     if (id) client_requests_.sent(*id, client);
     if (id) safety_.queued(*id, line, safe_form_of(services_, line), services_);
+    if (id) periods_.queued(*id, line);
     perform(actions, now, out);
     if (id) return ClientResult::kAccepted;
     const bool there = valid && id.error() != session::Refusal::kTooLong;
@@ -354,9 +378,9 @@ void Bridge::publish_statistics(const mqtt::Counters& bus, Time now, Effects& ou
     if (!announcer_ || !announcer_->may_publish()) return;
     mqtt::Message message;
     message.topic = topics_.stats(name_);
-    message.payload = statistics_.document(
-        {session_, bus, name_, announcer_->session(), control_.forgotten_answers(), safety_.holds().size()},
-        now);
+    message.payload = statistics_.document({session_, bus, name_, announcer_->session(),
+                                            control_.forgotten_answers(), safety_.holds().size(), periods_},
+                                           now);
     out.publish.push_back({std::move(message), mqtt::Priority::kContext});
 }
 
@@ -366,6 +390,7 @@ void Bridge::tick(Time now, Effects& out) {
     perform(actions, now, out);
     safety_.tick(now, out);
     send_safe_lines(now, out);
+    send_periods(now, out);
     tick_port(now, out);
     if (announcer_) announcer_->tick(now, out);
     start_publishing(out);
@@ -373,7 +398,7 @@ void Bridge::tick(Time now, Effects& out) {
 
 std::optional<Time> Bridge::next_deadline() const {
     auto deadline = session_.next_deadline();
-    for (const auto& other : {safety_.next_deadline(), port_.next_deadline(),
+    for (const auto& other : {safety_.next_deadline(), port_.next_deadline(), periods_.next_deadline(),
                               announcer_ ? announcer_->next_deadline() : std::nullopt})
         if (other && (!deadline || *other < *deadline)) deadline = other;
     return deadline;

@@ -16,6 +16,7 @@
 #include "agent/effects.hpp"
 #include "agent/label_book.hpp"
 #include "agent/port_lease.hpp"
+#include "agent/report_periods.hpp"
 #include "agent/safety.hpp"
 #include "agent/statistics.hpp"
 #include "asip/member/announcer.hpp"
@@ -45,6 +46,7 @@ struct BridgeOptions {
     /// `/out`, lines of the board go to `/in`. On `/in` only requests that want an answer are executed: those
     /// of programs that do not know.
     ContextOptions context;
+    ReportOptions reports;
 };
 
 /// Everything between a board's bytes and the bus's messages: the session, the announcer, the control and the
@@ -125,6 +127,7 @@ class Bridge {
     BoardTraits traits() const;
     void perform(session::Actions& actions, Time now, Effects& out);
     void send_safe_lines(Time now, Effects& out);
+    void send_periods(Time now, Effects& out);
     void on_action(const session::BoardLine& line, Time now, Effects& out);
     void on_action(const session::Identified& identified, Time now, Effects& out);
     void on_action(const session::BoardReset& reset, Time now, Effects& out);
@@ -147,6 +150,7 @@ class Bridge {
     session::BoardSession session_;
     Statistics statistics_;
     Safety safety_;
+    ReportPeriods periods_;
     Control control_;
     ClientRequests client_requests_;
     Context context_;

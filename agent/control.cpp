@@ -221,6 +221,7 @@ void Control::execute(std::shared_ptr<Command> command, const std::vector<Line>&
             continue;
         }
         safety_.queued(*id, line.text, line.safe, services);
+        periods_.queued(*id, line.text);
         if (command->hold)
             safety_.holds().begin({command->client, command->reply.key(), command->service, line.text,
                                    line.safe, *command->hold, command->arrived + *command->hold, *id,

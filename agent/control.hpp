@@ -9,6 +9,7 @@
 
 #include "agent/effects.hpp"
 #include "agent/recent_answers.hpp"
+#include "agent/report_periods.hpp"
 #include "agent/safety.hpp"
 #include "agent/statistics.hpp"
 #include "asip/bus/request_envelope.hpp"
@@ -29,8 +30,8 @@ inline constexpr session::ClientId kBusClient = session::ClientId{1} << 63;
 class Control {
   public:
     Control(const bus::Topics& topics, const session::BoardSession& session, Statistics& statistics,
-            Safety& safety)
-        : topics_(topics), session_(session), statistics_(statistics), safety_(safety) {}
+            Safety& safety, ReportPeriods& periods)
+        : topics_(topics), session_(session), statistics_(statistics), safety_(safety), periods_(periods) {}
 
     struct Arrival {
         Time at;
@@ -106,6 +107,7 @@ class Control {
     const session::BoardSession& session_;
     Statistics& statistics_;
     Safety& safety_;
+    ReportPeriods& periods_;
     RecentAnswers recent_;
     std::unordered_map<session::RequestId, Open> open_;  // bounded by the session's queue
 };

@@ -35,6 +35,7 @@ model::Description describe(const session::Identity& board, const session::Servi
     description.pins = describe_pins(board);
     description.labels = facts.labels;
     description.labels_fault = facts.labels_fault;
+    description.on_demand = facts.on_demand;
     for (const auto& entry : services.entries()) {
         model::ServiceInfo service;
         service.name = entry.name;

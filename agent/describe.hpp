@@ -18,6 +18,7 @@ struct BoardFacts {
     std::map<char, int> periods;  ///< of auto-events, ms
     model::Labels labels;
     std::string labels_fault{};  ///< model::Description::labels_fault
+    std::optional<model::OnDemandInfo> on_demand{};
 };
 
 /// Everything of the description but board name, session, seq and lease, which whoever announces it fills in.

@@ -33,6 +33,8 @@ constexpr const char* kExamples =
     "      A board with a network of its own; encrypted to the broker.\n"
     "  asip-agent --serial /dev/ttyACM0 --label room=lab,floor=2\n"
     "      Labels by which asipctl and programs choose boards.\n"
+    "  asip-agent --serial /dev/ttyACM0 --reports on-demand --resting-period 10s\n"
+    "      Values as often as somebody wants them, and one in 10 s while nobody does.\n"
     "  asip-agent --serial /dev/ttyACM0 --listen 6789\n"
     "      Clients without MQTT may connect to port 6789, with plain lines or Java's writeUTF frames.\n"
     "\n"
@@ -48,6 +50,7 @@ struct Raw {
     std::vector<std::string> labels;
     std::string state_dir;
     std::string listen_silence = "2s", statistics = "15s";
+    std::string reports = "always", fastest_period = "20ms", resting_period = "0s";
     std::string name, serial, tcp, services, reset = "if-silent", terminator;
     std::string topics = "board-side";
     unsigned baud = 57600;
@@ -122,6 +125,21 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
             ->capture_default_str()
             ->group("Bus"));
     settings.setting(
+        app.add_option("--reports", raw.reports,
+                       "on-demand: set the periods of services to what subscribers demand, and stop them "
+                       "when nobody does. Plain MQTT clients demand nothing: see --resting-period")
+            ->check(CLI::IsMember({"always", "on-demand"}))
+            ->capture_default_str()
+            ->group("Bus"));
+    settings.setting(app.add_option("--resting-period", raw.resting_period,
+                                    "With --reports on-demand: period where nobody demands; 0s: no reports")
+                         ->capture_default_str()
+                         ->group("Bus"));
+    settings.setting(app.add_option("--fastest-period", raw.fastest_period,
+                                    "With --reports on-demand: shortest period that demands can bring about")
+                         ->capture_default_str()
+                         ->group("Bus"));
+    settings.setting(
         app.add_option(
                "--topics", raw.topics,
                "Whose side the topics BOARD/in and BOARD/out of raw lines are named from. client-side: "
@@ -176,6 +194,24 @@ Expected<model::Labels> parse_labels(const std::vector<std::string>& texts) {
     return model::changed({}, change);
 }
 
+Expected<ReportOptions> report_options(const Raw& raw) {
+    using std::chrono::milliseconds;
+    constexpr milliseconds kSlowest{65535};
+    ReportOptions options;
+    options.on_demand = raw.reports == "on-demand";
+    for (const auto& [name, text, least, period] :
+         {std::tuple{"--resting-period", &raw.resting_period, milliseconds{0}, &options.resting},
+          std::tuple{"--fastest-period", &raw.fastest_period, milliseconds{1}, &options.fastest}}) {
+        const auto given = text::parse_duration(*text);
+        if (!given) return fail(std::string(name) + ": " + given.error());
+        *period = std::chrono::duration_cast<milliseconds>(*given);
+        if (*period < least || *period > kSlowest)
+            return fail(std::string(name) + ": " + *text + " is not " + std::to_string(least.count()) +
+                        " ms to 65535 ms, for example 100ms");
+    }
+    return options;
+}
+
 Unexpected<int> usage_error(const std::string& text) {
     std::cerr << "asip-agent: " << text << "\n";
     return Unexpected<int>(program::kExitUsage);
@@ -215,6 +251,9 @@ Expected<AgentOptions, int> read_options(int argc, const char* const* argv) {
     const auto statistics = text::parse_duration(raw.statistics);
     if (!statistics) return usage_error("--statistics: " + statistics.error());
     options.statistics = *statistics;
+    const auto reports = report_options(raw);
+    if (!reports) return usage_error(reports.error());
+    options.bridge.reports = *reports;
     auto mqtt = program::mqtt_options(raw.broker, "asip-agent");
     if (!mqtt) return usage_error(mqtt.error());
     options.mqtt = std::move(*mqtt);

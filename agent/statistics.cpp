@@ -104,7 +104,7 @@ std::string Statistics::document(const Sources& sources, Time now) {
     json errors = json::object();
     for (const auto& [code, count] : errors_)
         errors[code == kOtherCode ? "other" : std::to_string(code)] = count;
-    const json document{
+    json document{
         {"board", sources.board},
         {"session", sources.agent_session},
         {"number", ++documents_},
@@ -125,6 +125,11 @@ std::string Statistics::document(const Sources& sources, Time now) {
         {"holds", {{"active", sources.holds}, {"expired", expired_holds_}}},
         {"stops", stops_},
         {"bus", std::move(bus)}};
+    if (const auto& periods = sources.periods; periods.on_demand())
+        document["demand"] = {{"demanders", periods.demanders()},
+                              {"rejected", periods.rejected()},
+                              {"changes", periods.changes()},
+                              {"periods", periods.periods()}};
     last_ = now;
     recent_round_trips_.clear();
     return model::dump_json(document);

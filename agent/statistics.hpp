@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "agent/histogram.hpp"
+#include "agent/report_periods.hpp"
 #include "asip/bus/reply.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/session/board_session.hpp"
@@ -25,6 +26,7 @@ class Statistics {
         std::string agent_session;
         std::uint64_t forgotten_answers = 0;
         std::size_t holds = 0;  ///< in force now
+        const ReportPeriods& periods;
     };
 
     void link_opened(Time now);

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "asip/bus/demand.hpp"
+#include "asip/time.hpp"
+
+namespace asip::agent {
+
+/// Who wants values of this board, how often, and until when. One that has ended counts a moment longer: who
+/// comes back at once changes nothing. Bounded: where it is full, a user with fewer demanders takes the place
+/// of one of the user with most. Pure.
+class Demands {
+  public:
+    static constexpr std::size_t kMax = 1024;
+    static constexpr Duration kLinger = std::chrono::seconds(3);
+
+    /// `demander`: USER/CLIENT. False: there is no room for it.
+    bool take(std::string_view demander, bus::Demand demand, Time now);
+    /// Values a second that are demanded of a service; 0: nobody wants any.
+    double hz(std::string_view service, char letter) const;
+    /// True: some ended.
+    bool expire(Time now);
+    /// When some may have ended.
+    std::optional<Time> next_deadline() const;
+    std::size_t size() const { return entries_.size(); }
+
+  private:
+    struct Entry {
+        std::map<std::string, double> services;
+        Time until{};
+    };
+    using Entries = std::map<std::string, Entry, std::less<>>;  // by demander
+
+    bool make_room(const std::string& user);
+    void erase(Entries::iterator entry);
+
+    Entries entries_;
+    std::map<std::string, std::size_t> users_;  // -> their demanders
+    Time earliest_ = Time::max();               // no entry ends before
+};
+
+}  // namespace asip::agent
