@@ -21,6 +21,7 @@ struct BusSession::State {
           timeout(context.timeout),
           name(random_hex(system_random(), 12)),
           requester(name, bus::ReplyTopics(context.topics, context.mqtt.user, name)),
+          demander(context.topics, context.mqtt.user, name, system_random()),
           signal(io, [this](int) { stopped = true; }),
           client(io, context.mqtt, handlers()),
           router([this](const std::string& filter) { client.unsubscribe(filter); }) {
@@ -32,6 +33,7 @@ struct BusSession::State {
         mqtt::Client::Handlers result;
         result.on_connected = [this](const mqtt::Connected&) { connected_again(); };
         result.on_disconnected = [this](const mqtt::ConnectionFailure& why) {
+            demander.disconnected();
             if (why.after_sending != 0) suspect_denial();
             if (connection_changed) connection_changed(false, why.text);
         };
@@ -58,6 +60,7 @@ struct BusSession::State {
     }
 
     void connected_again() {
+        demander.connected(Clock::now());
         const bool first = !std::exchange(was_connected, true);
         if (!first && connection_changed) connection_changed(true, {});
     }
@@ -79,13 +82,21 @@ struct BusSession::State {
     }
 
     void dispatch(const mqtt::Message& message) {
-        if (!requester.take(message)) router.dispatch(message);
+        if (requester.take(message)) return;
+        demander.take(message, Clock::now());
+        router.dispatch(message);
+    }
+
+    void publish_demands(std::vector<mqtt::Message> demands) {
+        for (auto& demand : demands)
+            client.publish(std::move(demand), mqtt::Priority::kReply);
     }
 
     const Context& context;
     std::chrono::milliseconds timeout;
     std::string name;
     bus::Requester requester;
+    bus::Demander demander;
     boost::asio::io_context io{1};
     bool stopped = false;
     bool was_connected = false;
@@ -118,6 +129,7 @@ BusSession::~BusSession() {
 
 void BusSession::leave() {
     if (!state_->was_connected || std::exchange(state_->leaving, true)) return;
+    state_->publish_demands(state_->demander.leave());
     state_->client.stop(300ms, [state = state_.get()] { state->left = true; });
     state_->io.poll();
 }
@@ -166,6 +178,16 @@ BusSession::Request BusSession::ask(const std::string& topic, const std::string&
     return request;
 }
 
+bus::Demander::Want BusSession::want(const std::string& board, const std::string& service, double hz) {
+    return state_->demander.want(board, service.empty() ? "*" : service, hz);
+}
+
+BusSession::Demand BusSession::demand(const std::string& board, const std::string& service, double hz) {
+    const bool pattern = board.find_first_of("*?") != std::string::npos;
+    return {subscribe(state_->context.topics.description(pattern ? "+" : board), [](const mqtt::Message&) {}),
+            want(board, service, hz)};
+}
+
 BusSession::Mark BusSession::mark_retained() {
     const auto topic = state_->requester.replies().below("mark" + std::to_string(++state_->marks)).own();
     Mark mark;
@@ -183,6 +205,7 @@ bool BusSession::run_until(const std::function<bool()>& done, Time deadline) {
         if (state_->stopped) return false;
         const auto left = deadline - Clock::now();
         if (left <= Duration::zero()) return false;
+        state_->publish_demands(state_->demander.due(Clock::now()));
         // `done` may wait for time to pass, too.
         state_->io.run_one_for(std::min<Duration>(left, 20ms));
     }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "asip/bus/demander.hpp"
 #include "asip/bus/requester.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/mqtt/message.hpp"
@@ -48,6 +49,18 @@ class BusSession {
     /// Publishes `payload` on `topic`; `on_reply` is called for each answer to it, as long as the handle
     /// lives.
     Request ask(const std::string& topic, const std::string& payload, OnMessage on_reply, int qos = 0);
+
+    /// Of boards that report on demand: `hz` values a second are enough, as long as the handle lives, which
+    /// may end after the session. `board` and `service` may be patterns; an empty service is all of them.
+    /// Which boards do is in their descriptions: subscribe to those, too, or use demand().
+    [[nodiscard]] bus::Demander::Want want(const std::string& board, const std::string& service,
+                                           double hz = bus::kUsualHz);
+    /// The same with that subscription.
+    struct [[nodiscard]] Demand {
+        Subscription descriptions;
+        bus::Demander::Want want;
+    };
+    Demand demand(const std::string& board, const std::string& service, double hz = bus::kUsualHz);
 
     /// Passed once what the broker had retained for the subscriptions made before it has arrived (on brokers
     /// that answer in order; others need some patience after it).

@@ -60,6 +60,7 @@ class Getter {
         // A watcher sees the present value first, where it can be asked for.
         const auto first = options_.watch ? ask() : get();
         if (!first) return context_.fail_with(first.error());
+        if (options_.watch) demand();
         while (options_.watch && session_.run_until([] { return false; }, Clock::now() + 1h)) {
         }
         return program::kExitOk;
@@ -85,6 +86,7 @@ class Getter {
     Outcome<void> get() {
         const auto asked = ask();
         if (printed_) return {};
+        demand();
         session_.run_until([this] { return printed_; }, Clock::now() + context_.timeout);
         if (printed_) return {};
         if (!asked) return tl::unexpected(asked.error());
@@ -107,6 +109,8 @@ class Getter {
         take(reply->answer, "asked");
         return {};
     }
+
+    void demand() { demand_ = session_.demand(what_.target.board, service_.name); }
 
     std::string advice() const {
         if (!model_ || model_->command("report") == nullptr) return {};
@@ -170,6 +174,7 @@ class Getter {
     model::ServiceInfo service_{};
     model::ModelPtr model_{};
     FieldChoice choice_{};
+    BusSession::Demand demand_{};
     bool printed_ = false;
 };
 

@@ -22,6 +22,7 @@ struct RecordOptions {
     std::size_t count = 0;
     std::optional<std::chrono::milliseconds> limit{};
     bool replace = false;
+    bool no_demand = false;
     OutputOptions output{};
 };
 
@@ -66,6 +67,8 @@ class Recorder {
         for (const auto& filter : recorded_filters(context_.topics, targets_))
             subscriptions_.push_back(
                 session_.subscribe(filter, [this](const mqtt::Message& message) { take(message); }));
+        for (const auto& target : targets_)
+            if (!options_.no_demand) wants_.push_back(session_.want(target.board, target.service));
         session_.on_connection_change([this](bool connected, const std::string& why) {
             context_.note(connected ? "connected again; messages between are missing" : why);
             if (!connected) writer_.text() += gap_line(elapsed(), why);
@@ -134,6 +137,7 @@ class Recorder {
     Context& context_;
     BusSession session_;
     std::vector<BusSession::Subscription> subscriptions_;
+    std::vector<bus::Demander::Want> wants_;
     Time begin_{};
     std::size_t messages_ = 0;
     std::set<std::string, std::less<>> boards_;
@@ -162,6 +166,7 @@ Run declare_record(Declaration& verb) {
     verb.option("-W,--for", options->limit,
                 "End after this time; status 4 when nothing (or less than -n) came");
     verb.flag("--replace", options->replace, "Write over a file that exists");
+    verb.flag("--no-demand", options->no_demand, "Only listen: ask no board to report");
     verb.output(options->output, {Output::kText}, {"file", "messages", "boards", "bytes", "seconds"});
     return [options](Context& context) { return run_record(*options, context); };
 }

@@ -91,6 +91,12 @@ std::string pin_name(const model::Description& description, std::size_t pin) {
     return std::to_string(pin);
 }
 
+std::string on_demand_text(const model::OnDemandInfo& reports) {
+    return "on demand, every " + std::to_string(reports.fastest) + " ms at the fastest; " +
+           (reports.resting == 0 ? std::string("none") : "every " + std::to_string(reports.resting) + " ms") +
+           " while nobody subscribes";
+}
+
 /// Who has the board's port, and until when; empty: its agent.
 std::string updating_text(const bus::BoardItem& item) {
     if (item.state != "updating") return {};
@@ -226,7 +232,9 @@ std::string service_text(const std::string& board, const model::ServiceInfo& ser
         text += labelled(
             "has", std::to_string(*service.count) + " " + element + (*service.count == 1 ? "" : "s"), colour);
     }
-    if (service.period) text += labelled("period", std::to_string(*service.period) + " ms", colour);
+    if (service.period)
+        text += labelled("period", *service.period == 0 ? "off" : std::to_string(*service.period) + " ms",
+                         colour);
     if (model == nullptr) {
         return text + labelled("model",
                                "none known: events come as tag and body, commands go as tag and parameters, "
@@ -267,6 +275,7 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
         text += labelled("agent", agent, colour) +
                 labelled("session", all.session + ", announcement " + std::to_string(all.seq), colour);
         text += labelled("lease", std::to_string(all.lease) + " s", colour);
+        if (all.on_demand) text += labelled("reports", on_demand_text(*all.on_demand), colour);
         for (const auto& [key, value] : all.labels.labels)
             text += labelled("label", key + "=" + value, colour);
         if (!all.labels_fault.empty())

@@ -109,9 +109,16 @@ class Subscriber {
     void subscribe(BusSession& session) {
         // First: they attribute lines and letters to services, and name models.
         for (const auto& filter : descriptions()) {
-            subscriptions_.push_back(session.subscribe(filter, [this](const mqtt::Message& message) {
-                catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
-            }));
+            subscriptions_.push_back(
+                session.subscribe(filter, [this, &session](const mqtt::Message& message) {
+                    const auto board =
+                        catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
+                    if (!board.empty() && !labels_.empty()) demand_of_chosen(session, board);
+                }));
+        }
+        if (labels_.empty() && !options_.no_demand) {
+            for (const auto& target : targets_)
+                demands_.push_back(session.demand(target.board, target.service, wanted_hz()));
         }
         for (const auto& filter : context_filters(context_.topics, targets_, options_.raw)) {
             subscriptions_.push_back(
@@ -139,6 +146,23 @@ class Subscriber {
                 filters.insert(context_.topics.description(target.is_pattern() ? "+" : target.board));
         }
         return filters;
+    }
+
+    double wanted_hz() const { return options_.max_hz > 0 ? options_.max_hz : bus::kUsualHz; }
+
+    /// Labels come and go.
+    void demand_of_chosen(BusSession& session, const std::string& board) {
+        if (options_.no_demand) return;
+        if (!is_chosen(board)) {
+            wants_.erase(board);
+            return;
+        }
+        auto& wants = wants_[board];
+        for (const auto& target : targets_)
+            if (wants.size() < targets_.size())
+                wants.push_back(target.matches(board, target.service)
+                                    ? session.want(board, target.service, wanted_hz())
+                                    : nullptr);
     }
 
     model::ModelPtr model_of(const ContextEvent& event) const {
@@ -196,6 +220,8 @@ class Subscriber {
     std::map<std::string, std::optional<Time>> last_;
     std::size_t count_ = 0;
     std::vector<BusSession::Subscription> subscriptions_;
+    std::vector<BusSession::Demand> demands_;
+    std::map<std::string, std::vector<bus::Demander::Want>> wants_;  // with labels: of the boards chosen
 };
 
 /// A name that no board has is reported at once, but one may still come.
@@ -277,7 +303,10 @@ Run declare_subscribe(Declaration& verb) {
                 "Only this part of the reports: an event, a field of it, or its number");
     verb.flag("--changes", options->changes, "Only reports that say something else than the one before");
     verb.option("--max-hz", "HZ", options->max_hz,
-                "At most so many a second of each kind of report, the newest of them", 0.001, 1000);
+                "At most so many a second of each kind of report, the newest of them. Boards that report on "
+                "demand are asked for so many",
+                0.001, 1000);
+    verb.flag("--no-demand", options->no_demand, "Only listen: ask no board to report");
     verb.output(options->output, {Output::kText}, seen_fields());
     return [options](Context& context) { return run_subscribe(*options, context); };
 }

@@ -20,9 +20,10 @@ struct SubscribeOptions {
     std::optional<std::chrono::milliseconds> limit{};  ///< end after this time
     bool time = false;
     bool age = false;
-    std::string field{};   ///< only this part of the reports; empty: all
-    bool changes = false;  ///< only what says something else than the report before it
-    double max_hz = 0;     ///< at most so many a second of each kind of report; 0: all
+    std::string field{};     ///< only this part of the reports; empty: all
+    bool changes = false;    ///< only what says something else than the report before it
+    double max_hz = 0;       ///< at most so many a second of each kind of report; 0: all
+    bool no_demand = false;  ///< only listen
     OutputOptions output{};
 };
 

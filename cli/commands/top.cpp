@@ -20,6 +20,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t kMaxPingsAtOnce = 50;
+// As many as the trend shows.
+constexpr double kDemandedHz = 2;
 // A little more than the time between two documents of an agent.
 constexpr Duration kFirstDocument = 17s;
 
@@ -65,6 +67,7 @@ class Top {
         if (const auto connected = session_.connect(); !connected)
             return context_.fail_with(connected.error());
         session_.publish(context_.topics.probe(), "");
+        const auto want = session_.want(options_.pattern, "*", kDemandedHz);
         for (std::size_t round = 0; !session_.stopped() && (options_.count == 0 || round < options_.count);
              ++round) {
             if (!options_.no_ping && lost_.empty()) ping_all();

@@ -57,6 +57,7 @@ class Waiter {
     }
 
     void watch_events() {
+        want_ = session_.want(board(), targets_.front().service);
         for (const auto& filter : context_filters(context_.topics, targets_, false)) {
             subscriptions_.push_back(session_.subscribe(filter, [this](const mqtt::Message& message) {
                 if (!message.retain && !event_) take_event(message);
@@ -118,6 +119,7 @@ class Waiter {
     std::optional<BusSession::Mark> retained_;
     std::optional<ContextEvent> event_;
     std::vector<BusSession::Subscription> subscriptions_;
+    bus::Demander::Want want_{};
 };
 
 }  // namespace

@@ -51,6 +51,7 @@ const Lines kReads{
     {"read", "/+/+/error"},
     {"write", "/registry/query"},
     {"write", "/registry/+/query"},
+    {"write", "/servicebus/+/$demand/%u/#"},
 };
 const Lines kCommands{{"write", "/+/in"}, {"write", "/+/+/in"}, {"write", "/+/$stop"}};
 /// No line tells an empty message from another: who may clear what a board left may also report for it.

@@ -45,6 +45,10 @@ std::vector<Trial> trials_of(const RoleOfUser& user, const std::string& root, co
     if (!admin) publish("name boards on the shared topic", false, {topics.board_names()});
     publish("answer for other boards", admin, {answers(stranger)});
     publish("command boards", commands, requests);
+    if (!registry) {
+        publish("demand values", !board, {topics.demand(stranger, user.name + "/check")});
+        publish("demand values in another's name", admin, {topics.demand(stranger, stranger + "/check")});
+    }
     if (!board) read("read what boards report", true, values);
     read("read what others are asked", admin, requests);
     read("read answers to others", admin, {answers(stranger)});

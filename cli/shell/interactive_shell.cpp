@@ -26,6 +26,7 @@ namespace {
 
 /// The status line is drawn at most so often.
 constexpr Duration kStatusPause = 200ms;
+constexpr double kShownHz = 5;
 
 }  // namespace
 
@@ -77,10 +78,19 @@ struct InteractiveShell::State {
         for (const auto& filter :
              {context.topics.service_out(board, "+"), context.topics.service_error(board, "+")})
             subscriptions.push_back(session.subscribe(filter, report));
+        demand_what_is_shown();
         session.on_connection_change([this](bool connected, const std::string& why) {
             online = connected;
             say(connected ? "connected again" : why);
         });
+    }
+
+    /// The line is drawn five times a second.
+    void demand_what_is_shown() {
+        wants.clear();
+        if (!values.shown()) return;
+        for (const auto& service : selected.empty() ? std::vector<std::string>{"*"} : selected)
+            wants.push_back(session.want(board, service, kShownHz));
     }
 
     void take_services(const KnownBoard& known) {
@@ -176,7 +186,8 @@ struct InteractiveShell::State {
         if (wanted.size() == 1 && (wanted.front() == "on" || wanted.front() == "off")) {
             values.show(wanted.front() == "on");
             if (values.shown()) values.select({});
-            return;
+            selected.clear();
+            return demand_what_is_shown();
         }
         for (const auto& name : wanted) {
             if (std::find(service_names.begin(), service_names.end(), name) != service_names.end()) continue;
@@ -185,7 +196,9 @@ struct InteractiveShell::State {
                                 "; write values on, values off or values SERVICE...");
         }
         values.show(true);
+        selected = wanted;
         values.select(std::move(wanted));
+        demand_what_is_shown();
     }
 
     void run_command(const std::vector<std::string>& words) {
@@ -209,7 +222,8 @@ struct InteractiveShell::State {
     LineHistory history;
     LineEditor editor;
     ShellValues values;
-    std::vector<std::string> service_names;
+    std::vector<std::string> service_names, selected;
+    std::vector<bus::Demander::Want> wants;
     std::string state, last_line;
     std::vector<BusSession::Subscription> subscriptions;
     bool online = true;

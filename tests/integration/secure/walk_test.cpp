@@ -2,6 +2,8 @@
 // From an open bus to a secured one, with the programs as they are shipped.
 #include <gmock/gmock.h>
 
+#include <csignal>
+
 #include "tests/integration/client/simulated_boards.hpp"
 #include "tests/integration/secure/secured_bus.hpp"
 #include "tests/support/mosquitto_broker.hpp"
@@ -57,6 +59,23 @@ TEST_F(WalkOnSecuredBus, ViewerWhoCommands_IsToldWhoWhatAndWhoMayGrantIt) {
     EXPECT_THAT(refused.errors, HasSubstr("does not let user bob write to asip/uno/in"));
     EXPECT_THAT(refused.errors, HasSubstr("asipctl secure add operator"));
     EXPECT_THAT(refused.errors, Not(HasSubstr("no answer")));
+}
+
+TEST_F(WalkOnSecuredBus, ViewerWhoSubscribes_MayDemandValues_InItsOwnNameOnly) {
+    agent_->signal(SIGTERM);
+    agent_->wait_exit();
+    agent_ = std::make_unique<ChildProcess>(
+        Words{ASIP_TEST_AGENT, "--serial", boards_.serial(), "--reports", "on-demand"} + as("uno"));
+    ASSERT_TRUE(listed_for("bob")) << agent_->errors() << registry_->errors();
+    ASSERT_EQ(asipctl("ann", {"pin", "uno", "A0", "analog"}).status, 0);
+    const auto seen = asipctl("bob", {"subscribe", "uno/io", "--max-hz", "5", "-n", "2", "-W", "20"});
+    EXPECT_EQ(seen.status, 0) << seen.errors << agent_->errors();
+    EXPECT_THAT(seen.errors, Not(HasSubstr("does not let")));
+    EXPECT_TRUE(may_publish("bob", "asip/servicebus/uno/$demand/bob/c1"));
+    for (const char* topic : {"asip/servicebus/uno/$demand/ann/c1", "asip/servicebus/uno/$demand",
+                              "asip/servicebus/uno/$demand/x"})
+        EXPECT_FALSE(may_publish("bob", topic)) << topic;
+    EXPECT_FALSE(may_publish("uno", "asip/servicebus/uno2/$demand/uno/c1")) << "a board demands nothing";
 }
 
 TEST_F(WalkOnSecuredBus, ViewerWhoPings_IsToldWhoWhatAndWhoMayGrantIt) {
