@@ -143,13 +143,13 @@ Result<Json> BlockingBoard::command(const std::string& service, const std::strin
     return command(service, name, Json::array());
 }
 
-Result<void> BlockingBoard::watch(const std::string& service) {
-    return call<void>([service](Runner& own) -> Awaitable<void> {
+Result<void> BlockingBoard::watch(const std::string& service, double wanted_hz) {
+    return call<void>([service, wanted_hz](Runner& own) -> Awaitable<void> {
         const auto found = own.board().service(service);
         if (!found) {
             co_return Unexpected<Error>(found.error());
         }
-        own.streams().try_emplace(service, found->events());
+        own.streams().try_emplace(service, found->events(wanted_hz));
         co_return Result<void>();
     });
 }

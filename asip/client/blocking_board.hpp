@@ -50,8 +50,8 @@ class BlockingBoard {
     Result<nlohmann::json> command(const std::string& service, const std::string& name);
 
     /// From now on, keep the events of this service for next_event: the newest 256, older ones are dropped.
-    /// kInvalid if the board has no such service.
-    Result<void> watch(const std::string& service);
+    /// kInvalid if the board has no such service. `wanted_hz`: as of Service::on_event.
+    Result<void> watch(const std::string& service, double wanted_hz = kUsualHz);
     /// The oldest event kept of a watched service, waiting for one at most `timeout`. kTimeout if none came;
     /// kInvalid if the service is not watched.
     Result<nlohmann::json> next_event(const std::string& service, std::chrono::milliseconds timeout);

@@ -19,12 +19,20 @@ Json make_command(const char* name, std::initializer_list<int> arguments) {
     return command;
 }
 
+/// Both end together.
+Subscription with_demand(Subscription subscription, std::shared_ptr<void> demand) {
+    return Subscription(std::make_shared<std::pair<Subscription, std::shared_ptr<void>>>(
+        std::move(subscription), std::move(demand)));
+}
+
 /// A stream that `signal` feeds and that ends with the board.
 template <class T, class SignalType>
-Stream<T> stream_of(Transport& transport, SignalType& signal, Signal<>& ended) {
+Stream<T> stream_of(Transport& transport, SignalType& signal, Signal<>& ended,
+                    std::shared_ptr<void> demand = {}) {
     Stream<T> stream(transport.executor());
     const auto state = stream.state();
-    auto feed = signal.connect([state](const T& value) { Stream<T>::push(state, value); });
+    auto feed = with_demand(signal.connect([state](const T& value) { Stream<T>::push(state, value); }),
+                            std::move(demand));
     auto end = ended.connect([state] { Stream<T>::close(state); });
     stream.keep(std::make_shared<std::pair<Subscription, Subscription>>(std::move(feed), std::move(end)));
     return stream;
@@ -97,7 +105,9 @@ Subscription Board::on_digital(int pin, std::function<void(bool)> changed) const
     return core_ ? core_->digital(pin).connect(std::move(changed)) : Subscription();
 }
 Subscription Board::on_analog(int channel, std::function<void(int)> reported) const {
-    return core_ ? core_->analog(channel).connect(std::move(reported)) : Subscription();
+    return core_ ? with_demand(core_->analog(channel).connect(std::move(reported)),
+                               core_->transport().demand("io", kUsualHz))
+                 : Subscription();
 }
 Subscription Board::on_presence(std::function<void(bool)> changed) const {
     return core_ ? core_->presence().connect(std::move(changed)) : Subscription();
@@ -148,12 +158,15 @@ Awaitable<nlohmann::json> Service::command(std::string name) const {
     return command(std::move(name), Json::array());
 }
 
-Subscription Service::on_event(std::function<void(const nlohmann::json&)> happened) const {
-    return core_ ? core_->events(info_.name).connect(std::move(happened)) : Subscription();
+Subscription Service::on_event(std::function<void(const nlohmann::json&)> happened, double wanted_hz) const {
+    return core_ ? with_demand(core_->events(info_.name).connect(std::move(happened)),
+                               core_->transport().demand(info_.name, wanted_hz))
+                 : Subscription();
 }
 
-Stream<nlohmann::json> Service::events() const {
-    return core_ ? stream_of<Json>(core_->transport(), core_->events(info_.name), core_->ended())
+Stream<nlohmann::json> Service::events(double wanted_hz) const {
+    return core_ ? stream_of<Json>(core_->transport(), core_->events(info_.name), core_->ended(),
+                                   core_->transport().demand(info_.name, wanted_hz))
                  : Stream<Json>();
 }
 

@@ -122,10 +122,13 @@ class Service {
     /// {"angle", 90}})`. Returns the board's decoded answer for a command that has one, else null.
     Awaitable<nlohmann::json> command(std::string name, nlohmann::json arguments) const;
     Awaitable<nlohmann::json> command(std::string name) const;
-    /// `happened` is called with each event, decoded: {"distance":[42,118]}.
-    Subscription on_event(std::function<void(const nlohmann::json& event)> happened) const;
+    /// `happened` is called with each event, decoded: {"distance":[42,118]}. `wanted_hz`: where the board
+    /// reports on demand, so many a second are asked of it while the subscription lives (0.001 to 1000; it
+    /// may not be able to, and others may ask for more). Elsewhere it changes nothing.
+    Subscription on_event(std::function<void(const nlohmann::json& event)> happened,
+                          double wanted_hz = kUsualHz) const;
     /// The same events as on_event, to be fetched one after another, none missed in between.
-    Stream<nlohmann::json> events() const;
+    Stream<nlohmann::json> events(double wanted_hz = kUsualHz) const;
 
   private:
     friend class Board;

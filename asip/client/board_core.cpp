@@ -226,6 +226,7 @@ Awaitable<int> Board::Core::analog_read(std::shared_ptr<Core> core, int channel)
     if (!core->online_) {
         co_return away(core->transport_->board_name());
     }
+    const auto demand = core->transport_->demand("io", kUsualHz);
     const auto known = [core, channel] { return core->fresh_sample(channel).has_value(); };
     if (co_await wait_for(core, known, core->options_.read_timeout)) {
         co_return *core->fresh_sample(channel);

@@ -66,6 +66,7 @@ BusTransport::BusTransport(boost::asio::io_context& io, Address address, Options
       address_(std::move(address)),
       options_(std::move(options)),
       topics_(options_.topic_root),
+      demand_timer_(io),
       calls_(io.get_executor()) {}
 
 BusTransport::~BusTransport() {
@@ -94,6 +95,7 @@ Expected<void> BusTransport::make_client() {
     if (!mqtt) return fail(mqtt.error());
     user_ = mqtt->user;
     requester_.emplace(client_id, bus::ReplyTopics(topics_, mqtt->user, client_id));
+    demander_.emplace(topics_, mqtt->user, client_id, system_random());
     mqtt::Client::Handlers handlers;
     // A callback may drop the last Board, and this with it, while the client has more to deliver.
     handlers.on_message = while_alive([this](const mqtt::Message& message) { take(message); });
@@ -185,11 +187,42 @@ std::map<std::string, std::string> BusTransport::labels() const {
     return description_ ? description_->labels.labels : std::map<std::string, std::string>();
 }
 
+std::shared_ptr<void> BusTransport::demand(const std::string& service, double hz) {
+    static_assert(kUsualHz == bus::kUsualHz);
+    if (closed_ || !demander_) {
+        return nullptr;
+    }
+    auto want = demander_->want(address_.board, service, hz);
+    publish_demands();
+    const auto end = [this, want, alive = std::weak_ptr<bool>(alive_)](void*) mutable {
+        want.reset();
+        if (alive.lock()) publish_demands();
+    };
+    return {nullptr, end};
+}
+
+/// Those that are due, now and later.
+void BusTransport::publish_demands() {
+    for (auto& message : demander_->due(Clock::now())) {
+        client_->publish(std::move(message));
+    }
+    const auto next = demander_->next_deadline();
+    if (!next) {
+        demand_timer_.cancel();
+        return;
+    }
+    demand_timer_.expires_at(*next);
+    demand_timer_.async_wait([this, alive = std::weak_ptr<bool>(alive_)](boost::system::error_code error) {
+        if (!error && alive.lock()) publish_demands();
+    });
+}
+
 void BusTransport::close() {
     if (closed_) {
         return;
     }
     closed_ = true;
+    demand_timer_.cancel();
     alive_.reset();
     calls_.finish_all({Error::Kind::kClosed, 0, "the board was closed"});
     if (client_) {
@@ -213,6 +246,8 @@ void BusTransport::take(const mqtt::Message& message) {
         if (auto description = model::parse_description(message.payload)) {
             description_ = std::move(*description);
         }
+        demander_->take(message, Clock::now());
+        publish_demands();
         look_again();
     } else if (topic->kind == bus::TopicKind::kServiceOut && !message.retain) {
         take_event(topic->service, message);
@@ -260,6 +295,8 @@ void BusTransport::connected() {
     probe.topic = topics_.probe();
     probe.payload = address_.board;
     client_->publish(std::move(probe));
+    demander_->connected(Clock::now());
+    publish_demands();
 }
 
 void BusTransport::denied(const std::string& topic, const std::string& reason) {
@@ -271,6 +308,8 @@ void BusTransport::denied(const std::string& topic, const std::string& reason) {
 }
 
 void BusTransport::failed(const mqtt::ConnectionFailure& why) {
+    demander_->disconnected();
+    publish_demands();
     const bool cut_off = why.after_sending != 0 && !asked_->empty();
     failure_ = cut_off ? mqtt::cut_off_text(user_, asked_->rbegin()->second) : why.text;
     if (why.hopeless) {

@@ -3,10 +3,12 @@
 #include "asip/client/transport.hpp"
 
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <map>
 #include <memory>
 #include <optional>
 
+#include "asip/bus/demander.hpp"
 #include "asip/bus/requester.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/client/address.hpp"
@@ -32,6 +34,7 @@ class BusTransport final : public Transport {
     std::string board_name() const override { return address_.board; }
     std::vector<ServiceInfo> services() const override;
     std::map<std::string, std::string> labels() const override;
+    std::shared_ptr<void> demand(const std::string& service, double hz) override;
     void close() override;
 
   private:
@@ -47,6 +50,7 @@ class BusTransport final : public Transport {
         };
     }
     void connected();
+    void publish_demands();
     void take(const mqtt::Message& message);
     void take_reply(PendingCalls::Id id, const mqtt::Message& message);
     void take_event(std::string_view service, const mqtt::Message& message);
@@ -60,6 +64,8 @@ class BusTransport final : public Transport {
     Options options_;
     bus::Topics topics_;
     std::optional<bus::Requester> requester_;
+    std::optional<bus::Demander> demander_;
+    boost::asio::steady_timer demand_timer_;
     Listener* listener_ = nullptr;
     std::unique_ptr<mqtt::Client> client_;
     PendingCalls calls_;

@@ -4,6 +4,7 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <map>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -11,6 +12,9 @@
 #include "asip/client/error.hpp"
 
 namespace asip::client {
+
+/// How many values a second are wanted by who does not say it.
+inline constexpr double kUsualHz = 10;
 
 /// A service a board offers, as far as the caller of Board needs to know it.
 struct ServiceInfo {
@@ -68,6 +72,14 @@ class Transport {
     virtual std::vector<ServiceInfo> services() const = 0;
     /// As its agent announced them last; none where there is no agent.
     virtual std::map<std::string, std::string> labels() const { return {}; }
+
+    /// As long as the handle lives, `hz` values a second of this service are wanted; asked of an agent that
+    /// makes its board report on demand (asip-agent --reports). Null where nothing has to be asked.
+    virtual std::shared_ptr<void> demand(const std::string& service, double hz) {
+        (void)service;
+        (void)hz;
+        return nullptr;
+    }
 
     /// Closes the port or the connection to the broker; calls in progress end with kClosed, the listener is
     /// not called any more.

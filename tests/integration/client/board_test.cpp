@@ -9,6 +9,7 @@
 
 #include "asip/client/blocking_board.hpp"
 #include "tests/integration/client/simulated_boards.hpp"
+#include "tests/support/bus_probe.hpp"
 #include "tests/support/mosquitto_broker.hpp"
 
 namespace asip::client {
@@ -153,6 +154,31 @@ std::vector<Way> ways() {
 INSTANTIATE_TEST_SUITE_P(Links, BoardOverEachLink, ::testing::ValuesIn(ways()), [](const auto& param_info) {
     return param_info.param.link + (param_info.param.image == "asip_uno_services" ? "" : "_04");
 });
+
+// --- a board that reports on demand
+
+TEST(BlockingBoardOnDemand, Watched_ItReportsAndStopsAfterwards) {
+    test::SimulatedBoards boards({"asip_uno_services"});
+    const test::MosquittoBroker broker;
+    test::ChildProcess agent({ASIP_TEST_AGENT, "--serial", boards.serial(), "--name", "uno", "--broker",
+                              broker.address(), "--reports", "on-demand"});
+    {
+        auto board = BlockingBoard::open(broker.url() + "/uno");
+        ASSERT_TRUE(board) << to_string(board.error()) << agent.errors();
+        ASSERT_TRUE(board->set_pin_mode(14, PinMode::kAnalog));
+        ASSERT_TRUE(board->watch("distance", 20));
+        for (int i = 0; i < 5; ++i)
+            ASSERT_TRUE(board->next_event("distance", test::time_limit(5s))) << agent.errors();
+        EXPECT_TRUE(board->analog_read(0)) << "reading asks for reports, too";
+    }
+    const test::BusProbe probe(broker.port(), {"asip/uno/distance/out"});
+    const auto silent = [&] {
+        const auto before = probe.count("asip/uno/distance/out");
+        wait_until([] { return false; }, 500ms);
+        return probe.count("asip/uno/distance/out") == before;
+    };
+    EXPECT_TRUE(wait_until(silent, test::time_limit(25s))) << agent.errors();
+}
 
 // --- what cannot be opened says why
 
