@@ -184,6 +184,7 @@ void Application::schedule_tick() {
 
 void Application::stop() {
     server_->stop();
+    gateway_->leave();
     urgent_->stop(std::chrono::seconds(1), [] {});
     client_->stop(std::chrono::seconds(2), [this] { end(); });
 }

@@ -41,6 +41,7 @@ Gateway::Gateway(GatewayOptions options, model::ModelSet models, registry::Units
     : options_(std::move(options)),
       port_(std::move(port)),
       models_(std::move(models)),
+      demander_(bus::Topics(options_.topic_root), options_.user, options_.client, random),
       mirror_(mirror_options(options_, std::move(units_of)), random,
               {[this](mqtt::Message message) { port_.publish(std::move(message)); }, port_.subscribe,
                port_.unsubscribe}),
@@ -68,15 +69,27 @@ const std::string& Gateway::openapi() {
 
 void Gateway::subscribed() {
     mirror_.subscribed(now());
+    demander_.connected(now().time);
 }
 
 void Gateway::disconnected() {
     mirror_.disconnected(now());
+    demander_.disconnected();
+}
+
+void Gateway::publish_all(std::vector<mqtt::Message> messages) {
+    for (auto& message : messages)
+        port_.publish(std::move(message));
+}
+
+void Gateway::leave() {
+    publish_all(demander_.leave());
 }
 
 void Gateway::message(const mqtt::Message& message) {
     if (requester_.take(message)) return;
     if (commands_.take(message, now())) return;
+    demander_.take(message, now().time);
     mirror_.message(message, now());
     finish_waits();
 }
@@ -84,6 +97,7 @@ void Gateway::message(const mqtt::Message& message) {
 void Gateway::tick() {
     const auto present = now();
     mirror_.tick(present);
+    publish_all(demander_.due(present.time));
     commands_.tick(present);
     streams_.tick(present, gate_);
     gate_.logins().expire(present.time);

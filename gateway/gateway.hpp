@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "asip/bus/demander.hpp"
 #include "asip/bus/requester.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/mqtt/message.hpp"
@@ -66,6 +67,8 @@ class Gateway {
     void request(const http::Request& request, const http::Reply& reply);
     void subscribed();
     void disconnected();
+    /// The program ends: nothing is demanded any more.
+    void leave();
     void message(const mqtt::Message& message);
     /// Call ten times a second.
     void tick();
@@ -76,6 +79,7 @@ class Gateway {
     Commands& commands() { return commands_; }
     Gate& gate() { return gate_; }
     Streams& streams() { return streams_; }
+    bus::Demander& demander() { return demander_; }
     Rates& command_rates() { return command_rates_; }
     /// Kept since each command needs one; bounded by whoever adds to it.
     std::unordered_map<std::string, std::string>& session_names() { return session_names_; }
@@ -108,10 +112,12 @@ class Gateway {
         bool ready = false;
     };
     void finish_waits();
+    void publish_all(std::vector<mqtt::Message> messages);
 
     GatewayOptions options_;
     Port port_;
     model::ModelSet models_;
+    bus::Demander demander_;
     Mirror mirror_;
     Commands commands_;
     Gate gate_;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "asip/bus/pattern.hpp"
 #include "asip/model/json.hpp"
 
 namespace asip::gateway::api {
@@ -55,6 +56,19 @@ class LimitedFeed final : public Feed {
     Rights rights_;
 };
 
+/// What `wanted` and what may be read have in common; of two patterns what may be read.
+std::vector<std::string> readable(const std::vector<std::string>& allowed, const std::string& wanted) {
+    if (allowed.empty()) return {wanted};
+    const bool pattern = wanted.find_first_of("*?") != std::string::npos;
+    std::vector<std::string> names;
+    for (const auto& each : allowed) {
+        if (pattern && (each.find_first_of("*?") != std::string::npos || bus::matches_pattern(wanted, each)))
+            names.push_back(each);
+        if (!pattern && bus::matches_pattern(each, wanted)) return {wanted};
+    }
+    return names;
+}
+
 }  // namespace
 
 void limit_to(const Rights& rights, bus::BoardItem& board) {
@@ -89,6 +103,15 @@ void limit_to(const Rights& rights, bus::Answer& answer) {
 std::unique_ptr<Feed> limited_feed(std::unique_ptr<Feed> feed, const Rights& rights) {
     if (rights.services.empty()) return feed;
     return std::make_unique<LimitedFeed>(std::move(feed), rights);
+}
+
+bus::Demander::Want demand_within(const Rights& rights, bus::Demander& demander, const std::string& board,
+                                  const std::string& service, double hz) {
+    auto wants = std::make_shared<std::vector<bus::Demander::Want>>();
+    for (const auto& each : readable(rights.boards, board))
+        for (const auto& part : readable(rights.services, service))
+            wants->push_back(demander.want(each, part, hz));
+    return wants;
 }
 
 }  // namespace asip::gateway::api

@@ -4,6 +4,7 @@
 #include "asip/model/json.hpp"
 #include "asip/text/nearest.hpp"
 #include "asip/text/printable.hpp"
+#include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"
 #include "gateway/stream/value_feed.hpp"
 
@@ -96,6 +97,8 @@ void get_value(Call& call) {
     options.board = call.board();
     options.service = call.service();
     options.after = Place{values.epoch(), last};
+    options.demand = demand_within(call.principal.rights, call.gateway.demander(), options.board,
+                                   options.service, bus::kUsualHz);
     const auto limit = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*wait));
     call.gateway.wait_for_value(std::make_unique<ValueFeed>(values, std::move(options)), limit,
                                 [&gateway = call.gateway, reply = call.reply, name = call.board(),

@@ -116,6 +116,8 @@ Expected<std::unique_ptr<Feed>> value_feed(Gateway& gateway, const Rights& right
     options.after = std::move(after.place);
     options.after_each = std::move(after.places);
     options.allowed = allowed_services(rights);
+    options.demand = demand_within(rights, gateway.demander(), options.board, options.service,
+                                   max_hz > 0 ? max_hz : bus::kUsualHz);
     return std::make_unique<ValueFeed>(gateway.mirror().values(), std::move(options));
 }
 

@@ -32,7 +32,8 @@ ValueFeed::ValueFeed(Values& values, Options options)
       service_(std::move(options.service)),
       after_(std::move(options.after)),
       after_each_(std::move(options.after_each)),
-      allowed_(std::move(options.allowed)) {
+      allowed_(std::move(options.allowed)),
+      demand_(std::move(options.demand)) {
     if (options.max_hz > 0) {
         interval_ = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / options.max_hz));
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <deque>
+#include <memory>
 #include <optional>
 #include <unordered_map>
 
@@ -28,7 +29,8 @@ class ValueFeed : public Feed {
         /// Of patterns: resume each service behind its place. A service without one begins with its last
         /// values; of what is not kept any more the newest is sent, with `left_out`.
         std::optional<Places> after_each;
-        Allowed allowed;  ///< empty: everything
+        Allowed allowed;                 ///< empty: everything
+        std::shared_ptr<void> demand{};  ///< what makes the boards report, kept as long as the feed
     };
 
     ValueFeed(Values& values, Options options);
@@ -69,6 +71,7 @@ class ValueFeed : public Feed {
     std::optional<Place> after_;
     std::optional<Places> after_each_;
     Allowed allowed_;
+    std::shared_ptr<void> demand_;
     Phase phase_ = Phase::kSnapshot;
     std::string_view reset_reason_;
     std::deque<ServiceValues*> snapshot_;
