@@ -138,9 +138,11 @@ TEST_F(ReportsOnDemand, DemanderCalledLikeAStop_StopsNothing) {
     for (int i = 0; i < 300; ++i) {
         probe.publish("asip/servicebus/uno1/$demand/bob/$stop", R"({"services":{}})", false, 0);
         probe.publish("asip/uno1/io/in",
-                      R"({"modes":[],"reply_to":"asip/answers","id":")" + std::to_string(i) + R"("})", false, 0);
+                      R"({"modes":[],"reply_to":"asip/answers","id":")" + std::to_string(i) + R"("})", false,
+                      0);
     }
-    ASSERT_TRUE(wait_until([&] { return probe.count("asip/answers") == 300; })) << probe.count("asip/answers");
+    ASSERT_TRUE(wait_until([&] { return probe.count("asip/answers") == 300; }))
+        << probe.count("asip/answers");
     for (const auto& answer : probe.messages("asip/answers"))
         EXPECT_EQ(answer.payload.find("stopped"), std::string::npos) << answer.payload;
 }
