@@ -20,7 +20,7 @@ namespace asip::cli {
 namespace {
 
 /// How many boards are asked at a time whether they are there.
-constexpr std::size_t kAtOnce = 128;
+constexpr std::size_t kAskedAtOnce = 128;
 
 /// One `asipctl forget`.
 class Forgetter {
@@ -134,7 +134,7 @@ class Forgetter {
         }
         if (!left.empty()) context_.note("not gone, left alone: " + left);
         ask_side_by_side(
-            session_, std::move(seeming), kAtOnce, [this](Board& board) { return ask(board); },
+            session_, std::move(seeming), kAskedAtOnce, [this](Board& board) { return ask(board); },
             [](const Board& board) { return board.alive; });
         for (const auto& board : boards_)
             if (board.named && board.alive)
