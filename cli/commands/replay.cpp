@@ -10,6 +10,7 @@
 #include "asip/bus/pattern.hpp"
 #include "asip/model/names.hpp"
 #include "asip/mqtt/client.hpp"
+#include "asip/mqtt/cut_off.hpp"
 #include "asip/program/options.hpp"
 #include "asip/program/stop_signal.hpp"
 #include "cli/bus_session.hpp"
@@ -129,7 +130,7 @@ class Player {
     /// Whether the broker has, or has denied, all that was published.
     bool arrived() const {
         const auto counters = client_->counters();
-        return counters.queued == 0 && counters.unacknowledged == 0;
+        return ready() && counters.queued == 0 && counters.unacknowledged == 0;
     }
     void tick() {
         with([this](Time now, auto& out) { board_.tick(now, out); });
@@ -166,7 +167,8 @@ class Player {
         };
         result.on_disconnected = [this](const mqtt::ConnectionFailure& why) {
             // Older brokers close the connection over what they deny.
-            if (why.after_sending != 0 && !board_.ready()) on_fatal_(denied_board(user_, board_.name()));
+            if (why.after_sending >= (board_.ready() ? mqtt::CutOff::kTimes : 1))
+                on_fatal_(denied_board(user_, board_.name()));
             subscribed_ = false;
             board_.on_disconnected();
         };

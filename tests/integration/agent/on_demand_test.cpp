@@ -118,9 +118,10 @@ TEST_F(ReportsOnDemand, FloodOfTenThousandDemanders_IsBoundedAndHoldsUpNobody) {
                         R"({"services":{"*":1e308},"lease":60})", false, 0);
     for (const char* rubbish : {"", "{", "NaN", R"({"services":{"distance":NaN}})", "[[[[[[[[[[[[[[[[["})
         mallory.publish("asip/servicebus/uno1/$demand/mallory/x", rubbish);
-    const auto answer = probe.request("asip/uno1/io/in", R"({"mode":[13,"output"]})", time_limit(5s));
-    ASSERT_TRUE(answer);
-    EXPECT_THAT(*answer, HasSubstr("fence"));
+    EXPECT_TRUE(wait_until([&] {
+        const auto answer = probe.request("asip/uno1/io/in", R"({"mode":[13,"output"]})", time_limit(5s));
+        return answer && answer->find("fence") != std::string::npos;  // a starved board may leave a doubt
+    })) << agent->process().errors();
     ASSERT_TRUE(period_becomes(20)) << agent->process().errors();
     ASSERT_TRUE(wait_until([&] { return demand_statistics().value("rejected", 0) >= 8'900; }))
         << demand_statistics();
