@@ -43,7 +43,8 @@ class ReportsOnDemand : public testing::Test {
             .value("demand", json::object());
     }
 
-    MosquittoBroker broker;
+    // A flood waits at the broker for an agent that is not run for a moment.
+    MosquittoBroker broker{{.extra_lines = {"max_queued_messages 0"}}};
     SimulatedUno uno;
     BusProbe probe{broker.port(), {"asip/#"}};
     std::unique_ptr<Agent> agent;
