@@ -43,6 +43,7 @@ void Machine::receive(std::string_view bytes, Time now, Actions& out) {
     counters_.bytes_in += bytes.size();
     last_byte_ = now;
     asked_at_.reset();
+    if (auto* const searching = std::get_if<Searching>(&state_)) searching->search.bytes_came();
     auto& reader = wire_.reader();
     reader.push(bytes, [&](std::string_view line) { on_line(line, now, out); });
     if (std::holds_alternative<Ready>(state_) && !wire_.at_start_rate() && !is_text(reader.partial())) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/session/search.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "asip/session/rate_change.hpp"
@@ -10,6 +11,8 @@ namespace asip::session {
 namespace {
 constexpr Duration kAtStartRate = std::chrono::milliseconds(600);
 constexpr Duration kAtOtherRates = std::chrono::milliseconds(200);
+// How many times as long as in the first cycle a turn may last.
+constexpr int kLongestTurn = 4;
 }  // namespace
 
 void Search::start(unsigned start_baud, bool rates, Time quiet_until, Time now) {
@@ -18,8 +21,9 @@ void Search::start(unsigned start_baud, bool rates, Time quiet_until, Time now) 
         for (unsigned rate : {500'000u, 1'000'000u, 250'000u, 115'200u})
             if (rate != start_baud) rates_.push_back(rate);
     index_ = 0;
-    round_ = 0;
-    heard_ = false;
+    asked_ = 0;
+    turn_ = 1;
+    heard_ = bytes_came_ = false;
     quiet_until_ = quiet_until;
     deadline_ = now;
 }
@@ -32,11 +36,14 @@ Search::Step Search::next(Time now) {
     }
     // At the start rate twice, the second time behind a newline.
     const bool at_start = index_ == 0;
-    const Step step{baud, true, !at_start || round_ % 2 == 1};
-    deadline_ = now + (at_start ? kAtStartRate / 2 : kAtOtherRates);
-    ++round_;
-    if (!std::exchange(heard_, false) && (round_ % 2 == 0 || !at_start))
-        index_ = (index_ + 1) % rates_.size();
+    const Step step{baud, true, !at_start || asked_ % 2 == 1};
+    deadline_ = now + (at_start ? kAtStartRate / 2 : kAtOtherRates) * turn_;
+    ++asked_;
+    if (std::exchange(heard_, false) || (at_start && asked_ % 2 == 1)) return step;
+    asked_ = 0;
+    index_ = (index_ + 1) % rates_.size();
+    if (index_ == 0 && rates_.size() > 1 && std::exchange(bytes_came_, false))
+        turn_ = std::min(2 * turn_, kLongestTurn);
     return step;
 }
 

@@ -8,8 +8,9 @@
 namespace asip::session {
 
 /// The state machine that looks for a board on a line whose rate may not be the one it was left at: asks
-/// `#,?` at the start rate, then at each rate that boards step up to, round and round. On TCP there is only
-/// one.
+/// `#,?` at the start rate, then at each rate that boards step up to, in cycles. A cycle in which
+/// bytes came, but none that read as ASIP, is followed by a longer one: a board on a busy machine may answer
+/// later than its rate has its turn. On TCP there is only one rate.
 class Search {
   public:
     struct Step {
@@ -26,12 +27,16 @@ class Search {
     Step next(Time now);
     /// Something that reads as ASIP came: this rate is right, the next question is asked here again.
     void heard() { heard_ = true; }
+    /// Bytes came, of whatever kind.
+    void bytes_came() { bytes_came_ = true; }
 
   private:
     std::vector<unsigned> rates_;
     std::size_t index_ = 0;
-    unsigned round_ = 0;
+    unsigned asked_ = 0;  // questions at the rate whose turn it is
+    int turn_ = 1;        // how many times as long as in the first cycle a rate has its turn
     bool heard_ = false;
+    bool bytes_came_ = false;  // in this cycle
     Time quiet_until_{};
     Time deadline_{};
 };

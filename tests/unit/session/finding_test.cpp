@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "asip/session/search.hpp"
 #include "tests/unit/session/board_session_bench.hpp"
 #include "tests/unit/session/scripted_board.hpp"
 
@@ -56,6 +57,33 @@ TEST(BoardSession, BoardLeftAtAFastRate_IsFound) {
     bench.plug();
     ASSERT_TRUE(bench.ready_within(3s));
     EXPECT_EQ(bench.board.baud, 1'000'000u);
+}
+
+/// When a board at `board_baud` that answers `late` is heard at its rate; Time::max(): not within a minute.
+Time heard_at(unsigned start_baud, unsigned board_baud, Duration late) {
+    Search search;
+    search.start(start_baud, true, Time{}, Time{});
+    std::vector<Time> answers;
+    for (Time now{}; now < Time{} + 60s; now = search.next_deadline()) {
+        const Search::Step step = search.next(now);
+        if (step.ask && step.baud == board_baud) answers.push_back(now + late);
+        for (const Time answer : answers) {
+            if (answer < now || answer >= search.next_deadline()) continue;
+            if (step.baud == board_baud) return answer;
+            search.bytes_came();
+        }
+    }
+    return Time::max();
+}
+
+TEST(Search, BoardThatAnswersLate_IsHeardAtItsRate) {
+    for (const unsigned start : {57600u, 115'200u}) {
+        EXPECT_EQ(heard_at(start, start, 550ms), Time{} + 550ms);
+        EXPECT_LT(heard_at(start, start, 1s), Time{} + 4s);
+        EXPECT_LT(heard_at(start, start, 2s), Time{} + 8s);
+        EXPECT_LT(heard_at(start, 500'000, 10ms), Time{} + 1s);
+        EXPECT_LT(heard_at(start, 500'000, 700ms), Time{} + 9s);
+    }
 }
 
 TEST(BoardSession, BoardLeftWithChecksums_IsFound) {
