@@ -3,13 +3,9 @@
 
 #include <utility>
 
-#include "asip/bus/request_envelope.hpp"
 #include "asip/model/names.hpp"
 #include "asip/program/exit_status.hpp"
-#include "asip/program/options.hpp"
 #include "asip/protocol/body.hpp"
-#include "asip/protocol/error_code.hpp"
-#include "asip/protocol/request.hpp"
 
 namespace asip::agent {
 
@@ -18,20 +14,12 @@ using program::log::Level;
 namespace {
 
 constexpr Duration kGarbageQuiet = std::chrono::seconds(10);
-constexpr std::size_t kMaxHeldValues = 64;
 
 std::string letters(const session::ServiceTable& services) {
     std::string text;
     for (const auto& entry : services.entries())
         text += (text.empty() ? "" : ",") + entry.name;
     return text;
-}
-
-std::string error_line(std::string_view request, protocol::ErrorCode code) {
-    const auto parsed = protocol::parse_request(request);
-    const std::string start = parsed ? std::string{'~', parsed->service, ',', parsed->tag} : "~#,?";
-    return start + "," + std::to_string(static_cast<int>(code)) + "{" +
-           std::string(protocol::error_name(code)) + "}";
 }
 
 }  // namespace
@@ -129,31 +117,15 @@ void Bridge::on_action(const session::BoardLine& line, Time, Effects& out) {
     publish_or_hold(line.line, line.owner ? control_.sender_of(*line.owner) : std::string(), out);
 }
 
-// Without a bus the newest value of each kind waits; what it replaces would be stale when the bus is back.
 void Bridge::publish_or_hold(const protocol::ParsedLine& line, const std::string& by, Effects& out) {
-    if (announcer_->may_publish())
-        return context_.on_line(name_, line, session_.identity(), services_, out, by);
-    if (!line.is_event()) return;
-    const auto event = line.event();
-    std::string kind{event.service, event.tag};
-    // Each port's state is a value of its own.
-    if (kind == "Id") kind += event.body.substr(0, event.body.find(','));
-    if (held_.contains(kind) || held_.size() >= kMaxHeldValues) {
-        ++superseded_;
-        statistics_.value_superseded();
-    }
-    if (held_.contains(kind) || held_.size() < kMaxHeldValues) held_[kind] = line;
+    if (!announcer_->may_publish()) return held_.hold(line, statistics_);
+    context_.on_line(name_, line, session_.identity(), services_, out, by);
 }
 
 void Bridge::start_publishing(Effects& out) {
     if (!announcer_ || !announcer_->may_publish()) return;
     if (!std::exchange(name_claimed_, true)) out.name_claimed = true;
-    if (held_.empty()) return;
-    if (superseded_ > 0)
-        out.log(Level::kInfo, "values superseded while the bus was away",
-                {{"count", std::to_string(superseded_)}});
-    superseded_ = 0;
-    for (const auto& [kind, line] : std::exchange(held_, {}))
+    for (const auto& line : held_.release(out))
         context_.on_line(name_, line, session_.identity(), services_, out);
 }
 
@@ -284,92 +256,6 @@ void Bridge::describe_again() {
     facts_.link.baud = static_cast<int>(session_.baud());
     described_modes_ = session_.identity().pin_modes;
     if (announcer_) announcer_->describe(agent::describe(session_.identity(), services_, models_, facts_));
-}
-
-// --- the bus's side
-
-std::vector<member::Announcer::Subscription> Bridge::subscriptions() const {
-    return announcer_->subscriptions();
-}
-
-std::vector<std::string> Bridge::control_subscriptions() const {
-    std::vector<std::string> filters{topics_.stop(name_), topics_.board_in(name_),
-                                     topics_.service_in(name_, "+")};
-    if (options_.context.client_side) filters.push_back(topics_.board_out(name_));
-    if (periods_.on_demand()) filters.push_back(topics_.demand(name_, "+/+"));
-    return filters;
-}
-
-void Bridge::bus_connected(Time now, const std::string& client_id, Effects& out) {
-    if (!announcer_) return;
-    if (facts_.agent.client != client_id) {
-        facts_.agent = {ASIP_VERSION, program::host_name(), client_id};
-        describe_again();
-    }
-    announcer_->on_connected(now, out);
-    start_publishing(out);
-}
-
-void Bridge::bus_subscribed(Time now, Effects& out) {
-    if (announcer_ && name_claimed_) announcer_->on_subscribed(now, out);
-}
-
-void Bridge::bus_disconnected() {
-    if (announcer_) announcer_->on_disconnected();
-}
-
-void Bridge::bus_message(const mqtt::Message& message, const Arrival& arrival, Time now, Effects& out) {
-    if (!announcer_) return;
-    const auto topic = topics_.parse(message.topic);
-    if (!topic) return;
-    if (topic->kind == bus::TopicKind::kDemand) {
-        if (periods_.on_demand() && topic->board == name_)
-            periods_.demand(topic->demander, message.payload, message.retain, now);
-        return send_periods(now, out);
-    }
-    const bool stop = topic->kind == bus::TopicKind::kStop;
-    const bool raw = topic->kind == bus::TopicKind::kBoardIn || topic->kind == bus::TopicKind::kBoardOut;
-    if (!stop && !raw && topic->kind != bus::TopicKind::kServiceIn)
-        return announcer_->on_message(message, now, out);
-    if (!announcer_->established()) return;
-    session::Actions actions;
-    if (stop) {
-        safety_.on_stop(message, arrival.waiting, services_, session_, now, actions, out);
-        send_safe_lines(now, out);
-    } else if ((!raw || (!take_port_request(message, now, out) && !take_label_request(message, out))) &&
-               is_request(topic->kind, message)) {
-        control_.on_message(message, {arrival.at.value_or(now), arrival.stopped}, services_, session_, now,
-                            actions, out);
-    }
-    perform(actions, now, out);
-}
-
-bool Bridge::is_request(bus::TopicKind kind, const mqtt::Message& message) const {
-    const bool client_side = options_.context.client_side;
-    if (kind == bus::TopicKind::kBoardOut) return client_side;
-    if (!client_side || kind != bus::TopicKind::kBoardIn) return true;
-    const auto envelope = bus::open_envelope(message);
-    return (envelope ? envelope->reply : envelope.error().reply).wanted();
-}
-
-Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_view line, Time now,
-                                         Effects& out) {
-    const bool valid = session::may_be_sent(line);
-    if (valid && session_.accepts_requests() && session_.room(client) == 0) return ClientResult::kLater;
-    session::Actions actions;
-    const auto id =
-        session_.submit(line, client_requests_.options(client, line, session_.identity()), now, actions);
-    if (id) client_requests_.sent(*id, client);
-    if (id) safety_.queued(*id, line, safe_form_of(services_, line), services_);
-    if (id) periods_.queued(*id, line);
-    perform(actions, now, out);
-    if (id) return ClientResult::kAccepted;
-    const bool there = valid && id.error() != session::Refusal::kTooLong;
-    const auto code = there ? protocol::ErrorCode::kDeviceNotAvailable : protocol::ErrorCode::kUnknownRequest;
-    out.lines.push_back({error_line(line, code), client});
-    if (announcer_ && announcer_->may_publish())
-        control_.report_refused(name_, line, id.error(), services_, out);
-    return ClientResult::kRefused;
 }
 
 // --- time

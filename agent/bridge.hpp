@@ -14,6 +14,7 @@
 #include "agent/control.hpp"
 #include "agent/describe.hpp"
 #include "agent/effects.hpp"
+#include "agent/held_values.hpp"
 #include "agent/label_book.hpp"
 #include "agent/port_lease.hpp"
 #include "agent/report_periods.hpp"
@@ -42,9 +43,8 @@ struct BridgeOptions {
     std::function<Expected<model::Labels>(const std::string& board)> load_labels;
     session::SessionOptions session;
     /// `context.client_side`: `/in` and `/out` of raw lines are named as the client sees them. Requests come
-    /// on
-    /// `/out`, lines of the board go to `/in`. On `/in` only requests that want an answer are executed: those
-    /// of programs that do not know.
+    /// on `/out`, lines of the board go to `/in`. On `/in` only requests that want an answer are executed:
+    /// those of programs that do not know.
     ContextOptions context;
     ReportOptions reports;
 };
@@ -162,8 +162,7 @@ class Bridge {
     std::vector<protocol::PinMode> described_modes_;
     std::string name_;
     bool name_claimed_ = false;
-    std::map<std::string, protocol::ParsedLine> held_;  // newest line of each kind while there is no bus
-    std::uint64_t superseded_ = 0;
+    HeldValues held_;
     std::optional<Time> garbage_quiet_until_;
 };
 
