@@ -132,6 +132,15 @@ Failure failure_of(const bus::Reply& reply, const std::string& where) {
     return {exit_status(reply), where + explain(reply), reply.reason, reply.code};
 }
 
+bus::Reply refused_by_broker(const std::string& topic) {
+    return bus::Reply::refused("denied", "the broker's access rules deny writing to " + topic);
+}
+
+bus::Reply refused_as_lost(const std::string& so) {
+    return bus::Reply::refused(std::string(bus::kRefusedBoardNotThere),
+                               "it is lost: its agent died or lost the network; " + so);
+}
+
 Outcome<KnownBoard> find_living_board(BoardSource& source, const std::string& name) {
     auto board = source.board(name);
     if (!board) return board;

@@ -45,6 +45,11 @@ std::string explain(const bus::Reply& reply);
 /// The same as a failure of the command; `where` stands before it: `desk: `.
 Failure failure_of(const bus::Reply& reply, const std::string& where);
 
+/// Answers for a board that was not asked: the broker denies writing to its topic; it is lost, and `so` (for
+/// a person: `nothing was sent`).
+bus::Reply refused_by_broker(const std::string& topic);
+bus::Reply refused_as_lost(const std::string& so);
+
 /// Finds a board that is there to be commanded: known, and neither "offline" nor "lost".
 Outcome<KnownBoard> find_living_board(BoardSource& source, const std::string& name);
 

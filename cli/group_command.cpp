@@ -58,10 +58,7 @@ class GroupSender {
             auto command = command_for(board);
             if (!command) return tl::unexpected(command.error());
             auto& member = members_.emplace_back(Member{name, std::move(*command)});
-            if (board.item.state == "lost")
-                member.reply =
-                    bus::Reply::refused(std::string(bus::kRefusedBoardNotThere),
-                                        "it is lost: its agent died or lost the network; nothing was sent");
+            if (board.item.state == "lost") member.reply = refused_as_lost("nothing was sent");
         }
         if (!offline.empty()) context_.note("offline, left out: " + offline);
         if (members_.empty()) return failure(program::kExitNoAnswer, "none of these boards is there");
@@ -90,9 +87,7 @@ class GroupSender {
 
     bus::Reply reply_of(const Member& member) const {
         if (member.reply) return *member.reply;
-        if (session_.denied(member.command.topic))
-            return bus::Reply::refused("denied",
-                                       "the broker's access rules deny writing to " + member.command.topic);
+        if (session_.denied(member.command.topic)) return refused_by_broker(member.command.topic);
         auto reply = bus::Reply::timeout("no-answer");
         reply.error = session_.stopped()
                           ? "interrupted"

@@ -14,8 +14,6 @@ namespace {
 using namespace members;
 using nlohmann::json;
 
-constexpr std::size_t kMaxAnswerBytes = 16u << 20;
-
 struct LinesSplit {
     std::string envelope;
     std::string lines;
@@ -61,7 +59,7 @@ bool append_line(std::string_view object, std::string& lines) {
 
 /// An answer whose items are taken out as lines; nothing where it has none that could be.
 std::optional<LinesSplit> split_lines(std::string_view payload) {
-    if (payload.size() > kMaxAnswerBytes) return std::nullopt;
+    if (payload.size() > kMaxPayload) return std::nullopt;
     JsonScanner in(payload);
     if (!in.enter_object()) return std::nullopt;
     LinesSplit split;

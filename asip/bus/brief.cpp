@@ -7,13 +7,13 @@
 
 #include "asip/bus/json_scanner.hpp"
 #include "asip/bus/json_text.hpp"
+#include "asip/bus/members.hpp"
 #include "asip/model/json.hpp"
 
 namespace asip::bus {
 namespace {
 
 constexpr std::size_t kBytesOfARow = 96;  // of a usual one
-constexpr std::size_t kMaxBytes = 16u << 20;
 
 bool read_text(JsonScanner& in, std::string& text) {
     if (!in.next_element()) return false;
@@ -84,7 +84,7 @@ Expected<std::vector<BriefBoard>> read_brief_rows(std::string_view rows) {
 
 std::optional<BriefSplit> split_brief(std::string_view payload) {
     JsonScanner in(payload);
-    if (payload.size() > kMaxBytes || !in.enter_object()) return std::nullopt;
+    if (payload.size() > members::kMaxPayload || !in.enter_object()) return std::nullopt;
     BriefSplit split{"{", {}};
     bool brief = false;
     std::string_view key;

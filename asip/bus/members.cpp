@@ -48,7 +48,7 @@ void put(json& object, const char* key, text::WallTime value) {
 }
 
 Expected<json> object_from(std::string_view payload) {
-    auto document = model::parse_json(payload, {.max_bytes = 16u << 20, .max_depth = 40});
+    auto document = model::parse_json(payload, {.max_bytes = kMaxPayload, .max_depth = 40});
     if (!document) return document;
     if (!document->is_object()) return fail("not a JSON object");
     return document;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -22,6 +23,9 @@ text::WallTime time_of(const nlohmann::json& object, const char* key);
 
 void put(nlohmann::json& object, const char* key, const std::string& value);
 void put(nlohmann::json& object, const char* key, text::WallTime value);
+
+/// The longest payload of a registry that is read, in bytes.
+inline constexpr std::size_t kMaxPayload = 16u << 20;
 
 /// The object that an answer or event is. Error: what it is instead.
 Expected<nlohmann::json> object_from(std::string_view payload);

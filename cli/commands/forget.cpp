@@ -19,9 +19,6 @@
 namespace asip::cli {
 namespace {
 
-/// How many boards are asked at a time whether they are there.
-constexpr std::size_t kAskedAtOnce = 128;
-
 /// One `asipctl forget`.
 class Forgetter {
   public:

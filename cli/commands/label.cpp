@@ -18,8 +18,6 @@ namespace {
 
 /// An agent announces at most once a second what changed.
 constexpr std::chrono::milliseconds kAnnounceTime{2500};
-/// How many agents may not have answered at a time.
-constexpr std::size_t kAtOnce = 128;
 
 struct LabelOptions {
     std::string target;
@@ -155,7 +153,7 @@ class Labeller {
         for (auto& asked : asked_)
             if (!asked.reply) there.push_back(&asked);
         ask_side_by_side(
-            session_, std::move(there), kAtOnce, [this](Asked& one) { return ask(one); },
+            session_, std::move(there), kAskedAtOnce, [this](Asked& one) { return ask(one); },
             [this](const Asked& one) {
                 return one.reply || session_.denied(context_.topics.board_in(one.board));
             });
@@ -226,12 +224,9 @@ class Labeller {
 
     bus::Reply reply_of(const Asked& asked) const {
         if (asked.reply) return *asked.reply;
-        const auto topic = context_.topics.board_in(asked.board);
-        if (session_.denied(topic))
-            return bus::Reply::refused("denied", "the broker's access rules deny writing to " + topic);
-        if (asked.lost)
-            return bus::Reply::refused(std::string(bus::kRefusedBoardNotThere),
-                                       "it is lost: its agent died or lost the network; nothing was kept");
+        if (const auto topic = context_.topics.board_in(asked.board); session_.denied(topic))
+            return refused_by_broker(topic);
+        if (asked.lost) return refused_as_lost("nothing was kept");
         return bus::Reply::timeout("no-answer");
     }
 
