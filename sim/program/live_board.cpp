@@ -18,7 +18,7 @@ constexpr std::size_t kReadAtOnce = 512;
 constexpr std::size_t kMaxQueuedBytes = 1024;
 // Kept for a program that has the port open and does not read.
 constexpr std::size_t kMaxUnreadBytes = std::size_t{64} * 1024;
-// A board that is further behind stops trying to catch up.
+// What a board that is further behind does not catch up with.
 constexpr auto kMaxLag = 200ms;
 constexpr auto kHousekeeping = 1s;
 
@@ -106,10 +106,9 @@ void LiveBoard::receive_from_ports() {
 void LiveBoard::run_to(Time now) {
     auto behind = started_at_ + (now - started_) - board_->now();
     if (behind > kMaxLag) {
-        skipped_ += behind;
-        started_ = now;
-        started_at_ = board_->now();
-        behind = 0ns;
+        skipped_ += behind - kMaxLag;
+        started_ += std::chrono::duration_cast<Duration>(behind - kMaxLag);
+        behind = kMaxLag;
     }
     if (behind > 0ns) board_->run_for(behind);
 }
