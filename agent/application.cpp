@@ -203,8 +203,7 @@ void Application::board_silent_at_start() {
     reset_timer_.expires_after(kSilentAtStart);
     reset_timer_.async_wait([this](boost::system::error_code error) {
         if (error || stopping_ || bridge_.session().state() == session::BoardSession::State::kReady) return;
-        log::info("board silent; restarting it by DTR", {});
-        link_.restart_board();
+        if (link_.restart_board()) log::info("board silent; restarting it by DTR", {});
     });
 }
 

@@ -94,6 +94,8 @@ class Port final : public CoreStream<Descriptor, SerialPort> {
     }
     Expected<void> set_baud(int wanted) override {
         // Waiting would block the loop; what the caller wrote has left the queue when unsent_bytes() is 0.
+        // What came at the rate before is nothing that was sent at this one.
+        tcflush(fd(), TCIFLUSH);
         if (!set_terminal_baud(fd(), wanted)) {
             return fail(describe() + " cannot run at " + std::to_string(wanted) +
                         " baud: " + std::strerror(errno));

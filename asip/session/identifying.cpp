@@ -9,7 +9,9 @@ namespace asip::session {
 void Machine::on_event(Identifying& state, const protocol::Event& event, std::string_view line, Time now,
                        Actions& out) {
     std::vector<std::string> lines;
+    state.answers = true;
     if (state.interview.on_event(event, now, lines)) {
+        state.answers = false;
         write(lines, now, out);
         return follow(state, now, out);
     }
@@ -21,6 +23,7 @@ void Machine::on_event(Identifying& state, const protocol::Event& event, std::st
 void Machine::on_error(Identifying& state, const protocol::ErrorReply& error, std::string_view, Time now,
                        Actions& out) {
     std::vector<std::string> lines;
+    state.answers = true;
     if (error.code == static_cast<int>(protocol::ErrorCode::kBadChecksum) && !wire_.writes_checksums()) {
         // It still has them on, or has them on again.
         checksums_seen_ = true;
@@ -34,6 +37,9 @@ void Machine::on_error(Identifying& state, const protocol::ErrorReply& error, st
 }
 
 void Machine::on_time(Identifying& state, Time now, Actions& out) {
+    // Its answer to the search came late, and was read at a rate that it does not have.
+    if (!wire_.at_start_rate() && now >= deadline(state) && !std::exchange(state.answers, false))
+        return search(now, now, out);
     std::vector<std::string> lines;
     state.interview.on_deadline(now, options_.answer_timeout, lines);
     if (!lines.empty() && (wire_.writes_checksums() || checksums_seen_))

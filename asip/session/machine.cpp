@@ -11,6 +11,8 @@ namespace asip::session {
 namespace {
 
 constexpr Duration kBootTime = std::chrono::milliseconds(2500);
+// So long after a board was found a faster rate is tried; then it stays at the one that works.
+constexpr Duration kStepUpTime = std::chrono::seconds(8);
 
 std::string two_letters(const Random& random) {
     constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz";
@@ -30,6 +32,7 @@ void Machine::link_up(const LinkTraits& traits, Time now, Actions& out) {
     there_ = was_silent_ = no_answer_reported_ = false;
     counters_.bytes_in = 0;
     suspect_baud_ = 0;
+    found_at_.reset();
     ready_baud_ = traits.baud;
     link_up_at_ = last_byte_ = now;
     reports_.clear();
@@ -62,8 +65,10 @@ void Machine::line_rate_set(bool ok, Time now, Actions& out) {
 void Machine::search(Time quiet_until, Time now, Actions& out) {
     wire_.reader().reset();
     abandon_in_flight(Ending::kDoubt, out);
+    const auto* const identifying = std::get_if<Identifying>(&state_);
     Search search;
-    search.start(wire_.start_baud(), wire_.has_rates(), quiet_until, now);
+    search.start(wire_.start_baud(), wire_.has_rates(), identifying ? Search::longer(identifying->turn) : 1,
+                 quiet_until, now);
     asked_at_.reset();
     state_ = Searching{search, now};
     ask(std::get<Searching>(state_), now, out);
@@ -81,7 +86,8 @@ void Machine::identify(Time now, Actions& out) {
                          (options_.checksum == ChecksumPolicy::kAuto && damage_seen_);
     std::vector<std::string> lines;
     Interview interview(banner_services_, protect, now, lines);
-    state_ = Identifying{std::move(interview)};
+    const auto* const searching = std::get_if<Searching>(&state_);
+    state_ = Identifying{std::move(interview), searching ? searching->search.turn() : 1};
     write(lines, now, out);
 }
 
@@ -93,7 +99,9 @@ void Machine::set_up_line(Identity found, Time now, Actions& out) {
     identity_ = std::move(found);
     known_ = true;
     no_answer_reported_ = true;  // whatever becomes of the rate: it answered
-    const unsigned best = can_step ? rates_.best(options_.max_baud) : wire_.baud();
+    if (!found_at_) found_at_ = now;
+    const bool may_stay = wire_.at_start_rate() && now >= *found_at_ + kStepUpTime;
+    const unsigned best = can_step && !may_stay ? rates_.best(options_.max_baud) : wire_.baud();
     if (best == wire_.baud()) return become_ready(now, out);
     std::vector<std::string> lines;
     RateChange change(best, token_start_, now, lines);
@@ -104,6 +112,7 @@ void Machine::set_up_line(Identity found, Time now, Actions& out) {
 void Machine::become_ready(Time now, Actions& out) {
     there_ = no_answer_reported_ = true;
     was_silent_ = false;
+    found_at_.reset();
     ready_baud_ = wire_.baud();
     state_ = Ready{now, 0};
     queue_.restart();

@@ -52,6 +52,8 @@ class Machine {
     /// It answered: asking what it is.
     struct Identifying {
         Interview interview;
+        int turn = 1;          // of the search before it
+        bool answers = false;  // something that reads as ASIP came since the question
     };
     /// It is known: trying a faster rate.
     struct SteppingUp {
@@ -171,6 +173,7 @@ class Machine {
     std::vector<NewPeriod> new_periods_;  // the last one of each service
     Time last_report_{};
     Time link_up_at_{};
+    std::optional<Time> found_at_;  // its first interview since it was ready
     Time last_byte_{};
     std::optional<Time> asked_at_;  // the first question since the last byte
 };

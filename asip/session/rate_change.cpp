@@ -54,6 +54,8 @@ bool RateChange::on_event(const protocol::Event& event, Time now, std::vector<st
         step_ = Step::kFailed;
         return true;
     }
+    // Slow is not wrong: the other side, or this one, may have a busy machine.
+    deadline_ = now + kBurstTime;
     if (++received_ == kBurst) step_ = Step::kDone;
     if (sent_ < kBurst) fence(lines);
     return true;

@@ -11,18 +11,21 @@ namespace asip::session {
 namespace {
 constexpr Duration kAtStartRate = std::chrono::milliseconds(600);
 constexpr Duration kAtOtherRates = std::chrono::milliseconds(200);
-// How many times as long as in the first cycle a turn may last.
 constexpr int kLongestTurn = 4;
 }  // namespace
 
-void Search::start(unsigned start_baud, bool rates, Time quiet_until, Time now) {
+int Search::longer(int turn) {
+    return std::min(2 * turn, kLongestTurn);
+}
+
+void Search::start(unsigned start_baud, bool rates, int turn, Time quiet_until, Time now) {
     rates_.assign(1, start_baud);
     if (rates)
         for (unsigned rate : {500'000u, 1'000'000u, 250'000u, 115'200u})
             if (rate != start_baud) rates_.push_back(rate);
     index_ = 0;
     asked_ = 0;
-    turn_ = 1;
+    turn_ = turn;
     heard_ = bytes_came_ = false;
     quiet_until_ = quiet_until;
     deadline_ = now;
@@ -42,8 +45,7 @@ Search::Step Search::next(Time now) {
     if (std::exchange(heard_, false) || (at_start && asked_ % 2 == 1)) return step;
     asked_ = 0;
     index_ = (index_ + 1) % rates_.size();
-    if (index_ == 0 && rates_.size() > 1 && std::exchange(bytes_came_, false))
-        turn_ = std::min(2 * turn_, kLongestTurn);
+    if (index_ == 0 && rates_.size() > 1 && std::exchange(bytes_came_, false)) turn_ = longer(turn_);
     return step;
 }
 

@@ -20,8 +20,12 @@ class Search {
         bool newline_first = false;
     };
 
-    /// `quiet_until`: the board restarts; only listen until then.
-    void start(unsigned start_baud, bool rates, Time quiet_until, Time now);
+    /// `quiet_until`: the board restarts; only listen until then. `turn`: that of a search whose board turned
+    /// out to be none at that rate, else 1.
+    void start(unsigned start_baud, bool rates, int turn, Time quiet_until, Time now);
+    /// How many times as long as at first each rate has its turn now: 1, 2 or 4.
+    int turn() const { return turn_; }
+    static int longer(int turn);
     Time next_deadline() const { return deadline_; }
     /// What to do now; call when the deadline has come.
     Step next(Time now);
@@ -34,7 +38,7 @@ class Search {
     std::vector<unsigned> rates_;
     std::size_t index_ = 0;
     unsigned asked_ = 0;  // questions at the rate whose turn it is
-    int turn_ = 1;        // how many times as long as in the first cycle a rate has its turn
+    int turn_ = 1;
     bool heard_ = false;
     bool bytes_came_ = false;  // in this cycle
     Time quiet_until_{};

@@ -93,13 +93,23 @@ void LiveBoard::notice_opening() {
     pty_in_use_ = in_use;
     const bool connected = tcp_.is_open() && tcp_.accept();
     if ((opened || connected) && file_.reset_on_open) board_->reset();
-    // A TCP connection has no rate, so the line follows the board while one is there.
-    board_->set_host_baud(in_use && !tcp_.in_use() ? pty_.baud() : 0);
+    follow_host_rate();
+}
+
+// A TCP connection has no rate, so the line follows the board while one is there.
+void LiveBoard::follow_host_rate() {
+    board_->set_host_baud(pty_in_use_ && !tcp_.in_use() ? pty_.baud() : 0);
 }
 
 void LiveBoard::receive_from_ports() {
     if (board_->sending() > kMaxQueuedBytes) return;
-    if (pty_in_use_) board_->send(pty_.read(kReadAtOnce));
+    if (pty_in_use_) {
+        // Who changes the rate waits until the bytes before it have left: those that are here are of the new
+        // one.
+        const auto bytes = pty_.read(kReadAtOnce);
+        if (!bytes.empty()) follow_host_rate();
+        board_->send(bytes);
+    }
     if (tcp_.in_use()) board_->send(tcp_.read(kReadAtOnce));
 }
 

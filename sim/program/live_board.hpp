@@ -41,6 +41,7 @@ class LiveBoard {
 
     void receive_from_ports();
     void notice_opening();
+    void follow_host_rate();
     void run_to(Time now);
     void send_to_ports();
     void report_losses(Time now);

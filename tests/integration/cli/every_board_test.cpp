@@ -3,6 +3,7 @@
 // ASIP 0.4, and recorded and replayed.
 #include <gmock/gmock.h>
 
+#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -54,16 +55,21 @@ class EveryBoardTest : public BusTest, public ::testing::WithParamInterface<Boar
         ASSERT_EQ(asipctl({"send", "desk/distance", "report", "100"}).status, 0);
     }
 
-    /// Two seconds of reports, and an error.
+    /// Values, and an error.
     std::string record() const {
         const auto path = folder_.file("walk.jsonl");
-        ChildProcess record(program({"record", path, "desk", "-W", "2s"}), environment());
-        EXPECT_TRUE(wait_until([&] {
+        ChildProcess record(program({"record", path, "desk"}), environment());
+        const auto holds = [&](const char* what) {
             std::ifstream file(path);
             const std::string text(std::istreambuf_iterator<char>(file), {});
-            return text.find(R"("what":"value")") != std::string::npos;
+            return text.find(what) != std::string::npos;
+        };
+        EXPECT_TRUE(wait_until([&] { return holds(R"("what":"value")"); })) << record.errors();
+        EXPECT_TRUE(wait_until([&] {
+            fail_once();
+            return holds("INVALID_DEVICE_NUMBER");
         })) << record.errors();
-        fail_once();
+        record.signal(SIGINT);
         EXPECT_EQ(record.wait_exit(), 0) << record.errors();
         return path;
     }
@@ -139,7 +145,7 @@ TEST_P(EveryBoardTest, IsCommanded_OrSaysThatItIsRecorded) {
     commanded({"send", "desk/servo", "write", "0", "90"});
     commanded({"pin", "desk", "13", "high"});
     commanded({"stop", "desk"});
-    commanded({"send", "desk/io", "pwm", "3", "120", "--hold", "500ms", "--for", "300ms"});
+    commanded({"send", "desk/io", "pwm", "3", "120", "--hold", "5s", "--for", "300ms"});
     const auto ping = asipctl({"ping", "desk", "-c", "1", "-o", "json"});
     EXPECT_EQ(ping.status, recorded() ? 1 : 0) << ping.errors;
     commanded({"release", "desk", "--for", "10s"});

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "asip/session/rate_change.hpp"
 #include "asip/session/search.hpp"
 #include "tests/unit/session/board_session_bench.hpp"
 #include "tests/unit/session/scripted_board.hpp"
@@ -62,7 +63,7 @@ TEST(BoardSession, BoardLeftAtAFastRate_IsFound) {
 /// When a board at `board_baud` that answers `late` is heard at its rate; Time::max(): not within a minute.
 Time heard_at(unsigned start_baud, unsigned board_baud, Duration late) {
     Search search;
-    search.start(start_baud, true, Time{}, Time{});
+    search.start(start_baud, true, 1, Time{}, Time{});
     std::vector<Time> answers;
     for (Time now{}; now < Time{} + 60s; now = search.next_deadline()) {
         const Search::Step step = search.next(now);
@@ -84,6 +85,22 @@ TEST(Search, BoardThatAnswersLate_IsHeardAtItsRate) {
         EXPECT_LT(heard_at(start, 500'000, 10ms), Time{} + 1s);
         EXPECT_LT(heard_at(start, 500'000, 700ms), Time{} + 9s);
     }
+}
+
+// As when the answer at the start rate waited in a buffer until the rate had changed, twice.
+TEST(BoardSession, LateAnswerReadAtAnotherRate_IsNotTakenForABoardThere) {
+    Bench bench(no_step_up());
+    bench.board.mute = true;
+    bench.plug();
+    bench.pass(700ms);
+    ASSERT_NE(bench.host_baud, 57600u);
+    bench.board.mute = false;
+    const auto answer = bench.board.framed("@#,?,0,4,ATmega328P,20,Script");
+    bench.say(answer);
+    bench.say(answer);
+    EXPECT_TRUE(bench.ready_within(5s));
+    EXPECT_EQ(bench.host_baud, 57600u);
+    EXPECT_EQ(bench.session.identity().services.size(), 3u);
 }
 
 TEST(BoardSession, BoardLeftWithChecksums_IsFound) {
@@ -158,6 +175,26 @@ TEST(BoardSession, FastestRateDoesNotWork_NextIsTaken) {
     ASSERT_TRUE(bench.ready_within(5s));
     EXPECT_EQ(bench.session.baud(), 500'000u);
     EXPECT_EQ(bench.board.baud, 500'000u);
+}
+
+TEST(RateChange, EchoesThatComeSlowly_AreEnough) {
+    Time now{};
+    std::vector<std::string> lines;
+    RateChange change(500'000, "ab", now, lines);
+    const auto board_says = [&](char tag, std::string_view body) {
+        now += 400ms;
+        change.on_deadline(now, lines);
+        change.on_event({'#', tag, body}, now, lines);
+    };
+    change.on_event({'#', 'B', "500000"}, now, lines);
+    change.on_rate_set(true, now, lines);
+    change.on_event({'#', 'E', "abfirst"}, now, lines);
+    for (int i = 100; i < 130; ++i) {
+        ASSERT_EQ(change.step(), RateChange::Step::kBurst) << i;
+        board_says('E', "abbur" + std::to_string(i));
+    }
+    EXPECT_EQ(change.step(), RateChange::Step::kDone);
+    EXPECT_LE(lines.size(), 32u);
 }
 
 TEST(BoardSession, FastestRateRefused_NextIsTakenWithoutSearching) {
