@@ -37,7 +37,7 @@ class Application {
     void end();
 
     ProgramOptions options_;
-    boost::asio::io_context io_;
+    boost::asio::io_context io_{1};
     boost::asio::steady_timer timer_;
     std::unique_ptr<program::StopSignal> stop_signal_;
     std::unique_ptr<mqtt::Client> client_;

@@ -4,6 +4,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/json_scanner.hpp"
+#include "asip/bus/json_text.hpp"
 #include "asip/bus/request_envelope.hpp"
 #include "asip/model/json.hpp"
 
@@ -29,6 +31,44 @@ std::string text_member(const json& object, const char* name) {
 
 std::string dump(const json& value) {
     return value.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+// What is no JSON becomes a JSON string.
+std::string answer_text(const std::string& answer) {
+    auto value = model::json_depth_within(answer, kMaxJsonDepth) ? json::parse(answer, nullptr, false)
+                                                                 : json(json::value_t::discarded);
+    return dump(value.is_discarded() ? json(answer) : value);
+}
+
+/// A reply of nothing but short words, as most are: a tree of values costs several times as much. Nothing: it
+/// is another one, or none.
+std::optional<Reply> plain_reply(std::string_view text) {
+    JsonScanner scanner(text);
+    if (!scanner.enter_object()) return std::nullopt;
+    Reply reply;
+    std::optional<Reply::Status> status;
+    std::string_view key;
+    while (scanner.next_member(key)) {
+        std::string_view value;
+        if (!scanner.plain_string(value)) return std::nullopt;
+        if (key == "status")
+            status = status_named(value);
+        else if (key == "id")
+            reply.id = value;
+        else if (key == "proof")
+            reply.proof = value;
+        else if (key == "by")
+            reply.by = value;
+        else if (key == "reason")
+            reply.reason = value;
+        else if (key == "error")
+            reply.error = value;
+        else
+            return std::nullopt;
+    }
+    if (!scanner.left() || !scanner.at_end() || !status) return std::nullopt;
+    reply.status = *status;
+    return reply;
 }
 
 }  // namespace
@@ -82,24 +122,35 @@ Reply Reply::refused(std::string reason, std::string error) {
 }
 
 std::string to_json_text(const Reply& reply) {
-    json object;
-    if (!reply.id.empty()) object["id"] = reply.id;
-    object["status"] = to_string(reply.status);
-    if (!reply.proof.empty()) object["proof"] = reply.proof;
+    std::string out = "{";
+    const auto begin_member = [&out](std::string_view name) {
+        if (out.size() > 1) out += ',';
+        out.append("\"").append(name).append("\":");
+    };
+    const auto text = [&](std::string_view name, std::string_view value) {
+        if (value.empty()) return;
+        begin_member(name);
+        append_json_text(out, value);
+    };
     if (!reply.answer.empty()) {
-        auto answer = model::json_depth_within(reply.answer, kMaxJsonDepth)
-                          ? json::parse(reply.answer, nullptr, false)
-                          : json(json::value_t::discarded);
-        object["answer"] = answer.is_discarded() ? json(reply.answer) : std::move(answer);
+        begin_member("answer");
+        out += answer_text(reply.answer);
     }
-    if (reply.status == Reply::Status::kError) object["code"] = reply.code;
-    if (!reply.reason.empty()) object["reason"] = reply.reason;
-    if (!reply.error.empty()) object["error"] = reply.error;
-    if (!reply.by.empty()) object["by"] = reply.by;
-    return dump(object);
+    text("by", reply.by);
+    if (reply.status == Reply::Status::kError) {
+        begin_member("code");
+        out += std::to_string(reply.code);
+    }
+    text("error", reply.error);
+    text("id", reply.id);
+    text("proof", reply.proof);
+    text("reason", reply.reason);
+    text("status", to_string(reply.status));
+    return out += '}';
 }
 
 Expected<Reply> parse_reply(std::string_view text) {
+    if (auto reply = plain_reply(text)) return std::move(*reply);
     if (!model::json_depth_within(text, kMaxJsonDepth + 1)) return fail("reply is nested too deeply");
     const auto object = json::parse(text, nullptr, false);
     if (!object.is_object()) return fail("reply is not a JSON object");

@@ -76,12 +76,14 @@ std::shared_ptr<const bus::BoardItem> board_of(const Call& call) {
 
 const bus::ServiceItem* service_of(const Call& call, const bus::BoardItem& board) {
     const auto& name = call.service();
+    const auto seen = [&](const bus::ServiceItem& service) {
+        return call.principal.rights.sees_service(board.board, service.name);
+    };
+    for (const auto& service : board.services)
+        if (service.name == name && seen(service)) return &service;
     std::vector<std::string> names;
-    for (const auto& service : board.services) {
-        if (!call.principal.rights.sees_service(board.board, service.name)) continue;
-        if (service.name == name) return &service;
-        names.push_back(service.name);
-    }
+    for (const auto& service : board.services)
+        if (seen(service)) names.push_back(service.name);
     send_problem(call, 404,
                  "board " + board.board + " has no service \"" + text::printable(name) + "\"" +
                      text::did_you_mean(name, names));

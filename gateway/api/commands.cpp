@@ -144,7 +144,8 @@ void post_command(Call& call) {
     const auto& command = call.path.find("command")->second;
     auto arguments = body_of(call.request);
     if (!arguments) return send_problem(call, 400, arguments.error());
-    const json payload{{command, std::move(*arguments)}};
+    auto payload = json::object();
+    payload[command] = std::move(*arguments);
     const auto model = model_of(call, *board, service->name);
     const auto hold = number_parameter(call, "hold_ms", 0, 50, 60'000);
     if (!hold) return send_problem(call, 400, hold.error());
@@ -154,10 +155,9 @@ void post_command(Call& call) {
         return call.reply.send(
             problem(503, "board " + board->board + " is " + board->state, {{"reason", "board-not-there"}}));
     }
-    json sent = payload;
-    if (*hold > 0) sent["hold_ms"] = static_cast<int>(*hold);
+    if (*hold > 0) payload["hold_ms"] = static_cast<int>(*hold);
     start(call, board->board + "/" + service->name,
-          call.gateway.mirror().topics().service_in(board->board, service->name), std::move(sent));
+          call.gateway.mirror().topics().service_in(board->board, service->name), std::move(payload));
 }
 
 void post_raw(Call& call) {

@@ -13,20 +13,35 @@ namespace {
 
 namespace log = program::log;
 
-bool fits(std::string_view pattern, const std::vector<std::string>& segments,
-          std::map<std::string, std::string, std::less<>>& path) {
-    path.clear();
+/// The first level of a pattern or of what is left of one; empty: none is left.
+std::string_view next_level(std::string_view& pattern) {
+    if (pattern.empty()) return {};
+    pattern.remove_prefix(1);
+    const auto level = pattern.substr(0, pattern.find('/'));
+    pattern.remove_prefix(level.size());
+    return level;
+}
+
+bool is_parameter(std::string_view level) {
+    return !level.empty() && level.front() == '{';
+}
+
+bool fits(std::string_view pattern, const std::vector<std::string>& segments) {
     for (const auto& segment : segments) {
         if (pattern.empty()) return false;
-        pattern.remove_prefix(1);
-        const auto part = pattern.substr(0, pattern.find('/'));
-        pattern.remove_prefix(part.size());
-        if (!part.empty() && part.front() == '{')
-            path.emplace(part.substr(1, part.size() - 2), segment);
-        else if (part != segment)
-            return false;
+        if (const auto level = next_level(pattern); !is_parameter(level) && level != segment) return false;
     }
     return pattern.empty();
+}
+
+/// The parameters in a path that fits.
+std::map<std::string, std::string, std::less<>> parameters_of(std::string_view pattern,
+                                                              const std::vector<std::string>& segments) {
+    std::map<std::string, std::string, std::less<>> path;
+    for (const auto& segment : segments)
+        if (const auto level = next_level(pattern); is_parameter(level))
+            path.emplace(level.substr(1, level.size() - 2), segment);
+    return path;
 }
 
 bool allowed(const Rights& rights, Need need) {
@@ -183,11 +198,10 @@ bool redirect_to_folder(const Inner& inner, const http::Reply& reply) {
 
 void serve_route(Gateway& gateway, const http::Request& request, const http::Reply& reply,
                  const Principal& principal, bool link) {
-    std::map<std::string, std::string, std::less<>> path;
     std::string methods;
-    const auto method = request.method == "HEAD" ? std::string("GET") : request.method;
+    const std::string_view method = request.method == "HEAD" ? "GET" : std::string_view(request.method);
     for (const auto& route : routes()) {
-        if (!fits(route.path, request.segments, path)) continue;
+        if (!fits(route.path, request.segments)) continue;
         if (route.method != method) {
             methods += (methods.empty() ? "" : ", ") + std::string(route.method) +
                        (route.method == "GET" ? ", HEAD" : "");
@@ -195,7 +209,7 @@ void serve_route(Gateway& gateway, const http::Request& request, const http::Rep
         }
         if (!allowed(principal.rights, route.need)) return refuse_right(principal, reply, route.need);
         if (!known_parameters(request, reply, route)) return;
-        Call call{gateway, request, reply, principal, route, std::move(path)};
+        Call call{gateway, request, reply, principal, route, parameters_of(route.path, request.segments)};
         route.serve(call);
         return log_change(call);  // behind the answer: nobody waits for the log
     }

@@ -33,7 +33,7 @@ void send_value(const http::Reply& reply, Gateway& gateway, const std::string& b
     for (std::size_t i = 0; found != nullptr && i < found->channels.size(); ++i) {
         const auto& channel = found->channels[i];
         const auto key = channel.error ? "error" : channel.event.empty() ? "value" : channel.event;
-        json value = json::parse(channel.json, nullptr, false);
+        json value = json::parse(channel.json(), nullptr, false);
         if (!channel.event.empty()) value = json(value.front());
         const std::chrono::duration<double> age = now.time - channel.seen.time;
         events[key] = {{"value", std::move(value)},

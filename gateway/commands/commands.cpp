@@ -92,7 +92,7 @@ void Commands::finish(Entry& entry, bus::Reply reply, Time now) {
     if (!entry.answered) ++counter;
     entry.record.reply = std::move(reply);
     entry.answered = true;
-    const auto record = entry.record;
+    const auto& record = entry.record;  // entries stay where they are, whatever `done` begins
     for (const auto& done : std::exchange(entry.waiting, {}))
         done(record);
     if (on_finished) on_finished(record, now - record.sent.time);  // behind the answers: it logs

@@ -21,7 +21,7 @@ std::string seconds_text(Duration duration) {
 
 std::string data_of(const ServiceValues& service, const ChannelValue& channel) {
     return R"({"board":")" + service.board + R"(","service":")" + service.service + R"(","at":")" +
-           text::iso_time(channel.seen.wall) + R"(","value":)" + channel.json + "}";
+           text::iso_time(channel.seen.wall) + R"(","value":)" + channel.json() + "}";
 }
 
 }  // namespace

@@ -31,17 +31,55 @@ Parsed parse(std::string_view payload) {
     return {std::move(*parsed), {}};
 }
 
-// The parts of a map that several reports name, together.
-std::string merged(const std::string& before, const Parsed& now, std::string text) {
-    if (now.event.empty() || !now.value.front().is_object() || before.empty()) return text;
-    auto all = json::parse(before, nullptr, false);
-    if (!all.is_object() || all.size() != 1 || !all.front().is_object()) return text;
-    all.front().update(now.value.front());
-    auto result = model::dump_json(all);
-    return result.size() <= kMaxMergedBytes ? result : text;
+bool is_part(const Parsed& parsed) {
+    return !parsed.event.empty() && parsed.value.front().is_object();
+}
+
+/// Adds what a part of a map names; false: they are not of one map.
+bool add_part(json& all, const json& part) {
+    const auto is_map = [](const json& value) {
+        return value.is_object() && value.size() == 1 && value.front().is_object();
+    };
+    if (!is_map(all) || !is_map(part)) return false;
+    all.front().update(part.front());
+    return true;
 }
 
 }  // namespace
+
+const std::string& ChannelValue::json() const {
+    if (!parts_.empty()) put_together();
+    return json_;
+}
+
+void ChannelValue::report(std::string text, bool part) {
+    if (!part || (json_.empty() && parts_.empty())) {
+        json_ = std::move(text);
+        parts_.clear();
+        return;
+    }
+    parts_.append(text).append("\n");
+    if (parts_.size() > kMaxPartsBytes) put_together();
+}
+
+void ChannelValue::put_together() const {
+    auto all = nlohmann::json::parse(json_, nullptr, false);
+    std::size_t bytes = json_.size();
+    std::string_view rest = parts_;
+    while (!rest.empty()) {
+        const auto text = rest.substr(0, rest.find('\n'));
+        rest.remove_prefix(text.size() + 1);
+        auto part = nlohmann::json::parse(text, nullptr, false);
+        const bool added = add_part(all, part);
+        bytes += text.size();  // at most: it may replace what is there
+        if (added && bytes > kMaxMergedBytes) bytes = model::dump_json(all).size();
+        if (added && bytes <= kMaxMergedBytes) continue;
+        all = std::move(part);
+        bytes = text.size();
+    }
+    json_ = model::dump_json(all);
+    parts_.clear();
+}
 
 const Point* ServiceValues::point(std::uint64_t number) const {
     if (points.empty() || number < points.front().number || number > points.back().number) return nullptr;
@@ -91,13 +129,15 @@ void Values::value(std::string_view board, std::string_view service, std::string
     });
     if (channel == channels.end()) {
         if (channels.size() >= limits_.channels) return;
-        channel = channels.insert(channels.end(), ChannelValue{error ? "" : parsed.event, error, 0, {}, {}});
+        channel = channels.emplace(channels.end());
+        channel->error = error;
+        if (!error) channel->event = parsed.event;
     }
     Point point{++values->last, now, static_cast<std::uint32_t>(channel - channels.begin()),
                 model::dump_json(parsed.value)};
     channel->number = point.number;
     channel->seen = now;
-    channel->json = error ? point.json : merged(channel->json, parsed, point.json);
+    channel->report(point.json, !error && is_part(parsed));
     bytes_ += kPointBytes + point.json.size();
     values->points.push_back(std::move(point));
     arrivals_.push_back(values);

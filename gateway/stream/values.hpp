@@ -28,8 +28,19 @@ struct ChannelValue {
     bool error = false;
     std::uint64_t number = 0;  ///< of the last point
     Instant seen;
+
     /// As published; where each report holds a part of a map (`{"digital":{"2":1}}`), all parts together.
-    std::string json;
+    const std::string& json() const;
+    /// `part`: of a map.
+    void report(std::string text, bool part);
+
+  private:
+    /// Until somebody asks: a reader that keeps up never does.
+    static constexpr std::size_t kMaxPartsBytes = 512;
+    void put_together() const;
+
+    mutable std::string json_;
+    mutable std::string parts_;  // reported behind json_, each with a line end
 };
 
 /// A queue in one block: most services have few points, for which std::deque would take ten times as much.

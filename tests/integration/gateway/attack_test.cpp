@@ -2,6 +2,7 @@
 // What a stranger may send: the gateway answers or closes, lives on, and serves the others meanwhile.
 #include <gmock/gmock.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 
 #include "running_gateway.hpp"
 
@@ -180,6 +181,66 @@ TEST_F(GatewayAttack, UpgradeThatIsNone_Is426) {
                    {"Sec-WebSocket-Key", "dGhlIHNhbXBsZSBub25jZQ=="}})
                   .status,
               426);
+}
+
+TEST_F(GatewayAttack, HalfClosedByTheClient_IsAnsweredOrClosedAndNothingStaysOpen) {
+    announce("uno1");
+    for (const char* request :
+         {"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n",
+          "GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "GET /healthz HTTP/1.1\r\nHo",
+          "POST /api/stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 10\r\n\r\n{"}) {
+        Wire wire(port());
+        wire.send(request);
+        shutdown(wire.socket(), SHUT_WR);
+        EXPECT_TRUE(wire.closed()) << request;
+    }
+    Wire whole(port());
+    whole.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    shutdown(whole.socket(), SHUT_WR);
+    EXPECT_EQ(read_answer(whole).status, 200);
+    Socket socket(port());
+    ASSERT_EQ(socket.status(), 101);
+    socket.send(R"({"subscribe":"*/*","ref":1})");
+    EXPECT_EQ(socket.message(), R"({"ref":1,"ok":true})");
+    shutdown(socket.wire().socket(), SHUT_WR);
+    EXPECT_TRUE(wait_until([&] {
+        const auto text = ask("/metrics").body;
+        return text.find("\nasip_gateway_http_connections 1\n") != std::string::npos;
+    })) << ask("/metrics").body;
+}
+
+TEST_F(GatewayAttack, WhatIsNoUtf8_IsRefusedInWordsThatAre) {
+    announce("uno1");
+    const std::string command = "/api/boards/uno1/services/servo/commands/write";
+    for (const std::string target :
+         {"/api/boards/%ff%fe", "/api/boards/\xff\xfe", "/api/boards/uno1/services/%c3%28", "/api/models/%80",
+          "/api/boards?board=%ff", "/api/boards?%ff=1", "/api/boards/%ed%a0%80/history", "/%c0%ae%c0%ae/"}) {
+        const auto answer = ask(target);
+        EXPECT_THAT(answer.status, AnyOf(200, 400, 404)) << target;
+        EXPECT_FALSE(answer.json().is_discarded()) << target << ": " << answer.body;
+    }
+    for (const std::string body : {"[0,\"\xff\"]", "\xef\xbb\xbf[0,90", "{\"\xc3\x28\":1}"}) {
+        const auto answer = post(port(), command, body);
+        EXPECT_EQ(answer.status, 400) << body;
+        EXPECT_FALSE(answer.json().is_discarded()) << answer.body;
+    }
+    EXPECT_EQ(post(port(), command, "[0,90]", {{"Idempotency-Key", "\xff"}}).status, 400);
+    EXPECT_EQ(probe_.count("asip/uno1/servo/in"), 0u);
+    EXPECT_TRUE(alive());
+}
+
+TEST_F(GatewayAttack, LastEventIdThatIsNone_Is400) {
+    announce("uno1");
+    for (const std::string id : {"x", "-", "-1", "e1-", "1f2e3d4c-", "1f2e3d4c-1.5", "1f2e3d4c-0x10",
+                                 "1f2e3d4c-99999999999999999999999"}) {
+        for (const char* stream : {"/api/events", "/api/boards/uno1/services/distance/stream"})
+            EXPECT_EQ(get(port(), stream, {{"Last-Event-ID", id}}).status, 400) << stream << " " << id;
+    }
+    for (const std::string id : {"1f2e3d4c-18446744073709551615", "1f2e3d4c--1", "%ff-1"}) {
+        EventStream other(port(), "/api/events?last_event_id=" + id);
+        EXPECT_EQ(other.head().status, 200) << id;
+        EXPECT_EQ(other.next().kind, "reset") << id << ": a place of another life";
+    }
 }
 
 TEST_F(GatewayAttack, SlowReader_IsNotClosedAndSlowsNobody) {

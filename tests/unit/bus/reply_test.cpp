@@ -41,6 +41,20 @@ TEST(ParseReply, UnknownMembers_AreIgnored) {
     EXPECT_EQ(reply->id, "7");
 }
 
+TEST(ParseReply, WordsThatAreEscapedOrGivenTwice_AreReadAsAnyJson) {
+    for (const char* text :
+         {R"( { "status" : "ok" , "id" : "a\"b" } )", R"({"st\u0061tus":"ok","id":"a\u0022b"})",
+          R"({"status":"error","id":"x","status":"ok","id":"a\"b"})"}) {
+        const auto reply = parse_reply(text);
+        ASSERT_TRUE(reply) << text;
+        EXPECT_TRUE(reply->succeeded()) << text;
+        EXPECT_EQ(reply->id, "a\"b") << text;
+    }
+    EXPECT_EQ(parse_reply(R"({"status":"error","id":"x","status":"ok","id":"y"})")->id, "y");
+    EXPECT_FALSE(parse_reply(R"({"status":"ok"} x)"));
+    EXPECT_FALSE(parse_reply(R"({"status":"ok",})"));
+}
+
 TEST(ParseReply, NotAReply_Fails) {
     for (const char* text :
          {"", "ok", "[]", "{}", R"({"status":"fine"})", R"({"status":1})", R"({"status":"ok")"}) {

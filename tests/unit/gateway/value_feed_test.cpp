@@ -343,8 +343,32 @@ TEST(Values, BeyondTheirBytes_TheOldestOfAllGiveWayAndTheLastOfEachStays) {
         values.value("uno1", i % 2 == 0 ? "loud" : "louder", "[" + std::to_string(i) + "]", false, at(0ms));
     EXPECT_LE(values.bytes(), 20'000u);
     EXPECT_TRUE(values.find("uno1", "quiet")->points.empty());
-    EXPECT_EQ(values.find("uno1", "quiet")->channels.at(0).json, R"({"a":1})");
+    EXPECT_EQ(values.find("uno1", "quiet")->channels.at(0).json(), R"({"a":1})");
     EXPECT_NE(values.find("uno1", "loud")->point(1000), nullptr);
+}
+
+TEST(Values, PartsOfAMap_AreTogetherHoweverManyAndWhoeverAsks) {
+    Values values("e1");
+    const auto last = [&] { return json::parse(values.find("uno1", "io")->channels.at(0).json()); };
+    const auto report = [&](const json& value) {
+        values.value("uno1", "io", json{{"digital", value}}.dump(), false, at(0ms));
+    };
+    json all = json::object();
+    for (int i = 0; i < 300; ++i) {
+        const json part{{std::to_string(i % 20), i}, {"long" + std::to_string(i % 3), std::string(200, 'a')}};
+        all.update(part);
+        report(part);
+        if (i % 7 == 0) {
+            EXPECT_EQ(last()["digital"], all) << i;
+        }
+    }
+    EXPECT_EQ(last()["digital"], all);
+    report({{"huge", std::string(9000, 'a')}});
+    EXPECT_EQ(last()["digital"].size(), 1u) << "too long together: the newest alone";
+    report(7);
+    report({{"2", 1}});
+    EXPECT_EQ(last()["digital"], json({{"2", 1}})) << "behind what is no map";
+    EXPECT_EQ(values.find("uno1", "io")->channels.size(), 1u);
 }
 
 TEST(Values, OlderThanTheirAge_AreGone) {
@@ -364,7 +388,7 @@ TEST(Values, OlderThanTheirAge_AreGone) {
 TEST(Values, NoJson_IsAString) {
     Values values("e1");
     values.value("B4", "S1", "12 \xff\n", false, at(0ms));
-    EXPECT_EQ(values.find("B4", "S1")->channels.at(0).json, "\"12 \xEF\xBF\xBD\\n\"");
+    EXPECT_EQ(values.find("B4", "S1")->channels.at(0).json(), "\"12 \xEF\xBF\xBD\\n\"");
 }
 
 }  // namespace
