@@ -86,10 +86,10 @@ Expected<NamedBus> NamedBuses::find(const std::string& name) const {
     if (!model::valid_name(name) || !fs::exists(file_of(name), error))
         return fail("there is no context \"" + name + "\"" + text::did_you_mean(name, names()) +
                     "; see asipctl context list");
-    const auto lines = program::read_config_file(file_of(name).string(), "asipctl");
-    if (!lines) return fail(lines.error());
+    const auto file = program::read_config_file(file_of(name).string(), "asipctl");
+    if (!file) return fail(file.error());
     NamedBus bus{name, {}};
-    for (const auto& line : *lines)
+    for (const auto& line : file->lines)
         bus.options.emplace_back(line.name, line.value);
     return bus;
 }

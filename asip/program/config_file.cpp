@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <optional>
 
 namespace asip::program {
 namespace {
@@ -20,6 +21,27 @@ Expected<ConfigLine> parse_line(int number, const std::string& line) {
     return ConfigLine{number, std::move(name), std::move(value)};
 }
 
+enum class Part { kOurs, kOthers, kSection };
+
+struct SectionStart {
+    std::string name;
+    std::optional<std::string> title;  // of one of the kind that is looked for
+};
+
+Expected<SectionStart> parse_section(const std::string& text, std::string_view kind) {
+    const auto blank = text.find_first_of(" \t");
+    SectionStart start{text.substr(0, blank), std::nullopt};
+    if (kind.empty()) return SectionStart{text, std::nullopt};
+    if (start.name == kind) {
+        start.title =
+            blank == std::string::npos ? std::string() : trimmed(std::string_view(text).substr(blank));
+    } else if (!text.starts_with("asip") || blank != std::string::npos) {
+        return fail("there is no section [" + text + "]: sections are [" + std::string(kind) +
+                    " NAME], and those of programs, such as [asip-agent]");
+    }
+    return start;
+}
+
 }  // namespace
 
 std::string trimmed(std::string_view text) {
@@ -28,11 +50,12 @@ std::string trimmed(std::string_view text) {
     return std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
 }
 
-Expected<std::vector<ConfigLine>> read_config_file(const std::string& path, std::string_view program) {
+Expected<ConfigFile> read_config_file(const std::string& path, std::string_view program,
+                                      std::string_view kind) {
     std::ifstream file(path);
     if (!file) return fail("cannot read the configuration file " + path);
-    std::vector<ConfigLine> lines;
-    bool ours = true;
+    ConfigFile read;
+    auto part = Part::kOurs;
     int number = 0;
     std::size_t bytes = 0;
     for (std::string raw; std::getline(file, raw);) {
@@ -44,15 +67,18 @@ Expected<std::vector<ConfigLine>> read_config_file(const std::string& path, std:
         if (line.empty() || line.front() == '#' || line.front() == ';') continue;
         if (line.front() == '[') {
             if (line.back() != ']') return fail(where + "the ] is missing");
-            ours = trimmed(std::string_view(line).substr(1, line.size() - 2)) == program;
+            auto section = parse_section(trimmed(std::string_view(line).substr(1, line.size() - 2)), kind);
+            if (!section) return fail(where + section.error());
+            part = section->title ? Part::kSection : section->name == program ? Part::kOurs : Part::kOthers;
+            if (section->title) read.sections.push_back({number, *section->title, {}});
             continue;
         }
-        if (!ours) continue;
+        if (part == Part::kOthers) continue;
         auto parsed = parse_line(number, line);
         if (!parsed) return fail(where + parsed.error());
-        lines.push_back(std::move(*parsed));
+        (part == Part::kOurs ? read.lines : read.sections.back().lines).push_back(std::move(*parsed));
     }
-    return lines;
+    return read;
 }
 
 }  // namespace asip::program

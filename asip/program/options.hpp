@@ -9,6 +9,7 @@
 
 #include "asip/expected.hpp"
 #include "asip/mqtt/options.hpp"
+#include "asip/program/config_file.hpp"
 
 namespace CLI {
 class App;
@@ -80,6 +81,17 @@ class Settings {
     /// Same for tests: arguments without the program name, environment by function.
     using Environment = std::function<std::optional<std::string>(const std::string& name)>;
     std::optional<int> parse(std::vector<std::string> arguments, const Environment& environment);
+
+    /// The configuration file may have sections `[KIND TITLE]`, one for each of several things that the
+    /// program serves. parse() reads them and applies none.
+    void allow_sections(std::string kind);
+    /// What parse() read; an empty path: no file.
+    const std::string& config_path() const;
+    const ConfigFile& config_file() const;
+    /// In place of parse(), for the options of one section: `lines` count as those of the file at `path`. The
+    /// error is returned, not printed; the log stays as it is.
+    Expected<void> parse_section(std::vector<std::string> arguments, const std::string& path,
+                                 const std::vector<ConfigLine>& lines);
 
     /// Prints `PROGRAM: TEXT` and where to find help on standard error; returns kExitUsage.
     int usage_error(const std::string& text) const;

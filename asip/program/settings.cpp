@@ -46,6 +46,9 @@ struct Settings::State {
     std::vector<CLI::Option*> settings;
     LogOptions* log = nullptr;
     BrokerOptions* broker = nullptr;
+    std::string section_kind;
+    std::string file_path;
+    ConfigFile file;
 
     CLI::Option* named(const std::string& name) const {
         for (auto* option : settings) {
@@ -77,17 +80,22 @@ struct Settings::State {
         }
     }
 
-    void apply_file(const std::string& path) const {
-        const auto lines = read_config_file(path, program);
-        if (!lines) throw CLI::FileError(lines.error(), CLI::ExitCodes::FileError);
-        for (const auto& line : *lines) {
+    void read_file(const std::string& path) {
+        auto read = read_config_file(path, program, section_kind);
+        if (!read) throw CLI::FileError(read.error(), CLI::ExitCodes::FileError);
+        file_path = path;
+        file = std::move(*read);
+    }
+
+    void apply_lines(const std::string& path, const std::vector<ConfigLine>& lines) const {
+        for (const auto& line : lines) {
             const auto where = path + ":" + std::to_string(line.number);
             auto* option = named(line.name);
             if (option == nullptr) {
                 throw CLI::ValidationError(where, "there is no option \"" + line.name + "\"" +
                                                       text::did_you_mean(line.name, names()));
             }
-            apply_together(option, line, *lines, where);
+            apply_together(option, line, lines, where);
         }
     }
 
@@ -129,6 +137,20 @@ struct Settings::State {
         if (own_name != nullptr && !name->empty()) apply(own_name, *name, path);
     }
 
+    void apply(const std::string& path, const std::vector<ConfigLine>& lines,
+               std::vector<std::string> arguments, const Environment& environment) const {
+        apply_lines(path, lines);
+        apply_environment(environment);
+        apply_credentials(arguments);
+        // The environment was read already; CLI11 must not read it again, with its own precedence.
+        for (auto* option : settings)
+            option->envname({});
+        std::reverse(arguments.begin(), arguments.end());
+        app.parse(std::move(arguments));
+        const auto* brokers = named("broker");
+        if (broker != nullptr && brokers != nullptr && brokers->count() > 0) broker->brokers_given = true;
+    }
+
     /// Empty: it has none, or knows it later.
     std::string user_of_service() const {
         constexpr std::string_view kPrefix = "asip-";
@@ -138,7 +160,7 @@ struct Settings::State {
 };
 
 Settings::Settings(CLI::App& app, std::string program)
-    : state_(new State{app, std::move(program), {}, {}, nullptr, nullptr}) {
+    : state_(new State{app, std::move(program), {}, {}, nullptr, nullptr, {}, {}, {}}) {
     app.set_version_flag("--version", state_->program + " " ASIP_VERSION);
     app.add_option("--config", state_->config,
                    "File with lines NAME = VALUE, named like these options [ASIP_CONFIG]")
@@ -199,17 +221,8 @@ std::optional<int> Settings::parse(std::vector<std::string> arguments, const Env
     try {
         auto config = early(arguments, "--config");
         if (!config) config = environment("ASIP_CONFIG");
-        if (config && !config->empty()) state_->apply_file(*config);
-        state_->apply_environment(environment);
-        state_->apply_credentials(arguments);
-        // The environment was read already; CLI11 must not read it again, with its own precedence.
-        for (auto* option : state_->settings)
-            option->envname({});
-        std::reverse(arguments.begin(), arguments.end());
-        app.parse(std::move(arguments));
-        const auto* brokers = state_->named("broker");
-        if (state_->broker != nullptr && brokers != nullptr && brokers->count() > 0)
-            state_->broker->brokers_given = true;
+        if (config && !config->empty()) state_->read_file(*config);
+        state_->apply(state_->file_path, state_->file.lines, std::move(arguments), environment);
     } catch (const CLI::Success& asked_for_help) {
         for (auto* option : state_->settings)
             option->envname(environment_name(option->get_lnames().front()));
@@ -222,6 +235,28 @@ std::optional<int> Settings::parse(std::vector<std::string> arguments, const Env
                        state_->program);
     }
     return std::nullopt;
+}
+
+Expected<void> Settings::parse_section(std::vector<std::string> arguments, const std::string& path,
+                                       const std::vector<ConfigLine>& lines) {
+    try {
+        state_->apply(path, lines, std::move(arguments), environment_variable);
+    } catch (const CLI::Error& error) {
+        return fail(error.what());
+    }
+    return {};
+}
+
+void Settings::allow_sections(std::string kind) {
+    state_->section_kind = std::move(kind);
+}
+
+const std::string& Settings::config_path() const {
+    return state_->file_path;
+}
+
+const ConfigFile& Settings::config_file() const {
+    return state_->file;
 }
 
 }  // namespace asip::program

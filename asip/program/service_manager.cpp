@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "asip/program/service_manager.hpp"
+
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+
+namespace asip::program {
+namespace {
+
+constexpr const char* kVariable = "NOTIFY_SOCKET";
+
+}  // namespace
+
+bool has_service_manager() {
+    const char* path = std::getenv(kVariable);
+    return path != nullptr && (*path == '/' || *path == '@');
+}
+
+void tell_service_manager(std::string_view lines) {
+    if (!has_service_manager()) return;
+    const std::string_view path = std::getenv(kVariable);
+    sockaddr_un address{};
+    if (path.size() >= sizeof address.sun_path) return;
+    address.sun_family = AF_UNIX;
+    std::memcpy(address.sun_path, path.data(), path.size());
+    if (path.front() == '@') address.sun_path[0] = '\0';
+    const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (socket < 0) return;
+    const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
+    sendto(socket, lines.data(), lines.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&address),
+           length);
+    close(socket);
+}
+
+}  // namespace asip::program
