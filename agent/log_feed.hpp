@@ -2,11 +2,12 @@
 #pragma once
 #include <deque>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "asip/program/log_observer.hpp"
+#include "asip/program/log.hpp"
 #include "asip/time.hpp"
 
 namespace asip::agent {

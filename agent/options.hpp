@@ -36,8 +36,4 @@ struct AgentOptions {
     ResetPolicy reset = ResetPolicy::kIfSilent;
 };
 
-/// From command line, environment and configuration file. The error is the exit status to end with; whatever
-/// there is to say has been printed.
-Expected<AgentOptions, int> read_options(int argc, const char* const* argv);
-
 }  // namespace asip::agent

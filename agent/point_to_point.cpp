@@ -5,11 +5,7 @@
 #include <boost/asio/post.hpp>
 #include <utility>
 
-#include "asip/program/log.hpp"
-
 namespace asip::agent {
-
-namespace log = program::log;
 
 namespace {
 
@@ -17,8 +13,8 @@ constexpr Duration kBetweenRefusalLogs = std::chrono::seconds(10);
 
 }  // namespace
 
-PointToPoint::PointToPoint(boost::asio::io_context& io, Duration silence, LineHandler on_line)
-    : io_(io), silence_(silence), on_line_(std::move(on_line)), silence_timer_(io) {}
+PointToPoint::PointToPoint(boost::asio::io_context& io, BoardLog& log, Duration silence, LineHandler on_line)
+    : io_(io), log_(log), silence_(silence), on_line_(std::move(on_line)), silence_timer_(io) {}
 
 Expected<std::uint16_t, link::StreamError> PointToPoint::listen(const link::TcpAddress& address,
                                                                 ClientFraming::Kind framing) {
@@ -43,14 +39,14 @@ bool PointToPoint::make_room() {
     ++refused_;
     if (!refusal_logged_ || now >= *refusal_logged_ + kBetweenRefusalLogs) {
         refusal_logged_ = now;
-        log::warning("client refused: too many", {{"maximum", kMaxClients}, {"refused", refused_}});
+        log_.warning("client refused: too many", {{"maximum", kMaxClients}, {"refused", refused_}});
     }
     return false;
 }
 
 void PointToPoint::accepted(std::unique_ptr<link::ByteStream> stream, ClientFraming::Kind framing) {
     if (!make_room()) return;
-    log::info("client connected", {{"client", stream->describe()}});
+    log_.info("client connected", {{"client", stream->describe()}});
     const Time now = Clock::now();
     const auto client = clients_.insert(
         clients_.end(), Client{next_id_++, std::move(stream), ClientFraming(framing), now, now, false, {}});
@@ -86,7 +82,7 @@ std::size_t PointToPoint::living() const {
 
 void PointToPoint::drop(Client& client, const char* why) {
     if (std::exchange(client.gone, true)) return;
-    log::info("client gone", {{"client", client.stream->describe()}, {"why", why}});
+    log_.info("client gone", {{"client", client.stream->describe()}, {"why", why}});
     client.stream->close();
     boost::asio::post(io_, [this] { clients_.remove_if([](const Client& each) { return each.gone; }); });
 }

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "agent/board_log.hpp"
 #include "agent/client_framing.hpp"
 #include "asip/expected.hpp"
 #include "asip/link/tcp_stream.hpp"
@@ -32,7 +33,7 @@ class PointToPoint {
     using LineHandler = std::function<bool(session::ClientId client, std::string_view line)>;
 
     /// `silence`: a client that sent nothing for so long is taken to want plain lines.
-    PointToPoint(boost::asio::io_context& io, Duration silence, LineHandler on_line);
+    PointToPoint(boost::asio::io_context& io, BoardLog& log, Duration silence, LineHandler on_line);
 
     Expected<std::uint16_t, link::StreamError> listen(const link::TcpAddress& address,
                                                       ClientFraming::Kind framing);
@@ -61,6 +62,7 @@ class PointToPoint {
     void watch_silence();
 
     boost::asio::io_context& io_;
+    BoardLog& log_;
     Duration silence_;
     LineHandler on_line_;
     boost::asio::steady_timer silence_timer_;

@@ -7,9 +7,7 @@
 #include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <utility>
 
-#include "asip/program/log_observer.hpp"
 #include "asip/text/printable.hpp"
 #include "asip/text/wall_time.hpp"
 
@@ -22,8 +20,6 @@ struct State {
     Level level = Level::kInfo;
     Format format = Format::kText;
     std::string program;
-    Level observed = Level::kOff;
-    Observer observer;
 };
 
 State& state() {
@@ -100,22 +96,11 @@ std::string_view name_of(Level level) {
     return kLevelNames[static_cast<std::size_t>(level)];
 }
 
-void observe(Level level, Observer observer) {
-    state().observed = level;
-    state().observer = std::move(observer);
-}
-
 void write(Level level, std::string_view text, Fields fields) {
     write(level, text, std::span<const Field>(fields.begin(), fields.size()));
 }
 
 void write(Level level, std::string_view text, std::span<const Field> fields) {
-    if (state().observer && level >= state().observed) {
-        // Taken out for as long as it runs: it may log.
-        const Observer observer = std::exchange(state().observer, {});
-        observer(level, text, fields);
-        if (!state().observer) state().observer = observer;
-    }
     if (!enabled(level)) return;
     auto line =
         state().format == Format::kJson ? json_line(level, text, fields) : text_line(level, text, fields);

@@ -17,6 +17,7 @@ enum class Level { kTrace, kDebug, kInfo, kWarning, kError, kOff };
 enum class Format { kText, kJson };
 
 Expected<Level> parse_level(std::string_view name);    ///< trace, debug, info, warning (warn), error, off
+std::string_view name_of(Level level);                 ///< what parse_level() reads
 Expected<Format> parse_format(std::string_view name);  ///< text, json
 
 /// Before anything is logged; the default is info and text. `program` is put in each JSON line.

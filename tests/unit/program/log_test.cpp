@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/program/log_observer.hpp"
+#include "asip/program/log.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -56,23 +56,6 @@ TEST_F(Log, BelowTheLevel_IsSilent) {
     EXPECT_EQ(captured(Level::kWarning, Format::kText, [] { info("x"); }), "");
     EXPECT_EQ(captured(Level::kOff, Format::kText, [] { error("x"); }), "");
     EXPECT_NE(captured(Level::kTrace, Format::kText, [] { trace("x"); }), "");
-}
-
-TEST_F(Log, Observer_SeesWhatIsNotPrintedAndNotWhatItLogsItself) {
-    std::vector<std::string> seen;
-    observe(Level::kInfo, [&](Level level, std::string_view text, std::span<const Field> fields) {
-        seen.push_back(std::string(name_of(level)) + " " + std::string(text) + " " +
-                       std::to_string(fields.size()));
-        info("published");
-    });
-    captured(Level::kOff, Format::kText, [] {
-        debug("detail");
-        info("one", {{"a", 1}});
-        error("two");
-    });
-    observe(Level::kOff, {});
-    info("nobody listens");
-    EXPECT_EQ(seen, (std::vector<std::string>{"info one 1", "error two 0"}));
 }
 
 TEST(LogNames, Unknown_SayWhichThereAre) {

@@ -3,7 +3,7 @@
 #include <boost/asio/post.hpp>
 #include <filesystem>
 
-#include "agent/application.hpp"
+#include "agent/board_agent.hpp"
 #include "asip/mqtt/cut_off.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
@@ -20,10 +20,10 @@ constexpr auto kCountersEvery = std::chrono::seconds(10);
 
 }  // namespace
 
-void Application::connect_bus() {
+void BoardAgent::connect_bus() {
     const auto own = program::credentials_in_dir(options_.broker, bridge_.name());
     if (const auto used = own.empty() ? Expected<void>() : use_credentials(own); !used) {
-        log::error(used.error(), {});
+        log_.error(used.error(), {});
         return finish(program::kExitUsage);
     }
     mqtt::Options options = options_.mqtt;
@@ -38,12 +38,12 @@ void Application::connect_bus() {
     bus_->start();
 }
 
-void Application::subscribe_to_commands() {
+void BoardAgent::subscribe_to_commands() {
     for (const auto& filter : bridge_.control_subscriptions())
         bus_->subscribe(filter, {.qos = 1, .no_local = true, .required = true});
 }
 
-Expected<void> Application::use_credentials(const std::string& file) {
+Expected<void> BoardAgent::use_credentials(const std::string& file) {
     auto broker = options_.broker;
     const auto board = program::take_credentials(broker, file);
     if (!board) return fail(board.error());
@@ -55,13 +55,13 @@ Expected<void> Application::use_credentials(const std::string& file) {
     options_.broker = std::move(broker);
     options_.mqtt = std::move(*mqtt);
     bridge_.leave_shared_topic();
-    log::info("credentials found", {{"file", file}});
+    log_.info("credentials found", {{"file", file}});
     return {};
 }
 
 /// Whether they are there now, or may come: this machine has a folder of them, and its broker is a secured
 /// one.
-bool Application::look_for_credentials() {
+bool BoardAgent::look_for_credentials() {
     namespace fs = std::filesystem;
     const fs::path folder = options_.broker.credentials_dir;
     if (folder.empty() || !options_.broker.credentials.empty()) return false;
@@ -76,7 +76,7 @@ bool Application::look_for_credentials() {
     std::error_code error;
     if (fs::directory_iterator(folder, error) == fs::directory_iterator() || error) return false;
     if (!std::exchange(missing_credentials_logged_, true)) {
-        log::warning("there are no credentials for board " + bridge_.name() +
+        log_.warning("there are no credentials for board " + bridge_.name() +
                          " on this machine; waiting for them: sudo asipctl secure add board " +
                          bridge_.name() + " --here",
                      {{"folder", folder.string()}});
@@ -84,13 +84,13 @@ bool Application::look_for_credentials() {
     return true;
 }
 
-mqtt::Client::Handlers Application::bus_handlers() {
+mqtt::Client::Handlers BoardAgent::bus_handlers() {
     mqtt::Client::Handlers handlers;
     handlers.on_connected = [this](const mqtt::Connected& connected) {
         bus_outage_.over();
         announcement_published_ = rejection_logged_ = false;
         rejected_before_ = bus_->counters().rejected;
-        log::info("broker connected",
+        log_.info("broker connected",
                   {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
         bus_->discard_queued(mqtt::Priority::kAnnouncement);
         with_bridge([&](Time now, Effects& out) { bridge_.bus_connected(now, connected.client_id, out); });
@@ -101,6 +101,7 @@ mqtt::Client::Handlers Application::bus_handlers() {
     };
     handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
         bridge_.bus_disconnected();
+        note_online();
         bus_failed(failure, true);
         if (failure.after_sending >= mqtt::CutOff::kTimes) announcing_denied();
     };
@@ -109,17 +110,17 @@ mqtt::Client::Handlers Application::bus_handlers() {
     };
     handlers.on_message = [this](const mqtt::Message& message) { message_received(message); };
     handlers.on_published = [this](const std::string& topic) { note_published(topic); };
-    handlers.on_subscribe_refused = [](const std::string& filter, const std::string& reason) {
-        log::error("the broker refuses a subscription; asking again", {{"topic", filter}, {"why", reason}});
+    handlers.on_subscribe_refused = [this](const std::string& filter, const std::string& reason) {
+        log_.error("the broker refuses a subscription; asking again", {{"topic", filter}, {"why", reason}});
     };
     handlers.on_debug = [this](const std::string& line) {
-        log::trace(line);
+        log_.trace(line);
         log_rejections();  // each has its line
     };
     return handlers;
 }
 
-void Application::message_received(const mqtt::Message& message) {
+void BoardAgent::message_received(const mqtt::Message& message) {
     if (stopping_) return;
     held_up_.runs(Clock::now(), armed_for_);
     const Time arrival = held_up_.arrival(Clock::now());
@@ -146,20 +147,20 @@ void Application::message_received(const mqtt::Message& message) {
     if (inbox_.full()) handle_oldest();
 }
 
-void Application::handle_oldest() {
+void BoardAgent::handle_oldest() {
     const auto entry = inbox_.pop();
     with_bridge([&](Time now, Effects& out) {
         bridge_.bus_message(entry.message, {.at = entry.arrived, .stopped = entry.stopped}, now, out);
     });
 }
 
-void Application::schedule_turn() {
+void BoardAgent::schedule_turn() {
     if (std::exchange(turn_scheduled_, true)) return;
     boost::asio::post(io_, [this] { turn(); });
 }
 
 // While messages arrive they are only read: a stop may be among them.
-void Application::turn() {
+void BoardAgent::turn() {
     turn_scheduled_ = false;
     const bool reading = std::exchange(arrived_, 0u) > 0;
     for (std::size_t i = 0; !reading && i < kAtOnce && !inbox_.empty() && !stopping_; ++i)
@@ -167,32 +168,32 @@ void Application::turn() {
     if (!inbox_.empty() && !stopping_) schedule_turn();
 }
 
-void Application::bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected) {
+void BoardAgent::bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected) {
     if (stopping_) return;
     const bool may_change = !was_connected && look_for_credentials();
     if (failure.hopeless && !may_change) {
-        log::error(failure.text, {{"broker", failure.broker.describe()}});
+        log_.error(failure.text, {{"broker", failure.broker.describe()}});
         return finish(program::kExitBroker);
     }
     // Each attempt may fail the same way; once is enough for a person, the rest is for debugging.
     const auto level =
         was_connected || bus_outage_.is_news(failure) ? log::Level::kWarning : log::Level::kDebug;
-    log::write(level, was_connected ? "broker lost; connecting again" : "broker not reachable; trying on",
+    log_.write(level, was_connected ? "broker lost; connecting again" : "broker not reachable; trying on",
                {{"broker", failure.broker.describe()}, {"why", failure.text}});
 }
 
-void Application::report_counters() {
+void BoardAgent::report_counters() {
     counters_timer_.expires_after(kCountersEvery);
     counters_timer_.async_wait([this](boost::system::error_code error) {
         if (error || stopping_) return;
         if (bus_) {
             const auto counters = bus_->counters();
             if (std::exchange(logged_dropped_, counters.dropped_context) != counters.dropped_context) {
-                log::warning("the broker is slower than the board; oldest values dropped",
+                log_.warning("the broker is slower than the board; oldest values dropped",
                              {{"dropped", counters.dropped_context}});
             }
             if (std::exchange(logged_refused_, counters.refused) != counters.refused) {
-                log::warning("the broker is slower than commands come; answers dropped",
+                log_.warning("the broker is slower than commands come; answers dropped",
                              {{"dropped", counters.refused}});
             }
         }
@@ -200,7 +201,7 @@ void Application::report_counters() {
     });
 }
 
-void Application::publish_statistics(Duration after) {
+void BoardAgent::publish_statistics(Duration after) {
     statistics_timer_.expires_after(after);
     statistics_timer_.async_wait([this](boost::system::error_code error) {
         if (error || stopping_) return;
@@ -211,9 +212,9 @@ void Application::publish_statistics(Duration after) {
     });
 }
 
-void Application::publish_log() {
+void BoardAgent::publish_log() {
     if (!bus_ || !bridge_.may_publish()) return;
-    for (auto& line : log_feed_.take()) {
+    for (auto& line : log_.take()) {
         mqtt::Message message;
         message.topic = topics_.log(bridge_.name());
         message.payload = std::move(line);
@@ -221,18 +222,18 @@ void Application::publish_log() {
     }
 }
 
-void Application::note_published(const std::string& topic) {
+void BoardAgent::note_published(const std::string& topic) {
     const auto known = topics_.parse(topic);
     if (!known || known->kind != bus::TopicKind::kDescription) return;
     announcement_published_ = true;
     denial_logged_ = false;
 }
 
-void Application::log_rejections() {
+void BoardAgent::log_rejections() {
     if (!bus_ || rejection_logged_ || bus_->counters().rejected == rejected_before_) return;
     rejection_logged_ = true;
     if (!announcement_published_) return announcing_denied();
-    log::warning(
+    log_.warning(
         "the broker refuses some of what this agent publishes; look at its access control. Answers are "
         "written to the topics that requests name: on a secured bus " +
             options_.bridge.topic_root + "/reply/USER/" + bridge_.name() + "/...",
@@ -240,12 +241,12 @@ void Application::log_rejections() {
 }
 
 /// Once until an announcement is taken: a broker may take long to be set right.
-void Application::announcing_denied() {
+void BoardAgent::announcing_denied() {
     if (announcement_published_ || std::exchange(denial_logged_, true)) return;
     const std::string& root = options_.bridge.topic_root;
     const std::string& board = bridge_.name();
     const std::string& user = options_.mqtt.user;
-    log::error(
+    log_.error(
         "the broker's access control denied announcing board " + board + "; nobody will find it. " +
             (user.empty() ? "A connection without user" : "User " + user) + " must be allowed to write " +
             root + "/servicebus/$probe, " + root + "/servicebus/" + board + "/# and " + root + "/" + board +

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/application.hpp"
+#include "agent/board_agent.hpp"
 
 #include <boost/asio/post.hpp>
 #include <utility>
 
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
-#include "asip/text/wall_time.hpp"
 
 namespace asip::agent {
 
@@ -28,6 +27,12 @@ link::StreamTarget stream_target(const AgentOptions& options) {
     return link::SerialTarget{options.serial, options.baud, dtr};
 }
 
+std::optional<std::pair<std::string, std::string>> called(bool several, const AgentOptions& options) {
+    if (!several) return std::nullopt;
+    if (!options.bridge.name.empty()) return std::pair{"board", options.bridge.name};
+    return std::pair{"port", options.serial.empty() ? options.tcp : options.serial};
+}
+
 BridgeOptions bridge_options(BridgeOptions options, const LabelFiles& files) {
     options.load_labels = [&files](const std::string& board) { return files.load(board); };
     return options;
@@ -35,10 +40,17 @@ BridgeOptions bridge_options(BridgeOptions options, const LabelFiles& files) {
 
 }  // namespace
 
-Application::Application(AgentOptions options)
+BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers)
     : options_(std::move(options)),
       topics_(options_.bridge.topic_root),
       label_files_(options_.state_folder),
+      host_(host),
+      handlers_(std::move(handlers)),
+      io_(host.io),
+      log_(called(host.several, options_),
+           [this] {
+               if (!stopping_) publish_log();
+           }),
       bridge_(bridge_options(options_.bridge, label_files_), options_.models, system_random()),
       link_(io_, stream_target(options_),
             {[this](const link::StreamOpened& opened) { link_opened(opened); },
@@ -50,58 +62,52 @@ Application::Application(AgentOptions options)
              [this](const link::StreamError& error) {
                  link_failed(error, !std::exchange(link_tried_, true));
              }}),
-      clients_(io_, options_.listen_silence,
+      clients_(io_, log_, options_.listen_silence,
                [this](session::ClientId client, std::string_view line) {
                    auto result = Bridge::ClientResult::kAccepted;
                    with_bridge([&](Time now, Effects& out) {
                        result = bridge_.client_line(client, line, now, out);
                        if (result == Bridge::ClientResult::kRefused)
-                           log::debug("client's line refused", {{"line", line}});
+                           log_.debug("client's line refused", {{"line", line}});
                    });
                    return result != Bridge::ClientResult::kLater;
                }),
-      stop_signal_(io_, [this](int) { stop(); }),
       timer_(io_),
       reset_timer_(io_),
       counters_timer_(io_),
       statistics_timer_(io_),
       safe_timer_(io_) {}
 
-Application::~Application() {
-    log::observe(log::Level::kOff, {});
-}
-
-int Application::run() {
+void BoardAgent::start() {
     for (const auto& [address, framing] : options_.listen) {
         const auto port = clients_.listen(address, framing);
         if (!port) {
-            log::error("cannot listen for clients", {{"why", port.error().text}});
-            return program::kExitFailure;
+            log_.error("cannot listen for clients", {{"why", port.error().text}});
+            return finish(program::kExitFailure);
         }
-        log::info("listening for clients", {{"port", *port}});
+        log_.info("listening for clients", {{"port", *port}});
     }
     link_.start();
     report_counters();
-    log::observe(log::Level::kInfo,
-                 [this](log::Level level, std::string_view text, std::span<const log::Field> fields) {
-                     log_feed_.add(level, text, fields, text::iso_time(text::wall_now()), Clock::now());
-                     if (!stopping_) publish_log();
-                 });
     // Agents that start together do not publish together.
     if (options_.statistics > Duration{})
         publish_statistics(std::chrono::duration_cast<Duration>(options_.statistics *
                                                                 (.5 + random_unit(system_random()) / 2)));
-    io_.run();
-    return status_;
 }
 
-void Application::perform(Effects& effects) {
+void BoardAgent::note_online() {
+    using State = session::BoardSession::State;
+    const bool now = bridge_.may_publish() && bridge_.session().state() == State::kReady;
+    if (std::exchange(online_, now) != now) handlers_.on_changed();
+}
+
+void BoardAgent::perform(Effects& effects) {
     for (const auto& notice : effects.notices) {
         std::vector<log::Field> fields;
         if (!bridge_.name().empty()) fields.emplace_back("board", bridge_.name());
         for (const auto& [name, value] : notice.fields)
             if (!value.empty() && name != "board") fields.emplace_back(name, value);
-        log::write(notice.level, notice.text, fields);
+        log_.write(notice.level, notice.text, fields);
     }
     for (auto& action : effects.link) {
         if (const auto* write = std::get_if<session::Write>(&action)) {
@@ -113,6 +119,7 @@ void Application::perform(Effects& effects) {
         }
     }
     if (effects.board_known) {
+        log_.board_is(bridge_.name());
         board_ever_known_ = true;
         reset_timer_.cancel();
         if (!bus_) connect_bus();
@@ -132,21 +139,21 @@ void Application::perform(Effects& effects) {
     }
     if (effects.port == Effects::Port::kTakeBack) link_.start();
     if (effects.fatal) {
-        if (!stop_asked_) log::error(effects.fatal->text, {});
+        if (!stop_asked_) log_.error(effects.fatal->text, {});
         end_once_safe([this, status = effects.fatal->status] { finish(status); });
     }
 }
 
-void Application::keep_labels(LabelsToKeep keep) {
-    if (!disk_) disk_.emplace(1);
-    boost::asio::post(*disk_, [this, board = bridge_.name(), keep = std::move(keep)] {
-        boost::asio::post(io_, [this, result = label_files_.save(board, keep)] {
-            with_bridge([&](Time, Effects& out) { bridge_.labels_kept(result, out); });
+void BoardAgent::keep_labels(LabelsToKeep keep) {
+    boost::asio::post(host_.disk, [this, alive = std::weak_ptr(alive_), &io = io_, files = label_files_,
+                                   board = bridge_.name(), keep = std::move(keep)] {
+        boost::asio::post(io, [this, alive, result = files.save(board, keep)] {
+            if (!alive.expired()) with_bridge([&](Time, Effects& out) { bridge_.labels_kept(result, out); });
         });
     });
 }
 
-void Application::arm_timer() {
+void BoardAgent::arm_timer() {
     const auto deadline = bridge_.next_deadline();
     if (!deadline) {
         armed_for_.reset();
@@ -166,7 +173,7 @@ void Application::arm_timer() {
     });
 }
 
-void Application::link_opened(const link::StreamOpened& opened) {
+void BoardAgent::link_opened(const link::StreamOpened& opened) {
     link_tried_ = true;
     model::LinkInfo info{options_.serial.empty() ? "tcp" : "serial", opened.name,
                          static_cast<int>(opened.baud)};
@@ -176,40 +183,40 @@ void Application::link_opened(const link::StreamOpened& opened) {
     if (!opened.restarting && options_.reset == ResetPolicy::kIfSilent) board_silent_at_start();
 }
 
-void Application::link_failed(const link::StreamError& error, bool first) {
+void BoardAgent::link_failed(const link::StreamError& error, bool first) {
     using Kind = link::StreamError::Kind;
     const bool waiting_helps =
         error.kind == Kind::kNotThere || error.kind == Kind::kUnreachable || error.kind == Kind::kClosed;
     if (first && !waiting_helps) {
-        log::error(error.text, {});
+        log_.error(error.text, {});
         return finish(program::kExitBoard);
     }
     if (outage_.failed(error.kind, Clock::now()))
-        log::warning("board not reachable; waiting for it", {{"why", error.text}});
+        log_.warning("board not reachable; waiting for it", {{"why", error.text}});
 }
 
-void Application::link_lost(const link::StreamError& error) {
+void BoardAgent::link_lost(const link::StreamError& error) {
     reset_timer_.cancel();
     // Opened and closed without a byte from the board: the same as not opened.
     if (bridge_.session().counters().bytes_in == 0) link_failed(error, false);
     with_bridge([&](Time now, Effects& out) { bridge_.link_down(error.text, now, out); });
 }
 
-void Application::board_heard() {
-    if (!stopping_ && outage_.heard()) log::info("board reachable again", {});
+void BoardAgent::board_heard() {
+    if (!stopping_ && outage_.heard()) log_.info("board reachable again", {});
 }
 
-void Application::board_silent_at_start() {
+void BoardAgent::board_silent_at_start() {
     reset_timer_.expires_after(kSilentAtStart);
     reset_timer_.async_wait([this](boost::system::error_code error) {
         if (error || stopping_ || bridge_.session().state() == session::BoardSession::State::kReady) return;
-        if (link_.restart_board()) log::info("board silent; restarting it by DTR", {});
+        if (link_.restart_board()) log_.info("board silent; restarting it by DTR", {});
     });
 }
 
-void Application::stop() {
+void BoardAgent::stop() {
     if (stopping_ || stop_asked_) return;
-    log::info("stopping", {});
+    log_.info("stopping", {});
     end_once_safe([this] {
         Effects effects;
         bridge_.goodbye(Clock::now(), effects);
@@ -219,13 +226,13 @@ void Application::stop() {
     });
 }
 
-void Application::end_once_safe(std::function<void()> end) {
+void BoardAgent::end_once_safe(std::function<void()> end) {
     if (stopping_ || std::exchange(stop_asked_, true)) return;
     with_bridge([&](Time now, Effects& out) { bridge_.release_holds(now, out); });
     wait_until_safe(Clock::now() + kMakeSafe, std::move(end));
 }
 
-void Application::wait_until_safe(Time limit, std::function<void()> end) {
+void BoardAgent::wait_until_safe(Time limit, std::function<void()> end) {
     if (stopping_) return;
     if (bridge_.is_safe() || !bridge_.session().accepts_requests() || Clock::now() >= limit) return end();
     safe_timer_.expires_after(kLookAgain);
@@ -234,9 +241,9 @@ void Application::wait_until_safe(Time limit, std::function<void()> end) {
     });
 }
 
-void Application::finish(int status) {
+void BoardAgent::finish(int status) {
     if (std::exchange(stopping_, true)) return;
-    status_ = status;
+    online_ = false;
     timer_.cancel();
     reset_timer_.cancel();
     counters_timer_.cancel();
@@ -244,15 +251,12 @@ void Application::finish(int status) {
     safe_timer_.cancel();
     clients_.close();
     link_.stop();
-    if (!bus_) {
-        stop_signal_.cancel();
-        io_.stop();
-        return;
-    }
-    bus_->stop(kGoodbye, [this] {
-        stop_signal_.cancel();
-        io_.stop();
-    });
+    // What was in the loop's queue already runs before that.
+    auto ended = [this, status] {
+        boost::asio::post(io_, [on_ended = handlers_.on_ended, status] { on_ended(status); });
+    };
+    if (!bus_) return ended();
+    bus_->stop(kGoodbye, std::move(ended));
 }
 
 }  // namespace asip::agent

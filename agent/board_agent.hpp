@@ -7,29 +7,48 @@
 #include <memory>
 #include <optional>
 
+#include "agent/board_log.hpp"
 #include "agent/bridge.hpp"
 #include "agent/held_up.hpp"
 #include "agent/inbox.hpp"
 #include "agent/label_files.hpp"
-#include "agent/log_feed.hpp"
 #include "agent/options.hpp"
 #include "agent/outage.hpp"
 #include "agent/point_to_point.hpp"
 #include "asip/link/kept_stream.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/mqtt/outage.hpp"
-#include "asip/program/stop_signal.hpp"
 
 namespace asip::agent {
 
-/// The program: owns the bridge and what carries it, and performs what the bridge asks for.
-class Application {
+/// The agent of one board: owns the bridge and what carries it, and performs what the bridge asks for. One
+/// thread: all calls and handlers on the io_context.
+class BoardAgent {
   public:
-    explicit Application(AgentOptions options);
-    ~Application();
+    /// What all boards of the process share.
+    struct Host {
+        boost::asio::io_context& io;
+        boost::asio::thread_pool& disk;  ///< a slow one must not hold up the boards
+        bool several = false;            ///< each line of the log says which board it is about
+    };
+    struct Handlers {
+        /// It has ended, with the exit status of a process that serves one board. The agent may be destroyed.
+        std::function<void(int status)> on_ended;
+        /// online() has changed.
+        std::function<void()> on_changed;
+    };
 
-    /// Runs until it is stopped, or a fault that retrying cannot mend. Returns the exit status.
-    int run();
+    BoardAgent(const Host& host, AgentOptions options, Handlers handlers);
+    ~BoardAgent() = default;
+    BoardAgent(const BoardAgent&) = delete;
+    BoardAgent& operator=(const BoardAgent&) = delete;
+
+    void start();
+    /// Undoes what is held, says goodbye and ends, within 1.5 s.
+    void stop();
+
+    /// Whether the board answers and is on the bus.
+    bool online() const { return online_; }
 
   private:
     template <class Call>
@@ -40,7 +59,6 @@ class Application {
     Expected<void> use_credentials(const std::string& file);
     bool look_for_credentials();
     void arm_timer();
-    void stop();
     void end_once_safe(std::function<void()> end);
     void wait_until_safe(Time limit, std::function<void()> end);
     void finish(int status);
@@ -54,6 +72,7 @@ class Application {
     void report_counters();
     void publish_statistics(Duration after);
     void publish_log();
+    void note_online();
     void keep_labels(LabelsToKeep keep);
     void message_received(const mqtt::Message& message);
     void handle_oldest();
@@ -66,18 +85,19 @@ class Application {
     AgentOptions options_;
     const bus::Topics topics_;
     LabelFiles label_files_;
-    boost::asio::io_context io_{1};
+    const Host host_;
+    const Handlers handlers_;
+    boost::asio::io_context& io_;
+    BoardLog log_;
     Bridge bridge_;
     link::KeptStream link_;
     PointToPoint clients_;
     std::unique_ptr<mqtt::Client> bus_;
-    program::StopSignal stop_signal_;
     boost::asio::steady_timer timer_;
     boost::asio::steady_timer reset_timer_;
     boost::asio::steady_timer counters_timer_;
     boost::asio::steady_timer statistics_timer_;
     boost::asio::steady_timer safe_timer_;
-    LogFeed log_feed_;
     Inbox inbox_;
     HeldUp held_up_;
     std::size_t arrived_ = 0;  // commands in this turn of the loop
@@ -96,12 +116,12 @@ class Application {
     bool missing_credentials_logged_ = false;
     bool stop_asked_ = false;
     bool stopping_ = false;
-    int status_ = 0;
-    std::optional<boost::asio::thread_pool> disk_;  // a slow one must not hold up the board
+    bool online_ = false;
+    std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
 
 template <class Call>
-void Application::with_bridge(Call&& call) {
+void BoardAgent::with_bridge(Call&& call) {
     if (stopping_) return;
     held_up_.runs(Clock::now(), armed_for_);
     Effects effects;
@@ -110,6 +130,7 @@ void Application::with_bridge(Call&& call) {
     if (stopping_) return;
     clients_.resume();
     arm_timer();
+    note_online();
 }
 
 }  // namespace asip::agent
