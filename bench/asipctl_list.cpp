@@ -23,7 +23,9 @@ namespace {
 using namespace asip::test;
 
 constexpr int kBoards = 1000;
-constexpr int kRuns = 41;
+constexpr int kRuns = 50;
+constexpr int kMayFail = 5;  // mosquitto_sub 2.0.11 sometimes misses what is retained, and would wait for
+                             // ever
 
 std::string description(const std::string& board) {
     return R"({"board":")" + board +
@@ -56,7 +58,7 @@ double once(const std::vector<std::string>& command) {
 }
 
 struct Times {
-    double minimum = 0, median = 0;  ///< milliseconds; negative: a run failed
+    double minimum = 0, median = 0;  ///< milliseconds; negative: more than a few runs failed
 };
 
 /// They take turns, so that what else the machine does meets all alike.
@@ -67,9 +69,13 @@ std::vector<Times> times_of(const std::vector<std::vector<std::string>>& command
             milliseconds[i].push_back(once(commands[i]));
     }
     std::vector<Times> times;
-    for (auto& runs : milliseconds) {
+    for (std::size_t i = 0; i < commands.size(); ++i) {
+        auto& runs = milliseconds[i];
+        const auto failed = static_cast<int>(std::erase_if(runs, [](double time) { return time < 0; }));
+        if (failed != 0)
+            std::printf("%s failed or waited for nothing in %d runs\n", commands[i][0].c_str(), failed);
         std::sort(runs.begin(), runs.end());
-        times.push_back({runs.front(), runs.front() < 0 ? -1 : runs[kRuns / 2]});
+        times.push_back(failed > kMayFail ? Times{-1, -1} : Times{runs.front(), runs[runs.size() / 2]});
     }
     return times;
 }
@@ -97,13 +103,13 @@ int main() {
         command.insert(command.end(), words.begin(), words.end());
         return command;
     };
-    const auto times =
-        times_of({{"mosquitto_sub", "-p", port, "-t", "asip/servicebus/+/$state", "-C", "1"},
-                  {"mosquitto_sub", "-p", port, "-t", "asip/servicebus/+/$description", "-C", "1000"},
-                  asipctl({"list"}),
-                  asipctl({"list", "-o", "jsonl"}),
-                  asipctl({"list", "--board", "board7", "-o", "name"}),
-                  asipctl({"--version"})});
+    const auto times = times_of(
+        {{"mosquitto_sub", "-p", port, "-t", "asip/servicebus/+/$state", "-C", "1", "-W", "5"},
+         {"mosquitto_sub", "-p", port, "-t", "asip/servicebus/+/$description", "-C", "1000", "-W", "5"},
+         asipctl({"list"}),
+         asipctl({"list", "-o", "jsonl"}),
+         asipctl({"list", "--board", "board7", "-o", "name"}),
+         asipctl({"--version"})});
     const auto& [sub, all, list, whole] = std::tie(times[0], times[1], times[2], times[3]);
     std::printf("%-64s %8s %8s\n", "whole process, milliseconds", "minimum", "median");
     print("mosquitto_sub -C 1", sub);

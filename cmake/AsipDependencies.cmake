@@ -25,6 +25,30 @@ pkg_check_modules(libedit REQUIRED IMPORTED_TARGET libedit)
 pkg_check_modules(utf8proc REQUIRED IMPORTED_TARGET libutf8proc)
 pkg_check_modules(sqlite3 REQUIRED IMPORTED_TARGET sqlite3)
 
+# asip_prefer_static(NAME SHARED LIBRARY...): a target that links the static libraries, where all of them are there, else
+# SHARED. A program that somebody types waits for each shared library at its start.
+function(asip_prefer_static name shared)
+  add_library(${name} INTERFACE)
+  set(found "")
+  foreach(library IN LISTS ARGN)
+    find_library(ASIP_STATIC_${library} lib${library}.a)
+    mark_as_advanced(ASIP_STATIC_${library})
+    list(APPEND found "${ASIP_STATIC_${library}}")
+  endforeach()
+  if(NOT ASIP_STATIC OR ASIP_SANITIZE OR found MATCHES "NOTFOUND")
+    target_link_libraries(${name} INTERFACE ${shared})
+    return()
+  endif()
+  if(TARGET ${shared})
+    target_include_directories(${name} SYSTEM INTERFACE "$<TARGET_PROPERTY:${shared},INTERFACE_INCLUDE_DIRECTORIES>")
+  endif()
+  target_link_libraries(${name} INTERFACE ${found})
+endfunction()
+
+asip_prefer_static(asip_libedit PkgConfig::libedit edit bsd md tinfo)
+asip_prefer_static(asip_utf8proc PkgConfig::utf8proc utf8proc)
+asip_prefer_static(asip_resolv resolv resolv)
+
 # simavr's own .pc file adds include paths of its build machine; the library and libelf are all it needs.
 find_path(SIMAVR_INCLUDE_DIR simavr/sim_avr.h REQUIRED)
 find_library(SIMAVR_LIBRARY NAMES libsimavr.a simavr REQUIRED)
