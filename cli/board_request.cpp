@@ -10,6 +10,7 @@
 #include "asip/model/json.hpp"
 #include "asip/protocol/request.hpp"
 #include "cli/text/width.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -31,12 +32,15 @@ Expected<model::EncodedCommand> encode(const model::ServiceModel& model, std::sp
 }
 
 std::string how_to_use(const model::ServiceModel& model, const std::string& word) {
-    if (const auto* command = model.command(word))
-        return "; usage: " + command->name + " " + model::usage(*command);
-    std::string names;
+    const auto* command = model.command(word);
+    return command != nullptr ? "; usage: " + command->name + " " + model::usage(*command) : "";
+}
+
+std::string all_commands(const model::ServiceModel& model) {
+    std::vector<std::string> names;
     for (const auto& command : model.commands)
-        names += (names.empty() ? "" : ", ") + command.name;
-    return names.empty() ? "; it takes no commands" : "; commands: " + names;
+        names.push_back(command.name);
+    return names.empty() ? " It takes none" : " There are " + listed(names);
 }
 
 }  // namespace
@@ -48,7 +52,7 @@ Outcome<BoardCommand> make_command(const Context& context, const KnownBoard& boa
     const auto where = target + ": ";
     const auto model = bus::model_of(service, context.models());
     if (words.empty()) {
-        return failure(program::kExitUsage, where + "which command?" + (model ? how_to_use(*model, "") : ""));
+        return failure(program::kExitUsage, where + "which command?" + (model ? all_commands(*model) : ""));
     }
     if (!model) {
         const auto text = joined(words);

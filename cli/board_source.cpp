@@ -327,14 +327,19 @@ std::vector<std::string> BoardSource::names() {
 }
 
 Outcome<KnownBoard> BoardSource::unknown(const std::string& name) {
-    const auto all = names();
-    auto text = "no board '" + name + "' on this bus" + text::did_you_mean(name, all);
+    return tl::unexpected(no_such_board(name, names()));
+}
+
+Failure no_such_board(const std::string& name, const std::vector<std::string>& all) {
+    const bool pattern = name.find_first_of("*?") != std::string::npos;
+    const auto near = pattern ? std::string() : text::did_you_mean(name, all);
+    auto text = pattern ? "no board is like " + name : "no board '" + name + "' on this bus" + near;
     if (all.empty()) {
         text += "; there is no board at all: is its asip-agent running?";
-    } else if (text::did_you_mean(name, all).empty()) {
+    } else if (near.empty()) {
         text += "; see asipctl list";
     }
-    return failure(program::kExitNoAnswer, std::move(text));
+    return {program::kExitNoAnswer, std::move(text)};
 }
 
 }  // namespace asip::cli

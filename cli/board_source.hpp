@@ -32,6 +32,9 @@ struct KnownBoard {
     std::vector<std::string> service_names() const;
 };
 
+/// That `name`, a name or a pattern, is none of `all` boards: with the nearest, and what to do.
+Failure no_such_board(const std::string& name, const std::vector<std::string>& all);
+
 /// Finds boards: asks a registry, and where none is, reads the service bus itself (and reports that once on
 /// standard error).
 class BoardSource {

@@ -18,7 +18,6 @@ using namespace std::chrono_literals;
 struct BusSession::State {
     explicit State(const Context& its_context)
         : context(its_context),
-          timeout(context.timeout),
           name(random_hex(system_random(), 12)),
           requester(name, bus::ReplyTopics(context.topics, context.mqtt.user, name)),
           demander(context.topics, context.mqtt.user, name, system_random()),
@@ -93,7 +92,6 @@ struct BusSession::State {
     }
 
     const Context& context;
-    std::chrono::milliseconds timeout;
     std::string name;
     bus::Requester requester;
     bus::Demander demander;
@@ -144,7 +142,7 @@ BusSession::Subscription BusSession::subscribe(const std::string& filter, OnMess
 Outcome<void> BusSession::connect() {
     if (!std::exchange(state_->started, true)) state_->client.start();
     run_until([this] { return state_->was_connected || state_->no_broker_left(); },
-              Clock::now() + state_->timeout);
+              Clock::now() + state_->context.mqtt.connect_timeout);
     if (state_->was_connected) return {};
     if (state_->stopped) return failure(program::kExitFailure, "interrupted");
     if (!state_->failed.empty()) return failure(program::kExitBroker, state_->why_not_connected());

@@ -18,6 +18,9 @@ constexpr const char* kAbout =
 
 constexpr std::chrono::milliseconds kSearch{1000};
 
+/// `wait --timeout 0` looks once, and still has to get there.
+constexpr std::chrono::milliseconds kLeastConnectTime{1000};
+
 /// A registry's answer may hold a thousand boards with their descriptions.
 constexpr std::uint32_t kMaxAnswerBytes = 64u << 20;
 
@@ -137,7 +140,7 @@ Outcome<void> CommandLine::apply(Context& context) const {
     const auto timeout = text::parse_duration(timeout_);
     if (!timeout) return failure(program::kExitUsage, "--timeout: " + timeout.error());
     context.timeout = *timeout;
-    context.mqtt.connect_timeout = *timeout;
+    context.mqtt.connect_timeout = std::max(*timeout, kLeastConnectTime);
     context.from_bus = from_bus_;
     context.typed_options = typed_;
     if (!services_.empty()) {

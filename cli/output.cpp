@@ -45,8 +45,7 @@ Expected<void> check_template(const std::string& text, const std::vector<std::st
         std::string all;
         for (const auto& one : fields)
             all += (all.empty() ? "" : ", ") + one;
-        return fail("format: there is no {" + name + "}" + text::did_you_mean(first, fields) +
-                    "; there are " + all);
+        return fail("there is no {" + name + "}" + text::did_you_mean(first, fields) + "; there are " + all);
     }
     return {};
 }

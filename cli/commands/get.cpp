@@ -13,11 +13,15 @@
 #include "cli/replay_board.hpp"
 #include "cli/target.hpp"
 #include "cli/text/width.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
 
 using namespace std::chrono_literals;
+
+/// Of fields, in an error.
+constexpr std::size_t kMostNamed = 32;
 
 /// BOARD/SERVICE/FIELD taken apart; FIELD may hold more slashes.
 struct FieldTarget {
@@ -85,11 +89,12 @@ class Getter {
     /// Asks the board where the model knows how, else waits for its next report.
     Outcome<void> get() {
         const auto asked = ask();
-        if (printed_) return {};
+        if (printed_ || !other_fields_.empty()) return asked;
         demand();
         session_.run_until([this] { return printed_; }, Clock::now() + context_.timeout);
         if (printed_) return {};
         if (!asked) return tl::unexpected(asked.error());
+        if (!other_fields_.empty()) return without_field();
         return failure(program::kExitNoAnswer, where() + " reported nothing within " +
                                                    std::to_string(context_.timeout.count()) + " ms" +
                                                    advice());
@@ -107,7 +112,15 @@ class Getter {
         if (reply->reason == kRefusedRecorded) return {};
         if (!reply->succeeded()) return failure(exit_status(*reply), request->line + ": " + explain(*reply));
         take(reply->answer, "asked");
+        if (!printed_ && !other_fields_.empty()) return without_field();
         return {};
+    }
+
+    /// It has values, and this is none of them.
+    Outcome<void> without_field() const {
+        return failure(program::kExitFailure, where() + " has no field \"" + what_.field +
+                                                  "\" in its values; there are " +
+                                                  for_terminal(listed(other_fields_)));
     }
 
     void demand() { demand_ = session_.demand(what_.target.board, service_.name); }
@@ -125,6 +138,9 @@ class Getter {
             print({{{}, *document, {}}}, {}, how);
         } else if (document->contains(choice_.event->name)) {
             auto leaves = leaf_values(*choice_.event, (*document)[choice_.event->name]);
+            other_fields_.clear();
+            for (const auto& leaf : leaves)
+                if (other_fields_.size() < kMostNamed) other_fields_.push_back(leaf.path);
             std::erase_if(leaves, [this](const LeafValue& leaf) { return !choice_.takes(leaf.path); });
             if (!leaves.empty()) print(leaves, choice_.event->name, how);
         }
@@ -175,6 +191,7 @@ class Getter {
     model::ModelPtr model_{};
     FieldChoice choice_{};
     BusSession::Demand demand_{};
+    std::vector<std::string> other_fields_;  // of the newest value
     bool printed_ = false;
 };
 

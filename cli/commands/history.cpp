@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "asip/bus/pattern.hpp"
 #include "cli/board_source.hpp"
 #include "cli/change_record.hpp"
 #include "cli/declaration.hpp"
@@ -51,6 +52,12 @@ int run_history(const HistoryOptions& options, Context& context) {
     if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
     auto changes = source.history(query, options.count);
     if (!changes) return context.fail_with(changes.error());
+    if (changes->empty() && !options.all) {
+        const auto names = source.names();
+        const auto is_it = [&](const std::string& name) { return bus::matches_pattern(query.board, name); };
+        if (std::none_of(names.begin(), names.end(), is_it))
+            return context.fail_with(no_such_board(query.board, names));
+    }
     // A registry gives the newest first.
     std::reverse(changes->begin(), changes->end());
     print_changes(*changes, options.output, context);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/commands/top.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <ostream>
 
 #include "asip/bus/pattern.hpp"
@@ -51,7 +53,9 @@ class Top {
             session_.run_for(options_.interval);
             show(stats_.records(Clock::now()), stats_.table(Clock::now()));
         }
-        return program::kExitOk;
+        if (!stats_.empty() || session_.stopped() || options_.pattern == "*") return program::kExitOk;
+        return context_.fail_with({program::kExitNoAnswer, "no agent published what it counted of " +
+                                                               options_.pattern + "; see asipctl list"});
     }
 
     int run_services() {
@@ -72,9 +76,17 @@ class Top {
              ++round) {
             if (!options_.no_ping && lost_.empty()) ping_all();
             session_.run_for(options_.interval);
+            missing_ = which_is_missing();
             show(model_.records(Clock::now()), model_.table(Clock::now()));
         }
-        return program::kExitOk;
+        return missing_ && !session_.stopped() ? context_.fail_with(*missing_) : program::kExitOk;
+    }
+
+    std::optional<Failure> which_is_missing() const {
+        const auto names = catalogue_.names();
+        const auto is_it = [this](const std::string& name) { return wanted(name); };
+        if (options_.pattern == "*" || std::any_of(names.begin(), names.end(), is_it)) return std::nullopt;
+        return no_such_board(options_.pattern, names);
     }
 
     bool wanted(const std::string& board) const { return bus::matches_pattern(options_.pattern, board); }
@@ -133,6 +145,7 @@ class Top {
         // Home and clear: the table is drawn over itself.
         if (context_.terminal()) context_.out << "\033[H\033[J";
         if (!lost_.empty()) context_.out << lost_ << '\n';
+        if (missing_ && context_.terminal()) context_.out << missing_->text << "; waiting for it\n";
         context_.out << table.render(context_.width, context_.colour);
         if (!context_.terminal()) context_.out << '\n';
         context_.out << std::flush;
@@ -146,6 +159,7 @@ class Top {
     StatsModel stats_;
     std::map<std::string, BusSession::Request> pings_;  // those without an answer
     std::string lost_;
+    std::optional<Failure> missing_;  // no board is what was asked for
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/commands/wait.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <ostream>
@@ -9,7 +10,7 @@
 #include "asip/model/board_state.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/wall_time.hpp"
-#include "cli/bus_session.hpp"
+#include "cli/board_source.hpp"
 #include "cli/context_event.hpp"
 #include "cli/declaration.hpp"
 #include "cli/target.hpp"
@@ -37,6 +38,9 @@ class Waiter {
         const auto deadline = Clock::now() + context_.timeout;
         session_.publish(context_.topics.probe(), board());
         session_.run_until([this] { return came(); }, deadline);
+        // However short it is: what is retained was looked at once.
+        session_.run_until([this] { return came() || retained_->passed(); },
+                           std::max(deadline, Clock::now() + kMarkPatience));
         if (came()) return print();
         if (session_.stopped()) return context_.fail_with({program::kExitFailure, "interrupted"});
         return context_.fail_with(
@@ -145,9 +149,9 @@ Run declare_wait(Declaration& verb) {
 
 Verb wait_verb() {
     return {"wait", "Wait until a board is in a state, or reports an event",
-            "Ends at once when the board is in that state. --timeout says how long to wait; status 4 when it "
-            "did not\n"
-            "come. A state prints nothing, an event is printed.\n"
+            "Ends at once when the board is in that state. --timeout says how long to wait, 0: only look; "
+            "status 4\n"
+            "when it did not come. A state prints nothing, an event is printed.\n"
             "Examples:\n"
             "  asipctl wait uno1 --timeout 1m && asipctl send uno1/servo write 0 90\n"
             "  asipctl wait uno1 --for lost --timeout 12h\n"

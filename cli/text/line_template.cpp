@@ -25,12 +25,11 @@ Expected<LineTemplate> LineTemplate::parse(std::string_view text) {
             plain += c;
             ++i;
         } else if (c == '}') {
-            return fail("format: '}' without '{' before it; write }} for a brace");
+            return fail("'}' without '{' before it; write }} for a brace");
         } else if (c == '{') {
             const auto end = text.find('}', i);
-            if (end == std::string_view::npos)
-                return fail("format: '{' is never closed; write {{ for a brace");
-            if (end == i + 1) return fail("format: {} names nothing");
+            if (end == std::string_view::npos) return fail("'{' is never closed; write {{ for a brace");
+            if (end == i + 1) return fail("{} names nothing");
             if (!plain.empty()) result.pieces_.push_back({false, std::exchange(plain, {})});
             result.pieces_.push_back({true, std::string(text.substr(i + 1, end - i - 1))});
             i = end;

@@ -12,6 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 class ChangesTest : public BusTest {
   protected:
@@ -60,6 +61,27 @@ TEST_F(ChangesTest, WaitForOnline_IsNotEndedByADescriptionThatComesBeforeTheStat
     EXPECT_THAT(wait.errors, HasSubstr("only an old description is retained"));
 }
 
+TEST_F(ChangesTest, WaitWithoutTime_LooksOnceAndBlamesNoBroker) {
+    announce("uno1");
+    EXPECT_EQ(asipctl({"wait", "uno1", "--timeout", "0"}).status, 0);
+    announce("uno1", "lost");
+    const auto wait = asipctl({"wait", "uno1", "--timeout", "0"});
+    EXPECT_EQ(wait.status, 4);
+    EXPECT_THAT(wait.errors, HasSubstr("the board is lost"));
+    EXPECT_THAT(wait.errors, Not(HasSubstr("broker")));
+}
+
+TEST_F(ChangesTest, TopOfABoardThatIsNotThere_EndsWithTheNearestName) {
+    announce("uno1");
+    const auto top = [this](const std::string& board) {
+        return asipctl({"top", board, "-n", "1", "-i", "300ms", "--no-ping"});
+    };
+    EXPECT_EQ(top("uno2").status, 4);
+    EXPECT_THAT(top("uno2").errors, HasSubstr("no board 'uno2' on this bus (did you mean \"uno1\"?)"));
+    EXPECT_THAT(top("x*").errors, HasSubstr("no board is like x*"));
+    EXPECT_EQ(top("uno*").status, 0) << top("uno*").errors;
+}
+
 TEST_F(ChangesTest, WaitForAnEvent_TakesNoRetainedOneAndPrintsIt) {
     announce("uno1");
     probe_.publish("asip/uno1/distance/out", R"({"distance":[1]})", true);
@@ -102,6 +124,10 @@ TEST_F(ChangesTest, RegistryWithAHistory_IsFollowedAndAsked) {
     ASSERT_FALSE(changes.empty());
     EXPECT_EQ(changes[0]["what"], "added") << "the oldest first";
     EXPECT_THAT(asipctl({"history", "--all", "-n", "1"}).output, HasSubstr("BOARD"));
+    const auto unknown = asipctl({"history", "uno2"});
+    EXPECT_EQ(unknown.status, 4);
+    EXPECT_THAT(unknown.errors, HasSubstr("no board 'uno2' on this bus (did you mean \"uno1\"?)"));
+    EXPECT_EQ(asipctl({"history", "x*"}).status, 4);
 }
 
 TEST_F(ChangesTest, RegistryWithoutAHistory_ReportsThat) {
@@ -124,6 +150,16 @@ TEST_F(ChangesTest, Get_AsksTheBoardAndPrintsTheUnit) {
     answer(*request, R"({"status":"ok","proof":"answer","answer":{"distance":[42,118]}})");
     EXPECT_EQ(get.wait_exit(), 0) << get.errors();
     EXPECT_EQ(get.output(), "118 cm\n");
+}
+
+TEST_F(ChangesTest, GetOfAFieldThatTheValueLacks_NamesThoseThatItHas) {
+    announce("uno1");
+    ChildProcess get(program({"get", "uno1/distance/7"}), environment());
+    const auto request = probe_.wait_for("asip/uno1/distance/in");
+    ASSERT_TRUE(request);
+    answer(*request, R"({"status":"ok","proof":"answer","answer":{"distance":[42,118]}})");
+    EXPECT_EQ(get.wait_exit(), 1);
+    EXPECT_THAT(get.errors(), HasSubstr("uno1/distance has no field \"7\" in its values; there are 0, 1"));
 }
 
 TEST_F(ChangesTest, GetOfAServiceThatCannotBeAsked_TakesTheNextReport) {

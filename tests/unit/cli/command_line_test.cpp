@@ -54,6 +54,15 @@ TEST(CommandLine, Numbers_AreCheckedAgainstTheirBounds) {
     EXPECT_EQ(parsed({"send", "--stdin", "--in-flight", "256"}), std::nullopt);
 }
 
+TEST(CommandLine, WrongTemplate_IsBlamedOnItsOptionOnce) {
+    CommandLine line(all_verbs());
+    testing::internal::CaptureStderr();
+    EXPECT_TRUE(line.parse({"list", "--format", "{borad}"}));
+    const auto errors = testing::internal::GetCapturedStderr();
+    EXPECT_THAT(errors, HasSubstr("--format: there is no {borad} (did you mean \"board\"?)"));
+    EXPECT_EQ(errors.find("format:"), errors.rfind("format:")) << errors;
+}
+
 TEST(CommandLine, HelpOfAVerb_ShowsWhatItDeclares) {
     const CommandLine line(all_verbs());
     EXPECT_THAT(*line.help("list"), HasSubstr("--state online|offline|lost|sleeping|updating"));

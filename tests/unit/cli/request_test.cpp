@@ -52,6 +52,13 @@ TEST_F(RequestTest, WhatTheModelForbids_NeverLeaves) {
     EXPECT_THAT(make("servo", {"write", "0"}).error().text, HasSubstr("angle 0..180"));
 }
 
+TEST_F(RequestTest, UnknownCommand_NamesThoseThereAreOnce) {
+    const auto text = make("servo", {"fly", "0"}).error().text;
+    EXPECT_THAT(text, HasSubstr("no command 'fly'; servo has remap, write"));
+    EXPECT_EQ(text.find("write"), text.rfind("write")) << text;
+    EXPECT_THAT(make("servo", {}).error().text, HasSubstr("which command? There are remap, write"));
+}
+
 TEST_F(RequestTest, ServiceNobodyDescribed_TakesTagAndParameters) {
     EXPECT_EQ(make("X", {"A", "100"})->payload, "A,100");
     EXPECT_FALSE(make("X", {"A", "1\nS,W,0,0"}));
