@@ -14,7 +14,12 @@ constexpr Duration kBetweenRefusalLogs = std::chrono::seconds(10);
 }  // namespace
 
 PointToPoint::PointToPoint(boost::asio::io_context& io, BoardLog& log, Duration silence, LineHandler on_line)
-    : io_(io), log_(log), silence_(silence), on_line_(std::move(on_line)), silence_timer_(io) {}
+    : io_(io),
+      log_(log),
+      silence_(silence),
+      on_line_(std::move(on_line)),
+      silence_timer_(io),
+      ended_timer_(io) {}
 
 Expected<std::uint16_t, link::StreamError> PointToPoint::listen(const link::TcpAddress& address,
                                                                 ClientFraming::Kind framing) {
@@ -51,7 +56,8 @@ void PointToPoint::accepted(std::unique_ptr<link::ByteStream> stream, ClientFram
     const auto client = clients_.insert(
         clients_.end(), Client{next_id_++, std::move(stream), ClientFraming(framing), now, now, false, {}});
     client->stream->start({[this, client](std::string_view bytes) { received(*client, bytes); },
-                           [this, client](const link::StreamError&) { drop(*client, "closed"); }});
+                           [this, client](const link::StreamError&) { drop(*client, "closed"); },
+                           [this, client] { input_ended(*client); }});
     watch_silence();
 }
 
@@ -64,8 +70,10 @@ void PointToPoint::received(Client& client, std::string_view bytes) {
 
 void PointToPoint::give(Client& client) {
     if (std::exchange(giving_, true)) return;
-    while (!client.gone && !client.waiting.empty() && on_line_(client.id, client.waiting.front()))
+    while (!client.gone && !client.waiting.empty() && on_line_(client.id, client.waiting.front())) {
         client.waiting.pop_front();
+        client.served = Clock::now();
+    }
     if (!client.gone) client.stream->pause_reading(!client.waiting.empty());
     giving_ = false;
 }
@@ -94,6 +102,7 @@ void PointToPoint::send(std::string_view line, std::optional<session::ClientId> 
             drop(client, "too slow");
         } else if (const std::string bytes = client.framing.encode(line); !bytes.empty()) {
             client.stream->write(bytes);
+            if (to) client.served = Clock::now();
         }
     }
 }
@@ -116,8 +125,39 @@ void PointToPoint::watch_silence() {
     });
 }
 
+void PointToPoint::input_ended(Client& client) {
+    client.ended = Clock::now();
+    client.heard = {};  // its place is the first that another gets
+    close_ended();
+}
+
+Time PointToPoint::end_of(const Client& client) {
+    const Time latest = *client.ended + kLongestAfterEnd;
+    if (!client.waiting.empty()) return latest;
+    return std::min(latest, std::max(*client.ended, client.served) + kQuietAfterEnd);
+}
+
+void PointToPoint::close_ended() {
+    Time next = Time::max();
+    const Time now = Clock::now();
+    for (Client& client : clients_) {
+        if (client.gone || !client.ended) continue;
+        if (const Time end = end_of(client); now < end)
+            next = std::min(next, end);
+        else
+            drop(client, "closed");
+    }
+    if (next == Time::max()) return;
+    // What is taken or answered meanwhile moves an end; lines that wait may be taken before the last moment.
+    ended_timer_.expires_at(std::min(next, now + kQuietAfterEnd));
+    ended_timer_.async_wait([this](boost::system::error_code error) {
+        if (!error) close_ended();
+    });
+}
+
 void PointToPoint::close() {
     silence_timer_.cancel();
+    ended_timer_.cancel();
     listeners_.clear();
     // A handler of one of them may be running.
     for (Client& client : clients_)

@@ -22,12 +22,15 @@ namespace asip::agent {
 /// Offers the board to point-to-point clients over TCP. A client that sends faster than the board executes is
 /// read more slowly; one that does not read is dropped once kMaxUnsentBytes wait for it. Where kMaxClients
 /// are connected, a new one takes the place of the one that sent nothing for longest, if that is
-/// kMayBeDropped.
+/// kMayBeDropped. One that ends its sending, as `nc -N` does, still gets the answers to what it sent: it is
+/// closed when nothing came for it for kQuietAfterEnd, or kLongestAfterEnd later in any case.
 class PointToPoint {
   public:
     static constexpr std::size_t kMaxUnsentBytes = 64 * 1024;
     static constexpr std::size_t kMaxClients = 64;
     static constexpr Duration kMayBeDropped = std::chrono::seconds(10);
+    static constexpr Duration kQuietAfterEnd = std::chrono::seconds(2);
+    static constexpr Duration kLongestAfterEnd = std::chrono::seconds(10);
 
     /// A line of a client. False: not now; it is given again at the next resume().
     using LineHandler = std::function<bool(session::ClientId client, std::string_view line)>;
@@ -52,7 +55,11 @@ class PointToPoint {
         Time heard;
         bool gone = false;  // erased at the next turn of the loop: its handlers may still be running
         std::deque<std::string> waiting;  // lines that could not be accepted yet; reading is paused meanwhile
+        std::optional<Time> ended = std::nullopt;  // it sends no more
+        Time served = {};                          // the last line of it was taken, or for it alone was sent
     };
+    /// When a client that sends no more is closed.
+    static Time end_of(const Client& client);
     void accepted(std::unique_ptr<link::ByteStream> stream, ClientFraming::Kind framing);
     bool make_room();
     void received(Client& client, std::string_view bytes);
@@ -60,12 +67,15 @@ class PointToPoint {
     std::size_t living() const;
     void drop(Client& client, const char* why);
     void watch_silence();
+    void input_ended(Client& client);
+    void close_ended();
 
     boost::asio::io_context& io_;
     BoardLog& log_;
     Duration silence_;
     LineHandler on_line_;
     boost::asio::steady_timer silence_timer_;
+    boost::asio::steady_timer ended_timer_;
     std::vector<std::unique_ptr<link::TcpListener>> listeners_;
     std::list<Client> clients_;
     bool giving_ = false;

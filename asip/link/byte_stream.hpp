@@ -31,6 +31,10 @@ class ByteStream {
         std::function<void(std::string_view)> on_bytes;
         /// The stream has ended by itself; nothing follows. The stream may be destroyed in this handler.
         std::function<void(const StreamError&)> on_closed;
+        /// The peer sends no more; it may have closed, or may still read what is written: then on_closed
+        /// tells of it at a write, or never. Without this handler the stream ends here. It may be destroyed
+        /// in this handler.
+        std::function<void()> on_input_ended = nullptr;
     };
 
     virtual ~ByteStream() = default;

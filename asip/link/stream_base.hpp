@@ -52,7 +52,7 @@ class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
 
     void pause_reading(bool paused) {
         paused_ = paused;
-        if (!paused_ && !reading_ && !closed_ && handlers_.on_bytes) read();
+        if (!paused_ && !reading_ && !closed_ && !input_ended_ && handlers_.on_bytes) read();
     }
 
     void close() {
@@ -70,6 +70,11 @@ class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
             boost::asio::buffer(buffer_),
             [self = this->shared_from_this()](const boost::system::error_code& error, std::size_t size) {
                 if (self->closed_) return;
+                if (error == boost::asio::error::eof && self->handlers_.on_input_ended) {
+                    self->input_ended_ = true;
+                    self->handlers_.on_input_ended();
+                    return;
+                }
                 if (error) {
                     self->ended(error);
                     return;
@@ -124,6 +129,7 @@ class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
     std::function<void()> sent_;
     std::size_t unsent_ = 0;
     bool closed_ = false;
+    bool input_ended_ = false;
     bool paused_ = false;
     bool reading_ = false;  // an operation is under way, or its handler runs
 };

@@ -41,13 +41,14 @@ class Socket {
                 char buffer[4096];
                 while (poll(&poll_for, 1, 0) > 0) {
                     const auto count = recv(fd_, buffer, sizeof buffer, 0);
-                    if (count <= 0) return false;
+                    if (count <= 0) break;
                     received.append(buffer, static_cast<std::size_t>(count));
                 }
                 return received.find(wanted) != std::string::npos;
             },
             limit);
     }
+    void end_sending() { shutdown(fd_, SHUT_WR); }
     bool closed_by_peer() {
         return wait_until([&] {
             char buffer[256];
@@ -183,6 +184,23 @@ TEST(AgentClients, FramingGivenForAPort_IsUsedFromTheFirstByteOn) {
         return plain.receive("@I,a,1,{0:3}\n", 50ms) && java.receive("@I,a,1,{0:3}", 50ms);
     })) << agent.process().errors();
     EXPECT_EQ(java.received[0], '\0');
+}
+
+TEST_F(AgentOnPort, ClientThatEndsItsSending_GetsItsAnswersAndIsClosed) {
+    Socket client(port_);
+    ASSERT_TRUE(client.connected());
+    std::string lines;
+    for (int i = 0; i < 200; ++i)
+        lines += "S,W,1," + std::to_string(i) + "\n";
+    client.send(lines + "#,?\n");
+    client.end_sending();
+    EXPECT_TRUE(client.receive("@#,?,0,4,", 20s)) << client.received << agent_.process().errors();
+    EXPECT_TRUE(fake_.executed("S,W,1,199"));
+    EXPECT_TRUE(client.closed_by_peer()) << agent_.process().errors();
+    Socket silent(port_);
+    ASSERT_TRUE(silent.connected());
+    silent.end_sending();
+    EXPECT_TRUE(silent.closed_by_peer()) << "though it asked nothing";
 }
 
 TEST_F(AgentOnPort, ManyLinesAtOnce_AreReadMoreSlowlyAndNoneIsLost) {
