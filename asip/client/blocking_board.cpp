@@ -23,11 +23,13 @@ class BlockingBoard::Runner {
   public:
     ~Runner() {
         asio::post(io_, [this] {
+            board_.close();
             streams_.clear();
             board_ = Board();
-            // What closing the board left to do comes before.
-            asio::post(io_, [this] { io_.stop(); });
+            idle_.reset();
         });
+        // What closing the board left to do comes before.
+        if (ended_.get_future().wait_for(kMaxClosing) != std::future_status::ready) io_.stop();
         thread_.join();
     }
 
@@ -43,11 +45,18 @@ class BlockingBoard::Runner {
     std::map<std::string, Stream<Json>>& streams() { return streams_; }
 
   private:
+    static constexpr std::chrono::seconds kMaxClosing{2};
+
     asio::io_context io_;
     asio::executor_work_guard<asio::io_context::executor_type> idle_ = asio::make_work_guard(io_);
     Board board_;
     std::map<std::string, Stream<Json>> streams_;
-    std::thread thread_{[this] { io_.run(); }};  // last: runs as soon as it is made
+    std::promise<void> ended_;
+    // Last: it runs as soon as it is made.
+    std::thread thread_{[this] {
+        io_.run();
+        ended_.set_value();
+    }};
 };
 
 namespace {

@@ -96,7 +96,8 @@ class Board {
     /// One ASIP request as on the wire, for what has no call here: "T,P,440,200".
     Awaitable<void> raw(std::string line) const;
 
-    /// Lets go of the port or broker; calls in progress end with kClosed.
+    /// Lets go of the port or broker; calls in progress end with kClosed. A board that reports on demand is
+    /// told that nothing is wanted of it any more, by what the io_context still runs: for a second at most.
     void close() const;
 
   private:

@@ -19,6 +19,8 @@ using Json = nlohmann::json;
 constexpr PendingCalls::Id kOpening = 0;
 // Beyond a command's deadline, for the way of its answer.
 constexpr auto kAnswerTime = std::chrono::milliseconds(500);
+// Closing tells boards that nothing is wanted of them any more.
+constexpr auto kLeaveTime = std::chrono::milliseconds(500);
 
 Expected<mqtt::Options> mqtt_options(const Address& address, const Options& options, std::string client_id) {
     mqtt::Options mqtt;
@@ -57,6 +59,19 @@ Error error_of(const bus::Reply& reply) {
         default:
             return {Error::Kind::kTimeout, 0, timeout_text(reply.reason)};
     }
+}
+
+/// Publishes `messages`, lets the client disconnect, and ends it, whatever becomes of the broker. It lives in
+/// the loop alone: with a loop that ends before, it ends.
+void leave(boost::asio::io_context& io, std::shared_ptr<mqtt::Client> client,
+           std::vector<mqtt::Message> messages) {
+    for (auto& message : messages)
+        client->publish(std::move(message), mqtt::Priority::kReply);
+    const auto limit = std::make_shared<boost::asio::steady_timer>(io, 2 * kLeaveTime);
+    client->stop(kLeaveTime, [weak = std::weak_ptr(limit)] {
+        if (const auto timer = weak.lock()) timer->cancel();
+    });
+    limit->async_wait([limit, client = std::move(client)](boost::system::error_code) {});
 }
 
 }  // namespace
@@ -225,9 +240,15 @@ void BusTransport::close() {
     demand_timer_.cancel();
     alive_.reset();
     calls_.finish_all({Error::Kind::kClosed, 0, "the board was closed"});
-    if (client_) {
+    if (!client_) {
+        return;
+    }
+    std::shared_ptr<mqtt::Client> client = std::move(client_);
+    if (auto nothing_wanted = demander_->leave(); !nothing_wanted.empty()) {
+        leave(io_, std::move(client), std::move(nothing_wanted));
+    } else {
         // This may be called from one of the client's handlers, which must not destroy it.
-        boost::asio::post(io_, [client = std::shared_ptr<mqtt::Client>(std::move(client_))] {});
+        boost::asio::post(io_, [client = std::move(client)] {});
     }
 }
 

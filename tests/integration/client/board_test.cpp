@@ -4,10 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/use_future.hpp>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "asip/client/blocking_board.hpp"
+#include "asip/client/board.hpp"
 #include "tests/integration/client/simulated_boards.hpp"
 #include "tests/support/bus_probe.hpp"
 #include "tests/support/mosquitto_broker.hpp"
@@ -178,6 +182,43 @@ TEST(BlockingBoardOnDemand, Watched_ItReportsAndStopsAfterwards) {
         return probe.count("asip/uno/distance/out") == before;
     };
     EXPECT_TRUE(wait_until(silent, test::time_limit(25s))) << agent.errors();
+}
+
+/// Opens the board, demands distances, and closes it at the first, with the stream still there.
+Awaitable<int> close_at_first_event(boost::asio::io_context& io, std::string address) {
+    const auto board = co_await Board::open(io, address);
+    if (!board) co_return Unexpected<Error>(board.error());
+    const auto distance = board->service("distance");
+    if (!distance) co_return Unexpected<Error>(distance.error());
+    auto events = distance->events(20);
+    const auto event = co_await events.next(test::time_limit(5s));
+    board->close();
+    if (!event) co_return Unexpected<Error>(event.error());
+    co_return 1;
+}
+
+TEST(BoardOnDemand, Closed_ItsBoardIsToldAtOnce) {
+    test::SimulatedBoards boards({"asip_uno_services"});
+    const test::MosquittoBroker broker;
+    test::ChildProcess agent({ASIP_TEST_AGENT, "--serial", boards.serial(), "--name", "uno", "--broker",
+                              broker.address(), "--reports", "on-demand"});
+    const test::BusProbe probe(broker.port(), {"asip/servicebus/uno/#"});
+    ASSERT_TRUE(probe.wait_for("asip/servicebus/uno/$state", "online")) << agent.errors();
+    boost::asio::io_context io;
+    auto outcome =
+        boost::asio::co_spawn(io, close_at_first_event(io, broker.url() + "/uno"), boost::asio::use_future);
+    io.run_for(test::time_limit(10s));
+    ASSERT_TRUE(io.stopped()) << "closing left something that does not end";
+    const auto first = outcome.get();
+    ASSERT_TRUE(first) << to_string(first.error()) << agent.errors();
+    const auto demands = [&probe] {
+        std::vector<std::string> all;
+        for (const auto& message : probe.messages())
+            if (message.topic.find("/$demand/") != std::string::npos) all.push_back(message.payload);
+        return all;
+    };
+    EXPECT_TRUE(wait_until(
+        [&] { return demands().size() > 1 && demands().back().find("distance") == std::string::npos; }));
 }
 
 // --- what cannot be opened says why
