@@ -28,7 +28,7 @@ class Engine {
     virtual std::string log(std::size_t node) const = 0;
 };
 
-/// "mosquitto", "nats"
+/// "mosquitto", "bridges", "nats", "rabbitmq", "aedes"
 std::vector<std::string> engine_names();
 /// Started, with nodes that accept connections. Throws std::runtime_error: no such engine, or it does not
 /// start.

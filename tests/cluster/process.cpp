@@ -6,13 +6,14 @@
 
 namespace cluster {
 
-Process::Process(std::vector<std::string> command) : command_(std::move(command)) {
+Process::Process(std::vector<std::string> command, std::map<std::string, std::string> environment)
+    : command_(std::move(command)), environment_(std::move(environment)) {
     start();
 }
 
 void Process::start() {
     if (process_) earlier_ = log();
-    process_ = std::make_unique<asip::test::ChildProcess>(command_);
+    process_ = std::make_unique<asip::test::ChildProcess>(command_, environment_);
 }
 
 void Process::kill() {
@@ -43,7 +44,7 @@ std::optional<int> Process::ended_by_itself() {
 }
 
 std::string Process::log() const {
-    return earlier_ + (process_ ? process_->errors() : "");
+    return earlier_ + (process_ ? process_->output() + process_->errors() : "");
 }
 
 }  // namespace cluster

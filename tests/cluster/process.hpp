@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,7 +13,7 @@ namespace cluster {
 /// A program that is killed and started again, and all that it logged.
 class Process {
   public:
-    explicit Process(std::vector<std::string> command);
+    explicit Process(std::vector<std::string> command, std::map<std::string, std::string> environment = {});
 
     void start();  ///< also again, after a kill
     void kill();   ///< SIGKILL, and its end
@@ -27,6 +28,7 @@ class Process {
 
   private:
     std::vector<std::string> command_;
+    std::map<std::string, std::string> environment_;
     std::unique_ptr<asip::test::ChildProcess> process_;
     std::string earlier_;
 };

@@ -35,7 +35,7 @@ class EveryBoardTest : public BusTest, public ::testing::WithParamInterface<Boar
         ASSERT_EQ(asipctl({"wait", "desk", "--for", "lost"}).status, 0);
         replay_ = std::make_unique<ChildProcess>(program({"replay", recording, "--loop"}), environment());
         ASSERT_TRUE(replay_->wait_for_errors("replaying 1 board")) << replay_->errors();
-        ASSERT_EQ(asipctl({"wait", "desk", "--for", "online", "--timeout", "25s"}).status, 0);
+        ASSERT_EQ(asipctl({"wait", "desk", "--for", "online", "--timeout", "60s"}).status, 0);
     }
 
     void start_board() {
@@ -50,7 +50,7 @@ class EveryBoardTest : public BusTest, public ::testing::WithParamInterface<Boar
         agent_ = std::make_unique<ChildProcess>(
             Words{ASIP_PROGRAMS "/asip-agent", "--serial", folder_.file("port"), "--name", "desk"},
             environment());
-        ASSERT_EQ(asipctl({"wait", "desk", "--for", "online", "--timeout", "25s"}).status, 0)
+        ASSERT_EQ(asipctl({"wait", "desk", "--for", "online", "--timeout", "60s"}).status, 0)
             << agent_->errors();
         ASSERT_EQ(asipctl({"send", "desk/distance", "report", "100"}).status, 0);
     }

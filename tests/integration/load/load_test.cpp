@@ -85,7 +85,7 @@ TEST_F(LoadTest, BoardsThatDieFlapLeaveAndJoin_AreSeenAsSuchByTheRegistry) {
 TEST_F(LoadTest, BoardsThatShareConnections_AreTheSameToTheRegistry) {
     ASSERT_TRUE(registry.complete());
     const auto load =
-        start({"--boards", "200", "--boards-per-connection", "50", "--join-rate", "400", "--lease", "4",
+        start({"--boards", "200", "--boards-per-connection", "50", "--join-rate", "400", "--lease", "8",
                "--step", "then die 10", "--step", "then flap 20 down 300ms", "--step", "then hang 6"});
     EXPECT_TRUE(wait_until([&] { return were_lost() >= 36; }, time_limit(20s)))
         << were_lost() << " of 10 by a will, 20 for a moment, 6 by their leases";

@@ -6,6 +6,7 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <fstream>
 #include <stdexcept>
 
 namespace truth {
@@ -15,6 +16,7 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr auto kBackOnline = 60s;
+constexpr std::int64_t kWatchedMs = 400;
 constexpr const char* kReplies = "asip/reply/truth";
 
 }  // namespace
@@ -87,9 +89,26 @@ void Round::watch_own_connection() {
     if (probe_->connected()) connected_ = now;
 }
 
+// An agent that waits for a processor reads what was sent later than it was sent.
+void Round::watch_processor() {
+    if (now_ms() < watched_ + kWatchedMs) return;
+    for (const auto& board : boards_) {
+        const auto pid = board->agent().pid();
+        std::ifstream statistics(fmt::format("/proc/{}/schedstat", pid));
+        std::int64_t ran_ns = 0, waited_ns = 0;
+        if (!(statistics >> ran_ns >> waited_ns)) continue;
+        const auto [known, first] = waited_.try_emplace(pid, waited_ns);
+        if (!first && waited_ns - known->second > kWatchedMs / 4 * 1'000'000)
+            starved_.emplace_back(watched_, now_ms());
+        known->second = waited_ns;
+    }
+    watched_ = now_ms();
+}
+
 void Round::pump() {
     if (pumped_ != 0 && now_ms() > pumped_ + kStarvedMs) starved_.emplace_back(pumped_, now_ms());
     pumped_ = now_ms();
+    watch_processor();
     for (auto& client : clients_)
         client->pump();
     for (auto& board : boards_)

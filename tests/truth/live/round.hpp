@@ -5,6 +5,7 @@
 #include <deque>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -82,6 +83,7 @@ class Round {
     void begin_outage(const LiveBoard& board) { outages_.push_back({&board, now_ms(), announced(board)}); }
     void end_outages();
     void watch_own_connection();
+    void watch_processor();
 
     std::uint64_t seed_;
     Counts& counts_;
@@ -100,6 +102,8 @@ class Round {
     std::vector<Outage> outages_;
     std::vector<std::pair<std::int64_t, std::int64_t>> starved_;
     std::int64_t pumped_ = 0;
+    std::int64_t watched_ = 0;  // when watch_processor() looked last
+    std::map<pid_t, std::int64_t> waited_;
     std::vector<std::pair<std::int64_t, std::string>> story_;  // the incidents, and wrong answers
     std::vector<std::pair<std::int64_t, std::function<void()>>> later_;
 };

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "tests/cluster/node_engine.hpp"
+
+namespace cluster {
+namespace {
+
+/// Three nodes that find each other by a list. They need the name server of Erlang, which is started here so
+/// that none is left behind.
+class RabbitMq final : public NodeEngine {
+  public:
+    RabbitMq() : NodeEngine("rabbitmq", 3), inner_(free_ports(7)) {
+        const auto names = std::to_string(inner_[6]);
+        add_helper({"epmd", "-address", "127.0.0.1", "-port", names});
+        wait_for_port(inner_[6], last_helper());
+        folder().write("enabled_plugins", "[rabbitmq_mqtt].\n");
+        for (std::size_t i = 0; i < ports().size(); ++i)
+            add_node({"/usr/lib/rabbitmq/bin/rabbitmq-server"}, environment(i, names));
+        wait_for_nodes();
+    }
+    std::vector<std::string> lacks() const override {
+        return {"MQTT 3.1.1 only, so retained descriptions do not expire",
+                "what is retained is known to one node only, and not found by wildcards",
+                "wills of a killed node are not published"};
+    }
+
+  private:
+    Environment environment(std::size_t node, const std::string& names) const {
+        std::string peers;
+        for (std::size_t i = 0; i < ports().size(); ++i)
+            peers += fmt::format("cluster_formation.classic_config.nodes.{} = rb{}@localhost\n", i + 1, i);
+        const auto configuration =
+            folder().write(fmt::format("rb{}.conf", node), fmt::format(R"(listeners.tcp.1 = 127.0.0.1:{}
+mqtt.listeners.tcp.1 = 127.0.0.1:{}
+mqtt.allow_anonymous = true
+mqtt.default_user = guest
+mqtt.default_pass = guest
+mqtt.tcp_listen_options.nodelay = true
+cluster_formation.peer_discovery_backend = classic_config
+log.console.level = warning
+cluster_partition_handling = autoheal
+{})",
+                                                                       inner_[node], ports()[node], peers));
+        const auto own = folder().file(fmt::format("rb{}", node));
+        return {{"HOME", folder().path().string()},
+                {"RUNNING_UNDER_SYSTEMD", "1"},  // the server in place of its script
+                {"NOTIFY_SOCKET", ""},
+                {"ERL_EPMD_ADDRESS", "127.0.0.1"},
+                {"ERL_EPMD_PORT", names},
+                {"RABBITMQ_NODENAME", fmt::format("rb{}@localhost", node)},
+                {"RABBITMQ_CONFIG_FILE", configuration},
+                {"RABBITMQ_ENABLED_PLUGINS_FILE", folder().file("enabled_plugins")},
+                {"RABBITMQ_DIST_PORT", std::to_string(inner_[3 + node])},
+                {"RABBITMQ_MNESIA_BASE", own},
+                {"RABBITMQ_LOG_BASE", own},
+                {"RABBITMQ_LOGS", "-"},
+                {"RABBITMQ_PID_FILE", own + ".pid"},
+                {"RABBITMQ_SERVER_ADDITIONAL_ERL_ARGS", "+S 1 -setcookie asip"}};
+    }
+
+    std::vector<std::uint16_t> inner_;  // three of AMQP, three between the nodes, one of the name server
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_rabbitmq() {
+    return std::make_unique<RabbitMq>();
+}
+
+}  // namespace cluster

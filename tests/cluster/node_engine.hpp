@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/cluster/engine.hpp"
+#include "tests/cluster/process.hpp"
+#include "tests/support/temp_dir.hpp"
+
+namespace cluster {
+
+/// An engine each node of which is one process that listens for MQTT. What else it needs runs beside, and is
+/// not killed with a node.
+class NodeEngine : public Engine {
+  public:
+    std::string name() const final { return name_; }
+    std::vector<std::uint16_t> ports() const final { return ports_; }
+    void kill(std::size_t node) final { nodes_.at(node)->kill(); }
+    void start(std::size_t node) final { nodes_.at(node)->start(); }
+    void stop(std::size_t node) final { nodes_.at(node)->stop(); }
+    void go_on(std::size_t node) final { nodes_.at(node)->go_on(); }
+    std::string log(std::size_t node) const final { return nodes_.at(node)->log(); }
+
+  protected:
+    using Command = std::vector<std::string>;
+    using Environment = std::map<std::string, std::string>;
+
+    /// With so many nodes, whose ports are chosen.
+    NodeEngine(std::string name, std::size_t nodes);
+    const asip::test::TempDir& folder() const { return folder_; }
+    /// The next node.
+    void add_node(Command command, Environment environment = {});
+    void add_helper(Command command, Environment environment = {});
+    /// Until each node accepts connections. Throws std::runtime_error with the log of one that does not.
+    void wait_for_nodes() const;
+    static void wait_for_port(std::uint16_t port, const Process& process);
+    const Process& last_helper() const { return *helpers_.back(); }
+
+  private:
+    asip::test::TempDir folder_;
+    std::string name_;
+    std::vector<std::uint16_t> ports_;
+    std::vector<std::unique_ptr<Process>> helpers_;
+    std::vector<std::unique_ptr<Process>> nodes_;  // before the helpers at the end
+};
+
+/// Nobody's but these tests': free now, and different from each other.
+std::vector<std::uint16_t> free_ports(std::size_t count);
+
+std::unique_ptr<Engine> make_mosquitto();
+std::unique_ptr<Engine> make_bridged_mosquitto();
+std::unique_ptr<Engine> make_nats();
+std::unique_ptr<Engine> make_rabbitmq();
+std::unique_ptr<Engine> make_aedes();
+
+}  // namespace cluster
