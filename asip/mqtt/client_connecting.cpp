@@ -57,6 +57,8 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
         const auto now = Clock::now();
         auto failure = end.failure;
         cut_off_.ended(failure, now - up_since_, options_.user, now);
+        // RabbitMQ keeps the queue of an identifier at the node that died, and closes whoever comes with it.
+        if (failure.after_sending > 1) options_.client_id = client_id_ + "-" + random_hex(options_.random, 4);
         retry_after(brokers_.lost(end, now - up_since_, options_.random).wait);
         if (handlers_.on_disconnected) handlers_.on_disconnected(failure);
         return;

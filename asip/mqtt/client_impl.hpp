@@ -83,6 +83,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     Time up_since_{};
     bool tried_v5_ = false;
     CutOff cut_off_;
+    const std::string client_id_;  // the one that was asked for
 
     Subscriptions subscriptions_;
     Time last_granted_{};  ///< or refused: when the broker was last busy with a subscription
