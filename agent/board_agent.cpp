@@ -76,7 +76,10 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
       reset_timer_(io_),
       counters_timer_(io_),
       statistics_timer_(io_),
-      safe_timer_(io_) {}
+      safe_timer_(io_),
+      notes_(io_, [this](mqtt::Message note) {
+          if (bus_) bus_->publish(std::move(note), mqtt::Priority::kReply);
+      }) {}
 
 void BoardAgent::start() {
     for (const auto& [address, framing] : options_.listen) {
@@ -128,6 +131,7 @@ void BoardAgent::perform(Effects& effects) {
     if (bus_)
         for (auto& publication : effects.publish)
             bus_->publish(std::move(publication.message), publication.priority);
+    if (bus_) notes_.add(std::move(effects.notes));
     for (const auto& [line, client] : effects.lines)
         clients_.send(line, client);
     if (effects.name_claimed) publish_log();
@@ -256,6 +260,7 @@ void BoardAgent::finish(int status) {
         boost::asio::post(io_, [on_ended = handlers_.on_ended, status] { on_ended(status); });
     };
     if (!bus_) return ended();
+    notes_.publish_all();
     bus_->stop(kGoodbye, std::move(ended));
 }
 

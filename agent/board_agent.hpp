@@ -12,6 +12,7 @@
 #include "agent/held_up.hpp"
 #include "agent/inbox.hpp"
 #include "agent/label_files.hpp"
+#include "agent/notes.hpp"
 #include "agent/options.hpp"
 #include "agent/outage.hpp"
 #include "agent/point_to_point.hpp"
@@ -98,6 +99,7 @@ class BoardAgent {
     boost::asio::steady_timer counters_timer_;
     boost::asio::steady_timer statistics_timer_;
     boost::asio::steady_timer safe_timer_;
+    Notes notes_;
     Inbox inbox_;
     HeldUp held_up_;
     std::size_t arrived_ = 0;  // commands in this turn of the loop

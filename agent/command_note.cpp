@@ -25,7 +25,7 @@ void note_command(const bus::Topics& topics, std::string_view board, const Comma
     mqtt::Message message;
     message.topic = topics.commands(board);
     message.payload = model::dump_json(bus::to_json(item));
-    out.publish.push_back({std::move(message), mqtt::Priority::kReply});
+    out.notes.push_back(std::move(message));
 }
 
 }  // namespace asip::agent

@@ -17,8 +17,8 @@ struct CommandNote {
     const bus::Reply& outcome;
     bool proven = true;  ///< false: nobody wanted an answer, so no proof was asked for
 };
-/// Publishes on `servicebus/BOARD/$commands` who commanded what, behind its answer, for a history. Nothing
-/// where the sender is not known.
+/// Notes on `servicebus/BOARD/$commands` who commanded what, behind its answer, for a history. Nothing where
+/// the sender is not known.
 void note_command(const bus::Topics& topics, std::string_view board, const CommandNote& note, Effects& out);
 
 }  // namespace asip::agent

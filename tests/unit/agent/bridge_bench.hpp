@@ -124,6 +124,8 @@ class BridgeBench {
                 answer += board.hear(write->bytes, 57600, now);
         for (auto& publication : effects.publish)
             published.push_back(std::move(publication));
+        for (auto& note : effects.notes)
+            published.push_back({std::move(note), mqtt::Priority::kReply});
         for (auto& line : effects.lines)
             line.client ? lines_for_one.push_back(line) : client_lines.push_back(line.line);
         for (auto& notice : effects.notices)
