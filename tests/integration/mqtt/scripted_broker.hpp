@@ -21,6 +21,8 @@ class ScriptedBroker {
 
     void refuse_subscriptions(int count) { refusals_ = count; }
     void answer_nothing_after_connect() { silent_ = true; }
+    /// Whoever publishes with this client identifier is closed, as by a node that has its queue elsewhere.
+    void close_publisher(std::string client_id) { closed_ = std::move(client_id); }
     /// What was held back first, in order.
     void answer_all() {
         silent_ = false;
@@ -83,6 +85,8 @@ class ScriptedBroker {
             if (refused) --refusals_;
             reply(peer, std::string("\x90\x04", 2) + packet.substr(2, 2) + std::string(1, '\0') +
                             (refused ? '\x87' : '\x01'));
+        } else if (type == 0x30 && !closed_.empty() && connect_packet.ends_with(closed_)) {
+            peer->socket.close();
         } else if (type == 0x30 && (packet[0] & 0x06) != 0) {
             const std::size_t topic = static_cast<unsigned char>(packet[3]);
             reply(peer, std::string("\x40\x02", 2) + packet.substr(4 + topic, 2));
@@ -107,6 +111,7 @@ class ScriptedBroker {
     boost::asio::ip::tcp::acceptor acceptor_;
     int refusals_ = 0;
     bool silent_ = false;
+    std::string closed_;
     std::vector<std::pair<std::shared_ptr<Peer>, std::string>> held_;
 };
 

@@ -49,6 +49,22 @@ TEST_F(SubscriptionTest, RefusedTwiceThenGranted_IsTriedAgainAndReported) {
     EXPECT_TRUE(bus.losses.empty());
 }
 
+TEST_F(SubscriptionTest, ClosedTwiceRightAfterSending_ComesBackUnderAnotherIdentifier) {
+    broker.close_publisher("asip-lamp");
+    auto made = options();
+    made.client_id = "asip-lamp";
+    made.retry_first = 5ms;
+    Recorder bus(made);
+    bus.at_connect = [&] { bus.client->publish(make_message("asip/lamp", "on", 1)); };
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] { return !bus.published.empty(); }));
+    std::vector<std::string> identifiers;
+    for (const auto& connected : bus.connects)
+        identifiers.push_back(connected.client_id);
+    EXPECT_THAT(identifiers,
+                ElementsAre("asip-lamp", "asip-lamp", testing::MatchesRegex("asip-lamp-[0-9a-f]{4}")));
+}
+
 TEST_F(SubscriptionTest, RequiredAndRefusedThreeTimes_TriesTheNextBroker) {
     MosquittoBroker next;
     broker.refuse_subscriptions(1000);
