@@ -40,6 +40,9 @@ class Simulator {
     void kill() {
         process_->signal(SIGKILL);
         process_->wait_exit();
+        // It leaves its links, and asip-sim does not replace one whose port is another program's by now.
+        for (const std::string& board : boards_)
+            std::filesystem::remove(port(board));
     }
     std::string port(const std::string& board) const { return folder_.file(board); }
 
