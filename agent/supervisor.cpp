@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/supervisor.hpp"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <csignal>
 #include <ctime>
@@ -11,6 +9,7 @@
 
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
+#include "asip/program/open_files.hpp"
 #include "asip/program/service_manager.hpp"
 
 namespace asip::agent {
@@ -27,14 +26,6 @@ constexpr Duration kServedLong = std::chrono::minutes(1);
 constexpr Duration kBetweenStarts = std::chrono::milliseconds(10);
 constexpr Duration kBetweenReports = std::chrono::milliseconds(500);
 constexpr std::size_t kNamedInStatus = 5;
-
-// Each board needs four, and one more for each client.
-void allow_many_descriptors() {
-    rlimit limit{};
-    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-    limit.rlim_cur = limit.rlim_max;
-    setrlimit(RLIMIT_NOFILE, &limit);
-}
 
 }  // namespace
 
@@ -70,7 +61,7 @@ Supervisor::~Supervisor() {
 
 int Supervisor::run() {
     if (several_) {
-        allow_many_descriptors();
+        program::allow_many_open_files();  // each board needs four, and one more for each client
         reload_signal_.add(SIGHUP);
         wait_for_reload();
         log::info("serving the boards of the configuration file", {{"boards", boards_.size()}});

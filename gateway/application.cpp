@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/application.hpp"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "asip/mqtt/failure.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
+#include "asip/program/open_files.hpp"
 #include "asip/random.hpp"
 #include "asip/text/wall_time.hpp"
 
@@ -32,18 +31,10 @@ model::ModelSet models_of(const std::string& folder) {
     return models;
 }
 
-// Each connection needs one: as many as the system allows.
-void allow_many_descriptors() {
-    rlimit limit{};
-    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-    limit.rlim_cur = limit.rlim_max;
-    setrlimit(RLIMIT_NOFILE, &limit);
-}
-
 }  // namespace
 
 Application::Application(ProgramOptions options) : options_(std::move(options)), timer_(io_) {
-    allow_many_descriptors();
+    program::allow_many_open_files();  // each connection needs one
     auto models = models_of(options_.services);
     auto units_of = [models](std::string_view model) { return model::units_of(models, model); };
     auto mqtt = options_.mqtt;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "load/options.hpp"
 
-#include <sys/resource.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <ctime>
@@ -13,6 +11,7 @@
 #include "asip/program/command_words.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
+#include "asip/program/open_files.hpp"
 #include "asip/program/options.hpp"
 #include "asip/text/duration.hpp"
 
@@ -147,16 +146,6 @@ Unexpected<int> usage(const std::string& text) {
     return Unexpected<int>(program::kExitUsage);
 }
 
-/// The soft limit of open files is for programs that use select(): this one takes what it may.
-std::size_t open_files() {
-    rlimit limit{};
-    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return 1024;
-    limit.rlim_cur = limit.rlim_max;
-    setrlimit(RLIMIT_NOFILE, &limit);
-    getrlimit(RLIMIT_NOFILE, &limit);
-    return static_cast<std::size_t>(limit.rlim_cur);
-}
-
 std::size_t local_ports() {
     std::size_t first = 32768, last = 60999;
     std::ifstream("/proc/sys/net/ipv4/ip_local_port_range") >> first >> last;
@@ -164,7 +153,7 @@ std::size_t local_ports() {
 }
 
 Expected<std::size_t> sharing(const Raw& raw) {
-    const auto files = open_files();
+    const auto files = program::allow_many_open_files();
     const auto needed = boards_per_connection(raw.boards, files, local_ports());
     if (raw.per_connection == 0) {
         if (needed > 1)
