@@ -67,17 +67,25 @@ void Connection::open() {
 }
 
 void Connection::watch() {
+    duplicate_socket();
+    arm();
+    schedule_tick();
+}
+
+bool Connection::duplicate_socket() {
     const int copy = fcntl(mosquitto_socket(mosquitto_.get()), F_DUPFD_CLOEXEC, 0);
+    asio::posix::stream_descriptor duplicate(io_);
     boost::system::error_code error;
-    if (copy >= 0) socket_.assign(copy, error);
+    if (copy >= 0) duplicate.assign(copy, error);
     if (copy < 0 || error) {
         if (copy >= 0) ::close(copy);
         fail({Kind::kUnreachable, broker_, 0,
               std::string("no file descriptor left: ") + std::strerror(errno)});
-        return;
+        return false;
     }
-    arm();
-    schedule_tick();
+    socket_ = std::move(duplicate);
+    read_armed_ = write_armed_ = false;
+    return true;
 }
 
 void Connection::arm() {
@@ -86,16 +94,18 @@ void Connection::arm() {
         read_armed_ = true;
         socket_.async_wait(asio::posix::stream_descriptor::wait_read,
                            [self = shared_from_this()](const boost::system::error_code& error) {
+                               if (error) return;
                                self->read_armed_ = false;
-                               if (!error) self->serve();
+                               self->serve();
                            });
     }
     if (!write_armed_ && (!tcp_connected_ || mosquitto_want_write(mosquitto_.get()))) {
         write_armed_ = true;
         socket_.async_wait(asio::posix::stream_descriptor::wait_write,
                            [self = shared_from_this()](const boost::system::error_code& error) {
+                               if (error) return;
                                self->write_armed_ = false;
-                               if (!error) self->serve();
+                               self->serve();
                            });
     }
 }
@@ -114,7 +124,9 @@ bool Connection::tcp_established() {
     sockaddr_storage peer{};
     size = sizeof peer;
     tcp_connected_ = getpeername(socket_.native_handle(), reinterpret_cast<sockaddr*>(&peer), &size) == 0;
-    return tcp_connected_;
+    // Asio keeps watching for writing on a descriptor that was waited on for it once, and wakes up for it
+    // after each message.
+    return tcp_connected_ && duplicate_socket();
 }
 
 /// Whichever direction became ready, both are served: during a TLS handshake reading may need to write and

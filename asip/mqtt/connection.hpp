@@ -78,6 +78,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     void limit_packets();
     void set_callbacks();
     void watch();
+    bool duplicate_socket();
     void arm();
     void serve();
     void read_all();
