@@ -36,7 +36,7 @@ struct Raw {
     program::LogOptions log;
     std::vector<std::string> http{"127.0.0.1:8080"}, hosts, origins;
     std::string cert, key, tokens, anonymous = "none", loopback, base_path, services;
-    std::string forget_after = "7d", idle = "75s", header = "10s", value_age = "10m";
+    std::string forget_after = "7d", idle = "75s", header = "10s", body = "30s", value_age = "10m";
     bool trusted_proxy = false, no_page = false, no_metrics = false;
     std::size_t value_bytes = 32u << 20;
     http::ServerLimits limits;
@@ -74,6 +74,7 @@ void declare_limits(CLI::App& app, program::Settings& settings, Raw& raw) {
     add(app.add_option("--max-connections", limits.connections, "Open at once"));
     add(app.add_option("--max-connections-per-address", limits.connections_per_address, "Open at once"));
     add(app.add_option("--header-time", raw.header, "For a request's head, from its first byte"));
+    add(app.add_option("--body-time", raw.body, "For a request's body, from the end of its head"));
     add(app.add_option("--idle-time", raw.idle, "For a connection without request"));
     add(app.add_option("--max-streams", raw.gateway.streams_per_client,
                        "Of one token, or address without one"));
@@ -201,6 +202,7 @@ Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
     if (!read_time(raw.forget_after, options.gateway.forget_after, error, "--forget-after") ||
         !read_time(raw.idle, options.limits.idle_time, error, "--idle-time") ||
         !read_time(raw.header, options.limits.head_time, error, "--header-time") ||
+        !read_time(raw.body, options.limits.body_time, error, "--body-time") ||
         !read_time(raw.value_age, options.gateway.values.age, error, "--value-age")) {
         return usage(error);
     }

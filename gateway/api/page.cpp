@@ -91,11 +91,11 @@ void serve_page(Gateway& gateway, const http::Request& request, const http::Repl
     }
     http::Response response;
     response.content_type = type_of(path);
+    response.by_encoding = true;
     const auto etag = "\"" + std::string(file->etag) + "\"";
     response.headers = {
-        {"ETag", etag},
+        {"ETag", "W/" + etag},
         {"Cache-Control", "no-cache"},
-        {"Vary", "Accept-Encoding"},
         {"Content-Security-Policy", policy(kiosk == nullptr ? std::vector<std::string>() : kiosk->frames)}};
     if (request.header("if-none-match").find(etag) != std::string_view::npos) {
         response.status = 304;

@@ -80,11 +80,11 @@ struct Served {
 
 http::Reply finished(const http::Reply& reply, Served served) {
     return reply.with([served = std::move(served)](http::Response& response) {
-        if (served.gzip && !response.compressed && response.fixed.empty() &&
-            response.body.size() >= kWorthCompressing) {
+        const bool worth = !response.compressed && response.body.size() >= kWorthCompressing;
+        if (worth || response.status == 304) response.by_encoding = true;
+        if (worth && served.gzip) {
             response.body = http::compress(response.body);
             response.compressed = true;
-            response.headers.emplace_back("Vary", "Accept-Encoding");
         }
         secure(response, served.origin);
     });

@@ -150,7 +150,8 @@ void Connection::refuse(int status, std::string_view text) {
                     std::to_string(status) + R"(,"detail":")" + std::string(text) + "\"}";
     head_only_ = false;
     phase_ = Phase::kHandling;
-    write(head_text(response, false, false), std::move(response), false);
+    std::string head = head_text(response, false, false);
+    write(std::move(head), std::move(response), false);
 }
 
 void Connection::respond(std::uint64_t number, Response response) {

@@ -109,18 +109,21 @@ bool split_target(Request& request) {
 }
 
 bool accepts_gzip(const Request& request) {
+    bool any = false;
     std::string_view rest = request.header("accept-encoding");
     while (!rest.empty()) {
-        std::string_view coding = next_part(rest, ',');
-        while (!coding.empty() && coding.front() == ' ')
-            coding.remove_prefix(1);
-        const auto name = coding.substr(0, coding.find_first_of("; "));
+        std::string_view trimmed = next_part(rest, ',');
+        trimmed.remove_prefix(std::min(trimmed.size(), trimmed.find_first_not_of(" \t")));
+        const auto coding = lower(trimmed);
+        const auto name = coding.substr(0, coding.find_first_of("; \t"));
         if (name != "gzip" && name != "*") continue;
-        const auto q = coding.find("q=0");
-        if (q == std::string_view::npos) return true;
-        return coding.find_first_of("123456789", q + 3) != std::string_view::npos;
+        const auto zero = coding.find("q=0");
+        const bool taken =
+            zero == std::string::npos || coding.find_first_of("123456789", zero + 3) != std::string::npos;
+        if (name == "gzip") return taken;
+        any = taken;
     }
-    return false;
+    return any;
 }
 
 std::string_view reason_phrase(int status) {
@@ -200,6 +203,7 @@ std::string head_text(const Response& response, bool keep_alive, bool chunked) {
     const bool bodiless = response.status == 204 || response.status == 304 || response.status == 101;
     if (!bodiless) text.append("Content-Type: ").append(response.content_type).append("\r\n");
     if (response.compressed) text.append("Content-Encoding: gzip\r\n");
+    if (response.by_encoding) text.append("Vary: Accept-Encoding\r\n");
     for (const auto& [name, value] : response.headers)
         text.append(name).append(": ").append(value).append("\r\n");
     if (chunked) {

@@ -40,7 +40,8 @@ struct Response {
     std::string body;
     /// Static text instead of `body`: not copied, so of static storage.
     std::string_view fixed;
-    bool compressed = false;  ///< `fixed` or `body` is gzip already
+    bool compressed = false;   ///< `fixed` or `body` is gzip already
+    bool by_encoding = false;  ///< clients that take gzip get another form than those that do not
 
     std::string_view text() const { return fixed.empty() ? std::string_view(body) : fixed; }
 };
@@ -59,7 +60,7 @@ bool split_target(Request& request);
 /// `%41+b` -> `A b` where `plus` is a blank; false: broken.
 bool percent_decode(std::string_view text, bool plus, std::string& decoded);
 
-/// Whether the client takes gzip (Accept-Encoding).
+/// Whether the client takes gzip (Accept-Encoding): what it says of gzip itself counts before `*`.
 bool accepts_gzip(const Request& request);
 
 /// As gzip, quickly rather than small.

@@ -113,7 +113,11 @@ TEST_F(GatewayAttack, Smuggling_IsRefused) {
     EXPECT_TRUE(both.closed());
     Wire twice(port());
     twice.send("GET / HTTP/1.1\r\nHost: localhost\r\nHost: evil.example\r\n\r\n");
-    EXPECT_EQ(read_answer(twice).status, 400);
+    const auto refused = read_answer(twice);
+    EXPECT_EQ(refused.status, 400);
+    EXPECT_EQ(refused.detail(), "more than one Host");
+    EXPECT_TRUE(twice.closed());
+    EXPECT_EQ(twice.waiting(), "") << "nothing behind what Content-Length says";
 }
 
 TEST_F(GatewayAttack, Pipelined_AreAnsweredInOrder) {

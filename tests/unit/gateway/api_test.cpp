@@ -231,6 +231,51 @@ TEST_F(ApiTest, EventStream_BeginsWithTheSnapshotAndResumes) {
     EXPECT_EQ(ask("GET", "/api/events?last_event_id=nonsense")->status(), 400);
 }
 
+TEST_F(ApiTest, IdleStream_SendsACommentEvery15Seconds) {
+    announce();
+    for (const char* target : {"/api/events", "/api/boards/uno1/services/distance/stream"}) {
+        const auto stream = get(target);
+        ASSERT_TRUE(stream->source) << target;
+        int woken = 0;
+        stream->source->wake = [&] { ++woken; };
+        const auto taken = [&] {
+            std::string text;
+            stream->source->take(text, 100'000);
+            return text;
+        };
+        EXPECT_THAT(taken(), HasSubstr("event: snapshot-end")) << target;
+        for (int comments = 1; comments <= 2; ++comments) {
+            pass(14'900ms);
+            EXPECT_EQ(woken, comments - 1) << target;
+            EXPECT_EQ(taken(), "") << target;
+            pass(100ms);
+            EXPECT_EQ(woken, comments) << target << ": whoever writes it must be called";
+            EXPECT_EQ(taken(), ":\n\n") << target;
+            EXPECT_EQ(taken(), "") << target << ": one is enough";
+        }
+    }
+}
+
+TEST_F(ApiTest, StreamWithAValue_TheCommentIsDue15SecondsBehindIt) {
+    announce();
+    const auto stream = get("/api/boards/uno1/services/distance/stream");
+    ASSERT_TRUE(stream->source);
+    std::string text;
+    stream->source->take(text, 100'000);
+    pass(10'000ms);
+    bus("asip/uno1/distance/out", R"({"distance":42})");
+    text.clear();
+    stream->source->take(text, 100'000);
+    EXPECT_THAT(text, HasSubstr("event: value"));
+    text.clear();
+    pass(14'900ms);
+    stream->source->take(text, 100'000);
+    EXPECT_EQ(text, "");
+    pass(100ms);
+    stream->source->take(text, 100'000);
+    EXPECT_EQ(text, ":\n\n");
+}
+
 TEST_F(ApiTest, ModelsAndPage_AreThere) {
     EXPECT_GT(get("/api/models")->body()["items"].size(), 5u);
     const auto page = get("/");

@@ -49,19 +49,30 @@ INSTANTIATE_TEST_SUITE_P(HttpTarget, PathTrick,
                                          "/a\\b", "//etc", "/a//b", "/a//", "/%00", "/a%0d%0ab", "/%", "/%4",
                                          "/%zz", "/a?x=%1", "/a?x=%00"));
 
+bool accepts(const char* text) {
+    Request request;
+    request.headers = {{"accept-encoding", text}};
+    return accepts_gzip(request);
+}
+
 TEST(HttpGzip, QualityZero_IsARefusal) {
-    const auto accepts = [](const char* text) {
-        Request request;
-        request.headers = {{"accept-encoding", text}};
-        return accepts_gzip(request);
-    };
     EXPECT_TRUE(accepts("deflate, gzip"));
     EXPECT_TRUE(accepts("gzip;q=0.5"));
     EXPECT_TRUE(accepts("*"));
     EXPECT_FALSE(accepts("gzip;q=0"));
     EXPECT_FALSE(accepts("gzip;q=0.00, br"));
     EXPECT_FALSE(accepts("br"));
+    EXPECT_FALSE(accepts("identity"));
+    EXPECT_FALSE(accepts("identity;q=0.5, *;q=0"));
     EXPECT_FALSE(accepts(""));
+}
+
+TEST(HttpGzip, NamedItself_CountsBeforeAnyOther) {
+    EXPECT_TRUE(accepts("*;q=0, gzip"));
+    EXPECT_FALSE(accepts("*, gzip;q=0"));
+    EXPECT_TRUE(accepts("\tGZIP ; Q=1"));
+    EXPECT_FALSE(accepts("gzip;Q=0"));
+    EXPECT_FALSE(accepts(" ,;, \t"));
 }
 
 TEST(HttpGzip, Text_ComesBackAsItWas) {
