@@ -292,6 +292,9 @@ unsigned Board::max_stack() const {
 unsigned Board::stack_now() const {
     return impl_->stack_depth();
 }
+Cycles Board::idle() const {
+    return impl_->idle_loop_->passed();
+}
 avr_t* Board::raw() {
     return &impl_->avr();
 }

@@ -160,6 +160,10 @@ class Board {
     /// Stack in use now.
     unsigned stack_now() const;
 
+    /// Cycles of cycles() in which the firmware only waited, passed without simulating each instruction. None
+    /// with watch_stack().
+    Cycles idle() const;
+
     /// The simulator underneath, for what is not offered here.
     avr_t* raw();
 

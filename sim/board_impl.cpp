@@ -37,6 +37,7 @@ Board::Impl::Impl(BoardConfig config, const BoardKind& kind, const std::vector<P
     saved_eeprom_ = chip_->eeprom();
     for (const auto& part : parts)
         parts_.push_back(part.plan.make(part.name, context_));
+    idle_loop_ = std::make_unique<IdleLoop>(avr());
 }
 
 void Board::Impl::tell(const Part& part, std::string value) {
@@ -48,11 +49,13 @@ void Board::Impl::tell(const Part& part, std::string value) {
 void Board::Impl::run_to(Cycles target) {
     // Without it a sleeping chip would run on to its own next timer.
     deadline_.at(target);
+    chip_->cancel_unknown_timers();
     while (clock_.cycle() < target && !stop_) {
         if (!chip_->alive()) {
             avr().cycle = target;
             break;
         }
+        if (!watching_stack_) idle_loop_->pass();
         chip_->run_a_little();
         if (watching_stack_) watch_stack_pointer();
     }

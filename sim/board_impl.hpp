@@ -5,6 +5,7 @@
 #include "sim/board.hpp"
 #include "sim/chip.hpp"
 #include "sim/eeprom_time.hpp"
+#include "sim/idle_loop.hpp"
 #include "sim/part_context.hpp"
 #include "sim/part_plan.hpp"
 #include "sim/serial_line.hpp"
@@ -38,6 +39,7 @@ struct Board::Impl {
     Alarm deadline_;
     PartContext context_;
     std::vector<std::unique_ptr<Part>> parts_;
+    std::unique_ptr<IdleLoop> idle_loop_;  // once all others have their registers
 
     std::vector<ReceivedByte> received_;
     std::function<void(char)> on_byte_;

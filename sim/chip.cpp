@@ -114,6 +114,19 @@ bool Chip::alive() const {
     return avr_->state != cpu_Done && avr_->state != cpu_Crashed && avr_->state != cpu_Stopped;
 }
 
+void Chip::cancel_unknown_timers() {
+    for (auto* io = avr_->io_port; io != nullptr; io = io->next) {
+        if (std::strcmp(io->kind, "timer") != 0) continue;
+        auto* timer = reinterpret_cast<avr_timer_t*>(io);
+        if (timer->mode.kind != avr_timer_wgm_none) continue;
+        for (auto* slot = avr_->cycle_timers.timer; slot != nullptr;) {
+            auto* next = slot->next;
+            if (slot->param == timer) avr_cycle_timer_cancel(avr_, slot->timer, timer);
+            slot = next;
+        }
+    }
+}
+
 std::vector<std::uint8_t> Chip::eeprom() {
     std::vector<std::uint8_t> bytes(avr_->e2end + std::size_t{1}, 0xff);
     avr_eeprom_desc_t all{bytes.data(), 0, static_cast<std::uint32_t>(bytes.size())};

@@ -34,6 +34,9 @@ class Chip {
     bool alive() const;
     /// Runs for about 100 cycles (one instruction with `step_`), or sleeps to the next timer.
     void run_a_little() { avr_run(avr_); }
+    /// simavr 1.6 does not know timers that count up and down (phase-correct PWM, as Arduino's start-up code
+    /// sets two of them), and lets each overflow with every count: half of what a board costs, for nothing.
+    void cancel_unknown_timers();
     void single_step(bool on) { avr_->run_cycle_limit = on ? 1 : kBatchCycles; }
 
     std::vector<std::uint8_t> eeprom();

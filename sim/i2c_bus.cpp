@@ -25,7 +25,6 @@ constexpr std::uint8_t kNothing = 0xf8;
 
 constexpr double kByteBits = 9;
 constexpr int kClocksOfAByte = 9;
-constexpr std::size_t kIoBase = 0x20;
 constexpr double kLookAgainUs = 50;
 
 }  // namespace

@@ -22,8 +22,6 @@ constexpr std::uint8_t kEightBits = 0x06;
 constexpr std::uint8_t kParity = 0x20;
 constexpr std::uint8_t kTwoStopBits = 0x08;
 
-constexpr std::size_t kIoBase = 0x20;  // simavr's table of I/O handlers starts behind the 32 registers
-
 }  // namespace
 
 Usart::Usart(avr_uart_t& port, AlarmClock& clock, Listener listener)

@@ -198,6 +198,11 @@ int main(void) {
                     put('t');
                 break;
             }
+            case 'O':  // turns D13 of an Uno on and off until a byte comes
+                DDRB |= 1 << 5;
+                while (!(STATUS & (1 << BIT_RXC)))
+                    PORTB ^= 1 << 5;
+                break;
             case 'D':
                 not_listening(get());
                 break;
