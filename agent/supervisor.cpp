@@ -27,6 +27,14 @@ constexpr Duration kBetweenStarts = std::chrono::milliseconds(10);
 constexpr Duration kBetweenReports = std::chrono::milliseconds(500);
 constexpr std::size_t kNamedInStatus = 5;
 
+/// Files that the text names may have changed though it has not: passwords and credentials do.
+bool same_options(const PlannedBoard& one, const PlannedBoard& other) {
+    const auto& a = one.options.mqtt;
+    const auto& b = other.options.mqtt;
+    return one.text == other.text && a.brokers == b.brokers && a.user == b.user && a.password == b.password &&
+           a.ca_file == b.ca_file && a.cert_file == b.cert_file && a.key_file == b.key_file;
+}
+
 }  // namespace
 
 struct Supervisor::Board : std::enable_shared_from_this<Supervisor::Board> {
@@ -183,7 +191,7 @@ void Supervisor::apply(Plan plan) {
             }
             continue;
         }
-        const bool same = board.plan.text == found->second->text;
+        const bool same = same_options(board.plan, *found->second);
         if (!same) ++changed, board.name_taken = false;
         board.plan = std::move(*found->second);
         planned.erase(found);

@@ -1,5 +1,6 @@
 """Switches the LED of board uno1 with its own button, and prints distances: plain MQTT, no library of ours."""
 import json
+import os
 import sys
 import uuid
 
@@ -10,9 +11,15 @@ from paho.mqtt.properties import Properties
 BOARD = sys.argv[1] if len(sys.argv) > 1 else "uno1"
 BROKER = sys.argv[2] if len(sys.argv) > 2 else "127.0.0.1"
 PORT = int(sys.argv[3]) if len(sys.argv) > 3 else 1883
+USER, PASSWORD, CA = (os.environ.get(name) for name in ("ASIP_USER", "ASIP_PASSWORD", "ASIP_CA"))
 
-client = mqtt.Client(client_id=f"lamp-{uuid.uuid4()}", protocol=mqtt.MQTTv5)
-REPLIES = f"asip/reply/{client._client_id.decode()}"
+NAME = f"lamp-{uuid.uuid4()}"
+REPLIES = f"asip/reply/{USER}/{BOARD}/{NAME}" if USER else f"asip/reply/{NAME}"
+client = mqtt.Client(client_id=NAME, protocol=mqtt.MQTTv5)
+if USER:
+    client.username_pw_set(USER, PASSWORD)
+if CA:
+    client.tls_set(CA)
 waiting = {}  # correlation -> what was asked
 
 
@@ -27,6 +34,8 @@ def command(service, **request):
 
 
 def on_connect(client, userdata, flags, reason, properties):
+    if reason != 0:
+        sys.exit(f"the broker refused this client: {reason}")
     client.subscribe([(REPLIES, 1), (f"asip/servicebus/{BOARD}/$state", 1), (f"asip/{BOARD}/+/out", 0)])
 
 

@@ -198,7 +198,7 @@ BoardItem read_board_item(const json& object) {
     item.session = text_of(object, "session");
     item.seq = number_of(object, "seq");
     item.lease = real_of(object, "lease");
-    item.age = real_of(object, "age");
+    item.age = object.contains("age") ? real_of(object, "age") : -1;
     item.first_seen = time_of(object, "first_seen");
     item.last_seen = time_of(object, "last_seen");
     item.since = time_of(object, "since");

@@ -48,7 +48,7 @@ struct BoardItem {
     std::string session;      ///< of its description
     std::uint64_t seq = 0;    ///< of its description
     double lease = 0;         ///< seconds
-    double age = 0;           ///< seconds since anything was heard from it, when this was written
+    double age = 0;           ///< seconds since anything was heard from it, when this was written; -1: never
     text::WallTime first_seen{};
     text::WallTime last_seen{};
     text::WallTime since{};  ///< when it came into `state`

@@ -117,6 +117,14 @@ std::vector<std::string> option_names(const CLI::App* app) {
     return names;
 }
 
+std::vector<std::string> positional_names(const CLI::App& app) {
+    std::vector<std::string> names;
+    for (const auto* option : app.get_options()) {
+        if (option->get_positional()) names.push_back(option->get_name());
+    }
+    return names;
+}
+
 std::vector<std::string> subcommand_names(const CLI::App* app) {
     std::vector<std::string> names;
     for (const auto* one : app->get_subcommands([](const CLI::App*) { return true; }))
@@ -167,6 +175,17 @@ std::optional<std::string> unknown_word(const CLI::App& app, const std::vector<s
             return "there is no command \"" + words[i] + "\"" +
                    (near.empty() ? "; there are " + joined(names, ", ") : near);
         }
+    }
+    return std::nullopt;
+}
+
+std::optional<std::string> word_too_many(const CLI::App& app, const std::vector<std::string>& words) {
+    const auto read = classify(app, words);
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (read[i].kind != Kind::kArgument || read[i].option != nullptr) continue;
+        const auto wanted = joined(positional_names(*read[i].app), " ");
+        return read[i].app->get_name() + " takes " + (wanted.empty() ? "no arguments" : wanted) + "; \"" +
+               words[i] + "\" is one too many";
     }
     return std::nullopt;
 }

@@ -43,6 +43,9 @@ CommandWord next_word(const CLI::App& app, const std::vector<std::string>& words
 /// all are known.
 std::optional<std::string> unknown_word(const CLI::App& app, const std::vector<std::string>& words);
 
+/// A sentence that names the first argument that the command has no place for, and those that it takes.
+std::optional<std::string> word_too_many(const CLI::App& app, const std::vector<std::string>& words);
+
 /// Gives `option` the values that it may have: others are refused, with the nearest. Help shows them as its
 /// type (`auto|always|never`), which is what completion reads. Returns the option.
 CLI::Option* one_of(CLI::Option* option, std::vector<std::string> words);

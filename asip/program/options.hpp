@@ -80,7 +80,7 @@ class Settings {
 
     /// Same for tests: arguments without the program name, environment by function.
     using Environment = std::function<std::optional<std::string>(const std::string& name)>;
-    std::optional<int> parse(std::vector<std::string> arguments, const Environment& environment);
+    std::optional<int> parse(const std::vector<std::string>& arguments, const Environment& environment);
 
     /// The configuration file may have sections `[KIND TITLE]`, one for each of several things that the
     /// program serves. parse() reads them and applies none.

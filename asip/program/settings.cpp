@@ -214,7 +214,8 @@ std::optional<int> Settings::parse(std::vector<std::string> arguments) {
     return parse(std::move(arguments), environment_variable);
 }
 
-std::optional<int> Settings::parse(std::vector<std::string> arguments, const Environment& environment) {
+std::optional<int> Settings::parse(const std::vector<std::string>& arguments,
+                                   const Environment& environment) {
     auto& app = state_->app;
     if (app.get_name().empty()) app.name(state_->program);
     if (const auto unknown = unknown_word(app, arguments)) return usage_error(*unknown);
@@ -222,7 +223,9 @@ std::optional<int> Settings::parse(std::vector<std::string> arguments, const Env
         auto config = early(arguments, "--config");
         if (!config) config = environment("ASIP_CONFIG");
         if (config && !config->empty()) state_->read_file(*config);
-        state_->apply(state_->file_path, state_->file.lines, std::move(arguments), environment);
+        state_->apply(state_->file_path, state_->file.lines, arguments, environment);
+    } catch (const CLI::ExtrasError& error) {
+        return usage_error(word_too_many(app, arguments).value_or(error.what()));
     } catch (const CLI::Success& asked_for_help) {
         for (auto* option : state_->settings)
             option->envname(environment_name(option->get_lnames().front()));

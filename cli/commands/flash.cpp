@@ -141,6 +141,9 @@ class Flasher {
 };
 
 int run_flash(const FlashOptions& options, Context& context) {
+    if (options.board.find_first_of(",*?[") != std::string::npos)
+        return context.fail_with(
+            {program::kExitUsage, "flash takes one board; call it once for each, where the board is"});
     const auto target = parse_target(options.board);
     if (!target) return context.fail_with(target.error());
     if (!target->service.empty())
@@ -151,7 +154,7 @@ int run_flash(const FlashOptions& options, Context& context) {
 Run declare_flash(Declaration& verb) {
     auto options = std::make_shared<FlashOptions>();
     auto& programming = options->programming;
-    verb.argument("BOARD", options->board, "Which");
+    verb.argument("BOARD", options->board, "Which; one alone");
     verb.argument("FILE", programming.image, "The firmware: .hex or .elf");
     verb.option("--part", "NAME", programming.part,
                 "The chip, as avrdude calls it; default: by the board's chip");

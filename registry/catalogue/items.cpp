@@ -11,6 +11,11 @@ text::WallTime wall(Time time, Instant now) {
     return now.wall - std::chrono::duration_cast<std::chrono::milliseconds>(now.time - time);
 }
 
+/// Seconds since it was heard; -1: only what the broker retained of it was.
+double age_of(const Board& b, Instant now) {
+    return b.last_heard == Time{} ? -1 : std::chrono::duration<double>(now.time - b.last_heard).count();
+}
+
 constexpr std::size_t kMaxSummaryBytes = 256;  // of each part
 
 std::string unescaped(std::string_view json) {
@@ -62,7 +67,7 @@ bus::BriefBoard Catalogue::Impl::brief_board(const Board& b, Instant now) const 
     bus::BriefBoard row;
     row.board = b.name;
     row.state = model::to_text(b.effective);
-    if (b.last_heard != Time{}) row.age = std::chrono::duration<double>(now.time - b.last_heard).count();
+    row.age = age_of(b, now);
     if (b.firmware != nullptr) {
         row.chip = b.firmware->chip;
         row.sketch = b.firmware->sketch;
@@ -87,10 +92,8 @@ bus::BoardItem Catalogue::Impl::board_item(const Board& b, Instant now, bool ful
     item.lease = b.lease_seconds;
     item.first_seen = wall(b.first_seen, now);
     item.since = wall(b.since, now);
-    if (b.last_heard != Time{}) {
-        item.last_seen = wall(b.last_heard, now);
-        item.age = std::chrono::duration<double>(now.time - b.last_heard).count();
-    }
+    if (b.last_heard != Time{}) item.last_seen = wall(b.last_heard, now);
+    item.age = age_of(b, now);
     if (b.firmware != nullptr) {
         item.chip = b.firmware->chip;
         item.sketch = b.firmware->sketch;

@@ -6,11 +6,13 @@
 #include <pty.h>
 #include <sys/inotify.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+#include <string_view>
 #include <utility>
 
 #include "sim/program/tty_speed.hpp"
@@ -86,16 +88,36 @@ std::size_t Pty::write(std::string_view bytes) {
     return count > 0 ? static_cast<std::size_t>(count) : 0;
 }
 
+namespace {
+
+constexpr std::string_view kTerminals = "/dev/pts/";
+
+bool earlier(const timespec& one, const timespec& other) {
+    return one.tv_sec != other.tv_sec ? one.tv_sec < other.tv_sec : one.tv_nsec < other.tv_nsec;
+}
+
+/// Whether the link was left by a program that has ended. Its maker opens the port first: where the port is
+/// newer than the link, its number has been given to another program since.
+bool is_left_over(const std::filesystem::path& link, const std::string& target) {
+    std::error_code error;
+    const auto to = std::filesystem::read_symlink(link, error).string();
+    if (to == target) return true;
+    struct stat port {};
+    struct stat made {};
+    if (error || !to.starts_with(kTerminals) || ::lstat(link.c_str(), &made) != 0) return false;
+    if (::stat(to.c_str(), &port) != 0) return errno == ENOENT;
+    return S_ISCHR(port.st_mode) && earlier(made.st_mtim, port.st_ctim);
+}
+
+}  // namespace
+
 Expected<PortLink> PortLink::create(const std::filesystem::path& link, const std::string& target) {
     std::error_code error;
-    const auto status = std::filesystem::symlink_status(link, error);
-    // Of one that was killed, whose port is gone or has the same number again.
-    const bool is_left_over =
-        std::filesystem::is_symlink(status) &&
-        (!std::filesystem::exists(link, error) || std::filesystem::read_symlink(link, error) == target);
-    if (std::filesystem::exists(status) && !is_left_over)
-        return fail(link.string() + ": exists already; remove it or choose another link");
-    if (is_left_over) std::filesystem::remove(link, error);
+    if (std::filesystem::exists(std::filesystem::symlink_status(link, error))) {
+        if (!is_left_over(link, target))
+            return fail(link.string() + ": exists already; remove it or choose another link");
+        std::filesystem::remove(link, error);
+    }
     std::filesystem::create_symlink(target, link, error);
     if (error) return fail(link.string() + ": cannot make the link: " + error.message());
     PortLink result;

@@ -43,7 +43,8 @@ class Pty {
 };
 
 /// A symbolic link to a port, for as long as the object lives. Replaces nothing but a link that was left
-/// over: one that leads nowhere, or to the same port.
+/// over by a program that ended: one that leads to the same port, to a pseudo-terminal that is gone, or to
+/// one that was opened after the link was made and so is another program's.
 class PortLink {
   public:
     static Expected<PortLink> create(const std::filesystem::path& link, const std::string& target);

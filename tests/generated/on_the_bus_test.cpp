@@ -6,6 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
+
 #include "tests/integration/agent/rig.hpp"
 
 namespace asip::test {
@@ -135,6 +138,47 @@ except TimeoutError as error:
     EXPECT_TRUE(board.shows("power0=90,power1=40"));
 }
 
+/// What a client that is made with `arguments` says.
+std::string connects(const std::map<std::string, std::string>& environment,
+                     const std::string& arguments = R"("uno1")") {
+    return run_python(
+               "from fan_service import FanService\n"
+               "try:\n"
+               "    FanService(" +
+                   arguments +
+                   ").close()\n"
+                   "    print('connected')\n"
+                   "except (ValueError, ConnectionError) as error:\n"
+                   "    print(error)\n",
+               environment)
+        .output;
+}
+
+TEST(GeneratedPython, OverTls_OnlyTheBrokerThatTheAuthoritySignedIsTrusted) {
+    const MosquittoBroker broker(MosquittoBroker::Options{.users = {{"ann", "secret"}}, .tls = true});
+    const auto& certificates = broker.certificates();
+    std::map<std::string, std::string> ann{{"ASIP_BROKER", broker.url()},
+                                           {"ASIP_USER", "ann"},
+                                           {"ASIP_PASSWORD", "secret"},
+                                           {"ASIP_CA", certificates.ca}};
+    EXPECT_EQ(connects(ann), "connected\n");
+    const auto of_code = R"("uno1", "127.0.0.1", )" + std::to_string(broker.port()) +
+                         R"(, user="ann", password="secret", ca=")" + certificates.ca + "\"";
+    EXPECT_EQ(connects({}, of_code), "connected\n");
+
+    std::ifstream ca(certificates.ca);
+    const std::string pem((std::istreambuf_iterator<char>(ca)), {});
+    const TempDir folder;
+    const auto credentials = folder.write(
+        "ann.credentials", "broker = " + broker.url() + "\nuser = ann\npassword = secret\n" + pem);
+    EXPECT_EQ(connects({{"ASIP_CREDENTIALS", credentials}}), "connected\n");
+
+    ann["ASIP_CA"] = certificates.other_ca;
+    EXPECT_THAT(connects(ann), HasSubstr("certificate verify failed"));
+    ann.erase("ASIP_CA");
+    EXPECT_THAT(connects(ann), HasSubstr("certificate verify failed")) << "the system's authorities only";
+}
+
 TEST(GeneratedPython, BrokerAndCredentials_AreThoseOfTheEnvironment) {
     const MosquittoBroker broker(MosquittoBroker::Options{.users = {{"ann", "secret"}}});
     const TempDir folder;
@@ -142,20 +186,6 @@ TEST(GeneratedPython, BrokerAndCredentials_AreThoseOfTheEnvironment) {
     const auto credentials =
         folder.write("ann.credentials", "# for ann\nbroker = 127.0.0.1:1, " + broker.url() +
                                             "\nuser = ann\npassword = secret\nrole = operator\n");
-    const auto connects = [](const std::map<std::string, std::string>& environment,
-                             const std::string& arguments = R"("uno1")") {
-        return run_python(
-                   "from fan_service import FanService\n"
-                   "try:\n"
-                   "    FanService(" +
-                       arguments +
-                       ").close()\n"
-                       "    print('connected')\n"
-                       "except (ValueError, ConnectionError) as error:\n"
-                       "    print(error)\n",
-                   environment)
-            .output;
-    };
     EXPECT_EQ(connects({{"ASIP_BROKER", broker.url()}, {"ASIP_USER", "ann"}, {"ASIP_PASSWORD", "secret"}}),
               "connected\n");
     EXPECT_EQ(

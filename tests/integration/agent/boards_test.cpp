@@ -40,9 +40,6 @@ class Simulator {
     void kill() {
         process_->signal(SIGKILL);
         process_->wait_exit();
-        // It leaves its links, and asip-sim does not replace one whose port is another program's by now.
-        for (const std::string& board : boards_)
-            std::filesystem::remove(port(board));
     }
     std::string port(const std::string& board) const { return folder_.file(board); }
 
@@ -211,6 +208,26 @@ TEST_F(ManyBoards, Sighup_TakesWhatChangedAndLeavesTheOthersAlone) {
     })) << agent().errors();
     ASSERT_TRUE(is("staying", "online"));
     EXPECT_TRUE(answers("staying"));
+}
+
+TEST_F(ManyBoards, Sighup_TakesAPasswordThatChangedInItsFile) {
+    FakePort port, other_port;
+    const auto password = folder_.write("password", "first\n");
+    const auto boards = section("desk", port.path()) + "user = desk\npassword-file = " + password + "\n" +
+                        section("shelf", other_port.path());
+    write(boards);
+    agent();
+    ASSERT_TRUE(is("desk", "online")) << agent().errors();
+    ASSERT_TRUE(is("shelf", "online")) << agent().errors();
+
+    probe_.clear();
+    folder_.write("password", "second\n");
+    agent().signal(SIGHUP);
+    ASSERT_TRUE(agent().wait_for_errors("file read again.*changed=1")) << agent().errors();
+    ASSERT_TRUE(is("desk", "offline")) << agent().errors();
+    ASSERT_TRUE(is("desk", "online")) << agent().errors();
+    EXPECT_TRUE(answers("desk"));
+    EXPECT_EQ(probe_.last("asip/servicebus/shelf/$state"), std::nullopt) << "it was not started again";
 }
 
 TEST_F(ManyBoards, PortOfOneBoardReleased_OthersKeepTheirs) {

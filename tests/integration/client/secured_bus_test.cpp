@@ -229,6 +229,28 @@ TEST_F(SecuredBus, NobodyWithoutPassword_GetsIn) {
     EXPECT_EQ(list.status, 3) << list.errors;
 }
 
+TEST_F(SecuredBus, PythonWithPlainMqtt_CommandsTheBoardAndTrustsNoOtherAuthority) {
+    const auto lamp = [this](const std::string& ca, const std::string& password) {
+        return std::make_unique<ChildProcess>(
+            std::vector<std::string>{"/usr/bin/python3", "-u", ASIP_TEST_SOURCE "/examples/lamp.py", "uno",
+                                     "127.0.0.1", std::to_string(broker_.port())},
+            std::map<std::string, std::string>{
+                {"ASIP_USER", "operator"}, {"ASIP_PASSWORD", password}, {"ASIP_CA", ca}});
+    };
+    const auto own = lamp(broker_.certificates().ca, "of-operator");
+    ASSERT_TRUE(own->wait_for_output("uno is online")) << agent_.errors() << own->errors();
+    // Of its three commands this board refuses one, having no distance sensor: that answer reached it.
+    ASSERT_TRUE(own->wait_for_output("failed: .*distance")) << own->output() << own->errors();
+    boards_.press();
+    EXPECT_TRUE(boards_.wait_for_led("on")) << own->output() << own->errors();
+    const auto other = lamp(broker_.certificates().other_ca, "of-operator");
+    EXPECT_NE(other->wait_exit(), 0);
+    EXPECT_THAT(other->errors(), HasSubstr("certificate verify failed"));
+    const auto wrong = lamp(broker_.certificates().ca, "wrong");
+    EXPECT_EQ(wrong->wait_exit(), 1);
+    EXPECT_THAT(wrong->errors(), HasSubstr("the broker refused this client"));
+}
+
 TEST_F(SecuredBus, AuthorityThatDidNotSignTheBroker_IsNotTrusted) {
     client::Options options;
     options.user = "operator";

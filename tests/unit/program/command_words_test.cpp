@@ -74,6 +74,13 @@ TEST_F(CommandWordsTest, UnknownOption_IsNamedNotItsValue) {
     EXPECT_EQ(unknown_word(app_, {"list", "--state", "--sate"}), std::nullopt) << "a value is no option";
 }
 
+TEST_F(CommandWordsTest, WordTooMany_IsNamedWithWhatTheCommandTakes) {
+    EXPECT_EQ(word_too_many(app_, {"list", "boards", "--state", "lost", "more"}),
+              "list takes what; \"more\" is one too many");
+    EXPECT_EQ(word_too_many(app_, {"show", "uno1"}), "show takes no arguments; \"uno1\" is one too many");
+    EXPECT_EQ(word_too_many(app_, {"list", "boards"}), std::nullopt);
+}
+
 TEST(CommandWords, ProgramThatTakesArgumentsItself_HasNoUnknownSubcommand) {
     CLI::App app;
     std::vector<std::string> files;

@@ -109,6 +109,24 @@ TEST_F(CatalogueTest, RetainedDescriptionWithoutExpiry_LivesForTheTimeToAnswerAP
     EXPECT_EQ(state_of("uno1"), "lost") << "the same replay again proves nothing";
 }
 
+TEST_F(CatalogueTest, KnownFromRetainedMessagesOnly_ItsAgeIsUnknownInEachForm) {
+    give(retained(description("uno1"), 60));
+    bus::Query query;
+    query.brief = true;
+    auto brief = catalogue.find(query, instant(at(5s)));
+    ASSERT_TRUE(brief);
+    ASSERT_EQ(brief->brief->size(), 1u);
+    EXPECT_LT(brief->brief->front().age, 0);
+    query.brief = false;
+    const auto whole = catalogue.find(query, instant(at(5s)));
+    ASSERT_TRUE(whole);
+    const auto read = bus::parse_answer(bus::encode(*whole));
+    ASSERT_TRUE(read);
+    EXPECT_LT(read->boards.at(0).age, 0);
+    give(description("uno1", {.seq = 2}), 6s);
+    EXPECT_EQ(board("uno1", 8s).age, 2);
+}
+
 TEST_F(CatalogueTest, RetainedStateAlone_MakesNoBoardAlive) {
     EXPECT_THAT(give(retained(state("uno1", "online"))), ElementsAre(Kind::kAdded));
     EXPECT_EQ(state_of("uno1"), "lost");

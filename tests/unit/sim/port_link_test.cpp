@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 
@@ -26,6 +28,20 @@ TEST(PortLink, LeftByAProgramThatWasKilled_IsMadeAnew) {
     }
 }
 
+TEST(PortLink, OlderThanTheTerminalThatHasItsNumberNow_IsMadeAnew) {
+    const test::TempDir folder;
+    const fs::path link = folder.file("board");
+    const auto port = Pty::open().value();
+    const auto of_others = Pty::open().value();
+    fs::create_symlink(of_others.path(), link);
+    const timespec long_ago[]{{1, 0}, {1, 0}};
+    ASSERT_EQ(::utimensat(AT_FDCWD, link.c_str(), long_ago, AT_SYMLINK_NOFOLLOW), 0);
+    const auto made = PortLink::create(link, port.path());
+    ASSERT_TRUE(made) << made.error();
+    EXPECT_EQ(fs::read_symlink(link), port.path());
+    EXPECT_TRUE(fs::exists(of_others.path()));
+}
+
 TEST(PortLink, WhatBelongsToOthers_IsLeftAlone) {
     const test::TempDir folder;
     const fs::path link = folder.file("board");
@@ -34,6 +50,12 @@ TEST(PortLink, WhatBelongsToOthers_IsLeftAlone) {
     fs::create_symlink(of_others.path(), link);
     EXPECT_FALSE(PortLink::create(link, port.path()));
     EXPECT_EQ(fs::read_symlink(link), of_others.path());
+    for (const fs::path target : {"/dev/null", "/dev/serial/by-id/unplugged"}) {
+        fs::remove(link);
+        fs::create_symlink(target, link);
+        EXPECT_FALSE(PortLink::create(link, port.path())) << target;
+        EXPECT_EQ(fs::read_symlink(link), target);
+    }
     const fs::path file = folder.write("precious", "text");
     EXPECT_FALSE(PortLink::create(file, port.path()));
     EXPECT_TRUE(fs::is_regular_file(file));
