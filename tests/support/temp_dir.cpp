@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <random>
 #include <stdexcept>
 
 namespace asip::test {
@@ -30,17 +31,37 @@ std::string TempDir::write(std::string_view name, std::string_view content) cons
     return path;
 }
 
-std::uint16_t free_port() {
+namespace {
+
+constexpr int kFirstPort = 10'000;
+
+bool can_bind(int port) {
     const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    const bool bound = fd >= 0 && bind(fd, reinterpret_cast<sockaddr*>(&address), size) == 0 &&
-                       getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) == 0;
+    const bool bound = fd >= 0 && bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
     if (fd >= 0) close(fd);
-    if (!bound) throw std::runtime_error("no free port on 127.0.0.1");
-    return ntohs(address.sin_port);
+    return bound;
+}
+
+/// The first of those that the kernel gives to connections by itself.
+int first_ephemeral_port() {
+    int first = 0;
+    std::ifstream("/proc/sys/net/ipv4/ip_local_port_range") >> first;
+    return first > 2 * kFirstPort ? first : 32'768;
+}
+
+}  // namespace
+
+std::uint16_t free_port() {
+    thread_local std::mt19937 random(std::random_device{}());
+    std::uniform_int_distribution<int> ports(kFirstPort, first_ephemeral_port() - 1);
+    for (int attempt = 0; attempt < 1000; ++attempt) {
+        if (const int port = ports(random); can_bind(port)) return static_cast<std::uint16_t>(port);
+    }
+    throw std::runtime_error("no free port on 127.0.0.1");
 }
 
 bool accepts(std::uint16_t port) {
