@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "asip/bus/json_scanner.hpp"
 #include "asip/model/json.hpp"
 #include "gateway/stream/value_feed.hpp"
 
@@ -15,24 +17,52 @@ using nlohmann::json;
 constexpr std::size_t kPointBytes = sizeof(Point) + sizeof(void*) + 32;  // beside its text, as allocated
 constexpr std::size_t kMaxMergedBytes = 8 * 1024;
 
-// What was published, and under which event it counts.
-struct Parsed {
-    json value;
+// What was published, as compact JSON, and under which event it counts.
+struct Report {
+    std::string json;
     std::string event;
+    bool part = false;  ///< of a map
 };
 
-Parsed parse(std::string_view payload) {
-    auto parsed = model::parse_json(payload);
-    if (!parsed) return {json(std::string(payload)), {}};
-    if (parsed->is_object() && parsed->size() == 1) {
-        std::string event = parsed->begin().key();
-        return {std::move(*parsed), event.size() <= 64 ? std::move(event) : std::string()};
+constexpr std::size_t kMaxEventBytes = 64;
+constexpr std::size_t kMaxPlainBytes = 256;
+
+/// Whether a valid JSON value may stay as it was written: no white space, no escapes, no number with an
+/// exponent (which may be beyond what a parser can hold).
+bool stays_as_written(std::string_view value) {
+    char before = 0;
+    for (const char c : value) {
+        if (static_cast<unsigned char>(c) <= ' ') return false;
+        if (c == '\\' || ((c == 'e' || c == 'E') && before >= '0' && before <= '9')) return false;
+        before = c;
     }
-    return {std::move(*parsed), {}};
+    return model::json_depth_within(value, model::JsonLimits{}.max_depth - 1);
 }
 
-bool is_part(const Parsed& parsed) {
-    return !parsed.event.empty() && parsed.value.front().is_object();
+/// A short report of one event, as most are: a tree of values costs ten times as much. Nothing: it is another
+/// one, or no JSON.
+std::optional<Report> plain_report(std::string_view payload) {
+    if (payload.size() > kMaxPlainBytes) return std::nullopt;
+    bus::JsonScanner scanner(payload);
+    std::string_view event, value, another;
+    if (!scanner.enter_object() || !scanner.next_member(event) || !scanner.value(value)) return std::nullopt;
+    if (scanner.next_member(another) || !scanner.left() || !scanner.at_end()) return std::nullopt;
+    constexpr std::size_t kAround = std::string_view(R"({"":})").size();
+    if (payload.size() != event.size() + value.size() + kAround || event.size() > kMaxEventBytes ||
+        event.find('\\') != event.npos || !stays_as_written(value))
+        return std::nullopt;
+    return Report{std::string(payload), std::string(event), !event.empty() && value.front() == '{'};
+}
+
+Report report_of(std::string_view payload) {
+    if (auto plain = plain_report(payload)) return std::move(*plain);
+    const auto parsed = model::parse_json(payload);
+    if (!parsed) return {model::dump_json(json(std::string(payload))), {}, false};
+    Report report{model::dump_json(*parsed), {}, false};
+    if (!parsed->is_object() || parsed->size() != 1) return report;
+    if (const auto& event = parsed->begin().key(); event.size() <= kMaxEventBytes) report.event = event;
+    report.part = !report.event.empty() && parsed->front().is_object();
+    return report;
 }
 
 /// Adds what a part of a map names; false: they are not of one map.
@@ -52,13 +82,16 @@ const std::string& ChannelValue::json() const {
     return json_;
 }
 
-void ChannelValue::report(std::string text, bool part) {
+void ChannelValue::report(const std::string& text, bool part) {
     if (!part || (json_.empty() && parts_.empty())) {
-        json_ = std::move(text);
+        json_ = text;
         parts_.clear();
         return;
     }
     parts_.append(text).append("\n");
+}
+
+void ChannelValue::tidy() {
     if (parts_.size() > kMaxPartsBytes) put_together();
 }
 
@@ -122,22 +155,22 @@ void Values::value(std::string_view board, std::string_view service, std::string
     ++received_;
     auto* values = make(board, service);
     if (values == nullptr) return;
-    auto parsed = parse(payload);
+    auto report = report_of(payload);
     auto& channels = values->channels;
     auto channel = std::find_if(channels.begin(), channels.end(), [&](const ChannelValue& each) {
-        return each.error == error && (error || each.event == parsed.event);
+        return each.error == error && (error || each.event == report.event);
     });
     if (channel == channels.end()) {
         if (channels.size() >= limits_.channels) return;
         channel = channels.emplace(channels.end());
         channel->error = error;
-        if (!error) channel->event = parsed.event;
+        if (!error) channel->event = report.event;
     }
-    Point point{++values->last, now, static_cast<std::uint32_t>(channel - channels.begin()),
-                model::dump_json(parsed.value)};
+    const auto index = static_cast<std::uint32_t>(channel - channels.begin());
+    Point point{++values->last, now, index, std::move(report.json)};
     channel->number = point.number;
     channel->seen = now;
-    channel->report(point.json, !error && is_part(parsed));
+    channel->report(point.json, !error && report.part);
     bytes_ += kPointBytes + point.json.size();
     values->points.push_back(std::move(point));
     arrivals_.push_back(values);
@@ -149,6 +182,7 @@ void Values::value(std::string_view board, std::string_view service, std::string
         drop_oldest();
     for (auto* feed : values->listeners)
         feed->arrived(*values, now.time);
+    values->channels[index].tidy();  // behind the readers: it takes longer than they do
 }
 
 void Values::drop_front(ServiceValues& service) {

@@ -32,7 +32,9 @@ struct ChannelValue {
     /// As published; where each report holds a part of a map (`{"digital":{"2":1}}`), all parts together.
     const std::string& json() const;
     /// `part`: of a map.
-    void report(std::string text, bool part);
+    void report(const std::string& text, bool part);
+    /// Call some time after each report: keeps what json() puts together short.
+    void tidy();
 
   private:
     /// Until somebody asks: a reader that keeps up never does.

@@ -385,6 +385,48 @@ TEST(Values, OlderThanTheirAge_AreGone) {
     EXPECT_EQ(values.bytes(), 0u);
 }
 
+struct Published {
+    std::string payload, json, event;
+};
+
+class PublishedValue : public testing::TestWithParam<Published> {};
+
+TEST_P(PublishedValue, IsCompactJsonUnderItsEvent) {
+    const auto& [payload, expected, event] = GetParam();
+    Values values("e1");
+    values.value("uno1", "a", payload, false, at(0ms));
+    const auto& channel = values.find("uno1", "a")->channels.at(0);
+    EXPECT_EQ(channel.json(), expected);
+    EXPECT_EQ(channel.event, event);
+    EXPECT_EQ(values.find("uno1", "a")->points.front().json, expected);
+    EXPECT_FALSE(json::parse(expected, nullptr, false).is_discarded());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Values, PublishedValue,
+    testing::Values(
+        Published{R"({"a":1})", R"({"a":1})", "a"}, Published{R"({"a":-1.5})", R"({"a":-1.5})", "a"},
+        Published{R"({"a b":{"2":1,"10":[true,null,"e"]}})", R"({"a b":{"2":1,"10":[true,null,"e"]}})",
+                  "a b"},
+        Published{"{\"a\":\"\xC3\xA4\"}", "{\"a\":\"\xC3\xA4\"}", "a"},
+        Published{R"({"":1})", R"({"":1})", ""}, Published{" { \"a\" : [ 1 ,\n2 ] } ", R"({"a":[1,2]})", "a"},
+        Published{R"({"a":"x y"})", R"({"a":"x y"})", "a"},
+        Published{R"({"\u0061":"\u0041\/"})", R"({"a":"A/"})", "a"},
+        Published{R"({"a":1E3})", R"({"a":1000.0})", "a"},
+        Published{R"({"a":1e999})", R"("{\"a\":1e999}")", ""},
+        Published{R"({"a":1,"a":2})", R"({"a":2})", "a"},
+        Published{R"({"b":1,"a":2})", R"({"a":2,"b":1})", ""},
+        Published{R"({"a":1}x)", R"("{\"a\":1}x")", ""}, Published{R"({"a":01})", R"("{\"a\":01}")", ""},
+        Published{"{\"a\":\"\xff\"}", "\"{\\\"a\\\":\\\"\xEF\xBF\xBD\\\"}\"", ""},
+        Published{"{\"" + std::string(65, 'a') + "\":1}", "{\"" + std::string(65, 'a') + "\":1}", ""},
+        Published{"{\"a\":\"" + std::string(400, 'a') + "\"}", "{\"a\":\"" + std::string(400, 'a') + "\"}",
+                  "a"},
+        Published{"{\"a\":" + std::string(15, '[') + std::string(15, ']') + "}",
+                  "{\"a\":" + std::string(15, '[') + std::string(15, ']') + "}", "a"},
+        Published{"{\"a\":" + std::string(16, '[') + std::string(16, ']') + "}",
+                  "\"{\\\"a\\\":" + std::string(16, '[') + std::string(16, ']') + "}\"", ""},
+        Published{"", "\"\"", ""}, Published{"7", "7", ""}));
+
 TEST(Values, NoJson_IsAString) {
     Values values("e1");
     values.value("B4", "S1", "12 \xff\n", false, at(0ms));
