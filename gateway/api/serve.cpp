@@ -13,34 +13,45 @@ namespace {
 
 namespace log = program::log;
 
-/// The first level of a pattern or of what is left of one; empty: none is left.
-std::string_view next_level(std::string_view& pattern) {
-    if (pattern.empty()) return {};
-    pattern.remove_prefix(1);
-    const auto level = pattern.substr(0, pattern.find('/'));
-    pattern.remove_prefix(level.size());
-    return level;
+/// A route's path in its levels: taken apart once, since each request is compared with many.
+struct Pattern {
+    const Route* route;
+    std::vector<std::string_view> levels;
+};
+
+std::vector<Pattern> split_patterns() {
+    std::vector<Pattern> patterns;
+    for (const auto& route : routes()) {
+        auto& levels = patterns.emplace_back(Pattern{&route, {}}).levels;
+        for (auto rest = route.path; !rest.empty();) {
+            rest.remove_prefix(1);
+            levels.push_back(rest.substr(0, rest.find('/')));
+            rest.remove_prefix(levels.back().size());
+        }
+    }
+    return patterns;
 }
 
 bool is_parameter(std::string_view level) {
-    return !level.empty() && level.front() == '{';
+    return level.starts_with('{');
 }
 
-bool fits(std::string_view pattern, const std::vector<std::string>& segments) {
-    for (const auto& segment : segments) {
-        if (pattern.empty()) return false;
-        if (const auto level = next_level(pattern); !is_parameter(level) && level != segment) return false;
-    }
-    return pattern.empty();
+// From the end: paths that are as long differ there most often.
+bool fits(const Pattern& pattern, const std::vector<std::string>& segments) {
+    const auto& levels = pattern.levels;
+    return levels.size() == segments.size() &&
+           std::equal(levels.rbegin(), levels.rend(), segments.rbegin(), [](auto level, const auto& segment) {
+               return is_parameter(level) || level == segment;
+           });
 }
 
 /// The parameters in a path that fits.
-std::map<std::string, std::string, std::less<>> parameters_of(std::string_view pattern,
+std::map<std::string, std::string, std::less<>> parameters_of(const Pattern& pattern,
                                                               const std::vector<std::string>& segments) {
     std::map<std::string, std::string, std::less<>> path;
-    for (const auto& segment : segments)
-        if (const auto level = next_level(pattern); is_parameter(level))
-            path.emplace(level.substr(1, level.size() - 2), segment);
+    for (std::size_t i = 0; i < segments.size(); ++i)
+        if (const auto level = pattern.levels[i]; is_parameter(level))
+            path.emplace(level.substr(1, level.size() - 2), segments[i]);
     return path;
 }
 
@@ -198,10 +209,12 @@ bool redirect_to_folder(const Inner& inner, const http::Reply& reply) {
 
 void serve_route(Gateway& gateway, const http::Request& request, const http::Reply& reply,
                  const Principal& principal, bool link) {
+    static const auto patterns = split_patterns();
     std::string methods;
     const std::string_view method = request.method == "HEAD" ? "GET" : std::string_view(request.method);
-    for (const auto& route : routes()) {
-        if (!fits(route.path, request.segments)) continue;
+    for (const auto& pattern : patterns) {
+        if (!fits(pattern, request.segments)) continue;
+        const auto& route = *pattern.route;
         if (route.method != method) {
             methods += (methods.empty() ? "" : ", ") + std::string(route.method) +
                        (route.method == "GET" ? ", HEAD" : "");
@@ -209,7 +222,7 @@ void serve_route(Gateway& gateway, const http::Request& request, const http::Rep
         }
         if (!allowed(principal.rights, route.need)) return refuse_right(principal, reply, route.need);
         if (!known_parameters(request, reply, route)) return;
-        Call call{gateway, request, reply, principal, route, parameters_of(route.path, request.segments)};
+        Call call{gateway, request, reply, principal, route, parameters_of(pattern, request.segments)};
         route.serve(call);
         return log_change(call);  // behind the answer: nobody waits for the log
     }

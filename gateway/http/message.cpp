@@ -25,7 +25,7 @@ bool add_segment(Request& request, std::string_view raw) {
     std::string segment;
     if (!percent_decode(raw, false, segment) || !showable(segment)) return false;
     if (segment.empty() || segment == "." || segment == "..") return false;
-    if (segment.find_first_of("/\\") != std::string::npos) return false;
+    if (segment.find('/') != std::string::npos || segment.find('\\') != std::string::npos) return false;
     request.segments.push_back(std::move(segment));
     return true;
 }
@@ -71,26 +71,29 @@ const std::string* Request::parameter(std::string_view name) const {
 
 bool percent_decode(std::string_view text, bool plus, std::string& decoded) {
     decoded.clear();
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        if (text[i] == '+' && plus) {
+    for (;;) {
+        const auto at = std::min(text.size(), plus ? text.find_first_of("%+") : text.find('%'));
+        decoded.append(text.substr(0, at));
+        text.remove_prefix(at);
+        if (text.empty()) return true;
+        if (text.front() == '+') {
             decoded += ' ';
-        } else if (text[i] != '%') {
-            decoded += text[i];
-        } else {
-            if (i + 2 >= text.size()) return false;
-            const int high = hex_digit(text[i + 1]);
-            const int low = hex_digit(text[i + 2]);
-            if (high < 0 || low < 0) return false;
-            decoded += static_cast<char>(high * 16 + low);
-            i += 2;
+            text.remove_prefix(1);
+            continue;
         }
+        if (text.size() < 3) return false;
+        const int high = hex_digit(text[1]);
+        const int low = hex_digit(text[2]);
+        if (high < 0 || low < 0) return false;
+        decoded += static_cast<char>(high * 16 + low);
+        text.remove_prefix(3);
     }
-    return true;
 }
 
 bool split_target(Request& request) {
     std::string_view rest = request.target;
     request.segments.clear();
+    request.segments.reserve(8);  // as the longest path of the API
     request.folder = false;
     request.query.clear();
     if (rest.empty() || rest.front() != '/') return false;
