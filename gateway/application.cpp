@@ -16,6 +16,7 @@ namespace {
 
 namespace log = program::log;
 
+constexpr Duration kSoon = std::chrono::milliseconds(1);
 constexpr Duration kTick = std::chrono::milliseconds(100);
 constexpr Duration kTokensCheck = std::chrono::milliseconds(250);
 
@@ -33,7 +34,7 @@ model::ModelSet models_of(const std::string& folder) {
 
 }  // namespace
 
-Application::Application(ProgramOptions options) : options_(std::move(options)), timer_(io_) {
+Application::Application(ProgramOptions options) : options_(std::move(options)), timer_(io_), soon_(io_) {
     program::allow_many_open_files();  // each connection needs one
     auto models = models_of(options_.services);
     auto units_of = [models](std::string_view model) { return model::units_of(models, model); };
@@ -83,6 +84,12 @@ Gateway::Port Application::port() {
     port.v5 = [this] { return client_->v5(); };
     port.now = present;
     port.server = [this] { return server_->counters(); };
+    port.soon = [this](std::function<void()> then) {
+        soon_.expires_after(kSoon);
+        soon_.async_wait([then = std::move(then)](const boost::system::error_code& error) {
+            if (!error) then();
+        });
+    };
     return port;
 }
 

@@ -39,6 +39,7 @@ class Application {
     ProgramOptions options_;
     boost::asio::io_context io_{1};
     boost::asio::steady_timer timer_;
+    boost::asio::steady_timer soon_;
     std::unique_ptr<program::StopSignal> stop_signal_;
     std::unique_ptr<mqtt::Client> client_;
     std::unique_ptr<mqtt::Client> urgent_;  // for stops: what waits in the other does not wait in this

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/gateway.hpp"
 
+#include <utility>
+
 #include "asip/program/log.hpp"
 #include "asip/text/printable.hpp"
 #include "gateway/api/routes.hpp"
@@ -11,6 +13,7 @@ namespace {
 
 constexpr Duration kRegistryTime = std::chrono::seconds(3);
 constexpr std::size_t kMaxRequestShown = 200;
+constexpr std::size_t kMaxToLog = 64;
 
 // Who did what. A renewal is a sign of life, many times a second.
 void log_command(const CommandRecord& record) {
@@ -50,13 +53,27 @@ Gateway::Gateway(GatewayOptions options, model::ModelSet models, registry::Units
       streams_(options_.streams_per_client),
       command_rates_(options_.commands_per_second),
       requester_(random_hex(random, 8), options_.replies().below("registry")) {
-    commands_.on_finished = [this](const CommandRecord& record, Duration time) {
-        if (!record.late) durations_.add(std::chrono::duration<double>(time).count());
-        log_command(record);
-    };
+    commands_.on_finished = [this](const CommandRecord& record, Duration time) { finished(record, time); };
 }
 
-Gateway::~Gateway() = default;
+Gateway::~Gateway() {
+    log_commands();
+}
+
+// A log takes as long as the answer did: whoever waits for that may wait for the same processor.
+void Gateway::finished(const CommandRecord& record, Duration time) {
+    if (!record.late) durations_.add(std::chrono::duration<double>(time).count());
+    to_log_.push_back(&record);
+    // A timeout may become a late answer: then its record is another one.
+    if (record.reply->status == bus::Reply::Status::kTimeout || to_log_.size() >= kMaxToLog)
+        return log_commands();
+    if (to_log_.size() == 1) port_.soon([this] { log_commands(); });
+}
+
+void Gateway::log_commands() {
+    for (const auto* record : std::exchange(to_log_, {}))
+        log_command(*record);
+}
 
 void Gateway::request(const http::Request& request, const http::Reply& reply) {
     api::serve(*this, request, reply);

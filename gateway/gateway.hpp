@@ -58,6 +58,8 @@ class Gateway {
         std::function<bool()> v5;
         std::function<Instant()> now;
         std::function<http::ServerCounters()> server;  ///< for metrics
+        /// Calls back within a millisecond or two, once what is under way is done.
+        std::function<void(std::function<void()>)> soon;
     };
 
     Gateway(GatewayOptions options, model::ModelSet models, registry::UnitsOf units_of, Random random,
@@ -112,6 +114,8 @@ class Gateway {
         bool ready = false;
     };
     void finish_waits();
+    void finished(const CommandRecord& record, Duration time);
+    void log_commands();
     void publish_all(std::vector<mqtt::Message> messages);
 
     GatewayOptions options_;
@@ -127,6 +131,7 @@ class Gateway {
     api::BoardModels board_models_{models_};
     std::unordered_map<std::string, std::string> session_names_;
     metrics::Histogram durations_;
+    std::vector<const CommandRecord*> to_log_;  // of commands_, which keeps them for a minute
     bus::Requester requester_;
     std::list<Question> questions_;
     std::list<Wait> waits_;

@@ -60,6 +60,7 @@ class ApiTest : public testing::Test {
         port.v5 = [] { return true; };
         port.now = [this] { return at(time_); };
         port.server = [] { return http::ServerCounters{}; };
+        port.soon = [](const std::function<void()>& then) { then(); };
         gateway_ = std::make_unique<Gateway>(
             std::move(options), model::ModelSet::standard(), registry::UnitsOf(),
             [n = 0ull]() mutable { return ++n << 56; }, [](std::size_t) { return std::string("secret"); },
