@@ -68,8 +68,9 @@ void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
         handlers_.on_subscribed();
     if (!refusal) return;
     const std::string reason = mosquitto_reason_string(code);
+    const auto advice = advice_on_topic(refusal->filter);
     if (refusal->first && handlers_.on_subscribe_refused)
-        handlers_.on_subscribe_refused(refusal->filter, reason + advice_on_topic(refusal->filter));
+        handlers_.on_subscribe_refused(refusal->filter, advice.empty() ? reason : reason + "." + advice);
     if (refusal->give_up && brokers_.size() > 1 && connection_) {
         connection_->fail({ConnectionFailure::Kind::kRefused, brokers_.current(), code,
                            brokers_.current().describe() + " refuses the subscription to " + refusal->filter +
