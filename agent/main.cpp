@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/program.hpp"
+#include "asip/program/open_files.hpp"
 
 int main(int argc, char** argv) {
+    asip::program::occupy_standard_files();
     return asip::agent::run_program(argc, argv);
 }

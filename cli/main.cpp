@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <iostream>
 
+#include "asip/program/open_files.hpp"
 #include "cli/app.hpp"
 
 int main(int argc, char** argv) {
+    asip::program::occupy_standard_files();
     std::ios::sync_with_stdio(false);
     return asip::cli::run_app(argc, argv, std::cin, std::cout, std::cerr);
 }

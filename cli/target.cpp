@@ -54,6 +54,13 @@ Outcome<Target> parse_target(std::string_view text, bool patterns) {
     return target;
 }
 
+Outcome<void> check_board_pattern(std::string_view text, std::string_view verb) {
+    const auto target = parse_target(text, true);
+    if (!target) return tl::unexpected(target.error());
+    if (target->service.empty()) return {};
+    return failure(program::kExitUsage, std::string(verb) + " takes a board, not a service");
+}
+
 Outcome<model::ServiceInfo> find_service(const KnownBoard& board, const std::string& name) {
     if (board.description) {
         for (const auto& service : board.description->services) {

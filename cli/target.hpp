@@ -23,6 +23,10 @@ struct Target {
 /// Fails with kExitUsage and a valid name near by. Wildcards only where `patterns`.
 Outcome<Target> parse_target(std::string_view text, bool patterns = false);
 
+/// Fails, with kExitUsage, where no board can have a name that `text`, which may hold wildcards, matches.
+/// `verb` is named where a service is given.
+Outcome<void> check_board_pattern(std::string_view text, std::string_view verb);
+
 /// The service of a board by name, or by its letter. Fails with kExitFailure and the nearest name.
 Outcome<model::ServiceInfo> find_service(const KnownBoard& board, const std::string& name);
 

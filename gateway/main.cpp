@@ -3,10 +3,12 @@
 #include <iostream>
 
 #include "asip/program/exit_status.hpp"
+#include "asip/program/open_files.hpp"
 #include "gateway/application.hpp"
 #include "gateway/options.hpp"
 
 int main(int argc, char** argv) {
+    asip::program::occupy_standard_files();
     try {
         auto line = asip::gateway::read_options(argc, argv);
         if (!line) return line.error();

@@ -3,10 +3,12 @@
 #include <iostream>
 
 #include "asip/program/exit_status.hpp"
+#include "asip/program/open_files.hpp"
 #include "load/application.hpp"
 #include "load/options.hpp"
 
 int main(int argc, char** argv) {
+    asip::program::occupy_standard_files();
     try {
         auto options = asip::load::read_options(argc, argv);
         if (!options) return options.error();

@@ -3,10 +3,12 @@
 #include <iostream>
 
 #include "asip/program/exit_status.hpp"
+#include "asip/program/open_files.hpp"
 #include "registry/application.hpp"
 #include "registry/options.hpp"
 
 int main(int argc, char** argv) {
+    asip::program::occupy_standard_files();
     try {
         auto options = asip::registry::read_options(argc, argv);
         if (!options) return options.error();

@@ -1,9 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/program/open_files.hpp"
 
+#include <fcntl.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 namespace asip::program {
+
+void occupy_standard_files() {
+    for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+        if (fcntl(file, F_GETFD) != -1) continue;
+        // The lowest number that is free is this one.
+        static_cast<void>(open("/dev/null", file == STDOUT_FILENO ? O_RDONLY : O_WRONLY));
+    }
+}
 
 std::size_t allow_many_open_files() {
     rlimit limit{};

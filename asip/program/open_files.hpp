@@ -4,6 +4,12 @@
 
 namespace asip::program {
 
+/// Opens what this process was started without of standard input, output and error: what it opens itself
+/// would get their numbers, and what it prints would go to a board or a broker. Reading from and printing to
+/// what was closed fails as before, except that messages to standard error are dropped. First of all in
+/// main().
+void occupy_standard_files();
+
 /// Lets this process have as many files and connections open as the system allows: the usual, lower limit is
 /// for programs that use select(). Returns how many; 1024 where the system does not say.
 std::size_t allow_many_open_files();

@@ -11,9 +11,12 @@
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
 #include "asip/text/nearest.hpp"
+#include "asip/text/printable.hpp"
 
 namespace asip::program {
 namespace {
+
+constexpr std::size_t kMaxErrorBytes = 4000;
 
 std::string environment_name(const std::string& option) {
     std::string name = "ASIP_";
@@ -202,7 +205,10 @@ CLI::App& Settings::app() {
 }
 
 int Settings::usage_error(const std::string& text) const {
-    std::cerr << state_->program << ": " << text << "\nTry " << state_->program << " --help\n";
+    // A word of the command line may hold anything.
+    auto shown = text::escape_controls(std::string_view(text).substr(0, kMaxErrorBytes));
+    if (text.size() > kMaxErrorBytes) shown += "...";
+    std::cerr << state_->program << ": " << shown << "\nTry " << state_->program << " --help\n";
     return kExitUsage;
 }
 

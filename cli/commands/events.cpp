@@ -9,6 +9,7 @@
 #include "cli/board_source.hpp"
 #include "cli/change_record.hpp"
 #include "cli/declaration.hpp"
+#include "cli/target.hpp"
 #include "cli/text/moment.hpp"
 
 namespace asip::cli {
@@ -177,6 +178,8 @@ Run declare_events(Declaration& verb) {
                 "Begin with what a registry has kept since then: 10m, 12h, or a time in UTC");
     verb.output(options->output, {Output::kTable}, change_fields());
     return [options](Context& context) {
+        const auto valid = check_board_pattern(options->pattern, "events");
+        if (!valid) return context.fail_with(valid.error());
         const auto since = since_time(options->since);
         return since ? Follower(*options, *since, context).run() : context.fail_with(since.error());
     };

@@ -41,11 +41,9 @@ int run_history(const HistoryOptions& options, Context& context) {
     }
     bus::Query query;
     if (!options.all) {
-        const auto target = parse_target(options.board, true);
-        if (!target) return context.fail_with(target.error());
-        if (!target->service.empty())
-            return context.fail_with({program::kExitUsage, "history takes a board, not a service"});
-        query.board = target->board;
+        const auto valid = check_board_pattern(options.board, "history");
+        if (!valid) return context.fail_with(valid.error());
+        query.board = options.board;
     }
     BusSession session(context);
     BoardSource source(context, session);

@@ -9,6 +9,7 @@
 #include "cli/bus_session.hpp"
 #include "cli/declaration.hpp"
 #include "cli/log_line.hpp"
+#include "cli/target.hpp"
 #include "cli/text/table.hpp"
 #include "cli/text/width.hpp"
 
@@ -56,6 +57,8 @@ class LogPrinter {
 }  // namespace
 
 int run_logs(const LogsOptions& options, Context& context) {
+    if (const auto valid = check_board_pattern(options.pattern, "logs"); !valid)
+        return context.fail_with(valid.error());
     BusSession session(context);
     LogPrinter printer(options, context);
     const auto take = [&printer](const mqtt::Message& message) { printer.take(message); };

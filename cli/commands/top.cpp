@@ -14,6 +14,7 @@
 #include "cli/context_event.hpp"
 #include "cli/declaration.hpp"
 #include "cli/stats_model.hpp"
+#include "cli/target.hpp"
 #include "cli/top_model.hpp"
 
 namespace asip::cli {
@@ -165,6 +166,8 @@ class Top {
 }  // namespace
 
 int run_top(const TopOptions& options, Context& context) {
+    if (const auto valid = check_board_pattern(options.pattern, "top"); !valid)
+        return context.fail_with(valid.error());
     return Top(options, context).run();
 }
 

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "asip/program/exit_status.hpp"
+#include "asip/program/open_files.hpp"
 #include "sim/program/control_socket.hpp"
 #include "sim/program/input_commands.hpp"
 #include "sim/program/options.hpp"
@@ -162,6 +163,7 @@ int run_boards(const Options& options) {
 }  // namespace asip::sim
 
 int main(int argc, char** argv) {
+    asip::program::occupy_standard_files();
     std::signal(SIGPIPE, SIG_IGN);
     const auto options = asip::sim::read_options(argc, argv);
     if (!options) return options.error();

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// Texts of strangers, files that are not there, and a broker that dies.
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <filesystem>
+#include <sstream>
+
+#include "asip/text/printable.hpp"
+#include "tests/integration/cli/bus_fixture.hpp"
+
+namespace asip::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Whether each line can be written to a terminal as it is.
+bool showable(const std::string& lines) {
+    std::istringstream in(lines);
+    for (std::string line; std::getline(in, line);)
+        if (!text::is_showable(line)) return false;
+    return true;
+}
+
+TEST_F(BusTest, TextsOfAStranger_MoveNoCursor) {
+    probe_.publish("asip/servicebus/k1/$description",
+                   R"({"board":"k1","session":"a","seq":1,"lease":600,)"
+                   R"("firmware":{"protocol":"0.4","chip":"A\r\nT","sketch":"a\u001b]0;x\u0007b"},)"
+                   R"("link":{"kind":"\u001b[2J","path":"\u001b[2J"},)"
+                   R"("agent":{"version":"\u001b[1m","host":"\u001b[2J","client":"\u009b31m"},)"
+                   R"("labels":{"room":"\u001b[31m"},)"
+                   R"("services":[{"name":"K","id":"K","title":"\u001b[31m\u202eevil\u0007"}]})",
+                   true);
+    probe_.publish("asip/servicebus/k1/$state", "online", true);
+    probe_.publish("asip/servicebus/k2/$description", "\x1b[31m{", true);
+    probe_.publish("asip/servicebus/k2/$state", "\x1b[31monline", true);
+    probe_.publish("asip/k3/out", "\x1b[31m", true);
+    probe_.publish("asip/servicebus/a b\xc3\xa4/$state", "online", true);
+    ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
+    for (const Words& words : std::vector<Words>{{"list", "--from-bus"},
+                                                 {"list", "-o", "wide", "--from-bus"},
+                                                 {"list", "services", "--from-bus"},
+                                                 {"list", "-o", "json", "--from-bus"},
+                                                 {"list", "--format", "{board} {agent}", "--from-bus"},
+                                                 {"show", "k1"},
+                                                 {"show", "k1/K"},
+                                                 {"label", "k1"},
+                                                 {"pin", "k1"},
+                                                 {"doctor"},
+                                                 {"prune", "--dry-run"},
+                                                 {"top", "-n", "1", "--no-ping"},
+                                                 {"events", "-W", "300ms"}}) {
+        const auto shown = asipctl(words);
+        EXPECT_TRUE(showable(shown.output)) << words.front() << ": " << text::printable(shown.output, 4000);
+        EXPECT_TRUE(showable(shown.errors)) << words.front() << ": " << text::printable(shown.errors, 4000);
+    }
+}
+
+TEST(OddArguments, AreNamedWithoutTheirControlCharactersAndCut) {
+    const auto escape = run({ASIP_PROGRAMS "/asipctl", "list", "\x1b[31mboards"});
+    EXPECT_EQ(escape.status, 2);
+    EXPECT_THAT(escape.errors, HasSubstr("\\x1b[31mboards"));
+    EXPECT_TRUE(showable(escape.errors)) << text::printable(escape.errors, 1000);
+    const auto huge = run({ASIP_PROGRAMS "/asipctl", "models", std::string(100'000, 'x')});
+    EXPECT_EQ(huge.status, 2);
+    EXPECT_LT(huge.errors.size(), 5000u);
+}
+
+TEST(OddArguments, PatternThatNoBoardCanMatch_IsRefusedBeforeAnythingIsAsked) {
+    for (const char* verb : {"events", "logs", "top", "history"}) {
+        for (const char* pattern : {" ", "#", "+", "\x1b[31mX", "\xff", "a\n", "uno1/servo", "$state"}) {
+            const auto refused = run({ASIP_PROGRAMS "/asipctl", verb, pattern, "--broker", "127.0.0.1:1"});
+            EXPECT_EQ(refused.status, 2) << verb << " " << text::printable(pattern) << refused.errors;
+            EXPECT_TRUE(showable(refused.errors)) << verb;
+        }
+    }
+}
+
+TEST_F(BusTest, StandardFilesThatAreClosed_AreNoConnection) {
+    const std::string programs = ASIP_PROGRAMS;
+    for (const Words& words : std::vector<Words>{{"asipctl", "logs"},
+                                                 {"asip-registry", "--id", "r1"},
+                                                 {"asip-agent", "--tcp", "127.0.0.1:1", "--name", "uno1"}}) {
+        const auto& program = words.front();
+        auto command = "exec " + programs;
+        for (const auto& word : words)
+            command += (&word == &program ? "/" : " ") + word;
+        ChildProcess process({"bash", "-c", command + " <&- >&- 2>&-"}, environment());
+        const auto folder = std::filesystem::path("/proc") / std::to_string(process.pid());
+        ASSERT_TRUE(wait_until([&] {
+            std::error_code error;
+            return std::filesystem::read_symlink(folder / "exe", error).filename() == program &&
+                   std::filesystem::exists(std::filesystem::symlink_status(folder / "fd" / "5", error));
+        })) << program;
+        for (const char* file : {"0", "1", "2"})
+            EXPECT_EQ(std::filesystem::read_symlink(folder / "fd" / file), "/dev/null")
+                << program << " " << file;
+    }
+    announce("uno1");
+    const auto closed =
+        run({"bash", "-c", "exec " ASIP_PROGRAMS "/asipctl list --from-bus >&-"}, environment());
+    EXPECT_EQ(closed.status, 1);
+    EXPECT_THAT(closed.errors, HasSubstr("cannot write the output"));
+}
+
+TEST_F(BusTest, BrokerKilledMeanwhile_WhatFollowsGoesOnWhenItIsBack) {
+    announce("uno1");
+    const TempDir folder;
+    const auto recording = folder.file("all.jsonl");
+    ChildProcess subscribe(program({"subscribe", "uno1/distance"}), environment());
+    ChildProcess logs(program({"logs", "uno1"}), environment());
+    ChildProcess record(program({"record", recording}), environment());
+    const auto say = [this](const std::string& value) {
+        probe_.publish("asip/uno1/distance/out", R"({"distance":[)" + value + "]}");
+        probe_.publish("asip/uno1/out", "!" + value);
+    };
+    const auto both_hear = [&](const std::string& value) {
+        return wait_until([&] {
+            say(value);
+            return subscribe.output().find(value) != std::string::npos &&
+                   logs.output().find(value) != std::string::npos;
+        });
+    };
+    ASSERT_TRUE(both_hear("4711")) << subscribe.errors() << logs.errors();
+    broker_.kill();
+    broker_.start();
+    ASSERT_TRUE(wait_until([&] { return probe_.connected(); }));
+    EXPECT_TRUE(both_hear("4712")) << subscribe.errors() << logs.errors();
+    record.signal(SIGINT);
+    EXPECT_EQ(record.wait_exit(), 0) << record.errors();
+    const auto kept = run({"grep", "-c", "4712", recording});
+    EXPECT_EQ(kept.status, 0) << "what came after the broker was back is recorded, too";
+}
+
+}  // namespace
+}  // namespace asip::test
