@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "cli/complete.hpp"
 
 namespace asip::cli {
@@ -175,6 +177,21 @@ TEST(Verbs, EachType_IsOneThatCompletionKnows) {
     for (const auto* verb : line.app().get_subcommands([](const CLI::App*) { return true; })) {
         check(*verb);
         EXPECT_THAT(verb->get_footer(), ::testing::HasSubstr("Example")) << verb->get_name();
+    }
+}
+
+/// tests/docs runs what stands there.
+TEST(Verbs, Each_IsShownByACommandOfThePagesThatAreRun) {
+    std::string commands;
+    for (const char* page : {"README.md", "docs/tutorial.md", "docs/asipctl.md", "docs/tls-and-access.md"}) {
+        std::ifstream file(std::string(ASIP_TEST_SOURCE "/") + page);
+        ASSERT_TRUE(file) << page;
+        for (std::string line; std::getline(file, line);)
+            if (line.starts_with("$ ")) commands += line + " \n";
+    }
+    for (const auto& verb : all_verbs()) {
+        if (verb.name == "model") continue;  // docs/add-a-service.md, which tests/generated follows
+        EXPECT_THAT(commands, ::testing::HasSubstr("asipctl " + verb.name + " "));
     }
 }
 
