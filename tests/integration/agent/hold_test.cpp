@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <csignal>
 #include <nlohmann/json.hpp>
-#include <regex>
-#include <sstream>
 
 #include "tests/integration/agent/rig.hpp"
 
@@ -18,51 +16,11 @@ namespace {
 using nlohmann::json;
 using std::chrono::milliseconds;
 using testing::HasSubstr;
-using Seconds = std::chrono::duration<double>;
 
 constexpr milliseconds kHold = 500ms;
 // What the bus promises on top of it, and what this machine may need to notice.
 constexpr milliseconds kPromise = 100ms;
 constexpr milliseconds kSlack = 250ms;
-
-/// The robot's firmware in a simulated Uno. A lamp listens on the PWM pin of motor 0.
-class SimulatedRobot {
-  public:
-    SimulatedRobot() : port_(folder_.file("robot")) {
-        const auto file = folder_.write("robot.json", R"({"name":"robot","board":"uno","image":")" ASIP_IMAGES
-                                                      R"(/asip_uno_robot.elf","link":")" +
-                                                          port_ +
-                                                          R"(","parts":[{"kind":"led","name":"motor","pin":5},
-                                            {"kind":"led","name":"direction","pin":7}]})");
-        process_ = std::make_unique<ChildProcess>(
-            std::vector<std::string>{ASIP_PROGRAMS "/asip-sim", file, "--no-socket"});
-        if (!process_->wait_for_output(" port ")) throw std::runtime_error("asip-sim: " + process_->errors());
-    }
-    const std::string& port() const { return port_; }
-    void command(const std::string& line) { process_->write_input(line + "\n"); }
-
-    /// Simulated times at which the motor began or ended to run, in turn.
-    std::vector<Seconds> switched() const {
-        std::vector<Seconds> times;
-        static const std::regex kLine("robot ([0-9.]+) motor (.*)");
-        std::istringstream lines(process_->output());
-        bool runs = false;
-        for (std::string line; std::getline(lines, line);) {
-            std::smatch match;
-            if (!std::regex_match(line, match, kLine) || (match[2] != "off" && match[2] != "pwm 0") == runs)
-                continue;
-            runs = !runs;
-            times.emplace_back(std::stod(match[1]));
-        }
-        return times;
-    }
-    bool runs() const { return switched().size() % 2 == 1; }
-
-  private:
-    TempDir folder_;
-    std::string port_;
-    std::unique_ptr<ChildProcess> process_;
-};
 
 class HeldMotor : public testing::Test {
   protected:

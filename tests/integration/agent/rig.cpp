@@ -2,6 +2,8 @@
 #include "tests/integration/agent/rig.hpp"
 
 #include <csignal>
+#include <regex>
+#include <sstream>
 #include <stdexcept>
 
 namespace asip::test {
@@ -15,6 +17,32 @@ SimulatedUno::SimulatedUno(const std::string& image) : port_(folder_.file("uno")
     process_ = std::make_unique<ChildProcess>(
         std::vector<std::string>{ASIP_PROGRAMS "/asip-sim", file, "--no-socket"});
     if (!process_->wait_for_output(" port ")) throw std::runtime_error("asip-sim: " + process_->errors());
+}
+
+SimulatedRobot::SimulatedRobot() : port_(folder_.file("robot")) {
+    const auto file = folder_.write("robot.json", R"({"name":"robot","board":"uno","image":")" ASIP_IMAGES
+                                                  R"(/asip_uno_robot.elf","link":")" +
+                                                      port_ +
+                                                      R"(","parts":[{"kind":"led","name":"motor","pin":5},
+                                        {"kind":"led","name":"direction","pin":7}]})");
+    process_ = std::make_unique<ChildProcess>(
+        std::vector<std::string>{ASIP_PROGRAMS "/asip-sim", file, "--no-socket"});
+    if (!process_->wait_for_output(" port ")) throw std::runtime_error("asip-sim: " + process_->errors());
+}
+
+std::vector<Seconds> SimulatedRobot::switched() const {
+    std::vector<Seconds> times;
+    static const std::regex kLine("robot ([0-9.]+) motor (.*)");
+    std::istringstream lines(process_->output());
+    bool runs = false;
+    for (std::string line; std::getline(lines, line);) {
+        std::smatch match;
+        if (!std::regex_match(line, match, kLine) || (match[2] != "off" && match[2] != "pwm 0") == runs)
+            continue;
+        runs = !runs;
+        times.emplace_back(std::stod(match[1]));
+    }
+    return times;
 }
 
 std::vector<std::string> agent_command(const std::string& broker, const std::string& port,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +22,26 @@ class SimulatedUno {
     const std::string& port() const { return port_; }
     void command(const std::string& line) { process_->write_input(line + "\n"); }
     ChildProcess& process() { return *process_; }
+
+  private:
+    TempDir folder_;
+    std::string port_;
+    std::unique_ptr<ChildProcess> process_;
+};
+
+using Seconds = std::chrono::duration<double>;
+
+/// The robot's firmware in a simulated Uno, called `robot`. A lamp listens on the PWM pin of motor 0.
+class SimulatedRobot {
+  public:
+    SimulatedRobot();
+
+    const std::string& port() const { return port_; }
+    void command(const std::string& line) { process_->write_input(line + "\n"); }
+
+    /// Simulated times at which the motor began or ended to run, in turn.
+    std::vector<Seconds> switched() const;
+    bool runs() const { return switched().size() % 2 == 1; }
 
   private:
     TempDir folder_;

@@ -93,7 +93,7 @@ TEST_F(GatewayStop, UnderTenThousandCommandsOfAWebSocket_IsAnsweredAheadOfThem) 
 TEST_F(GatewayStop, Asipctl_UnderTenThousandCommands_IsAnsweredAheadOfThem) {
     BusProbe flood(broker_.port(), {"flood"});
     std::vector<milliseconds> took;
-    for (std::size_t round = 0; round < kFewRounds; ++round) {
+    for (std::size_t round = 0; round < kRounds; ++round) {
         send_commands(flood, round, 0);
         took.push_back(time_of([&] {
             const auto stopped =
