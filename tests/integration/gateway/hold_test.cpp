@@ -13,9 +13,10 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kHeld = 500ms;
+// A client of a busy machine may renew a second late.
+constexpr milliseconds kHeld = 1500ms;
 constexpr milliseconds kOnTop = 100ms;  // what the bus promises
-constexpr milliseconds kRenewal = 150ms;
+constexpr milliseconds kRenewal = 250ms;
 constexpr int kRenewals = 10;
 
 class GatewayHold : public testing::Test {
@@ -42,7 +43,7 @@ class GatewayHold : public testing::Test {
         auto socket = std::make_unique<Socket>(gateway_.port());
         // A board of a busy machine may answer too late once.
         for (int attempt = 0; attempt < 5 && !robot_.runs(); ++attempt) {
-            socket->send(R"({"command":"robot/motors","power":[0,200],"id":"7","hold_ms":500})");
+            socket->send(R"({"command":"robot/motors","power":[0,200],"id":"7","hold_ms":1500})");
             const auto answer = socket->json();
             EXPECT_EQ(answer["id"], "7") << answer;
         }
@@ -78,7 +79,7 @@ TEST_F(GatewayHold, RenewedByPost_RunsOnAndStopsInTime) {
     std::string id;
     for (int attempt = 0; attempt < 5 && !robot_.runs(); ++attempt) {
         const auto held =
-            post(gateway_.port(), "/api/boards/robot/services/motors/commands/power?hold_ms=500", "[0,200]");
+            post(gateway_.port(), "/api/boards/robot/services/motors/commands/power?hold_ms=1500", "[0,200]");
         id = held.json().value("id", "");
     }
     ASSERT_FALSE(id.empty());
