@@ -3,7 +3,7 @@
 
 A block holds what a terminal shows: a line "$ COMMAND", then what it prints. Commands of one page run one after the
 other, in one folder. "..." alone on a line is any number of lines, within a line any text. A line "^C" is where the
-reader ends the command: it must have printed the lines before it. Times, identifiers and ports are not compared, nor
+reader ends the command: it must have printed the lines before it. The reader stands where the project's folders are. Times, identifiers and ports are not compared, nor
 how wide a column is. A comment after two blanks and "#" belongs to the reader.
 
     transcript.py PAGE            runs it, in the environment that it gets
@@ -19,6 +19,8 @@ import tempfile
 import time
 
 LIMIT_SECONDS = 60
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+FOLDERS = "build examples sim".split()
 
 VOLATILE = [
     (r"\d{4}-\d\d-\d\dT[\d:.]+Z", "<time>"),
@@ -89,7 +91,7 @@ def end_all(groups):
 
 def run(step, folder, background):
     """What the command prints, standard error included, as a terminal shows it."""
-    with open(os.path.join(folder, ".output"), "w+") as output:
+    with tempfile.NamedTemporaryFile("a+", dir=folder, prefix=".output") as output:
         child = subprocess.Popen(["bash", "-c", step.command], cwd=folder, env=dict(os.environ, HOME=folder), stdin=subprocess.DEVNULL, stdout=output,
                                  stderr=subprocess.STDOUT, start_new_session=True)
         end = time.monotonic() + LIMIT_SECONDS
@@ -98,7 +100,7 @@ def run(step, folder, background):
                 os.killpg(child.pid, signal.SIGINT)
                 step.interrupt = False
             time.sleep(0.02)
-        if step.command.find(" & ") > 0:
+        if re.search(r" &( |$)", step.command):
             background.append(child.pid)
         ended = child.poll() is not None
         if not ended:
@@ -122,6 +124,8 @@ def main(words):
     background = []
     with tempfile.TemporaryDirectory(prefix="asip-docs-") as folder, contextlib.ExitStack() as at_end:
         at_end.callback(end_all, background)
+        for name in FOLDERS:
+            os.symlink(os.path.join(ROOT, name), os.path.join(folder, name))
         for first, last, steps in blocks(text):
             written = []
             for step in steps:
