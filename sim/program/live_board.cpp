@@ -20,6 +20,11 @@ constexpr std::size_t kMaxQueuedBytes = 1024;
 constexpr std::size_t kMaxUnreadBytes = std::size_t{64} * 1024;
 // What a board that is further behind does not catch up with.
 constexpr auto kMaxLag = 200ms;
+// A board that catches up hears and answers its host on the way: a turn of the whole lag takes half a second
+// where others have the processor.
+constexpr auto kMaxTurn = 2ms;
+// Who has just sent something waits for the answer, and more may come.
+constexpr auto kBusy = 5ms;
 constexpr auto kHousekeeping = 1s;
 
 }  // namespace
@@ -72,28 +77,36 @@ std::vector<std::string> LiveBoard::part_names() const {
     return names;
 }
 
-void LiveBoard::tick(Time now) {
+Pace LiveBoard::tick(Time now) {
     if (started_ == Time{}) started_ = now;
-    if (!plugged_) return;
-    notice_opening();
-    receive_from_ports();
-    run_to(now);
+    if (!plugged_) return Pace::kIdle;
+    receive_from_ports(notice_opening().readable);
+    const bool behind = run_towards(now);
+    if (!to_host_.empty() || board_->sending() > 0) busy_until_ = now + kBusy;
     send_to_ports();
-    if (now < next_housekeeping_) return;
-    next_housekeeping_ = now + kHousekeeping;
-    board_->save_eeprom();
-    report_losses(now);
+    if (now >= next_housekeeping_) {
+        next_housekeeping_ = now + kHousekeeping;
+        board_->save_eeprom();
+        report_losses(now);
+    }
+    return behind ? Pace::kBehind : now < busy_until_ ? Pace::kBusy : Pace::kIdle;
 }
 
-void LiveBoard::notice_opening() {
-    const bool opened = pty_.was_opened();
-    const bool in_use = pty_.in_use();
-    if (opened) happened("opened", json::object());
-    if ((opened || pty_in_use_) && !in_use) happened("closed", json::object());
-    pty_in_use_ = in_use;
+void LiveBoard::add_waits(std::vector<pollfd>& waits) const {
+    if (!plugged_) return;
+    pty_.add_waits(waits, has_room());
+    tcp_.add_waits(waits, has_room());
+}
+
+Pty::Events LiveBoard::notice_opening() {
+    const auto events = pty_.look();
+    if (events.opened) happened("opened", json::object());
+    if ((events.opened || pty_in_use_) && !events.in_use) happened("closed", json::object());
+    pty_in_use_ = events.in_use;
     const bool connected = tcp_.is_open() && tcp_.accept();
-    if ((opened || connected) && file_.reset_on_open) board_->reset();
+    if ((events.opened || connected) && file_.reset_on_open) board_->reset();
     follow_host_rate();
+    return events;
 }
 
 // A TCP connection has no rate, so the line follows the board while one is there.
@@ -101,9 +114,13 @@ void LiveBoard::follow_host_rate() {
     board_->set_host_baud(pty_in_use_ && !tcp_.in_use() ? pty_.baud() : 0);
 }
 
-void LiveBoard::receive_from_ports() {
-    if (board_->sending() > kMaxQueuedBytes) return;
-    if (pty_in_use_) {
+bool LiveBoard::has_room() const {
+    return board_->sending() <= kMaxQueuedBytes;
+}
+
+void LiveBoard::receive_from_ports(bool pty_readable) {
+    if (!has_room()) return;
+    if (pty_in_use_ && pty_readable) {
         // Who changes the rate waits until the bytes before it have left: those that are here are of the new
         // one.
         const auto bytes = pty_.read(kReadAtOnce);
@@ -113,14 +130,15 @@ void LiveBoard::receive_from_ports() {
     if (tcp_.in_use()) board_->send(tcp_.read(kReadAtOnce));
 }
 
-void LiveBoard::run_to(Time now) {
+bool LiveBoard::run_towards(Time now) {
     auto behind = started_at_ + (now - started_) - board_->now();
     if (behind > kMaxLag) {
         skipped_ += behind - kMaxLag;
         started_ += std::chrono::duration_cast<Duration>(behind - kMaxLag);
         behind = kMaxLag;
     }
-    if (behind > 0ns) board_->run_for(behind);
+    if (behind > 0ns) board_->run_for(std::min<SimTime>(behind, kMaxTurn));
+    return behind > kMaxTurn;
 }
 
 void LiveBoard::send_to_ports() {
@@ -160,6 +178,7 @@ void LiveBoard::happened(std::string_view event, const json& details) {
 
 Expected<std::string> LiveBoard::command(std::string_view verb, std::string_view part,
                                          std::string_view argument, Time now) {
+    busy_until_ = now + kBusy;
     if (verb == "list") return list();
     if (verb == "unplug" || verb == "replug") return plug(verb == "replug", now);
     if (verb == "reset") {

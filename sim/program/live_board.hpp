@@ -12,6 +12,13 @@
 
 namespace asip::sim {
 
+/// When a board wants to run on.
+enum class Pace {
+    kBehind,  ///< at once: it has not caught up with the clock
+    kBusy,    ///< soon: bytes are on its line
+    kIdle,    ///< when its host or its parts have something for it, or after a millisecond
+};
+
 /// A board that runs by the computer's clock and that programs reach through its ports. Used by one thread at
 /// a time.
 class LiveBoard {
@@ -26,8 +33,11 @@ class LiveBoard {
 
     std::vector<std::string> part_names() const;
 
-    /// Carries bytes between the ports and the board and lets it run up to `now`.
-    void tick(Time now);
+    /// Carries bytes between the ports and the board and lets it run up to `now`, but not for long.
+    Pace tick(Time now);
+
+    /// What becomes readable when the host has something for the board.
+    void add_waits(std::vector<pollfd>& waits) const;
 
     /// "press button1", "reset", "unplug", "replug", "list"; the answer's lines, or what was wrong.
     Expected<std::string> command(std::string_view verb, std::string_view part, std::string_view argument,
@@ -39,10 +49,11 @@ class LiveBoard {
     Expected<std::string> plug(bool in, Time now);
     std::string list() const;
 
-    void receive_from_ports();
-    void notice_opening();
+    bool has_room() const;
+    void receive_from_ports(bool pty_readable);
+    Pty::Events notice_opening();
     void follow_host_rate();
-    void run_to(Time now);
+    bool run_towards(Time now);
     void send_to_ports();
     void report_losses(Time now);
     void happened(std::string_view event, const nlohmann::ordered_json& details);
@@ -56,6 +67,7 @@ class LiveBoard {
     bool plugged_ = true;
     bool pty_in_use_ = false;
     std::string to_host_;
+    Time busy_until_{};
 
     Time started_{};  // the moment at which the board's time was started_at_
     SimTime started_at_{0};

@@ -2,7 +2,6 @@
 #include "sim/program/pty.hpp"
 
 #include <fcntl.h>
-#include <poll.h>
 #include <pty.h>
 #include <sys/inotify.h>
 #include <sys/ioctl.h>
@@ -59,17 +58,23 @@ Pty& Pty::operator=(Pty&& other) noexcept {
     return *this;
 }
 
-bool Pty::in_use() const {
-    pollfd request{master_, POLLIN, 0};
-    return ::poll(&request, 1, 0) >= 0 && (request.revents & POLLHUP) == 0;
+Pty::Events Pty::look() {
+    pollfd polled[] = {{watch_, POLLIN, 0}, {master_, POLLIN, 0}};
+    if (::poll(polled, 2, 0) < 0) return {.in_use = was_in_use_};
+    Events events{.in_use = (polled[1].revents & POLLHUP) == 0,
+                  .readable = (polled[1].revents & POLLIN) != 0};
+    char opened[1024];
+    events.opened = watch_ < 0
+                        ? events.in_use && !was_in_use_
+                        : (polled[0].revents & POLLIN) != 0 && ::read(watch_, opened, sizeof opened) > 0;
+    was_in_use_ = events.in_use;
+    return events;
 }
 
-bool Pty::was_opened() {
-    char events[1024];
-    const bool now_in_use = in_use();
-    const bool opened = watch_ >= 0 ? ::read(watch_, events, sizeof events) > 0 : now_in_use && !was_in_use_;
-    was_in_use_ = now_in_use;
-    return opened;
+void Pty::add_waits(std::vector<pollfd>& waits, bool with_bytes) const {
+    waits.push_back({watch_, POLLIN, 0});
+    // One that nobody has open is always ready.
+    if (was_in_use_ && with_bytes) waits.push_back({master_, POLLIN, 0});
 }
 
 std::uint32_t Pty::baud() const {

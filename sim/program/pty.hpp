@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <poll.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "asip/expected.hpp"
 
@@ -20,15 +23,18 @@ class Pty {
     Pty& operator=(Pty&& other) noexcept;
 
     bool is_open() const { return master_ >= 0; }
-    int descriptor() const { return master_; }
     /// Of the side that other programs open: "/dev/pts/3".
     const std::string& path() const { return path_; }
 
-    /// Whether a program has the port open. Until then (and after) nothing should be written: it would be
-    /// kept for the next one that opens it.
-    bool in_use() const;
-    /// Whether a program opened it since this was last asked, even if another had closed it only just before.
-    bool was_opened();
+    struct Events {
+        bool opened = false;  ///< since the last look, even if another program had closed it only just before
+        bool in_use = false;  ///< a program has it open; until then (and after) nothing should be written: it
+                              ///< would be kept for the next one that opens it
+        bool readable = false;  ///< that program has written something
+    };
+    Events look();
+    /// What becomes readable when look() has something new to tell; `in_use` as last seen there.
+    void add_waits(std::vector<pollfd>& waits, bool with_bytes) const;
     /// The rate that the program has set; 0 if it is unknown.
     std::uint32_t baud() const;
     std::string read(std::size_t max_bytes);
@@ -37,7 +43,7 @@ class Pty {
 
   private:
     int master_ = -1;
-    int watch_ = -1;  // inotify, for was_opened(); -1 where the system has none
+    int watch_ = -1;  // inotify, for `opened`; -1 where the system has none
     bool was_in_use_ = false;
     std::string path_;
 };

@@ -75,6 +75,11 @@ std::size_t TcpPort::write(std::string_view bytes) {
     return count > 0 ? static_cast<std::size_t>(count) : 0;
 }
 
+void TcpPort::add_waits(std::vector<pollfd>& waits, bool with_bytes) const {
+    if (listener_ >= 0) waits.push_back({listener_, POLLIN, 0});
+    if (client_ >= 0 && with_bytes) waits.push_back({client_, POLLIN, 0});
+}
+
 void TcpPort::drop_client() {
     if (client_ >= 0) ::close(client_);
     client_ = -1;

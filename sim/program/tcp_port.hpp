@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <poll.h>
+
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "asip/expected.hpp"
 
@@ -28,6 +31,8 @@ class TcpPort {
     std::string read(std::size_t max_bytes);
     std::size_t write(std::string_view bytes);
     void drop_client();
+    /// What becomes readable when accept() or read() has something to do.
+    void add_waits(std::vector<pollfd>& waits, bool with_bytes) const;
 
   private:
     int listener_ = -1;

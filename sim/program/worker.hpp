@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <poll.h>
+
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -11,7 +13,8 @@
 
 namespace asip::sim {
 
-/// A thread that runs some boards in turn, each a slice of real time after the other.
+/// A thread that runs some boards in turn, each a slice of real time after the other; a longer one while
+/// nothing is on their lines.
 class Worker {
   public:
     Worker(std::vector<std::unique_ptr<LiveBoard>> boards, std::chrono::nanoseconds slice);
@@ -24,9 +27,13 @@ class Worker {
   private:
     void run();
     bool do_tasks();
+    void wake();
+    void wait_until(Time due);
 
     std::vector<std::unique_ptr<LiveBoard>> boards_;
     std::chrono::nanoseconds slice_;
+    int woken_;  // an eventfd, or -1: tasks wait for the end of a slice
+    std::vector<pollfd> waits_;
     std::mutex mutex_;
     std::vector<std::function<void(std::vector<std::unique_ptr<LiveBoard>>&)>> tasks_;
     bool stop_ = false;
