@@ -36,7 +36,7 @@ class LabelTest : public BusTest {
         for (const auto& name : names)
             start_agent(name);
         for (const auto& name : names)
-            ASSERT_TRUE(wait_state(name, "online")) << agents_[name]->errors();
+            ASSERT_TRUE(wait_state(name, "online") && wait_described(name)) << agents_[name]->errors();
     }
 
     void start_agent(const std::string& name, const Words& more = {}) {
@@ -49,6 +49,12 @@ class LabelTest : public BusTest {
 
     bool wait_state(const std::string& board, const std::string& state) {
         return wait_until([&] { return probe_.last("asip/servicebus/" + board + "/$state") == state; });
+    }
+
+    /// An agent announces the state first.
+    bool wait_described(const std::string& board) {
+        return wait_until(
+            [&] { return probe_.last("asip/servicebus/" + board + "/$description").has_value(); });
     }
 
     void kill_agent(const std::string& board) {

@@ -77,6 +77,7 @@ class Round {
     void check(const Sent& sent);
     bool nobody_there(const Sent& sent) const;
     bool starved(std::int64_t from, std::int64_t until) const;
+    std::int64_t starved_ms(std::int64_t from, std::int64_t until) const;
     bool executed(const Sent& sent) const;
     void fail(const Sent& sent, const std::string& what);
     std::size_t announced(const LiveBoard& board) const;

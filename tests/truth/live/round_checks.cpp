@@ -17,9 +17,18 @@ constexpr std::int64_t kDamageLastsMs = 3000;
 
 }  // namespace
 
+// Time in which an agent, or the test, waited for a processor is added to what an answer may take.
+std::int64_t Round::starved_ms(std::int64_t from, std::int64_t until) const {
+    std::int64_t sum = 0;
+    for (const auto& [begin, end] : starved_)
+        sum += std::max<std::int64_t>(0, std::min(end, until) - std::max(begin, from));
+    return sum;
+}
+
 bool Round::nobody_there(const Sent& sent) const {
     return std::any_of(outages_.begin(), outages_.end(), [&](const Outage& outage) {
-        return outage.board == sent.board && outage.from <= sent.at + kDeadlineMs && outage.until >= sent.at;
+        return outage.board == sent.board && outage.until >= sent.at &&
+               outage.from <= sent.at + kDeadlineMs + starved_ms(sent.at, outage.from);
     });
 }
 
