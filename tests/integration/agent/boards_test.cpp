@@ -40,6 +40,10 @@ class Simulator {
     void kill() {
         process_->signal(SIGKILL);
         process_->wait_exit();
+        // A link that it left would soon lead to another port, a test's beside this one: the kernel gives the
+        // number again.
+        for (const std::string& board : boards_)
+            std::filesystem::remove(port(board));
     }
     std::string port(const std::string& board) const { return folder_.file(board); }
 
