@@ -230,8 +230,10 @@ TEST_F(LabelTest, Send_GoesToEachBoardThatIsChosen) {
 TEST_F(LabelTest, OneOfTheBoards_RefusesOrIsAwayAndIsLeftOutOfWhatIsHeard) {
     ASSERT_NO_FATAL_FAILURE(start({"desk", "old"}));
     ASSERT_EQ(asipctl({"label", "desk", "room=lab"}).status, 0);
-    for (const char* board : {"desk/io", "old/io"})
-        ASSERT_EQ(asipctl({"send", board, "report", "50"}).status, 0);
+    for (const char* board : {"desk/io", "old/io"}) {
+        const auto sent = asipctl({"send", board, "report", "50"});
+        ASSERT_EQ(sent.status, 0) << sent.errors;
+    }
     const auto heard = asipctl({"subscribe", "-l", "room=lab", "-n", "5", "-W", "20"});
     EXPECT_EQ(heard.status, 0) << heard.errors;
     EXPECT_THAT(heard.output, HasSubstr("desk/io"));
