@@ -4,16 +4,26 @@
 #include "sim/image_places.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 
 namespace asip::sim {
 namespace {
 
 constexpr std::size_t kLargestFlash = 1 << 20;
 constexpr std::size_t kLargestEeprom = 1 << 16;
+// Ten times what an image of the largest chip has with all that a debugger needs.
+constexpr std::size_t kLargestFile = std::size_t{64} << 20;
+
+std::vector<std::uint8_t> read_at_most(std::istream& stream, std::size_t limit) {
+    std::vector<std::uint8_t> bytes;
+    std::array<char, 65536> block;
+    while (bytes.size() <= limit && (stream.read(block.data(), block.size()) || stream.gcount() > 0))
+        bytes.insert(bytes.end(), block.data(), block.data() + stream.gcount());
+    return bytes;
+}
 
 }  // namespace
 
@@ -23,7 +33,8 @@ Expected<Image> load_image(const std::filesystem::path& file) {
     if (std::filesystem::is_directory(file, error)) return fail(name + ": is a folder, not a firmware image");
     std::ifstream stream(file, std::ios::binary);
     if (!stream) return fail(name + ": cannot read the firmware image: " + std::strerror(errno));
-    const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
+    const auto bytes = read_at_most(stream, kLargestFile);
+    if (bytes.size() > kLargestFile) return fail(name + ": too large for a firmware image");
     if (bytes.empty()) return fail(name + ": the firmware image is empty");
     if (bytes[0] == 0x7f) return parse_elf(bytes, name);
     if (bytes[0] == ':') return parse_hex(bytes, name);

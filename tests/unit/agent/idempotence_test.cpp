@@ -116,7 +116,7 @@ class Repeats {
 
 TEST(Idempotence, RandomHistories_RepeatedCommandsAreAnsweredAgainAndNeverExecutedAgain) {
     unsigned repeated = 0, reused = 0;
-    for (unsigned seed = 1; seed <= 30; ++seed) {
+    for (unsigned seed = 1; seed <= 12; ++seed) {
         SCOPED_TRACE(seed);
         Repeats repeats(seed);
         for (int i = 0; i < 600; ++i) {
@@ -126,8 +126,8 @@ TEST(Idempotence, RandomHistories_RepeatedCommandsAreAnsweredAgainAndNeverExecut
         repeated += repeats.repeated();
         reused += repeats.reused();
     }
-    EXPECT_GT(repeated, 300u);
-    EXPECT_GT(reused, 300u);
+    EXPECT_GT(repeated, 120u);
+    EXPECT_GT(reused, 120u);
 }
 
 }  // namespace

@@ -210,6 +210,12 @@ TEST(Board, ImageOfThisComputer_RefusedAsNotAvr) {
     EXPECT_THAT(refusal(config), HasSubstr("not for AVR"));
 }
 
+TEST(Board, ImageWithoutEnd_Refused) {
+    auto config = Monitor::config();
+    config.image = "/dev/zero";
+    EXPECT_THAT(refusal(config), HasSubstr("too large for a firmware image"));
+}
+
 TEST(Board, ImageTooLargeForTheChip_Refused) {
     TemporaryFolder folder;
     write_file(folder / "large.hex", ":020000040001F9\n:0100000000FF\n:00000001FF\n");
