@@ -121,7 +121,7 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
             b.deadline = std::max(b.deadline,
                                   now + std::min<Duration>(std::chrono::seconds(*a.expiry_seconds), lease));
         } else if (!renews) {
-            b.deadline = std::max(b.deadline, now + std::min<Duration>(options_.grace, lease));
+            b.deadline = std::max(b.deadline, now + lease);
         }
     }
     if (live && !added && !changed && !renews) ++stats_.renewals;

@@ -113,7 +113,7 @@ struct Instant {
 ///
 /// Retained messages are hints: they describe what a board is, but only a lease makes it alive. A retained
 /// description opens a lease of what is left of it according to the broker, or, where the broker does not
-/// report that, of `grace`: long enough for the agent to answer a probe.
+/// report that, a whole one: it may have been announced just now. The same one again opens none.
 ///
 /// Names are checked (invalid ones are refused), texts bounded, memory bounded by `max_boards`. Not copyable.
 class Catalogue {

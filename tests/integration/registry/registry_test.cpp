@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <thread>
+
 #include "running_registry.hpp"
 
 namespace asip::test {
@@ -91,6 +93,24 @@ TEST(Registry, GhostOnABrokerWithoutExpiry_ItsDescriptionIsEmptied) {
     BusProbe late(broker.port());
     EXPECT_TRUE(late.wait_for("asip/registry/r1/$state", "online"));
     EXPECT_EQ(late.count("asip/servicebus/uno1/$description"), 0u);
+}
+
+TEST(Registry, RetainedBoardThatDoesNotAnswerItsProbe_IsNotLostBeforeItsLease) {
+    MosquittoBroker broker;
+    BusProbe::Options old;
+    old.v5 = false;
+    BusProbe agent(broker.port(), {}, old);
+    agent.publish(announcement("uno1", description_text("uno1", "a", 1, 60)));
+    RunningRegistry registry(broker.address(), "r1", {"--mqtt-version", "3.1.1"});
+    ASSERT_TRUE(registry.complete());
+    BusProbe probe(broker.port(), {"#"}, old);
+    ASSERT_TRUE(becomes(probe, "uno1", "online"));
+    std::this_thread::sleep_for(13s);  // longer than a reconnection gives, and than the clearing behind it
+                                       // takes
+    EXPECT_EQ(state_of(probe, "uno1"), "online");
+    EXPECT_EQ(probe.count("asip/servicebus/uno1/$description"), 1u) << "it was cleared";
+    for (const auto& event : events_of(probe))
+        EXPECT_NE(event.reason, "lease");
 }
 
 TEST(Registry, BoardWithThePublishedNamesOnly_IsAFullMemberAndItsTrafficRenewsIt) {

@@ -101,12 +101,29 @@ TEST_F(CatalogueTest, RetainedDescriptionWithExpiry_LivesForWhatIsLeft) {
     EXPECT_THAT(expire(17s), ElementsAre(Kind::kState));
 }
 
-TEST_F(CatalogueTest, RetainedDescriptionWithoutExpiry_LivesForTheTimeToAnswerAProbe) {
+TEST_F(CatalogueTest, RetainedDescriptionWithoutExpiry_LivesForItsLease) {
     give(retained(description("uno1")));
     EXPECT_EQ(state_of("uno1"), "online");
-    EXPECT_THAT(expire(10s), ElementsAre(Kind::kState, Kind::kGhost));
-    give(retained(description("uno1")), 11s);
+    EXPECT_THAT(expire(60s - 1ns), IsEmpty()) << "it may have been announced just before";
+    EXPECT_EQ(state_of("uno1"), "online");
+    EXPECT_THAT(expire(60s), ElementsAre(Kind::kState, Kind::kGhost));
+    give(retained(description("uno1")), 61s);
     EXPECT_EQ(state_of("uno1"), "lost") << "the same replay again proves nothing";
+}
+
+TEST_F(CatalogueTest, RetainedDescriptionWithoutExpiry_TheSameAgainDoesNotProlongIt) {
+    give(retained(description("uno1")));
+    catalogue.suspend();
+    catalogue.resume(at(45s));
+    give(retained(description("uno1")), 45s);
+    EXPECT_THAT(expire(60s), ElementsAre(Kind::kState, Kind::kGhost));
+}
+
+TEST_F(CatalogueTest, RetainedDescriptionWithoutExpiry_BoardThatWasToldLostIsLostAtOnce) {
+    give(retained(description("uno1")));
+    EXPECT_THAT(give(retained(state("uno1", "lost"))), ElementsAre(Kind::kState));
+    EXPECT_EQ(state_of("uno1"), "lost");
+    EXPECT_THAT(expire(61s), IsEmpty());
 }
 
 TEST_F(CatalogueTest, KnownFromRetainedMessagesOnly_ItsAgeIsUnknownInEachForm) {
