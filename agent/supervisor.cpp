@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/supervisor.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <csignal>
 #include <ctime>
@@ -35,6 +38,18 @@ bool same_options(const PlannedBoard& one, const PlannedBoard& other) {
            a.ca_file == b.ca_file && a.cert_file == b.cert_file && a.key_file == b.key_file;
 }
 
+bool ignored(int number) {
+    struct sigaction action {};
+    return sigaction(number, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
+/// Not, once it was closed.
+bool can_reach_terminal() {
+    const int terminal = ::open("/dev/tty", O_RDWR | O_NOCTTY | O_CLOEXEC);
+    if (terminal >= 0) ::close(terminal);
+    return terminal >= 0;
+}
+
 }  // namespace
 
 struct Supervisor::Board : std::enable_shared_from_this<Supervisor::Board> {
@@ -55,6 +70,7 @@ struct Supervisor::Board : std::enable_shared_from_this<Supervisor::Board> {
 Supervisor::Supervisor(Plan plan, std::function<Expected<Plan>()> read_again)
     : several_(plan.several()),
       read_again_(std::move(read_again)),
+      has_terminal_(can_reach_terminal()),
       random_(system_random()),
       stop_signal_(io_, [this](int) { stop(); }),
       reload_signal_(io_),
@@ -70,9 +86,11 @@ Supervisor::~Supervisor() {
 int Supervisor::run() {
     if (several_) {
         program::allow_many_open_files();  // each board needs four, and one more for each client
+        log::info("serving the boards of the configuration file", {{"boards", boards_.size()}});
+    }
+    if (several_ || !ignored(SIGHUP)) {  // by nohup
         reload_signal_.add(SIGHUP);
         wait_for_reload();
-        log::info("serving the boards of the configuration file", {{"boards", boards_.size()}});
     }
     start_all();
     program::tell_service_manager("READY=1");
@@ -160,6 +178,7 @@ void Supervisor::wait_for_reload() {
 }
 
 void Supervisor::reload() {
+    if (!several_) return nothing_to_reload();
     timespec now{};
     clock_gettime(CLOCK_MONOTONIC, &now);
     program::tell_service_manager("RELOADING=1\nMONOTONIC_USEC=" +
@@ -171,6 +190,16 @@ void Supervisor::reload() {
     }
     program::tell_service_manager("READY=1");
     report_soon();
+}
+
+void Supervisor::nothing_to_reload() {
+    if (has_terminal_ && !can_reach_terminal()) {
+        log::info("the terminal was closed: stopping");
+        return stop();
+    }
+    log::warning(
+        "SIGHUP: there is no file with sections [board NAME] to read again; going on as before. For "
+        "other options start the agent again");
 }
 
 void Supervisor::apply(Plan plan) {

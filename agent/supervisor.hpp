@@ -17,8 +17,8 @@
 namespace asip::agent {
 
 /// The program: an agent for each board of the plan, in one event loop. One board of a command line: the
-/// program ends with it. Boards of a file: each is started again when it ends, later each time (2 s to 1
-/// min), and SIGHUP reads the file anew.
+/// program ends with it, and SIGHUP changes nothing. Boards of a file: each is started again when it ends,
+/// later each time (2 s to 1 min), and SIGHUP reads the file anew.
 class Supervisor {
   public:
     /// `read_again`: the plan of the same file as it is now.
@@ -39,6 +39,7 @@ class Supervisor {
     void stop();
     void wait_for_reload();
     void reload();
+    void nothing_to_reload();
     void apply(Plan plan);
     void report_soon();
     std::string status_text() const;
@@ -47,6 +48,7 @@ class Supervisor {
     boost::asio::thread_pool disk_{1};
     const bool several_;
     const std::function<Expected<Plan>()> read_again_;
+    const bool has_terminal_;
     Random random_;
     std::vector<std::shared_ptr<Board>> boards_;
     program::StopSignal stop_signal_;

@@ -72,6 +72,56 @@ TEST(AgentAnnounces, Sigterm_SaysOfflineAndEndsWithinASecond) {
     EXPECT_TRUE(wait_state(probe, "offline", time_limit(1s)));
 }
 
+TEST(AgentAnnounces, SighupOfOneBoard_IsAnsweredInWordsAndTheBoardStays) {
+    MosquittoBroker broker;
+    SimulatedUno uno;
+    BusProbe probe(broker.port());
+    Agent agent(broker, uno.port());
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    agent.process().signal(SIGHUP);
+    EXPECT_TRUE(agent.process().wait_for_errors("SIGHUP: there is no file .* to read again; going on"));
+    const auto reply = probe.request("asip/uno1/io/in", R"({"write":[13,1]})");
+    ASSERT_TRUE(reply);
+    EXPECT_THAT(*reply, HasSubstr(R"("status":"ok")"));
+    EXPECT_TRUE(agent.process().running());
+}
+
+TEST(AgentAnnounces, TerminalClosed_AgentSaysGoodbyeUnlessStartedByNohup) {
+    MosquittoBroker broker;
+    SimulatedUno uno;
+    BusProbe probe(broker.port());
+    // Closes the terminal at the first line of its input; at the second ends as the agent does, by SIGTERM
+    // where it is "end".
+    const std::string in_terminal = R"(import os, pty, sys
+pid, terminal = pty.fork()
+if pid == 0: os.execvp('sh', ['sh', '-c', 'exec "$@" >/dev/null 2>&1', 'sh', *sys.argv[1:]])
+sys.stdin.readline()
+os.close(terminal)
+if sys.stdin.readline() == 'end\n': os.kill(pid, 15)
+sys.exit(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])))";
+    const auto start = [&](bool nohup) {
+        auto words = agent_command(broker.url(), uno.port());
+        if (nohup) words.insert(words.begin(), "nohup");
+        words.insert(words.begin(), {"/usr/bin/python3", "-c", in_terminal});
+        return std::make_unique<ChildProcess>(words);
+    };
+    auto process = start(false);
+    ASSERT_TRUE(wait_state(probe, "online")) << process->errors();
+    process->write_input("close\n");
+    EXPECT_TRUE(wait_state(probe, "offline")) << "it went on without its terminal";
+    process->write_input("wait\n");
+    EXPECT_EQ(process->wait_exit(), 0) << process->errors();
+
+    process = start(true);
+    ASSERT_TRUE(wait_state(probe, "online")) << process->errors();
+    process->write_input("close\n");
+    const auto reply = probe.request("asip/uno1/io/in", R"({"write":[13,1]})");
+    ASSERT_TRUE(reply);
+    EXPECT_THAT(*reply, HasSubstr(R"("status":"ok")"));
+    process->write_input("end\n");
+    EXPECT_EQ(process->wait_exit(), 0) << process->errors();
+}
+
 TEST(AgentAnnounces, SigtermWhileTheBrokerHangs_EndsWithinASecond) {
     MosquittoBroker broker;
     SimulatedUno uno;
