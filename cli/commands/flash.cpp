@@ -24,6 +24,7 @@ constexpr auto kLookEvery = 50ms;
 struct FlashOptions {
     std::string board;
     Programming programming{};
+    std::string avrdude;  ///< empty: the usual one, where it is not a simulated board
     std::string simulated;
     std::string socket;
     OutputOptions output{};
@@ -84,12 +85,14 @@ class Flasher {
                                                       description.agent.host + "; run asipctl flash there");
         if (!std::filesystem::is_regular_file(options_.programming.image))
             return failure(program::kExitUsage, options_.programming.image + " is not a file");
-        if (!options_.simulated.empty() || is_simulated_port(description.link.path))
+        const bool by_avrdude = options_.simulated.empty() && !options_.avrdude.empty();
+        if (!by_avrdude && (!options_.simulated.empty() || is_simulated_port(description.link.path)))
             return simulator_call(options_.simulated.empty() ? options_.board : options_.simulated,
                                   options_.programming.image, options_.socket);
         auto what = options_.programming;
         what.path = description.link.path;
         what.chip = description.firmware.chip;
+        if (by_avrdude) what.avrdude = options_.avrdude;
         auto call = avrdude_call(what);
         if (!call) return failure(program::kExitUsage, call.error());
         return std::move(*call);
@@ -160,7 +163,8 @@ Run declare_flash(Declaration& verb) {
                 "The chip, as avrdude calls it; default: by the board's chip");
     verb.option("--programmer", "NAME", programming.method, "avrdude's programmer; default: by the chip");
     verb.option("--baud", "BAUD", programming.baud, "Of the boot loader; 0: by the chip");
-    verb.option("--avrdude", "FILE", programming.avrdude, "The program");
+    verb.option("--avrdude", "FILE", options->avrdude,
+                "This programmer, called as avrdude is, also at a pseudo-terminal");
     verb.option("--simulated", "NAME", options->simulated,
                 "A board of asip-sim of this name; default for pseudo-terminals: the board's name");
     verb.option("--socket", "FILE", options->socket, "Control socket of asip-sim; default: its usual one");

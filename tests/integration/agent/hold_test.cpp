@@ -125,6 +125,28 @@ TEST_F(HeldMotor, SenderFrozen_StopsInTime) {
     EXPECT_FALSE(robot.runs());
 }
 
+TEST_F(HeldMotor, RegistryKilled_RunsOnAndStopsWithItsSender) {
+    const auto registry = [this] {
+        return std::make_unique<ChildProcess>(std::vector<std::string>{
+            ASIP_PROGRAMS "/asip-registry", "--broker", broker.address(), "--id", "r1"});
+    };
+    auto first = registry();
+    ASSERT_TRUE(first->wait_for_errors("catalogue is complete"));
+    ASSERT_TRUE(online()) << agent->errors();
+    const auto sender = hold("1500ms");
+    first->signal(SIGKILL);
+    ASSERT_TRUE(first->wait_exit());
+    EXPECT_FALSE(stops_within(2s)) << sender->errors();
+    const auto second = registry();
+    ASSERT_TRUE(second->wait_for_errors("catalogue is complete"));
+    EXPECT_TRUE(robot.runs()) << "nor does its successor disturb it";
+    sender->signal(SIGINT);
+    ASSERT_TRUE(stops_within(10s));
+    EXPECT_EQ(sender->wait_exit(), 0);
+    const auto listed = ask("asip/registry/query", R"({"find":"boards","board":"robot"})");
+    EXPECT_THAT(listed.dump(), HasSubstr(R"("state":"online")"));
+}
+
 TEST_F(HeldMotor, BrokerKilled_StopsInTime) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto sender = hold();

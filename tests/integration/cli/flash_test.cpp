@@ -158,6 +158,56 @@ TEST_F(FlashTest, AsipctlKilledWhileTheProgrammerRuns_ThePortComesBackWhenBothAr
     EXPECT_EQ(sketch(), "AsipHello\n");
 }
 
+TEST_F(FlashTest, AvrdudeKilled_TheBoardIsBackWithItsSketch) {
+    if (run({"sh", "-c", "command -v avrdude"}).status != 0) GTEST_SKIP() << "avrdude is not installed";
+    // Without a boot loader it tries for a while.
+    ChildProcess flashing(program({"flash", "desk", image("asip_uno_services"), "--avrdude", "avrdude"}),
+                          environment());
+    ASSERT_TRUE(flashing.wait_for_errors("port released; starting avrdude")) << flashing.errors();
+    ASSERT_TRUE(wait_until([&] {
+        return run({"pkill", "-KILL", "-x", "avrdude", "-P", std::to_string(flashing.pid())}).status == 0 ||
+               !flashing.running();
+    }));
+    EXPECT_EQ(flashing.wait_exit(), 1);
+    EXPECT_THAT(flashing.errors(), HasSubstr("avrdude failed with status 137"));
+    EXPECT_EQ(flashing.output(), "desk: AsipHello, was AsipHello\n");
+    EXPECT_TRUE(wait_state("online"));
+    EXPECT_FALSE(is_free()) << "the agent has the port";
+    EXPECT_EQ(asipctl({"send", "desk/io", "mode", "13", "output"}).status, 0);
+    EXPECT_EQ(asipctl(flash("asip_uno_services")).status, 0) << "nothing is left locked";
+}
+
+TEST_F(FlashTest, RegistryKilledWhileTheProgrammerRuns_TheBoardIsFlashedAndBack) {
+    const auto registry = [this] {
+        return std::make_unique<ChildProcess>(Words{ASIP_PROGRAMS "/asip-registry", "--id", "r1"},
+                                              environment());
+    };
+    auto first = registry();
+    ASSERT_TRUE(first->wait_for_errors("catalogue is complete"));
+    const auto sign = folder_.file("go");
+    const auto programmer = folder_.write(
+        "programmer", "#!/bin/sh\nwhile [ ! -e " + sign +
+                          " ]; do sleep 0.1; done\nexec " ASIP_PROGRAMS "/asip-sim ctl --socket " + socket_ +
+                          " load desk " + image("asip_uno_services") + "\n");
+    std::filesystem::permissions(programmer, std::filesystem::perms::owner_all);
+    ChildProcess flashing(program({"flash", "desk", image("asip_uno_services"), "--avrdude", programmer}),
+                          environment());
+    ASSERT_TRUE(wait_state("updating")) << flashing.errors();
+    first->signal(SIGKILL);
+    ASSERT_TRUE(first->wait_exit());
+    auto second = registry();
+    ASSERT_TRUE(second->wait_for_errors("catalogue is complete"));
+    EXPECT_EQ(asipctl({"list", "-o", "name", "--state", "updating"}).output, "desk\n")
+        << "a registry that starts now knows it, too";
+    folder_.write("go", "");
+    EXPECT_EQ(flashing.wait_exit(), 0) << flashing.errors();
+    EXPECT_EQ(flashing.output(), "desk: AsipServices, was AsipHello\n");
+    EXPECT_TRUE(wait_state("online"));
+    EXPECT_TRUE(wait_until([this] {
+        return asipctl({"list", "-o", "name", "--state", "online"}).output == "desk\n";
+    }));
+}
+
 TEST_F(FlashTest, AgentKilledWhileReleased_IsLostAndBackWhenItStartsAgain) {
     ASSERT_EQ(asipctl({"release", "desk", "--for", "1h"}).status, 0);
     ASSERT_TRUE(wait_state("updating"));
