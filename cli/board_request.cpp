@@ -85,7 +85,7 @@ Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const
         command.topic, command.payload,
         [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); }, 1);
     session.run_until([&reply] { return reply.has_value(); }, Clock::now() + context.timeout);
-    if (session.stopped()) return failure(program::kExitFailure, "interrupted");
+    if (session.stopped()) return interrupted();
     if (!reply) {
         return failure(program::kExitNoAnswer, "no answer to " + command.line + " on " + command.topic +
                                                    " within " + std::to_string(context.timeout.count()) +

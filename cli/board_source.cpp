@@ -55,7 +55,7 @@ Outcome<bus::Answer> BoardSource::ask(const bus::Query& query, std::string* line
     };
     const auto deadline = Clock::now() + context_.timeout;
     session_.run_until([&] { return answer || none_there(); }, deadline);
-    if (session_.stopped()) return failure(program::kExitFailure, "interrupted");
+    if (session_.stopped()) return interrupted();
     if (!answer)
         return failure(program::kExitNoAnswer,
                        online_registries_.empty() ? "no registry" : "registry silent");
@@ -102,7 +102,7 @@ std::string BoardSource::find_registry() {
     bus::Query query;
     query.limit = 1;
     const auto answer = ask(query);
-    if (!answer) without_registry(answer.error().text);
+    if (!answer && !session_.stopped()) without_registry(answer.error().text);
     return registry_;
 }
 
@@ -115,6 +115,7 @@ Outcome<std::vector<bus::BoardItem>> BoardSource::boards(bus::Query query) {
         without_registry(answer.error().text);
     }
     read_bus(true);
+    if (session_.stopped()) return interrupted();
     auto all = catalogue_.boards(Clock::now());
     std::erase_if(all, [&](const bus::BoardItem& board) {
         return !bus::board_matches(query, board, catalogue_.description(board.board), context_.models());
@@ -327,7 +328,9 @@ std::vector<std::string> BoardSource::names() {
 }
 
 Outcome<KnownBoard> BoardSource::unknown(const std::string& name) {
-    return tl::unexpected(no_such_board(name, names()));
+    auto failed = no_such_board(name, names());
+    if (session_.stopped()) return interrupted();
+    return tl::unexpected(std::move(failed));
 }
 
 Failure no_such_board(const std::string& name, const std::vector<std::string>& all) {

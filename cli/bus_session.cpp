@@ -46,7 +46,10 @@ struct BusSession::State {
             context.note(mqtt::denied_text(context.mqtt.user, topic, reason));
         };
         result.on_subscribe_refused = [this](const std::string& filter, const std::string& reason) {
-            refused = filter + ": " + reason;
+            if (!tells_refusals) return;
+            const auto& user = context.mqtt.user;
+            context.note("the broker does not let " + (user.empty() ? "users without a name" : user) +
+                         " read " + filter + " (" + reason + "): what comes there is missing");
         };
         return result;
     }
@@ -103,7 +106,7 @@ struct BusSession::State {
     std::size_t acknowledged = 0;
     std::set<std::string> brokers;
     std::map<std::string, mqtt::ConnectionFailure> failed;  // the last failure of each broker
-    std::string refused;
+    bool tells_refusals = false;
     std::set<std::string> denied, suspected;
     std::string last_topic;  // that was published on
     std::function<void(bool, const std::string&)> connection_changed;
@@ -144,7 +147,7 @@ Outcome<void> BusSession::connect() {
     run_until([this] { return state_->was_connected || state_->no_broker_left(); },
               Clock::now() + state_->context.mqtt.connect_timeout);
     if (state_->was_connected) return {};
-    if (state_->stopped) return failure(program::kExitFailure, "interrupted");
+    if (state_->stopped) return interrupted();
     if (!state_->failed.empty()) return failure(program::kExitBroker, state_->why_not_connected());
     return failure(program::kExitBroker,
                    "the broker does not answer; is --broker right? Try: asipctl doctor");
@@ -226,8 +229,8 @@ bool BusSession::denied(const std::string& topic) const {
     return state_->denied.contains(topic);
 }
 
-const std::string& BusSession::subscription_refused() const {
-    return state_->refused;
+void BusSession::tell_refused_subscriptions() {
+    state_->tells_refusals = true;
 }
 
 }  // namespace asip::cli

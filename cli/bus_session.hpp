@@ -86,12 +86,13 @@ class BusSession {
     /// Whether the user asked to end (Ctrl-C), or the reader of the output has ended.
     bool stopped() const;
 
+    /// From now on the user is told at once of each subscription that the broker refuses: for who listens for
+    /// long.
+    void tell_refused_subscriptions();
     /// Called when an established connection is lost or back.
     void on_connection_change(std::function<void(bool connected, const std::string& why)> handler);
     /// Whether the broker's access rules denied a QoS 1 message of ours on `topic`. The user has been told.
     bool denied(const std::string& topic) const;
-    /// Why the broker refused a subscription, else empty.
-    const std::string& subscription_refused() const;
 
   private:
     struct State;

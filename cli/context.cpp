@@ -25,7 +25,7 @@ void Context::note(const std::string& text) const {
 }
 
 int Context::fail_with(const Failure& failure) const {
-    note(failure.text);
+    if (failure.text != kInterrupted || !reader_gone()) note(failure.text);
     return failure.status;
 }
 

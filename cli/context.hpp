@@ -6,6 +6,7 @@
 #include <iosfwd>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -35,6 +36,13 @@ using Outcome = Expected<T, Failure>;
 
 inline tl::unexpected<Failure> failure(int status, std::string text) {
     return tl::unexpected<Failure>(Failure{status, std::move(text)});
+}
+
+/// Ctrl-C, or the end of who reads the output, while something was asked or looked for: nothing is known of
+/// it.
+constexpr std::string_view kInterrupted = "interrupted";
+inline tl::unexpected<Failure> interrupted() {
+    return failure(program::kExitFailure, std::string(kInterrupted));
 }
 
 /// Everything a command uses of the world outside its own options.
@@ -71,7 +79,7 @@ struct Context {
     bool output_ended() const;
     /// `asipctl: TEXT` on standard error.
     void note(const std::string& text) const;
-    /// The same, and the status to end with.
+    /// The same, and the status to end with. Nobody is told that he himself has stopped reading.
     int fail_with(const Failure& failure) const;
 };
 

@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 
 #include "asip/program/command_words.hpp"
 #include "asip/text/duration.hpp"
@@ -103,6 +105,9 @@ void Declaration::option(const std::string& names, const std::string& type, doub
                          const std::string& help, double least, double greatest) {
     command_.add_option(names, value, help)
         ->check(CLI::Range(least, greatest).description(""))
+        ->check([](const std::string& text) {
+            return std::isnan(std::strtod(text.c_str(), nullptr)) ? text + " is not a number" : std::string();
+        })
         ->type_name(type);
 }
 

@@ -43,7 +43,7 @@ Outcome<std::string> PortHolder::ask(const bus::PortRequest& request, std::chron
         context_.topics.board_in(board_), bus::encode(request, by_),
         [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); }, 1);
     session_.run_until([&reply] { return reply.has_value(); }, Clock::now() + patience);
-    if (session_.stopped()) return failure(program::kExitFailure, "interrupted");
+    if (session_.stopped()) return interrupted();
     if (!reply || !*reply)
         return failure(program::kExitNoAnswer,
                        "the agent of " + board_ + " does not answer; is it running? Try: asipctl doctor");

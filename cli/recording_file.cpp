@@ -16,9 +16,18 @@ constexpr std::size_t kMuch = std::size_t{64} * 1024;
 }  // namespace
 
 Outcome<RecordingWriter> RecordingWriter::create(const std::string& path, bool replace) {
-    const int existing = replace ? O_TRUNC : O_EXCL;
-    const int descriptor = ::open(path.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC | existing, 0666);
-    if (descriptor >= 0) return RecordingWriter(descriptor);
+    if (path == "-") {
+        if (const int output = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0); output >= 0)
+            return RecordingWriter(output, Target::kOutput, path);
+        return failure(program::kExitFailure, std::string("standard output: ") + std::strerror(errno));
+    }
+    constexpr int kFlags = O_CREAT | O_WRONLY | O_CLOEXEC;
+    if (const int made = ::open(path.c_str(), kFlags | O_EXCL, 0666); made >= 0)
+        return RecordingWriter(made, Target::kCreated, path);
+    if (errno == EEXIST && replace) {
+        if (const int there = ::open(path.c_str(), kFlags, 0666); there >= 0)
+            return RecordingWriter(there, Target::kReplaced, path);
+    }
     if (errno == EEXIST)
         return failure(program::kExitFailure,
                        path + " is there already; name another file, or give --replace");
@@ -27,6 +36,8 @@ Outcome<RecordingWriter> RecordingWriter::create(const std::string& path, bool r
 
 RecordingWriter::RecordingWriter(RecordingWriter&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)),
+      target_(other.target_),
+      path_(std::move(other.path_)),
       text_(std::move(other.text_)),
       bytes_(other.bytes_),
       written_(other.written_) {}
@@ -37,6 +48,11 @@ RecordingWriter::~RecordingWriter() {
     ::close(descriptor_);
 }
 
+void RecordingWriter::discard() {
+    text_.clear();
+    if (target_ == Target::kCreated) ::unlink(path_.c_str());
+}
+
 Expected<void> RecordingWriter::flush_due(Time now) {
     if (text_.empty() || (text_.size() < kMuch && now - written_ < kWithin)) return {};
     written_ = now;
@@ -44,6 +60,8 @@ Expected<void> RecordingWriter::flush_due(Time now) {
 }
 
 Expected<void> RecordingWriter::flush() {
+    // Fails for what is no file and has nothing to be replaced.
+    if (target_ == Target::kReplaced && bytes_ == 0 && !text_.empty()) (void)!::ftruncate(descriptor_, 0);
     for (std::size_t done = 0; done < text_.size();) {
         const auto count = ::write(descriptor_, text_.data() + done, text_.size() - done);
         if (count < 0 && errno == EINTR) continue;

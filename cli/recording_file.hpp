@@ -18,7 +18,8 @@ class RecordingWriter {
   public:
     static constexpr std::chrono::milliseconds kWithin{250};
 
-    /// Creates the file; one that exists is replaced only if `replace`. Fails with kExitFailure.
+    /// Creates the file; one that exists is replaced only if `replace`, and not before the first flush. "-"
+    /// is standard output. Fails with kExitFailure.
     static Outcome<RecordingWriter> create(const std::string& path, bool replace);
     RecordingWriter(RecordingWriter&& other) noexcept;
     RecordingWriter& operator=(RecordingWriter&&) = delete;
@@ -30,11 +31,17 @@ class RecordingWriter {
     Expected<void> flush_due(Time now);
     Expected<void> flush();
     std::uint64_t bytes() const { return bytes_; }
+    /// Nothing was recorded: leaves no file that was not there.
+    void discard();
 
   private:
-    explicit RecordingWriter(int descriptor) : descriptor_(descriptor) {}
+    enum class Target { kCreated, kReplaced, kOutput };
+    RecordingWriter(int descriptor, Target target, std::string path)
+        : descriptor_(descriptor), target_(target), path_(std::move(path)) {}
 
     int descriptor_;
+    Target target_;
+    std::string path_;
     std::string text_;
     std::uint64_t bytes_ = 0;
     Time written_{};

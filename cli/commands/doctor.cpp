@@ -156,7 +156,7 @@ int run_doctor(const DoctorOptions& options, Context& context) {
         return connected.error().status;
     }
     const auto seen = Examination(context, session, source).look();
-    if (session.stopped()) return context.fail_with({program::kExitFailure, "interrupted"});
+    if (session.stopped()) return context.fail_with(interrupted().value());
     return print(check_all(seen), options, context);
 }
 

@@ -49,6 +49,7 @@ class Follower {
           records_(options.output, RecordPrinter::Count::kStream, context.out) {}
 
     int run() {
+        session_.tell_refused_subscriptions();
         session_.on_connection_change([this](bool connected, const std::string& why) {
             context_.note(connected ? "connected again" : why);
         });
@@ -64,7 +65,9 @@ class Follower {
             follow_bus();
         } else {
             follow_registry(registry);
-            if (const auto kept = print_kept(); !kept) return context_.fail_with(kept.error());
+            const auto kept = print_kept();
+            if (session_.stopped()) return program::kExitOk;
+            if (!kept) return context_.fail_with(kept.error());
         }
         const auto deadline = options_.limit ? Clock::now() + *options_.limit : Time::max();
         while (!session_.stopped() && !enough() && Clock::now() < deadline)

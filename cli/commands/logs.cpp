@@ -60,6 +60,7 @@ int run_logs(const LogsOptions& options, Context& context) {
     if (const auto valid = check_board_pattern(options.pattern, "logs"); !valid)
         return context.fail_with(valid.error());
     BusSession session(context);
+    session.tell_refused_subscriptions();
     LogPrinter printer(options, context);
     const auto take = [&printer](const mqtt::Message& message) { printer.take(message); };
     // Levels of a topic know no patterns but "+".
@@ -77,8 +78,6 @@ int run_logs(const LogsOptions& options, Context& context) {
     while (!session.stopped() && !printer.enough() && Clock::now() < end)
         session.run_until([&] { return printer.enough(); },
                           std::min(end, Clock::now() + std::chrono::hours(1)));
-    if (!session.subscription_refused().empty())
-        context.note("the broker refused " + session.subscription_refused());
     const bool too_few = options.limit && !session.stopped() && printer.count() < options.count;
     return too_few ? program::kExitNoAnswer : program::kExitOk;
 }

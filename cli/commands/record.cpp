@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <ostream>
@@ -15,6 +14,8 @@ namespace asip::cli {
 namespace {
 
 using namespace std::chrono_literals;
+
+constexpr std::string_view kStandardOutput = "-";
 
 struct RecordOptions {
     std::string file;
@@ -64,6 +65,7 @@ class Recorder {
           session_(context) {}
 
     int run() {
+        session_.tell_refused_subscriptions();
         for (const auto& filter : recorded_filters(context_.topics, targets_))
             subscriptions_.push_back(
                 session_.subscribe(filter, [this](const mqtt::Message& message) { take(message); }));
@@ -76,7 +78,7 @@ class Recorder {
         writer_.text() += recording_header(text::wall_now());
         begin_ = Clock::now();
         if (const auto connected = session_.connect(); !connected) {
-            std::remove(options_.file.c_str());  // nothing was recorded
+            writer_.discard();
             return context_.fail_with(connected.error());
         }
         const auto deadline = options_.limit ? Clock::now() + *options_.limit : Time::max();
@@ -89,6 +91,7 @@ class Recorder {
             session_.run_until(ended, std::min(deadline, Clock::now() + 1h));
         if (fault_.empty())
             if (const auto written = writer_.flush(); !written) fault_ = written.error();
+        if (to_output() && context_.reader_gone()) fault_.clear();  // it has read what it wanted
         return finish();
     }
 
@@ -96,6 +99,7 @@ class Recorder {
     std::chrono::microseconds elapsed() const {
         return std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begin_);
     }
+    bool to_output() const { return options_.file == kStandardOutput; }
     bool enough() const { return options_.count != 0 && messages_ >= options_.count; }
 
     void take(const mqtt::Message& message) {
@@ -109,12 +113,11 @@ class Recorder {
     }
 
     int finish() {
-        if (!session_.subscription_refused().empty())
-            context_.note("the broker refused " + session_.subscription_refused() +
-                          "; what came there is missing");
         const double seconds = std::chrono::duration<double>(elapsed()).count();
         const auto tenths = static_cast<long>(seconds * 10);
-        if (!options_.output.for_people()) {
+        if (to_output()) {
+            context_.note(summary(tenths));
+        } else if (!options_.output.for_people()) {
             RecordPrinter(options_.output, RecordPrinter::Count::kOne, context_.out)
                 .print({{"file", options_.file},
                         {"messages", messages_},
@@ -122,13 +125,17 @@ class Recorder {
                         {"bytes", writer_.bytes()},
                         {"seconds", static_cast<double>(tenths) / 10}});
         } else {
-            context_.out << counted(messages_, "message") << " of " << counted(boards_.size(), "board")
-                         << " in " << tenths / 10 << '.' << tenths % 10 << " s" << std::endl;
+            context_.out << summary(tenths) << std::endl;
         }
         if (!fault_.empty()) return context_.fail_with({program::kExitFailure, fault_});
         const bool too_few =
             options_.limit && !session_.stopped() && messages_ < std::max<std::size_t>(1, options_.count);
         return too_few ? program::kExitNoAnswer : program::kExitOk;
+    }
+
+    std::string summary(long tenths) const {
+        return counted(messages_, "message") + " of " + counted(boards_.size(), "board") + " in " +
+               std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10) + " s";
     }
 
     const RecordOptions& options_;
@@ -152,6 +159,10 @@ int run_record(const RecordOptions& options, Context& context) {
         targets.push_back(std::move(*target));
     }
     if (targets.empty()) targets.push_back({"*", ""});
+    if (options.file == kStandardOutput && !options.output.for_people())
+        return context.fail_with(
+            {program::kExitUsage,
+             "with \"-\" the recording itself is the output; leave -o and --format away"});
     auto writer = RecordingWriter::create(options.file, options.replace);
     if (!writer) return context.fail_with(writer.error());
     return Recorder(options, std::move(targets), std::move(*writer), context).run();
@@ -159,7 +170,7 @@ int run_record(const RecordOptions& options, Context& context) {
 
 Run declare_record(Declaration& verb) {
     auto options = std::make_shared<RecordOptions>();
-    verb.argument("FILE", options->file, "Where to; a new file");
+    verb.argument("FILE", options->file, "Where to; a new file, or - for standard output");
     verb.arguments("BOARD[/SERVICE]", options->targets, "What; with * and ? as in a shell; default: all",
                    Declaration::Needed::kNo);
     verb.option("-n,--count", "COUNT", options->count, "End after so many messages; 0: no limit");
@@ -178,8 +189,10 @@ Verb record_verb() {
         "record", "Writes what boards say and are asked to a file",
         "Each message is a line of JSON, with the time since the beginning in seconds. It is in the file\n"
         "within a second, whatever ends the program. Ctrl-C ends it in order. asipctl replay plays it.\n"
+        "With - the lines go to standard output, and what was recorded is told on standard error.\n"
         "Examples:\n"
         "  asipctl record walk.jsonl\n"
+        "  asipctl record - uno1 | jq .\n"
         "  asipctl record walk.jsonl 'robot*' -W 10m\n"
         "  asipctl record walk.jsonl uno1/distance && jq 'select(.what==\"value\").data' walk.jsonl",
         declare_record};

@@ -6,6 +6,7 @@
 #include <istream>
 #include <ostream>
 
+#include "cli/board_source.hpp"
 #include "cli/declaration.hpp"
 #include "cli/shell/interactive_shell.hpp"
 #include "cli/shell/run_self.hpp"
@@ -67,6 +68,15 @@ class ScriptShell {
     int first_failed_ = program::kExitOk;
 };
 
+/// With a connection of its own: each line makes another one.
+Outcome<void> find_board(Context& context, const std::string& board) {
+    BusSession session(context);
+    BoardSource source(context, session);
+    if (const auto connected = session.connect(); !connected) return tl::unexpected(connected.error());
+    if (const auto known = source.board(board); !known) return tl::unexpected(known.error());
+    return {};
+}
+
 }  // namespace
 
 int run_shell(const ShellOptions& options, Context& context) {
@@ -75,7 +85,11 @@ int run_shell(const ShellOptions& options, Context& context) {
     if (!target->service.empty())
         return context.fail_with(
             {program::kExitUsage, "name the board alone: asipctl shell " + target->board});
-    if (!context.terminal() || isatty(STDIN_FILENO) == 0) return ScriptShell(context, target->board).run();
+    if (!context.terminal() || isatty(STDIN_FILENO) == 0) {
+        if (const auto known = find_board(context, target->board); !known)
+            return context.fail_with(known.error());
+        return ScriptShell(context, target->board).run();
+    }
     return InteractiveShell(context, target->board, options.values == "on").run();
 }
 

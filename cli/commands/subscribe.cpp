@@ -229,12 +229,14 @@ void note_unknown(const std::vector<Target>& targets, const bus::LabelSelector& 
                   BoardSource& source) {
     for (const auto& target : targets) {
         if (!labels.empty()) {
-            if (const auto boards = choose_boards(source, target, labels); !boards)
-                context.note(boards.error().text + "; waiting for one");
+            const auto boards = choose_boards(source, target, labels);
+            if (!boards && boards.error().text == kInterrupted) return;
+            if (!boards) context.note(boards.error().text + "; waiting for one");
             continue;
         }
         if (target.is_pattern()) continue;
         const auto board = source.board(target.board);
+        if (!board && board.error().text == kInterrupted) return;
         if (!board) {
             context.note(board.error().text + "; waiting for it");
             continue;
@@ -263,6 +265,7 @@ int run_subscribe(const SubscribeOptions& options, Context& context) {
     if (options.raw && !options.field.empty())
         return context.fail_with({program::kExitUsage, "--field takes decoded values; leave --raw away"});
     BusSession session(context);
+    session.tell_refused_subscriptions();
     BoardSource source(context, session);
     Subscriber subscriber(options, *targets, *labels, context);
     subscriber.subscribe(session);
@@ -279,8 +282,6 @@ int run_subscribe(const SubscribeOptions& options, Context& context) {
         };
         session.run_until(ended, std::min(deadline, Clock::now() + 1h));
     }
-    if (!session.subscription_refused().empty())
-        context.note("the broker refused " + session.subscription_refused());
     const std::size_t least = std::max<std::size_t>(1, options.count);
     const bool too_few = options.limit && !session.stopped() && subscriber.count() < least;
     return too_few ? program::kExitNoAnswer : program::kExitOk;

@@ -33,7 +33,10 @@ class Top {
     Top(const TopOptions& options, Context& context)
         : options_(options), context_(context), session_(context), catalogue_(context.topics), model_(5s) {}
 
-    int run() { return options_.stats ? run_stats() : run_services(); }
+    int run() {
+        session_.tell_refused_subscriptions();
+        return options_.stats ? run_stats() : run_services();
+    }
 
   private:
     int run_stats() {

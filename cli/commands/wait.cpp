@@ -42,7 +42,7 @@ class Waiter {
         session_.run_until([this] { return came() || retained_->passed(); },
                            std::max(deadline, Clock::now() + kMarkPatience));
         if (came()) return print();
-        if (session_.stopped()) return context_.fail_with({program::kExitFailure, "interrupted"});
+        if (session_.stopped()) return context_.fail_with(interrupted().value());
         return context_.fail_with(
             {program::kExitNoAnswer, targets_.front().text() + ": no " + options_.what + " within " +
                                          std::to_string(context_.timeout.count()) + " ms; " + present()});

@@ -69,6 +69,7 @@ bool wanted(const ListOptions& options, const bus::BoardItem& board, const Conte
 
 int watch_registry(const ListOptions& options, Context& context, ChangePrinter& printer) {
     BusSession session(context);
+    session.tell_refused_subscriptions();
     bus::CatalogueView view(
         [&](const bus::CatalogueView::Change& change) {
             const bool gone = change.kind == bus::ChangeEvent::Kind::kForgotten;
@@ -89,6 +90,7 @@ int watch_registry(const ListOptions& options, Context& context, ChangePrinter& 
 
 int watch_bus(const ListOptions& options, Context& context, ChangePrinter& printer) {
     BusSession session(context);
+    session.tell_refused_subscriptions();
     bus::Mirror catalogue(context.topics);
     std::vector<std::string> changed;
     const auto take = [&](const mqtt::Message& message) {
@@ -118,15 +120,18 @@ int watch_bus(const ListOptions& options, Context& context, ChangePrinter& print
     return program::kExitOk;
 }
 
-std::string registry_here(Context& context, int& status) {
-    if (context.from_bus) return {};
+/// Nothing: it is over, with `status`.
+std::optional<std::string> registry_here(Context& context, int& status) {
+    if (context.from_bus) return "";
     BusSession session(context);
     BoardSource source(context, session);
     if (const auto connected = session.connect(); !connected) {
         status = context.fail_with(connected.error());
-        return {};
+        return std::nullopt;
     }
-    return source.find_registry();
+    auto registry = source.find_registry();
+    if (session.stopped()) return std::nullopt;
+    return registry;
 }
 
 }  // namespace
@@ -209,9 +214,9 @@ int run_watch(const ListOptions& options, Context& context) {
     ChangePrinter printer(options, context.width, context.colour);
     int status = program::kExitOk;
     const auto registry = registry_here(context, status);
-    if (status != program::kExitOk) return status;
-    return registry.empty() ? watch_bus(options, context, printer)
-                            : watch_registry(options, context, printer);
+    if (!registry) return status;
+    return registry->empty() ? watch_bus(options, context, printer)
+                             : watch_registry(options, context, printer);
 }
 
 }  // namespace asip::cli

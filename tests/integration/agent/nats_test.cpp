@@ -48,6 +48,20 @@ TEST(AgentNats, NameWithoutADot_IsOnlineAndCommanded) {
     EXPECT_EQ(sent.status, 0) << sent.errors;
 }
 
+TEST(AgentNats, SubscriptionThatIsRefused_IsToldAtOnceInWords) {
+    NatsServer nats;
+    for (const std::string verb : {"subscribe", "logs"}) {
+        ChildProcess listener({ASIP_PROGRAMS "/asipctl", "--broker", nats.url(), verb, "lamp.1"});
+        EXPECT_TRUE(
+            listener.wait_for_errors("the broker does not let users without a name read "
+                                     "asip/.*lamp.1.*what comes there is missing"))
+            << verb << listener.errors();
+        EXPECT_TRUE(listener.running()) << "told while it listens";
+        listener.signal(SIGINT);
+        EXPECT_EQ(listener.wait_exit(), 0) << listener.errors();
+    }
+}
+
 TEST(AgentNats, NameWithADot_IsRefusedInWords) {
     NatsServer nats;
     FakePort port;

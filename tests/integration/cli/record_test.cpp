@@ -2,6 +2,7 @@
 // Recordings: made of a real board, of a flood, cut by kill -9; and played as boards of their own.
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -121,6 +122,80 @@ TEST_F(RecordTest, Killed_LosesAtMostTheLastSecond) {
     EXPECT_GE(values(path), before + 1000);
     const auto played = asipctl({"replay", path, "--speed", "1000", "--prefix", "old-", "-o", "json"});
     EXPECT_EQ(played.status, 0) << played.errors;
+}
+
+TEST_F(RecordTest, RegistryKilled_RecordingGoesOnAndCanBePlayed) {
+    announce("uno1");
+    ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1"}, environment());
+    ASSERT_TRUE(probe_.wait_for("asip/registry/r1/$state", "online"));
+    const auto path = folder_.file("orphan.jsonl");
+    ChildProcess record(program({"record", path}), environment());
+    ASSERT_TRUE(wait_until([&] {
+        say(0);
+        return values(path) > 0;
+    }));
+    registry.signal(SIGKILL);
+    ASSERT_TRUE(probe_.wait_for("asip/registry/r1/$state", "lost"));
+    const auto before = values(path);
+    EXPECT_TRUE(wait_until([&] {
+        say(1);
+        return values(path) > before + 2;
+    })) << record.errors();
+    record.signal(SIGINT);
+    EXPECT_EQ(record.wait_exit(), 0);
+    EXPECT_EQ(record.errors(), "") << "a recording needs no registry";
+    const auto played = asipctl({"replay", path, "--speed", "1000", "--prefix", "old-", "-o", "json"});
+    EXPECT_EQ(played.status, 0) << played.errors;
+}
+
+TEST_F(RecordTest, Dash_WritesTheLinesToStandardOutput) {
+    announce("uno1");
+    ChildProcess record(program({"record", "-", "uno1", "-n", "5"}), environment());
+    ASSERT_TRUE(wait_until([&] {
+        say(7);
+        return !record.running();
+    }));
+    EXPECT_EQ(record.wait_exit(), 0) << record.errors();
+    EXPECT_THAT(record.errors(), HasSubstr("asipctl: 5 messages of 1 board"));
+    const auto all = lines(folder_.write("dash.jsonl", record.output()));
+    EXPECT_EQ(all.size(), 6u) << record.output();
+    EXPECT_EQ(all.front()["asip"], "recording");
+    EXPECT_FALSE(std::filesystem::exists("-"));
+    const auto both = asipctl({"record", "-", "-o", "json"});
+    EXPECT_EQ(both.status, 2);
+    EXPECT_THAT(both.errors, HasSubstr("leave -o"));
+}
+
+TEST_F(RecordTest, DashIntoAPipeThatCloses_EndsWithoutAnError) {
+    announce("uno1");
+    const auto first =
+        run({"sh", "-c",
+             std::string("{ " ASIP_PROGRAMS "/asipctl record - 2>&1; echo status $? >&2; } | head -1")},
+            environment());
+    EXPECT_THAT(first.output, HasSubstr(R"("asip":"recording")"));
+    EXPECT_THAT(first.errors, HasSubstr("status 0"));
+}
+
+TEST_F(RecordTest, NoBroker_LeavesWhatWasThere) {
+    const auto kept = folder_.write("kept.jsonl", "a recording\n");
+    const auto made = folder_.file("made.jsonl");
+    const auto away = [](const std::string& path) {
+        return run(program({"record", path, "--replace", "--broker", "127.0.0.1:1"}));
+    };
+    EXPECT_EQ(away(kept).status, 3);
+    EXPECT_EQ(away(made).status, 3);
+    std::ifstream file(kept);
+    std::string text;
+    std::getline(file, text);
+    EXPECT_EQ(text, "a recording");
+    EXPECT_FALSE(std::filesystem::exists(made));
+}
+
+TEST_F(RecordTest, Replace_LeavesNothingOfALongerRecording) {
+    announce("uno1");
+    const auto path = folder_.write("long.jsonl", std::string(100'000, 'x'));
+    EXPECT_EQ(asipctl({"record", path, "--replace", "-n", "1"}).status, 0);
+    EXPECT_EQ(lines(path).size(), 2u);
 }
 
 TEST_F(RecordTest, FullDisk_EndsTheRecordingWithAFailure) {

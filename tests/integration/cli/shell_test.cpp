@@ -17,6 +17,23 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+using ShellWithoutBoard = BusTest;
+
+TEST_F(ShellWithoutBoard, UnknownBoard_IsAnErrorWhateverTheInput) {
+    announce("uno1");
+    for (const std::string input : {"", "help\n", "get distance\n"}) {
+        ChildProcess shell(program({"shell", "uno2"}), environment());
+        shell.write_input(input);
+        shell.close_input();
+        EXPECT_EQ(shell.wait_exit(), 4) << input;
+        EXPECT_THAT(shell.errors(), HasSubstr("did you mean \"uno1\"?"));
+        EXPECT_EQ(shell.output(), "");
+    }
+    ChildProcess shell(program({"shell", "uno1"}), environment());
+    shell.close_input();
+    EXPECT_EQ(shell.wait_exit(), 0) << shell.errors();
+}
+
 class ShellTest : public BusTest, public ::testing::WithParamInterface<const char*> {
   protected:
     std::string board_file() const {

@@ -108,6 +108,30 @@ TEST_F(ChangesTest, EventsWithoutARegistry_AreThoseOfTheBus) {
     EXPECT_THAT(events.output(), testing::AnyOf("uno1 online->lost\n", "uno1 lost->online\n"));
 }
 
+/// A registry that does not answer is said to be online: the search takes its time.
+TEST_F(ChangesTest, CtrlCWhileTheRegistryIsLookedFor_EndsAtOnceAndSaysNothing) {
+    probe_.publish("asip/registry/silent/$state", "online", true);
+    ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
+    for (const Words& words : {Words{"events"}, Words{"events", "--since", "1h"}, Words{"list", "--watch"}}) {
+        probe_.clear();
+        ChildProcess command(program(words), environment());
+        ASSERT_TRUE(probe_.wait_for("asip/registry/query")) << words.front();
+        command.signal(SIGINT);
+        EXPECT_EQ(command.wait_exit(time_limit(2s)), 0) << words.front();
+        EXPECT_EQ(command.errors(), "") << words.front();
+    }
+}
+
+TEST_F(ChangesTest, ReaderThatHasGone_NothingIsClaimedOfBoards) {
+    announce("uno1");
+    for (const std::string command :
+         {"ping uno1", "ping uno1 --from-bus", "list", "list --from-bus", "subscribe uno1"}) {
+        const auto ended = run({"sh", "-c", ASIP_PROGRAMS "/asipctl " + command + " | true"}, environment());
+        EXPECT_EQ(ended.errors, "") << command;
+    }
+    EXPECT_EQ(asipctl({"subscribe", "uno1", "--max-hz", "nan"}).status, 2);
+}
+
 TEST_F(ChangesTest, RegistryWithAHistory_IsFollowedAndAsked) {
     const auto child = registry({"--history", folder_.file("history.db")});
     ChildProcess events(program({"events", "uno*", "-n", "1", "-o", "jsonl"}), environment());
