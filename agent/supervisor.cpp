@@ -84,13 +84,13 @@ Supervisor::~Supervisor() {
 }
 
 int Supervisor::run() {
-    if (several_) {
-        program::allow_many_open_files();  // each board needs four, and one more for each client
-        log::info("serving the boards of the configuration file", {{"boards", boards_.size()}});
-    }
     if (several_ || !ignored(SIGHUP)) {  // by nohup
         reload_signal_.add(SIGHUP);
         wait_for_reload();
+    }
+    if (several_) {
+        program::allow_many_open_files();  // each board needs four, and one more for each client
+        log::info("serving the boards of the configuration file", {{"boards", boards_.size()}});
     }
     start_all();
     program::tell_service_manager("READY=1");
