@@ -84,29 +84,34 @@ bool Connection::duplicate_socket() {
         return false;
     }
     socket_ = std::move(duplicate);
+    ++duplicates_;
     read_armed_ = write_armed_ = false;
     return true;
 }
 
 void Connection::arm() {
     if (phase_ == Phase::kDown || !socket_.is_open()) return;
+    // A wait on an earlier duplicate that was over before that one closed says nothing about this one. It
+    // would begin a second wait beside the first, and each packet would be looked for twice from then on.
     if (!read_armed_) {
         read_armed_ = true;
-        socket_.async_wait(asio::posix::stream_descriptor::wait_read,
-                           [self = shared_from_this()](const boost::system::error_code& error) {
-                               if (error) return;
-                               self->read_armed_ = false;
-                               self->serve();
-                           });
+        socket_.async_wait(
+            asio::posix::stream_descriptor::wait_read,
+            [self = shared_from_this(), of = duplicates_](const boost::system::error_code& error) {
+                if (error || of != self->duplicates_) return;
+                self->read_armed_ = false;
+                self->serve();
+            });
     }
     if (!write_armed_ && (!tcp_connected_ || mosquitto_want_write(mosquitto_.get()))) {
         write_armed_ = true;
-        socket_.async_wait(asio::posix::stream_descriptor::wait_write,
-                           [self = shared_from_this()](const boost::system::error_code& error) {
-                               if (error) return;
-                               self->write_armed_ = false;
-                               self->serve();
-                           });
+        socket_.async_wait(
+            asio::posix::stream_descriptor::wait_write,
+            [self = shared_from_this(), of = duplicates_](const boost::system::error_code& error) {
+                if (error || of != self->duplicates_) return;
+                self->write_armed_ = false;
+                self->serve();
+            });
     }
 }
 
@@ -139,14 +144,19 @@ void Connection::serve() {
     }
     serving_ = true;
     read_all();
-    if (still_open() && mosquitto_want_write(mosquitto_.get())) {
-        const int error = mosquitto_loop_write(mosquitto_.get(), 1);
+    serving_ = false;
+    if (still_open()) {
+        const int error = write_out();
         if (error != MOSQ_ERR_SUCCESS) end(why_closed(error));
     }
-    serving_ = false;
     if (!still_open()) return;
     if (ready_to_write()) events_.may_write();
     if (still_open()) arm();
+}
+
+int Connection::write_out() {
+    if (serving_ || !tcp_connected_ || !mosquitto_want_write(mosquitto_.get())) return MOSQ_ERR_SUCCESS;
+    return mosquitto_loop_write(mosquitto_.get(), 1);
 }
 
 void Connection::read_all() {
@@ -198,7 +208,8 @@ void Connection::tick() {
         return;
     }
     if (tcp_connected_) {
-        const int error = mosquitto_loop_misc(mosquitto_.get());
+        int error = mosquitto_loop_misc(mosquitto_.get());
+        if (error == MOSQ_ERR_SUCCESS) error = write_out();
         if (error != MOSQ_ERR_SUCCESS) {
             end(why_closed(error));
             return;
@@ -219,6 +230,7 @@ void Connection::goodbye() {
     asio::post(io_, [self = shared_from_this()] {
         if (!self->still_open()) return;
         mosquitto_disconnect_v5(self->mosquitto_.get(), MQTT_RC_NORMAL_DISCONNECTION, nullptr);
+        self->write_out();
         if (self->still_open()) self->arm();
     });
 }

@@ -82,6 +82,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     void arm();
     void serve();
     void read_all();
+    int write_out();  ///< what is queued; while serving, only once all has been read
     bool still_open();
     bool tcp_established();
     void schedule_tick();
@@ -112,6 +113,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     bool tcp_connected_ = false;
     bool read_armed_ = false;
     bool write_armed_ = false;
+    unsigned duplicates_ = 0;  ///< counts the sockets that were watched
     bool serving_ = false;
     unsigned packets_seen_ = 0;  ///< counts callbacks, to learn whether reading again may give more
     int connack_code_ = 0;

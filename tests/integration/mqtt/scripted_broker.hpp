@@ -31,7 +31,11 @@ class ScriptedBroker {
         held_.clear();
     }
 
+    /// To whoever subscribes next, right behind the answer: a PUBLISH of QoS 1 on topic "t".
+    void publish_to_subscriber() { publishes_ = true; }
+
     int subscriptions = 0;
+    int acknowledgements = 0;  ///< PUBACKs that came
     std::string connect_packet{};
 
   private:
@@ -85,6 +89,9 @@ class ScriptedBroker {
             if (refused) --refusals_;
             reply(peer, std::string("\x90\x04", 2) + packet.substr(2, 2) + std::string(1, '\0') +
                             (refused ? '\x87' : '\x01'));
+            if (publishes_) reply(peer, std::string("\x32\x07\x00\x01t\x00\x01\x00!", 9));
+        } else if (type == 0x40) {
+            ++acknowledgements;
         } else if (type == 0x30 && !closed_.empty() && connect_packet.ends_with(closed_)) {
             peer->socket.close();
         } else if (type == 0x30 && (packet[0] & 0x06) != 0) {
@@ -111,6 +118,7 @@ class ScriptedBroker {
     boost::asio::ip::tcp::acceptor acceptor_;
     int refusals_ = 0;
     bool silent_ = false;
+    bool publishes_ = false;
     std::string closed_;
     std::vector<std::pair<std::shared_ptr<Peer>, std::string>> held_;
 };

@@ -49,6 +49,20 @@ TEST_F(SubscriptionTest, RefusedTwiceThenGranted_IsTriedAgainAndReported) {
     EXPECT_TRUE(bus.losses.empty());
 }
 
+TEST_F(SubscriptionTest, MessageOfQos1_IsHandedOutBeforeItIsAcknowledged) {
+    broker.publish_to_subscriber();
+    Recorder bus(options());
+    int before = -1;
+    bus.at_message = [&](const mqtt::Message&) {
+        broker.run();
+        before = broker.acknowledgements;
+    };
+    bus.client->subscribe("t", {.qos = 1});
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] { return broker.acknowledgements == 1; }));
+    EXPECT_EQ(before, 0);
+}
+
 TEST_F(SubscriptionTest, ClosedTwiceRightAfterSending_ComesBackUnderAnotherIdentifier) {
     broker.close_publisher("asip-lamp");
     auto made = options();
