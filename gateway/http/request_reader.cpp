@@ -28,12 +28,34 @@ struct RequestReader::State {
     beast_http::request_parser<beast_http::string_body> parser;
     std::optional<Error> error;
     bool continue_asked = false;
+    bool head_read = false;
+    std::vector<std::pair<std::string, std::string>> headers;
+
+    void read_head();
 };
+
+// Once the head is there and nothing behind it has been read: fields behind a chunked body come without what
+// the fields of the head were checked for, and are left out.
+void RequestReader::State::read_head() {
+    head_read = true;
+    parser.eager(true);
+    const auto& head = parser.get();
+    for (const auto& field : head)
+        headers.emplace_back(lower(view(field.name_string())), std::string(field.value()));
+    const bool encoded = head.count(beast_http::field::transfer_encoding) > 0;
+    if (encoded && head.count(beast_http::field::content_length) > 0)
+        error = Error{400, "Content-Length and Transfer-Encoding exclude each other"};
+    else if (encoded && head.version() == 10)
+        error = Error{400, "HTTP/1.0 has no Transfer-Encoding; send Content-Length"};
+    else if (encoded && lower(view(head[beast_http::field::transfer_encoding])) != "chunked")
+        error = Error{501, "the only Transfer-Encoding that is understood is chunked"};
+    else if (head.count(beast_http::field::host) > 1)
+        error = Error{400, "more than one Host"};
+}
 
 RequestReader::RequestReader(Limits limits) : state_(std::make_unique<State>()) {
     state_->parser.header_limit(static_cast<std::uint32_t>(limits.header_bytes));
     state_->parser.body_limit(limits.body_bytes);
-    state_->parser.eager(true);
 }
 
 RequestReader::~RequestReader() = default;
@@ -47,13 +69,7 @@ std::size_t RequestReader::feed(std::string_view bytes) {
     boost::beast::error_code code;
     const std::size_t used = state_->parser.put(boost::asio::buffer(bytes.data(), bytes.size()), code);
     if (code && code != error::need_more) state_->error = error_for(code);
-    if (state_->error || !state_->parser.is_header_done()) return used;
-    const auto& head = state_->parser.get();
-    if (head.count(beast_http::field::content_length) > 0 &&
-        head.count(beast_http::field::transfer_encoding) > 0) {
-        state_->error = Error{400, "Content-Length and Transfer-Encoding exclude each other"};
-    }
-    if (head.count(beast_http::field::host) > 1) state_->error = Error{400, "more than one Host"};
+    if (!state_->error && !state_->head_read && state_->parser.is_header_done()) state_->read_head();
     return used;
 }
 
@@ -68,7 +84,8 @@ bool RequestReader::head_done() const {
 bool RequestReader::wants_continue() {
     if (state_->continue_asked || !head_done() || done()) return false;
     state_->continue_asked = true;
-    return lower(view(state_->parser.get()[beast_http::field::expect])) == "100-continue";
+    const auto& head = state_->parser.get();
+    return head.version() > 10 && lower(view(head[beast_http::field::expect])) == "100-continue";
 }
 
 const std::optional<RequestReader::Error>& RequestReader::error() const {
@@ -80,9 +97,7 @@ Request RequestReader::take() {
     Request request;
     request.method = std::string(message.method_string());
     request.target = std::string(message.target());
-    for (const auto& field : message) {
-        request.headers.emplace_back(lower(view(field.name_string())), std::string(field.value()));
-    }
+    request.headers = std::move(state_->headers);
     request.body = std::move(message.body());
     request.keep_alive = message.keep_alive();
     request.http_1_0 = message.version() == 10;

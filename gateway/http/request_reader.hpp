@@ -10,7 +10,8 @@
 namespace asip::gateway::http {
 
 /// Reads one request out of the bytes of a connection. Pure: bytes in, a request or an error out. Request
-/// smuggling is refused rather than guessed at: a body has one Content-Length or is chunked, never both.
+/// smuggling is refused rather than guessed at: a body has one Content-Length or is chunked, never both, and
+/// never encoded otherwise. Fields behind a chunked body are left out.
 class RequestReader {
   public:
     struct Limits {

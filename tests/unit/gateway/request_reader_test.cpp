@@ -84,6 +84,41 @@ TEST(HttpRequest, ChunkedBodyByteByByte_IsPutTogether) {
     EXPECT_EQ(into.take().body, "[1,2]");
 }
 
+TEST(HttpRequest, FieldsBehindTheBody_AreLeftOut) {
+    auto into = reader();
+    const std::string text =
+        "POST /a HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n2\r\n[]\r\n0\r\nHost: b\r\n"
+        "Content-Type: application/json\r\nAuthorization: Bearer x\r\n\r\n";
+    const std::string second = "GET /b HTTP/1.1\r\nHost: a\r\n\r\n";
+    EXPECT_EQ(feed_all(into, text + second), second);
+    ASSERT_TRUE(into.done());
+    const auto request = into.take();
+    EXPECT_EQ(request.body, "[]");
+    EXPECT_EQ(request.header("host"), "a");
+    EXPECT_FALSE(request.has_header("content-type"));
+    EXPECT_FALSE(request.has_header("authorization"));
+}
+
+TEST(HttpRequest, EncodedInAnotherWay_Is501AndItsBodyIsNoSecondRequest) {
+    for (const std::string coding :
+         {"identity", "xchunked", "gzip, chunked", "chunked, identity", "chunked,"}) {
+        EXPECT_EQ(
+            status_of("POST /a HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: " + coding + "\r\n\r\n0\r\n\r\n"),
+            501)
+            << coding;
+    }
+    EXPECT_EQ(status_of("POST /a HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: Chunked\r\n\r\n0\r\n\r\n"), 200);
+}
+
+TEST(HttpRequest, ExpectOfAnOldClient_IsNotAnswered) {
+    for (const std::string version : {"1.0", "1.1"}) {
+        auto into = reader();
+        feed_all(into, "POST /a HTTP/" + version +
+                           "\r\nHost: a\r\nExpect: 100-continue\r\nContent-Length: 2\r\n\r\n");
+        EXPECT_EQ(into.wants_continue(), version == "1.1");
+    }
+}
+
 TEST(HttpRequest, BodyBeyondTheLimit_Is413BeforeItIsSent) {
     EXPECT_EQ(status_of("POST /a HTTP/1.1\r\nHost: a\r\nContent-Length: 104857600\r\n\r\n"), 413);
     EXPECT_EQ(status_of("POST /a HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n50\r\n" +
@@ -110,7 +145,8 @@ INSTANTIATE_TEST_SUITE_P(
                     "POST /a HTTP/1.1\r\nContent-Length: 99999999999999999999999\r\n\r\n",
                     "POST /a HTTP/1.1\r\nContent-Length: 2\r\nContent-Length: 3\r\n\r\n{}",
                     "POST /a HTTP/1.1\r\nContent-Length: 2\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n",
-                    "POST /a HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nzz\r\n",
+                    "POST /a HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nzz\r\n[]\r\n",
+                    "POST /a HTTP/1.0\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n",
                     "GET /a HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n"));
 
 TEST(HttpRequest, OtherVersion_Is505OrRefused) {
