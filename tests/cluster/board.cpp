@@ -28,8 +28,12 @@ struct Board::Connection {
     std::array<char, 512> buffer{};
 };
 
-Board::Board(asio::io_context& io, std::string name, OnExecuted on_executed)
-    : on_executed_(std::move(on_executed)), io_(io), acceptor_(io), timer_(io) {
+Board::Board(asio::io_context& io, std::string name, const std::string& address, OnExecuted on_executed)
+    : on_executed_(std::move(on_executed)),
+      io_(io),
+      acceptor_(io),
+      timer_(io),
+      endpoint_(asio::ip::make_address(address), 0) {
     board_.stored_name = std::move(name);
     board_.verified_fences = true;
     plug();
@@ -47,12 +51,11 @@ void Board::cut() {
 }
 
 void Board::plug() {
-    const tcp::endpoint endpoint(asio::ip::address_v4::loopback(), port_);
-    acceptor_.open(endpoint.protocol());
+    acceptor_.open(endpoint_.protocol());
     acceptor_.set_option(tcp::acceptor::reuse_address(true));
-    acceptor_.bind(endpoint);
+    acceptor_.bind(endpoint_);
     acceptor_.listen();
-    port_ = acceptor_.local_endpoint().port();
+    endpoint_ = acceptor_.local_endpoint();
     accept();
     report();
 }

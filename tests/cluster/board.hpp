@@ -20,12 +20,13 @@ class Board {
   public:
     using OnExecuted = std::function<void(std::size_t token)>;
 
-    Board(boost::asio::io_context& io, std::string name, OnExecuted on_executed);
+    /// Accepts at `address`.
+    Board(boost::asio::io_context& io, std::string name, const std::string& address, OnExecuted on_executed);
     Board(const Board&) = delete;
     Board& operator=(const Board&) = delete;
 
     const std::string& name() const { return board_.stored_name; }
-    std::uint16_t port() const { return port_; }
+    std::uint16_t port() const { return endpoint_.port(); }
 
     void cut();   ///< the connection ends, and a new one is refused
     void plug();  ///< accepts again, as a board that has just started
@@ -47,7 +48,7 @@ class Board {
     boost::asio::ip::tcp::acceptor acceptor_;
     std::shared_ptr<Connection> connection_;
     boost::asio::steady_timer timer_;
-    std::uint16_t port_ = 0;
+    boost::asio::ip::tcp::endpoint endpoint_;
 };
 
 }  // namespace cluster

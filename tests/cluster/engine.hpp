@@ -5,9 +5,23 @@
 #include <string>
 #include <vector>
 
+#include "asip/mqtt/options.hpp"
+
 namespace cluster {
 
-/// An MQTT engine of one or more broker nodes, as child processes on 127.0.0.1. No call waits for long.
+class Network;
+
+/// The hosts of a network on which everything runs; without one all of it runs on 127.0.0.1.
+struct Hosts {
+    static constexpr std::size_t kPart = 2, kFirstNode = 3, kMostNodes = 3;
+    const Network* network = nullptr;
+
+    std::string address(std::size_t host) const;
+    /// The command inside the host, where there are hosts.
+    std::vector<std::string> inside(std::size_t host, std::vector<std::string> command) const;
+};
+
+/// An MQTT engine of one or more broker nodes, as child processes. No call waits for long.
 class Engine {
   public:
     Engine() = default;
@@ -16,8 +30,11 @@ class Engine {
     Engine& operator=(const Engine&) = delete;
 
     virtual std::string name() const = 0;
-    /// Ports of the nodes for MQTT.
-    virtual std::vector<std::uint16_t> ports() const = 0;
+    /// Where programs connect to. Not always the nodes.
+    virtual std::vector<asip::mqtt::BrokerAddress> brokers() const = 0;
+    /// Certificates that brokers' must be signed by; empty: no TLS.
+    virtual std::string ca() const { return {}; }
+    virtual std::size_t nodes() const = 0;
     /// What the programs must do without, in words.
     virtual std::vector<std::string> lacks() const { return {}; }
 
@@ -26,12 +43,17 @@ class Engine {
     virtual void stop(std::size_t node) = 0;   ///< SIGSTOP
     virtual void go_on(std::size_t node) = 0;  ///< SIGCONT
     virtual std::string log(std::size_t node) const = 0;
+
+    /// A part that is no node and can be killed, such as a store, by what it is; empty: there is none.
+    virtual std::string part() const { return {}; }
+    virtual void kill_part() {}
+    virtual void start_part() {}
 };
 
-/// "mosquitto", "bridges", "nats", "rabbitmq", "aedes"
+/// "mosquitto", "bridges", "haproxy", "nats", "rabbitmq", "aedes"
 std::vector<std::string> engine_names();
 /// Started, with nodes that accept connections. Throws std::runtime_error: no such engine, or it does not
 /// start.
-std::unique_ptr<Engine> make_engine(const std::string& name);
+std::unique_ptr<Engine> make_engine(const std::string& name, const Hosts& hosts);
 
 }  // namespace cluster

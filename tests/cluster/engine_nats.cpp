@@ -10,7 +10,7 @@ namespace {
 /// so clients may not.
 class Nats final : public NodeEngine {
   public:
-    Nats() : NodeEngine("nats", 3), routes_(free_ports(3)) {
+    explicit Nats(const Hosts& hosts) : NodeEngine("nats", 3, hosts), routes_(free_ports(3)) {
         for (std::size_t i = 0; i < ports().size(); ++i)
             add_node({"/usr/sbin/nats-server", "-c", write_configuration(i)});
         wait_for_nodes();
@@ -24,23 +24,23 @@ class Nats final : public NodeEngine {
   private:
     std::string write_configuration(std::size_t node) const {
         std::string routes;
-        for (const auto port : routes_)
-            routes += fmt::format("nats://127.0.0.1:{}, ", port);
+        for (std::size_t i = 0; i < routes_.size(); ++i)
+            routes += fmt::format("nats://{}:{}, ", address(i), routes_[i]);
         return folder().write(
             fmt::format("nats{}.conf", node),
             fmt::format(R"(server_name: n{0}
 listen: "127.0.0.1:-1"
 max_payload: 8MB
 jetstream {{ store_dir: "{1}/{0}", max_mem: 64MB, max_file: 512MB }}
-cluster {{ name: asip, listen: "127.0.0.1:{2}", routes: [ {3}] }}
-mqtt {{ listen: "127.0.0.1:{4}", stream_replicas: 3 }}
+cluster {{ name: asip, listen: "{5}:{2}", routes: [ {3}] }}
+mqtt {{ listen: "{5}:{4}", stream_replicas: 3 }}
 no_auth_user: bus
 authorization {{
   users: [ {{ user: bus, password: bus, permissions: {{
     publish: {{ deny: ["$JS.>", "$MQTT.>"] }}, subscribe: {{ deny: ["$JS.>"] }} }} }} ]
 }}
 )",
-                        node, folder().path().string(), routes_[node], routes, ports()[node]));
+                        node, folder().path().string(), routes_[node], routes, ports()[node], address(node)));
     }
 
     std::vector<std::uint16_t> routes_;
@@ -48,8 +48,8 @@ authorization {{
 
 }  // namespace
 
-std::unique_ptr<Engine> make_nats() {
-    return std::make_unique<Nats>();
+std::unique_ptr<Engine> make_nats(const Hosts& hosts) {
+    return std::make_unique<Nats>(hosts);
 }
 
 }  // namespace cluster

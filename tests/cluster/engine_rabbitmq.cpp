@@ -10,10 +10,12 @@ namespace {
 /// that none is left behind.
 class RabbitMq final : public NodeEngine {
   public:
-    RabbitMq() : NodeEngine("rabbitmq", 3), inner_(free_ports(7)) {
+    explicit RabbitMq(const Hosts& hosts) : NodeEngine("rabbitmq", 3, hosts), inner_(free_ports(7)) {
         const auto names = std::to_string(inner_[6]);
-        add_helper({"epmd", "-address", "127.0.0.1", "-port", names});
-        wait_for_port(inner_[6], last_helper());
+        for (std::size_t i = 0; i < (networked() ? ports().size() : 1); ++i) {
+            add_helper({"epmd", "-address", address(i), "-port", names}, {}, Hosts::kFirstNode + i);
+            wait_for_port(address(i), inner_[6], last_helper());
+        }
         folder().write("enabled_plugins", "[rabbitmq_mqtt].\n");
         for (std::size_t i = 0; i < ports().size(); ++i)
             add_node({"/usr/lib/rabbitmq/bin/rabbitmq-server"}, environment(i, names));
@@ -26,13 +28,17 @@ class RabbitMq final : public NodeEngine {
     }
 
   private:
+    std::string node_name(std::size_t node) const {
+        return fmt::format("rb{}@{}", node, networked() ? address(node) : "localhost");
+    }
+
     Environment environment(std::size_t node, const std::string& names) const {
         std::string peers;
         for (std::size_t i = 0; i < ports().size(); ++i)
-            peers += fmt::format("cluster_formation.classic_config.nodes.{} = rb{}@localhost\n", i + 1, i);
-        const auto configuration =
-            folder().write(fmt::format("rb{}.conf", node), fmt::format(R"(listeners.tcp.1 = 127.0.0.1:{}
-mqtt.listeners.tcp.1 = 127.0.0.1:{}
+            peers += fmt::format("cluster_formation.classic_config.nodes.{} = {}\n", i + 1, node_name(i));
+        const auto configuration = folder().write(
+            fmt::format("rb{}.conf", node), fmt::format(R"(listeners.tcp.1 = {3}:{0}
+mqtt.listeners.tcp.1 = {3}:{1}
 mqtt.allow_anonymous = true
 mqtt.default_user = guest
 mqtt.default_pass = guest
@@ -40,15 +46,16 @@ mqtt.tcp_listen_options.nodelay = true
 cluster_formation.peer_discovery_backend = classic_config
 log.console.level = warning
 cluster_partition_handling = autoheal
-{})",
-                                                                       inner_[node], ports()[node], peers));
+{2})",
+                                                        inner_[node], ports()[node], peers, address(node)));
         const auto own = folder().file(fmt::format("rb{}", node));
         return {{"HOME", folder().path().string()},
                 {"RUNNING_UNDER_SYSTEMD", "1"},  // the server in place of its script
                 {"NOTIFY_SOCKET", ""},
-                {"ERL_EPMD_ADDRESS", "127.0.0.1"},
+                {"ERL_EPMD_ADDRESS", address(node)},
                 {"ERL_EPMD_PORT", names},
-                {"RABBITMQ_NODENAME", fmt::format("rb{}@localhost", node)},
+                {"RABBITMQ_NODENAME", node_name(node)},
+                {"RABBITMQ_USE_LONGNAME", networked() ? "true" : "false"},
                 {"RABBITMQ_CONFIG_FILE", configuration},
                 {"RABBITMQ_ENABLED_PLUGINS_FILE", folder().file("enabled_plugins")},
                 {"RABBITMQ_DIST_PORT", std::to_string(inner_[3 + node])},
@@ -64,8 +71,8 @@ cluster_partition_handling = autoheal
 
 }  // namespace
 
-std::unique_ptr<Engine> make_rabbitmq() {
-    return std::make_unique<RabbitMq>();
+std::unique_ptr<Engine> make_rabbitmq(const Hosts& hosts) {
+    return std::make_unique<RabbitMq>(hosts);
 }
 
 }  // namespace cluster

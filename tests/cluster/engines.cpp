@@ -11,9 +11,10 @@
 namespace cluster {
 namespace {
 
-const std::array<std::pair<const char*, std::unique_ptr<Engine> (*)()>, 5> kEngines{{
+const std::array<std::pair<const char*, std::unique_ptr<Engine> (*)(const Hosts&)>, 6> kEngines{{
     {"mosquitto", make_mosquitto},
     {"bridges", make_bridged_mosquitto},
+    {"haproxy", make_haproxy},
     {"nats", make_nats},
     {"rabbitmq", make_rabbitmq},
     {"aedes", make_aedes},
@@ -28,9 +29,9 @@ std::vector<std::string> engine_names() {
     return names;
 }
 
-std::unique_ptr<Engine> make_engine(const std::string& name) {
+std::unique_ptr<Engine> make_engine(const std::string& name, const Hosts& hosts) {
     for (const auto& [known, make] : kEngines)
-        if (name == known) return make();
+        if (name == known) return make(hosts);
     throw std::runtime_error(
         fmt::format("there is no engine \"{}\"; those known are: {}", name, fmt::join(engine_names(), ", ")));
 }

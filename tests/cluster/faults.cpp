@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/cluster/faults.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -14,15 +16,20 @@ using asip::test::Dice;
 
 constexpr Millis kShortestStop = 5000;
 
-const std::array<std::pair<Target, Action>, 8> kKinds{{
-    {Target::kLink, Action::kKill},
-    {Target::kAgent, Action::kKill},
-    {Target::kAgent, Action::kStop},
-    {Target::kRegistry, Action::kKill},
-    {Target::kRegistry, Action::kStop},
-    {Target::kNode, Action::kKill},
-    {Target::kNode, Action::kStop},
-    {Target::kCluster, Action::kKill},
+const std::array<std::pair<Target, Action>, 25> kKinds{{
+    {Target::kLink, Action::kKill},      {Target::kAgent, Action::kKill},
+    {Target::kAgent, Action::kStop},     {Target::kRegistry, Action::kKill},
+    {Target::kRegistry, Action::kStop},  {Target::kNode, Action::kKill},
+    {Target::kNode, Action::kStop},      {Target::kCluster, Action::kKill},
+    {Target::kPart, Action::kKill},      {Target::kClock, Action::kStep},
+    {Target::kNode, Action::kCut},       {Target::kNode, Action::kCutIn},
+    {Target::kNode, Action::kCutOut},    {Target::kNode, Action::kFlap},
+    {Target::kNode, Action::kSlow},      {Target::kRegistry, Action::kCut},
+    {Target::kRegistry, Action::kCutIn}, {Target::kRegistry, Action::kCutOut},
+    {Target::kRegistry, Action::kFlap},  {Target::kRegistry, Action::kSlow},
+    {Target::kAgents, Action::kCut},     {Target::kAgents, Action::kCutIn},
+    {Target::kAgents, Action::kCutOut},  {Target::kAgents, Action::kFlap},
+    {Target::kAgents, Action::kSlow},
 }};
 
 std::size_t how_many(Target target, const Shape& shape) {
@@ -30,7 +37,11 @@ std::size_t how_many(Target target, const Shape& shape) {
         case Target::kNode:
             return shape.nodes;
         case Target::kCluster:
+        case Target::kPart:
+        case Target::kClock:
             return 1;
+        case Target::kAgents:
+            return shape.shares;
         case Target::kRegistry:
             return shape.registries;
         case Target::kAgent:
@@ -41,18 +52,23 @@ std::size_t how_many(Target target, const Shape& shape) {
 }
 
 /// With one node the cluster is that node.
-bool possible(Target target, const Shape& shape) {
+bool possible(std::pair<Target, Action> kind, const Shape& shape) {
+    const auto [target, action] = kind;
+    if (target == Target::kClock) return shape.clock;
+    if (is_of_network(action)) return shape.shares > 0;
+    if (!shape.processes) return false;
+    if (target == Target::kPart) return shape.part;
     return target == Target::kCluster ? shape.nodes > 1 : how_many(target, shape) > 0;
 }
 
 Fault draw(Dice& dice, std::pair<Target, Action> kind, const Shape& shape) {
     const auto [target, action] = kind;
+    const bool brief = action == Action::kKill && target != Target::kPart;
     return {.target = target,
             .action = action,
             .index = dice.below(how_many(target, shape)),
             .after = 0,
-            .lasts = action == Action::kStop ? dice.between(kShortestStop, shape.longest_stop)
-                                             : dice.between(200, 2000)};
+            .lasts = brief ? dice.between(200, 2000) : dice.between(kShortestStop, shape.longest_stop)};
 }
 
 /// Two faults of one process: the second would find it dead.
@@ -67,10 +83,17 @@ bool clash(const Fault& one, const Fault& other) {
 
 }  // namespace
 
+bool is_of_network(Action action) {
+    return action != Action::kKill && action != Action::kStop && action != Action::kStep;
+}
+
 std::string name_of(const Fault& fault) {
-    static const std::array<const char*, 5> names{"broker", "cluster", "registry", "agent", "link"};
-    return std::string(names.at(static_cast<std::size_t>(fault.target))) +
-           (fault.action == Action::kKill ? " kill" : " stop");
+    static const std::array<const char*, 8> names{"broker", "cluster", "registry", "agent",
+                                                  "link",   "agents",  "part",     "clock"};
+    static const std::array<const char*, 8> actions{"kill",    "stop", "cut",  "cut in",
+                                                    "cut out", "flap", "slow", "step"};
+    return fmt::format("{} {}", names.at(static_cast<std::size_t>(fault.target)),
+                       actions.at(static_cast<std::size_t>(fault.action)));
 }
 
 std::string name_of(const std::vector<Fault>& faults) {
@@ -90,7 +113,7 @@ std::vector<std::vector<Fault>> each_once(std::uint64_t seed, const Shape& shape
     least.longest_stop = kShortestStop;
     std::vector<std::vector<Fault>> plan;
     for (const auto& kind : kKinds)
-        if (possible(kind.first, shape)) plan.push_back({draw(dice, kind, least)});
+        if (possible(kind, shape)) plan.push_back({draw(dice, kind, least)});
     return plan;
 }
 
@@ -98,7 +121,7 @@ std::vector<std::vector<Fault>> at_random(std::uint64_t seed, std::size_t rounds
     Dice dice(seed);
     const auto any = [&] {
         auto kind = dice.one_of(kKinds);
-        while (!possible(kind.first, shape))
+        while (!possible(kind, shape))
             kind = dice.one_of(kKinds);
         return draw(dice, kind, shape);
     };

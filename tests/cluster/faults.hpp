@@ -8,17 +8,27 @@
 
 namespace cluster {
 
-/// What a fault is done to. Further kinds (the network between two hosts, a host's clock) belong here.
+/// What a fault is done to.
 enum class Target {
     kNode,     ///< one broker of the engine
     kCluster,  ///< all brokers of the engine at once
     kRegistry,
     kAgent,
-    kLink,  ///< the connection between a board and its agent
+    kLink,    ///< the connection between a board and its agent
+    kAgents,  ///< all agents of one host
+    kPart,    ///< what an engine needs and is no broker, such as a store
+    kClock,   ///< the time of day of one registry and the agents of one host
 };
 enum class Action {
     kKill,  ///< kill -9, started again after `lasts`; a link is cut and comes back
     kStop,  ///< SIGSTOP, SIGCONT after `lasts`; not of a link
+    // The network between the target and all others:
+    kCut,     ///< no packet goes either way
+    kCutIn,   ///< none comes to the target
+    kCutOut,  ///< none comes from it
+    kFlap,    ///< a second cut, a second whole, and so on
+    kSlow,    ///< 200 ms later, 5 % lost
+    kStep,    ///< only of a clock: a day ahead, and back after `lasts`
 };
 
 struct Fault {
@@ -31,6 +41,8 @@ struct Fault {
     bool operator==(const Fault&) const = default;
 };
 
+bool is_of_network(Action action);
+
 /// "agent kill"
 std::string name_of(const Fault& fault);
 /// Of a round: the names of its faults in alphabetical order, "agent stop + broker kill".
@@ -39,6 +51,10 @@ std::string name_of(const std::vector<Fault>& faults);
 /// How many there are of each kind.
 struct Shape {
     std::size_t nodes = 1, registries = 3, boards = 12;
+    std::size_t shares = 0;  ///< hosts of agents; none: no faults of the network
+    bool part = false;       ///< the engine has one that can be killed
+    bool clock = false;
+    bool processes = true;  ///< also faults of processes and links
     Millis longest_stop = 20'000;
 };
 

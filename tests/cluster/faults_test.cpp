@@ -25,6 +25,29 @@ TEST(Faults, EachOnce_HasEveryKindAndTheClusterOnlyWhereThereIsOne) {
     EXPECT_EQ(each_once(1, Shape{}).size(), 7u);
 }
 
+TEST(Faults, WithHosts_EachTargetHasEachWeatherAndWithoutThemNone) {
+    Shape shape = kThreeNodes;
+    shape.shares = 3;
+    shape.part = true;
+    shape.clock = true;
+    std::set<std::string> names;
+    for (const auto& faults : each_once(1, shape))
+        names.insert(name_of(faults));
+    EXPECT_EQ(names.size(), 25u);
+    for (const auto* const target : {"broker", "registry", "agents"})
+        for (const auto* const weather : {" cut", " cut in", " cut out", " flap", " slow"})
+            EXPECT_TRUE(names.contains(std::string(target) + weather)) << target << weather;
+    EXPECT_TRUE(names.contains("part kill") && names.contains("clock step"));
+
+    shape.processes = shape.clock = false;
+    for (const auto& faults : at_random(5, 500, shape))
+        for (const auto& fault : faults) {
+            EXPECT_TRUE(is_of_network(fault.action)) << name_of(fault);
+            EXPECT_LT(fault.index, 3u);
+            EXPECT_GE(fault.lasts, 5000);
+        }
+}
+
 TEST(Faults, ManyRounds_NeverTwoFaultsOfOneProcessAndNoneOutOfBounds) {
     std::size_t pairs = 0;
     for (const auto& faults : at_random(3, 2000, kThreeNodes)) {

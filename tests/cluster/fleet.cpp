@@ -21,11 +21,13 @@ constexpr Millis kSetUp = 60'000;
 
 }  // namespace
 
-Fleet::Fleet(boost::asio::io_context& io, Engine& engine, const FleetOptions& options, History& history)
-    : io_(io), engine_(engine), options_(options), history_(history) {
+Fleet::Fleet(boost::asio::io_context& io, Engine& engine, Network* network, const FleetOptions& options,
+             History& history)
+    : io_(io), engine_(engine), hosts_{network}, network_(network), options_(options), history_(history) {
+    step_clock("+0");
     for (std::size_t i = 0; i < options_.registries; ++i) {
         const auto id = fmt::format("r{}", i);
-        registries_.push_back(std::make_unique<Process>(program("asip-registry", i, {"--id", id})));
+        registries_.push_back(start(host_of_registry(i), i == 0, program("asip-registry", i, {"--id", id})));
         watchers_.push_back(
             std::make_unique<Watcher>(io_, connection("watch-" + id, i), id, truth_, history_));
     }
@@ -34,12 +36,13 @@ Fleet::Fleet(boost::asio::io_context& io, Engine& engine, const FleetOptions& op
         const auto name = stays ? fmt::format("board{:03}", i) : fmt::format("left{}", i - options_.boards);
         history_.boards.push_back(name);
         truth_.online.insert(name);
-        boards_.push_back(std::make_unique<Board>(io_, name, [this, i](std::size_t token) {
-            history_.executions.push_back({token, i, now()});
-        }));
-        agents_.push_back(std::make_unique<Process>(
-            program("asip-agent", i,
-                    {"--name", name, "--tcp", fmt::format("127.0.0.1:{}", boards_.back()->port())})));
+        boards_.push_back(
+            std::make_unique<Board>(io_, name, hosts_.address(Network::kWired), [this, i](std::size_t token) {
+                history_.executions.push_back({token, i, now()});
+            }));
+        const auto link = fmt::format("{}:{}", hosts_.address(Network::kWired), boards_.back()->port());
+        agents_.push_back(start(host_of_share(i % kShares), i % kShares == 0,
+                                program("asip-agent", i, {"--name", name, "--tcp", link})));
     }
     const double each =
         options_.per_board * static_cast<double>(options_.boards) / static_cast<double>(options_.clients);
@@ -50,12 +53,46 @@ Fleet::Fleet(boost::asio::io_context& io, Engine& engine, const FleetOptions& op
                                                         .first = i * options_.boards / options_.clients,
                                                         .per_second = each,
                                                         .qos = static_cast<int>(i % 2)}));
-    for (std::size_t i = 0; i < engine_.ports().size(); ++i)
+    for (std::size_t i = 0; i < engine_.brokers().size(); ++i)
         echoes_.push_back(std::make_unique<Echo>(io_, connection(fmt::format("echo-{}", i), i)));
 }
 
 Shape Fleet::shape() const {
-    return {.nodes = engine_.ports().size(), .registries = options_.registries, .boards = options_.boards};
+    return {.nodes = engine_.nodes(),
+            .registries = options_.registries,
+            .boards = options_.boards,
+            .shares = network_ != nullptr ? std::min(kShares, options_.boards) : 0,
+            .part = !engine_.part().empty(),
+            .clock = !options_.clock.empty(),
+            .processes = options_.processes};
+}
+
+std::size_t Fleet::hosts(const FleetOptions& options) {
+    return Hosts::kFirstNode + Hosts::kMostNodes + options.registries + kShares;
+}
+
+std::size_t Fleet::host_of_registry(std::size_t registry) const {
+    return Hosts::kFirstNode + Hosts::kMostNodes + registry;
+}
+
+std::size_t Fleet::host_of_share(std::size_t share) const {
+    return host_of_registry(options_.registries) + share;
+}
+
+std::unique_ptr<Process> Fleet::start(std::size_t host, bool own_clock,
+                                      std::vector<std::string> command) const {
+    std::map<std::string, std::string> environment;
+    if (own_clock && !options_.clock.empty())
+        environment = {{"LD_PRELOAD", options_.clock},
+                       {"FAKETIME_TIMESTAMP_FILE", folder_.file("clock")},
+                       {"FAKETIME_NO_CACHE", "1"},
+                       {"FAKETIME_DONT_FAKE_MONOTONIC", "1"}};
+    return std::make_unique<Process>(hosts_.inside(host, std::move(command)), std::move(environment));
+}
+
+// A file that is read while it is written would be no time at all.
+void Fleet::step_clock(const std::string& by) const {
+    std::filesystem::rename(folder_.write("clock.new", by + '\n'), folder_.file("clock"));
 }
 
 std::vector<std::string> Fleet::program(const std::string& name, std::size_t first_node,
@@ -64,6 +101,7 @@ std::vector<std::string> Fleet::program(const std::string& name, std::size_t fir
     for (const auto& broker : connection(name, first_node).brokers)
         brokers += (brokers.empty() ? "" : ",") + broker.describe();
     std::vector<std::string> command{std::string(ASIP_PROGRAMS "/") + name, "--broker", brokers};
+    if (!engine_.ca().empty()) more.insert(more.end(), {"--ca", engine_.ca()});
     command.insert(command.end(), more.begin(), more.end());
     return command;
 }
@@ -71,10 +109,10 @@ std::vector<std::string> Fleet::program(const std::string& name, std::size_t fir
 asip::mqtt::Options Fleet::connection(const std::string& id, std::size_t first_node) const {
     asip::mqtt::Options options;
     options.client_id = "cluster-" + id;
-    options.brokers.clear();
-    const auto ports = engine_.ports();
-    for (std::size_t i = 0; i < ports.size(); ++i)
-        options.brokers.push_back({.host = "127.0.0.1", .port = ports[(first_node + i) % ports.size()]});
+    options.ca_file = engine_.ca();
+    options.brokers = engine_.brokers();
+    const auto first = static_cast<std::ptrdiff_t>(first_node % options.brokers.size());
+    std::rotate(options.brokers.begin(), options.brokers.begin() + first, options.brokers.end());
     return options;
 }
 
@@ -121,13 +159,41 @@ Process& Fleet::process(const Fault& fault) {
 
 void Fleet::nodes(const Fault& fault, void (Engine::*what)(std::size_t)) {
     if (fault.target == Target::kNode) return (engine_.*what)(fault.index);
-    for (std::size_t node = 0; node < engine_.ports().size(); ++node)
+    for (std::size_t node = 0; node < engine_.nodes(); ++node)
         (engine_.*what)(node);
+}
+
+std::vector<std::size_t> Fleet::hosts_of(const Fault& fault) const {
+    if (fault.target == Target::kNode) return {Hosts::kFirstNode + fault.index};
+    if (fault.target == Target::kRegistry) return {host_of_registry(fault.index)};
+    return {host_of_share(fault.index)};
+}
+
+void Fleet::weather(const Fault& fault, bool begins) {
+    if (!begins) return network_->clear(hosts_of(fault));
+    Weather weather;
+    if (fault.action == Action::kSlow) {
+        weather.delay = 200ms;
+        weather.loss = 0.05;
+    } else if (fault.action == Action::kFlap) {
+        weather.flapping = 1s;
+    } else {
+        weather.drops_in = fault.action != Action::kCutOut;
+        weather.drops_out = fault.action != Action::kCutIn;
+    }
+    network_->set(hosts_of(fault), weather);
 }
 
 void Fleet::begin(const Fault& fault) {
     const bool kill = fault.action == Action::kKill;
+    if (is_of_network(fault.action)) return weather(fault, true);
     switch (fault.target) {
+        case Target::kPart:
+            return engine_.kill_part();
+        case Target::kClock:
+            return step_clock("+1d");
+        case Target::kAgents:
+            return;
         case Target::kLink:
             return boards_[fault.index]->cut();
         case Target::kNode:
@@ -141,7 +207,14 @@ void Fleet::begin(const Fault& fault) {
 
 void Fleet::end(const Fault& fault) {
     const bool kill = fault.action == Action::kKill;
+    if (is_of_network(fault.action)) return weather(fault, false);
     switch (fault.target) {
+        case Target::kPart:
+            return engine_.start_part();
+        case Target::kClock:
+            return step_clock("+0");
+        case Target::kAgents:
+            return;
         case Target::kLink:
             return boards_[fault.index]->plug();
         case Target::kNode:
@@ -164,7 +237,8 @@ void Fleet::suffer(const std::vector<Fault>& faults) {
     std::vector<Step> steps;
     for (const auto& fault : faults) {
         const bool broker = fault.target == Target::kNode || fault.target == Target::kCluster;
-        if (broker && fault.action == Action::kStop) round.broker_held = true;
+        const bool held = is_of_network(fault.action) && fault.target != Target::kRegistry;
+        if (held || (broker && fault.action == Action::kStop)) round.messages_held = true;
         steps.push_back({round.begin + fault.after, true, &fault});
         steps.push_back({round.begin + fault.after + fault.lasts, false, &fault});
     }
@@ -263,7 +337,7 @@ void Fleet::write_logs(const std::string& folder) const {
         write(history_.boards[i], agents_[i]->log());
     for (std::size_t i = 0; i < registries_.size(); ++i)
         write(watchers_[i]->registry(), registries_[i]->log());
-    for (std::size_t i = 0; i < engine_.ports().size(); ++i)
+    for (std::size_t i = 0; i < engine_.nodes(); ++i)
         write(fmt::format("{}{}", engine_.name(), i), engine_.log(i));
 }
 

@@ -11,8 +11,10 @@
 #include "tests/cluster/echo.hpp"
 #include "tests/cluster/engine.hpp"
 #include "tests/cluster/faults.hpp"
+#include "tests/cluster/network.hpp"
 #include "tests/cluster/process.hpp"
 #include "tests/cluster/watcher.hpp"
+#include "tests/support/temp_dir.hpp"
 
 namespace cluster {
 
@@ -20,9 +22,11 @@ struct FleetOptions {
     std::size_t boards = 12;
     std::size_t registries = 3;
     std::size_t clients = 3;
-    double per_board = 2;  ///< commands a second
-    Millis look = 30'000;  ///< at the most, for the recovery after a fault
-    Millis steady = 1500;  ///< for so long the catalogues must stay right
+    double per_board = 2;   ///< commands a second
+    Millis look = 30'000;   ///< at the most, for the recovery after a fault
+    bool processes = true;  ///< faults of processes and links, too
+    std::string clock{};    ///< libfaketime; empty: no faults of clocks
+    Millis steady = 1500;   ///< for so long the catalogues must stay right
 };
 
 /// Registries, agents with scripted boards, clients and watchers around an engine, each with another node
@@ -30,7 +34,13 @@ struct FleetOptions {
 /// happens is written into the history.
 class Fleet {
   public:
-    Fleet(boost::asio::io_context& io, Engine& engine, const FleetOptions& options, History& history);
+    /// With a network each registry, and each third of the agents, is on a host of its own.
+    Fleet(boost::asio::io_context& io, Engine& engine, Network* network, const FleetOptions& options,
+          History& history);
+
+    static constexpr std::size_t kShares = 3;
+    /// How many hosts it needs.
+    static std::size_t hosts(const FleetOptions& options);
 
     /// Waits until everything is there and every board can be commanded. Throws std::runtime_error when it
     /// does not come to that.
@@ -47,6 +57,12 @@ class Fleet {
   private:
     std::vector<std::string> program(const std::string& name, std::size_t first_node,
                                      std::vector<std::string> more) const;
+    std::unique_ptr<Process> start(std::size_t host, bool own_clock, std::vector<std::string> command) const;
+    void step_clock(const std::string& by) const;
+    std::size_t host_of_registry(std::size_t registry) const;
+    std::size_t host_of_share(std::size_t share) const;
+    void weather(const Fault& fault, bool begins);
+    std::vector<std::size_t> hosts_of(const Fault& fault) const;
     asip::mqtt::Options connection(const std::string& id, std::size_t first_node) const;
     void depart();
     void run_until(Millis time);
@@ -62,7 +78,10 @@ class Fleet {
 
     boost::asio::io_context& io_;
     Engine& engine_;
+    Hosts hosts_;
+    Network* network_;
     FleetOptions options_;
+    asip::test::TempDir folder_;
     History& history_;
     Truth truth_;
     std::vector<std::unique_ptr<Board>> boards_;  // the last two are those that leave

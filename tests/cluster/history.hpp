@@ -61,9 +61,9 @@ struct Round {
     Millis looked_until = 0;
     std::map<std::string, Difference> wrong{};  ///< by registry, where they never agreed
     std::vector<std::size_t> mute{};            ///< boards that executed nothing after `end`
-    /// A broker was held by SIGSTOP. When it goes on it delivers what waits in its sockets, and nobody can
-    /// see how old that is.
-    bool broker_held = false;
+    /// A broker was held by SIGSTOP, or packets of a broker or an agent by the network. When it goes on, what
+    /// waits in sockets is delivered, and nobody can see how old that is; TCP sends again only after seconds.
+    bool messages_held = false;
 };
 
 /// All that the judge knows.

@@ -108,7 +108,7 @@ class Judge {
 
     bool held(const Command& command, Millis until) const {
         return std::any_of(history_.rounds.begin(), history_.rounds.end(), [&](const Round& round) {
-            return round.broker_held && command.sent <= round.end && round.begin <= until;
+            return round.messages_held && command.sent <= recovered(round) && round.begin <= until;
         });
     }
 
@@ -139,7 +139,7 @@ class Judge {
             return;
         }
         if (held(command, last))
-            ++into.late_behind_stop;
+            ++into.late_and_held;
         else
             wrong(fmt::format("was executed {} ms after it was sent", last - command.sent));
     }
@@ -186,7 +186,7 @@ std::string report(const std::string& engine, const Verdict& verdict) {
                             row.fault, fault ? std::to_string(row.rounds) : "",
                             fault ? seconds(row.engine_works) : "", fault ? seconds(row.commands_work) : "",
                             fault ? seconds(row.catalogues_agree) : "", row.answers[0], row.answers[1],
-                            row.answers[2], row.answers[3], row.answers[4], row.late_behind_stop);
+                            row.answers[2], row.answers[3], row.answers[4], row.late_and_held);
     }
     for (const auto& violation : verdict.violations)
         text += "VIOLATION " + violation + '\n';

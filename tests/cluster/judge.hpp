@@ -26,7 +26,7 @@ struct Row {
     std::optional<Millis> commands_work{};     ///< the same
     std::optional<Millis> catalogues_agree{};  ///< the same
     std::array<std::size_t, 5> answers{};      ///< by Outcome: commands sent from its begin to its recovery
-    std::size_t late_behind_stop = 0;  ///< executed after the deadline, because a broker was held by SIGSTOP
+    std::size_t late_and_held = 0;  ///< executed after the deadline, because it was held on its way
 };
 
 struct Verdict {

@@ -76,10 +76,10 @@ TEST_F(JudgeTest, TimeoutMayBeExecutedBeforeItsAnswerAndNotBehindIt) {
 TEST_F(JudgeTest, ExecutedAfterItsDeadline_OnlyABrokerThatWasHeldIsAnExcuse) {
     command(10'500, Outcome::kUnanswered, std::nullopt, {18'000});
     EXPECT_THAT(violations(), ElementsAre(HasSubstr("executed 7500 ms after it was sent")));
-    history.rounds[0].broker_held = true;
+    history.rounds[0].messages_held = true;
     const auto verdict = judge(history);
     EXPECT_THAT(verdict.violations, IsEmpty());
-    EXPECT_EQ(verdict.rows[0].late_behind_stop, 1u);
+    EXPECT_EQ(verdict.rows[0].late_and_held, 1u);
 }
 
 TEST_F(JudgeTest, NoAnswer_IsAViolationWhereNothingWasDisturbed) {

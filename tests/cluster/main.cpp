@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <stdexcept>
 
@@ -18,6 +19,7 @@ struct Settings {
     std::string engine = "mosquitto";
     std::size_t rounds = 0;
     std::uint64_t seed = 1;
+    std::string faults = "all";
     std::string logs = "cluster-logs";
     FleetOptions fleet;
 };
@@ -30,15 +32,40 @@ std::string described(const std::vector<Fault>& faults) {
     return text;
 }
 
-int run(const Settings& settings) {
+std::unique_ptr<Network> make_network(const Settings& settings) {
+    if (settings.faults == "processes") return nullptr;
+    const auto why = Network::impossible();
+    if (why.empty()) return std::make_unique<Network>(Fleet::hosts(settings.fleet));
+    if (settings.faults == "network") throw std::runtime_error(why);
+    fmt::print("LEFT OUT: faults of the network; {}\n", why);
+    return nullptr;
+}
+
+/// Empty where there is none.
+std::string library_for_clocks(const Settings& settings) {
+    if (settings.faults != "all") return {};
+    for (const auto& folder : std::filesystem::directory_iterator("/usr/lib")) {
+        auto library = folder.path() / "faketime/libfaketime.so.1";
+        std::error_code ignored;
+        if (std::filesystem::exists(library, ignored)) return library;
+    }
+    fmt::print("LEFT OUT: a clock stepped by a day; Debian's package faketime is not there\n");
+    return {};
+}
+
+int run(Settings settings) {
     fmt::print("engine {}, seed {}, {} boards, {} registries, {} clients\n", settings.engine, settings.seed,
                settings.fleet.boards, settings.fleet.registries, settings.fleet.clients);
     History history;
     boost::asio::io_context io;
-    const auto engine = make_engine(settings.engine);
+    const auto network = make_network(settings);
+    settings.fleet.clock = library_for_clocks(settings);
+    if (settings.faults == "network") settings.fleet.processes = false;
+    const auto engine = make_engine(settings.engine, Hosts{network.get()});
+    if (!engine->part().empty()) fmt::print("{}: its part is the {}\n", engine->name(), engine->part());
     for (const auto& lack : engine->lacks())
         fmt::print("{}: {}\n", engine->name(), lack);
-    Fleet fleet(io, *engine, settings.fleet, history);
+    Fleet fleet(io, *engine, network.get(), settings.fleet, history);
     try {
         fleet.set_up();
     } catch (const std::runtime_error& error) {
@@ -73,6 +100,11 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     app.add_option("--rounds", settings.rounds,
                    "Faults and pairs of them at random; default: each fault once");
+    app.add_option("--faults", settings.faults,
+                   "processes: killed and stopped; network: packets dropped and delayed between hosts, which "
+                   "only root can make; all: both, and a clock that is stepped")
+        ->check(CLI::IsMember({"all", "processes", "network"}))
+        ->capture_default_str();
     app.add_option("--seed", settings.seed, "Decides the faults")->capture_default_str();
     app.add_option("--agents", settings.fleet.boards, "Boards")
         ->check(CLI::Range(1, 200))

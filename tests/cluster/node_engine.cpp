@@ -2,15 +2,31 @@
 #include "tests/cluster/node_engine.hpp"
 
 #include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
 #include <stdexcept>
 #include <utility>
 
+#include "tests/cluster/network.hpp"
 #include "tests/support/wait.hpp"
 
 namespace cluster {
 
+namespace asio = boost::asio;
 namespace test = asip::test;
 using namespace std::chrono_literals;
+
+namespace {
+
+bool accepts(const std::string& address, std::uint16_t port) {
+    asio::io_context io;
+    asio::ip::tcp::socket socket(io);
+    boost::system::error_code error;
+    socket.connect({asio::ip::make_address(address), port}, error);
+    return !error;
+}
+
+}  // namespace
 
 std::vector<std::uint16_t> free_ports(std::size_t count) {
     std::vector<std::uint16_t> ports;
@@ -21,25 +37,42 @@ std::vector<std::uint16_t> free_ports(std::size_t count) {
     return ports;
 }
 
-NodeEngine::NodeEngine(std::string name, std::size_t nodes)
-    : name_(std::move(name)), ports_(free_ports(nodes)) {}
+std::string Hosts::address(std::size_t host) const {
+    return network != nullptr ? Network::address(host) : "127.0.0.1";
+}
+
+std::vector<std::string> Hosts::inside(std::size_t host, std::vector<std::string> command) const {
+    return network != nullptr ? network->inside(host, std::move(command)) : command;
+}
+
+NodeEngine::NodeEngine(std::string name, std::size_t nodes, const Hosts& hosts)
+    : name_(std::move(name)), hosts_(hosts), ports_(free_ports(nodes)) {}
+
+std::vector<asip::mqtt::BrokerAddress> NodeEngine::brokers() const {
+    std::vector<asip::mqtt::BrokerAddress> all;
+    for (std::size_t i = 0; i < ports_.size(); ++i)
+        all.push_back({.host = address(i), .port = ports_[i]});
+    return all;
+}
 
 void NodeEngine::add_node(Command command, Environment environment) {
+    command = hosts_.inside(Hosts::kFirstNode + nodes_.size(), std::move(command));
     nodes_.push_back(std::make_unique<Process>(std::move(command), std::move(environment)));
 }
 
-void NodeEngine::add_helper(Command command, Environment environment) {
+void NodeEngine::add_helper(Command command, Environment environment, std::size_t host) {
+    command = hosts_.inside(host, std::move(command));
     helpers_.push_back(std::make_unique<Process>(std::move(command), std::move(environment)));
 }
 
-void NodeEngine::wait_for_port(std::uint16_t port, const Process& process) {
-    if (!test::wait_until([&] { return test::accepts(port); }, 90s))
+void NodeEngine::wait_for_port(const std::string& address, std::uint16_t port, const Process& process) {
+    if (!test::wait_until([&] { return accepts(address, port); }, 90s))
         throw std::runtime_error("does not start: " + process.log());
 }
 
 void NodeEngine::wait_for_nodes() const {
     for (std::size_t i = 0; i < nodes_.size(); ++i)
-        wait_for_port(ports_[i], *nodes_[i]);
+        wait_for_port(address(i), ports_[i], *nodes_[i]);
 }
 
 }  // namespace cluster

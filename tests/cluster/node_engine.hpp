@@ -16,7 +16,8 @@ namespace cluster {
 class NodeEngine : public Engine {
   public:
     std::string name() const final { return name_; }
-    std::vector<std::uint16_t> ports() const final { return ports_; }
+    std::vector<asip::mqtt::BrokerAddress> brokers() const override;
+    std::size_t nodes() const final { return ports_.size(); }
     void kill(std::size_t node) final { nodes_.at(node)->kill(); }
     void start(std::size_t node) final { nodes_.at(node)->start(); }
     void stop(std::size_t node) final { nodes_.at(node)->stop(); }
@@ -28,19 +29,27 @@ class NodeEngine : public Engine {
     using Environment = std::map<std::string, std::string>;
 
     /// With so many nodes, whose ports are chosen.
-    NodeEngine(std::string name, std::size_t nodes);
+    NodeEngine(std::string name, std::size_t nodes, const Hosts& hosts);
+    const std::vector<std::uint16_t>& ports() const { return ports_; }
+    /// Of a node, and of the host of what is no node.
+    std::string address(std::size_t node) const { return hosts_.address(Hosts::kFirstNode + node); }
+    std::string part_address() const { return hosts_.address(Hosts::kPart); }
+    bool networked() const { return hosts_.network != nullptr; }
     const asip::test::TempDir& folder() const { return folder_; }
     /// The next node.
     void add_node(Command command, Environment environment = {});
-    void add_helper(Command command, Environment environment = {});
+    /// On the host of what is no node, or with a node.
+    void add_helper(Command command, Environment environment = {}, std::size_t host = Hosts::kPart);
     /// Until each node accepts connections. Throws std::runtime_error with the log of one that does not.
     void wait_for_nodes() const;
-    static void wait_for_port(std::uint16_t port, const Process& process);
+    static void wait_for_port(const std::string& address, std::uint16_t port, const Process& process);
+    Process& helper(std::size_t index) { return *helpers_.at(index); }
     const Process& last_helper() const { return *helpers_.back(); }
 
   private:
     asip::test::TempDir folder_;
     std::string name_;
+    Hosts hosts_;
     std::vector<std::uint16_t> ports_;
     std::vector<std::unique_ptr<Process>> helpers_;
     std::vector<std::unique_ptr<Process>> nodes_;  // before the helpers at the end
@@ -49,10 +58,11 @@ class NodeEngine : public Engine {
 /// Nobody's but these tests': free now, and different from each other.
 std::vector<std::uint16_t> free_ports(std::size_t count);
 
-std::unique_ptr<Engine> make_mosquitto();
-std::unique_ptr<Engine> make_bridged_mosquitto();
-std::unique_ptr<Engine> make_nats();
-std::unique_ptr<Engine> make_rabbitmq();
-std::unique_ptr<Engine> make_aedes();
+std::unique_ptr<Engine> make_mosquitto(const Hosts& hosts);
+std::unique_ptr<Engine> make_bridged_mosquitto(const Hosts& hosts);
+std::unique_ptr<Engine> make_haproxy(const Hosts& hosts);
+std::unique_ptr<Engine> make_nats(const Hosts& hosts);
+std::unique_ptr<Engine> make_rabbitmq(const Hosts& hosts);
+std::unique_ptr<Engine> make_aedes(const Hosts& hosts);
 
 }  // namespace cluster

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// broker.mjs PORT HOST:PORT,...: one MQTT broker that keeps everything in the Redis that these Sentinels call "asip". NODE_PATH
+// broker.mjs ADDRESS PORT HOST:PORT,...: one MQTT broker that keeps everything in the Redis that these Sentinels call "asip". NODE_PATH
 // has the modules.
 import { createRequire } from 'node:module'
 import net from 'node:net'
 
-const [port, addresses] = process.argv.slice(2)
+const [address, port, addresses] = process.argv.slice(2)
 const modules = createRequire(`${process.env.NODE_PATH}/`)
 const load = async (name) => {
   const loaded = await import(modules.resolve(name))
@@ -13,8 +13,8 @@ const load = async (name) => {
 
 const redis = {
   name: 'asip',
-  sentinels: addresses.split(',').map((address) => {
-    const [host, port] = address.split(':')
+  sentinels: addresses.split(',').map((sentinel) => {
+    const [host, port] = sentinel.split(':')
     return { host, port: Number(port) }
   }),
   retryStrategy: () => 200,
@@ -39,4 +39,4 @@ broker.on('client', (client) => {
 })
 broker.on('clientError', (client, error) => console.error(`${client.id}: ${error.message}`))
 broker.on('connectionError', (client, error) => console.error(error.message))
-net.createServer({ noDelay: true }, broker.handle).listen(Number(port), '127.0.0.1', () => console.error(`listening on ${port}`))
+net.createServer({ noDelay: true }, broker.handle).listen(Number(port), address, () => console.error(`listening on ${port}`))
