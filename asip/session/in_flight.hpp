@@ -55,6 +55,9 @@ class InFlight {
     /// come too early for the second.
     bool awaits_value_of(const Request& next) const;
 
+    /// Whether the fence of some request is back and its value is not.
+    bool awaits_values() const { return !awaiting_.empty(); }
+
     /// `bytes`: on the wire, with line end and checksum.
     /// True: only an event behind its fence can be its value.
     bool add(Request request, std::size_t bytes, bool reports, Time close_after, Time now);

@@ -71,6 +71,8 @@ bool RequestQueue::next_may_go(Time now, std::vector<std::string>& lines) {
     const Request& next = waiting_.front();
     if (next_is_too_long_for(checksum_bytes_) || now >= next.deadline || (stalled_ && !next.urgent))
         return false;
+    // A value that is on its way keeps its checksum.
+    if (in_flight_.awaits_values() && next.line == protocol::set_checksum(false)) return false;
     // From its answer on it is known what the board's digest begins with.
     if (fences_.verified() && !digest_known_ && !in_flight_.has_open_batch()) close(now, lines);
     if (in_flight_.has_open_batch() && in_flight_.conflicts(next, fences_.verified())) {

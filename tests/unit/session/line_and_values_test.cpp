@@ -50,6 +50,33 @@ TEST(BoardSession, SlowLine_CarriesChecksumsFromTheFirstDamageOn) {
     EXPECT_EQ(bench.end_of(bench.request("I,d,13,1"))->ending, Ending::kExecuted);
 }
 
+// A request that has no room for a checksum in the board's buffer goes without, and so does all that the
+// board says then.
+TEST(BoardSession, LongRequestWhileAValueIsAwaited_ValueKeepsItsChecksum) {
+    Bench bench;
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.board.checksum);
+    const std::string longest = "S,W,0," + std::string(56, '1');
+    const auto value = bench.request("D,M", {.client = 1, .answer_tag = 'e', .answer_time = 500ms});
+    const auto first = bench.request(longest, {.client = 2});
+    bench.pass(100ms);
+    EXPECT_TRUE(bench.board.checksum);
+    EXPECT_EQ(bench.end_of(first), nullptr);
+    bench.say_line("@D,e,1,{42}");
+    bench.pass(100ms);
+    ASSERT_NE(bench.end_of(value), nullptr);
+    EXPECT_EQ(bench.end_of(value)->ending, Ending::kExecuted);
+    ASSERT_NE(bench.end_of(first), nullptr);
+    EXPECT_EQ(bench.end_of(first)->ending, Ending::kExecuted);
+
+    bench.request("D,M", {.client = 1, .answer_tag = 'e', .answer_time = 500ms});
+    const auto second = bench.request(longest, {.client = 2});
+    bench.pass(1s);
+    ASSERT_NE(bench.end_of(second), nullptr) << "a value that never comes holds up nobody for long";
+    EXPECT_EQ(bench.end_of(second)->ending, Ending::kExecuted);
+}
+
 TEST(BoardSession, ChecksumsStillOnAndTurningThemOffIsLost_IdentityIsWhole) {
     for (int lost = 0; lost < 12; ++lost) {
         Bench bench(no_step_up());
