@@ -78,10 +78,14 @@ announce 'Broker of the lab' 1899
 broker 10.9.8.1 1899
 responder
 $asipctl list --from-bus -o json
+retain() { mosquitto_pub -h 10.9.8.1 -p 1899 -r -t "asip/servicebus/desk/$1" -m "$2"; }
+retain '$description' '{"board":"desk","session":"1","seq":1,"lease":60,"firmware":{"protocol":"0.4"},"services":[]}'
+retain '$state' online
 printf 'list -o name\n' | $asipctl shell desk
 )");
     EXPECT_EQ(result.status, 0) << result.errors;
     EXPECT_THAT(result.output, HasSubstr("[]"));
+    EXPECT_THAT(result.output, HasSubstr("desk\n"));
     EXPECT_THAT(result.errors,
                 HasSubstr("using mqtt://10.9.8.1:1899 (Broker of the lab), which is announced"));
 }
