@@ -91,28 +91,21 @@ bool Connection::duplicate_socket() {
 
 void Connection::arm() {
     if (phase_ == Phase::kDown || !socket_.is_open()) return;
-    // A wait on an earlier duplicate that was over before that one closed says nothing about this one. It
-    // would begin a second wait beside the first, and each packet would be looked for twice from then on.
-    if (!read_armed_) {
-        read_armed_ = true;
-        socket_.async_wait(
-            asio::posix::stream_descriptor::wait_read,
-            [self = shared_from_this(), of = duplicates_](const boost::system::error_code& error) {
-                if (error || of != self->duplicates_) return;
-                self->read_armed_ = false;
-                self->serve();
-            });
-    }
-    if (!write_armed_ && (!tcp_connected_ || mosquitto_want_write(mosquitto_.get()))) {
-        write_armed_ = true;
-        socket_.async_wait(
-            asio::posix::stream_descriptor::wait_write,
-            [self = shared_from_this(), of = duplicates_](const boost::system::error_code& error) {
-                if (error || of != self->duplicates_) return;
-                self->write_armed_ = false;
-                self->serve();
-            });
-    }
+    if (!read_armed_) wait_for(asio::posix::stream_descriptor::wait_read, &Connection::read_armed_);
+    if (!write_armed_ && (!tcp_connected_ || mosquitto_want_write(mosquitto_.get())))
+        wait_for(asio::posix::stream_descriptor::wait_write, &Connection::write_armed_);
+}
+
+// A wait on an earlier duplicate that was over before that one closed says nothing about this one. It would
+// begin a second wait beside the first, and each packet would be looked for twice from then on.
+void Connection::wait_for(asio::posix::stream_descriptor::wait_type what, bool Connection::*armed) {
+    this->*armed = true;
+    socket_.async_wait(
+        what, [self = shared_from_this(), armed, of = duplicates_](const boost::system::error_code& error) {
+            if (error || of != self->duplicates_) return;
+            self.get()->*armed = false;
+            self->serve();
+        });
 }
 
 bool Connection::tcp_established() {

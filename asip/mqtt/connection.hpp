@@ -80,9 +80,11 @@ class Connection : public std::enable_shared_from_this<Connection> {
     void watch();
     bool duplicate_socket();
     void arm();
+    void wait_for(boost::asio::posix::stream_descriptor::wait_type what, bool Connection::*armed);
     void serve();
     void read_all();
-    int write_out();  ///< what is queued; while serving, only once all has been read
+    int write_out();             ///< what is queued; while serving, only once all has been read
+    int send_queued(int error);  ///< behind a call of libmosquitto that queues a packet, and its result
     bool still_open();
     bool tcp_established();
     void schedule_tick();

@@ -8,31 +8,32 @@
 
 namespace asip::mqtt {
 
-int Connection::publish(const Message& message, int& id) {
-    const auto properties = v5_ ? publish_properties(message) : Properties{};
-    int error = mosquitto_publish_v5(mosquitto_.get(), &id, message.topic.c_str(),
-                                     static_cast<int>(message.payload.size()), message.payload.data(),
-                                     message.qos, message.retain, properties.get());
+int Connection::send_queued(int error) {
     if (error == MOSQ_ERR_SUCCESS) error = write_out();
     if (!serving_) arm();
     return error;
+}
+
+int Connection::publish(const Message& message, int& id) {
+    const auto properties = v5_ ? publish_properties(message) : Properties{};
+    const int error = mosquitto_publish_v5(mosquitto_.get(), &id, message.topic.c_str(),
+                                           static_cast<int>(message.payload.size()), message.payload.data(),
+                                           message.qos, message.retain, properties.get());
+    return send_queued(error);
 }
 
 int Connection::subscribe(const std::string& filter, const SubscribeOptions& options, int& id) {
     int flags = 0;
     if (v5_ && options.no_local) flags |= MQTT_SUB_OPT_NO_LOCAL;
     if (v5_ && !options.retained) flags |= MQTT_SUB_OPT_SEND_RETAIN_NEVER;
-    int error = mosquitto_subscribe_v5(mosquitto_.get(), &id, filter.c_str(), options.qos, flags, nullptr);
-    if (error == MOSQ_ERR_SUCCESS) error = write_out();
-    if (!serving_) arm();
-    return error;
+    const int error =
+        mosquitto_subscribe_v5(mosquitto_.get(), &id, filter.c_str(), options.qos, flags, nullptr);
+    return send_queued(error);
 }
 
 int Connection::unsubscribe(const std::string& filter) {
-    int error = mosquitto_unsubscribe_v5(mosquitto_.get(), nullptr, filter.c_str(), nullptr);
-    if (error == MOSQ_ERR_SUCCESS) error = write_out();
-    if (!serving_) arm();
-    return error;
+    const int error = mosquitto_unsubscribe_v5(mosquitto_.get(), nullptr, filter.c_str(), nullptr);
+    return send_queued(error);
 }
 
 void Connection::on_connect(int code, const mosquitto_property* properties) {
