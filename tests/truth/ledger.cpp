@@ -52,6 +52,7 @@ void Counts::add(const Counts& other) {
     wrong_summed += other.wrong_summed;
     old_reports += other.old_reports;
     false_errors += other.false_errors;
+    equal_digests += other.equal_digests;
     for (unsigned i = 0; i < kOutcomes; ++i)
         outcomes[i] += other.outcomes[i];
     for (unsigned i = 0; i < kFaults; ++i)

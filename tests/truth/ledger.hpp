@@ -37,6 +37,7 @@ struct Counts {
     std::uint64_t wrong_summed = 0;  ///< the same with one
     std::uint64_t old_reports = 0;   ///< taken for a value; of a period set before the session began
     std::uint64_t false_errors = 0;  ///< the same for errors
+    std::uint64_t equal_digests = 0;
     void add(const Counts& other);
 };
 
@@ -107,6 +108,7 @@ class Ledger {
     void check_error(const Entry& entry, const Answer& answer, Micros now);
     void check_value(const Entry& entry, Micros since, const Answer& answer, Micros now);
     void check_calm(const Entry& entry, const Answer& answer, Micros now);
+    bool ambiguous(const Entry& entry) const;
     void check_late(const BoardRead& read);
     void swap_with_twin(Entry& entry);
     Micros sent(const Entry& entry) const;

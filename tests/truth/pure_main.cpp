@@ -42,9 +42,11 @@ void print(const truth::Counts& counts, unsigned failures, double seconds) {
         "ok of "
         "boards without a digest that executed something else; {} values changed without a checksum, {} with "
         "one; {} "
-        "reports of before taken for a value, {} errors of another request\n",
+        "reports of before taken for a value, {} errors of another request, {} doubts because two "
+        "explanations "
+        "had the same digest\n",
         failures, counts.not_executed, counts.wrong_values, counts.wrong_summed, counts.old_reports,
-        counts.false_errors);
+        counts.false_errors, counts.equal_digests);
     std::fflush(stdout);
 }
 

@@ -143,6 +143,17 @@ TEST_P(AlikeRequests, ErrorComesThoughNoneHadOne_AllAreInDoubt) {
     EXPECT_EQ(ending(second), Ending::kDoubt);
 }
 
+// A digest has 16 bits: it is 17564 whether the errors are those of the first two or of the last two.
+TEST_P(AlikeRequests, TwoExplanationsHaveOneDigest_AllAreInDoubt) {
+    bench.board.replies["I,a,3"] = "~I,a,11{BAD_ARGUMENT}";
+    bench.board.replies["I,d,99,1"] = "~I,d,3{INVALID_PIN}";
+    const auto first = send("I,a,3"), second = send("I,d,99,1"), third = send("I,a,11,180"),
+               fourth = send("I,d,2,1");
+    settle();
+    for (const auto id : {first, second, third, fourth})
+        EXPECT_EQ(ending(id), Ending::kDoubt);
+}
+
 TEST_P(AlikeRequests, OfTwoClients_AnErrorGoesToItsOwnAlone) {
     const auto first = send("S,W,0,90", 7), second = send("S,W,8,90", 8);
     settle();
