@@ -6,6 +6,8 @@
 #include <csignal>
 #include <stdexcept>
 
+#include "tests/support/wait.hpp"
+
 namespace asip::test {
 namespace {
 
@@ -118,8 +120,12 @@ void MosquittoBroker::start() {
 }
 
 void MosquittoBroker::stop() {
-    process_->signal(SIGTERM);
-    if (!process_->wait_exit()) throw std::runtime_error("mosquitto does not stop");
+    // Mosquitto forgets the signal if it comes just before its main loop begins.
+    const bool gone = wait_until([&] {
+        process_->signal(SIGTERM);
+        return process_->wait_exit(500ms).has_value();
+    });
+    if (!gone) throw std::runtime_error("mosquitto does not stop");
     earlier_logs_ += process_->errors();
 }
 
