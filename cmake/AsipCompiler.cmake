@@ -57,5 +57,6 @@ if(ASIP_SANITIZE)
   # At fixed addresses: what the sanitizers note of each line is a million pointers, which each start of a program would
   # have to relocate.
   add_compile_options(-fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all -fno-omit-frame-pointer -fno-pie)
-  add_link_options(-fsanitize=address,undefined -no-pie)
+  # lld takes a fifth of the processor time that the default linker takes for programs of this size.
+  add_link_options(-fsanitize=address,undefined -no-pie -fuse-ld=lld-16)
 endif()
