@@ -314,6 +314,8 @@ struct LineEditor::State {
         size = screen_size();
         el_resize(edit);
         left = false;
+        // libedit would show the prompt first, and a Ctrl-D that comes at once would be lost.
+        el_set(edit, EL_PREP_TERM, 1);
         print_status();
         std::fflush(stdout);
         reading = true;
