@@ -81,9 +81,9 @@ Outcome<BoardCommand> make_raw_command(const Context& context, const std::string
 
 Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const BoardCommand& command) {
     std::optional<Expected<bus::Reply>> reply;
-    const auto request = session.ask(
+    const auto request = session.command(
         command.topic, command.payload,
-        [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); }, 1);
+        [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); });
     session.run_until([&reply] { return reply.has_value(); }, Clock::now() + context.timeout);
     if (session.stopped()) return interrupted();
     if (!reply) {

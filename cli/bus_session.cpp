@@ -89,6 +89,13 @@ struct BusSession::State {
         router.dispatch(message);
     }
 
+    Request ask(mqtt::Message message, OnMessage on_reply) {
+        auto request = requester.ask(message, client.v5(), std::move(on_reply));
+        last_topic = message.topic;
+        client.publish(std::move(message), mqtt::Priority::kReply);
+        return request;
+    }
+
     void publish_demands(std::vector<mqtt::Message> demands) {
         for (auto& demand : demands)
             client.publish(std::move(demand), mqtt::Priority::kReply);
@@ -173,10 +180,18 @@ BusSession::Request BusSession::ask(const std::string& topic, const std::string&
     message.topic = topic;
     message.payload = payload;
     message.qos = qos;
-    auto request = state_->requester.ask(message, v5(), std::move(on_reply));
-    state_->last_topic = topic;
-    state_->client.publish(std::move(message), mqtt::Priority::kReply);
-    return request;
+    return state_->ask(std::move(message), std::move(on_reply));
+}
+
+BusSession::Request BusSession::command(const std::string& topic, const std::string& payload,
+                                        OnMessage on_reply) {
+    const auto seconds = std::chrono::ceil<std::chrono::seconds>(state_->context.timeout).count();
+    mqtt::Message message;
+    message.topic = topic;
+    message.payload = payload;
+    message.qos = 1;
+    message.expiry_seconds = static_cast<std::uint32_t>(std::max<std::int64_t>(seconds, 1));
+    return state_->ask(std::move(message), std::move(on_reply));
 }
 
 bus::Demander::Want BusSession::want(const std::string& board, const std::string& service, double hz) {

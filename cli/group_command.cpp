@@ -66,13 +66,11 @@ class GroupSender {
     }
 
     Time send(Member& member) {
-        member.request = session_.ask(
-            member.command.topic, member.command.payload,
-            [&member](const mqtt::Message& message) {
-                auto reply = bus::parse_reply(message.payload);
-                if (!member.reply && reply) member.reply = std::move(*reply);
-            },
-            1);
+        member.request = session_.command(member.command.topic, member.command.payload,
+                                          [&member](const mqtt::Message& message) {
+                                              auto reply = bus::parse_reply(message.payload);
+                                              if (!member.reply && reply) member.reply = std::move(*reply);
+                                          });
         return Clock::now() + context_.timeout;
     }
 

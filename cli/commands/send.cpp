@@ -111,9 +111,9 @@ class Sender {
             return;
         }
         auto& waiting = waiting_.emplace_back(Waiting{where, command, Clock::now(), std::nullopt, {}});
-        waiting.request = session_.ask(
-            command.topic, command.payload,
-            [&waiting](const mqtt::Message& message) { waiting.answer = message; }, 1);
+        waiting.request =
+            session_.command(command.topic, command.payload,
+                             [&waiting](const mqtt::Message& message) { waiting.answer = message; });
     }
 
     /// Waits until at most `maximum` commands are unanswered.

@@ -35,6 +35,8 @@ TEST_F(SendTest, Acknowledged_PrintsOkAndEndsWith0) {
     EXPECT_EQ(sent.status, 0) << sent.errors;
     EXPECT_EQ(sent.output, "ok\n");
     EXPECT_EQ(request_->payload, "W,0,90");
+    EXPECT_THAT(request_->expiry_seconds,
+                testing::Optional(testing::AllOf(testing::Ge(3u), testing::Le(5u))));
     EXPECT_FALSE(request_->retain);
     EXPECT_THAT(request_->response_topic, testing::StartsWith("asip/reply/"));
     EXPECT_FALSE(request_->correlation.empty());

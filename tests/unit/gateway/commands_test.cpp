@@ -35,6 +35,7 @@ TEST_F(CommandsTest, Sent_CarriesDeadlineReplyTopicOfTheSessionAndWhoSentIt) {
     ASSERT_EQ(send("s1", "7"), Commands::Started::kPublish);
     EXPECT_EQ(message_.topic, "asip/uno1/servo/in");
     EXPECT_EQ(message_.payload, R"({"write":[0,90],"deadline_ms":1000})");
+    EXPECT_EQ(message_.expiry_seconds, 1u);
     EXPECT_EQ(message_.response_topic, "asip/reply/gate/uno1/gw/s1");
     EXPECT_EQ(message_.user_properties, (std::vector<std::pair<std::string, std::string>>{{"by", "anna"}}));
 }
@@ -47,6 +48,7 @@ TEST_F(CommandsTest, Urgent_ItsAnswerComesPastThoseOfOthers) {
             start, true, at(0ms), [this](const CommandRecord& record) { done_.push_back(record); }, message_),
         Commands::Started::kPublish);
     EXPECT_EQ(message_.response_topic, "asip/reply/gate/uno1/gw/urgent/stop");
+    EXPECT_EQ(message_.expiry_seconds, std::nullopt);
     EXPECT_TRUE(commands_.take(answer(R"({"status":"ok","proof":"fence"})"), at(5ms)));
     ASSERT_EQ(done_.size(), 1u);
     EXPECT_TRUE(done_[0].reply->succeeded());
