@@ -122,7 +122,7 @@ TEST_F(ValuesTest, EventsSince_BeginWithWhatWasKeptAndContinue) {
     announce("old");
     ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1", "--history", folder_.file("h.db")},
                           environment());
-    ASSERT_TRUE(probe_.wait_for("asip/registry/r1/$state", "online")) << registry.errors();
+    ASSERT_TRUE(registry.wait_for_errors("catalogue is complete"));
     announce("old", "lost");
     ASSERT_TRUE(wait_until([&] {
         return asipctl({"history", "old"}).output.find("lost") != std::string::npos;

@@ -20,7 +20,7 @@ class ChangesTest : public BusTest {
         Words words{ASIP_PROGRAMS "/asip-registry", "--id", "r1"};
         words.insert(words.end(), options.begin(), options.end());
         auto child = std::make_unique<ChildProcess>(words, environment());
-        EXPECT_TRUE(probe_.wait_for("asip/registry/r1/$state", "online")) << child->errors();
+        EXPECT_TRUE(child->wait_for_errors("catalogue is complete")) << child->errors();
         return child;
     }
 
