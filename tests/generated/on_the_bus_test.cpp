@@ -51,6 +51,7 @@ class GeneratedBoard {
     void tell(const std::string& command) { sim_->write_input(command + "\n"); }
     bool shows(const std::string& what) { return sim_->wait_for_output(what).has_value(); }
     std::string url() const { return broker_.url() + "/uno1"; }
+    std::string log() { return agent_.process().errors(); }
 
   private:
     std::string models_folder() const {
@@ -133,8 +134,8 @@ except TimeoutError as error:
 )");
     EXPECT_EQ(ran.output,
               "[1500, 5000]\nerror 7 INVALID_DEVICE_NUMBER\npower: 101 is above 100\n[1500, 5000]\ntimeout\n")
-        << ran.errors;
-    EXPECT_EQ(ran.status, 0) << ran.errors;
+        << ran.errors << board.log();
+    EXPECT_EQ(ran.status, 0);
     EXPECT_TRUE(board.shows("power0=90,power1=40"));
 }
 
