@@ -8,6 +8,11 @@
 namespace asip::cli {
 namespace {
 
+/// Of all pages of one answer. Ten times what the largest catalogues need: a registry that goes on behind
+/// them would go on for ever.
+constexpr std::size_t kMaxPagesBytes = std::size_t{1} << 30;
+constexpr std::size_t kMaxPages = 100'000;
+
 Expected<bus::Answer> read_answer(std::string_view payload, std::string* lines) {
     if (lines == nullptr) return bus::parse_answer(payload);
     auto read = bus::parse_answer_lines(payload);
@@ -40,8 +45,10 @@ Outcome<bus::Answer> BoardSource::ask(const bus::Query& query, std::string* line
         registry_.empty() ? context_.topics.any_registry_query() : context_.topics.registry_query(registry_);
     std::optional<Expected<bus::Answer>> answer;
     const auto request = session_.ask(topic, bus::encode(bus::RegistryRequest{query, {}, {}}),
-                                      [&answer, lines](const mqtt::Message& message) {
-                                          if (!answer) answer = read_answer(message.payload, lines);
+                                      [this, &answer, lines](const mqtt::Message& message) {
+                                          if (answer) return;
+                                          answered_bytes_ += message.payload.size();
+                                          answer = read_answer(message.payload, lines);
                                       });
     const auto asked = Clock::now();
     const auto answered = [&answer] { return answer.has_value(); };
@@ -76,13 +83,20 @@ Outcome<bus::Answer> BoardSource::ask_all_pages(bus::Query query, std::string* l
         all = ask(query, lines);
     }
     if (!all) return all;
-    while (!all->cursor.empty()) {
+    answered_bytes_ = 0;
+    for (std::size_t pages = 1; !all->cursor.empty(); ++pages) {
         query.cursor = all->cursor;
         auto page = ask(query, lines);
         if (!page) return page;
+        if (page->cursor == query.cursor || pages > kMaxPages || answered_bytes_ > kMaxPagesBytes) {
+            return failure(program::kExitFailure, "the answer of registry " + registry_ +
+                                                      " has no end; asipctl --from-bus does without it");
+        }
         std::move(page->boards.begin(), page->boards.end(), std::back_inserter(all->boards));
-        if (all->brief && page->brief)
-            std::move(page->brief->begin(), page->brief->end(), std::back_inserter(*all->brief));
+        if (all->brief && page->brief) {
+            for (const auto& row : page->brief->rows())
+                all->brief->add(row);
+        }
         std::move(page->services.begin(), page->services.end(), std::back_inserter(all->services));
         all->cursor = page->cursor;
     }
@@ -138,7 +152,7 @@ Outcome<std::vector<KnownBoard>> BoardSource::known_boards(bus::Query query) {
     return result;
 }
 
-Outcome<std::vector<bus::BriefBoard>> BoardSource::brief_boards(bus::Query query) {
+Outcome<bus::BriefRows> BoardSource::brief_boards(bus::Query query) {
     std::vector<bus::BoardItem> items;
     if (asks_registry()) {
         query.find = bus::Find::kBoards;
@@ -158,11 +172,7 @@ Outcome<std::vector<bus::BriefBoard>> BoardSource::brief_boards(bus::Query query
         if (!found) return tl::unexpected(found.error());
         items = std::move(*found);
     }
-    std::vector<bus::BriefBoard> rows;
-    rows.reserve(items.size());
-    for (const auto& item : items)
-        rows.push_back(bus::brief_of(item));
-    return rows;
+    return bus::brief_of(items);
 }
 
 Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {

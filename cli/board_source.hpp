@@ -49,7 +49,7 @@ class BoardSource {
     Outcome<std::vector<bus::ServiceItem>> services(bus::Query query);
     /// The same boards as `boards`, as far as a table needs them: in a small part of the time where they are
     /// many.
-    Outcome<std::vector<bus::BriefBoard>> brief_boards(bus::Query query);
+    Outcome<bus::BriefRows> brief_boards(bus::Query query);
     /// The same boards or services as JSON, one a line: as a registry wrote them, or as it would have.
     Outcome<std::string> json_lines(bus::Query query);
 
@@ -100,6 +100,7 @@ class BoardSource {
     std::vector<std::string> online_registries_;  // by their retained state
     std::string registry_;
     std::function<void(const std::string&, const std::string&)> announced_;
+    std::size_t answered_bytes_ = 0;  // of the pages of one answer
     bool no_registry_ = false;
     bool bus_subscribed_ = false;
     std::set<std::string> listened_;  // filters

@@ -110,7 +110,8 @@ void Watch::page(const std::string& registry, const bus::Answer& answer) {
     if (!done_) return;
     Comparison& comparison = comparisons_[registry];
     if (!answer.refused.empty() || answer.settling) return compare_again(registry);
-    for (const auto& row : answer.brief.value_or(std::vector<bus::BriefBoard>{})) {
+    const auto rows = answer.brief.value_or(bus::BriefRows{});
+    for (const auto& row : rows.rows()) {
         const auto board = fleet_.number(row.board);
         if (!board) continue;
         ++comparison.listed;
@@ -120,8 +121,8 @@ void Watch::page(const std::string& registry, const bus::Answer& answer) {
         } else if (!expected.empty()) {
             ++comparison.wrong;
             if (comparison.examples.size() < kShownBoards)
-                comparison.examples.push_back(row.board + " is listed as " + row.state + " and is " +
-                                              std::string(expected));
+                comparison.examples.push_back(std::string(row.board) + " is listed as " +
+                                              std::string(row.state) + " and is " + std::string(expected));
         }
     }
     if (!answer.cursor.empty()) return ask(registry, answer.cursor);

@@ -21,7 +21,7 @@ struct LinesSplit {
 
 // The rows of a large catalogue are written and read straight from and into text; a JSON tree costs ten times
 // as much.
-std::string encode_brief(json& envelope, const std::vector<BriefBoard>& boards) {
+std::string encode_brief(json& envelope, const BriefRows& boards) {
     envelope["brief"] = true;
     std::string text = model::dump_json(envelope);
     text.pop_back();
@@ -112,7 +112,7 @@ std::string encode(const Answer& answer) {
 }
 
 Expected<Answer> parse_answer(std::string_view payload) {
-    const auto split = split_brief(payload);
+    auto split = split_brief(payload);
     const auto document = object_from(split ? split->envelope : payload);
     if (!document) return Unexpected<std::string>(document.error());
     const json& object = *document;
@@ -136,9 +136,8 @@ Expected<Answer> parse_answer(std::string_view payload) {
         }
     }
     if (split) {
-        auto rows = read_brief_rows(split->rows);
-        if (!rows) return Unexpected<std::string>(rows.error());
-        answer.brief = std::move(*rows);
+        if (!split->rows) return Unexpected<std::string>(split->rows.error());
+        answer.brief = std::move(*split->rows);
         return answer;
     }
     const auto items = object.find("items");

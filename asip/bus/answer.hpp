@@ -29,7 +29,7 @@ struct Answer {
     std::vector<BoardItem> boards;
     /// Set: the answer is to a brief query, and `boards` is empty. A registry that does not know brief
     /// queries answers with `boards`.
-    std::optional<std::vector<BriefBoard>> brief;
+    std::optional<BriefRows> brief;
     std::vector<ServiceItem> services;
     std::vector<HistoryItem> history;
     std::vector<std::string> forgotten;  ///< board names

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/json_scanner.hpp"
@@ -15,19 +16,33 @@ namespace {
 
 constexpr std::size_t kBytesOfARow = 96;  // of a usual one
 
-bool read_text(JsonScanner& in, std::string& text) {
-    if (!in.next_element()) return false;
-    std::string_view plain;
-    if (in.plain_string(plain)) {
-        text = plain;
+bool same_bytes(std::string_view a, std::string_view b) {
+    return a.data() == b.data() && a.size() == b.size();
+}
+
+/// A text of a row. In most rows it is that of the row before, which is found without reading it again.
+struct RowText {
+    std::string_view quoted;  ///< as it stands in the input
+    std::string_view text;
+    std::string decoded;  ///< behind `text`, where that has escapes
+
+    bool read(JsonScanner& in) {
+        if (!in.next_element()) return false;
+        if (in.known_value(quoted)) return true;
+        std::string_view plain;
+        if (in.plain_string(plain)) {
+            quoted = {plain.data() - 1, plain.size() + 2};
+            text = plain;
+            return true;
+        }
+        if (!in.value(quoted) || quoted.front() != '"') return false;
+        const auto value = nlohmann::json::parse(quoted, nullptr, false);
+        if (!value.is_string()) return false;
+        decoded = value.get<std::string>();
+        text = decoded;
         return true;
     }
-    if (!in.value(plain) || plain.front() != '"') return false;
-    const auto value = nlohmann::json::parse(plain, nullptr, false);
-    if (!value.is_string()) return false;
-    text = value.get<std::string>();
-    return true;
-}
+};
 
 bool read_number(JsonScanner& in, double& number) {
     std::string_view raw;
@@ -36,75 +51,146 @@ bool read_number(JsonScanner& in, double& number) {
     return read.ec == std::errc() && read.ptr == raw.data() + raw.size();
 }
 
-bool read_row(JsonScanner& in, BriefBoard& row) {
-    if (!in.enter_array() || !read_text(in, row.board) || row.board.empty() || !read_text(in, row.state) ||
-        !read_number(in, row.age) || !read_text(in, row.chip) || !read_text(in, row.sketch) ||
-        !read_text(in, row.services)) {
-        return false;
+class RowReader {
+  public:
+    RowReader(JsonScanner& in, BriefRows& rows) : in_(in), rows_(rows) {}
+
+    bool read() {
+        BriefBoard row;
+        if (!in_.enter_array() || !board_.read(in_) || board_.text.empty() || !state_.read(in_) ||
+            !read_number(in_, row.age) || !chip_.read(in_) || !sketch_.read(in_) || !services_.read(in_)) {
+            return false;
+        }
+        std::string_view more;
+        for (bool first = true; in_.next_element(); first = false) {
+            if (!in_.value(more)) return false;
+            if (first) row.conflict = more == "true";
+        }
+        if (!in_.left()) return false;
+        add(row);
+        return true;
     }
-    std::string_view more;
-    for (bool first = true; in.next_element(); first = false) {
-        if (!in.value(more)) return false;
-        if (first) row.conflict = more == "true";
+
+  private:
+    void add(BriefBoard row) {
+        row.board = board_.text;
+        row.state = state_.text;
+        row.chip = chip_.text;
+        row.sketch = sketch_.text;
+        row.services = services_.text;
+        rows_.add(row);
+        const auto& kept = rows_.rows().back();
+        state_.text = kept.state;
+        chip_.text = kept.chip;
+        sketch_.text = kept.sketch;
+        services_.text = kept.services;
     }
-    return in.left();
+
+    JsonScanner& in_;
+    BriefRows& rows_;
+    RowText board_, state_, chip_, sketch_, services_;
+};
+
+Expected<BriefRows> read_rows(JsonScanner& in, std::size_t bytes) {
+    BriefRows boards;
+    boards.reserve(std::min<std::size_t>(bytes / kBytesOfARow * 3 / 2, 1000));
+    RowReader reader(in, boards);
+    bool good = in.enter_array();
+    while (good && in.next_element())
+        good = reader.read();
+    if (good && in.left()) return boards;
+    return fail("items: row " + std::to_string(boards.size() + (good ? 0 : 1)) +
+                " is not that of a brief answer");
 }
 
 }  // namespace
 
-void append_brief_rows(std::string& text, const std::vector<BriefBoard>& boards) {
+std::string_view BriefRows::kept(std::string_view text, std::string_view above) {
+    if (same_bytes(text, above) || text == above) return above;
+    if (text.empty()) return {};
+    if (!texts_) texts_ = std::make_shared<std::pmr::monotonic_buffer_resource>();
+    auto* copy = static_cast<char*>(texts_->allocate(text.size(), 1));
+    std::memcpy(copy, text.data(), text.size());
+    return {copy, text.size()};
+}
+
+void BriefRows::add(const BriefBoard& row) {
+    const auto above = rows_.empty() ? BriefBoard{} : rows_.back();
+    rows_.push_back({kept(row.board, above.board), kept(row.state, above.state), row.age,
+                     kept(row.chip, above.chip), kept(row.sketch, above.sketch),
+                     kept(row.services, above.services), row.conflict});
+}
+
+void append_brief_rows(std::string& text, const BriefRows& boards) {
     text.reserve(text.size() + boards.size() * kBytesOfARow + 2);
     text += '[';
-    for (const BriefBoard& board : boards) {
-        text += text.back() == '[' ? "[" : ",[";
+    const BriefBoard* above = nullptr;
+    std::size_t part = 0;  // where chip, sketch and services of the row above begin
+    std::size_t part_size = 0;
+    for (const BriefBoard& board : boards.rows()) {
+        text += above == nullptr ? "[" : ",[";
         append_json_text(text, board.board);
         text += ',';
         append_json_text(text, board.state);
         text += ',';
         append_json_seconds(text, std::max(board.age, -1.0));
-        for (const std::string* member : {&board.chip, &board.sketch, &board.services}) {
-            text += ',';
-            append_json_text(text, *member);
+        const bool same = above != nullptr && same_bytes(board.chip, above->chip) &&
+                          same_bytes(board.sketch, above->sketch) &&
+                          same_bytes(board.services, above->services);
+        const auto begin = text.size();
+        if (same) {
+            text.append(text, part, part_size);
+        } else {
+            for (const auto member : {board.chip, board.sketch, board.services}) {
+                text += ',';
+                append_json_text(text, member);
+            }
         }
+        part = begin;
+        part_size = text.size() - begin;
         text += board.conflict ? ",true]" : "]";
+        above = &board;
     }
     text += ']';
 }
 
-Expected<std::vector<BriefBoard>> read_brief_rows(std::string_view rows) {
-    std::vector<BriefBoard> boards;
-    boards.reserve(std::min<std::size_t>(rows.size() / kBytesOfARow * 3 / 2, 1000));
+Expected<BriefRows> read_brief_rows(std::string_view rows) {
     JsonScanner in(rows);
-    bool good = in.enter_array();
-    while (good && in.next_element())
-        good = read_row(in, boards.emplace_back());
-    if (good && in.left() && in.at_end()) return boards;
-    return fail("items: row " + std::to_string(boards.size()) + " is not that of a brief answer");
+    auto boards = read_rows(in, rows.size());
+    if (boards && !in.at_end()) return fail("items: more than an array of rows");
+    return boards;
 }
 
 std::optional<BriefSplit> split_brief(std::string_view payload) {
     JsonScanner in(payload);
     if (payload.size() > members::kMaxPayload || !in.enter_object()) return std::nullopt;
-    BriefSplit split{"{", {}};
+    std::string envelope = "{";
+    std::optional<Expected<BriefRows>> rows;
+    std::string_view unread;  // rows in front of the mark
     bool brief = false;
     std::string_view key;
     std::string_view value;
     while (in.next_member(key)) {
+        const bool items = key == "items";
+        if (items && (rows || !unread.empty())) return std::nullopt;
+        if (items && brief) {
+            const auto begin = in;
+            rows = read_rows(in, payload.size());
+            if (*rows) continue;
+            in = begin;
+        }
         if (!in.value(value)) return std::nullopt;
-        if (key == "items") {
-            if (!split.rows.empty()) return std::nullopt;
-            split.rows = value;
+        if (items) {
+            unread = value;
             continue;
         }
         if (key == "brief") brief = value == "true";
-        split.envelope.append(split.envelope.size() > 1 ? ",\"" : "\"")
-            .append(key)
-            .append("\":")
-            .append(value);
+        envelope.append(envelope.size() > 1 ? ",\"" : "\"").append(key).append("\":").append(value);
     }
-    if (!in.left() || !in.at_end() || !brief || split.rows.empty()) return std::nullopt;
-    split.envelope += '}';
-    return split;
+    if (!in.left() || !in.at_end() || !brief || !(rows || !unread.empty())) return std::nullopt;
+    envelope += '}';
+    if (!rows) rows = read_brief_rows(unread);
+    return BriefSplit{std::move(envelope), std::move(*rows)};
 }
 
 }  // namespace asip::bus

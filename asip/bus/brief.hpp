@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstddef>
+#include <memory>
+#include <memory_resource>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,31 +16,54 @@
 /// CONFLICT may be missing: false.
 namespace asip::bus {
 
-/// One row. The members are those of BoardItem.
+/// One row. The members are those of BoardItem. The texts belong to the BriefRows it is in, or to who made
+/// it.
 struct BriefBoard {
-    std::string board;
-    std::string state;  ///< effective
-    double age = 0;     ///< seconds since anything was heard from it; negative: unknown
-    std::string chip;
-    std::string sketch;
-    std::string services;  ///< names with a blank between them
+    std::string_view board;
+    std::string_view state;  ///< effective
+    double age = 0;          ///< seconds since anything was heard from it; negative: unknown
+    std::string_view chip;
+    std::string_view sketch;
+    std::string_view services;  ///< names with a blank between them
     bool conflict = false;
 
     bool operator==(const BriefBoard&) const = default;
 };
 
+/// Rows and their texts. Copies share the texts: all of them belong to one thread.
+class BriefRows {
+  public:
+    /// Copies the texts; one that the row before has, too, is kept once, as most boards of a fleet are alike.
+    void add(const BriefBoard& row);
+    void reserve(std::size_t rows) { rows_.reserve(rows); }
+
+    /// May be put in another order, and thinned out.
+    std::vector<BriefBoard>& rows() { return rows_; }
+    const std::vector<BriefBoard>& rows() const { return rows_; }
+    std::size_t size() const { return rows_.size(); }
+    bool empty() const { return rows_.empty(); }
+
+    bool operator==(const BriefRows& other) const { return rows_ == other.rows_; }
+
+  private:
+    std::string_view kept(std::string_view text, std::string_view above);
+
+    std::vector<BriefBoard> rows_;
+    std::shared_ptr<std::pmr::monotonic_buffer_resource> texts_;
+};
+
 /// Appends the JSON text of the rows, an array. Bytes that are not UTF-8 become U+FFFD; ages are cut to
 /// milliseconds.
-void append_brief_rows(std::string& text, const std::vector<BriefBoard>& boards);
+void append_brief_rows(std::string& text, const BriefRows& boards);
 
 /// Reads the JSON text of rows. Fails with the number of the first row that is not one. Memory is bounded:
 /// never more rows than bytes / 14.
-Expected<std::vector<BriefBoard>> read_brief_rows(std::string_view rows);
+Expected<BriefRows> read_brief_rows(std::string_view rows);
 
-/// A brief answer taken apart without reading its rows.
+/// A brief answer taken apart.
 struct BriefSplit {
-    std::string envelope;   ///< the answer without its member "items"
-    std::string_view rows;  ///< the value of "items", checked to be JSON; lives as long as the payload
+    std::string envelope;  ///< the answer without its member "items"
+    Expected<BriefRows> rows;
 };
 
 /// Nothing when `payload` is not well-formed, or not an answer that is marked as brief.

@@ -296,14 +296,20 @@ void append_json(std::string& out, const HistoryItem& item) {
     write(members, item);
 }
 
-BriefBoard brief_of(const BoardItem& board) {
-    BriefBoard brief{board.board, board.state, board.age, board.chip, board.sketch, {}, {}};
-    brief.conflict = board.conflict.has_value();
-    for (const ServiceItem& service : board.services) {
-        if (!brief.services.empty()) brief.services += ' ';
-        brief.services += service.name;
+BriefRows brief_of(std::span<const BoardItem> boards) {
+    BriefRows rows;
+    rows.reserve(boards.size());
+    std::string services;
+    for (const BoardItem& board : boards) {
+        services.clear();
+        for (const ServiceItem& service : board.services) {
+            if (!services.empty()) services += ' ';
+            services += service.name;
+        }
+        rows.add({board.board, board.state, board.age, board.chip, board.sketch, services,
+                  board.conflict.has_value()});
     }
-    return brief;
+    return rows;
 }
 
 }  // namespace asip::bus

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -88,8 +89,8 @@ struct HistoryItem {
     bool operator==(const HistoryItem&) const = default;
 };
 
-/// The same board as a row of a brief answer.
-BriefBoard brief_of(const BoardItem& board);
+/// The same boards as rows of a brief answer.
+BriefRows brief_of(std::span<const BoardItem> boards);
 
 /// What stands in "items" of an answer.
 nlohmann::json to_json(const BoardItem& item);

@@ -11,6 +11,7 @@
 #include <boost/asio/post.hpp>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "asip/mqtt/failure.hpp"
 
@@ -173,10 +174,12 @@ void Connection::read_all() {
 bool Connection::still_open() {
     if (phase_ == Phase::kDown || !socket_.is_open()) return false;
     if (mosquitto_socket(mosquitto_.get()) != kInvalidSocket) return true;
-    if (phase_ == Phase::kLeaving)
-        await_close();
-    else
+    if (phase_ != Phase::kLeaving) {
         end(why_closed(MOSQ_ERR_CONN_LOST));
+    } else if (!std::exchange(closing_, true)) {
+        shutdown(socket_.native_handle(), SHUT_WR);
+        await_close();
+    }
     return false;
 }
 
@@ -231,7 +234,6 @@ void Connection::goodbye() {
 /// Closing a socket that still holds unread bytes resets it, and the broker may then lose our last messages
 /// and with them DISCONNECT. So the duplicate stays open until the broker has closed its side.
 void Connection::await_close() {
-    shutdown(socket_.native_handle(), SHUT_WR);
     auto scratch = std::make_shared<std::string>(4096, '\0');
     socket_.async_read_some(asio::buffer(*scratch), [self = shared_from_this(), scratch](
                                                         const boost::system::error_code& error, std::size_t) {

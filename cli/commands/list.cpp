@@ -42,10 +42,10 @@ using SortKey = std::pair<double, std::string>;
 template <class Board>
 SortKey board_key(const Board& board, const std::string& by) {
     if (by == "announced") return {board.age < 0 ? std::numeric_limits<double>::max() : board.age, {}};
-    return {0, by == "state"    ? board.state
-               : by == "chip"   ? board.chip
-               : by == "sketch" ? board.sketch
-                                : std::string()};
+    return {0, std::string(by == "state"    ? board.state
+                           : by == "chip"   ? board.chip
+                           : by == "sketch" ? board.sketch
+                                            : std::string_view())};
 }
 
 SortKey sort_key(const bus::BriefBoard& board, const std::string& by) {
@@ -59,7 +59,7 @@ SortKey sort_key(const bus::ServiceItem& service, const std::string& by) {
 }
 
 std::string name_key(const bus::BriefBoard& board) {
-    return board.board;
+    return std::string(board.board);
 }
 std::string name_key(const bus::BoardItem& board) {
     return board.board;
@@ -84,19 +84,27 @@ int print_list(Outcome<std::vector<Item>> found, const ListOptions& options,
     const auto& output = options.output;
     if (!found) return context.fail_with(found.error());
     session.leave();
-    if constexpr (!std::is_same_v<Item, bus::BriefBoard>)
-        std::erase_if(*found, [&where](const Item& item) { return !where_holds(where, item); });
+    std::erase_if(*found, [&where](const Item& item) { return !where_holds(where, item); });
     // They come sorted by name.
     if (options.sort != "name" || options.reverse) sort_list(*found, options.sort, options.reverse);
-    // Brief rows are for tables only.
-    if constexpr (!std::is_same_v<Item, bus::BriefBoard>) {
-        if (!output.for_people()) {
-            print_records(*found, output, context);
-            return program::kExitOk;
-        }
+    if (!output.for_people()) {
+        print_records(*found, output, context);
+        return program::kExitOk;
     }
-    if (found->empty() && output.for_people() && output.form != Output::kName) context.note(nothing);
+    if (found->empty() && output.form != Output::kName) context.note(nothing);
     context.out << text(*found, output.form, context.width, context.colour) << std::flush;
+    return program::kExitOk;
+}
+
+/// The same of rows that hold what a table shows, and no more.
+int print_brief(Outcome<bus::BriefRows> found, const ListOptions& options, Context& context,
+                BusSession& session, const char* nothing) {
+    const auto form = options.output.form;
+    if (!found) return context.fail_with(found.error());
+    session.leave();
+    if (options.sort != "name" || options.reverse) sort_list(*found, options.sort, options.reverse);
+    if (found->empty() && form != Output::kName) context.note(nothing);
+    context.out << brief_text(*found, form, context.width, context.colour) << std::flush;
     return program::kExitOk;
 }
 
@@ -123,12 +131,10 @@ int show_all(const ListOptions& options, const std::optional<Where>& where, Cont
     if (options.services())
         return print_list(source.services(options.query), options, where, context, session,
                           "no service matches", services_text);
-    // A brief row holds what a table shows, and no more.
+    constexpr auto* kNone = "no board matches";
     if (where || output.form == Output::kWide || !output.for_people())
-        return print_list(source.boards(options.query), options, where, context, session, "no board matches",
-                          boards_text);
-    return print_list(source.brief_boards(options.query), options, where, context, session,
-                      "no board matches", brief_text);
+        return print_list(source.boards(options.query), options, where, context, session, kNone, boards_text);
+    return print_brief(source.brief_boards(options.query), options, context, session, kNone);
 }
 
 const std::vector<std::string> kListFields{
@@ -138,7 +144,7 @@ const std::vector<std::string> kListFields{
 
 }  // namespace
 
-Colour state_colour(const std::string& state) {
+Colour state_colour(std::string_view state) {
     if (state == "online") return Colour::kGreen;
     if (state == "lost") return Colour::kRed;
     if (state == "sleeping" || state == "updating") return Colour::kYellow;
@@ -160,31 +166,27 @@ Table board_table(bool wide) {
     return Table(std::move(columns));
 }
 
-std::vector<Cell> brief_row(const bus::BriefBoard& board) {
-    std::vector<Cell> row;
-    row.reserve(6);
-    row.emplace_back(board.board);
+void add_board(Table& table, const bus::BriefBoard& board) {
+    table.add_cell(board.board);
     if (board.conflict) {
-        row.emplace_back(board.state + "!", Colour::kRed);
+        table.add_cell(std::string(board.state) + "!", Colour::kRed);
     } else {
-        row.emplace_back(board.state, state_colour(board.state));
+        table.add_cell(board.state, state_colour(board.state));
     }
-    row.emplace_back(board.chip);
-    row.emplace_back(board.sketch);
-    row.emplace_back(board.services);
-    row.emplace_back(ago_text(board.age));
-    return row;
+    table.add_cell(board.chip);
+    table.add_cell(board.sketch);
+    table.add_cell(board.services);
+    table.add_cell(ago_text(board.age));
 }
 
-std::vector<Cell> board_row(const bus::BoardItem& board, bool wide) {
-    auto row = brief_row(bus::brief_of(board));
-    if (!wide) return row;
+void add_board(Table& table, const bus::BoardItem& board, bool wide) {
+    add_board(table, bus::brief_of({&board, 1}).rows().front());
+    if (!wide) return;
     const auto lease =
         board.lease > 0 ? text::duration_text(std::chrono::duration<double>(board.lease)) : std::string();
     for (const auto& text :
          {labels_text(board.labels), board.protocol, lease, board.link, board.agent, board.session})
-        row.emplace_back(text);
-    return row;
+        table.add_cell(text);
 }
 
 Table service_table(bool wide) {
@@ -209,32 +211,26 @@ std::vector<Cell> service_row(const bus::ServiceItem& service, bool wide) {
 
 std::string boards_text(const std::vector<bus::BoardItem>& boards, Output output, std::size_t width,
                         bool colour) {
-    const bool wide = output == Output::kWide;
-    if (!wide) {
-        std::vector<bus::BriefBoard> rows;
-        for (const auto& board : boards)
-            rows.push_back(bus::brief_of(board));
-        return brief_text(rows, output, width, colour);
-    }
+    if (output != Output::kWide) return brief_text(bus::brief_of(boards), output, width, colour);
     if (boards.empty()) return {};
-    auto table = board_table(wide);
+    auto table = board_table(true);
     for (const auto& board : boards)
-        table.add(board_row(board, wide));
+        add_board(table, board, true);
     return table.render(0, colour);
 }
 
-std::string brief_text(const std::vector<bus::BriefBoard>& boards, Output output, std::size_t width,
-                       bool colour) {
+std::string brief_text(const bus::BriefRows& boards, Output output, std::size_t width, bool colour) {
     std::string text;
     if (output == Output::kName) {
-        for (const auto& board : boards)
+        for (const auto& board : boards.rows())
             text.append(board.board).append("\n");
         return text;
     }
     if (boards.empty()) return text;
     auto table = board_table(false);
-    for (const auto& board : boards)
-        table.add(brief_row(board));
+    table.reserve(boards.size());
+    for (const auto& board : boards.rows())
+        add_board(table, board);
     return table.render(width, colour);
 }
 
@@ -254,8 +250,8 @@ std::string services_text(const std::vector<bus::ServiceItem>& services, Output 
     return table.render(wide ? 0 : width, colour);
 }
 
-void sort_list(std::vector<bus::BriefBoard>& boards, const std::string& by, bool reverse) {
-    sort_items(boards, by, reverse);
+void sort_list(bus::BriefRows& boards, const std::string& by, bool reverse) {
+    sort_items(boards.rows(), by, reverse);
 }
 void sort_list(std::vector<bus::BoardItem>& boards, const std::string& by, bool reverse) {
     sort_items(boards, by, reverse);

@@ -2,6 +2,7 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "asip/bus/items.hpp"
@@ -38,8 +39,7 @@ int run_list(const ListOptions& options, Context& context);
 
 /// The columns of one kind of list, and a row of it.
 Table board_table(bool wide);
-std::vector<Cell> board_row(const bus::BoardItem& board, bool wide);
-std::vector<Cell> brief_row(const bus::BriefBoard& board);
+void add_board(Table& table, const bus::BoardItem& board, bool wide);
 Table service_table(bool wide);
 std::vector<Cell> service_row(const bus::ServiceItem& service, bool wide);
 
@@ -47,17 +47,16 @@ std::vector<Cell> service_row(const bus::ServiceItem& service, bool wide);
 std::string boards_text(const std::vector<bus::BoardItem>& boards, Output output, std::size_t width,
                         bool colour);
 /// The same, for the forms that brief rows suffice for: kTable and kName.
-std::string brief_text(const std::vector<bus::BriefBoard>& boards, Output output, std::size_t width,
-                       bool colour);
+std::string brief_text(const bus::BriefRows& boards, Output output, std::size_t width, bool colour);
 std::string services_text(const std::vector<bus::ServiceItem>& services, Output output, std::size_t width,
                           bool colour);
 
 /// Sorts by a word of ListOptions::sort; what has no such member, or the same value, stays in the order of
 /// names.
-void sort_list(std::vector<bus::BriefBoard>& boards, const std::string& by, bool reverse);
+void sort_list(bus::BriefRows& boards, const std::string& by, bool reverse);
 void sort_list(std::vector<bus::BoardItem>& boards, const std::string& by, bool reverse);
 void sort_list(std::vector<bus::ServiceItem>& services, const std::string& by, bool reverse);
 
-Colour state_colour(const std::string& state);
+Colour state_colour(std::string_view state);
 
 }  // namespace asip::cli

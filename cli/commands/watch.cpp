@@ -162,7 +162,7 @@ std::string ChangePrinter::rows(const bus::BoardItem& board) {
         for (const auto& service : board.services)
             table_.add(service_row(service, wide));
     } else {
-        table_.add(board_row(board, wide));
+        add_board(table_, board, wide);
     }
     return std::exchange(first_, false) ? table_.render(width_, colour_)
                                         : table_.render_more(width_, colour_);

@@ -10,6 +10,7 @@ namespace asip::cli {
 namespace {
 
 constexpr std::size_t kGap = 2;
+constexpr std::size_t kFirstText = 1u << 20;  // bytes; more only as they come
 
 const char* code_of(Colour colour) {
     switch (colour) {
@@ -31,23 +32,6 @@ const char* code_of(Colour colour) {
     return "";
 }
 
-void append_cell(std::string& line, const Cell& cell, const Column& column, std::size_t width, bool last,
-                 bool colour) {
-    const auto whole = display_width(cell.text);
-    std::string cut;
-    if (whole > width) cut = fit(cell.text, width);
-    const std::string& text = whole > width ? cut : cell.text;
-    const auto blanks = width - (whole > width ? display_width(cut) : whole);
-    if (column.right) line.append(blanks, ' ');
-    if (colour && cell.colour != Colour::kNone) {
-        line += painted(text, cell.colour, colour);
-    } else {
-        line += text;
-    }
-    if (last) return;
-    line.append((column.right ? 0 : blanks) + kGap, ' ');
-}
-
 }  // namespace
 
 std::string painted(std::string_view text, Colour colour, bool on) {
@@ -55,69 +39,141 @@ std::string painted(std::string_view text, Colour colour, bool on) {
     return code_of(colour) + std::string(text) + "\033[0m";
 }
 
-void Table::add(std::vector<Cell> row) {
-    row.resize(columns_.size());
-    for (auto& cell : row) {
-        if (!is_plain(cell.text)) cell.text = for_terminal(cell.text);
+void Table::add(const std::vector<Cell>& row) {
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+        if (i < row.size()) {
+            add_cell(row[i].text, row[i].colour);
+        } else {
+            add_cell({});
+        }
     }
-    rows_.push_back(std::move(row));
+}
+
+void Table::add_cell(std::string_view text, Colour colour) {
+    text = text.substr(0, kMaxCell);
+    const auto columns = columns_.size();
+    if (cells_.size() >= columns) {
+        const auto above = cells_[cells_.size() - columns];
+        if (text_of(above) == text) {
+            cells_.push_back(above);
+            cells_.back().colour = static_cast<unsigned>(colour) & 0xFU;
+            return;
+        }
+    }
+    Shown cell;
+    cell.begin = texts_.size();
+    if (is_plain(text)) {
+        texts_ += text;
+    } else {
+        texts_ += for_terminal(text);
+    }
+    cell.size = static_cast<std::uint32_t>(texts_.size() - cell.begin);
+    cell.width = static_cast<std::uint32_t>(display_width(text_of(cell)) & 0xFFFFFFFU);
+    cell.colour = static_cast<unsigned>(colour) & 0xFU;
+    cells_.push_back(cell);
 }
 
 void Table::measure(std::size_t limit) {
     auto& result = widths_;
-    result.resize(columns_.size());
-    for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const auto columns = columns_.size();
+    result.resize(columns);
+    limited_ = limit != 0;
+    for (std::size_t i = 0; i < columns; ++i) {
         std::size_t width = std::max(result[i], display_width(columns_[i].header));
-        for (std::size_t row = rendered_; row < rows_.size(); ++row) {
-            width = std::max(width, display_width(rows_[row][i].text));
+        const bool may_be_cut = limited_ && columns_[i].least != 0;
+        for (std::size_t cell = rendered_ + i; cell < cells_.size(); cell += columns) {
+            const std::size_t whole = cells_[cell].width;
+            if (may_be_cut) {
+                width = std::max(width, std::min(whole, limit));
+            } else if (whole <= kMaxAligned) {
+                width = std::max(width, whole);
+            }
         }
         result[i] = width;
     }
-    if (limit == 0) return;
-    std::size_t total = std::accumulate(result.begin(), result.end(), kGap * (columns_.size() - 1));
+    if (!limited_) return;
+    std::size_t total = std::accumulate(result.begin(), result.end(), kGap * (columns - 1));
     while (total > limit) {
         // The widest column that still may shrink gives one: what is short stays whole longest.
-        std::size_t widest = columns_.size();
-        for (std::size_t i = 0; i < columns_.size(); ++i) {
+        std::size_t widest = columns;
+        for (std::size_t i = 0; i < columns; ++i) {
             if (columns_[i].least == 0 || result[i] <= columns_[i].least) continue;
-            if (widest == columns_.size() || result[i] > result[widest]) widest = i;
+            if (widest == columns || result[i] > result[widest]) widest = i;
         }
-        if (widest == columns_.size()) break;
+        if (widest == columns) break;
         --result[widest];
         --total;
     }
 }
 
-std::string Table::lines(const std::vector<std::vector<Cell>>& rows, bool colour) const {
-    std::string text;
-    for (const auto& row : rows) {
-        std::size_t last = row.size();
-        while (last > 0 && row[last - 1].text.empty())
+void Table::append_cell(std::string& line, std::string_view shown, std::size_t whole, Colour colour,
+                        std::size_t column, bool last) const {
+    const auto width = widths_[column];
+    const bool right = columns_[column].right;
+    std::string cut;
+    if (whole > width && limited_ && columns_[column].least != 0) {
+        cut = fit(shown, width);
+        shown = cut;
+        whole = display_width(cut);
+    }
+    const auto blanks = whole < width ? width - whole : 0;
+    if (right) line.append(blanks, ' ');
+    if (colour != Colour::kNone) {
+        line += painted(shown, colour, true);
+    } else {
+        line += shown;
+    }
+    if (!last) line.append((right ? 0 : blanks) + kGap, ' ');
+}
+
+void Table::append_header(std::string& text, bool colour) const {
+    std::size_t last = columns_.size();
+    while (last > 0 && columns_[last - 1].header.empty())
+        --last;
+    for (std::size_t i = 0; i < last; ++i) {
+        const std::string_view header = columns_[i].header;
+        append_cell(text, header, display_width(header), colour ? Colour::kBold : Colour::kNone, i,
+                    i + 1 == last);
+    }
+    text += '\n';
+}
+
+void Table::append_rows(std::string& text, std::size_t first, bool colour) const {
+    const auto columns = columns_.size();
+    for (std::size_t row = first; row + columns <= cells_.size(); row += columns) {
+        std::size_t last = columns;
+        while (last > 0 && cells_[row + last - 1].size == 0)
             --last;
-        for (std::size_t i = 0; i < last; ++i)
-            append_cell(text, row[i], columns_[i], widths_[i], i + 1 == last, colour);
+        for (std::size_t i = 0; i < last; ++i) {
+            const auto& cell = cells_[row + i];
+            append_cell(text, text_of(cell), cell.width,
+                        colour ? static_cast<Colour>(cell.colour) : Colour::kNone, i, i + 1 == last);
+        }
         text += '\n';
     }
-    return text;
 }
 
 std::string Table::render(std::size_t width, bool colour) {
     widths_.clear();
     rendered_ = 0;
-    std::vector<Cell> header;
-    for (const auto& column : columns_)
-        header.emplace_back(column.header, Colour::kBold);
     measure(width);
-    rendered_ = rows_.size();
-    return lines({header}, colour) + lines(rows_, colour);
+    rendered_ = cells_.size();
+    std::string text;
+    const auto line = std::accumulate(widths_.begin(), widths_.end(), kGap * columns_.size());
+    text.reserve(std::min((cells_.size() / columns_.size() + 1) * line, kFirstText));
+    append_header(text, colour);
+    append_rows(text, 0, colour);
+    return text;
 }
 
 std::string Table::render_more(std::size_t width, bool colour) {
     measure(width);
-    std::vector<std::vector<Cell>> fresh(rows_.begin() + static_cast<std::ptrdiff_t>(rendered_), rows_.end());
-    rows_.clear();
+    std::string text;
+    append_rows(text, rendered_, colour);
+    cells_.clear();
+    texts_.clear();
     rendered_ = 0;
-    return lines(fresh, colour);
+    return text;
 }
 
 }  // namespace asip::cli

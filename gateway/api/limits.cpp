@@ -90,7 +90,8 @@ void limit_to(const Rights& rights, bus::Answer& answer) {
     for (auto& board : answer.boards)
         limit_to(rights, board);
     if (answer.brief)
-        std::erase_if(*answer.brief, [&](const auto& board) { return !rights.sees_board(board.board); });
+        std::erase_if(answer.brief->rows(),
+                      [&](const auto& board) { return !rights.sees_board(board.board); });
     std::erase_if(answer.services,
                   [&](const auto& each) { return !rights.sees_service(each.board, each.name); });
     std::erase_if(answer.history, [&](const auto& item) {

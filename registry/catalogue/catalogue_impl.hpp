@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "registry/catalogue/board.hpp"
@@ -31,7 +32,8 @@ class Catalogue::Impl {
     Board& board(std::uint32_t slot) { return pages_[slot / kPage][slot % kPage]; }
     const Board& board(std::uint32_t slot) const { return pages_[slot / kPage][slot % kPage]; }
     bus::BoardItem board_item(const Board& b, Instant now, bool full) const;
-    bus::BriefBoard brief_board(const Board& b, Instant now) const;
+    /// `services`: the names of its services. The texts are those of the catalogue.
+    bus::BriefBoard brief_board(const Board& b, Instant now, std::string_view services) const;
     bus::ServiceItem service_item(const Board& b, const Service& service) const;
     std::string check() const;
     std::string fingerprint() const;

@@ -16,23 +16,49 @@ struct Catalogue::Impl::Page {
     bus::Answer& answer;
     std::size_t taken = 0;
     std::size_t matches = 0;  ///< of all pages, where every match was looked at
-    Cursor last{};
+    const Board* last = nullptr;
+    const Service* last_service = nullptr;
+    std::string last_key{};
     bool more = false;
 
     /// False: the page was full already, and there is more.
     bool take(const Board& b, const Service* service, std::string key = {}) {
         if (taken == plan.limit) return !(more = true);
         ++taken;
-        last = {b.name, service != nullptr ? std::string(service->name) : std::string(), std::move(key)};
+        last = &b;
+        last_service = service;
+        last_key = std::move(key);
         if (service != nullptr) {
             answer.services.push_back(catalogue.service_item(b, *service));
         } else if (answer.brief) {
-            answer.brief->push_back(catalogue.brief_board(b, now));
+            answer.brief->add(catalogue.brief_board(b, now, names_of(b.services)));
         } else {
             answer.boards.push_back(catalogue.board_item(b, now, plan.query.full));
         }
         return true;
     }
+
+    /// Where the next page begins: behind the last that was taken.
+    std::string cursor() const {
+        const auto service = last_service != nullptr ? std::string(last_service->name) : std::string();
+        return Cursor{last->name, service, last_key}.text();
+    }
+
+    /// Boards that are alike share their services.
+    std::string_view names_of(const ServicesPart* services) {
+        if (services == named) return names;
+        named = services;
+        names.clear();
+        if (services == nullptr) return names;
+        for (const Service& service : services->services) {
+            if (!names.empty()) names += ' ';
+            names += service.name;
+        }
+        return names;
+    }
+
+    const ServicesPart* named = nullptr;  // whose names are `names`
+    std::string names{};
 };
 
 namespace {
@@ -152,7 +178,8 @@ Expected<bus::Answer> Catalogue::Impl::find(const bus::Query& query, Instant now
     bus::Answer answer;
     answer.seq = seq_;
     answer.find = query.find;
-    if (query.brief && query.find == bus::Find::kBoards) answer.brief.emplace();
+    if (query.brief && query.find == bus::Find::kBoards)
+        answer.brief.emplace().reserve(std::min(plan->limit, names_.size()));
     Page page{*this, *plan, now, answer};
     if (plan->in_order_of_names()) {
         fill_by_name(*plan, page);
@@ -169,7 +196,7 @@ Expected<bus::Answer> Catalogue::Impl::find(const bus::Query& query, Instant now
         fill_sorted(*plan, page);
         answer.total = page.matches;
     }
-    if (page.more) answer.cursor = page.last.text();
+    if (page.more) answer.cursor = page.cursor();
     return answer;
 }
 

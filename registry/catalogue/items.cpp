@@ -63,7 +63,7 @@ bus::ServiceItem Catalogue::Impl::service_item(const Board& b, const Service& se
     return item;
 }
 
-bus::BriefBoard Catalogue::Impl::brief_board(const Board& b, Instant now) const {
+bus::BriefBoard Catalogue::Impl::brief_board(const Board& b, Instant now, std::string_view services) const {
     bus::BriefBoard row;
     row.board = b.name;
     row.state = model::to_text(b.effective);
@@ -72,12 +72,8 @@ bus::BriefBoard Catalogue::Impl::brief_board(const Board& b, Instant now) const 
         row.chip = b.firmware->chip;
         row.sketch = b.firmware->sketch;
     }
+    row.services = services;
     row.conflict = b.conflict() != nullptr;
-    if (b.services == nullptr) return row;
-    for (const Service& service : b.services->services) {
-        if (!row.services.empty()) row.services += ' ';
-        row.services += service.name;
-    }
     return row;
 }
 

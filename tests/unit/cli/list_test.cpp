@@ -52,29 +52,28 @@ TEST(ListBoards, BriefRows_SayWhatWholeItemsSay) {
     lost.state = "lost";
     lost.age = -1;
     lost.conflict = bus::Conflict{"a", "b", "elsewhere"};
-    const std::vector<bus::BriefBoard> rows{bus::brief_of(uno1()), bus::brief_of(lost)};
+    const std::vector<bus::BoardItem> boards{uno1(), lost};
+    const auto rows = bus::brief_of(boards);
     EXPECT_EQ(brief_text(rows, Output::kTable, 0, false),
               "BOARD       STATE   CHIP        SKETCH     SERVICES             ANNOUNCED\n"
               "uno1        online  ATmega328P  AsipHello  io distance servo X  500 ms ago\n"
               "küche?[31m  lost!   ATmega328P  AsipHello  io distance servo X  -\n");
-    EXPECT_EQ(brief_text({rows[0]}, Output::kName, 0, false), "uno1\n");
+    EXPECT_EQ(brief_text(rows, Output::kTable, 0, false), boards_text(boards, Output::kTable, 0, false));
+    EXPECT_EQ(brief_text(bus::brief_of({boards.data(), 1}), Output::kName, 0, false), "uno1\n");
     EXPECT_EQ(brief_text({}, Output::kTable, 0, false), "");
 }
 
 TEST(SortList, EachKey_OrdersAndKeepsNamesWithin) {
     auto boards = [] {
-        std::vector<bus::BriefBoard> rows(3, bus::brief_of(uno1()));
-        rows[0].board = "b";
-        rows[1].board = "a";
-        rows[2].board = "c";
-        rows[2].state = "lost";
-        rows[0].age = 9;
-        rows[1].age = -1;
+        bus::BriefRows rows;
+        rows.add({"b", "online", 9, "", "", "io", false});
+        rows.add({"a", "online", -1, "", "", "io", false});
+        rows.add({"c", "lost", 0.5, "", "", "io", false});
         return rows;
     }();
     const auto names = [&boards] {
         std::string text;
-        for (const auto& board : boards)
+        for (const auto& board : boards.rows())
             text += board.board;
         return text;
     };
@@ -132,6 +131,14 @@ TEST(ShowBoard, WithoutFirmware_HasNoExtensionsToSpeakOf) {
     EXPECT_THAT(text, Not(HasSubstr("extensions")));
     EXPECT_THAT(text, HasSubstr("firmware   none: it is no board"));
     EXPECT_THAT(text, HasSubstr("link       world track.json"));
+}
+
+TEST(ShowBoard, NeverHeardWhileARegistryLooked_HasNoGapInItsTimes) {
+    auto item = uno1();
+    item.age = -1;
+    item.first_seen = item.since = text::WallTime(std::chrono::milliseconds(1000));
+    const auto text = board_text({item, std::nullopt}, model::ModelSet::standard(), 0, false);
+    EXPECT_THAT(text, HasSubstr("announced  first 1970-01-01T00:00:01.000Z, online since 1970"));
 }
 
 TEST(ShowBoard, NamesOnly_IsShown) {

@@ -70,6 +70,31 @@ TEST(Table, RowsAddedLater_StandInTheColumnsOfBefore) {
     EXPECT_EQ(table.render_more(0, false), "mega       70\n");
 }
 
+TEST(Table, CellsLikeThoseAbove_KeepTheirColours) {
+    Table table({{"STATE"}, {"N", true}});
+    table.add_cell("online", Colour::kGreen);
+    table.add_cell("1");
+    table.add_cell("online", Colour::kRed);
+    table.add_cell("1");
+    EXPECT_EQ(table.render(0, true),
+              "\033[1mSTATE\033[0m   \033[1mN\033[0m\n"
+              "\033[32monline\033[0m  1\n"
+              "\033[31monline\033[0m  1\n");
+}
+
+TEST(Table, HugeCell_DoesNotWidenTheOtherRows) {
+    Table table({{"BOARD"}, {"SERVICES", false, 8}, {"N"}});
+    const std::string huge(1 << 20, 'x');
+    table.add({"a", huge, "1"});
+    for (int i = 0; i < 1000; ++i)
+        table.add({"b", "io", "2"});
+    const auto whole = table.render(0, false);
+    EXPECT_THAT(whole,
+                testing::StartsWith("BOARD  SERVICES  N\na      " + huge + "  1\nb      io        2\n"));
+    EXPECT_LT(whole.size(), huge.size() + 100'000);
+    EXPECT_THAT(table.render(30, false), testing::HasSubstr("x…  1\nb      io "));
+}
+
 TEST(Table, RowWithFewerCells_IsFilledUp) {
     Table table({{"A"}, {"B"}});
     table.add({"1"});

@@ -20,11 +20,18 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-BriefBoard some_row(const std::string& board) {
+BriefBoard some_row(std::string_view board) {
     return {board, "online", 1.5, "ATmega328P", "AsipHello", "io distance", false};
 }
 
-bus::Answer brief_answer(std::vector<BriefBoard> rows) {
+bus::BriefRows rows_of(const std::vector<BriefBoard>& boards) {
+    bus::BriefRows rows;
+    for (const auto& board : boards)
+        rows.add(board);
+    return rows;
+}
+
+bus::Answer brief_answer(const std::vector<BriefBoard>& rows) {
     bus::Answer answer;
     answer.id = "5";
     answer.registry = "r1";
@@ -33,13 +40,13 @@ bus::Answer brief_answer(std::vector<BriefBoard> rows) {
     answer.settling = true;
     answer.total = 12;
     answer.cursor = "uno2//";
-    answer.brief = std::move(rows);
+    answer.brief = rows_of(rows);
     return answer;
 }
 
 std::string encoded_rows(const std::vector<BriefBoard>& rows) {
     std::string text;
-    bus::append_brief_rows(text, rows);
+    bus::append_brief_rows(text, rows_of(rows));
     return text;
 }
 
@@ -63,11 +70,32 @@ TEST(BriefAnswer, TextsOfStrangers_StayJsonAndComeBack) {
     row.sketch = "Größe 😀";
     const auto read = bus::read_brief_rows(encoded_rows({row}));
     ASSERT_TRUE(read) << read.error();
-    EXPECT_THAT(*read, ElementsAre(row));
+    EXPECT_THAT(read->rows(), ElementsAre(row));
     row.sketch = "cut \xC3";
     const auto text = encoded_rows({row});
     ASSERT_TRUE(nlohmann::json::accept(text)) << text;
-    EXPECT_EQ(bus::read_brief_rows(text)->front().sketch, "cut \xEF\xBF\xBD");
+    EXPECT_EQ(bus::read_brief_rows(text)->rows().front().sketch, "cut \xEF\xBF\xBD");
+}
+
+TEST(BriefAnswer, RowsThatAreAlikeInPart_AreToldApart) {
+    auto sleeping = some_row("uno3");
+    sleeping.state = "sleeping";
+    auto other = some_row("uno4");
+    other.services = "io distance servo";
+    auto escaped = some_row("uno5");
+    escaped.services = "a\"b\nc and what no short string holds";
+    auto fewer = some_row("uno6");
+    fewer.services = "io";
+    const std::vector<BriefBoard> rows{some_row("uno1"), some_row("uno2"), sleeping, other, other,
+                                       escaped,          escaped,          fewer};
+    const auto read = bus::read_brief_rows(encoded_rows(rows));
+    ASSERT_TRUE(read) << read.error();
+    EXPECT_EQ(read->rows(), rows);
+    EXPECT_EQ(encoded_rows(read->rows()), encoded_rows(rows));
+    auto copy = *read;
+    copy.add(some_row("uno7"));
+    EXPECT_EQ(read->size(), rows.size());
+    EXPECT_EQ(copy.rows().back(), some_row("uno7"));
 }
 
 TEST(BriefAnswer, AgesThatAreNone_StayJson) {
@@ -87,8 +115,8 @@ TEST(BriefAnswer, WrittenByAnotherHand_IsRead) {
         R"("find":"boards", "brief" : true , "new":[[]] } )");
     ASSERT_TRUE(parsed) << parsed.error();
     ASSERT_TRUE(parsed->brief);
-    EXPECT_THAT(*parsed->brief, ElementsAre(BriefBoard{"uno1", "lost", 20, "", "", "", false},
-                                            BriefBoard{"un", "x", 0, "", "", "", true}));
+    EXPECT_THAT(parsed->brief->rows(), ElementsAre(BriefBoard{"uno1", "lost", 20, "", "", "", false},
+                                                   BriefBoard{"un", "x", 0, "", "", "", true}));
 }
 
 TEST(BriefAnswer, HostileRows_AreRefused) {
@@ -152,9 +180,7 @@ TEST_F(BriefFind, SaysWhatTheWholeItemsSay) {
         query.brief = true;
         const auto brief = catalogue.find(query, instant(at(5s)));
         ASSERT_TRUE(whole && brief && brief->brief);
-        std::vector<BriefBoard> expected;
-        for (const auto& item : whole->boards)
-            expected.push_back(brief_of(item));
+        const auto expected = brief_of(whole->boards);
         EXPECT_EQ(expected.size(), 5u);
         EXPECT_EQ(*brief->brief, expected) << sort;
         EXPECT_THAT(brief->boards, IsEmpty());
@@ -172,8 +198,8 @@ TEST_F(BriefFind, PagesAndFilters_HoldForRowsToo) {
         const auto answer = catalogue.find(query, instant(at(5s)));
         ASSERT_TRUE(answer && answer->brief);
         EXPECT_LE(answer->brief->size(), 2u);
-        for (const auto& row : *answer->brief)
-            names.push_back(row.board + " " + row.services);
+        for (const auto& row : answer->brief->rows())
+            names.push_back(std::string(row.board) + " " + std::string(row.services));
         query.cursor = answer->cursor;
     } while (!query.cursor.empty() && names.size() < 10);
     EXPECT_THAT(names,
@@ -186,7 +212,7 @@ TEST_F(BriefFind, NoMatch_IsStillABriefAnswer) {
     query.board = "nobody";
     const auto answer = catalogue.find(query, instant(at(5s)));
     ASSERT_TRUE(answer && answer->brief);
-    EXPECT_THAT(*answer->brief, IsEmpty());
+    EXPECT_TRUE(answer->brief->empty());
 }
 
 }  // namespace
