@@ -2,6 +2,7 @@
 #include "cli/command_line.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "asip/program/command_words.hpp"
 #include "asip/text/duration.hpp"
@@ -40,31 +41,42 @@ bool knows_all(const Verb& verb) {
     return verb.name == "help" || verb.name == "shell";
 }
 
-std::vector<std::string> all_names(const std::vector<Verb>& verbs) {
-    std::vector<std::string> names;
-    for (const auto& verb : verbs)
-        names.push_back(verb.name);
-    return names;
+const Verb* find_verb(const std::vector<Verb>& verbs, const std::string& name) {
+    const auto found =
+        std::find_if(verbs.begin(), verbs.end(), [&name](const Verb& verb) { return verb.name == name; });
+    return found == verbs.end() ? nullptr : &*found;
 }
 
 }  // namespace
 
-CommandLine::CommandLine(const std::vector<Verb>& verbs) : CommandLine(verbs, all_names(verbs)) {}
-
-CommandLine::CommandLine(const std::vector<Verb>& verbs, const std::vector<std::string>& arguments)
-    : app_(kAbout, "asipctl"), settings_(app_, "asipctl") {
-    const auto typed = [&arguments](const Verb& verb) {
-        return std::find(arguments.begin(), arguments.end(), verb.name) != arguments.end();
-    };
-    const bool all = std::any_of(verbs.begin(), verbs.end(),
-                                 [&](const Verb& verb) { return knows_all(verb) && typed(verb); });
+CommandLine::CommandLine() : app_(kAbout, "asipctl"), settings_(app_, "asipctl") {
     app_.require_subcommand(1);
     app_.footer(kNotes);
     app_.get_formatter()->label("SUBCOMMAND", "COMMAND");
     app_.get_formatter()->label("Subcommands", "Commands");
     add_common_options();
+}
+
+CommandLine::CommandLine(const std::vector<Verb>& verbs) : CommandLine() {
     for (const auto& verb : verbs)
-        add_verb(verb, all || typed(verb));
+        add_verb(verb, true);
+}
+
+CommandLine::CommandLine(const std::vector<Verb>& verbs, const std::vector<std::string>& arguments)
+    : CommandLine() {
+    const auto* verb = find_verb(verbs, first_argument(arguments));
+    const bool alone = verb != nullptr && !knows_all(*verb);
+    for (const auto& one : verbs) {
+        if (!alone || &one == verb) add_verb(one, verb != nullptr);
+    }
+}
+
+std::string CommandLine::first_argument(const std::vector<std::string>& words) const {
+    const auto read = program::classify(app_, words);
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (read[i].kind == program::CommandWord::Kind::kArgument) return words[i];
+    }
+    return {};
 }
 
 void CommandLine::add_verb(const Verb& verb, bool with_options) {
@@ -104,7 +116,25 @@ void CommandLine::add_common_options() {
     settings_.setting(app_.add_flag("--from-bus", from_bus_, "Do not ask a registry, read the bus itself"));
 }
 
+// CLI11 has no place for words behind `--` once a verb has the arguments that it needs.
+std::vector<std::string> CommandLine::arguments_last(std::vector<std::string> words) const {
+    if (std::find(words.begin(), words.end(), "--") == words.end()) return words;
+    const auto read = program::classify(app_, words);
+    std::vector<std::string> result, arguments;
+    bool only_arguments = false;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const bool argument = read[i].kind == program::CommandWord::Kind::kArgument;
+        const bool value = read[i].kind == program::CommandWord::Kind::kValue;
+        if (words[i] == "--" && !argument && !value && !std::exchange(only_arguments, true)) continue;
+        (argument ? arguments : result).push_back(std::move(words[i]));
+    }
+    if (only_arguments) result.push_back("--");
+    result.insert(result.end(), arguments.begin(), arguments.end());
+    return result;
+}
+
 std::optional<int> CommandLine::parse(std::vector<std::string> arguments) {
+    arguments = arguments_last(std::move(arguments));
     typed_ = typed_options(arguments);
     auto all = with_named_bus(std::move(arguments), program::environment_variable);
     if (!all) return settings_.usage_error(all.error());

@@ -17,8 +17,8 @@ namespace asip::cli {
 class CommandLine {
   public:
     explicit CommandLine(const std::vector<Verb>& verbs);
-    /// The same for these arguments only (without the program's name): verbs whose names are not among them
-    /// are known by name, and have no options.
+    /// The same for these arguments only (without the program's name): of a verb that is given, and needs no
+    /// other, the others are left out. Without one, all are known by name, and have no options.
     CommandLine(const std::vector<Verb>& verbs, const std::vector<std::string>& arguments);
     CommandLine(const CommandLine&) = delete;
     CommandLine& operator=(const CommandLine&) = delete;
@@ -48,6 +48,11 @@ class CommandLine {
     Outcome<std::string> help(const std::string& verb) const;
 
   private:
+    CommandLine();
+    /// Of words that are read before any verb was added: the one that should be a verb.
+    std::string first_argument(const std::vector<std::string>& words) const;
+    /// The same words, where `--` is among them with the options before it and all arguments behind it.
+    std::vector<std::string> arguments_last(std::vector<std::string> words) const;
     void add_common_options();
     void add_verb(const Verb& verb, bool with_options);
 

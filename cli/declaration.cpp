@@ -31,6 +31,10 @@ CLI::Option* typed(CLI::Option* option, const std::string& type) {
     return any ? option->type_name(type) : program::one_of(option, words);
 }
 
+std::string refuse_empty(const std::string& word) {
+    return word.empty() ? "is empty; is a variable of a script not set?" : "";
+}
+
 CLI::Option* positional(CLI::Option* option, const std::string& type, Declaration::Needed needed) {
     // The name is enough: no type beside it.
     typed(option, type)->type_name("");
@@ -52,7 +56,7 @@ std::chrono::milliseconds duration_from(const std::string& name, const std::stri
 
 void Declaration::argument(const std::string& type, std::string& value, const std::string& help,
                            Needed needed) {
-    positional(command_.add_option(type, value, help), type, needed);
+    positional(command_.add_option(type, value, help), type, needed)->check(refuse_empty);
 }
 
 void Declaration::arguments(const std::string& type, std::vector<std::string>& values,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <fstream>
 #include <optional>
+#include <sstream>
 
 namespace asip::program {
 namespace {
@@ -19,6 +20,18 @@ Expected<ConfigLine> parse_line(int number, const std::string& line) {
     auto name = trimmed(std::string_view(line).substr(0, equals));
     std::replace(name.begin(), name.end(), '_', '-');
     return ConfigLine{number, std::move(name), std::move(value)};
+}
+
+Expected<std::string> whole_text(const std::string& path) {
+    std::ifstream file(path);
+    std::string text(kMaxConfigBytes + 1, '\0');
+    if (file) file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    // A folder can be opened, too.
+    if (!file.is_open() || file.bad()) return fail("cannot read the configuration file " + path);
+    if (file.gcount() > static_cast<std::streamsize>(kMaxConfigBytes))
+        return fail(path + " is too long for a configuration file");
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    return text;
 }
 
 enum class Part { kOurs, kOthers, kSection };
@@ -52,16 +65,14 @@ std::string trimmed(std::string_view text) {
 
 Expected<ConfigFile> read_config_file(const std::string& path, std::string_view program,
                                       std::string_view kind) {
-    std::ifstream file(path);
-    if (!file) return fail("cannot read the configuration file " + path);
+    const auto text = whole_text(path);
+    if (!text) return fail(text.error());
+    std::istringstream file(*text);
     ConfigFile read;
     auto part = Part::kOurs;
     int number = 0;
-    std::size_t bytes = 0;
     for (std::string raw; std::getline(file, raw);) {
         ++number;
-        if ((bytes += raw.size() + 1) > kMaxConfigBytes)
-            return fail(path + " is too long for a configuration file");
         const auto line = trimmed(raw);
         const auto where = path + ":" + std::to_string(number) + ": ";
         if (line.empty() || line.front() == '#' || line.front() == ';') continue;

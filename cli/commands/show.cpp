@@ -45,9 +45,10 @@ std::string link_text(const model::LinkInfo& link) {
 
 std::string presence_text(const bus::BoardItem& item) {
     std::string text;
-    if (item.age >= 0) text = text::duration_text(std::chrono::duration<double>(item.age)) + " ago";
-    if (item.first_seen != text::WallTime{}) text += ", first " + text::iso_time(item.first_seen);
-    if (item.since != text::WallTime{}) text += ", " + item.state + " since " + text::iso_time(item.since);
+    const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+    if (item.age >= 0) add(text::duration_text(std::chrono::duration<double>(item.age)) + " ago");
+    if (item.first_seen != text::WallTime{}) add("first " + text::iso_time(item.first_seen));
+    if (item.since != text::WallTime{}) add(item.state + " since " + text::iso_time(item.since));
     return text;
 }
 

@@ -131,6 +131,8 @@ class Waiter {
 int run_wait(const WaitOptions& options, Context& context) {
     auto target = parse_target(options.target);
     if (!target) return context.fail_with(target.error());
+    if (options.what.empty())
+        return context.fail_with({program::kExitUsage, "--for: name a state of the board, or an event"});
     return Waiter(options, context, std::move(*target)).run();
 }
 

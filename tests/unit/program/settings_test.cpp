@@ -107,6 +107,8 @@ TEST_F(SettingsFile, BadLineOrValueOrMissingFile_IsAnErrorThatNamesIt) {
     Program program;
     EXPECT_EQ(program.parse({"--config", "/no/such/file"}), kExitUsage);
     EXPECT_THAT(program.errors, HasSubstr("/no/such/file"));
+    EXPECT_EQ(program.parse({"--config", "/tmp"}), kExitUsage) << "a folder";
+    EXPECT_EQ(program.parse({"--config", "/dev/zero"}), kExitUsage) << "without an end";
 }
 
 TEST_F(SettingsFile, SeveralBrokers_AsListOrAsLines) {
