@@ -11,7 +11,7 @@
 #include "asip/text/printable.hpp"
 #include "cli/context.hpp"
 #include "cli/declaration.hpp"
-#include "cli/http_post.hpp"
+#include "cli/http_request.hpp"
 
 namespace asip::cli {
 namespace {
@@ -41,6 +41,40 @@ bool start_browser(const std::string& address) {
     return waitpid(pid, &status, 0) == pid && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
+/// A text of a JSON answer; empty where there is none.
+std::string text_in(const HttpAnswer& answer, const char* name) {
+    const auto body = model::parse_json(answer.body);
+    if (!body || !body->is_object()) return {};
+    const auto found = body->find(name);
+    return found != body->end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+/// The answer of the gateway, which must be 200.
+Outcome<HttpAnswer> answered(Expected<HttpAnswer> answer) {
+    if (!answer) {
+        return failure(program::kExitNoAnswer,
+                       answer.error() + "; is asip-gateway running there? (--gateway ADDRESS)");
+    }
+    if (answer->status == 200) return std::move(*answer);
+    const auto detail = text::printable(text_in(*answer, "detail"), 300);
+    if (answer->status == 404 && !detail.empty()) return failure(program::kExitNoAnswer, detail);
+    return failure(program::kExitFailure,
+                   "the gateway refuses: " + (detail.empty() ? std::to_string(answer->status) : detail));
+}
+
+/// The page of a board, or of all, with a code that logs a browser in.
+Outcome<std::string> page_of(const HttpAddress& address, const std::string& board, const HttpAccess& access) {
+    if (!board.empty()) {
+        const auto known = answered(http_get(address, "/api/boards/" + board, access));
+        if (!known) return tl::unexpected(known.error());
+    }
+    const auto answer = answered(http_post(address, "/api/codes", access));
+    if (!answer) return tl::unexpected(answer.error());
+    const auto code = text_in(*answer, "code");
+    if (code.empty()) return failure(program::kExitFailure, "what answers there is no asip-gateway");
+    return address.text() + "/?code=" + code + (board.empty() ? std::string() : "#/board/" + board);
+}
+
 int run_open(const OpenOptions& options, Context& context) {
     if (!options.board.empty() && !model::valid_board_name(options.board))
         return context.fail_with({program::kExitUsage, model::explain_board_name(options.board)});
@@ -51,26 +85,11 @@ int run_open(const OpenOptions& options, Context& context) {
     if (!address) return context.fail_with({program::kExitUsage, "--gateway: " + address.error()});
     const auto token = token_of(options);
     if (!token) return context.fail_with(token.error());
-    const auto answer = http_post(*address, "/api/codes", *token, context.mqtt.ca_file, context.timeout);
-    if (!answer) {
-        return context.fail_with({program::kExitNoAnswer,
-                                  answer.error() + "; is asip-gateway running there? (--gateway ADDRESS)"});
-    }
-    const auto body = model::parse_json(answer->body);
-    const auto member = [&](const char* name) {
-        const auto found = body && body->is_object() ? body->find(name) : nlohmann::json::const_iterator();
-        const bool text = body && body->is_object() && found != body->end() && found->is_string();
-        return text ? found->get<std::string>() : std::string();
-    };
-    if (answer->status != 200 || member("code").empty()) {
-        return context.fail_with(
-            {program::kExitFailure, "the gateway refuses: " + text::printable(member("detail"), 300)});
-    }
-    const auto page = address->text() + "/?code=" + member("code") +
-                      (options.board.empty() ? std::string() : "#/board/" + options.board);
-    context.out << page << std::endl;
+    const auto page = page_of(*address, options.board, {*token, context.mqtt.ca_file, context.timeout});
+    if (!page) return context.fail_with(page.error());
+    context.out << *page << std::endl;
     if (options.print || !context.terminal()) return program::kExitOk;
-    if (!start_browser(page)) context.note("open this address in a browser, within 30 seconds");
+    if (!start_browser(*page)) context.note("open this address in a browser, within 30 seconds");
     return program::kExitOk;
 }
 

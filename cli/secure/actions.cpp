@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "asip/program/options.hpp"
+#include "cli/broker_search.hpp"
 #include "cli/secure/broker_files.hpp"
 #include "cli/secure/machine_names.hpp"
 #include "cli/secure/reload.hpp"
@@ -54,12 +56,27 @@ Outcome<SecuredBus> ensure_bus(const SecureOptions& options, const Context& cont
     return bus;
 }
 
+/// Debian has it where the shells of normal users do not look.
+std::string broker_program() {
+    const auto path = program::environment_variable("PATH").value_or("");
+    for (std::size_t begin = 0; begin <= path.size();) {
+        const auto end = std::min(path.find(':', begin), path.size());
+        if (::access((path.substr(begin, end - begin) + "/mosquitto").c_str(), X_OK) == 0) return "mosquitto";
+        begin = end + 1;
+    }
+    for (const auto* program : {"/usr/sbin/mosquitto", "/usr/local/sbin/mosquitto"}) {
+        if (::access(program, X_OK) == 0) return program;
+    }
+    return "mosquitto";
+}
+
 std::string in_folder(const SecureOptions& options) {
     return options.folder.empty() ? "" : " --dir " + options.folder;
 }
 
+/// `taken`: the bus is new, and somebody listens at its port.
 void next_after_init(const SecureOptions& options, const SecureFolder& folder, const SecuredBus& bus,
-                     SecureReport& report) {
+                     bool taken, SecureReport& report) {
     if (keeps_services(options, folder, bus)) {
         report.next("a board that is plugged in here later gets its credentials by",
                     "sudo asipctl secure add board NAME --here");
@@ -69,7 +86,14 @@ void next_after_init(const SecureOptions& options, const SecureFolder& folder, c
     if (is_system_broker(folder, bus)) {
         report.next("let the broker read it", "sudo systemctl restart mosquitto");
     } else {
-        report.next("start the broker", "mosquitto -c " + bus.configuration);
+        report.next("start the broker", broker_program() + " -c " + bus.configuration);
+    }
+    if (taken) {
+        report.next("port " + std::to_string(bus.port) +
+                        " of this machine is in use: stop what listens there, or make another bus, on "
+                        "another port",
+                    "asipctl secure init --dir OTHER --port " +
+                        std::to_string(bus.port < 65535 ? bus.port + 1 : 8883));
     }
     report.next("give the agent of each board a file of its own",
                 "asipctl secure" + in_folder(options) + " add board uno1");
@@ -166,12 +190,14 @@ Outcome<void> secure_init(const SecureOptions& options, const Context& context, 
     if (auto right = check_clock(); !right) return right;
     const auto folder = SecureFolder::create(secure_folder(options));
     if (!folder) return tl::unexpected(folder.error());
+    const bool fresh = !folder->initialised();
     auto bus = ensure_bus(options, context, *folder);
     if (!bus) return tl::unexpected(bus.error());
+    const bool taken = fresh && !is_system_broker(*folder, *bus) && listens_here(bus->port);
     const auto done = keeps_services(options, *folder, *bus)
                           ? make_bus_of_machine(options, context, *folder, *bus, report)
                           : make_bus(*folder, *bus, report);
-    if (done) next_after_init(options, *folder, *bus, report);
+    if (done) next_after_init(options, *folder, *bus, taken, report);
     return done;
 }
 

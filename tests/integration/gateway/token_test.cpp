@@ -72,10 +72,19 @@ TEST_F(GatewayTokens, AsipctlOpen_PrintsAnAddressThatLogsOneBrowserInOnce) {
     RunningGateway gateway(broker_.address(), {"--tokens", file_});
     ASSERT_TRUE(gateway.ready());
     const std::string address = "http://127.0.0.1:" + std::to_string(gateway.port());
-    const auto open = [&](const std::string& token) {
-        return run({ASIP_PROGRAMS "/asipctl", "open", "uno1", "--print", "--gateway", address, "--token-file",
+    const auto open = [&](const std::string& token, const std::string& board = "uno1") {
+        return run({ASIP_PROGRAMS "/asipctl", "open", board, "--print", "--gateway", address, "--token-file",
                     folder_.write("token", token + "\n")});
     };
+    BusProbe probe(broker_.port(), {});
+    probe.publish("asip/servicebus/uno1/$description", described("uno1"), true);
+    probe.publish("asip/servicebus/uno1/$state", "online", true);
+    ASSERT_TRUE(
+        wait_until([&] { return get(gateway.port(), "/api/boards/uno1", bearer(operators)).status == 200; }));
+    const auto unknown = open(operators, "uno2");
+    EXPECT_EQ(unknown.status, 4);
+    EXPECT_EQ(unknown.output, "");
+    EXPECT_THAT(unknown.errors, testing::AllOf(HasSubstr("uno2"), HasSubstr("uno1")));
     const auto opened = open(operators);
     ASSERT_EQ(opened.status, 0) << opened.errors;
     const auto page = opened.output.substr(0, opened.output.find('\n'));

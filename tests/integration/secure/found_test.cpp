@@ -93,6 +93,23 @@ TEST_F(FoundBus, LinksInPlaceOfFiles_AreReplacedAndNotWrittenThrough) {
     EXPECT_TRUE(may_publish("uno1", "asip/uno1/out"));
 }
 
+TEST_F(FoundBus, CommandForTheBroker_CanBeRunAsItIsPrinted) {
+    const auto init = [&](const std::string& path, const std::string& folder) {
+        return run({"/usr/bin/env", "PATH=" + path, ASIP_TEST_ASIPCTL, "secure", "init", "--host",
+                    "localhost", "--port", std::to_string(port()), "--dir", place_.file(folder)})
+            .output;
+    };
+    const auto command = "/mosquitto -c " + place_.file("a") + "/mosquitto.conf";
+    EXPECT_NE(init("/usr/bin:/bin", "a").find("/usr/sbin" + command), std::string::npos)
+        << "as it is for users who are not root";
+    EXPECT_EQ(init("/bin:/usr/sbin", "b").find("/usr/sbin/mosquitto"), std::string::npos);
+    start_broker();
+    const auto beside = init("/usr/bin", "c");
+    EXPECT_NE(beside.find("port " + std::to_string(port()) + " of this machine is in use"), std::string::npos)
+        << beside;
+    EXPECT_EQ(secure({"init"}).output.find("in use"), std::string::npos) << "its own broker";
+}
+
 TEST_F(FoundBus, MaskOfTheShell_ChangesNothing) {
     for (const char* mask : {"000", "077", "777"}) {
         const auto where = place_.file(std::string("masked") + mask);

@@ -25,10 +25,18 @@ struct HttpAnswer {
     std::string body;
 };
 
-/// POSTs `{}` as JSON to `target` below the address. `token`: sent as a bearer token; empty: none. TLS trusts
-/// the system's certificates, or those in the file `ca`. Error: a sentence; at most `limit` has passed.
+/// How requests are made.
+struct HttpAccess {
+    std::string token;  ///< sent as a bearer token; empty: none
+    std::string ca;     ///< file with the certificates to trust; empty: those of the system
+    std::chrono::milliseconds limit{5000};
+};
+
+/// GETs `target` below the address. Error: a sentence; at most the limit has passed.
+Expected<HttpAnswer> http_get(const HttpAddress& address, const std::string& target,
+                              const HttpAccess& access);
+/// POSTs `{}` as JSON.
 Expected<HttpAnswer> http_post(const HttpAddress& address, const std::string& target,
-                               const std::string& token, const std::string& ca,
-                               std::chrono::milliseconds limit);
+                               const HttpAccess& access);
 
 }  // namespace asip::cli

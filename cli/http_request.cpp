@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/http_post.hpp"
+#include "cli/http_request.hpp"
 
 #include <array>
 #include <boost/asio/io_context.hpp>
@@ -22,6 +22,13 @@ constexpr std::size_t kMaxHttpBytes = 64 * 1024;
 std::string host_header(const HttpAddress& address) {
     const auto host = address.host.find(':') == std::string::npos ? address.host : "[" + address.host + "]";
     return address.port == (address.tls ? "443" : "80") ? host : host + ":" + address.port;
+}
+
+std::string request_head(const char* method, const HttpAddress& address, const std::string& target,
+                         const std::string& token) {
+    return std::string(method) + " " + address.path + target + " HTTP/1.1\r\nHost: " + host_header(address) +
+           "\r\nConnection: close\r\n" +
+           (token.empty() ? std::string() : "Authorization: Bearer " + token + "\r\n");
 }
 
 Expected<HttpAnswer> parse_answer(const std::string& text) {
@@ -156,13 +163,17 @@ Expected<HttpAddress> parse_http_address(std::string_view text) {
     return address;
 }
 
+Expected<HttpAnswer> http_get(const HttpAddress& address, const std::string& target,
+                              const HttpAccess& access) {
+    const auto head = request_head("GET", address, target, access.token);
+    return Exchange(address, access.ca, access.limit).run(head + "\r\n");
+}
+
 Expected<HttpAnswer> http_post(const HttpAddress& address, const std::string& target,
-                               const std::string& token, const std::string& ca,
-                               std::chrono::milliseconds limit) {
-    std::string request = "POST " + address.path + target + " HTTP/1.1\r\nHost: " + host_header(address) +
-                          "\r\nConnection: close\r\nContent-Type: application/json\r\nContent-Length: 2\r\n";
-    if (!token.empty()) request += "Authorization: Bearer " + token + "\r\n";
-    return Exchange(address, ca, limit).run(request + "\r\n{}");
+                               const HttpAccess& access) {
+    const auto head = request_head("POST", address, target, access.token);
+    return Exchange(address, access.ca, access.limit)
+        .run(head + "Content-Type: application/json\r\nContent-Length: 2\r\n\r\n{}");
 }
 
 }  // namespace asip::cli
