@@ -133,7 +133,7 @@ TEST_F(CatalogueTest, KnownFromRetainedMessagesOnly_ItsAgeIsUnknownInEachForm) {
     auto brief = catalogue.find(query, instant(at(5s)));
     ASSERT_TRUE(brief);
     ASSERT_EQ(brief->brief->size(), 1u);
-    EXPECT_LT(brief->brief->front().age, 0);
+    EXPECT_LT(brief->brief->rows().front().age, 0);
     query.brief = false;
     const auto whole = catalogue.find(query, instant(at(5s)));
     ASSERT_TRUE(whole);
