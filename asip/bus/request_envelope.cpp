@@ -40,13 +40,6 @@ std::string property_by(const mqtt::Message& request) {
 
 /// Moves `reply_to`, `id` and `by` out of the object; the reason when they cannot be used.
 std::string take_reply_members(json& object, ReplyTo& reply) {
-    if (const auto id = object.find("id"); id != object.end()) {
-        if (!id->is_string() && !id->is_number()) return "\"id\" must be a string or a number";
-        auto text = id->is_string() ? id->get<std::string>() : id->dump();
-        if (text.size() > kMaxRequestIdBytes) return "\"id\" is too long";
-        reply.id = std::move(text);
-        object.erase(id);
-    }
     if (const auto topic = object.find("reply_to"); topic != object.end()) {
         if (!topic->is_string() || !valid_reply_topic(topic->get_ref<const std::string&>())) {
             return "\"reply_to\" is not a topic to publish on";
@@ -57,6 +50,13 @@ std::string take_reply_members(json& object, ReplyTo& reply) {
     if (const auto by = object.find("by"); by != object.end() && by->is_string()) {
         if (reply.by.empty()) reply.by = cut_name(by->get<std::string>());
         object.erase(by);
+    }
+    if (const auto id = object.find("id"); id != object.end()) {
+        if (!id->is_string() && !id->is_number()) return "\"id\" must be a string or a number";
+        auto text = id->is_string() ? id->get<std::string>() : id->dump();
+        if (text.size() > kMaxRequestIdBytes) return "\"id\" is too long";
+        reply.id = std::move(text);
+        object.erase(id);
     }
     return {};
 }
@@ -73,9 +73,9 @@ Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request
     if (!request.response_topic.empty()) {
         if (!valid_reply_topic(request.response_topic))
             return bad(std::move(envelope.reply), "the response topic cannot be published on");
+        envelope.reply.topic = request.response_topic;
         if (request.correlation.size() > kMaxCorrelationBytes)
             return bad(std::move(envelope.reply), "the correlation data is too long");
-        envelope.reply.topic = request.response_topic;
         envelope.reply.correlation = request.correlation;
     }
     if (request.payload.size() > kMaxRequestBytes) {

@@ -89,6 +89,18 @@ TEST(Envelope, Unusable_IsRefusedAndTheRequesterIsStillKnown) {
     }
 }
 
+TEST(Envelope, IdThatIsNone_RequesterNamedByReplyToIsStillKnown) {
+    for (const auto& id : {std::string("true"), std::string("null"), std::string("[]"), std::string("{}"),
+                           '"' + std::string(kMaxRequestIdBytes + 1, 'x') + '"'}) {
+        const auto envelope =
+            open_envelope(request(R"({"write":[0,90],"by":"anna","reply_to":"mine","id":)" + id + "}"));
+        ASSERT_FALSE(envelope) << id;
+        EXPECT_EQ(envelope.error().reply.topic, "mine") << id;
+        EXPECT_EQ(envelope.error().reply.by, "anna") << id;
+        EXPECT_EQ(envelope.error().reply.id, "") << id;
+    }
+}
+
 TEST(Envelope, AtEachLimit_IsAcceptedAndOneBeyondIsRefused) {
     const auto nested = [](int depth) {
         const auto inner = static_cast<std::size_t>(depth - 1);
@@ -118,7 +130,7 @@ TEST(Envelope, LargestRequest_ReachesEncoderAndQueryReaderWhole) {
     EXPECT_EQ(model::encode_control_text(nullptr, 'X', command->text)->line, "X,q,1");
 }
 
-TEST(Envelope, ResponseTopicWithWildcard_IsRefusedWithoutAnswer) {
+TEST(Envelope, ResponseTopicOrCorrelationThatCannotBeUsed_IsRefused) {
     for (const char* topic : {"a/+", "#", "$share/x", "a\nb"}) {
         auto message = request("W,0,90");
         message.response_topic = topic;
@@ -129,7 +141,10 @@ TEST(Envelope, ResponseTopicWithWildcard_IsRefusedWithoutAnswer) {
     auto message = request("W,0,90");
     message.response_topic = "ok";
     message.correlation = std::string(kMaxCorrelationBytes + 1, 'x');
-    EXPECT_FALSE(open_envelope(message));
+    const auto envelope = open_envelope(message);
+    ASSERT_FALSE(envelope);
+    EXPECT_EQ(envelope.error().reply.topic, "ok");
+    EXPECT_EQ(envelope.error().reply.correlation, "");
 }
 
 }  // namespace
