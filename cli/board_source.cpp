@@ -12,6 +12,11 @@ namespace {
 /// them would go on for ever.
 constexpr std::size_t kMaxPagesBytes = std::size_t{1} << 30;
 constexpr std::size_t kMaxPages = 100'000;
+constexpr std::size_t kMaxRefusalBytes = 1000;
+
+bool holds_nothing(const bus::Answer& page) {
+    return page.boards.empty() && page.services.empty() && (!page.brief || page.brief->empty());
+}
 
 Expected<bus::Answer> read_answer(std::string_view payload, std::string* lines) {
     if (lines == nullptr) return bus::parse_answer(payload);
@@ -68,7 +73,8 @@ Outcome<bus::Answer> BoardSource::ask(const bus::Query& query, std::string* line
                        online_registries_.empty() ? "no registry" : "registry silent");
     if (!*answer)
         return failure(program::kExitNoAnswer, "registry answers what cannot be read: " + answer->error());
-    if (!(*answer)->refused.empty()) return failure(program::kExitFailure, (*answer)->error);
+    if (!(*answer)->refused.empty())
+        return failure(program::kExitFailure, (*answer)->error.substr(0, kMaxRefusalBytes));
     registry_ = (*answer)->registry;
     return std::move(**answer);
 }
@@ -86,9 +92,12 @@ Outcome<bus::Answer> BoardSource::ask_all_pages(bus::Query query, std::string* l
     answered_bytes_ = 0;
     for (std::size_t pages = 1; !all->cursor.empty(); ++pages) {
         query.cursor = all->cursor;
+        const auto lines_before = lines != nullptr ? lines->size() : 0;
         auto page = ask(query, lines);
         if (!page) return page;
-        if (page->cursor == query.cursor || pages > kMaxPages || answered_bytes_ > kMaxPagesBytes) {
+        const bool empty = holds_nothing(*page) && (lines == nullptr || lines->size() == lines_before);
+        if (!page->cursor.empty() && (empty || page->cursor == query.cursor || pages > kMaxPages ||
+                                      answered_bytes_ > kMaxPagesBytes)) {
             return failure(program::kExitFailure, "the answer of registry " + registry_ +
                                                       " has no end; asipctl --from-bus does without it");
         }

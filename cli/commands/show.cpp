@@ -222,7 +222,7 @@ std::string model_text(const model::ServiceModel& model, std::size_t width, bool
 std::string service_text(const std::string& board, const model::ServiceInfo& service,
                          const std::string& label, const model::ServiceModel* model, std::size_t width,
                          bool colour) {
-    auto text = painted(board + "/" + service.name, Colour::kBold, colour);
+    auto text = painted(for_terminal(board + "/" + service.name), Colour::kBold, colour);
     const auto title = model != nullptr ? model->title : service.title;
     if (!title.empty()) text += "  " + for_terminal(title);
     text += "\n";
@@ -249,8 +249,8 @@ std::string service_text(const std::string& board, const model::ServiceInfo& ser
 std::string board_text(const KnownBoard& board, const model::ModelSet& models, std::size_t width,
                        bool colour) {
     const auto& item = board.item;
-    auto text = painted(item.board, Colour::kBold, colour) + "  " +
-                painted(item.state, state_colour(item.state), colour) + "\n";
+    auto text = painted(for_terminal(item.board), Colour::kBold, colour) + "  " +
+                painted(for_terminal(item.state), state_colour(item.state), colour) + "\n";
     if (!item.reported.empty() && item.reported != item.state)
         text += labelled("reported", item.reported, colour);
     if (item.conflict) {
@@ -291,7 +291,8 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
         }
     } else {
         for (const auto& service : item.services)
-            text += "\n" + painted(item.board + "/" + service.name, Colour::kBold, colour) + "\n";
+            text +=
+                "\n" + painted(for_terminal(item.board + "/" + service.name), Colour::kBold, colour) + "\n";
     }
     return text;
 }

@@ -101,6 +101,11 @@ TEST_F(GatewayTokens, AsipctlOpen_PrintsAnAddressThatLogsOneBrowserInOnce) {
     EXPECT_EQ(get(gateway.port(), "/api/status", cookie).json()["you"]["name"], "anna");
     EXPECT_EQ(get(gateway.port(), target).status, 401) << "a second browser with the same address";
 
+    probe.publish("asip/servicebus/uno1/$state", "offline", true);
+    ASSERT_TRUE(wait_until([&] {
+        return get(gateway.port(), "/api/boards/uno1", bearer(operators)).json().value("state", "") ==
+               "offline";
+    })) << "it has no agent that could be stopped";
     // The cookie is no way for another site to send something, and no token.
     Headers foreign = cookie;
     foreign.emplace_back("Origin", "http://evil.example");

@@ -141,6 +141,17 @@ TEST(ShowBoard, NeverHeardWhileARegistryLooked_HasNoGapInItsTimes) {
     EXPECT_THAT(text, HasSubstr("announced  first 1970-01-01T00:00:01.000Z, online since 1970"));
 }
 
+TEST(ShowBoard, AnswerOfAHostileRegistry_CannotMoveTheCursor) {
+    bus::BoardItem item;
+    item.board = "\x1b[2Jesp";
+    item.state = "on\x1bline";
+    item.services.resize(1);
+    item.services.front().name = "\x1b]0;title\x07";
+    const auto text = board_text({item, std::nullopt}, model::ModelSet::standard(), 0, false);
+    EXPECT_EQ(text.find_first_of("\x1b\x07"), std::string::npos) << text;
+    EXPECT_THAT(text, HasSubstr("?[2Jesp/?]0;title?"));
+}
+
 TEST(ShowBoard, NamesOnly_IsShown) {
     bus::BoardItem item;
     item.board = "esp";
