@@ -45,6 +45,13 @@ function(asip_prefer_static name shared)
   target_link_libraries(${name} INTERFACE ${found})
 endfunction()
 
+# The same for the compiler's own libraries. A program that slept is faster, too: it has fewer pages to find again.
+function(asip_prefer_static_runtime program)
+  if(ASIP_STATIC AND NOT ASIP_SANITIZE)
+    target_link_options(${program} PRIVATE -static-libstdc++ -static-libgcc)
+  endif()
+endfunction()
+
 asip_prefer_static(asip_libedit PkgConfig::libedit edit bsd md tinfo)
 asip_prefer_static(asip_utf8proc PkgConfig::utf8proc utf8proc)
 asip_prefer_static(asip_resolv resolv resolv)

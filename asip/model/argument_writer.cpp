@@ -29,6 +29,8 @@ std::string shown(const json& value) {
 
 /// A number as people write it: no exponent, no needless zeros.
 std::string number_text(double number) {
+    if (std::abs(number) <= kLargestExact && std::floor(number) == number)
+        return std::to_string(static_cast<std::int64_t>(number));
     std::array<char, 64> buffer{};
     const auto written =
         std::to_chars(buffer.data(), buffer.data() + buffer.size(), number, std::chars_format::fixed);
@@ -90,10 +92,12 @@ Text write_number(const Field& field, const json& value, Strictness strictness, 
     }
     const double min = field.min.value_or(std::numeric_limits<std::int32_t>::min());
     const double max = field.max.value_or(std::numeric_limits<std::int32_t>::max());
-    const auto given = std::abs(*number) <= kLargestExact ? number_text(*number) : shown(value);
-    if (*number < min) return fail(place + ": " + given + " is below " + number_text(min));
-    if (*number > max) return fail(place + ": " + given + " is above " + number_text(max));
-    return number_text(*number == 0 ? 0 : *number);
+    if (*number < min || *number > max) {
+        const auto given = std::abs(*number) <= kLargestExact ? number_text(*number) : shown(value);
+        return fail(place + ": " + given +
+                    (*number < min ? " is below " + number_text(min) : " is above " + number_text(max)));
+    }
+    return number_text(*number);
 }
 
 Text write_text(const Field& field, const json& value, Strictness strictness, const std::string& place) {
