@@ -9,6 +9,7 @@
 
 #include "agent/board_log.hpp"
 #include "agent/bridge.hpp"
+#include "agent/continuations.hpp"
 #include "agent/held_up.hpp"
 #include "agent/inbox.hpp"
 #include "agent/label_files.hpp"
@@ -125,7 +126,7 @@ class BoardAgent {
 template <class Call>
 void BoardAgent::with_bridge(Call&& call) {
     if (stopping_) return;
-    held_up_.runs(Clock::now(), armed_for_);
+    held_up_.runs(Clock::now(), armed_for_, continuations());
     Effects effects;
     call(Clock::now(), effects);
     perform(effects);

@@ -2,13 +2,15 @@
 #pragma once
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "asip/time.hpp"
 
 namespace asip::agent {
 
-/// Finds out that the agent did not run for a while (SIGSTOP, a suspended machine, no processor time): its
-/// timer is late. What is read then may have waited for as long, and is not taken for new. Pure.
+/// Finds out that the agent did not run for a while: it was stopped and continued (SIGSTOP), or its timer is
+/// late (a suspended machine, no processor time). What is read then may have waited for as long, and is not
+/// taken for new. Pure.
 class HeldUp {
   public:
     /// A timer that is later than this was held up.
@@ -16,9 +18,11 @@ class HeldUp {
     /// For so long afterwards messages are read that came meanwhile.
     static constexpr Duration kCatchingUp = std::chrono::milliseconds(300);
 
-    /// The agent runs; call it before anything is done. `due`: when its timer was to end.
-    void runs(Time now, std::optional<Time> due) {
-        if (due && last_ && now >= std::max(*due, *last_) + kLate) {
+    /// The agent runs; call it before anything is done. `due`: when its timer was to end; `continuations`:
+    /// how often it went on after a stop.
+    void runs(Time now, std::optional<Time> due, unsigned continuations = 0) {
+        const bool continued = std::exchange(continuations_, continuations) != continuations;
+        if (last_ && (continued || (due && now >= std::max(*due, *last_) + kLate))) {
             since_ = *last_;
             until_ = now + kCatchingUp;
         }
@@ -31,6 +35,7 @@ class HeldUp {
     std::optional<Time> last_;
     Time since_{};
     Time until_{};
+    unsigned continuations_ = 0;
 };
 
 }  // namespace asip::agent

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/program.hpp"
+#include "agent/continuations.hpp"
 
 #include <exception>
 #include <iostream>
@@ -19,6 +20,7 @@ int run_program(int argc, const char* const* argv) {
         auto read_again = [file = plan->file, arguments = std::vector<std::string>(argv + 1, argv + argc)] {
             return plan_of_file(file, arguments);
         };
+        count_continuations();
         Supervisor supervisor(std::move(*plan), std::move(read_again));
         return supervisor.run();
     } catch (const std::exception& error) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <thread>
 
 #include "tests/integration/agent/fake_port.hpp"
 #include "tests/integration/agent/rig.hpp"
@@ -136,6 +137,28 @@ TEST(AgentBoard, NoSuchPort_IsWaitedFor) {
     Agent agent(broker, "/dev/does-not-exist");
     EXPECT_TRUE(agent.process().wait_for_errors("waiting for it"));
     EXPECT_TRUE(agent.process().running());
+}
+
+TEST(AgentBoard, AgentStoppedForASecond_CommandsWhoseTimeIsOverAreRefused) {
+    MosquittoBroker broker;
+    SimulatedUno uno;
+    BusProbe probe(broker.port());
+    Agent agent(broker, uno.port());
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    ASSERT_TRUE(probe.request("asip/uno1/io/in", R"({"mode":[13,"output"]})"));
+    agent.process().signal(SIGSTOP);
+    for (int i = 0; i < 20; ++i)
+        probe.publish("asip/uno1/io/in", R"({"write":[13,1],"deadline_ms":500,"reply_to":"answers","id":)" +
+                                             std::to_string(i) + "}");
+    ASSERT_TRUE(wait_until([&] { return probe.all_acknowledged(); }));
+    std::this_thread::sleep_for(1s);
+    agent.process().signal(SIGCONT);
+    ASSERT_TRUE(wait_until([&] { return probe.messages("answers").size() == 20; }));
+    for (const auto& answer : probe.messages("answers"))
+        EXPECT_THAT(answer.payload, HasSubstr(R"("reason":"deadline")"));
+    const auto later = probe.request("asip/uno1/io/in", R"({"write":[13,0],"deadline_ms":5000})");
+    ASSERT_TRUE(later);
+    EXPECT_THAT(*later, HasSubstr(R"("ok")"));
 }
 
 TEST(AgentBoard, OverTcp_IsOnlineAndBackWhenItsPortIs) {

@@ -18,6 +18,18 @@ TEST(HeldUp, TimersInTime_MessagesAreNew) {
     EXPECT_EQ(held_up.arrival(kBegin + 4401ms), kBegin + 4401ms);
 }
 
+TEST(HeldUp, StoppedAndContinued_WhatIsReadThenMayHaveComeSinceItLastRan) {
+    HeldUp held_up;
+    held_up.runs(kBegin, std::nullopt, 1);
+    held_up.runs(kBegin + 1ms, std::nullopt, 1);
+    const Time awake = kBegin + 1s;
+    held_up.runs(awake, awake + 2s, 2);
+    EXPECT_EQ(held_up.arrival(awake), kBegin + 1ms);
+    held_up.runs(awake + 1ms, awake + 2s, 2);
+    EXPECT_EQ(held_up.arrival(awake + 299ms), kBegin + 1ms);
+    EXPECT_EQ(held_up.arrival(awake + 300ms), awake + 300ms);
+}
+
 TEST(HeldUp, NoTimer_NothingIsKnown) {
     HeldUp held_up;
     held_up.runs(kBegin, std::nullopt);
