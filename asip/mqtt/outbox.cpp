@@ -33,11 +33,17 @@ void Outbox::insert(Queue& queue, Queue::iterator before, Entry entry) {
     if (place->message.retain) retained_[place->message.topic] = {&queue, place};
 }
 
-void Outbox::erase(Queue& queue, Queue::iterator entry) {
+Outbox::Entry Outbox::take(Queue& queue, Queue::iterator entry) {
     --size_;
     bytes_ -= weight(entry->message);
     if (entry->message.retain) retained_.erase(entry->message.topic);
+    auto taken = std::move(*entry);
     queue.erase(entry);
+    return taken;
+}
+
+void Outbox::erase(Queue& queue, Queue::iterator entry) {
+    take(queue, entry);
 }
 
 /// At the back, what is renewed faster than the queue empties would never leave.
@@ -94,9 +100,7 @@ const Outbox::Queue* Outbox::first() const {
 
 Outbox::Entry Outbox::pop() {
     auto& from = queue(first()->front().priority);
-    auto entry = from.front();
-    erase(from, from.begin());
-    return entry;
+    return take(from, from.begin());
 }
 
 void Outbox::put_back(Entry entry) {

@@ -67,6 +67,7 @@ class Outbox {
     Queue& queue(Priority priority) { return queues_[static_cast<int>(priority)]; }
     const Queue& queue(Priority priority) const { return queues_[static_cast<int>(priority)]; }
     bool replaced(Entry& older, Message& message, Priority priority);
+    Entry take(Queue& queue, Queue::iterator entry);
     void erase(Queue& queue, Queue::iterator entry);
     void insert(Queue& queue, Queue::iterator before, Entry entry);
 

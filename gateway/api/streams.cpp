@@ -12,6 +12,9 @@
 namespace asip::gateway::api {
 namespace {
 
+constexpr double kMinHz = 0.01;
+constexpr double kMaxHz = 1000;
+
 using nlohmann::json;
 
 // A new EventSource forgets its own last id: then the parameter has it.
@@ -137,7 +140,8 @@ Expected<std::unique_ptr<Feed>> feed_for(Gateway& gateway, const Rights& rights,
     double max_hz = 0;
     if (const auto found = request.find("max_hz"); found != request.end()) {
         max_hz = found->is_number() ? found->get<double>() : 0;
-        if (!(max_hz >= 0.01 && max_hz <= 1000)) return fail("max_hz: must be a number from 0.01 to 1000");
+        if (!(max_hz >= kMinHz && max_hz <= kMaxHz))
+            return fail("max_hz: must be a number from 0.01 to 1000");
     }
     return value_feed(gateway, rights, target.get<std::string>(), max_hz, std::move(*after));
 }
@@ -159,8 +163,10 @@ void get_service_stream(Call& call) {
     if (!board || service_of(call, *board) == nullptr || !bus_is_there(call) || !has_room(call)) return;
     auto after = resume_place(call);
     if (!after) return send_problem(call, 400, after.error());
-    const auto max_hz = number_parameter(call, "max_hz", 0, 0, 1000);
+    const auto max_hz = number_parameter(call, "max_hz", 0, 0, kMaxHz);
     if (!max_hz) return send_problem(call, 400, max_hz.error());
+    if (*max_hz > 0 && *max_hz < kMinHz)
+        return send_problem(call, 400, "max_hz: 0 for each value, or from 0.01 to 1000");
     auto feed = value_feed(call.gateway, call.principal.rights, call.board() + "/" + call.service(), *max_hz,
                            {std::move(*after), {}});
     if (!feed) return send_problem(call, 400, feed.error());

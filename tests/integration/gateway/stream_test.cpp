@@ -295,6 +295,14 @@ TEST_F(GatewayStreams, MaxHz_NewestValueAtMostSoOften) {
     EXPECT_LE(events, 2 + static_cast<int>(time.count() * 5));
 }
 
+TEST_F(GatewayStreams, MaxHzOutOfItsRange_IsRefused) {
+    announce("uno1");
+    for (const char* wrong : {"1e-300", "1e-10", "0.009", "-1", "1001", "1e308", "nan", "inf", ""}) {
+        const auto answer = ask("/api/boards/uno1/services/distance/stream?max_hz=" + std::string(wrong));
+        EXPECT_EQ(answer.status, 400) << wrong;
+    }
+}
+
 TEST_F(GatewayStreams, TwoGatewaysOnOneBus_SayTheSame) {
     RunningGateway second(broker_.address());
     ASSERT_TRUE(second.ready());
