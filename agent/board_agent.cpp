@@ -170,7 +170,8 @@ void BoardAgent::arm_timer() {
     timer_.expires_at(*deadline);
     timer_.async_wait([this](boost::system::error_code error) {
         if (error || stopping_) return;
-        held_up_.runs(Clock::now(), std::exchange(armed_for_, std::nullopt), continuations());
+        note_running();
+        armed_for_.reset();
         with_bridge([&](Time now, Effects& out) {
             if (const auto due = bridge_.next_deadline(); due && *due <= now) bridge_.tick(now, out);
         });

@@ -61,6 +61,8 @@ class BoardAgent {
     Expected<void> use_credentials(const std::string& file);
     bool look_for_credentials();
     void arm_timer();
+    /// This process runs now: what waited while it could not is not new.
+    void note_running() { held_up_.runs(Clock::now(), armed_for_, continuations()); }
     void end_once_safe(std::function<void()> end);
     void wait_until_safe(Time limit, std::function<void()> end);
     void finish(int status);
@@ -126,7 +128,7 @@ class BoardAgent {
 template <class Call>
 void BoardAgent::with_bridge(Call&& call) {
     if (stopping_) return;
-    held_up_.runs(Clock::now(), armed_for_, continuations());
+    note_running();
     Effects effects;
     call(Clock::now(), effects);
     perform(effects);

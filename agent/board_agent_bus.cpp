@@ -122,7 +122,7 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
 
 void BoardAgent::message_received(const mqtt::Message& message) {
     if (stopping_) return;
-    held_up_.runs(Clock::now(), armed_for_, continuations());
+    note_running();
     const Time arrival = held_up_.arrival(Clock::now());
     const auto topic = topics_.parse(message.topic);
     if (!topic) return;

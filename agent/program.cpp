@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/program.hpp"
-#include "agent/continuations.hpp"
 
 #include <exception>
 #include <iostream>
 #include <string>
 #include <vector>
 
+#include "agent/continuations.hpp"
 #include "agent/plan.hpp"
 #include "agent/supervisor.hpp"
 #include "asip/program/exit_status.hpp"

@@ -185,12 +185,11 @@ BusSession::Request BusSession::ask(const std::string& topic, const std::string&
 
 BusSession::Request BusSession::command(const std::string& topic, const std::string& payload,
                                         OnMessage on_reply) {
-    const auto seconds = std::chrono::ceil<std::chrono::seconds>(state_->context.timeout).count();
     mqtt::Message message;
     message.topic = topic;
     message.payload = payload;
     message.qos = 1;
-    message.expiry_seconds = static_cast<std::uint32_t>(std::max<std::int64_t>(seconds, 1));
+    message.expire_after(state_->context.timeout);
     return state_->ask(std::move(message), std::move(on_reply));
 }
 

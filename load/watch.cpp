@@ -110,7 +110,8 @@ void Watch::page(const std::string& registry, const bus::Answer& answer) {
     if (!done_) return;
     Comparison& comparison = comparisons_[registry];
     if (!answer.refused.empty() || answer.settling) return compare_again(registry);
-    const auto rows = answer.brief.value_or(bus::BriefRows{});
+    const bus::BriefRows none;
+    const auto& rows = answer.brief ? *answer.brief : none;
     for (const auto& row : rows.rows()) {
         const auto board = fleet_.number(row.board);
         if (!board) continue;

@@ -171,8 +171,7 @@ Awaitable<Json> BusTransport::request(std::string topic, Json payload) {
     payload["deadline_ms"] = deadline.count();
     message.payload = model::dump_json(payload);
     // What reaches the broker while the agent is away is not delivered when it is no longer wanted.
-    message.expiry_seconds =
-        static_cast<std::uint32_t>(std::chrono::ceil<std::chrono::seconds>(deadline).count());
+    message.expire_after(deadline);
     const auto asked = requester_->ask(message, client_->v5(),
                                        [this, id](const mqtt::Message& answer) { take_reply(id, answer); });
     calls_.begin(id);

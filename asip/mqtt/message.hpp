@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -21,6 +23,12 @@ struct Message {
     /// For how long it is of use: neither sender nor broker delivers it later. When received: what is left.
     std::optional<std::uint32_t> expiry_seconds{};
     std::vector<std::pair<std::string, std::string>> user_properties{};
+
+    /// It is of use for `time` from now on: rounded up to seconds, at least one.
+    void expire_after(std::chrono::nanoseconds time) {
+        const auto seconds = std::chrono::ceil<std::chrono::seconds>(time).count();
+        expiry_seconds = static_cast<std::uint32_t>(std::max<std::int64_t>(seconds, 1));
+    }
 };
 
 /// What is dropped first when the outgoing queue is full, and what does not wait in it.

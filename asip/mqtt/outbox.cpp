@@ -57,9 +57,7 @@ bool Outbox::replaced(Entry& older, Message& message, Priority priority) {
 }
 
 void Outbox::Entry::age(Time now) {
-    if (!until) return;
-    const auto left = std::chrono::ceil<std::chrono::seconds>(*until - now);
-    message.expiry_seconds = static_cast<std::uint32_t>(std::max<std::int64_t>(left.count(), 1));
+    if (until) message.expire_after(*until - now);
 }
 
 bool Outbox::push(Message message, Priority priority, Time now) {

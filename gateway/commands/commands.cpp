@@ -55,10 +55,7 @@ Commands::Started Commands::start(Start start, bool v5, const Instant& now, Done
         message.payload = bus::with_reply_members(with_by(message.payload, start.by), reply_topic, key);
     }
     // A stop is never too late.
-    if (!start.urgent) {
-        message.expiry_seconds =
-            static_cast<std::uint32_t>(std::chrono::ceil<std::chrono::seconds>(start.deadline).count());
-    }
+    if (!start.urgent) message.expire_after(start.deadline);
     if (!start.by.empty()) message.user_properties = {{"by", start.by}};
     Entry entry;
     entry.record = {start.id, start.by, start.target, start.payload, now, std::nullopt, false};
