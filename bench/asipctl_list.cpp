@@ -88,7 +88,7 @@ void print(const char* what, const Times& times) {
 
 int main() {
     MosquittoBroker broker;
-    BusProbe probe(broker.port(), {"asip/registry/#"});
+    BusProbe probe(broker.port(), std::vector<std::string>{});
     for (int i = 0; i < kBoards; ++i) {
         const auto board = "board" + std::to_string(i);
         probe.publish("asip/servicebus/" + board + "/$description", description(board), true);
@@ -103,21 +103,23 @@ int main() {
         command.insert(command.end(), words.begin(), words.end());
         return command;
     };
+    // Behind what moves a megabyte the broker has still to clean up: the first two come behind a short one.
     const auto times = times_of(
         {{"mosquitto_sub", "-p", port, "-t", "asip/servicebus/+/$state", "-C", "1", "-W", "5"},
-         {"mosquitto_sub", "-p", port, "-t", "asip/servicebus/+/$description", "-C", "1000", "-W", "5"},
          asipctl({"list"}),
+         asipctl({"--version"}),
+         {"mosquitto_sub", "-p", port, "-t", "asip/servicebus/+/$description", "-C", "1000", "-W", "5"},
          asipctl({"list", "-o", "jsonl"}),
-         asipctl({"list", "--board", "board7", "-o", "name"}),
-         asipctl({"--version"})});
-    const auto& [sub, all, list, whole] = std::tie(times[0], times[1], times[2], times[3]);
+         asipctl({"list", "--board", "board7", "-o", "name"})});
+    const auto& [sub, list, version, all, whole, single] =
+        std::tie(times[0], times[1], times[2], times[3], times[4], times[5]);
     std::printf("%-64s %8s %8s\n", "whole process, milliseconds", "minimum", "median");
     print("mosquitto_sub -C 1", sub);
     print("mosquitto_sub -C 1000, all descriptions", all);
     print("asipctl list of 1,000 boards", list);
     print("asipctl list -o jsonl of them, all that is known", whole);
-    print("asipctl list of one board out of 1,000", times[4]);
-    print("asipctl --version", times[5]);
+    print("asipctl list of one board out of 1,000", single);
+    print("asipctl --version", version);
     asip::bench::row("asipctl list beside mosquitto_sub -C 1, minima", list.minimum / sub.minimum, "times",
                      1.5, 1.5);
     asip::bench::row("asipctl list beside mosquitto_sub -C 1, medians", list.median / sub.median, "times",
