@@ -58,26 +58,37 @@ class RowReader {
     bool read() {
         BriefBoard row;
         if (!in_.enter_array() || !board_.read(in_) || board_.text.empty() || !state_.read(in_) ||
-            !read_number(in_, row.age) || !chip_.read(in_) || !sketch_.read(in_) || !services_.read(in_)) {
+            !read_number(in_, row.age)) {
             return false;
         }
-        std::string_view more;
-        for (bool first = true; in_.next_element(); first = false) {
-            if (!in_.value(more)) return false;
-            if (first) row.conflict = more == "true";
+        const char* const behind_age = in_.position();
+        if (!in_.known_rest(rest_)) {
+            if (!read_rest()) return false;
+            rest_ = in_.since(behind_age);
         }
-        if (!in_.left()) return false;
         add(row);
         return true;
     }
 
   private:
+    bool read_rest() {
+        if (!chip_.read(in_) || !sketch_.read(in_) || !services_.read(in_)) return false;
+        conflict_ = false;
+        std::string_view more;
+        for (bool first = true; in_.next_element(); first = false) {
+            if (!in_.value(more)) return false;
+            if (first) conflict_ = more == "true";
+        }
+        return in_.left();
+    }
+
     void add(BriefBoard row) {
         row.board = board_.text;
         row.state = state_.text;
         row.chip = chip_.text;
         row.sketch = sketch_.text;
         row.services = services_.text;
+        row.conflict = conflict_;
         rows_.add(row);
         const auto& kept = rows_.rows().back();
         state_.text = kept.state;
@@ -89,6 +100,8 @@ class RowReader {
     JsonScanner& in_;
     BriefRows& rows_;
     RowText board_, state_, chip_, sketch_, services_;
+    bool conflict_ = false;
+    std::string_view rest_;  ///< of the row before, behind its age: most rows end alike
 };
 
 Expected<BriefRows> read_rows(JsonScanner& in, std::size_t bytes) {
@@ -104,6 +117,11 @@ Expected<BriefRows> read_rows(JsonScanner& in, std::size_t bytes) {
 }
 
 }  // namespace
+
+bool BriefBoard::like(const BriefBoard& other) const {
+    return conflict == other.conflict && same_bytes(chip, other.chip) && same_bytes(sketch, other.sketch) &&
+           same_bytes(services, other.services);
+}
 
 std::string_view BriefRows::kept(std::string_view text, std::string_view above) {
     if (same_bytes(text, above) || text == above) return above;
@@ -125,8 +143,8 @@ void append_brief_rows(std::string& text, const BriefRows& boards) {
     text.reserve(text.size() + boards.size() * kBytesOfARow + 2);
     text += '[';
     const BriefBoard* above = nullptr;
-    std::size_t part = 0;  // where chip, sketch and services of the row above begin
-    std::size_t part_size = 0;
+    std::size_t rest = 0;  // of the row above, behind its age
+    std::size_t rest_size = 0;
     for (const BriefBoard& board : boards.rows()) {
         text += above == nullptr ? "[" : ",[";
         append_json_text(text, board.board);
@@ -134,21 +152,18 @@ void append_brief_rows(std::string& text, const BriefRows& boards) {
         append_json_text(text, board.state);
         text += ',';
         append_json_seconds(text, std::max(board.age, -1.0));
-        const bool same = above != nullptr && same_bytes(board.chip, above->chip) &&
-                          same_bytes(board.sketch, above->sketch) &&
-                          same_bytes(board.services, above->services);
         const auto begin = text.size();
-        if (same) {
-            text.append(text, part, part_size);
+        if (above != nullptr && board.like(*above)) {
+            text.append(text, rest, rest_size);
         } else {
             for (const auto member : {board.chip, board.sketch, board.services}) {
                 text += ',';
                 append_json_text(text, member);
             }
+            text += board.conflict ? ",true]" : "]";
         }
-        part = begin;
-        part_size = text.size() - begin;
-        text += board.conflict ? ",true]" : "]";
+        rest = begin;
+        rest_size = text.size() - begin;
         above = &board;
     }
     text += ']';

@@ -28,6 +28,8 @@ struct BriefBoard {
     bool conflict = false;
 
     bool operator==(const BriefBoard&) const = default;
+    /// Whether nothing but name, state and age differs, of a row in the same BriefRows; false is a maybe.
+    bool like(const BriefBoard& other) const;
 };
 
 /// Rows and their texts. Copies share the texts: all of them belong to one thread.

@@ -104,6 +104,13 @@ bool JsonScanner::known_value(std::string_view text) {
     return true;
 }
 
+bool JsonScanner::known_rest(std::string_view text) {
+    if (!known_value(text)) return false;
+    left_ = true;
+    first_ = false;
+    return true;
+}
+
 bool JsonScanner::plain_string(std::string_view& text) {
     if (at_ == end_ || *at_ != '"') return false;
     const char* p = at_ + 1;

@@ -33,6 +33,12 @@ class JsonScanner {
     bool value(std::string_view& raw);
     /// Consumes `text` if the input goes on with exactly these bytes and then ends the value.
     bool known_value(std::string_view text);
+    /// Consumes `text`, the rest of an array behind one of its elements as it was read before, if the input
+    /// goes on with exactly these bytes; then `left()`.
+    bool known_rest(std::string_view text);
+    /// What was read since `begin`, an earlier position().
+    std::string_view since(const char* begin) const { return {begin, static_cast<std::size_t>(at_ - begin)}; }
+    const char* position() const { return at_; }
     /// A string without escapes; false (nothing consumed) if the value is anything else.
     bool plain_string(std::string_view& text);
     /// A non-negative integer of at most 19 digits; false (nothing consumed) if the value is anything else.

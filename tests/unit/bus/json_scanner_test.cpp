@@ -101,6 +101,31 @@ TEST(JsonScanner, KnownValue_IsSkippedOnlyWhenItStandsThere) {
     EXPECT_EQ(raw, "2");
 }
 
+TEST(JsonScanner, KnownRest_LeavesItsArray) {
+    JsonScanner scanner(R"([[1,"a" ],[2,"a" ],[3,"b"],[4]])");
+    std::string_view raw;
+    ASSERT_TRUE(scanner.enter_array() && scanner.next_element());
+    ASSERT_TRUE(scanner.enter_array() && scanner.next_element() && scanner.value(raw));
+    const char* const begin = scanner.position();
+    ASSERT_TRUE(scanner.next_element() && scanner.value(raw));
+    ASSERT_FALSE(scanner.next_element());
+    const auto rest = scanner.since(begin);
+    EXPECT_EQ(rest, R"(,"a" ])");
+    ASSERT_TRUE(scanner.next_element() && scanner.enter_array() && scanner.next_element() &&
+                scanner.value(raw));
+    ASSERT_TRUE(scanner.known_rest(rest));
+    EXPECT_TRUE(scanner.left());
+    ASSERT_TRUE(scanner.next_element() && scanner.enter_array() && scanner.next_element() &&
+                scanner.value(raw));
+    EXPECT_FALSE(scanner.known_rest(rest));
+    EXPECT_FALSE(scanner.known_rest(""));
+    ASSERT_TRUE(scanner.next_element() && scanner.value(raw));
+    ASSERT_TRUE(!scanner.next_element() && scanner.left());
+    ASSERT_TRUE(scanner.next_element() && scanner.value(raw));
+    EXPECT_EQ(raw, "[4]");
+    EXPECT_TRUE(!scanner.next_element() && scanner.left() && scanner.at_end());
+}
+
 TEST(JsonScanner, WhatIsNoJson_IsRefused) {
     for (const std::string_view text : {"",
                                         " ",

@@ -86,8 +86,11 @@ TEST(BriefAnswer, RowsThatAreAlikeInPart_AreToldApart) {
     escaped.services = "a\"b\nc and what no short string holds";
     auto fewer = some_row("uno6");
     fewer.services = "io";
-    const std::vector<BriefBoard> rows{some_row("uno1"), some_row("uno2"), sleeping, other, other,
-                                       escaped,          escaped,          fewer};
+    auto conflict = fewer;
+    conflict.conflict = true;
+    const std::vector<BriefBoard> rows{
+        some_row("uno1"), some_row("uno2"), sleeping, other, other, escaped, escaped, fewer,
+        conflict,         conflict,         fewer};
     const auto read = bus::read_brief_rows(encoded_rows(rows));
     ASSERT_TRUE(read) << read.error();
     EXPECT_EQ(read->rows(), rows);
@@ -117,6 +120,19 @@ TEST(BriefAnswer, WrittenByAnotherHand_IsRead) {
     ASSERT_TRUE(parsed->brief);
     EXPECT_THAT(parsed->brief->rows(), ElementsAre(BriefBoard{"uno1", "lost", 20, "", "", "", false},
                                                    BriefBoard{"un", "x", 0, "", "", "", true}));
+}
+
+TEST(BriefAnswer, RowsThatEndAlike_AreRead) {
+    const auto read = bus::read_brief_rows(
+        R"([["a","x",1,"c","s","v",true,{"later":[1]}],["b","y",2,"c","s","v",true,{"later":[1]}],)"
+        R"(["c","x",3,"c","s","v",true],["d","x",34,"c","s","v",true] ])");
+    ASSERT_TRUE(read) << read.error();
+    EXPECT_THAT(read->rows(), ElementsAre(BriefBoard{"a", "x", 1, "c", "s", "v", true},
+                                          BriefBoard{"b", "y", 2, "c", "s", "v", true},
+                                          BriefBoard{"c", "x", 3, "c", "s", "v", true},
+                                          BriefBoard{"d", "x", 34, "c", "s", "v", true}));
+    EXPECT_FALSE(bus::read_brief_rows(R"([["a","x",1,"c","s","v"],["b","y",2,"c","s","v"]],[1]])"));
+    EXPECT_FALSE(bus::read_brief_rows(R"([["a","x",1,"c","s","v"],["b","y",2,"c","s","v"])"));
 }
 
 TEST(BriefAnswer, HostileRows_AreRefused) {
