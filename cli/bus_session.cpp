@@ -130,6 +130,7 @@ BusSession::BusSession(const Context& context) : state_(std::make_unique<State>(
 }
 
 BusSession::~BusSession() {
+    if (state_->leaving) return;
     leave();
     while (state_->leaving && !state_->left && state_->io.run_one_for(400ms) != 0) {
     }

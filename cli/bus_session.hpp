@@ -28,7 +28,7 @@ class BusSession {
 
     /// `context` must outlive it.
     explicit BusSession(const Context& context);
-    ~BusSession();  ///< leaves, and waits until the broker has closed the connection
+    ~BusSession();  ///< leaves, if leave() was not called, and waits until the broker has closed
     BusSession(const BusSession&) = delete;
     BusSession& operator=(const BusSession&) = delete;
 
@@ -41,7 +41,7 @@ class BusSession {
     Outcome<void> connect();
     bool v5() const;
 
-    /// Sends DISCONNECT: nothing more is needed of the broker. It closes while the caller prints.
+    /// Sends DISCONNECT: all that was asked is answered, and nothing that was published must still arrive.
     void leave();
 
     void publish(const std::string& topic, const std::string& payload, int qos = 0, bool retain = false);

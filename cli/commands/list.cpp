@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <utility>
 
 #include "asip/text/duration.hpp"
 #include "cli/board_source.hpp"
@@ -166,21 +167,25 @@ Table board_table(bool wide) {
     return Table(std::move(columns));
 }
 
-void add_board(Table& table, const bus::BriefBoard& board) {
+void add_board(Table& table, const bus::BriefBoard& board, const bus::BriefBoard* above) {
     table.add_cell(board.board);
     if (board.conflict) {
         table.add_cell(std::string(board.state) + "!", Colour::kRed);
     } else {
         table.add_cell(board.state, state_colour(board.state));
     }
-    table.add_cell(board.chip);
-    table.add_cell(board.sketch);
-    table.add_cell(board.services);
+    if (above != nullptr && board.like(*above)) {
+        table.add_cells_above(3);
+    } else {
+        table.add_cell(board.chip);
+        table.add_cell(board.sketch);
+        table.add_cell(board.services);
+    }
     table.add_cell(ago_text(board.age));
 }
 
 void add_board(Table& table, const bus::BoardItem& board, bool wide) {
-    add_board(table, bus::brief_of({&board, 1}).rows().front());
+    add_board(table, bus::brief_of({&board, 1}).rows().front(), nullptr);
     if (!wide) return;
     const auto lease =
         board.lease > 0 ? text::duration_text(std::chrono::duration<double>(board.lease)) : std::string();
@@ -229,8 +234,9 @@ std::string brief_text(const bus::BriefRows& boards, Output output, std::size_t 
     if (boards.empty()) return text;
     auto table = board_table(false);
     table.reserve(boards.size());
+    const bus::BriefBoard* above = nullptr;
     for (const auto& board : boards.rows())
-        add_board(table, board);
+        add_board(table, board, std::exchange(above, &board));
     return table.render(width, colour);
 }
 

@@ -73,6 +73,13 @@ void Table::add_cell(std::string_view text, Colour colour) {
     cells_.push_back(cell);
 }
 
+void Table::add_cells_above(std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto above = cells_[cells_.size() - columns_.size()];
+        cells_.push_back(above);
+    }
+}
+
 void Table::measure(std::size_t limit) {
     auto& result = widths_;
     const auto columns = columns_.size();
@@ -138,18 +145,31 @@ void Table::append_header(std::string& text, bool colour) const {
     text += '\n';
 }
 
+/// Boards of a fleet often differ in nothing but their name: what stands behind the first cell is then copied
+/// from the line above.
 void Table::append_rows(std::string& text, std::size_t first, bool colour) const {
     const auto columns = columns_.size();
+    std::size_t rest = 0;  // of the line above, in `text`
+    std::size_t rest_size = 0;
     for (std::size_t row = first; row + columns <= cells_.size(); row += columns) {
+        const auto* cells = &cells_[row];
+        const bool same = row != first && std::equal(cells + 1, cells + columns, cells + 1 - columns);
         std::size_t last = columns;
-        while (last > 0 && cells_[row + last - 1].size == 0)
+        while (last > 0 && cells[last - 1].size == 0)
             --last;
-        for (std::size_t i = 0; i < last; ++i) {
-            const auto& cell = cells_[row + i];
-            append_cell(text, text_of(cell), cell.width,
-                        colour ? static_cast<Colour>(cell.colour) : Colour::kNone, i, i + 1 == last);
+        std::size_t behind_first = text.size();
+        for (std::size_t i = 0; i < (same ? std::min<std::size_t>(last, 1) : last); ++i) {
+            append_cell(text, text_of(cells[i]), cells[i].width,
+                        colour ? static_cast<Colour>(cells[i].colour) : Colour::kNone, i, i + 1 == last);
+            if (i == 0) behind_first = text.size();
         }
-        text += '\n';
+        if (same) {
+            text.append(text, rest, rest_size);
+        } else {
+            text += '\n';
+        }
+        rest = behind_first;
+        rest_size = text.size() - behind_first;
     }
 }
 

@@ -44,6 +44,8 @@ class Table {
     /// The next cell of a row that is added from left to right: the row is whole with as many as there are
     /// columns.
     void add_cell(std::string_view text, Colour colour = Colour::kNone);
+    /// The next `count` cells are those above them: there must be a row.
+    void add_cells_above(std::size_t count);
     void reserve(std::size_t rows) { cells_.reserve(rows * columns_.size()); }
     bool empty() const { return cells_.empty(); }
 
@@ -60,6 +62,8 @@ class Table {
         std::uint32_t size = 0;
         std::uint32_t width : 28 = 0;
         std::uint32_t colour : 4 = 0;
+
+        bool operator==(const Shown&) const = default;
     };
 
     std::string_view text_of(const Shown& cell) const { return {texts_.data() + cell.begin, cell.size}; }

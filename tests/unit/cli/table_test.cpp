@@ -82,6 +82,29 @@ TEST(Table, CellsLikeThoseAbove_KeepTheirColours) {
               "\033[31monline\033[0m  1\n");
 }
 
+TEST(Table, RowsThatDifferInTheirFirstCellOnly_AreWhole) {
+    Table table({{"BOARD"}, {"STATE"}, {"N", true}, {"NOTE"}});
+    for (const char* name : {"uno", "a-longer-name", "", "x"})
+        table.add({name, Cell("online", Colour::kGreen), "7", ""});
+    table.add({"uno", "lost", "7", "!"});
+    table.add({"", "lost", "7", "!"});
+    table.add({"y", "", "", ""});
+    table.add({"zz", "", "", ""});
+    table.add({"", "", "", ""});
+    EXPECT_EQ(table.render(0, false),
+              "BOARD          STATE   N  NOTE\n"
+              "uno            online  7\n"
+              "a-longer-name  online  7\n"
+              "               online  7\n"
+              "x              online  7\n"
+              "uno            lost    7  !\n"
+              "               lost    7  !\n"
+              "y\n"
+              "zz\n"
+              "\n");
+    EXPECT_THAT(table.render(0, true), testing::HasSubstr("x              \033[32monline\033[0m  7\n"));
+}
+
 TEST(Table, HugeCell_DoesNotWidenTheOtherRows) {
     Table table({{"BOARD"}, {"SERVICES", false, 8}, {"N"}});
     const std::string huge(1 << 20, 'x');
