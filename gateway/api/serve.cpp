@@ -243,7 +243,8 @@ void serve_route(Gateway& gateway, const http::Request& request, const http::Rep
 
 void serve(Gateway& gateway, const http::Request& received, const http::Reply& plain) {
     const auto& base = gateway.options().base_path;
-    const bool at_root = base.empty() && (received.segments.empty() || received.segments[0] != "kiosk");
+    const bool kiosk = !received.segments.empty() && received.segments[0] == "kiosk";
+    const bool at_root = received.is_asterisk() || (base.empty() && !kiosk);
     std::optional<Inner> inner;
     if (!at_root) inner = inner_of(received, base);
     if (!at_root && !inner) return plain.send(problem(404, "the gateway is at " + base + "/"));
@@ -258,6 +259,7 @@ void serve(Gateway& gateway, const http::Request& received, const http::Reply& p
             response.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"asip\"");
         return reply.send(std::move(response));
     }
+    if (request.is_asterisk()) return preflight(request, reply, "GET, HEAD, POST, DELETE, OPTIONS", false);
     if (inner && redirect_to_folder(*inner, reply)) return;
     if (request.segments == std::vector<std::string>{""} || (request.folder && !request.segments.empty()))
         return reply.send(problem(404, "there is nothing at this address"));

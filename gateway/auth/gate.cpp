@@ -59,6 +59,9 @@ std::optional<Denied> Gate::wrong_host(const http::Request& request) const {
     const auto host = host_part(request.header("host"));
     if (host.empty() && request.http_1_0) return std::nullopt;
     if (host.empty()) return Denied{400, "the request has no Host"};
+    if (!request.scheme.empty() && (request.scheme == "https") != request.peer.secure &&
+        !options_.behind_proxy)
+        return Denied{421, "this connection is not " + request.scheme};
     const auto& ours = options_.hosts;
     if (is_ip_address(host) || std::find(ours.begin(), ours.end(), host) != ours.end()) return std::nullopt;
     return Denied{421, "\"" + text::printable(host) + "\" is not a name of this gateway; --host adds one"};

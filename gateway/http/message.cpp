@@ -49,6 +49,27 @@ std::string_view next_part(std::string_view& rest, char separator) {
     return part;
 }
 
+// "http://host:8080/api" -> scheme, Host and "/api". False: its authority is none of HTTP's.
+bool take_absolute(Request& request) {
+    const std::string_view target = request.target;
+    const auto colon = target.find("://");
+    const auto scheme = lower(target.substr(0, colon));
+    if (colon == std::string_view::npos || (scheme != "http" && scheme != "https")) return true;
+    const auto behind = target.substr(colon + 3);
+    const auto end = std::min(behind.size(), behind.find_first_of("/?"));
+    const auto authority = behind.substr(0, end);
+    if (authority.empty() || authority.find_first_of("@#\\") != std::string_view::npos) return false;
+    for (auto& [name, value] : request.headers)
+        if (name == "host") value = authority;
+    if (request.http_1_0 && !request.has_header("host")) request.headers.emplace_back("host", authority);
+    request.scheme = scheme;
+    auto path = std::string(behind.substr(end));
+    if (path.empty() && request.method == "OPTIONS") path = "*";
+    if (path != "*" && !path.starts_with('/')) path.insert(0, 1, '/');
+    request.target = std::move(path);
+    return true;
+}
+
 }  // namespace
 
 std::string_view Request::header(std::string_view name) const {
@@ -91,11 +112,13 @@ bool percent_decode(std::string_view text, bool plus, std::string& decoded) {
 }
 
 bool split_target(Request& request) {
-    std::string_view rest = request.target;
     request.segments.clear();
     request.segments.reserve(8);  // as the longest path of the API
     request.folder = false;
     request.query.clear();
+    if (!take_absolute(request)) return false;
+    const std::string_view rest = request.target;
+    if (request.is_asterisk()) return true;
     if (rest.empty() || rest.front() != '/') return false;
     const auto question = rest.find('?');
     std::string_view path = rest.substr(1, question == std::string_view::npos ? question : question - 1);

@@ -16,7 +16,8 @@ struct Peer {
 
 struct Request {
     std::string method;
-    std::string target;                 ///< as received: "/api/boards?limit=10"
+    std::string target;                 ///< "/api/boards?limit=10", or "*" of OPTIONS
+    std::string scheme;                 ///< "http" or "https" of a target in absolute form; else empty
     std::vector<std::string> segments;  ///< of the path, percent-decoded: {"api", "boards"}
     bool folder = false;                ///< the path ends with a slash behind its segments
     std::vector<std::pair<std::string, std::string>> query;    ///< decoded, in order
@@ -29,6 +30,8 @@ struct Request {
     /// Of a header given once; empty where it is missing. `name` in lower case.
     std::string_view header(std::string_view name) const;
     bool has_header(std::string_view name) const;
+    /// `OPTIONS *`: of the server as a whole.
+    bool is_asterisk() const { return method == "OPTIONS" && target == "*"; }
     /// The first value of a query parameter; null where it is missing.
     const std::string* parameter(std::string_view name) const;
 };
@@ -52,8 +55,9 @@ std::string_view reason_phrase(int status);
 /// Status line and headers, with the empty line; without Content-Length where `chunked`.
 std::string head_text(const Response& response, bool keep_alive, bool chunked);
 
-/// Takes `target` apart into segments and query. False: it is no path that a server may look up: not
-/// beginning with a slash, a broken percent escape, control characters, an empty (but for the last), `.` or
+/// Takes `target` apart into segments and query. Of one in absolute form (RFC 9112, 3.2.2) the path stays,
+/// and its authority takes the place of Host. False: it is no path that a server may look up: not beginning
+/// with a slash, a broken percent escape, control characters, an empty (but for the last), `.` or
 /// `..` segment, or a decoded slash.
 bool split_target(Request& request);
 

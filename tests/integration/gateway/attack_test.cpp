@@ -53,7 +53,6 @@ TEST_F(GatewayAttack, PathTricks_LeadNowhere) {
         EXPECT_THAT(answer.status, AnyOf(400, 404)) << target;
         EXPECT_EQ(answer.body.find("root:"), std::string::npos) << target;
     }
-    EXPECT_EQ(get(port(), "http://localhost/api/boards").status, 404) << "no proxy";
     EXPECT_TRUE(alive());
 }
 

@@ -63,6 +63,19 @@ TEST_F(GateTest, ForeignHost_IsMisdirected) {
     EXPECT_EQ(status(get({{"host", "[fe80::1]:8080"}})), 200);
 }
 
+TEST_F(GateTest, AbsoluteTargetOfAnotherScheme_IsMisdirected) {
+    auto request = get();
+    request.scheme = "https";
+    EXPECT_EQ(status(request), 421);
+    options_.behind_proxy = true;
+    EXPECT_EQ(status(request), 200) << "TLS may end at the proxy";
+    options_.behind_proxy = false;
+    request.peer.secure = true;
+    EXPECT_EQ(status(request), 200);
+    request.scheme = "http";
+    EXPECT_EQ(status(request), 421);
+}
+
 TEST_F(GateTest, ForeignOrigin_MayNotChangeAnything) {
     EXPECT_EQ(status(post({{"origin", "http://evil.example"}})), 403);
     EXPECT_EQ(status(post({{"origin", "null"}})), 403);

@@ -36,6 +36,41 @@ TEST(HttpTarget, SlashAtTheEnd_IsAFolder) {
     EXPECT_TRUE(request.folder);
 }
 
+TEST(HttpTarget, AbsoluteForm_IsThePathAndItsAuthorityIsTheHost) {
+    auto request = request_to("HTTP://Lab.example:8080/api/boards?board=a");
+    request.headers = {{"host", "other.example"}, {"accept", "*/*"}};
+    ASSERT_TRUE(split_target(request));
+    EXPECT_EQ(request.target, "/api/boards?board=a");
+    EXPECT_EQ(request.scheme, "http");
+    EXPECT_THAT(request.segments, ElementsAre("api", "boards"));
+    EXPECT_THAT(request.query, ElementsAre(Pair("board", "a")));
+    EXPECT_THAT(request.headers, ElementsAre(Pair("host", "Lab.example:8080"), Pair("accept", "*/*")));
+}
+
+TEST(HttpTarget, AbsoluteFormWithoutPath_IsTheRoot) {
+    auto bare = request_to("https://lab.example");
+    ASSERT_TRUE(split_target(bare));
+    EXPECT_EQ(bare.target, "/");
+    EXPECT_FALSE(bare.has_header("host")) << "HTTP/1.1 must send one all the same";
+    auto query = request_to("http://lab.example?code=x");
+    query.http_1_0 = true;
+    ASSERT_TRUE(split_target(query));
+    EXPECT_EQ(query.target, "/?code=x");
+    EXPECT_EQ(query.header("host"), "lab.example");
+}
+
+TEST(HttpTarget, Asterisk_IsOfOptionsOnly) {
+    for (const char* target : {"*", "http://lab.example"}) {
+        auto options = request_to(target);
+        options.method = "OPTIONS";
+        EXPECT_TRUE(split_target(options));
+        EXPECT_TRUE(options.is_asterisk()) << target;
+    }
+    auto other = request_to("*");
+    other.method = "GET";
+    EXPECT_FALSE(split_target(other));
+}
+
 class PathTrick : public testing::TestWithParam<const char*> {};
 
 TEST_P(PathTrick, IsNoTarget) {
@@ -44,10 +79,12 @@ TEST_P(PathTrick, IsNoTarget) {
 }
 
 INSTANTIATE_TEST_SUITE_P(HttpTarget, PathTrick,
-                         testing::Values("", "api", "http://other/api", "*", "/../etc/passwd", "/a/../b",
-                                         "/a/./b", "/%2e%2e/etc", "/%2E%2E%2Fetc", "/a%2fb", "/a%5cb",
-                                         "/a\\b", "//etc", "/a//b", "/a//", "/%00", "/a%0d%0ab", "/%", "/%4",
-                                         "/%zz", "/a?x=%1", "/a?x=%00"));
+                         testing::Values("", "api", "http:///api", "http://", "http://me@other/api",
+                                         "ftp://other/api", "http://other/../etc", "http://other//etc",
+                                         "http:/api", "*", "/../etc/passwd", "/a/../b", "/a/./b",
+                                         "/%2e%2e/etc", "/%2E%2E%2Fetc", "/a%2fb", "/a%5cb", "/a\\b", "//etc",
+                                         "/a//b", "/a//", "/%00", "/a%0d%0ab", "/%", "/%4", "/%zz", "/a?x=%1",
+                                         "/a?x=%00"));
 
 bool accepts(const char* text) {
     Request request;
