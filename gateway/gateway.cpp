@@ -54,6 +54,7 @@ Gateway::Gateway(GatewayOptions options, model::ModelSet models, registry::Units
       command_rates_(options_.commands_per_second),
       requester_(random_hex(random, 8), options_.replies().below("registry")) {
     commands_.on_finished = [this](const CommandRecord& record, Duration time) { finished(record, time); };
+    commands_.before_again = [this] { log_commands(); };
 }
 
 Gateway::~Gateway() {
@@ -144,10 +145,8 @@ void Gateway::command(Commands::Start start, Commands::Done done) {
     start.answer_first = urgent && port_.urgent_ready();
     switch (commands_.start(start, port_.v5(), now(), done, message)) {
         case Commands::Started::kPublish:
-            if (urgent)
-                port_.publish_first(std::move(message));
-            else
-                port_.publish(std::move(message));
+            if (!(urgent ? port_.publish_first : port_.publish)(std::move(message)))
+                commands_.not_published(start, now());
             break;
         case Commands::Started::kRepeated:
             break;
@@ -173,7 +172,7 @@ void Gateway::ask_registry(const std::string& payload, Answered done) {
         if (!answer || !question.done) return;
         std::exchange(question.done, {})(&*answer);
     });
-    port_.publish(std::move(message));
+    if (!port_.publish(std::move(message))) question.until = now().time;
 }
 
 void Gateway::wait_for_value(std::unique_ptr<Feed> feed, Duration limit, std::function<void()> done) {

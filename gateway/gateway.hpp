@@ -48,7 +48,7 @@ struct GatewayOptions {
 class Gateway {
   public:
     struct Port {
-        std::function<bool(mqtt::Message)> publish;  ///< false: refused
+        std::function<bool(mqtt::Message)> publish;  ///< false: refused, the queue is full
         /// Whether there is a connection for what is urgent, with its answers subscribed.
         std::function<bool()> urgent_ready;
         /// Ahead of all that waits: over that connection, or first over the other.

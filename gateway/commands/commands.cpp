@@ -22,17 +22,31 @@ std::string with_by(std::string payload, const std::string& by) {
     return payload + (payload.size() > 1 ? "," : "") + "\"by\":" + model::dump_json(nlohmann::json(by)) + "}";
 }
 
+bool was_refused(const CommandRecord& record) {
+    return record.reply && record.reply->status == bus::Reply::Status::kRefused;
+}
+
 }  // namespace
 
 std::string Commands::bus_id(std::string_view session, std::string_view id) {
     return std::string(session).append(".").append(id);
 }
 
-Commands::Started Commands::start(Start start, bool v5, const Instant& now, Done done,
+void Commands::forget(Entries::iterator entry) {
+    if (before_again) before_again();
+    due_.erase(entry->second.due);
+    entries_.erase(entry);
+}
+
+Commands::Started Commands::start(Start& start, bool v5, const Instant& now, Done done,
                                   mqtt::Message& message) {
     if (start.id.empty()) start.id = "auto-" + std::to_string(++made_up_);
     const auto key = bus_id(start.session, start.id);
-    const auto found = entries_.find(key);
+    auto found = entries_.find(key);
+    if (found != entries_.end() && was_refused(found->second.record)) {
+        forget(found);
+        found = entries_.end();
+    }
     if (found != entries_.end()) {
         auto& entry = found->second;
         if (entry.topic != start.topic || entry.record.request != start.payload) return Started::kIdReused;
@@ -65,6 +79,15 @@ Commands::Started Commands::start(Start start, bool v5, const Instant& now, Done
     const auto added = entries_.emplace(key, std::move(entry)).first;
     added->second.due = due_.emplace(now.time + start.deadline + kGrace, added->first);
     return Started::kPublish;
+}
+
+void Commands::not_published(const Start& start, const Instant& now) {
+    const auto found = entries_.find(bus_id(start.session, start.id));
+    if (found == entries_.end() || found->second.answered) return;
+    finish(found->second,
+           bus::Reply::refused(std::string(bus::kRefusedQueueFull),
+                               "the broker takes commands more slowly than they come: this one was not sent"),
+           now.time);
 }
 
 bool Commands::take(const mqtt::Message& message, const Instant& now) {

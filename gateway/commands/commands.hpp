@@ -60,9 +60,12 @@ class Commands {
     /// Those of urgent commands.
     static bus::ReplyTopics urgent(const bus::ReplyTopics& replies) { return replies.below("urgent"); }
 
-    /// kPublish: `message` is to be published. kRepeated: nothing is, `done` is called with the first one's
-    /// answer, now or later. Else `done` is not called.
-    Started start(Start start, bool v5, const Instant& now, Done done, mqtt::Message& message);
+    /// kPublish: `message` is to be published; `start` has its id. kRepeated: nothing is, `done` is called
+    /// with the first one's answer, now or later. Else `done` is not called. What was refused is not
+    /// remembered, as on the bus: the same again is a new command.
+    Started start(Start& start, bool v5, const Instant& now, Done done, mqtt::Message& message);
+    /// What kPublish asked for cannot be done: the queue to the broker is full.
+    void not_published(const Start& start, const Instant& now);
     /// False: it answers no command of ours.
     bool take(const mqtt::Message& message, const Instant& now);
     void tick(const Instant& now);
@@ -79,6 +82,7 @@ class Commands {
     };
     const Counters& counters() const { return counters_; }
     std::function<void(const CommandRecord&, Duration)> on_finished;  ///< may be empty
+    std::function<void()> before_again;  ///< a record is about to go before its minute; may be empty
 
   private:
     using Due = std::multimap<Time, std::string_view>;  // -> key of an entry
@@ -89,10 +93,12 @@ class Commands {
         bool answered = false;
         std::vector<Done> waiting;
     };
+    using Entries = std::map<std::string, Entry, std::less<>>;  // by "SESSION.ID"
     void finish(Entry& entry, bus::Reply reply, Time now);
+    void forget(Entries::iterator entry);
 
     bus::ReplyTopics replies_;
-    std::map<std::string, Entry, std::less<>> entries_;  // by "SESSION.ID"
+    Entries entries_;
     Due due_;
     std::uint64_t made_up_ = 0;
     Counters counters_;

@@ -16,13 +16,15 @@ class ApiTest : public testing::Test {
     struct Captured final : http::Responder {
         std::optional<http::Response> response;
         std::unique_ptr<http::Source> source;
+        std::unique_ptr<http::Channel> channel;
         void respond(std::uint64_t, http::Response answer) override { response = std::move(answer); }
         void stream(std::uint64_t, http::Response head, std::unique_ptr<http::Source> made) override {
             response = std::move(head);
             source = std::move(made);
         }
-        void upgrade(std::uint64_t, std::unique_ptr<http::Channel>) override {
+        void upgrade(std::uint64_t, std::unique_ptr<http::Channel> made) override {
             response.emplace().status = 101;
+            channel = std::move(made);
         }
         bool waits_for(std::uint64_t) const override { return !response; }
         int status() const { return response ? response->status : 0; }
@@ -50,6 +52,7 @@ class ApiTest : public testing::Test {
         options.gate.anonymous.name = "nobody";
         Gateway::Port port;
         port.publish = [this](mqtt::Message message) {
+            if (queue_full_) return false;
             published_.push_back(std::move(message));
             return true;
         };
@@ -121,6 +124,7 @@ class ApiTest : public testing::Test {
 
     std::chrono::milliseconds time_{0};
     bool urgent_ready_ = false;
+    bool queue_full_ = false;  // to the broker
     std::vector<mqtt::Message> published_;
     std::unique_ptr<Gateway> gateway_;
 };

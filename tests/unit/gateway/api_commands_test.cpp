@@ -88,6 +88,58 @@ TEST_F(ApiTest, IdempotencyKey_TwiceIsOneCommandAndAnotherCommandIsRefused) {
     EXPECT_EQ(get("/api/commands/k2")->status(), 404);
 }
 
+TEST_F(ApiTest, QueueToTheBrokerFull_IsAnsweredAtOnceAndCanBeSentAgain) {
+    announce();
+    const std::string path = "/api/boards/uno1/services/servo/commands/write";
+    queue_full_ = true;
+    const auto full = ask("POST", path, "[0,90]", {{"idempotency-key", "k1"}});
+    ASSERT_EQ(full->status(), 429);
+    EXPECT_EQ(full->header("Retry-After"), "1");
+    EXPECT_EQ(full->body()["reason"], "queue-full");
+    EXPECT_THAT(full->detail(), HasSubstr("was not sent"));
+    EXPECT_EQ(get("/api/commands/k1")->body()["answer"]["reason"], "queue-full");
+    EXPECT_EQ(ask("POST", "/api/boards/uno1/raw", R"({"lines":["I,d,13,1"]})")->status(), 429);
+    EXPECT_EQ(ask("POST", "/api/boards/uno1/stop")->status(), 207);
+    queue_full_ = false;
+    const auto again = ask("POST", path, "[0,90]", {{"idempotency-key", "k1"}});
+    ASSERT_EQ(again->status(), 0) << "it is on its way";
+    answer(R"({"status":"ok","proof":"fence"})");
+    EXPECT_EQ(again->status(), 200);
+}
+
+TEST_F(ApiTest, QueueToTheBrokerFull_AWebSocketIsAnsweredAtOnce) {
+    announce();
+    const auto socket = ask("GET", "/api/stream", "",
+                            {{"upgrade", "websocket"},
+                             {"connection", "Upgrade"},
+                             {"sec-websocket-version", "13"},
+                             {"sec-websocket-key", "dGhlIHNhbXBsZSBub25jZQ=="}});
+    ASSERT_TRUE(socket->channel);
+    queue_full_ = true;
+    socket->channel->received(R"({"command":"uno1/servo","write":[0,90],"id":"7"})");
+    std::string text;
+    ASSERT_TRUE(socket->channel->take(text));
+    const auto refused = json::parse(text);
+    EXPECT_EQ(refused["id"], "7");
+    EXPECT_EQ(refused["status"], "refused");
+    EXPECT_EQ(refused["reason"], "queue-full");
+    queue_full_ = false;
+    socket->channel->received(R"({"command":"uno1/servo","renew":true,"id":"7"})");
+    EXPECT_EQ(published_.size(), 1u);
+    queue_full_ = true;
+    socket->channel->received(R"({"command":"uno1/servo","renew":true,"id":"7"})");
+    ASSERT_TRUE(socket->channel->take(text)) << text;
+    EXPECT_EQ(json::parse(text)["reason"], "queue-full");
+}
+
+TEST_F(ApiTest, QueueToTheBrokerFull_ARegistryIsNotWaitedFor) {
+    announce();
+    queue_full_ = true;
+    const auto history = get("/api/boards/uno1/history");
+    pass(1ms);
+    EXPECT_EQ(history->status(), 503);
+}
+
 TEST_F(ApiTest, LateAnswer_IsFoundAfterThe504) {
     announce();
     const auto sent = ask("POST", "/api/boards/uno1/services/servo/commands/write?deadline_ms=100", "[0,90]");

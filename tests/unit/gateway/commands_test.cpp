@@ -56,7 +56,7 @@ TEST_F(CommandsTest, Urgent_ItsAnswerComesPastThoseOfOthers) {
 
 TEST_F(CommandsTest, AsManyKeptAsMayBe_OnlyWhatIsUrgentIsTaken) {
     for (std::size_t i = 0; i < Commands::kMaxRecords; ++i) {
-        const Commands::Start one{"s1", std::to_string(i), "anna", "uno1/servo", "asip/uno1/servo/in", "{}"};
+        Commands::Start one{"s1", std::to_string(i), "anna", "uno1/servo", "asip/uno1/servo/in", "{}"};
         commands_.start(
             one, true, at(0ms), [](const CommandRecord&) {}, message_);
     }
@@ -114,6 +114,34 @@ TEST_F(CommandsTest, Repeated_IsNotPublishedAgainAndGetsTheSameAnswer) {
 TEST_F(CommandsTest, SameIdAnotherCommand_IsRefused) {
     send("s1", "7");
     EXPECT_EQ(send("s1", "7", R"({"write":[0,91]})"), Commands::Started::kIdReused);
+}
+
+TEST_F(CommandsTest, Refused_IsNotRememberedAndTheSameAgainIsSent) {
+    int before = 0;
+    commands_.before_again = [&] { ++before; };
+    send("s1", "7");
+    commands_.take(answer(R"({"status":"refused","reason":"queue-full"})"), at(5ms));
+    ASSERT_EQ(done_.size(), 1u);
+    EXPECT_EQ(commands_.find("s1", "7")->reply->reason, "queue-full") << "and yet it can be asked for";
+    EXPECT_EQ(send("s1", "7"), Commands::Started::kPublish);
+    EXPECT_EQ(before, 1);
+    EXPECT_FALSE(commands_.find("s1", "7")->reply) << "under way";
+    commands_.take(answer(R"({"status":"ok"})"), at(6ms));
+    EXPECT_TRUE(done_.back().reply->succeeded());
+    commands_.tick(at(61s));
+    EXPECT_EQ(commands_.size(), 0u);
+}
+
+TEST_F(CommandsTest, NotPublished_IsRefusedAtOnce) {
+    Commands::Start start{"s1", "", "anna", "uno1/servo", "asip/uno1/servo/in", "{}"};
+    commands_.start(
+        start, true, at(0ms), [this](const CommandRecord& record) { done_.push_back(record); }, message_);
+    commands_.not_published(start, at(0ms));
+    ASSERT_EQ(done_.size(), 1u);
+    EXPECT_EQ(done_[0].reply->reason, "queue-full");
+    EXPECT_EQ(done_[0].reply->by, "anna");
+    EXPECT_EQ(commands_.counters().refused, 1u);
+    EXPECT_EQ(commands_.find("s1", start.id)->reply->reason, "queue-full");
 }
 
 TEST_F(CommandsTest, NobodyAnswers_TimeoutAndALateAnswerIsStillKept) {
