@@ -17,6 +17,7 @@ namespace {
 namespace log = program::log;
 
 constexpr Duration kSoon = std::chrono::milliseconds(1);
+constexpr Duration kLastWords = std::chrono::milliseconds(10);  // of WebSockets
 constexpr Duration kTick = std::chrono::milliseconds(100);
 constexpr Duration kTokensCheck = std::chrono::milliseconds(250);
 
@@ -181,8 +182,8 @@ void Application::schedule_tick() {
 }
 
 void Application::stop() {
-    server_->stop();
     gateway_->leave();
+    server_->stop();
     urgent_->stop(std::chrono::seconds(1), [] {});
     client_->stop(std::chrono::seconds(2), [this] { end(); });
 }
@@ -190,7 +191,8 @@ void Application::stop() {
 void Application::end() {
     timer_.cancel();
     stop_signal_->cancel();
-    io_.stop();
+    soon_.expires_after(kLastWords);
+    soon_.async_wait([this](const boost::system::error_code&) { io_.stop(); });
 }
 
 }  // namespace asip::gateway

@@ -102,6 +102,11 @@ void Gateway::publish_all(std::vector<mqtt::Message> messages) {
 
 void Gateway::leave() {
     publish_all(demander_.leave());
+    commands_.leave(now());
+    for (auto& question : questions_)
+        if (const auto done = std::exchange(question.done, {})) done(nullptr);
+    for (auto& wait : std::exchange(waits_, {}))
+        wait.done();
 }
 
 void Gateway::message(const mqtt::Message& message) {

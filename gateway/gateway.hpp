@@ -69,7 +69,7 @@ class Gateway {
     void request(const http::Request& request, const http::Reply& reply);
     void subscribed();
     void disconnected();
-    /// The program ends: nothing is demanded any more.
+    /// The program ends: nothing is demanded any more, and nobody waits for an answer.
     void leave();
     void message(const mqtt::Message& message);
     /// Call ten times a second.

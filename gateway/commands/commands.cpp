@@ -135,6 +135,15 @@ void Commands::tick(const Instant& now) {
     }
 }
 
+void Commands::leave(const Instant& now) {
+    for (auto& [key, entry] : entries_) {
+        if (entry.answered) continue;
+        auto reply = bus::Reply::timeout(kNoAnswer);
+        reply.error = "the gateway ended before the answer: the command may or may not have been executed";
+        finish(entry, std::move(reply), now.time);
+    }
+}
+
 const CommandRecord* Commands::find(std::string_view session, std::string_view id) const {
     const auto found = entries_.find(bus_id(session, id));
     return found == entries_.end() ? nullptr : &found->second.record;

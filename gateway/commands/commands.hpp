@@ -69,6 +69,8 @@ class Commands {
     /// False: it answers no command of ours.
     bool take(const mqtt::Message& message, const Instant& now);
     void tick(const Instant& now);
+    /// This program ends: whoever waits is answered, as far as is known.
+    void leave(const Instant& now);
     /// Null: not known, or longer ago than a minute.
     const CommandRecord* find(std::string_view session, std::string_view id) const;
     /// Where a command was sent to; empty: not known.

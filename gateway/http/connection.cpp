@@ -63,6 +63,18 @@ void Connection::close() {
     source_.reset();
 }
 
+void Connection::leave() {
+    if (websocket_) {
+        --shared_->counters.websockets;
+        std::exchange(websocket_, nullptr)->leave();
+    } else if (phase_ == Phase::kStreaming && !write_pending_ && !old_client_) {
+        static constexpr std::string_view kEnd = "0\r\n\r\n";
+        asio::async_write(transport_, asio::buffer(kEnd.data(), kEnd.size()),
+                          [self = shared_from_this()](const ErrorCode&, std::size_t) {});
+    }
+    close();
+}
+
 void Connection::sweep(Time now) {
     if (closed() || !deadline_ || now < *deadline_) return;
     ++shared_->counters.timed_out;

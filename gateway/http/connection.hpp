@@ -26,6 +26,8 @@ class Connection final : public Responder, public std::enable_shared_from_this<C
 
     void start(boost::asio::ssl::context* tls);
     void close();
+    /// The server ends: closes, and tells streams and WebSockets.
+    void leave();
     /// Closes what is too slow. Call a few times a second.
     void sweep(Time now);
     bool closed() const { return phase_ == Phase::kClosed; }

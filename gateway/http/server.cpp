@@ -92,7 +92,7 @@ class Server::Impl : public std::enable_shared_from_this<Impl> {
             acceptor.close(ignored);
         timer_.cancel();
         for (auto& connection : std::exchange(connections_, {}))
-            connection->close();
+            connection->leave();
     }
 
     std::vector<std::string> addresses() const { return addresses_; }

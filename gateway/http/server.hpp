@@ -144,7 +144,7 @@ class Server {
     ~Server();
 
     void start();
-    /// Accepts no more and closes every connection.
+    /// Accepts no more and closes every connection; streams and WebSockets (1001) are told.
     void stop();
     /// The addresses as bound, with the port that was chosen for port 0.
     std::vector<std::string> addresses() const;

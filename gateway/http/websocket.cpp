@@ -61,7 +61,7 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
     void run(const Request& request) {
         request_ = beast_request(request);
         stream_.async_accept(request_, [self = shared_from_this()](const beast::error_code& error) {
-            if (error) return self->end();
+            if (error || !self->channel_) return self->end();
             self->request_ = {};
             self->open_ = true;
             self->channel_->wake = [weak = self->weak_from_this()] {
@@ -70,6 +70,12 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
             self->read();
             self->pump();
         });
+    }
+
+    void leave() override {
+        close_with(websocket::close_code::going_away);
+        if (channel_) channel_->wake = [] {};
+        channel_.reset();
     }
 
     void close() override {

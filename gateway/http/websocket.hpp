@@ -12,6 +12,8 @@ class WebSocket {
   public:
     virtual ~WebSocket() = default;
     virtual void close() = 0;
+    /// The server ends: a close frame behind what is being sent, and nothing of the channel any more.
+    virtual void leave() = 0;
 
     /// Answers the upgrade and serves `channel` until the end, then calls `ended` once. `request` must be a
     /// valid upgrade: see is_upgrade().
