@@ -54,10 +54,10 @@ bool InFlight::conflicts(const Request& next, bool verified) const {
     return std::any_of(items.begin(), items.end(), [&](const Item& item) {
         const Request& one = item.request;
         if (one.service() != next.service() || one.tag() != next.tag()) return false;
-        if (!one.prove && !next.prove) return false;
         // An error goes to its client at once, so it must be known whose it is before the digest comes.
-        const bool one_client = one.client == next.client && (one.id == 0) == (next.id == 0);
-        return !verified || !one_client || !plain(one) || !plain(next);
+        if (one.client != next.client || (one.id == 0) != (next.id == 0)) return true;
+        if (!one.prove && !next.prove) return false;
+        return !verified || !plain(one) || !plain(next);
     });
 }
 

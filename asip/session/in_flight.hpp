@@ -16,8 +16,9 @@ namespace asip::session {
 /// What was sent and has not ended: batches of requests, each closed by a fence, and requests that were
 /// executed and wait for their value. Decides how each ends.
 ///
-/// An error of the board names one request of a batch: they differ in service or tag. Where the fence is a
-/// verified one, requests of one client need not differ: the digest tells which of them had an error.
+/// An error of the board names one request of a batch: they differ in service or tag. Requests of one client
+/// need not differ where nobody wants their proof, or where the fence is a verified one: the digest tells
+/// which of them had an error.
 class InFlight {
   public:
     /// What a line from the board meant to us.

@@ -16,6 +16,7 @@ namespace asip::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 /// A blocking TCP client with nothing of ours in it.
 class Socket {
@@ -93,6 +94,33 @@ TEST(AgentClients, PlainAndJavaClientsAtOnce_BothTalkToTheBoard) {
     ASSERT_GE(at, 2u);
     EXPECT_EQ(java.received[at - 1], char(43)) << "two bytes of length before it";
     EXPECT_TRUE(probe.wait_for("asip/uno1/out", "@#,?,0,4,ATmega328P,20,AsipServices")) << "alongside MQTT";
+}
+
+/// Two clients send lines that look alike, one of them what the board refuses: whose errors go where.
+TEST(AgentClients, PlainLinesOfTwoLookAlike_ErrorsGoToTheirSenderAlone) {
+    for (const char* image : {"asip_uno_services", "asip_uno_04_services"}) {
+        MosquittoBroker broker;
+        SimulatedUno uno(image);
+        BusProbe probe(broker.port());
+        const auto port = free_port();
+        Agent agent(broker, uno.port(), {"--listen", std::to_string(port)});
+        ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+        Socket good(port), bad(port);
+        for (Socket* const client : {&good, &bad}) {
+            client->send("#,?\n");
+            ASSERT_TRUE(client->receive("@#,?")) << image;
+            client->received.clear();
+        }
+        for (int i = 0; i < 20; ++i) {
+            good.send("I,d,13,1\n");
+            bad.send("I,d,99,1\n");
+            ASSERT_TRUE(bad.receive("~I,d,")) << image << ' ' << i;
+            bad.received.clear();
+        }
+        good.send("#,?\n");
+        ASSERT_TRUE(good.receive("@#,?")) << image;
+        EXPECT_THAT(good.received, Not(HasSubstr("~"))) << image;
+    }
 }
 
 TEST_F(AgentOnPort, ClientThatDoesNotRead_IsDroppedAndTheOthersStay) {

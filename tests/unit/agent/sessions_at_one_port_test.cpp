@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <map>
@@ -103,6 +104,24 @@ TEST_P(SessionsAtOnePort, OneSendsWhatIsRefused_EachGetsItsOwnOutcomes) {
         EXPECT_EQ(one.ends[good], Ending::kExecuted) << i;
         ASSERT_TRUE(two.ends.contains(bad)) << i;
         EXPECT_EQ(two.ends[bad], Ending::kBoardError) << i;
+    }
+}
+
+TEST_P(SessionsAtOnePort, PlainLinesOfTwoLookAlike_AnErrorGoesToItsOwnAlone) {
+    constexpr session::ClientId kGood = 3, kBad = 4;
+    bench.lines_for_one.clear();
+    bench.client_lines.clear();
+    for (int i = 0; i < 20; ++i) {
+        bench.client_says("S,W,0,9", kGood);
+        bench.client_says("S,W,9,9", kBad);
+        bench.client_says("S,W,1,9", kGood);
+        bench.pass(300ms);
+    }
+    EXPECT_THAT(bench.client_lines, testing::IsEmpty()) << "nothing to all";
+    EXPECT_EQ(bench.lines_for_one.size(), 20u);
+    for (const auto& line : bench.lines_for_one) {
+        EXPECT_EQ(line.client, kBad);
+        EXPECT_EQ(line.line, "~S,W,7{INVALID_DEVICE_NUMBER}");
     }
 }
 

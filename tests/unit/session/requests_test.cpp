@@ -88,6 +88,28 @@ TEST_P(EachGeneration, AlikeRequestsAtOnce_EachEndsWithItsOwnOutcome) {
     EXPECT_LE(bench.most_in_flight, BoardSession::kReceiveBufferBytes);
 }
 
+TEST_P(EachGeneration, UnprovenRequestsOfTwoClientsLookAlike_ErrorGoesToItsOwnAlone) {
+    bench.board.replies["S,W,9,1"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.owned_lines.clear();
+    for (int i = 0; i < 20; ++i) {
+        bench.hold();
+        const auto first = bench.request("S,W,0,1", {.client = 1, .prove = false});
+        bench.request("S,W,9,1", {.client = 2, .prove = false});
+        const auto last = bench.request("S,W,0,2", {.client = 1, .prove = false});
+        bench.release();
+        bench.pass(300ms);
+        for (const auto good : {first, last}) {
+            ASSERT_NE(bench.end_of(good), nullptr) << i;
+            EXPECT_EQ(bench.end_of(good)->ending, Ending::kUnproven) << i;
+        }
+    }
+    ASSERT_EQ(bench.owned_lines.size(), 20u);
+    for (const auto& [line, owner] : bench.owned_lines)
+        EXPECT_EQ(owner, ClientId{2}) << line;
+}
+
 TEST_P(EachGeneration, ThousandRequestsOfManyClients_NeverMoreThanTheBufferInFlight) {
     bench.plug();
     ASSERT_TRUE(bench.ready_within());
