@@ -32,7 +32,7 @@ Expected<bus::Query> query_of(const Call& call, const char* find) {
         if (name == "kind" || name == "state") {
             add_list(object, name, value);
         } else if (name == "limit") {
-            const auto limit = number_parameter(call, "limit", 100, 1, 1e9);
+            const auto limit = whole_parameter(call, "limit", 100, 1, 1'000'000'000);
             if (!limit) return Unexpected<std::string>(limit.error());
             object[name] = static_cast<std::uint64_t>(*limit);
         } else if (name == "full" || name == "count" || name == "brief") {
@@ -66,9 +66,9 @@ void ask_history(Call& call, const std::string& board) {
     if (!bus_is_there(call)) return;
     json query{{"find", "history"}};
     if (!board.empty()) query["board"] = board;
-    const auto limit = number_parameter(call, "limit", 100, 1, 1000);
+    const auto limit = whole_parameter(call, "limit", 100, 1, 1000);
     if (!limit) return send_problem(call, 400, limit.error());
-    query["limit"] = static_cast<std::uint64_t>(*limit);
+    query["limit"] = *limit;
     if (const auto* cursor = call.request.parameter("cursor")) query["cursor"] = *cursor;
     auto reply = call.reply;
     auto rights = call.principal.rights;

@@ -110,18 +110,33 @@ bool not_modified(const Call& call, const std::string& etag) {
     return true;
 }
 
-Expected<double> number_parameter(const Call& call, std::string_view name, double fallback, double min,
-                                  double max) {
+namespace {
+
+template <class Number>
+Expected<Number> parameter(const Call& call, std::string_view name, Number fallback, Number min, Number max,
+                           const char* kind) {
     const auto* text = call.request.parameter(name);
     if (text == nullptr) return fallback;
-    double value = 0;
+    Number value{};
     const auto* end = text->data() + text->size();
     const auto [rest, error] = std::from_chars(text->data(), end, value);
     if (error != std::errc() || rest != end || !(value >= min && value <= max)) {
-        const auto shown = [](double bound) { return model::dump_json(json(static_cast<long>(bound))); };
-        return fail(std::string(name) + ": must be a number from " + shown(min) + " to " + shown(max));
+        const auto shown = [](Number bound) { return std::to_string(static_cast<std::int64_t>(bound)); };
+        return fail(std::string(name) + ": must be a " + kind + " from " + shown(min) + " to " + shown(max));
     }
     return value;
+}
+
+}  // namespace
+
+Expected<double> number_parameter(const Call& call, std::string_view name, double fallback, double min,
+                                  double max) {
+    return parameter(call, name, fallback, min, max, "number");
+}
+
+Expected<std::int64_t> whole_parameter(const Call& call, std::string_view name, std::int64_t fallback,
+                                       std::int64_t min, std::int64_t max) {
+    return parameter(call, name, fallback, min, max, "whole number");
 }
 
 }  // namespace asip::gateway::api

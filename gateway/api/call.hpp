@@ -52,5 +52,8 @@ bool not_modified(const Call& call, const std::string& etag);
 /// A number within bounds from a query parameter; `fallback` where it is missing. Error: a sentence.
 Expected<double> number_parameter(const Call& call, std::string_view name, double fallback, double min,
                                   double max);
+/// The same of a whole number.
+Expected<std::int64_t> whole_parameter(const Call& call, std::string_view name, std::int64_t fallback,
+                                       std::int64_t min, std::int64_t max);
 
 }  // namespace asip::gateway::api

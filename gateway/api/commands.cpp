@@ -65,10 +65,9 @@ namespace {
 
 Expected<Duration> deadline_of(const Call& call) {
     const auto ms =
-        number_parameter(call, "deadline_ms", 5000, static_cast<double>(bus::kMinDeadline.count()),
-                         static_cast<double>(bus::kMaxDeadline.count()));
+        whole_parameter(call, "deadline_ms", 5000, bus::kMinDeadline.count(), bus::kMaxDeadline.count());
     if (!ms) return Unexpected<std::string>(ms.error());
-    return std::chrono::milliseconds(static_cast<long>(*ms));
+    return std::chrono::milliseconds(*ms);
 }
 
 bool valid_key(std::string_view key) {
@@ -147,7 +146,7 @@ void post_command(Call& call) {
     auto payload = json::object();
     payload[command] = std::move(*arguments);
     const auto model = model_of(call, *board, service->name);
-    const auto hold = number_parameter(call, "hold_ms", 0, 50, 60'000);
+    const auto hold = whole_parameter(call, "hold_ms", 0, 50, 60'000);
     if (!hold) return send_problem(call, 400, hold.error());
     if (const auto fault = wrong(model, *service, command, payload))
         return send_problem(call, fault->first, fault->second);
@@ -155,7 +154,7 @@ void post_command(Call& call) {
         return call.reply.send(
             problem(503, "board " + board->board + " is " + board->state, {{"reason", "board-not-there"}}));
     }
-    if (*hold > 0) payload["hold_ms"] = static_cast<int>(*hold);
+    if (*hold > 0) payload["hold_ms"] = *hold;
     start(call, board->board + "/" + service->name,
           call.gateway.mirror().topics().service_in(board->board, service->name), std::move(payload));
 }

@@ -81,11 +81,11 @@ void post_renew(Call& call) {
     if (!bus_is_there(call)) return;
     const auto& id = call.path.find("id")->second;
     const auto session = session_of(call);
-    std::optional<int> hold;
+    std::optional<std::int64_t> hold;
     if (call.request.parameter("hold_ms") != nullptr) {
-        const auto ms = number_parameter(call, "hold_ms", 0, 50, 60'000);
+        const auto ms = whole_parameter(call, "hold_ms", 0, 50, 60'000);
         if (!ms) return send_problem(call, 400, ms.error());
-        hold = static_cast<int>(*ms);
+        hold = *ms;
     }
     const auto topic = call.gateway.commands().topic_of(session, id);
     if (topic.empty())

@@ -44,6 +44,10 @@ TEST_F(ApiTest, ArgumentsThatDoNotFit_AreRefusedBeforeTheyAreSent) {
     EXPECT_EQ(ask("POST", "/api/boards/uno1/services/servo/commands/write", "[0,")->status(), 400);
     EXPECT_EQ(ask("POST", "/api/boards/uno1/services/servo/commands/write?deadline_ms=7", "[0,90]")->status(),
               400);
+    const auto part =
+        ask("POST", "/api/boards/uno1/services/servo/commands/write?deadline_ms=99.5", "[0,90]");
+    EXPECT_EQ(part->detail(), "deadline_ms: must be a whole number from 50 to 60000");
+    EXPECT_EQ(get("/api/boards?limit=1.5")->status(), 400);
     EXPECT_TRUE(published_.empty());
     ask("POST", "/api/boards/uno1/services/servo/commands/write", R"({"servo":0,"angle":90})");
     EXPECT_EQ(published_.size(), 1u);
