@@ -20,6 +20,11 @@ bool is_reserved(std::string_view name) {
     return std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end();
 }
 
+// A folder in a path and in a web address: whoever asked for the board would get something else.
+bool is_folder(std::string_view name) {
+    return name == "." || name == "..";
+}
+
 std::string quoted(std::string_view text) {
     return "'" + text::printable(text) + "'";
 }
@@ -27,7 +32,7 @@ std::string quoted(std::string_view text) {
 }  // namespace
 
 bool valid_name(std::string_view name) {
-    return !name.empty() && name.size() <= kMaxNameBytes &&
+    return !name.empty() && name.size() <= kMaxNameBytes && !is_folder(name) &&
            std::all_of(name.begin(), name.end(), is_name_byte);
 }
 
@@ -41,6 +46,7 @@ std::string explain_board_name(std::string_view name) {
         return quoted(name) + " is " + std::to_string(name.size()) + " bytes long; at most 64 are allowed";
     }
     if (is_reserved(name)) return quoted(name) + " is reserved";
+    if (is_folder(name)) return quoted(name) + " is a folder in paths and addresses, and no name";
     if (valid_name(name)) return {};
     return quoted(name) + " is not a name: allowed are letters, digits and . _ -";
 }
@@ -57,7 +63,7 @@ std::string suggest_name(std::string_view text) {
     }
     while (!name.empty() && name.back() == '-')
         name.pop_back();
-    if (name.empty()) return "board";
+    if (name.empty() || is_folder(name)) return "board";
     return is_reserved(name) ? name + "-board" : name;
 }
 

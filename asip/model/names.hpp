@@ -10,7 +10,8 @@ inline constexpr std::size_t kMaxNameBytes = 64;
 /// Of the name that a board can keep in its EEPROM.
 inline constexpr std::size_t kMaxStoredNameBytes = 32;
 
-/// Whether `name` may name a service, a registry or a session: 1 to 64 of `A-Z a-z 0-9 . _ -`.
+/// Whether `name` may name a service, a registry or a session: 1 to 64 of `A-Z a-z 0-9 . _ -`, and
+/// neither `.` nor `..`.
 bool valid_name(std::string_view name);
 
 /// Whether `name` may name a board: a valid_name() that is none of the reserved `servicebus` and `registry`,

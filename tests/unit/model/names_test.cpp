@@ -15,8 +15,10 @@ TEST(ValidName, LettersDigitsDotUnderscoreDash_AreAllowed) {
 }
 
 TEST(ValidName, AnythingElse_IsNot) {
-    for (const std::string_view name : {"", "a b", "a/b", "a+", "#", "$state", "\xc3\xa4", "a\n", "a{"})
+    for (const std::string_view name :
+         {"", "a b", "a/b", "a+", "#", "$state", "\xc3\xa4", "a\n", "a{", ".", ".."})
         EXPECT_FALSE(valid_name(name)) << name;
+    EXPECT_TRUE(valid_name("...")) << "which is no folder";
     EXPECT_FALSE(valid_name(std::string(65, 'x')));
     EXPECT_FALSE(valid_name(std::string_view("a\0b", 3)));
 }
@@ -33,6 +35,7 @@ TEST(ExplainBoardName, EachFault_HasItsSentence) {
     EXPECT_EQ(explain_board_name("uno1"), "");
     EXPECT_EQ(explain_board_name(""), "the name is empty");
     EXPECT_EQ(explain_board_name("registry"), "'registry' is reserved");
+    EXPECT_EQ(explain_board_name(".."), "'..' is a folder in paths and addresses, and no name");
     EXPECT_EQ(explain_board_name("a\x1b b"),
               "'a\\x1b b' is not a name: allowed are letters, digits and . _ -");
     EXPECT_LT(explain_board_name(std::string(100000, 'x')).size(), 200u);
@@ -43,6 +46,7 @@ TEST(SuggestName, AnyText_GivesAValidName) {
     EXPECT_EQ(suggest_name("/dev/ttyACM0"), "dev-ttyACM0");
     EXPECT_EQ(suggest_name("registry"), "registry-board");
     EXPECT_EQ(suggest_name("\xff\xfe"), "board");
+    EXPECT_EQ(suggest_name("/../"), "board");
     for (const auto& text : {std::string(200, 'a'), std::string(200, ' '), std::string("$$$"),
                              std::string("servicebus/"), std::string(63, 'a') + " b"}) {
         EXPECT_TRUE(valid_board_name(suggest_name(text))) << text;
