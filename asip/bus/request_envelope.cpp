@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "asip/bus/broken_request.hpp"
 #include "asip/model/json.hpp"
 
 namespace asip::bus {
@@ -90,7 +91,11 @@ Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request
         return bad(std::move(envelope.reply), "the JSON is nested too deeply");
     }
     auto object = json::parse(request.payload, nullptr, false);
-    if (!object.is_object()) return bad(std::move(envelope.reply), "the request is not valid JSON");
+    if (!object.is_object()) {
+        BrokenRequest broken = read_broken_request(request.payload);
+        take_reply_members(broken.members, envelope.reply);
+        return bad(std::move(envelope.reply), std::move(broken.error));
+    }
     if (auto reason = take_reply_members(object, envelope.reply); !reason.empty()) {
         return bad(std::move(envelope.reply), std::move(reason));
     }

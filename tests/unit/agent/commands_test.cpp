@@ -68,6 +68,24 @@ TEST_F(OnlineBridge, BadCommands_AreRefusedWithAReasonAndNothingIsSent) {
     EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}})["status"], "ok");
 }
 
+TEST_F(OnlineBridge, RequestThatIsNoJson_IsRefusedWhereItsAnswerIsWanted) {
+    bench.hear("asip/uno1/io/in", R"({"write":[13,1],"deadline_ms":1e400,"id":"7","reply_to":"answers"})");
+    mqtt::Message message;
+    message.topic = "asip/uno1/io/in";
+    message.payload = "{\"write\":\"\xff\"";
+    message.response_topic = "answers";
+    message.correlation = "c";
+    bench.hear(message);
+    const auto answers = bench.on("answers");
+    ASSERT_EQ(answers.size(), 2u);
+    EXPECT_EQ(json::parse(answers[0]), json::parse(R"({"status":"refused","reason":"invalid","id":"7",
+        "error":"a number in the request is too large"})"));
+    EXPECT_EQ(json::parse(answers[1])["reason"], "invalid");
+    EXPECT_EQ(bench.published.back().message.correlation, "c");
+    EXPECT_THAT(bench.on("asip/uno1/io/error"), IsEmpty());
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
 TEST_F(OnlineBridge, ServiceTheBoardDoesNotHave_IsRefused) {
     EXPECT_EQ(bench.ask("asip/uno1/tone/in", {{"play", {440, 100}}})["status"], "refused");
 }

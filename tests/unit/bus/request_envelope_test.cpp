@@ -101,6 +101,51 @@ TEST(Envelope, IdThatIsNone_RequesterNamedByReplyToIsStillKnown) {
     }
 }
 
+TEST(Envelope, NumberTooLarge_RequesterIsKnownWhereverItStands) {
+    for (const char* payload :
+         {R"({"deadline_ms":1e400,"write":[13,1],"id":"7","by":"anna","reply_to":"mine"})",
+          R"({"id":"7","by":"anna","reply_to":"mine","write":[13,-2.5e999,{"x":1e400}]})",
+          R"({"id":"7","write":[1e400,1e400],"by":"anna","reply_to":"mine","hold_ms":1e400})"}) {
+        const auto envelope = open_envelope(request(payload));
+        ASSERT_FALSE(envelope) << payload;
+        EXPECT_EQ(envelope.error().reply, (ReplyTo{"mine", "", "7", "anna"})) << payload;
+        EXPECT_EQ(envelope.error().error, "a number in the request is too large");
+    }
+    const auto as_id = open_envelope(request(R"({"id":1e400,"reply_to":"mine"})"));
+    ASSERT_FALSE(as_id);
+    EXPECT_EQ(as_id.error().reply, (ReplyTo{"mine", "", ""}));
+    std::string many = R"({"reply_to":"mine","write":[0)";
+    while (many.size() < kMaxRequestBytes - 20)
+        many += ",1e400";
+    const auto of_many = open_envelope(request(many + R"(],"id":"7"})"));
+    ASSERT_FALSE(of_many);
+    EXPECT_EQ(of_many.error().reply, (ReplyTo{"mine", "", ""}));
+}
+
+TEST(Envelope, BrokenJson_RequesterIsKnownFromWhatStandsBeforeTheFault) {
+    const std::string start = R"({"id":7,"reply_to":"mine")";
+    for (const std::string& rest :
+         {std::string(), std::string(R"(,"write":[13,1)"), std::string(",\"write\":\"\xff\"}"),
+          std::string(R"(,"write":[13,1]}})"), std::string(",\0}", 3), std::string(R"(,"write":01})")}) {
+        const auto envelope = open_envelope(request(start + rest));
+        ASSERT_FALSE(envelope) << rest;
+        EXPECT_EQ(envelope.error().reply, (ReplyTo{"mine", "", "7"})) << rest;
+        EXPECT_EQ(envelope.error().error, "the request is not valid JSON");
+    }
+    for (const char* payload : {R"({"x":{"reply_to":"mine","id":"7"})", R"({"reply_to":"a/#",)",
+                                R"({"write":[13,1],"reply_to":"min)", R"({"reply_to":["mine"],"id":)"}) {
+        const auto envelope = open_envelope(request(payload));
+        ASSERT_FALSE(envelope) << payload;
+        EXPECT_FALSE(envelope.error().reply.wanted()) << payload;
+    }
+    auto message = request(R"({"id":"7","reply_to":"other","write":[)");
+    message.response_topic = "mine";
+    message.correlation = "c";
+    const auto envelope = open_envelope(message);
+    ASSERT_FALSE(envelope);
+    EXPECT_EQ(envelope.error().reply, (ReplyTo{"mine", "c", "7"}));
+}
+
 TEST(Envelope, AtEachLimit_IsAcceptedAndOneBeyondIsRefused) {
     const auto nested = [](int depth) {
         const auto inner = static_cast<std::size_t>(depth - 1);
