@@ -5,6 +5,18 @@
 #include "asip/model/description.hpp"
 
 namespace asip::gateway::api {
+namespace {
+
+// A description that is wrong in one service's own model says the others' all the same.
+model::ServiceInfo info_of(const bus::ServiceItem& service) {
+    model::ServiceInfo info;
+    info.name = service.name;
+    info.id = service.id.empty() ? '\0' : service.id.front();
+    info.model = service.model;
+    return info;
+}
+
+}  // namespace
 
 model::ModelPtr BoardModels::find(const bus::BoardItem& board, std::string_view service,
                                   const Description& description) {
@@ -21,6 +33,8 @@ model::ModelPtr BoardModels::find(const bus::BoardItem& board, std::string_view 
                 entry.models[each.name] = models_.find(each.name);
             } else if (const auto* info = parsed ? parsed->service(each.name) : nullptr) {
                 entry.models[each.name] = bus::model_of(*info, models_);
+            } else if (!parsed) {
+                entry.models[each.name] = bus::model_of(info_of(each), models_);
             }
         }
     }

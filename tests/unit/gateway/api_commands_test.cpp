@@ -65,6 +65,18 @@ TEST_F(ApiTest, ServiceOfAnotherModel_CommandsAreCheckedByThatOne) {
     EXPECT_EQ(get("/api/boards/uno1/services/servo")->body()["model"]["name"], "distance");
 }
 
+TEST_F(ApiTest, OneServicesOwnModelIsWrong_TheOthersHaveTheirs) {
+    bus("asip/servicebus/uno1/$description",
+        R"({"board":"uno1","session":"s1","seq":1,"lease":60,"services":[)"
+        R"({"name":"servo","id":"S","model":"servo@1"},)"
+        R"({"name":"fan","id":"F","model":{"name":"X","version":1,"id":"F","commands":{}}}]})");
+    bus("asip/servicebus/uno1/$state", "online");
+    EXPECT_EQ(ask("POST", "/api/boards/uno1/services/servo/commands/write", "[0,181]")->status(), 400);
+    EXPECT_EQ(ask("POST", "/api/boards/uno1/services/servo/commands/write", "[0,90]")->status(), 0);
+    EXPECT_EQ(ask("POST", "/api/boards/uno1/services/fan/commands/go", "[1]")->status(), 404);
+    EXPECT_EQ(get("/api/boards/uno1/services/servo")->body()["model"]["name"], "servo");
+}
+
 TEST_F(ApiTest, MoreBoardsThanModelsAreKeptOf_EachIsCheckedByItsOwn) {
     for (std::size_t i = 0; i < api::BoardModels::kMaxBoards + 2; ++i) {
         const auto board = "b" + std::to_string(i);
