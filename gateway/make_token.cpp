@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <iostream>
 
+#include "asip/model/names.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/text/duration.hpp"
+#include "asip/text/printable.hpp"
 #include "gateway/application.hpp"
 
 namespace asip::gateway {
@@ -30,6 +32,9 @@ bool append(const std::string& path, const std::string& line) {
 int make_token(const TokenRequest& request) {
     auto rights = parse_role(request.role);
     if (!rights) return refuse(rights.error());
+    if (!model::valid_name(request.name))
+        return refuse("\"" + text::printable(request.name) +
+                      "\" is not a name: 1 to 64 of A-Z a-z 0-9 . _ -");
     rights->name = request.name;
     rights->boards = request.boards;
     rights->services = request.services;

@@ -51,6 +51,16 @@ TEST_F(GatewayTokens, Made_IsShownOnceKeptHashedAndReadableByItsOwnerOnly) {
     EXPECT_EQ(run({ASIP_PROGRAMS "/asip-gateway", "token", "viewr", "lab", "--tokens", file_}).status, 2);
 }
 
+TEST_F(GatewayTokens, NameThatIsNone_IsRefusedAndWritesNothing) {
+    const auto hash = std::string(64, '0');
+    for (const std::string& name : {std::string("x y"), std::string(), "a " + hash + "\nadmin b"}) {
+        const auto made = run({ASIP_PROGRAMS "/asip-gateway", "token", "viewer", name, "--tokens", file_});
+        EXPECT_EQ(made.status, 2) << name;
+        EXPECT_THAT(made.errors, HasSubstr("is not a name: 1 to 64 of"));
+        EXPECT_FALSE(std::filesystem::exists(file_)) << name;
+    }
+}
+
 TEST_F(GatewayTokens, Roles_AreKeptAndLoopbackIsNobody) {
     const auto viewer = make("viewer", "hall");
     const auto admin = make("admin", "root");
