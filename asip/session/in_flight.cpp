@@ -157,7 +157,7 @@ void InFlight::fences_back(std::size_t number, bool ambiguous, Time now, std::ve
     }
     Batch batch = std::move(batches_.front());
     batches_.pop_front();
-    if (!ambiguous) forget_owed(batch.number);
+    if (!ambiguous) forget_owed(batch);
     finish(std::move(batch), number > 0 || ambiguous, now, ended);
 }
 
@@ -170,20 +170,20 @@ void InFlight::finish(Batch batch, bool missing, Time now, std::vector<RequestEn
         } else if (item.error) {
             end(item, Ending::kBoardError, ended);
         } else if (item.value_error) {
-            end_without_value(item, false, ended);
+            end_without_value(item, Time::max(), ended);
         } else if (item.wants_value() && !item.has_value) {
             const Time latest = now + item.request.answer_time;
             const Time deadline = item.request.deadline;
-            awaiting_.push_back({std::move(item), std::min(deadline, latest), latest <= deadline});
+            awaiting_.push_back({std::move(item), std::min(deadline, latest), latest});
         } else {
             end(item, item.request.prove ? Ending::kExecuted : Ending::kUnproven, ended);
         }
     }
 }
 
-void InFlight::end(Item& item, Ending ending, std::vector<RequestEnd>& ended, bool was_sent) {
+void InFlight::end(Item& item, Ending ending, std::vector<RequestEnd>& ended, Time sent_by) {
     item.ended = true;
-    note_owed(item, ending, was_sent);
+    note_owed(item, ending, sent_by);
     RequestEnd end{std::move(item.request), ending};
     // What is left of it is still compared with what the board answers.
     item.request.line = end.request.line;
@@ -243,7 +243,7 @@ void InFlight::doubt() {
 
 void InFlight::expire(Time now, std::vector<RequestEnd>& ended) {
     for (Awaiting& awaiting : awaiting_)
-        if (now >= awaiting.until) end_without_value(awaiting.item, awaiting.to_the_end, ended);
+        if (now >= awaiting.until) end_without_value(awaiting.item, awaiting.latest, ended);
     std::erase_if(awaiting_, [](const Awaiting& awaiting) { return awaiting.item.ended; });
     if (now < earliest_) return;
     earliest_ = Time::max();

@@ -4,6 +4,7 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "asip/protocol/digest.hpp"
@@ -55,6 +56,14 @@ class InFlight {
     /// Whether one that waits for the same kind of event is under way: one event may be the end of both, and
     /// come too early for the second.
     bool awaits_value_of(const Request& next) const;
+
+    /// Whether a request is under way that sets the period of that service to 0.
+    bool turns_reports_off(char service) const;
+    /// Then the board has sent what others asked for that ended without it: a fence behind that moment shows
+    /// that it does not come any more. Time::min(): nobody did; Time::max(): not known.
+    Time owed_until(const Request& next) const;
+    /// Whether the value of such a request was seen to take longer than its fence.
+    bool comes_behind_fence(const Request& next) const;
 
     /// Whether the fence of some request is back and its value is not.
     bool awaits_values() const { return !awaiting_.empty(); }
@@ -109,7 +118,7 @@ class InFlight {
         std::uint64_t number;
         char service;
         char tag;
-        bool was_sent;        // it was waited for so long that its value is on the way at most
+        Time sent_by;         // the board has sent it then; Time::max(): not known
         std::uint64_t ended;  // as next_number_
     };
     /// An error that may belong to several requests of a batch.
@@ -131,7 +140,7 @@ class InFlight {
     struct Awaiting {
         Item item;
         Time until;
-        bool to_the_end;  // its value cannot come later than that
+        Time latest;  // the board has sent its value then
     };
 
     class Explanation;  // in_flight_digest.cpp
@@ -140,22 +149,24 @@ class InFlight {
     Item* find_question(const protocol::Event& event);
     void fences_back(std::size_t batch, bool ambiguous, Time now, std::vector<RequestEnd>& ended);
     void finish(Batch batch, bool missing, Time now, std::vector<RequestEnd>& ended);
-    void end(Item& item, Ending ending, std::vector<RequestEnd>& ended, bool was_sent = false);
+    void end(Item& item, Ending ending, std::vector<RequestEnd>& ended, Time sent_by = Time::max());
     bool note_value(const protocol::Event& event, const protocol::ParsedLine& line,
                     std::vector<RequestEnd>& ended);
-    void forget_owed(std::uint64_t fence);
-    void note_owed(const Item& item, Ending ending, bool was_sent);
+    void forget_owed(const Batch& batch);
+    void note_owed(const Item& item, Ending ending, Time sent_by);
     bool changes_period(char service) const;
+    void note_slow(const Item& item, bool slow);
     bool settle_owed(const protocol::Event& event, std::uint64_t oldest_taker);
     bool is_late(const protocol::Event& event) const;
     Meaning error_for_value(const protocol::ErrorReply& error);
-    void end_without_value(Item& item, bool was_sent, std::vector<RequestEnd>& ended);
+    void end_without_value(Item& item, Time sent_by, std::vector<RequestEnd>& ended);
     void remember_lost(const Fence& fence);
 
     std::deque<Batch> batches_;
     std::vector<Awaiting> awaiting_;
     std::deque<std::string> lost_tokens_;  // whose answers may still come
     std::vector<Owed> owed_;
+    std::vector<std::pair<char, char>> slow_;  // service and tag of values that come behind the fence
     std::uint64_t next_number_ = 1;
     std::size_t bytes_ = 0;
     Time earliest_ = Time::max();  // not after the first deadline of an item

@@ -27,10 +27,33 @@ bool InFlight::awaits_value_of(const Request& next) const {
            });
 }
 
+bool InFlight::comes_behind_fence(const Request& next) const {
+    const std::pair value(next.service(), next.answer_tag);
+    return std::find(slow_.begin(), slow_.end(), value) != slow_.end();
+}
+
+// Only a hint: it decides when such a request is sent, not what is believed.
+void InFlight::note_slow(const Item& item, bool slow) {
+    if (item.behind_fence) return;
+    const std::pair value(item.request.service(), item.request.answer_tag);
+    std::erase(slow_, value);
+    if (slow) slow_.push_back(value);
+}
+
 bool InFlight::changes_period(char service) const {
     return std::any_of(batches_.begin(), batches_.end(), [&](const Batch& batch) {
         return std::any_of(batch.items.begin(), batch.items.end(), [&](const Item& item) {
             return item.request.tag() == 'A' && item.request.service() == service;
+        });
+    });
+}
+
+bool InFlight::turns_reports_off(char service) const {
+    return std::any_of(batches_.begin(), batches_.end(), [&](const Batch& batch) {
+        return std::any_of(batch.items.begin(), batch.items.end(), [&](const Item& item) {
+            const std::string_view line = item.request.line;
+            return item.request.tag() == 'A' && item.request.service() == service &&
+                   line.substr(std::min(line.size(), std::string_view("D,A,").size())) == "0";
         });
     });
 }
@@ -48,22 +71,30 @@ bool InFlight::refutes(const protocol::Event& event) const {
            });
 }
 
-void InFlight::end_without_value(Item& item, bool was_sent, std::vector<RequestEnd>& ended) {
+void InFlight::end_without_value(Item& item, Time sent_by, std::vector<RequestEnd>& ended) {
     if (item.value_error) item.error = std::move(item.value_error);
     const bool known = item.error && !item.doubted;
-    end(item, known ? Ending::kBoardError : Ending::kNoValue, ended, was_sent);
+    end(item, known ? Ending::kBoardError : Ending::kNoValue, ended, sent_by);
 }
 
 // An event that comes late must not be taken for the answer to a younger request.
-void InFlight::note_owed(const Item& item, Ending ending, bool was_sent) {
+void InFlight::note_owed(const Item& item, Ending ending, Time sent_by) {
     if (!item.wants_value() || item.has_value || item.request.is_question()) return;
     if (ending == Ending::kExecuted || ending == Ending::kBoardError || owed_.size() >= kMaxOwed) return;
-    owed_.push_back({item.number, item.request.service(), item.request.answer_tag, was_sent, next_number_});
+    owed_.push_back({item.number, item.request.service(), item.request.answer_tag, sent_by, next_number_});
 }
 
 // What was on the way before a fence has come when the fence is back.
-void InFlight::forget_owed(std::uint64_t fence) {
-    std::erase_if(owed_, [&](const Owed& one) { return one.was_sent && one.ended <= fence; });
+void InFlight::forget_owed(const Batch& batch) {
+    std::erase_if(
+        owed_, [&](const Owed& one) { return one.sent_by <= batch.last_sent && one.ended <= batch.number; });
+}
+
+Time InFlight::owed_until(const Request& next) const {
+    Time until = Time::min();
+    for (const Owed& one : owed_)
+        if (one.service == next.service() && one.tag == next.answer_tag) until = std::max(until, one.sent_by);
+    return until;
 }
 
 // An event answers the oldest request for it, or one that ended before it came.
@@ -91,16 +122,21 @@ bool InFlight::note_value(const protocol::Event& event, const protocol::ParsedLi
     for (Awaiting& awaiting : awaiting_) {
         if (!answers(awaiting.item)) continue;
         take(awaiting.item);
+        note_slow(awaiting.item, true);
         end(awaiting.item, awaiting.item.doubted ? Ending::kDoubt : Ending::kExecuted, ended);
     }
     std::erase_if(awaiting_, [](const Awaiting& awaiting) { return awaiting.item.ended; });
-    for (Batch& batch : batches_)
-        for (Item& item : batch.items)
-            if (oldest_taker == kNone && !item.ended && answers(item) && !item.has_value &&
-                !item.behind_fence)
-                take(item);
-    const bool was_owed = settle_owed(event, oldest_taker);
-    return was_owed || oldest_taker != kNone;
+    bool waits = oldest_taker != kNone;
+    for (Batch& batch : batches_) {
+        for (Item& item : batch.items) {
+            if (oldest_taker != kNone || item.ended || !answers(item) || item.has_value) continue;
+            waits = true;
+            if (item.behind_fence) continue;
+            take(item);
+            note_slow(item, false);
+        }
+    }
+    return settle_owed(event, oldest_taker) || waits;
 }
 
 // The event could not be measured: an error with its tag comes in its place, before or behind the fence.

@@ -112,7 +112,7 @@ class Machine {
     Time deadline(const Ready& state) const;
     void pump(Time now, Actions& out);
     void switch_checksums();
-    bool reports_by_itself(const Request& request, Time now) const;
+    SelfReports self_reports(const Request& request) const;
     void note_report(const protocol::Event& event, Time now);
 
     void on_event(Down&, const protocol::Event&, std::string_view, Time, Actions&) {}

@@ -88,8 +88,7 @@ void Machine::pump(Time now, Actions& out) {
         write(wire_.switching_lines(wants_checksums()), now, out);
         queue_.forget_digest();
     }
-    write(queue_.pump(now, [&](const Request& request) { return reports_by_itself(request, now); }), now,
-          out);
+    write(queue_.pump(now, [&](const Request& request) { return self_reports(request); }), now, out);
     queue_.set_checksum_bytes(wire_.writes_checksums() ? Wire::kChecksumBytes : 0);
 }
 
@@ -103,17 +102,21 @@ void Machine::switch_checksums() {
     queue_.waiting().push_own(std::move(request));
 }
 
-bool Machine::reports_by_itself(const Request& request, Time now) const {
-    if (request.answer_tag == 0 || request.is_question()) return false;
+SelfReports Machine::self_reports(const Request& request) const {
+    if (request.answer_tag == 0 || request.is_question()) return {};
+    SelfReports reports;
     const auto known = std::find_if(reports_.begin(), reports_.end(), [&](const Report& report) {
         return report.service == request.service() && report.tag == request.answer_tag;
     });
-    const bool lately = known != reports_.end() && now < known->last + kReportsLast;
-    for (const NewPeriod& period : new_periods_)
-        if (period.service == request.service() && (period.in_doubt || now < period.at + kReportsLast))
-            return true;
-    if (const auto period = settings_.period(request.service())) return *period > 0 || lately;
-    return known != reports_.end();
+    if (known != reports_.end()) reports.until = known->last + kReportsLast;
+    for (const NewPeriod& period : new_periods_) {
+        if (period.service != request.service()) continue;
+        reports.until = period.in_doubt ? Time::max() : std::max(reports.until, period.at + kReportsLast);
+    }
+    const auto period = settings_.period(request.service());
+    if (period) reports.every = std::chrono::milliseconds(*period);
+    if (period ? *period > 0 : known != reports_.end()) reports.until = Time::max();
+    return reports;
 }
 
 // Of events that come without a request.

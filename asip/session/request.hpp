@@ -29,6 +29,12 @@ struct Request {
     bool changes_line() const { return service() == '#' && tag() == 'C'; }
 };
 
+/// The events of its tag that the board sends without being asked.
+struct SelfReports {
+    Time until = Time::min();  ///< then none is on its way any more; Time::max(): not known
+    Duration every{};          ///< their period; 0: none, or not known
+};
+
 /// How a request ended.
 struct RequestEnd {
     Request request;

@@ -65,9 +65,24 @@ void RequestQueue::send_probe(Time now, std::vector<std::string>& lines) {
     }
 }
 
+// A value that comes before its fence may be one of before: the last of reports that were turned off, or what
+// another was waiting for. A board that answers at once sends no other, so this is over first.
+bool RequestQueue::settles_first(const Request& next, const SelfReports& reports, Time now) {
+    if (next.answer_tag == 0 || next.is_question() || in_flight_.comes_behind_fence(next)) return false;
+    const bool ending = in_flight_.turns_reports_off(next.service());
+    const Time owed = in_flight_.owed_until(next);
+    const Time over = std::max(ending ? now : reports.until, owed);
+    if (over == Time::min() || over == Time::max()) return false;
+    if (over > now) {
+        if (over > std::max(next.deadline - next.answer_time, now + (next.deadline - now) / 2)) return false;
+        settled_at_ = std::min(settled_at_, over);
+        return true;
+    }
+    if (owed != Time::min() && !in_flight_.fence_out()) probe_wanted_ = true;
+    return ending || owed != Time::min();
+}
+
 bool RequestQueue::next_may_go(Time now, std::vector<std::string>& lines) {
-    if (waiting_.empty()) return false;
-    if (!waiting_.turn_to([&](const Request& one) { return !in_flight_.awaits_value_of(one); })) return false;
     const Request& next = waiting_.front();
     if (next_is_too_long_for(checksum_bytes_) || now >= next.deadline || (stalled_ && !next.urgent))
         return false;
@@ -126,6 +141,7 @@ InFlight::Meaning RequestQueue::on_error(const protocol::ErrorReply& error) {
 }
 
 void RequestQueue::on_time(Time now, Duration answer_timeout, std::vector<RequestEnd>& ended) {
+    if (now >= settled_at_) settled_at_ = Time::max();
     if (now >= waiting_.earliest_deadline())
         for (Request& request : waiting_.take_expired(now))
             ended.push_back({std::move(request), Ending::kNotSent, NotSent::kDeadline});
@@ -166,6 +182,7 @@ void RequestQueue::probe() {
 
 Time RequestQueue::next_deadline(Duration answer_timeout) const {
     Time deadline = std::min(waiting_.earliest_deadline(), in_flight_.next_deadline(answer_timeout));
+    deadline = std::min(deadline, settled_at_);
     if (!in_flight_.has_open_batch() || !(fences_.echo() || !in_flight_.fence_out())) return deadline;
     const Time fence =
         in_flight_.close_after() != Time{} ? in_flight_.close_after() : in_flight_.last_sent() + kLazyFence;

@@ -49,17 +49,23 @@ class RequestQueue {
     /// Checksums are being turned on or off.
     bool switching_line() const;
 
-    /// Lines to write now, without line end and checksum, in order. `reports(request)`: whether the value
-    /// that it asks for also comes by itself.
+    /// Lines to write now, without line end and checksum, in order. `reports(request)`: the SelfReports of
+    /// the value that it asks for.
     template <class Reports>
     std::vector<std::string> pump(Time now, Reports&& reports) {
         std::vector<std::string> lines;
         send_probe(now, lines);
-        while (next_may_go(now, lines)) {
+        settled_at_ = Time::max();
+        const auto may_go = [&](const Request& one) {
+            return !in_flight_.awaits_value_of(one) && !settles_first(one, reports(one), now);
+        };
+        while (!waiting_.empty() && waiting_.turn_to(may_go) && next_may_go(now, lines)) {
             Request next = waiting_.pop();
-            const bool by_itself = reports(next);
-            send(std::move(next), by_itself, now, lines);
+            const SelfReports self = reports(next);
+            next.answer_time += self.every;
+            send(std::move(next), self.until > now, now, lines);
         }
+        send_probe(now, lines);
         send_last_fence(now, lines);
         return lines;
     }
@@ -98,6 +104,7 @@ class RequestQueue {
 
   private:
     void send_probe(Time now, std::vector<std::string>& lines);
+    bool settles_first(const Request& next, const SelfReports& reports, Time now);
     bool next_may_go(Time now, std::vector<std::string>& lines);
     void send(Request request, bool reports, Time now, std::vector<std::string>& lines);
     void send_last_fence(Time now, std::vector<std::string>& lines);
@@ -121,6 +128,7 @@ class RequestQueue {
     bool reporting_ = false;
     bool stalled_ = false;  // a fence is overdue
     bool probe_wanted_ = false;
+    Time settled_at_ = Time::max();  // when what waits for the last reports may go
     unsigned lost_fences_ = 0;
     std::uint64_t fence_timeouts_ = 0;
 };

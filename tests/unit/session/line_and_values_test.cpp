@@ -210,6 +210,89 @@ TEST(BoardSession, PeriodIsOnItsWayToTheBoard_AReportIsNotTheValueThatWasAskedFo
     EXPECT_EQ(bench.end_of(id)->answer.text(), "@D,e,1,{2}");
 }
 
+// Of a service that answers at once: nothing comes behind the fence.
+class AnswersAtOnce : public EachGeneration {
+  protected:
+    AnswersAtOnce() {
+        bench.session = Bench::make_session(no_step_up());
+        bench.plug();
+        EXPECT_TRUE(bench.ready_within());
+        bench.board.replies["D,M"] = "@D,e,1,{7}";
+    }
+    RequestId measure(Duration deadline = 5s) {
+        return bench.request("D,M",
+                             {.deadline = bench.now + deadline, .answer_tag = 'e', .answer_time = 500ms});
+    }
+    void report_for_a_while() {
+        bench.request("D,A,100");
+        for (int i = 0; i < 5; ++i) {
+            bench.pass(100ms);
+            bench.say_line("@D,e,1,{1}");
+        }
+    }
+    Ending ending(RequestId id) const { return bench.end_of(id)->ending; }
+};
+INSTANTIATE_TEST_SUITE_P(Boards, AnswersAtOnce,
+                         testing::Values(Generation::kPlain04, Generation::kExtended, Generation::kVerified));
+
+TEST_P(AnswersAtOnce, ReportsWereTurnedOff_ValueComesOnceTheyAreOver) {
+    report_for_a_while();
+    bench.hold();
+    const auto off = bench.request("D,A,0");
+    const auto first = measure();
+    bench.release();
+    EXPECT_EQ(ending(off), Ending::kExecuted);
+    bench.pass(200ms);
+    bench.say_line("@D,e,1,{2}");  // begun before
+    EXPECT_EQ(bench.end_of(first), nullptr) << "a report is not the answer";
+    const auto other = bench.request("I,d,13,1", {.client = 9});
+    EXPECT_EQ(ending(other), Ending::kExecuted) << "nobody else waits";
+    bench.pass(1200ms);
+    ASSERT_NE(bench.end_of(first), nullptr);
+    EXPECT_EQ(bench.end_of(first)->answer.text(), "@D,e,1,{7}");
+    const auto second = measure();
+    ASSERT_NE(bench.end_of(second), nullptr) << "at once";
+    EXPECT_EQ(bench.end_of(second)->answer.text(), "@D,e,1,{7}");
+}
+
+TEST_P(AnswersAtOnce, NoTimeToWait_IsAskedAndTheNextIsBelievedAgain) {
+    report_for_a_while();
+    bench.request("D,A,0");
+    for (int i = 0; i < 6; ++i) {
+        const auto id = measure(400ms);
+        bench.pass(400ms);
+        ASSERT_NE(bench.end_of(id), nullptr);
+        EXPECT_EQ(ending(id), i < 2 ? Ending::kNoValue : Ending::kExecuted) << i;
+    }
+}
+
+TEST_P(AnswersAtOnce, ReportsAreRare_TheNextIsWaitedFor) {
+    bench.request("D,A,2000");
+    bench.pass(1s);
+    bench.say_line("@D,e,1,{1}");
+    const auto id = measure();
+    bench.pass(1900ms);
+    EXPECT_EQ(bench.end_of(id), nullptr) << "what came before its fence may be a report";
+    bench.say_line("@D,e,1,{8}");
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(bench.end_of(id)->answer.text(), "@D,e,1,{8}");
+}
+
+TEST(BoardSession, ReportsWereTurnedOffAndValuesTakeTime_IsAskedAtOnce) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto first = bench.request("D,M", {.answer_tag = 'e'});
+    bench.say_line("@D,e,1,{1}");
+    ASSERT_EQ(bench.end_of(first)->ending, Ending::kExecuted);
+    bench.request("D,A,100");
+    bench.request("D,A,0");
+    const auto second = bench.request("D,M", {.answer_tag = 'e'});
+    bench.say_line("@D,e,1,{2}");
+    ASSERT_NE(bench.end_of(second), nullptr);
+    EXPECT_EQ(bench.end_of(second)->answer.text(), "@D,e,1,{2}");
+}
+
 TEST(BoardSession, ErrorInPlaceOfTheValue_EndsTheRequestWithIt) {
     Bench bench(no_step_up());
     bench.plug();
