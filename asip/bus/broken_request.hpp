@@ -7,8 +7,9 @@ namespace asip::bus {
 
 /// What can be read of a request that is no JSON, so that whoever sent it gets the refusal.
 struct BrokenRequest {
-    nlohmann::json members;  ///< an object: of `reply_to`, `id` and `by` what stands before the fault
-    std::string error;       ///< a sentence for a person
+    /// An object: of `reply_to`, `id` and `by` what stands before the fault.
+    nlohmann::json members = nlohmann::json::object();
+    std::string error;  ///< a sentence for a person
 };
 
 /// A number that no computer can hold (`1e400`) is a fault that does not end the reading.

@@ -79,23 +79,23 @@ Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request
             return bad(std::move(envelope.reply), "the correlation data is too long");
         envelope.reply.correlation = request.correlation;
     }
-    if (request.payload.size() > kMaxRequestBytes) {
-        return bad(std::move(envelope.reply),
-                   "the request is longer than " + std::to_string(kMaxRequestBytes) + " bytes");
-    }
-    if (!looks_like_json(request.payload)) {
+    const bool is_json = looks_like_json(request.payload);
+    const auto unreadable = [&](std::string why) {
+        BrokenRequest broken;
+        if (is_json) broken = read_broken_request(request.payload.substr(0, kMaxRequestBytes));
+        take_reply_members(broken.members, envelope.reply);
+        return bad(std::move(envelope.reply), why.empty() ? std::move(broken.error) : std::move(why));
+    };
+    if (request.payload.size() > kMaxRequestBytes)
+        return unreadable("the request is longer than " + std::to_string(kMaxRequestBytes) + " bytes");
+    if (!is_json) {
         envelope.text = request.payload;
         return envelope;
     }
-    if (!model::json_depth_within(request.payload, kMaxJsonDepth)) {
-        return bad(std::move(envelope.reply), "the JSON is nested too deeply");
-    }
+    if (!model::json_depth_within(request.payload, kMaxJsonDepth))
+        return unreadable("the JSON is nested too deeply");
     auto object = json::parse(request.payload, nullptr, false);
-    if (!object.is_object()) {
-        BrokenRequest broken = read_broken_request(request.payload);
-        take_reply_members(broken.members, envelope.reply);
-        return bad(std::move(envelope.reply), std::move(broken.error));
-    }
+    if (!object.is_object()) return unreadable({});
     if (auto reason = take_reply_members(object, envelope.reply); !reason.empty()) {
         return bad(std::move(envelope.reply), std::move(reason));
     }

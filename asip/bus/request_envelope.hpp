@@ -46,8 +46,8 @@ struct RequestEnvelope {
     std::string shown() const;
 };
 
-/// A request that cannot be read, and where to report that. `reply` holds as much as could be read, of broken
-/// JSON what stands before the fault: ask reply.wanted().
+/// A request that cannot be read, and where to report that. `reply` holds as much as could be read, of JSON
+/// that is broken, too long or too deep what stands before the fault: ask reply.wanted().
 struct BadRequest {
     ReplyTo reply;
     std::string error;  ///< a sentence for a person

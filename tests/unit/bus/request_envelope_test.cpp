@@ -146,6 +146,19 @@ TEST(Envelope, BrokenJson_RequesterIsKnownFromWhatStandsBeforeTheFault) {
     EXPECT_EQ(envelope.error().reply, (ReplyTo{"mine", "c", "7"}));
 }
 
+TEST(Envelope, BeyondALimit_RequesterIsKnownFromWhatStandsBeforeIt) {
+    const std::string start = R"({"id":"7","reply_to":"mine","write":)";
+    for (const auto& rest : {'"' + std::string(kMaxRequestBytes, 'x') + "\"}", std::string(40, '[')}) {
+        const auto envelope = open_envelope(request(start + rest));
+        ASSERT_FALSE(envelope);
+        EXPECT_EQ(envelope.error().reply, (ReplyTo{"mine", "", "7"}));
+    }
+    const auto behind =
+        open_envelope(request("{" + std::string(kMaxRequestBytes, ' ') + start.substr(1) + "1}"));
+    ASSERT_FALSE(behind);
+    EXPECT_FALSE(behind.error().reply.wanted());
+}
+
 TEST(Envelope, AtEachLimit_IsAcceptedAndOneBeyondIsRefused) {
     const auto nested = [](int depth) {
         const auto inner = static_cast<std::size_t>(depth - 1);
