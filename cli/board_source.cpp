@@ -96,11 +96,7 @@ Outcome<bus::Answer> BoardSource::ask_all_pages(bus::Query query, std::string* l
         auto page = ask(query, lines);
         if (!page) return page;
         const bool empty = holds_nothing(*page) && (lines == nullptr || lines->size() == lines_before);
-        if (!page->cursor.empty() && (empty || page->cursor == query.cursor || pages > kMaxPages ||
-                                      answered_bytes_ > kMaxPagesBytes)) {
-            return failure(program::kExitFailure, "the answer of registry " + registry_ +
-                                                      " has no end; asipctl --from-bus does without it");
-        }
+        if (pages > kMaxPages || goes_on_for_ever(*page, query.cursor, empty)) return without_end();
         std::move(page->boards.begin(), page->boards.end(), std::back_inserter(all->boards));
         if (all->brief && page->brief) {
             for (const auto& row : page->brief->rows())
@@ -110,6 +106,15 @@ Outcome<bus::Answer> BoardSource::ask_all_pages(bus::Query query, std::string* l
         all->cursor = page->cursor;
     }
     return all;
+}
+
+bool BoardSource::goes_on_for_ever(const bus::Answer& page, const std::string& cursor, bool empty) const {
+    return !page.cursor.empty() && (empty || page.cursor == cursor || answered_bytes_ > kMaxPagesBytes);
+}
+
+tl::unexpected<Failure> BoardSource::without_end() const {
+    return failure(program::kExitFailure,
+                   "the answer of registry " + registry_ + " has no end; asipctl --from-bus does without it");
 }
 
 void BoardSource::without_registry(const std::string& why) {
@@ -237,6 +242,7 @@ Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, st
     query.find = bus::Find::kHistory;
     const auto older = [since](const bus::HistoryItem& change) { return change.at < since; };
     std::vector<bus::HistoryItem> all;
+    answered_bytes_ = 0;
     do {
         query.limit = std::min(count - all.size(), bus::Query::kMaxPage);
         auto page = ask(query);
@@ -245,6 +251,7 @@ Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, st
                            "no registry answers; only asip-registry --history FILE keeps a history");
         }
         if (!page) return tl::unexpected(page.error());
+        if (goes_on_for_ever(*page, query.cursor, page->history.empty())) return without_end();
         std::move(page->history.begin(), page->history.end(), std::back_inserter(all));
         query.cursor = page->cursor;
     } while (!query.cursor.empty() && all.size() < count && !older(all.back()));

@@ -86,6 +86,9 @@ class BoardSource {
     /// With `lines`, boards and services are appended there, and are not in the answer.
     Outcome<bus::Answer> ask(const bus::Query& query, std::string* lines = nullptr);
     Outcome<bus::Answer> ask_all_pages(bus::Query query, std::string* lines = nullptr);
+    /// Whether more pages are said to follow a `page`, asked for by `cursor`, behind which none can.
+    bool goes_on_for_ever(const bus::Answer& page, const std::string& cursor, bool empty) const;
+    tl::unexpected<Failure> without_end() const;
     bool asks_registry() const { return !context_.from_bus && !no_registry_; }
     void without_registry(const std::string& why);
     void take(const mqtt::Message& message);

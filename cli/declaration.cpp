@@ -35,6 +35,13 @@ std::string refuse_empty(const std::string& word) {
     return word.empty() ? "is empty; is a variable of a script not set?" : "";
 }
 
+/// An option that is given has a value: an empty one would be as if it was not given.
+auto refuse_empty_instead_of(const std::string& type) {
+    return [type](const std::string& word) {
+        return word.empty() ? "is empty; give " + type + " (is a variable of a script not set?)" : "";
+    };
+}
+
 CLI::Option* positional(CLI::Option* option, const std::string& type, Declaration::Needed needed) {
     // The name is enough: no type beside it.
     typed(option, type)->type_name("");
@@ -71,6 +78,7 @@ void Declaration::flag(const std::string& names, bool& value, const std::string&
 void Declaration::option(const std::string& names, const std::string& type, std::string& value,
                          const std::string& help) {
     auto* option = typed(command_.add_option(names, value, help), type);
+    option->check(refuse_empty_instead_of(type));
     if (!value.empty()) option->default_str(value);
 }
 
@@ -82,7 +90,10 @@ void Declaration::option(const std::string& names, const std::string& type, std:
 void Declaration::option(const std::string& names, const std::string& type, std::vector<std::string>& values,
                          const std::string& help) {
     // What follows the value is not one more of them: `list --kind servo boards`.
-    typed(command_.add_option(names, values, help), type)->delimiter(',')->allow_extra_args(false);
+    typed(command_.add_option(names, values, help), type)
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->check(refuse_empty_instead_of(type));
 }
 
 void Declaration::option(const std::string& names, const std::string& type, std::size_t& value,
@@ -160,6 +171,7 @@ void Declaration::output(OutputOptions& options, const std::vector<Output>& form
     for (const auto& field : fields)
         places += " {" + field + "}";
     command_.add_option("--format", options.format, "Print each record by this template, of:" + places)
+        ->check(refuse_empty_instead_of("TEMPLATE"))
         ->check([fields](const std::string& text) {
             const auto checked = check_template(text, fields);
             return checked ? std::string() : checked.error();

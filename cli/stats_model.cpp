@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/stats_model.hpp"
 
-#include <algorithm>
-
 #include "asip/model/json.hpp"
 #include "asip/text/duration.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -23,10 +22,6 @@ const json& at_path(const json& document, const char* path) {
 double number(const json& document, const char* path) {
     const auto& value = at_path(document, path);
     return value.is_number() ? value.get<double>() : 0;
-}
-
-std::string count(double number) {
-    return std::to_string(static_cast<std::uint64_t>(std::clamp(number, 0.0, 1e18)));
 }
 
 std::string time(const json& document, const char* path) {
@@ -49,7 +44,7 @@ std::pair<double, double> commands(const json& document) {
 }
 
 Cell bad(double number) {
-    return Cell(count(number), number > 0 ? Colour::kRed : Colour::kNone);
+    return Cell(count_text(number), number > 0 ? Colour::kRed : Colour::kNone);
 }
 
 }  // namespace
@@ -92,12 +87,12 @@ Table StatsModel::table(Time now) const {
         const double dropped =
             number(document, "/bus/dropped_values") + number(document, "/bus/dropped_answers");
         table.add({name, Cell(text::duration_text(age), age > kOld ? Colour::kRed : Colour::kNone),
-                   time(document, "/uptime"), count(number(document, "/line/lines_in")),
-                   count(number(document, "/line/lines_out")), count(all), bad(failed),
+                   time(document, "/uptime"), count_text(number(document, "/line/lines_in")),
+                   count_text(number(document, "/line/lines_out")), count_text(all), bad(failed),
                    time(document, "/round_trip/p50"), time(document, "/round_trip/p99"),
-                   count(number(document, "/queue/commands")), count(number(document, "/holds/active")),
-                   bad(number(document, "/line/malformed")), bad(number(document, "/line/resets")),
-                   bad(dropped)});
+                   count_text(number(document, "/queue/commands")),
+                   count_text(number(document, "/holds/active")), bad(number(document, "/line/malformed")),
+                   bad(number(document, "/line/resets")), bad(dropped)});
     }
     return table;
 }

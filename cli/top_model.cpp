@@ -19,7 +19,7 @@ constexpr std::size_t kTrend = 12;
 Cell age_cell(const std::optional<Time>& last, const std::optional<int>& period, Time now) {
     if (!last) return Cell("-", Colour::kDim);
     const auto age = now - *last;
-    const bool stale = period && *period > 0 && age > std::chrono::milliseconds(3 * *period);
+    const bool stale = period && *period > 0 && age > 3 * std::chrono::milliseconds(*period);
     return Cell(text::duration_text(age), stale ? Colour::kRed : Colour::kNone);
 }
 

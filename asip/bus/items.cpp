@@ -197,8 +197,8 @@ BoardItem read_board_item(const json& object) {
     item.names_only = flag_of(object, "names_only");
     item.session = text_of(object, "session");
     item.seq = number_of(object, "seq");
-    item.lease = real_of(object, "lease");
-    item.age = object.contains("age") ? real_of(object, "age") : -1;
+    item.lease = seconds_of(object, "lease");
+    item.age = object.contains("age") ? seconds_of(object, "age") : -1;
     item.first_seen = time_of(object, "first_seen");
     item.last_seen = time_of(object, "last_seen");
     item.since = time_of(object, "since");

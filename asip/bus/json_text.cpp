@@ -29,8 +29,7 @@ void append_json_text(std::string& out, std::string_view text) {
 }
 
 void append_json_seconds(std::string& out, double seconds) {
-    constexpr double kMost = 1e12;
-    const double bounded = std::isfinite(seconds) ? std::clamp(seconds, -kMost, kMost) : 0;
+    const double bounded = std::isfinite(seconds) ? std::clamp(seconds, -kMostSeconds, kMostSeconds) : 0;
     const auto milliseconds = static_cast<std::int64_t>(bounded * 1000);
     const auto size = static_cast<std::uint64_t>(milliseconds < 0 ? -milliseconds : milliseconds);
     char digits[32];

@@ -9,7 +9,10 @@ namespace asip::bus {
 /// Appends a string with its quotes. Bytes that are not UTF-8 become U+FFFD.
 void append_json_text(std::string& out, std::string_view text);
 
-/// Appends a number of seconds, cut to milliseconds and to 1e12 on both sides; one that is not finite is 0.
+/// The most seconds that are read or written, on both sides of 0.
+inline constexpr double kMostSeconds = 1e12;
+
+/// Appends a number of seconds, cut to milliseconds and to kMostSeconds; one that is not finite is 0.
 void append_json_seconds(std::string& out, double seconds);
 
 }  // namespace asip::bus

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/bus/members.hpp"
 
+#include <algorithm>
+
+#include "asip/bus/json_text.hpp"
 #include "asip/model/json.hpp"
 
 namespace asip::bus::members {
@@ -17,9 +20,10 @@ std::uint64_t number_of(const json& object, const char* key) {
     return found != object.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : 0;
 }
 
-double real_of(const json& object, const char* key) {
+double seconds_of(const json& object, const char* key) {
     const auto found = object.find(key);
-    return found != object.end() && found->is_number() ? found->get<double>() : 0;
+    if (found == object.end() || !found->is_number()) return 0;
+    return std::clamp(found->get<double>(), -kMostSeconds, kMostSeconds);
 }
 
 bool flag_of(const json& object, const char* key) {

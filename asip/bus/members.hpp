@@ -16,7 +16,8 @@ namespace asip::bus::members {
 
 std::string text_of(const nlohmann::json& object, const char* key);
 std::uint64_t number_of(const nlohmann::json& object, const char* key);
-double real_of(const nlohmann::json& object, const char* key);
+/// Seconds, cut to kMostSeconds.
+double seconds_of(const nlohmann::json& object, const char* key);
 bool flag_of(const nlohmann::json& object, const char* key);
 std::optional<int> int_of(const nlohmann::json& object, const char* key);
 text::WallTime time_of(const nlohmann::json& object, const char* key);

@@ -20,7 +20,7 @@ constexpr std::array<Unit, 6> kUnits{
 constexpr double kMaxMilliseconds = 100.0 * 366 * 8.64e7;
 
 std::string number_with(double number, int decimals, const char* unit) {
-    char text[400];  // the longest double has 309 digits
+    char text[32];
     const auto end = std::to_chars(text, text + sizeof text, number, std::chars_format::fixed, decimals).ptr;
     return std::string(text, end) + unit;
 }
@@ -45,6 +45,7 @@ Expected<std::chrono::milliseconds> parse_duration(std::string_view text) {
 
 std::string duration_text(std::chrono::duration<double> duration) {
     const double seconds = duration.count();
+    if (!(std::abs(seconds) * 1e3 <= kMaxMilliseconds)) return "over 100 years";
     if (seconds < 0.01) return number_with(seconds * 1e3, 2, " ms");
     if (seconds < 1) return number_with(seconds * 1e3, 0, " ms");
     if (seconds < 9.95) return number_with(seconds, 1, " s");

@@ -14,8 +14,8 @@ namespace asip::text {
 /// The reason is a sentence that names the text and the forms.
 Expected<std::chrono::milliseconds> parse_duration(std::string_view text);
 
-/// `0.42 ms`, `12 ms`, `3.1 s`, `4 min`, `2 h`, `9 d`: two or three digits and the unit that suits them. For
-/// a person only; parse_duration() does not read it.
+/// `0.42 ms`, `12 ms`, `3.1 s`, `4 min`, `2 h`, `9 d`: two or three digits and the unit that suits them;
+/// `over 100 years` for what is longer, or no number. For a person only; parse_duration() does not read it.
 std::string duration_text(std::chrono::duration<double> duration);
 
 }  // namespace asip::text

@@ -8,6 +8,7 @@
 #include "cli/board_source.hpp"
 #include "cli/commands/list.hpp"
 #include "cli/declaration.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -35,10 +36,6 @@ struct SeenRegistry {
 
 using SeenRegistries = std::map<std::string, SeenRegistry>;
 
-std::string whole(double number) {
-    return std::to_string(static_cast<long long>(number));
-}
-
 std::vector<Cell> registry_row(const std::string& id, const SeenRegistry& registry) {
     const auto uptime = text::duration_text(std::chrono::duration<double>(registry.number("uptime")));
     const auto boards = registry.stats.value("boards", Json::object());
@@ -46,13 +43,13 @@ std::vector<Cell> registry_row(const std::string& id, const SeenRegistry& regist
     return {id,
             Cell(registry.state, state_colour(registry.state)),
             registry.stats.empty() ? std::string() : uptime,
-            whole(registry.sum("boards")),
-            online.is_number() ? whole(online.get<double>()) : std::string(),
-            whole(registry.sum("services")),
+            count_text(registry.sum("boards")),
+            online.is_number() ? count_text(online.get<double>()) : std::string(),
+            count_text(registry.sum("services")),
             value_at(registry.stats, "messages_per_second"),
-            whole(registry.number("queries")),
-            whole(registry.number("events")),
-            whole(registry.sum("refused")),
+            count_text(registry.number("queries")),
+            count_text(registry.number("events")),
+            count_text(registry.sum("refused")),
             value_at(registry.stats, "version")};
 }
 

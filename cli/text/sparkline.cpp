@@ -14,10 +14,10 @@ std::string sparkline(std::span<const double> values) {
                                                            "\u2585", "\u2586", "\u2587", "\u2588"};
     if (values.empty()) return {};
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
-    const double range = *high - *low;
+    const double half = *high / 2 - *low / 2;  // the whole range may be no number
     std::string line;
     for (const double value : values) {
-        const double part = range > 0 ? (value - *low) / range : 0;
+        const double part = half > 0 ? (value / 2 - *low / 2) / half : 0;
         line += kBars[static_cast<std::size_t>(std::lround(part * (kBars.size() - 1)))];
     }
     return line;

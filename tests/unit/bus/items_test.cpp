@@ -116,6 +116,14 @@ TEST(ItemText, Seconds_AreCutToMilliseconds) {
     }
 }
 
+TEST(ItemText, SecondsOfAForger_AreCut) {
+    const auto item =
+        read_board_item(json::parse(R"({"board":"x","state":"online","age":1e308,"lease":1e308})"));
+    EXPECT_EQ(item.age, kMostSeconds);
+    EXPECT_EQ(item.lease, kMostSeconds);
+    EXPECT_EQ(read_board_item(json::parse(R"({"board":"x","age":-1e308})")).age, -kMostSeconds);
+}
+
 std::string lines_of(const std::string& payload) {
     const auto read = parse_answer_lines(payload);
     if (!read) return "fault: " + read.error();

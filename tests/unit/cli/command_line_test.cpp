@@ -77,6 +77,24 @@ TEST(CommandLine, EmptyNames_AreRefused) {
     EXPECT_EQ(parsed({"label", "--selector", "room=lab", "shelf=3"}), std::nullopt);
 }
 
+TEST(CommandLine, EmptyValueOfAnOption_IsRefusedWithWhatToGive) {
+    const std::vector<std::pair<Words, std::string>> cases{
+        {{"events", "--since", ""}, "--since: is empty; give WHEN"},
+        {{"list", "--where", ""}, "--where: is empty; give CONDITION"},
+        {{"list", "--board", ""}, "--board: is empty; give PATTERN"},
+        {{"list", "--kind", ""}, "--kind: is empty; give KIND"},
+        {{"list", "--format", ""}, "--format: is empty; give TEMPLATE"},
+        {{"wait", "uno1", "--for", ""}, "--for: is empty; give online|offline|lost|sleeping|updating|..."},
+        {{"subscribe", "uno1", "--field", ""}, "--field: is empty; give FIELD"},
+        {{"send", "uno1", "--raw", ""}, "--raw: is empty; give LINE"}};
+    for (const auto& [words, expected] : cases) {
+        CommandLine line(all_verbs());
+        testing::internal::CaptureStderr();
+        EXPECT_EQ(line.parse(words), program::kExitUsage) << testing::PrintToString(words);
+        EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr(expected));
+    }
+}
+
 TEST(CommandLine, WordsBehindTheDashes_AreArgumentsWhereverTheDashesStand) {
     for (const Words& words : {Words{"send", "--no-wait", "uno1/servo", "write", "--", "0", "-1"},
                                Words{"send", "--no-wait", "uno1/servo", "write", "0", "--", "-1"},

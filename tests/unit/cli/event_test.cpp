@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "cli/bus_session.hpp"
@@ -139,6 +140,16 @@ TEST(TopModel, Trend_IsOfTheFirstNumberAtMostTwiceASecond) {
         model.value("uno1", "distance", R"({"distance":[1]})", start + 5s + i * 1s);
     EXPECT_THAT(model.table(start + 105s).render(200, false),
                 HasSubstr(" \u2581\u2581\u2581\u2581\u2581\u2581\u2581\u2581\u2581\u2581\u2581\u2581 "));
+}
+
+TEST(TopModel, NumbersWhoseDifferenceIsNone_AreDrawn) {
+    const Time start{};
+    TopModel model(5s);
+    int seconds = 0;
+    for (const char* number : {"-1e308", "1e308", "0"})
+        model.value("uno1", "odd", std::string("{\"x\":") + number + "}", start + ++seconds * 1s);
+    model.announced("uno1", "odd", std::numeric_limits<int>::max());
+    EXPECT_THAT(model.table(start + 4s).render(200, false), HasSubstr(" \u2581\u2588\u2585 "));
 }
 
 TEST(TopModel, Records_CarryNumbersForPrograms) {

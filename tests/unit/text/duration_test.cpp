@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace asip::text {
 namespace {
 
@@ -44,6 +46,13 @@ TEST(DurationText, GrowsCoarserWithLength) {
     EXPECT_EQ(duration_text(59min), "59 min");
     EXPECT_EQ(duration_text(47h), "47 h");
     EXPECT_EQ(duration_text(240h), "10 d");
+    EXPECT_EQ(duration_text(36600 * 24h), "36600 d");
+}
+
+TEST(DurationText, WhatNoClockMeasures_IsOver100Years) {
+    using Seconds = std::chrono::duration<double>;
+    for (const double seconds : {1e308, -1e308, HUGE_VAL, std::nan(""), 36601 * 86400.0})
+        EXPECT_EQ(duration_text(Seconds(seconds)), "over 100 years") << seconds;
 }
 
 }  // namespace

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// Answers and counters that a registry would never write: anybody on an open bus may.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/integration/cli/bus_fixture.hpp"
+
+namespace asip::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class ForgedRegistryTest : public BusTest {
+  protected:
+    using Page = std::function<std::string(int number)>;
+
+    /// asipctl, while somebody who calls himself r1 answers each of its queries.
+    Finished answered_by(const Page& page, const Words& words) {
+        probe_.clear();
+        ChildProcess child(program(words), environment());
+        std::size_t seen = 0;
+        int number = 0;
+        Finished finished;
+        wait_until([&] {
+            const auto messages = probe_.messages();
+            for (; seen < messages.size(); ++seen) {
+                if (messages[seen].topic == "asip/registry/query" ||
+                    messages[seen].topic == "asip/registry/r1/query")
+                    answer(messages[seen], page(number++));
+            }
+            return !child.running();
+        });
+        return {child.wait_exit(0s).value_or(-1), child.output(), child.errors()};
+    }
+};
+
+std::string page_with(const std::string& members, const std::string& items) {
+    return R"({"registry":"r1","epoch":"e","seq":1,)" + members + R"("items":[)" + items + "]}";
+}
+
+TEST_F(ForgedRegistryTest, PagesWithoutAnEnd_AreRefused) {
+    const std::string service = R"({"board":"uno1","name":"io","state":"online"})";
+    const std::string change = R"({"board":"uno1","at":"2099-01-01T00:00:00.000Z","what":"added"})";
+    const struct {
+        Words words;
+        std::string find, item;
+    } cases[] = {{{"list"}, R"("find":"boards","brief":true,)", R"(["uno1","online",1,"","",""])"},
+                 {{"list", "-o", "json"}, R"("find":"boards",)", R"({"board":"uno1","state":"online"})"},
+                 {{"list", "-o", "jsonl"}, R"("find":"boards",)", R"({"board":"uno1","state":"online"})"},
+                 {{"list", "services"}, R"("find":"services",)", service},
+                 {{"history", "--all", "-n", "1000"}, R"("find":"history",)", change},
+                 {{"events", "--since", "7d"}, R"("find":"history",)", change}};
+    for (const auto& one : cases) {
+        const auto repeated = [&](int) { return page_with(one.find + R"("cursor":"c",)", one.item); };
+        const auto empty = [&](int number) {
+            const auto cursor = R"("cursor":")" + std::to_string(number) + "\",";
+            return page_with(one.find + cursor, number == 0 ? one.item : "");
+        };
+        const auto nothing = [&](int number) {
+            return page_with(one.find + R"("cursor":")" + std::to_string(number) + "\",", "");
+        };
+        for (const Page& page : {Page(repeated), Page(empty), Page(nothing)}) {
+            const auto ended = answered_by(page, one.words);
+            EXPECT_EQ(ended.status, 1) << testing::PrintToString(one.words) << ended.errors;
+            EXPECT_THAT(ended.errors, HasSubstr("the answer of registry r1 has no end"));
+        }
+    }
+}
+
+TEST_F(ForgedRegistryTest, LongRefusal_IsCutShort) {
+    const auto page = [](int) {
+        return R"({"registry":"r1","refused":"invalid","error":"no )" + std::string(200'000, 'x') + "\"}";
+    };
+    for (const Words& words : {Words{"list"}, Words{"list", "-o", "jsonl"}, Words{"list", "services"},
+                               Words{"history", "--all"}}) {
+        const auto ended = answered_by(page, words);
+        EXPECT_EQ(ended.status, 1) << testing::PrintToString(words);
+        EXPECT_THAT(ended.errors, HasSubstr("no xxx"));
+        EXPECT_LT(ended.errors.size(), 1100u) << testing::PrintToString(words);
+    }
+}
+
+TEST_F(ForgedRegistryTest, NumbersBeyondAllMeasure_AreShownAsSuch) {
+    const auto brief = [](int) {
+        return page_with(R"("find":"boards","brief":true,)", R"(["uno1","online",1e308,"","",""])");
+    };
+    EXPECT_THAT(answered_by(brief, {"list"}).output, HasSubstr("over 100 years ago"));
+    const auto whole = [](int) {
+        return page_with(R"("find":"boards",)",
+                         R"({"board":"uno1","state":"online","age":1e308,"lease":1e308,"services":[],)"
+                         R"("last_seen":"2026-01-01T00:00:00.000Z"})");
+    };
+    EXPECT_THAT(answered_by(whole, {"list", "-o", "wide"}).output, HasSubstr("over 100 years ago"));
+    const auto record = nlohmann::json::parse(answered_by(whole, {"list", "-o", "json"}).output)[0];
+    EXPECT_EQ(record["age"], 1e12);
+    EXPECT_EQ(record["lease"], 1'000'000'000'000);
+    probe_.publish("asip/registry/r1/$state", "online", true);
+    probe_.publish("asip/registry/r1/$stats",
+                   R"({"uptime":1e308,"boards":{"online":1e308,"lost":-1e308},"services":{"io":1e19},)"
+                   R"("queries":-1e308,"events":1e308,"refused":{"x":1e308}})",
+                   true);
+    ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
+    const auto registries = asipctl({"registries"});
+    EXPECT_THAT(registries.output, HasSubstr("over 100 years"));
+    EXPECT_THAT(registries.output, HasSubstr("1000000000000000000"));
+    EXPECT_THAT(registries.output, Not(HasSubstr("-9223372036854775808")));
+}
+
+}  // namespace
+}  // namespace asip::test
