@@ -38,11 +38,6 @@ bool same_options(const PlannedBoard& one, const PlannedBoard& other) {
            a.ca_file == b.ca_file && a.cert_file == b.cert_file && a.key_file == b.key_file;
 }
 
-bool ignored(int number) {
-    struct sigaction action {};
-    return sigaction(number, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
-}
-
 /// Not, once it was closed.
 bool can_reach_terminal() {
     const int terminal = ::open("/dev/tty", O_RDWR | O_NOCTTY | O_CLOEXEC);
@@ -72,7 +67,8 @@ Supervisor::Supervisor(Plan plan, std::function<Expected<Plan>()> read_again)
       read_again_(std::move(read_again)),
       has_terminal_(can_reach_terminal()),
       random_(system_random()),
-      stop_signal_(io_, [this](int) { stop(); }),
+      stop_signal_(
+          io_, [this](int) { stop(); }, program::StopSignal::Hangup::kElsewhere),
       reload_signal_(io_),
       report_timer_(io_) {
     for (auto& board : plan.boards)
@@ -84,7 +80,7 @@ Supervisor::~Supervisor() {
 }
 
 int Supervisor::run() {
-    if (several_ || !ignored(SIGHUP)) {  // by nohup
+    if (several_ || !program::ignored(SIGHUP)) {  // by nohup
         reload_signal_.add(SIGHUP);
         wait_for_reload();
     }

@@ -58,7 +58,8 @@ class HeldCommand {
         if (session_.stopped()) {
             // Nobody waits for the answer; were it lost, the agent undoes the command by itself.
             session_.publish(undoing.topic, undoing.payload, 1);
-            context_.note("undone: " + undoing.line);
+            context_.note("undoing: " + undoing.line + "; were that lost, the agent would do so within " +
+                          std::to_string(hold_.count()) + " ms");
             return program::kExitOk;
         }
         const auto reply = ask_board(context_, session_, undoing);

@@ -15,11 +15,15 @@ std::size_t terminal_width(int descriptor) {
     return std::max<std::size_t>(20, size.ws_col);
 }
 
+bool knows_escapes(const std::optional<std::string>& term) {
+    return !term.value_or("").empty() && term != "dumb";
+}
+
 bool use_colour(ColourChoice choice, bool terminal,
                 const std::function<std::optional<std::string>(const std::string&)>& environment) {
     if (choice != ColourChoice::kAuto) return choice == ColourChoice::kAlways;
     if (!terminal || environment("NO_COLOR").value_or("") != "") return false;
-    return environment("TERM").value_or("") != "dumb";
+    return knows_escapes(environment("TERM"));
 }
 
 }  // namespace asip::cli

@@ -12,8 +12,12 @@ std::size_t terminal_width(int descriptor);
 
 enum class ColourChoice { kAuto, kAlways, kNever };
 
-/// Whether to use colours: as chosen; on kAuto only a terminal, and not when NO_COLOR holds anything or TERM
-/// is `dumb`.
+/// Whether a terminal whose TERM this is can be cleared and coloured: not where that is unset, empty or
+/// `dumb`.
+bool knows_escapes(const std::optional<std::string>& term);
+
+/// Whether to use colours: as chosen; on kAuto only a terminal that knows_escapes(), and not when NO_COLOR
+/// holds anything.
 bool use_colour(ColourChoice choice, bool terminal,
                 const std::function<std::optional<std::string>(const std::string&)>& environment);
 

@@ -6,12 +6,15 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <csignal>
+#include <utility>
 
 namespace asip::program {
 
 struct StopSignal::State : std::enable_shared_from_this<State> {
-    State(boost::asio::io_context& io, std::function<void(int)> callback)
-        : signals(io, SIGINT, SIGTERM), stop(std::move(callback)) {}
+    State(boost::asio::io_context& io, std::function<void(int)> callback, Hangup hangup)
+        : signals(io, SIGINT, SIGTERM), stop(std::move(callback)) {
+        if (hangup == Hangup::kStops && !ignored(SIGHUP)) signals.add(SIGHUP);
+    }
 
     void wait() {
         signals.async_wait([self = shared_from_this()](const boost::system::error_code& error, int number) {
@@ -20,10 +23,9 @@ struct StopSignal::State : std::enable_shared_from_this<State> {
     }
 
     void arrived(int number) {
-        if (asked) _exit(128 + number);
-        asked = true;
+        if (asked && number != SIGHUP) _exit(128 + number);
         wait();
-        stop(number);
+        if (!std::exchange(asked, true)) stop(number);
     }
 
     boost::asio::signal_set signals;
@@ -31,8 +33,13 @@ struct StopSignal::State : std::enable_shared_from_this<State> {
     bool asked = false;
 };
 
-StopSignal::StopSignal(boost::asio::io_context& io, std::function<void(int signal)> stop)
-    : state_(std::make_shared<State>(io, std::move(stop))) {
+bool ignored(int signal) {
+    struct sigaction action {};
+    return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
+StopSignal::StopSignal(boost::asio::io_context& io, std::function<void(int signal)> stop, Hangup hangup)
+    : state_(std::make_shared<State>(io, std::move(stop), hangup)) {
     state_->wait();
 }
 

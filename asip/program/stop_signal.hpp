@@ -9,12 +9,18 @@ class io_context;
 
 namespace asip::program {
 
-/// Calls `stop` once, on the io_context, at the first SIGINT or SIGTERM; a second one ends the process at
-/// once with status 128 + signal, for when the orderly way hangs. Keeps the io_context busy until cancelled
-/// or destroyed.
+/// Whether a signal is ignored, as SIGHUP is by nohup.
+bool ignored(int signal);
+
+/// Calls `stop` once, on the io_context, at the first SIGINT, SIGTERM or SIGHUP (the terminal was closed). A
+/// second one ends the process at once with status 128 + signal, for when the orderly way hangs; not a
+/// SIGHUP, which kernel and shell both send. Keeps the io_context busy until cancelled or destroyed.
 class StopSignal {
   public:
-    StopSignal(boost::asio::io_context& io, std::function<void(int signal)> stop);
+    enum class Hangup { kStops, kElsewhere };  ///< who handles SIGHUP; nobody where it is ignored
+
+    StopSignal(boost::asio::io_context& io, std::function<void(int signal)> stop,
+               Hangup hangup = Hangup::kStops);
     ~StopSignal();
 
     void cancel();

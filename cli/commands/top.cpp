@@ -8,6 +8,7 @@
 
 #include "asip/bus/pattern.hpp"
 #include "asip/bus/reply.hpp"
+#include "asip/program/options.hpp"
 #include "asip/protocol/request.hpp"
 #include "asip/text/duration.hpp"
 #include "cli/board_source.hpp"
@@ -15,6 +16,7 @@
 #include "cli/declaration.hpp"
 #include "cli/stats_model.hpp"
 #include "cli/target.hpp"
+#include "cli/terminal.hpp"
 #include "cli/top_model.hpp"
 
 namespace asip::cli {
@@ -147,16 +149,17 @@ class Top {
             return;
         }
         // Home and clear: the table is drawn over itself.
-        if (context_.terminal()) context_.out << "\033[H\033[J";
+        if (redraws_) context_.out << "\033[H\033[J";
         if (!lost_.empty()) context_.out << lost_ << '\n';
         if (missing_ && context_.terminal()) context_.out << missing_->text << "; waiting for it\n";
         context_.out << table.render(context_.width, context_.colour);
-        if (!context_.terminal()) context_.out << '\n';
+        if (!redraws_) context_.out << '\n';
         context_.out << std::flush;
     }
 
     const TopOptions& options_;
     Context& context_;
+    bool redraws_ = context_.terminal() && knows_escapes(program::environment_variable("TERM"));
     BusSession session_;
     bus::Mirror catalogue_;
     TopModel model_;

@@ -19,9 +19,11 @@
 #include <cwctype>
 #include <new>
 
+#include "asip/program/options.hpp"
 #include "cli/complete.hpp"
 #include "cli/shell/line_history.hpp"
 #include "cli/shell/shell_words.hpp"
+#include "cli/terminal.hpp"
 #include "cli/text/width.hpp"
 
 #if defined(__has_feature)
@@ -66,11 +68,6 @@ std::size_t columns_of(const wchar_t* from, const wchar_t* to) {
         columns += width >= 0 ? static_cast<std::size_t>(width) : *from < 0x20 || *from == 0x7f ? 2 : 8;
     }
     return columns;
-}
-
-bool cursor_can_move() {
-    const char* const terminal = std::getenv("TERM");
-    return terminal != nullptr && *terminal != '\0' && std::strcmp(terminal, "dumb") != 0;
 }
 
 std::string common_start(const std::vector<std::string>& words) {
@@ -341,7 +338,7 @@ struct LineEditor::State {
     History* past = nullptr;
     std::string prompt_text, status_text, pending;
     ScreenSize size = screen_size();
-    bool movable = cursor_can_move();
+    bool movable = knows_escapes(program::environment_variable("TERM"));
     bool reading = false;
     bool left = false;
 };

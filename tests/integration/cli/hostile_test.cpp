@@ -103,6 +103,40 @@ TEST_F(BusTest, StandardFilesThatAreClosed_AreNoConnection) {
     EXPECT_THAT(closed.errors, HasSubstr("cannot write the output"));
 }
 
+TEST_F(BusTest, TerminalThatKnowsNoEscapes_GetsNone) {
+    announce("uno1");
+    for (const char* term : {"dumb", ""}) {
+        auto variables = environment();
+        variables["TERM"] = term;
+        // `script` gives it a terminal and passes on what it writes there.
+        for (const std::string command : {"top -n 2 -i 300ms --no-ping", "list --from-bus", "show uno1"}) {
+            const auto shown =
+                run({"script", "-qefc", ASIP_PROGRAMS "/asipctl " + command, "/dev/null"}, variables);
+            EXPECT_EQ(shown.status, 0) << shown.errors;
+            EXPECT_THAT(shown.output, HasSubstr("uno1")) << command;
+            EXPECT_EQ(shown.output.find('\x1b'), std::string::npos)
+                << command << ": " << text::printable(shown.output, 1000);
+        }
+    }
+}
+
+TEST_F(BusTest, TerminalThatIsClosed_EndsInOrderWhateverRuns) {
+    announce("uno1");
+    const TempDir folder;
+    for (const Words& words : {Words{"subscribe", "uno1", "--changes"}, Words{"logs", "uno1"},
+                               Words{"record", "-", "uno1"}, Words{"top", "uno1", "--no-ping"}}) {
+        ChildProcess child(program(words), environment());
+        ASSERT_TRUE(wait_until([&] {
+            probe_.publish("asip/uno1/distance/out", R"({"distance":[4711]})");
+            probe_.publish("asip/uno1/out", "!4711");
+            return child.output().find("4711") != std::string::npos;
+        })) << words.front();
+        child.signal(SIGHUP);
+        child.signal(SIGHUP);  // kernel and shell send one each
+        EXPECT_EQ(child.wait_exit(), 0) << words.front() << child.errors();
+    }
+}
+
 TEST_F(BusTest, BrokerKilledMeanwhile_WhatFollowsGoesOnWhenItIsBack) {
     announce("uno1");
     const TempDir folder;

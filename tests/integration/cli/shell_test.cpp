@@ -211,6 +211,9 @@ TEST_P(ShellTest, CtrlC_LeavesTheLine_AndEndsWhatRuns_NotTheShell) {
     EXPECT_TRUE(shell->shows("^again"));
     kill(shell->pid(), SIGTERM);
     EXPECT_EQ(shell->wait_exit(), 0);
+    auto closed = this->shell({"--values", "off"});
+    kill(closed->pid(), SIGHUP);
+    EXPECT_EQ(closed->wait_exit(), 0);
 }
 
 TEST_P(ShellTest, TheBoardAndTheBroker_MayComeAndGo) {

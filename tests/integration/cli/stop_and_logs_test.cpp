@@ -108,6 +108,19 @@ TEST_F(HoldTest, HeldCommand_IsRenewedAndUndoneInTheEnd) {
     EXPECT_EQ(child.output(), "I,d,13,1: ok\nI,d,13,0: ok\n");
 }
 
+TEST_F(HoldTest, TerminalThatIsClosed_UndoesTheCommandAtOnce) {
+    ChildProcess child(program({"send", "uno1/io", "write", "13", "1", "--hold", "60s"}), environment());
+    const auto command = wait_payload("hold_ms");
+    ASSERT_TRUE(command) << child.errors();
+    answer(*command, R"({"status":"ok","proof":"fence"})");
+    ASSERT_TRUE(child.wait_for_output("ok"));
+    child.signal(SIGHUP);
+    EXPECT_TRUE(wait_payload("d,13,0"));
+    EXPECT_EQ(child.wait_exit(), 0);
+    EXPECT_THAT(child.errors(),
+                HasSubstr("undoing: I,d,13,0; were that lost, the agent would do so within 60000 ms"));
+}
+
 TEST_F(HoldTest, RenewalRefused_EndsWithTheReason) {
     ChildProcess child(program({"send", "uno1/io", "write", "13", "1", "--hold", "0.3"}), environment());
     const auto command = wait_payload("hold_ms");

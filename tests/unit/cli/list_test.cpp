@@ -185,17 +185,20 @@ TEST(PinRecords, OwnersAndCapabilities_AreWords) {
 TEST(UseColour, TerminalNoColorAndChoice_Decide) {
     const auto none = [](const std::string&) { return std::optional<std::string>(); };
     const auto no_color = [](const std::string& name) {
-        return name == "NO_COLOR" ? std::optional<std::string>("1") : std::nullopt;
+        return std::optional<std::string>(name == "NO_COLOR" ? "1" : "xterm");
     };
-    const auto dumb = [](const std::string& name) {
-        return name == "TERM" ? std::optional<std::string>("dumb") : std::nullopt;
+    const auto of = [](const std::string& term) {
+        return
+            [term](const std::string& name) { return name == "TERM" ? std::optional(term) : std::nullopt; };
     };
-    EXPECT_TRUE(use_colour(ColourChoice::kAuto, true, none));
-    EXPECT_FALSE(use_colour(ColourChoice::kAuto, false, none));
+    EXPECT_TRUE(use_colour(ColourChoice::kAuto, true, of("xterm")));
+    EXPECT_FALSE(use_colour(ColourChoice::kAuto, false, of("xterm")));
     EXPECT_FALSE(use_colour(ColourChoice::kAuto, true, no_color));
-    EXPECT_FALSE(use_colour(ColourChoice::kAuto, true, dumb));
+    EXPECT_FALSE(use_colour(ColourChoice::kAuto, true, of("dumb")));
+    EXPECT_FALSE(use_colour(ColourChoice::kAuto, true, of("")));
+    EXPECT_FALSE(use_colour(ColourChoice::kAuto, true, none)) << "nothing says what it can";
     EXPECT_TRUE(use_colour(ColourChoice::kAlways, false, no_color));
-    EXPECT_FALSE(use_colour(ColourChoice::kNever, true, none));
+    EXPECT_FALSE(use_colour(ColourChoice::kNever, true, of("xterm")));
 }
 
 }  // namespace
