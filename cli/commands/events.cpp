@@ -8,6 +8,7 @@
 #include "asip/bus/pattern.hpp"
 #include "cli/board_source.hpp"
 #include "cli/change_record.hpp"
+#include "cli/connection_notes.hpp"
 #include "cli/declaration.hpp"
 #include "cli/target.hpp"
 #include "cli/text/moment.hpp"
@@ -50,9 +51,7 @@ class Follower {
 
     int run() {
         session_.tell_refused_subscriptions();
-        session_.on_connection_change([this](bool connected, const std::string& why) {
-            context_.note(connected ? "connected again" : why);
-        });
+        tell_connection(session_, context_);
         if (const auto connected = session_.connect(); !connected)
             return context_.fail_with(connected.error());
         const auto registry = source_.find_registry();

@@ -9,6 +9,7 @@
 #include "asip/protocol/request.hpp"
 #include "asip/text/duration.hpp"
 #include "cli/board_request.hpp"
+#include "cli/connection_notes.hpp"
 #include "cli/declaration.hpp"
 
 namespace asip::cli {
@@ -33,6 +34,7 @@ class Pinger {
                                [this](const mqtt::Message& message) { take_line(message.payload); });
         if (const auto connected = session_.connect(); !connected)
             return context_.fail_with(connected.error());
+        tell_connection(session_, context_);
         const auto board = find_living_board(source_, options_.board);
         if (!board) return context_.fail_with(board.error());
         echo_ = board->description && board->description->firmware.extensions.has(protocol::kEcho);

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "asip/bus/mirror.hpp"
+#include "cli/connection_notes.hpp"
 #include "cli/context_event.hpp"
 #include "cli/declaration.hpp"
 #include "cli/event_pace.hpp"
@@ -269,9 +270,7 @@ int run_subscribe(const SubscribeOptions& options, Context& context) {
     BoardSource source(context, session);
     Subscriber subscriber(options, *targets, *labels, context);
     subscriber.subscribe(session);
-    session.on_connection_change([&context](bool connected, const std::string& why) {
-        context.note(connected ? "connected again" : why);
-    });
+    tell_connection(session, context);
     const auto deadline = options.limit ? Clock::now() + *options.limit : Time::max();
     if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
     note_unknown(*targets, *labels, context, source);

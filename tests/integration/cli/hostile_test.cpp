@@ -144,22 +144,31 @@ TEST_F(BusTest, BrokerKilledMeanwhile_WhatFollowsGoesOnWhenItIsBack) {
     ChildProcess subscribe(program({"subscribe", "uno1/distance"}), environment());
     ChildProcess logs(program({"logs", "uno1"}), environment());
     ChildProcess record(program({"record", recording}), environment());
+    ChildProcess get(program({"get", "uno1/X", "--watch"}), environment());
+    ChildProcess ping(program({"ping", "uno1", "-n", "0", "--timeout", "1s"}), environment());
+    ASSERT_TRUE(probe_.wait_for("asip/uno1/in"));
     const auto say = [this](const std::string& value) {
         probe_.publish("asip/uno1/distance/out", R"({"distance":[)" + value + "]}");
         probe_.publish("asip/uno1/out", "!" + value);
+        probe_.publish("asip/uno1/X/out", R"({"tag":"k","body":")" + value + "\"}");
     };
-    const auto both_hear = [&](const std::string& value) {
+    const auto all_hear = [&](const std::string& value) {
         return wait_until([&] {
             say(value);
             return subscribe.output().find(value) != std::string::npos &&
-                   logs.output().find(value) != std::string::npos;
+                   logs.output().find(value) != std::string::npos &&
+                   get.output().find(value) != std::string::npos;
         });
     };
-    ASSERT_TRUE(both_hear("4711")) << subscribe.errors() << logs.errors();
+    ASSERT_TRUE(all_hear("4711")) << subscribe.errors() << logs.errors();
     broker_.kill();
     broker_.start();
     ASSERT_TRUE(wait_until([&] { return probe_.connected(); }));
-    EXPECT_TRUE(both_hear("4712")) << subscribe.errors() << logs.errors();
+    EXPECT_TRUE(all_hear("4712")) << subscribe.errors() << logs.errors();
+    for (auto* each : {&subscribe, &logs, &get, &ping})
+        EXPECT_TRUE(each->wait_for_errors("closed the connection") &&
+                    each->wait_for_errors("connected again"))
+            << each->errors();
     record.signal(SIGINT);
     EXPECT_EQ(record.wait_exit(), 0) << record.errors();
     const auto kept = run({"grep", "-c", "4712", recording});

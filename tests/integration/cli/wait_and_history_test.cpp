@@ -71,6 +71,17 @@ TEST_F(ChangesTest, WaitWithoutTime_LooksOnceAndBlamesNoBroker) {
     EXPECT_THAT(wait.errors, Not(HasSubstr("broker")));
 }
 
+TEST_F(ChangesTest, WaitWhileTheBrokerIsGone_ClaimsNoState) {
+    announce("uno1");
+    ChildProcess wait(program({"wait", "uno1", "--for", "lost", "--timeout", "4s"}), environment());
+    ASSERT_TRUE(probe_.wait_for("asip/servicebus/$probe"));
+    broker_.kill();
+    EXPECT_EQ(wait.wait_exit(), 3);
+    EXPECT_THAT(wait.errors(), HasSubstr("closed the connection, and was not back within 4000 ms"));
+    EXPECT_THAT(wait.errors(), Not(HasSubstr("the board is")));
+    broker_.start();
+}
+
 TEST_F(ChangesTest, TopOfABoardThatIsNotThere_EndsWithTheNearestName) {
     announce("uno1");
     const auto top = [this](const std::string& board) {
