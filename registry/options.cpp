@@ -31,7 +31,7 @@ constexpr const char* kExamples =
     "      Asks it.\n"
     "\n"
     "Exit status: 0 stopped by a signal; 1 failed while running; 2 bad option; 3 the broker refused the "
-    "connection.";
+    "connection;\n6 another registry uses the id.";
 
 constexpr std::uint64_t kMinHistoryBytes = 64u << 10;
 constexpr std::uint64_t kMaxHistoryBytes = std::numeric_limits<std::int64_t>::max();
