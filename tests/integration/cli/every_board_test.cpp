@@ -138,6 +138,7 @@ TEST_P(EveryBoardTest, ItsErrorsAreLogged) {
         if (!recorded()) fail_once();
         return !logs.running();
     }));
+    EXPECT_EQ(logs.wait_exit(), 0);
     EXPECT_THAT(logs.output(), HasSubstr("INVALID_DEVICE_NUMBER"));
 }
 

@@ -23,6 +23,7 @@ class ValuesTest : public BusTest {
             probe_.publish("asip/uno1/distance/out", payloads[next++ % payloads.size()]);
             return !child.running();
         })) << child.errors();
+        child.wait_exit();  // what it wrote last is read
     }
 
     TempDir folder_;

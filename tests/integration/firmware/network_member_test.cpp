@@ -185,6 +185,7 @@ TEST_F(NetworkMemberTest, RegistryAndAsipctl_ListTheBoardAndItsServices) {
     ASSERT_TRUE(esp.until(listed)) << found;
     test::ChildProcess list({ASIP_PROGRAMS "/asipctl", "--broker", broker.url(), "list"});
     EXPECT_TRUE(esp.until([&] { return !list.running(); }));
+    EXPECT_EQ(list.wait_exit(), 0);  // all of its output is read
     EXPECT_THAT(list.output(), testing::AllOf(testing::HasSubstr("esp1"), testing::HasSubstr("online")))
         << list.errors();
 }
