@@ -118,7 +118,7 @@ class Bridge {
 
   private:
     bool is_request(bus::TopicKind kind, const mqtt::Message& message) const;
-    bool take_port_request(const mqtt::Message& message, Time now, Effects& out);
+    bool take_port_request(const mqtt::Message& message, Time arrival, Time now, Effects& out);
     bool take_label_request(const mqtt::Message& message, Effects& out);
     void load_labels(Effects& out);
     void show_labels();

@@ -66,7 +66,8 @@ void Bridge::bus_message(const mqtt::Message& message, const Arrival& arrival, T
     if (stop) {
         safety_.on_stop(message, arrival.waiting, services_, session_, now, actions, out);
         send_safe_lines(now, out);
-    } else if ((!raw || (!take_port_request(message, now, out) && !take_label_request(message, out))) &&
+    } else if ((!raw || (!take_port_request(message, arrival.at.value_or(now), now, out) &&
+                         !take_label_request(message, out))) &&
                is_request(topic->kind, message)) {
         control_.on_message(message, {arrival.at.value_or(now), arrival.stopped}, services_, session_, now,
                             actions, out);

@@ -11,19 +11,22 @@ BoardTraits Bridge::traits() const {
     return {board.info.chip, board.info.sketch, board.stored_name};
 }
 
-bool Bridge::take_port_request(const mqtt::Message& message, Time now, Effects& out) {
+bool Bridge::take_port_request(const mqtt::Message& message, Time arrival, Time now, Effects& out) {
     if (message.retain || message.payload.find("\"port\"") == std::string::npos) return false;
     const auto envelope = bus::open_envelope(message);
     if (!envelope || envelope->form != bus::RequestEnvelope::Form::kJson ||
         !bus::is_port_request(envelope->object))
         return false;
-    const auto request = bus::read_port_request(envelope->object);
-    if (!request) {
-        if (auto reply = bus::reply_message(
-                envelope->reply, bus::Reply::refused(std::string(bus::kRefusedInvalid), request.error())))
-            out.publish.push_back({std::move(*reply), mqtt::Priority::kReply});
+    const auto answer = [&](bus::Reply reply) {
+        if (auto answered = bus::reply_message(envelope->reply, std::move(reply)))
+            out.publish.push_back({std::move(*answered), mqtt::Priority::kReply});
         return true;
-    }
+    };
+    const auto request = bus::read_port_request(envelope->object);
+    if (!request) return answer(bus::Reply::refused(std::string(bus::kRefusedInvalid), request.error()));
+    // Nobody waits for the port any more, and nobody would give it back.
+    if (request->what == bus::PortRequest::What::kRelease && now >= arrival + deadline_of(*envelope, message))
+        return answer(bus::Reply::timeout());
     const bool ready = session_.accepts_requests();
     const bool was_ours = port_.phase() == PortLease::Phase::kOurs;
     port_.request(*request, envelope->reply, {traits(), facts_.link, program::host_name(), ready}, now,

@@ -38,6 +38,8 @@ session::ClientId client_of(const std::string& topic) {
     return std::hash<std::string>{}(topic) | kBusClient;
 }
 
+}  // namespace
+
 Duration deadline_of(const bus::RequestEnvelope& envelope, const mqtt::Message& message) {
     if (!message.expiry_seconds)
         return envelope.deadline ? Duration(*envelope.deadline) : session::kDefaultDeadline;
@@ -46,6 +48,8 @@ Duration deadline_of(const bus::RequestEnvelope& envelope, const mqtt::Message& 
     // What is left of the expiry shows how long it was on its way; brokers cut off up to a second.
     return envelope.deadline ? std::min<Duration>(*envelope.deadline, left + std::chrono::seconds(1)) : left;
 }
+
+namespace {
 
 // `{"renew":"7"}`, unless the service has a command of that name.
 bool is_renewal(const bus::RequestEnvelope& envelope, const model::ServiceModel* model) {

@@ -24,6 +24,9 @@ namespace asip::agent {
 /// Set in the client ids of the bus; those of point-to-point clients do not have it.
 inline constexpr session::ClientId kBusClient = session::ClientId{1} << 63;
 
+/// Within which time of its arrival a request has to be done: by what it says, its expiry, or as usual.
+Duration deadline_of(const bus::RequestEnvelope& envelope, const mqtt::Message& message);
+
 /// The control bus: takes the envelope off, checks the command by its model, queues it on the session, and
 /// sees that whoever asked for an answer gets exactly one, in time. What fails for those who asked for none
 /// is reported on the service's error topic.

@@ -39,9 +39,12 @@ PortHolder::PortHolder(const Context& context, BusSession& session, std::string 
 
 Outcome<std::string> PortHolder::ask(const bus::PortRequest& request, std::chrono::milliseconds patience) {
     std::optional<Expected<bus::Reply>> reply;
-    const auto asked = session_.ask(
-        context_.topics.board_in(board_), bus::encode(request, by_),
-        [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); }, 1);
+    const auto topic = context_.topics.board_in(board_);
+    const auto text = bus::encode(request, by_);
+    const auto take = [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); };
+    // A port is not released when nobody waits for it any more; it is taken back however late that comes.
+    const auto asked = request.what == bus::PortRequest::What::kRelease ? session_.command(topic, text, take)
+                                                                        : session_.ask(topic, text, take, 1);
     session_.run_until([&reply] { return reply.has_value(); }, Clock::now() + patience);
     if (session_.stopped()) return interrupted();
     if (!reply || !*reply)

@@ -176,7 +176,7 @@ class Labeller {
                 if (auto description = model::parse_description(message.payload))
                     asked.announced = std::move(description->labels);
             });
-        asked.request = session_.ask(
+        asked.request = session_.command(
             context_.topics.board_in(asked.board), bus::encode(change_, who_asks(context_)),
             [&asked](const mqtt::Message& message) {
                 auto reply = bus::parse_reply(message.payload);
@@ -186,8 +186,7 @@ class Labeller {
                 asked.now = labels_of(answer);
                 asked.set_aside = value_at(answer, "set_aside");
                 asked.fault = value_at(answer, "labels_fault");
-            },
-            1);
+            });
         return Clock::now() + (asked.lost ? std::min(context_.timeout, kProbeWindow) : context_.timeout);
     }
 

@@ -143,6 +143,20 @@ TEST_F(FlashTest, ReleasedAndForgotten_IsTakenBackInTime) {
     EXPECT_FALSE(is_free());
 }
 
+TEST_F(FlashTest, AgentThatDidNotAnswerInTime_ReleasesNothingLater) {
+    agent_->signal(SIGSTOP);
+    for (const Words& words :
+         {Words{"release", "desk", "--for", "1m", "--timeout", "1s"},
+          Words{"flash", "desk", image("asip_uno"), "--socket", socket_, "--timeout", "1s"}}) {
+        const auto given_up = asipctl(words);
+        EXPECT_EQ(given_up.status, 4) << words.front() << given_up.errors;
+    }
+    agent_->signal(SIGCONT);
+    ASSERT_TRUE(wait_until([this] { return asipctl({"send", "desk/io", "write", "13", "1"}).status == 0; }));
+    for (const auto& state : probe_.messages("asip/servicebus/desk/$state"))
+        EXPECT_NE(state.payload, "updating");
+}
+
 TEST_F(FlashTest, AsipctlKilledWhileTheProgrammerRuns_ThePortComesBackWhenBothAreGone) {
     // Not known as a simulated port: the programmer is one that takes its time.
     const auto slow = folder_.write("slow", "#!/bin/sh\nexec sleep 4\n");

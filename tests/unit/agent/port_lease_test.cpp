@@ -133,6 +133,28 @@ TEST_F(ReleasedPortTest, HeldCommand_IsUndoneBeforeThePortIsLetGo) {
     EXPECT_EQ(bench.port, Effects::Port::kLetGo);
 }
 
+TEST_F(ReleasedPortTest, ReleaseThatWaitedLongerThanItsDeadline_IsNotDone) {
+    const auto arrives = [&](const char* id, std::optional<std::uint32_t> expiry, Duration ago) {
+        mqtt::Message message;
+        message.topic = kIn;
+        message.expiry_seconds = expiry;
+        message.payload =
+            json{{"port", "release"}, {"seconds", 600}, {"by", "ann"}, {"id", id}, {"reply_to", "answers"}}
+                .dump();
+        Effects out;
+        bench.bridge.bus_message(message, {.at = bench.now - ago}, bench.now, out);
+        return out;
+    };
+    bench.pass(1min);
+    for (const auto& late : {arrives("1", std::nullopt, 5s), arrives("2", 2, 2s)}) {
+        ASSERT_EQ(late.publish.size(), 1u);
+        EXPECT_EQ(json::parse(late.publish[0].message.payload)["status"], "timeout");
+        EXPECT_EQ(late.port, Effects::Port::kKeep);
+    }
+    EXPECT_EQ(state(), "online");
+    EXPECT_EQ(arrives("3", 3, 2s).port, Effects::Port::kLetGo);
+}
+
 TEST_F(ReleasedPortTest, FaultyRequests_AreRefusedAndNothingHappens) {
     for (const auto* request : {R"({"port":"give"})", R"({"port":7})", R"({"port":"release","seconds":0})",
                                 R"({"port":"release","seconds":3601})", R"({"port":"release","second":5})"}) {
