@@ -3,7 +3,9 @@
 
 #include <algorithm>
 
+#include "asip/model/names.hpp"
 #include "asip/text/nearest.hpp"
+#include "asip/text/printable.hpp"
 
 namespace asip::cli {
 namespace {
@@ -16,6 +18,18 @@ constexpr std::size_t kMaxRefusalBytes = 1000;
 
 bool holds_nothing(const bus::Answer& page) {
     return page.boards.empty() && page.services.empty() && (!page.brief || page.brief->empty());
+}
+
+/// Names are printed as they are, and become parts of topics.
+void leave_out_invalid_names(bus::Answer& answer) {
+    const auto invalid = [](const auto& item) { return !model::valid_name(item.board); };
+    std::erase_if(answer.boards, invalid);
+    if (answer.brief) std::erase_if(answer.brief->rows(), invalid);
+    std::erase_if(answer.services, [&invalid](const bus::ServiceItem& service) {
+        return invalid(service) || !model::valid_name(service.name);
+    });
+    for (auto& board : answer.boards)
+        std::erase_if(board.services, [](const auto& service) { return !model::valid_name(service.name); });
 }
 
 Expected<bus::Answer> read_answer(std::string_view payload, std::string* lines) {
@@ -76,6 +90,7 @@ Outcome<bus::Answer> BoardSource::ask(const bus::Query& query, std::string* line
     if (!(*answer)->refused.empty())
         return failure(program::kExitFailure, (*answer)->error.substr(0, kMaxRefusalBytes));
     registry_ = (*answer)->registry;
+    leave_out_invalid_names(**answer);
     return std::move(**answer);
 }
 
@@ -214,7 +229,7 @@ Outcome<std::string> BoardSource::json_lines(bus::Query query) {
     if (asks_registry()) {
         std::string lines;
         const auto answer = ask_all_pages(query, &lines);
-        if (answer) return lines;
+        if (answer) return text::escape_json(std::move(lines));
         if (answer.error().status == program::kExitFailure) return tl::unexpected(answer.error());
         without_registry(answer.error().text);
     }
@@ -234,7 +249,7 @@ Outcome<std::string> BoardSource::json_lines(bus::Query query) {
         if (!found) return tl::unexpected(found.error());
         append(*found);
     }
-    return lines;
+    return text::escape_json(std::move(lines));
 }
 
 Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, std::size_t count,

@@ -7,6 +7,7 @@
 #include "asip/model/json.hpp"
 #include "asip/protocol/body.hpp"
 #include "asip/text/nearest.hpp"
+#include "asip/text/printable.hpp"
 #include "cli/context.hpp"
 
 namespace asip::cli {
@@ -83,19 +84,19 @@ void RecordPrinter::print(const nlohmann::json& record) {
     if (template_) {
         out_ << template_->fill([&record](std::string_view name) { return value_at(record, name); }) << '\n';
     } else if (options_.form != Output::kJson) {
-        out_ << model::dump_json(record) << '\n';
+        out_ << text::escape_json(model::dump_json(record)) << '\n';
     } else if (count_ == Count::kList) {
         all_.push_back(record);
         return;
     } else {
-        out_ << model::dump_json_pretty(record) << '\n';
+        out_ << text::escape_json(model::dump_json_pretty(record)) << '\n';
     }
     if (count_ != Count::kList) out_ << std::flush;
 }
 
 void RecordPrinter::finish() {
     const bool array = !template_ && options_.form == Output::kJson && count_ == Count::kList;
-    if (array) out_ << model::dump_json_pretty(all_) << '\n';
+    if (array) out_ << text::escape_json(model::dump_json_pretty(all_)) << '\n';
     out_ << std::flush;
 }
 

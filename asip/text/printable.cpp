@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/text/printable.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
 namespace asip::text {
 namespace {
 
@@ -52,6 +56,35 @@ std::string escape_controls(std::string_view text) {
         } else {
             result += text[i];
         }
+    }
+    return result;
+}
+
+std::string escape_json(std::string document) {
+    const auto plain = [](char c) { return static_cast<unsigned char>(c) < 0x7f; };
+    const auto first = std::find_if_not(document.begin(), document.end(), plain);
+    if (first == document.end()) return document;
+    const std::string_view text = document;
+    auto i = static_cast<std::size_t>(first - document.begin());
+    std::string result(text.substr(0, i));
+    while (i < text.size()) {
+        const auto byte = [&](std::size_t at) { return static_cast<unsigned>(text[i + at]) & 0x3fU; };
+        std::size_t length = 1;
+        unsigned character = 0x7f;
+        if (is_c1(text, i)) {
+            length = 2;
+            character = 0x80U | byte(1);
+        } else if (begins_unseen(text.substr(i))) {
+            length = 3;
+            character = (static_cast<unsigned>(text[i]) & 0xfU) << 12U | byte(1) << 6U | byte(2);
+        } else if (text[i] != '\x7f') {
+            result += text[i++];
+            continue;
+        }
+        std::array<char, 12> escaped{};
+        std::snprintf(escaped.data(), escaped.size(), "\\u%04x", character);
+        result += escaped.data();
+        i += length;
     }
     return result;
 }

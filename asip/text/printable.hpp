@@ -14,6 +14,10 @@ std::string printable(std::string_view text, std::size_t max_bytes = 80);
 /// U+009F) become `\xNN`. The result is always showable.
 std::string escape_controls(std::string_view text);
 
+/// JSON that says the same and can be written to a terminal as it is: characters that it would obey (U+007F
+/// to U+009F) or that no one sees become `\\uNNNN`. Line ends and blanks between its parts stay.
+std::string escape_json(std::string document);
+
 /// Whether text from another program can be written to a terminal as it is: it holds no control
 /// characters, so that it cannot move the cursor or change colours. Whether it is UTF-8 is not checked.
 bool is_showable(std::string_view text);

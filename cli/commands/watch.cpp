@@ -8,6 +8,7 @@
 
 #include "asip/bus/catalogue_view.hpp"
 #include "asip/model/json.hpp"
+#include "asip/model/names.hpp"
 #include "cli/board_source.hpp"
 
 namespace asip::cli {
@@ -177,7 +178,9 @@ std::string ChangePrinter::names(const bus::BoardItem& board) const {
 }
 
 std::string ChangePrinter::changed(const bus::BoardItem& seen) {
+    if (!model::valid_name(seen.board)) return {};  // it is not shown as text
     auto board = seen;
+    std::erase_if(board.services, [](const auto& service) { return !model::valid_name(service.name); });
     if (options_.services())
         std::erase_if(board.services, [this](const auto& one) { return !where_holds(where_, one); });
     auto essence = board;

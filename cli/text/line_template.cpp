@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/text/line_template.hpp"
 
+#include "cli/text/width.hpp"
+
 namespace asip::cli {
 namespace {
 
@@ -44,7 +46,7 @@ Expected<LineTemplate> LineTemplate::parse(std::string_view text) {
 std::string LineTemplate::fill(const std::function<std::string(std::string_view name)>& value_of) const {
     std::string line;
     for (const auto& piece : pieces_)
-        line += piece.is_name ? value_of(piece.text) : piece.text;
+        line += piece.is_name ? for_terminal(value_of(piece.text)) : piece.text;
     return line;
 }
 

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "asip/text/printable.hpp"
 #include "tests/integration/cli/bus_fixture.hpp"
 
 namespace asip::test {
@@ -79,6 +80,46 @@ TEST_F(ForgedRegistryTest, LongRefusal_IsCutShort) {
         EXPECT_EQ(ended.status, 1) << testing::PrintToString(words);
         EXPECT_THAT(ended.errors, HasSubstr("no xxx"));
         EXPECT_LT(ended.errors.size(), 1100u) << testing::PrintToString(words);
+    }
+}
+
+TEST_F(ForgedRegistryTest, TextsAndNames_MoveNoCursor) {
+    const std::string evil = "e\u009b2J\\u001b[2J\u202e\x7f";
+    const auto brief = [&](int) {
+        return page_with(
+            R"("find":"boards","brief":true,)",
+            "[\"" + evil + R"(","online",1,"","",""],["uno1",")" + evil + R"(",1,")" + evil + R"(","",""])");
+    };
+    const auto whole = [&](int) {
+        const auto board = [&](const std::string& name) {
+            return R"({"board":")" + name + R"(","state":")" + evil + R"(","chip":")" + evil +
+                   R"(","services":[{"name":")" + evil + R"("}]})";
+        };
+        return page_with(R"("find":"boards",)", board("uno1") + "," + board(evil));
+    };
+    const auto services = [&](int) {
+        return page_with(R"("find":"services",)", R"({"board":"uno1","name":")" + evil +
+                                                      R"("},{"board":"uno1","name":"io","title":")" + evil +
+                                                      "\"}");
+    };
+    for (const auto& [words, page] :
+         std::vector<std::pair<Words, Page>>{{{"list"}, brief},
+                                             {{"list", "-o", "name"}, brief},
+                                             {{"list", "-o", "wide"}, whole},
+                                             {{"list", "-o", "json"}, whole},
+                                             {{"list", "-o", "jsonl"}, whole},
+                                             {{"list", "--sort", "state", "-o", "jsonl"}, whole},
+                                             {{"list", "--format", "{board} {chip} {state}"}, whole},
+                                             {{"list", "services", "-o", "name"}, services},
+                                             {{"list", "services", "-o", "json"}, services},
+                                             {{"list", "services"}, services}}) {
+        const auto ended = answered_by(page, words);
+        EXPECT_EQ(ended.status, 0) << ended.errors;
+        EXPECT_THAT(ended.output, HasSubstr("uno1")) << testing::PrintToString(words);
+        for (const auto& text : {ended.output, ended.errors}) {
+            EXPECT_EQ(text, text::escape_json(text)) << testing::PrintToString(words);
+            EXPECT_EQ(text.find('\x1b'), std::string::npos) << testing::PrintToString(words);
+        }
     }
 }
 

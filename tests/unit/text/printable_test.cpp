@@ -27,6 +27,15 @@ TEST(EscapeControls, AnyPairOfBytes_BecomesShowable) {
     }
 }
 
+TEST(EscapeJson, WhatATerminalObeysOrNoOneSees_IsEscapedAndNothingElse) {
+    const std::string plain = "{\n  \"a\": \"Gr\u00f6\u00dfe \u20ac \\u001b\"\n}";
+    EXPECT_EQ(escape_json(plain), plain);
+    EXPECT_EQ(escape_json("\"\u009b31m\x7f\u202e\ufeff\u200b\u2060z\""),
+              R"("\u009b31m\u007f\u202e\ufeff\u200b\u2060z")");
+    EXPECT_EQ(escape_json("\xc2"), "\xc2");
+    EXPECT_EQ(escape_json(""), "");
+}
+
 TEST(IsShowable, ControlCharacters_AreNot) {
     EXPECT_TRUE(is_showable("Gr\u00f6\u00dfe \u20ac"));
     for (const std::string_view text : {"\x1b[2J", "a\nb", "\x7f", "\u009b2J"})
