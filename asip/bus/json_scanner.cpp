@@ -98,7 +98,7 @@ bool JsonScanner::value(std::string_view& raw) {
 
 bool JsonScanner::known_value(std::string_view text) {
     const auto left = static_cast<std::size_t>(end_ - at_);
-    // All texts compared here are objects and arrays: they end with themselves.
+    // All texts compared here end with a quote, a brace or a bracket: no value goes on behind it.
     if (text.empty() || text.size() > left || std::memcmp(at_, text.data(), text.size()) != 0) return false;
     at_ += text.size();
     return true;

@@ -85,8 +85,9 @@ void serve_page(Gateway& gateway, const http::Request& request, const http::Repl
     const auto* file = gateway.options().page ? file_of(path) : nullptr;
     if (file == nullptr) return reply.send(problem(404, "there is nothing at this address"));
     if (request.method != "GET" && request.method != "HEAD") {
-        auto response = problem(405, "only GET, HEAD, OPTIONS");
-        if (request.method == "OPTIONS") response.status = 204;
+        http::Response response;
+        response.status = 204;
+        if (request.method != "OPTIONS") response = problem(405, "only GET, HEAD, OPTIONS");
         response.headers.emplace_back("Allow", "GET, HEAD, OPTIONS");
         return reply.send(std::move(response));
     }
