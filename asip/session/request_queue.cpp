@@ -18,6 +18,9 @@ constexpr Duration kLazyFence = std::chrono::milliseconds(100);
 // waits for it.
 constexpr std::size_t kEarlyFence = 32;
 
+// What an answer takes on its way through a serial adapter and two programs, more or less.
+constexpr Duration kAnswerTime = std::chrono::milliseconds(1);
+
 // A board that writes a long report reads nothing meanwhile.
 constexpr Duration kReadsAgainWithin = std::chrono::milliseconds(30);
 
@@ -97,11 +100,20 @@ bool RequestQueue::next_may_go(Time now, std::vector<std::string>& lines) {
     if (in_flight_.empty()) return true;
     // What has to be proven goes with its fence: an outage between them would go unnoticed.
     if (!next.urgent && !fences_.echo() && next.prove && in_flight_.fence_out()) return false;
-    const bool joins = !next.changes_line() && !in_flight_.is_barrier() &&
-                       !fences_.is_fence_question(next.line) &&
-                       in_flight_.bytes() + wire_bytes(next) + fence_bytes() <= room();
-    if (!joins && in_flight_.has_open_batch() && may_fence(now)) close(now, lines);
+    const bool fits = in_flight_.bytes() + wire_bytes(next) + fence_bytes() <= room();
+    const bool joins =
+        fits && !next.changes_line() && !in_flight_.is_barrier() && !fences_.is_fence_question(next.line);
+    fills_batch_ = !fits && may_fill_batch(now);
+    if (!joins && !fills_batch_ && in_flight_.has_open_batch() && may_fence(now)) close(now, lines);
     return joins;
+}
+
+// Where the line is faster than answers are on their way, a full batch at a time gets more requests through
+// than small ones behind each other: they need a fence each.
+bool RequestQueue::may_fill_batch(Time now) const {
+    return fences_.verified() && byte_time_ * static_cast<Duration::rep>(kReceiveBufferBytes) < kAnswerTime &&
+           in_flight_.has_open_batch() && in_flight_.fence_out() && in_flight_.close_after() == Time{} &&
+           now < in_flight_.last_sent() + kLazyFence;
 }
 
 void RequestQueue::send(Request request, bool reports, Time now, std::vector<std::string>& lines) {
@@ -119,7 +131,7 @@ void RequestQueue::send(Request request, bool reports, Time now, std::vector<std
 }
 
 void RequestQueue::send_last_fence(Time now, std::vector<std::string>& lines) {
-    if (!in_flight_.has_open_batch() || !may_fence(now)) return;
+    if (!in_flight_.has_open_batch() || fills_batch_ || !may_fence(now)) return;
     if (in_flight_.open_batch_wants_proof() || in_flight_.bytes() >= kEarlyFence ||
         now >= in_flight_.last_sent() + kLazyFence)
         close(now, lines);

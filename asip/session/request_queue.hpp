@@ -56,6 +56,7 @@ class RequestQueue {
         std::vector<std::string> lines;
         send_probe(now, lines);
         settled_at_ = Time::max();
+        fills_batch_ = false;
         const auto may_go = [&](const Request& one) {
             return !in_flight_.awaits_value_of(one) && !settles_first(one, reports(one), now);
         };
@@ -106,6 +107,7 @@ class RequestQueue {
     void send_probe(Time now, std::vector<std::string>& lines);
     bool settles_first(const Request& next, const SelfReports& reports, Time now);
     bool next_may_go(Time now, std::vector<std::string>& lines);
+    bool may_fill_batch(Time now) const;
     void send(Request request, bool reports, Time now, std::vector<std::string>& lines);
     void send_last_fence(Time now, std::vector<std::string>& lines);
     bool may_fence(Time now) const;
@@ -121,13 +123,13 @@ class RequestQueue {
     InFlight in_flight_;
     Fences fences_;
     bool digest_known_ = false;  // the board's digest begins behind the last fence
-                                 // known
     std::size_t checksum_bytes_ = 0;
     std::size_t longest_request_ = protocol::kUsualRequestBytes;
     Duration byte_time_{};
     bool reporting_ = false;
     bool stalled_ = false;  // a fence is overdue
     bool probe_wanted_ = false;
+    bool fills_batch_ = false;       // the open batch gets its fence when there is room for more of them
     Time settled_at_ = Time::max();  // when what waits for the last reports may go
     unsigned lost_fences_ = 0;
     std::uint64_t fence_timeouts_ = 0;

@@ -11,8 +11,9 @@ namespace {
 
 class VerifiedFences : public testing::TestWithParam<ChecksumPolicy> {
   protected:
-    VerifiedFences() : bench({.checksum = GetParam()}) {
+    explicit VerifiedFences(unsigned fastest = 1'000'000) : bench({.checksum = GetParam()}) {
         bench.board.verified_fences = true;
+        bench.board.fastest_allowed = fastest;
         bench.plug();
         EXPECT_TRUE(bench.ready_within());
         EXPECT_EQ(ending_of("I,d,13,0"), Ending::kExecuted);
@@ -60,6 +61,75 @@ TEST_P(VerifiedFences, ErrorOfOneOfTwoThatLookAlike_IsNoContradiction) {
     bench.request("S,W,0,90", {.prove = false});
     EXPECT_EQ(ending_of("I,d,13,1"), Ending::kExecuted);
     EXPECT_EQ(bench.session.counters().contradictions, 0u);
+}
+
+class FullBatches : public VerifiedFences {
+  protected:
+    using VerifiedFences::VerifiedFences;
+    /// Twenty requests, while the board's answers wait. It loses the fences behind so many of them.
+    void send_twenty(int fences_until = 20) {
+        bench.board.heard.clear();
+        bench.hold();
+        for (int i = 0; i < 20; ++i) {
+            if (i == fences_until) bench.board.swallow_fences = 100;
+            requests.push_back(bench.request("I,d,13," + std::to_string(i % 2), {.client = 7}));
+        }
+    }
+    bool all_executed() const {
+        return std::all_of(requests.begin(), requests.end(), [&](RequestId id) {
+            const auto* const end = bench.end_of(id);
+            return end != nullptr && end->ending == Ending::kExecuted;
+        });
+    }
+    auto fences() const {
+        return std::count_if(bench.board.heard.begin(), bench.board.heard.end(),
+                             [](const auto& line) { return line.starts_with("#,V"); });
+    }
+    std::vector<RequestId> requests;
+};
+INSTANTIATE_TEST_SUITE_P(Checksums, FullBatches,
+                         testing::Values(ChecksumPolicy::kNever, ChecksumPolicy::kAlways),
+                         [](const auto& tested) -> std::string {
+                             return tested.param == ChecksumPolicy::kNever ? "Without" : "With";
+                         });
+
+TEST_P(FullBatches, OnAFastLine_AFenceForAsManyAsTheBoardHolds) {
+    send_twenty();
+    const auto at_once = fences();
+    bench.release();
+    bench.pass(1s);
+    EXPECT_TRUE(all_executed());
+    EXPECT_LE(fences(), at_once + 5);
+    EXPECT_LE(bench.most_in_flight, 63u);
+}
+
+TEST_P(FullBatches, AnAnswerIsMissing_TheFenceIsSentAllTheSame) {
+    send_twenty(1);
+    const auto at_once = fences();
+    bench.board.swallow_fences = 0;
+    bench.release();
+    bench.pass(50ms);
+    EXPECT_EQ(fences(), at_once);
+    bench.pass(100ms);
+    EXPECT_GT(fences(), at_once);
+    bench.pass(1s);
+    ASSERT_NE(bench.end_of(requests.back()), nullptr);
+    EXPECT_EQ(bench.end_of(requests.back())->ending, Ending::kExecuted);
+}
+
+class FullBatchesOnASlowLine : public FullBatches {
+  protected:
+    FullBatchesOnASlowLine() : FullBatches(57600) {}
+};
+INSTANTIATE_TEST_SUITE_P(Checksums, FullBatchesOnASlowLine, testing::Values(ChecksumPolicy::kAlways));
+
+TEST_P(FullBatchesOnASlowLine, EachFenceIsSentAtOnce) {
+    send_twenty(1);
+    const auto at_once = fences();
+    bench.board.swallow_fences = 0;
+    bench.release();
+    bench.pass(50ms);
+    EXPECT_GT(fences(), at_once);
 }
 
 // Requests that look alike go with one fence, so an error of theirs names none of them.
