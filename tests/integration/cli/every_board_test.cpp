@@ -87,7 +87,7 @@ class EveryBoardTest : public BusTest, public ::testing::WithParamInterface<Boar
     }
     /// A command: the board takes it, or is recorded and refuses.
     void commanded(Words arguments) const {
-        arguments.insert(arguments.end(), {"-o", "jsonl"});
+        arguments.insert(arguments.end(), {"-o", "jsonl", "--timeout", "20s"});
         const auto result = asipctl(arguments);
         EXPECT_EQ(result.status, recorded() ? 1 : 0) << arguments.front() << ": " << result.errors;
         const auto first = result.output.substr(0, result.output.find('\n'));
