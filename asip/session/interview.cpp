@@ -3,6 +3,7 @@
 
 #include <array>
 #include <string_view>
+#include <utility>
 
 #include "asip/model/names.hpp"
 #include "asip/protocol/error_code.hpp"
@@ -19,6 +20,13 @@ constexpr std::array<std::string_view, 9> kQuestions{
 };
 
 constexpr int kTries = 3;
+// Errors that name no question of ours: they may be about what was sent before, and come in numbers.
+constexpr int kTriesAtOnce = 3;
+// A board that answered nothing to "#,X" is asked once more from the start: it may have stood still, and what
+// it is able to do decides how far its answers can be believed.
+constexpr int kRounds = 2;
+// A damaged "#,X" may be refused, too.
+constexpr int kRefusals = 2;
 
 template <class T>
 bool keep(Expected<T> parsed, T& place) {
@@ -42,16 +50,21 @@ void Interview::ask(Time now, std::vector<std::string>& lines) {
 
 void Interview::repeat(Time now, std::vector<std::string>& lines) {
     if (progress_ != Progress::kAsking) return;
-    tries_ = 0;
+    tries_ = tries_at_once_ = 0;
     ask(now, lines);
 }
 
 void Interview::ask_again_or_pass(Time now, std::vector<std::string>& lines) {
-    if (tries_ < kTries) {
-        ask(now, lines);
-    } else {
-        pass(now, lines);
-    }
+    if (tries_ < kTries) return ask(now, lines);
+    if (kQuestions[step_] != protocol::kAskExtensions || ++rounds_ == kRounds) return pass(now, lines);
+    start_again(now, lines);
+}
+
+void Interview::start_again(Time now, std::vector<std::string>& lines) {
+    identity_ = Identity{};
+    step_ = 0;
+    tries_ = tries_at_once_ = 0;
+    ask(now, lines);
 }
 
 // Leaves the question unanswered.
@@ -68,14 +81,12 @@ bool Interview::skip_step() const {
 }
 
 void Interview::next(Time now, std::vector<std::string>& lines) {
-    tries_ = 0;
+    tries_ = tries_at_once_ = 0;
     const auto& extensions = identity_.extensions;
     if (turn_checksums_on_ && extensions.has(protocol::kChecksum) && extensions.has(protocol::kEcho)) {
         turn_checksums_on_ = false;
         lines.push_back(protocol::set_checksum(true));
-        identity_ = Identity{};
-        step_ = 0;
-        return ask(now, lines);
+        return start_again(now, lines);
     }
     do {
         if (++step_ == kQuestions.size()) return finish();
@@ -106,13 +117,23 @@ bool Interview::take_of_core(const protocol::Event& event) {
     }
 }
 
+// Where something is missing it may have been damaged: only what comes twice is believed.
+bool Interview::take_extensions(std::string_view body) {
+    auto extensions = protocol::parse_extensions(body);
+    if (!extensions) return false;
+    const bool complete = extensions->has(protocol::kEcho) && extensions->has(protocol::kVerifiedFence);
+    if (!complete && std::exchange(extensions_, *extensions) != *extensions) return false;
+    identity_.extensions = std::move(*extensions);
+    return true;
+}
+
 bool Interview::take(const protocol::Event& event) {
     if (event.service == 'I') return take_of_core(event);
     switch (event.tag) {
         case '?':
             return keep(protocol::parse_board_info(event.body), identity_.info);
         case 'X':
-            return keep(protocol::parse_extensions(event.body), identity_.extensions);
+            return take_extensions(event.body);
         case 'N': {
             auto names = protocol::parse_service_names(event.body);
             if (!names) return false;
@@ -150,9 +171,15 @@ bool Interview::on_error(const protocol::ErrorReply& error, Time now, std::vecto
     const std::string_view question = kQuestions[step_];
     const bool named = error.service == question[0] && error.tag == question[2];
     if (!named && error.service != '#' && error.service != 'Q' && error.tag != '?') return false;
-    // An error that names something else was caused by a damaged question.
-    const bool damaged = !named || error.code == static_cast<int>(protocol::ErrorCode::kBadArgument);
-    damaged ? ask_again_or_pass(now, lines) : pass(now, lines);
+    if (named) {
+        const bool damaged = error.code == static_cast<int>(protocol::ErrorCode::kBadArgument);
+        const bool believed = question != protocol::kAskExtensions || (!damaged && ++refusals_ == kRefusals);
+        damaged || !believed ? ask_again_or_pass(now, lines) : pass(now, lines);
+    } else if (tries_at_once_ < kTriesAtOnce) {  // our question may have been damaged
+        ++tries_at_once_;
+        --tries_;
+        ask(now, lines);
+    }
     return true;
 }
 

@@ -11,7 +11,8 @@
 namespace asip::session {
 
 /// The state machine that asks a board what it is: one question at a time, each up to three times. Only `#,?`
-/// must be answered; what a board refuses or does not answer stays empty.
+/// must be answered; what a board refuses or does not answer stays empty. That it has no extensions is
+/// believed of a board that refuses `#,X` twice, or that twice answers `#,?` and not `#,X`.
 class Interview {
   public:
     enum class Progress { kAsking, kDone, kFailed };
@@ -38,15 +39,21 @@ class Interview {
     void ask(Time now, std::vector<std::string>& lines);
     void ask_again_or_pass(Time now, std::vector<std::string>& lines);
     void pass(Time now, std::vector<std::string>& lines);
+    void start_again(Time now, std::vector<std::string>& lines);
     void next(Time now, std::vector<std::string>& lines);
     bool skip_step() const;
     bool take(const protocol::Event& event);
+    bool take_extensions(std::string_view body);
     bool take_of_core(const protocol::Event& event);
     void finish();
 
     Progress progress_ = Progress::kAsking;
     std::size_t step_ = 0;
     int tries_ = 0;
+    int tries_at_once_ = 0;
+    int rounds_ = 0;
+    int refusals_ = 0;
+    protocol::Extensions extensions_;  // as last answered
     Time asked_{};
     bool turn_checksums_on_;
     std::string banner_services_;

@@ -19,7 +19,7 @@ class History {
           plan_(draw_plan(seed, dice_)),
           trace_(trace),
           note_([this](const std::string& text) { note(text); }),
-          ledger_(plan_.calm(), note_),
+          ledger_(plan_.calm(), plan_.extensions, note_),
           to_board_(plan_.to_board, dice_, on_fault(true)),
           to_host_(plan_.to_host, dice_, on_fault(false)),
           board_(plan_.extensions ? firmware_with_extensions() : firmware_of_04(), to_board_, to_host_, dice_,

@@ -53,7 +53,8 @@ struct Counts {
 class Ledger {
   public:
     using Note = std::function<void(const std::string&)>;
-    Ledger(bool calm, Note note) : calm_(calm), note_(std::move(note)) {}
+    /// `digests`: the board has verified fences, and no `ok` of it is excused.
+    Ledger(bool calm, bool digests, Note note) : calm_(calm), digests_(digests), note_(std::move(note)) {}
 
     std::size_t submitted(Command command, Micros now);
     void refused(std::size_t command, Micros now);
@@ -119,7 +120,6 @@ class Ledger {
     bool merged(const Entry& entry) const;
     bool damage_since(Micros from) const;
     std::optional<std::string> sign_since(const Entry& entry, Micros now) const;
-    bool verified(const Entry& entry) const;
     void untrue(const Entry& entry, std::string what, bool is_value, Micros now);
     bool blames_another(const Entry& entry, Micros then, char service, char tag) const;
     bool may_be_old_report(const Entry& entry) const;
@@ -128,6 +128,7 @@ class Ledger {
     std::string describe(const Entry& entry) const;
 
     bool calm_;
+    bool digests_;
     Note note_;
     std::string failure_;
     std::vector<Entry> entries_;

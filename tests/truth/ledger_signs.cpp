@@ -19,19 +19,16 @@ namespace protocol = asip::protocol;
 // What was damaged before a stall arrives behind it.
 constexpr Micros kLongestStall = 4 * kSecond;
 
-}  // namespace
+// A request that timed out on the line: its error comes when the board has read it.
+constexpr Micros kErrorIsLate = kSecond;
 
-bool Ledger::verified(const Entry& entry) const {
-    return std::any_of(fences_.rbegin(), fences_.rend(), [&](const Line& fence) {
-        return fence.at >= entry.sent && fence.text.starts_with("@#,V,");
-    });
-}
+}  // namespace
 
 void Ledger::untrue(const Entry& entry, std::string what, bool is_value, Micros now) {
     const std::string text = describe(entry) + ": " + what;
     if (!damage_since(entry.sent) && !merged(entry)) return fail(text + "; the line was good");
     if (const auto sign = sign_since(entry, now)) return fail(text + "; a sign of damage: " + *sign);
-    if (!is_value && verified(entry)) return fail(text + "; its fence was verified");
+    if (!is_value && digests_) return fail(text + "; the board has verified fences");
     ++(!is_value ? counts.not_executed : entry.checksum ? counts.wrong_summed : counts.wrong_values);
     note_(text + "; nothing showed that");
 }
@@ -102,7 +99,9 @@ bool Ledger::answers_another(const Entry& entry, Micros at, const protocol::Erro
 // Whether an error could be that of another request under way.
 bool Ledger::blames_another(const Entry& entry, Micros then, char service, char tag) const {
     return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& other) {
-        if (&other == &entry || other.sent > then || other.ended < then) return false;
+        if (&other == &entry || other.sent > then) return false;
+        if (other.ended < then && (other.ended < other.deadline || other.ended + kErrorIsLate < then))
+            return false;
         const std::string& line = other.command.line;
         return (line[0] == service && line[2] == tag) || tag == '?' || service == 'Q';
     });
