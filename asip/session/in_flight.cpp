@@ -147,6 +147,7 @@ InFlight::Meaning InFlight::on_event(const protocol::Event& event, const protoco
 }
 
 void InFlight::fences_back(std::size_t number, bool ambiguous, Time now, std::vector<RequestEnd>& ended) {
+    if (std::exchange(stood_still_, false)) goes_on(now);
     for (std::size_t i = 0; i < number; ++i) {
         remember_lost(batches_.front().fence);
         Batch lost = std::move(batches_.front());
@@ -267,7 +268,7 @@ unsigned InFlight::mark_overdue(Time now, Duration answer_timeout) {
     unsigned count = 0;
     for (Batch& batch : batches_) {
         if (batch.overdue || !batch.fence.sent() || now < batch.last_sent + answer_timeout) continue;
-        batch.overdue = true;
+        batch.overdue = stood_still_ = true;
         bytes_ -= std::exchange(batch.bytes, 0u);
         ++count;
     }
@@ -284,6 +285,7 @@ void InFlight::end_all(Ending ending, std::vector<RequestEnd>& ended) {
         end(awaiting.item, Ending::kNoValue, ended);
     batches_.clear();
     awaiting_.clear();
+    stood_still_ = true;
     bytes_ = 0;
     earliest_ = Time::max();
 }

@@ -120,6 +120,7 @@ class InFlight {
         char tag;
         Time sent_by;         // the board has sent it then; Time::max(): not known
         std::uint64_t ended;  // as next_number_
+        Duration answer_time;
     };
     /// An error that may belong to several requests of a batch.
     struct Unclear {
@@ -147,6 +148,7 @@ class InFlight {
     // Gives each unclear error to the request that the digest says. False: the digest contradicts the batch.
     static bool settle_errors(Batch& batch, const protocol::Event& event);
     Item* find_question(const protocol::Event& event);
+    void goes_on(Time now);
     void fences_back(std::size_t batch, bool ambiguous, Time now, std::vector<RequestEnd>& ended);
     void finish(Batch batch, bool missing, Time now, std::vector<RequestEnd>& ended);
     void end(Item& item, Ending ending, std::vector<RequestEnd>& ended, Time sent_by = Time::max());
@@ -169,6 +171,7 @@ class InFlight {
     std::vector<std::pair<char, char>> slow_;  // service and tag of values that come behind the fence
     std::uint64_t next_number_ = 1;
     std::size_t bytes_ = 0;
+    bool stood_still_ = false;     // the board may have: a fence is overdue
     Time earliest_ = Time::max();  // not after the first deadline of an item
 };
 

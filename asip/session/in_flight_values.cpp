@@ -81,7 +81,18 @@ void InFlight::end_without_value(Item& item, Time sent_by, std::vector<RequestEn
 void InFlight::note_owed(const Item& item, Ending ending, Time sent_by) {
     if (!item.wants_value() || item.has_value || item.request.is_question()) return;
     if (ending == Ending::kExecuted || ending == Ending::kBoardError || owed_.size() >= kMaxOwed) return;
-    owed_.push_back({item.number, item.request.service(), item.request.answer_tag, sent_by, next_number_});
+    owed_.push_back({item.number, item.request.service(), item.request.answer_tag, sent_by, next_number_,
+                     item.request.answer_time});
+}
+
+// A board that stood still did not measure meanwhile.
+void InFlight::goes_on(Time now) {
+    for (Awaiting& one : awaiting_) {
+        one.latest = std::max(one.latest, now + one.item.request.answer_time);
+        one.until = std::min(one.item.request.deadline, one.latest);
+    }
+    for (Owed& one : owed_)
+        one.sent_by = std::max(one.sent_by, now + one.answer_time);
 }
 
 // What was on the way before a fence has come when the fence is back.

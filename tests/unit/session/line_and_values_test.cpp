@@ -191,6 +191,24 @@ TEST_F(OldBoard, ValueOfARequestWhoseDeadlineCameFirst_IsNotThatOfTheNext) {
     EXPECT_EQ(bench.end_of(second)->answer.text(), "@D,e,1,{2}");
 }
 
+TEST_F(OldBoard, BoardStoodStillWhileItMeasured_ValueIsNotThatOfTheNext) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    const auto first = bench.request("D,M", {.answer_tag = 'e', .answer_time = 500ms});
+    bench.board.mute = true;
+    bench.request("I,d,13,1");
+    bench.pass(1600ms);
+    ASSERT_EQ(bench.end_of(first)->ending, Ending::kNoValue);
+    bench.say_line("@#,?,0,4,ATmega328P,20,Script");
+    bench.say_line("@#,N,3,{I:ASIP core IO,S:Servos,D:Distance}");
+    bench.pass(10ms);
+    const auto second = bench.request("D,M", {.answer_tag = 'e', .answer_time = 500ms});
+    bench.say_line("@D,e,1,{1}");
+    bench.say_line("@#,?,0,4,ATmega328P,20,Script");
+    bench.say_line("@#,N,3,{I:ASIP core IO,S:Servos,D:Distance}");
+    EXPECT_EQ(bench.end_of(second), nullptr);
+}
+
 TEST(BoardSession, PeriodIsOnItsWayToTheBoard_AReportIsNotTheValueThatWasAskedFor) {
     Bench bench(no_step_up());
     bench.plug();
