@@ -76,7 +76,12 @@ class Flasher {
             return failure(program::kExitFailure, options_.board + " is recorded (" +
                                                       board->description->link.path +
                                                       "): there is no chip to load firmware into");
-        if (!board->description || board->description->link.kind != "serial")
+        if (!board->description)
+            return failure(
+                program::kExitNoAnswer,
+                "no description of " + options_.board +
+                    " came in time, so nobody knows its port; try again, or with a longer --timeout");
+        if (board->description->link.kind != "serial")
             return failure(program::kExitFailure,
                            options_.board + " is not at a serial port; only such a board can be flashed");
         const auto& description = *board->description;
