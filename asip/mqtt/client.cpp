@@ -105,6 +105,9 @@ void Client::subscribe(std::string filter, SubscribeOptions options) {
 void Client::unsubscribe(const std::string& filter) {
     impl_->unsubscribe(filter);
 }
+bool Client::check(std::function<void()> answered) {
+    return impl_->check(std::move(answered));
+}
 PublishResult Client::publish(Message message, Priority priority) {
     return impl_->publish(std::move(message), priority);
 }

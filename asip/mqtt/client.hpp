@@ -139,6 +139,12 @@ class Client {
     /// Messages that are under way may still arrive.
     void unsubscribe(const std::string& filter);
 
+    /// Asks the broker for a sign of life that comes in order: what is received behind it was written by the
+    /// broker after this call. That is its answer to UNSUBSCRIBE of a filter that nobody subscribed to.
+    /// `answered` is called once, or never if the connection ends before. False: not connected, or the check
+    /// before has no answer yet.
+    bool check(std::function<void()> answered);
+
     /// Publishes, or queues in order. Of retained messages that wait, the newest of a topic replaces the
     /// older. May be called before start(), and while there is no connection. `priority` decides what is
     /// dropped first when the queue is full; of the order only that Priority::kUrgent leaves ahead of all.

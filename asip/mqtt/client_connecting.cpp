@@ -46,6 +46,7 @@ void Client::Impl::connection_up(const Connected& connected) {
 
 void Client::Impl::connection_down(const ConnectionEnd& end) {
     connection_.reset();
+    check_.reset();
     requeue_unacknowledged();
     if (stopped_) {
         finish();

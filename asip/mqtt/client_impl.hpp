@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     void set_will(Message will) { options_.will = std::move(will); }
     void subscribe(std::string filter, SubscribeOptions options);
     void unsubscribe(const std::string& filter);
+    bool check(std::function<void()> answered);
     PublishResult publish(Message message, Priority priority);
     void discard_queued(Priority priority) { outbox_.discard(priority); }
 
@@ -41,6 +43,10 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     struct Unacknowledged {
         Outbox::Entry entry;
         Time sent;
+    };
+    struct Check {
+        int id;
+        std::function<void()> answered;
     };
 
     // Connecting (client_connecting.cpp)
@@ -56,6 +62,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     void message_received(Message message) override;
     void publish_answered(int id, int reason_code) override;
     void subscribe_answered(int id, const std::vector<int>& granted) override;
+    void unsubscribe_answered(int id) override;
     void may_write() override { flush(); }
     void debug_line(const std::string& line) override;
     void send_subscriptions();
@@ -87,6 +94,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
 
     Subscriptions subscriptions_;
     Time last_granted_{};  ///< or refused: when the broker was last busy with a subscription
+    std::optional<Check> check_;
     Outbox outbox_;
     std::map<int, Unacknowledged> unacknowledged_;
     Counters counters_;

@@ -11,6 +11,7 @@ namespace {
 constexpr std::size_t kMaxUnacknowledged = 20;
 constexpr std::size_t kMaxPropertyBytes = 65535;
 constexpr int kFirstErrorCode = 128;
+constexpr const char* kCheckFilter = "$check";
 
 bool can_be_published(const Message& message) {
     return !message.topic.empty() && message.qos >= 0 && message.qos <= 1 &&
@@ -45,7 +46,23 @@ void Client::Impl::subscribe(std::string filter, SubscribeOptions options) {
 
 void Client::Impl::unsubscribe(const std::string& filter) {
     subscriptions_.remove(filter);
-    if (connected()) connection_->unsubscribe(filter);
+    int id = 0;
+    if (connected()) connection_->unsubscribe(filter, id);
+}
+
+bool Client::Impl::check(std::function<void()> answered) {
+    int id = 0;
+    if (!connected() || check_ || connection_->unsubscribe(kCheckFilter, id) != MOSQ_ERR_SUCCESS)
+        return false;
+    check_ = {id, std::move(answered)};
+    return true;
+}
+
+void Client::Impl::unsubscribe_answered(int id) {
+    if (!check_ || check_->id != id) return;
+    const auto answered = std::move(check_->answered);
+    check_.reset();
+    if (!silent() && answered) answered();
 }
 
 void Client::Impl::send_subscriptions() {

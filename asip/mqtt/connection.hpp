@@ -25,6 +25,7 @@ class ConnectionEvents {
     virtual void message_received(Message message) = 0;
     virtual void publish_answered(int id, int reason_code) = 0;
     virtual void subscribe_answered(int id, const std::vector<int>& granted) = 0;
+    virtual void unsubscribe_answered(int id) = 0;
     virtual void may_write() = 0;     ///< nothing is waiting in front of the socket any more
     virtual void tick(Time now) = 0;  ///< about once a second
     virtual void debug_line(const std::string& line) = 0;
@@ -64,7 +65,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     /// Returns libmosquitto's error code; `id` is what publish_answered() will name.
     int publish(const Message& message, int& id);
     int subscribe(const std::string& filter, const SubscribeOptions& options, int& id);
-    int unsubscribe(const std::string& filter);
+    int unsubscribe(const std::string& filter, int& id);
 
   private:
     static constexpr int kMinKeepalive = 5;  ///< of libmosquitto, in seconds

@@ -31,8 +31,8 @@ int Connection::subscribe(const std::string& filter, const SubscribeOptions& opt
     return send_queued(error);
 }
 
-int Connection::unsubscribe(const std::string& filter) {
-    const int error = mosquitto_unsubscribe_v5(mosquitto_.get(), nullptr, filter.c_str(), nullptr);
+int Connection::unsubscribe(const std::string& filter, int& id) {
+    const int error = mosquitto_unsubscribe_v5(mosquitto_.get(), &id, filter.c_str(), nullptr);
     return send_queued(error);
 }
 

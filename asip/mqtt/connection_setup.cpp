@@ -82,6 +82,11 @@ void Connection::set_callbacks() {
             ++connection.packets_seen_;
             connection.events_.subscribe_answered(id, std::vector<int>(granted, granted + count));
         });
+    mosquitto_unsubscribe_v5_callback_set(m, [](mosquitto*, void* self, int id, const mosquitto_property*) {
+        auto& connection = *static_cast<Connection*>(self);
+        ++connection.packets_seen_;
+        connection.events_.unsubscribe_answered(id);
+    });
     mosquitto_log_callback_set(m, [](mosquitto*, void* self, int level, const char* line) {
         static_cast<Connection*>(self)->on_log(level, line);
     });
