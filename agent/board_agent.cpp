@@ -77,6 +77,7 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
       counters_timer_(io_),
       statistics_timer_(io_),
       safe_timer_(io_),
+      check_timer_(io_),
       notes_(io_, [this](mqtt::Message note) {
           if (bus_) bus_->publish(std::move(note), mqtt::Priority::kReply);
       }) {}
@@ -254,6 +255,7 @@ void BoardAgent::finish(int status) {
     counters_timer_.cancel();
     statistics_timer_.cancel();
     safe_timer_.cancel();
+    check_timer_.cancel();
     clients_.close();
     link_.stop();
     // What was in the loop's queue already runs before that.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/thread_pool.hpp>
@@ -10,6 +11,7 @@
 #include "agent/board_log.hpp"
 #include "agent/bridge.hpp"
 #include "agent/continuations.hpp"
+#include "agent/held_on_the_way.hpp"
 #include "agent/held_up.hpp"
 #include "agent/inbox.hpp"
 #include "agent/label_files.hpp"
@@ -79,6 +81,9 @@ class BoardAgent {
     void note_online();
     void keep_labels(LabelsToKeep keep);
     void message_received(const mqtt::Message& message);
+    /// When a message that is read now may have come, at the earliest.
+    Time arrival(Time now) const { return std::min(held_up_.arrival(now), on_the_way_.arrival(now)); }
+    void check_the_way();
     void handle_oldest();
     void schedule_turn();
     void turn();
@@ -102,9 +107,11 @@ class BoardAgent {
     boost::asio::steady_timer counters_timer_;
     boost::asio::steady_timer statistics_timer_;
     boost::asio::steady_timer safe_timer_;
+    boost::asio::steady_timer check_timer_;
     Notes notes_;
     Inbox inbox_;
     HeldUp held_up_;
+    HeldOnTheWay on_the_way_;
     std::size_t arrived_ = 0;  // commands in this turn of the loop
     bool turn_scheduled_ = false;
     Outage outage_;

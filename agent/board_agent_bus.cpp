@@ -101,6 +101,7 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
     };
     handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
         bridge_.bus_disconnected();
+        on_the_way_ = {};
         note_online();
         bus_failed(failure, true);
         if (failure.after_sending >= mqtt::CutOff::kTimes) announcing_denied();
@@ -123,7 +124,8 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
 void BoardAgent::message_received(const mqtt::Message& message) {
     if (stopping_) return;
     note_running();
-    const Time arrival = held_up_.arrival(Clock::now());
+    const Time arrived = Clock::now();
+    const Time came = arrival(arrived);
     const auto topic = topics_.parse(message.topic);
     if (!topic) return;
     if (topic->kind == bus::TopicKind::kStop) {
@@ -138,13 +140,39 @@ void BoardAgent::message_received(const mqtt::Message& message) {
                          topic->kind == bus::TopicKind::kBoardOut ||
                          topic->kind == bus::TopicKind::kServiceIn;
     const bool command = request && message.payload.find("\"renew\"") == std::string::npos;
+    if (request && on_the_way_.commanded(arrived, message.qos > 0)) check_the_way();
     if (command) ++arrived_, schedule_turn();
     if (!command || (inbox_.empty() && arrived_ <= kAtOnce)) {
-        with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, {.at = arrival}, now, out); });
+        with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, {.at = came}, now, out); });
         return;
     }
-    inbox_.push(message, arrival);
+    inbox_.push(message, came);
     if (inbox_.full()) handle_oldest();
+}
+
+void BoardAgent::check_the_way() {
+    const auto due = on_the_way_.next_check();
+    if (!due || stopping_) return;
+    const Time now = Clock::now();
+    if (now < *due) {
+        check_timer_.expires_at(*due);
+        check_timer_.async_wait([this](boost::system::error_code error) {
+            if (error || stopping_) return;
+            note_running();
+            check_the_way();
+        });
+        return;
+    }
+    const bool sent = bus_->check([this] {
+        note_running();
+        if (on_the_way_.answered(Clock::now()))
+            log_.debug("the broker answered late; commands may have been held on their way", {});
+        check_the_way();
+    });
+    if (sent)
+        on_the_way_.sent(now);
+    else
+        on_the_way_ = {};
 }
 
 void BoardAgent::handle_oldest() {

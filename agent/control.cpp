@@ -155,7 +155,8 @@ void Control::renew(Command& command, const bus::RequestEnvelope& envelope, Time
     if (!id && which != nlohmann::json(true))
         return refuse(command, "renew", bus::kRefusedInvalid,
                       "\"renew\" must be the id of a command, or true", out);
-    const auto count = safety_.holds().renew(command.client, command.service, id, envelope.hold, now);
+    const auto count =
+        safety_.holds().renew(command.client, command.service, id, envelope.hold, command.arrived);
     if (count == 0)
         return refuse(command, "renew", bus::kRefusedNotHeld,
                       "this client holds nothing here: it was not renewed in time, or another command, a "

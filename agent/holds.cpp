@@ -18,13 +18,14 @@ void Holds::begin(Hold hold) {
 }
 
 std::size_t Holds::renew(session::ClientId client, std::string_view service,
-                         std::optional<std::string_view> id, std::optional<Duration> length, Time now) {
+                         std::optional<std::string_view> id, std::optional<Duration> length, Time at) {
     std::size_t count = 0;
     for (auto& [safe, entry] : holds_) {
         Hold& hold = entry.hold;
         if (hold.client != client || hold.service != service || (id && hold.id != *id)) continue;
+        const Time from = std::max(at, hold.ends - hold.length);
         hold.length = length.value_or(hold.length);
-        hold.ends = now + hold.length;
+        hold.ends = from + hold.length;
         ++count;
     }
     return count;

@@ -36,9 +36,10 @@ class Holds {
     /// The command was queued.
     void begin(Hold hold);
     /// Renews what `client` holds of the service, or only the command `id`; for `length`, or for as long as
-    /// before. The number of holds renewed; 0: there is none any more.
+    /// before, from `at` on: when the renewal came, at the earliest. Not from before the time before it. The
+    /// number of holds renewed; 0: there is none any more.
     std::size_t renew(session::ClientId client, std::string_view service, std::optional<std::string_view> id,
-                      std::optional<Duration> length, Time now);
+                      std::optional<Duration> length, Time at);
     /// A request ended whose safe form is `safe`, or which is itself the safe form of others.
     void on_finished(const session::Finished& end, std::string_view safe);
     bool holds(std::string_view safe) const { return holds_.contains(safe); }

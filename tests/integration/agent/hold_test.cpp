@@ -59,7 +59,7 @@ class HeldMotor : public testing::Test {
         ASSERT_TRUE(took) << "the motor runs on after " << after;
         RecordProperty("ms", static_cast<int>(took->count()));
         std::cout << "    stopped " << took->count() << " ms after " << after << '\n';
-        EXPECT_LE(*took, kHold + time_limit(kPromise)) << after;
+        EXPECT_LE(*took, kHold + time_limit(kPromise)) << after << agent->errors();
     }
     json ask(const std::string& topic, const std::string& payload) {
         const auto reply = probe.request(topic, payload);

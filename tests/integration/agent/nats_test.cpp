@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <thread>
 
 #include "tests/integration/agent/fake_port.hpp"
 #include "tests/integration/agent/rig.hpp"
@@ -46,6 +47,23 @@ TEST(AgentNats, NameWithoutADot_IsOnlineAndCommanded) {
     ASSERT_TRUE(wait_state(probe, "online")) << agent.errors();
     const auto sent = asipctl(nats, {"send", "uno1/io", "write", "13", "1"});
     EXPECT_EQ(sent.status, 0) << sent.errors;
+}
+
+TEST(AgentNats, CommandedForAWhile_NoCommandIsTakenForOld) {
+    NatsServer nats;
+    SimulatedUno uno;
+    BusProbe probe(nats.port(), {"asip/servicebus/#"}, {.v5 = false});
+    ChildProcess agent(agent_command(nats.url(), uno.port()));
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.errors();
+    const auto send = [&] {
+        return probe.request("asip/uno1/io/in", R"({"write":[13,1],"deadline_ms":1000})");
+    };
+    ASSERT_TRUE(send());
+    // Each check would be late, were they not answered.
+    std::this_thread::sleep_for(3s);
+    const auto answer = send();
+    ASSERT_TRUE(answer);
+    EXPECT_THAT(*answer, HasSubstr(R"("ok")"));
 }
 
 TEST(AgentNats, SubscriptionThatIsRefused_IsToldAtOnceInWords) {

@@ -60,8 +60,8 @@ class BridgeBench {
     void say(std::string_view bytes) {
         run([&](Effects& out) { bridge.receive(bytes, now, out); });
     }
-    void hear(mqtt::Message message) {
-        run([&](Effects& out) { bridge.bus_message(message, now, out); });
+    void hear(const mqtt::Message& message, const Bridge::Arrival& arrival = {}) {
+        run([&](Effects& out) { bridge.bus_message(message, arrival, now, out); });
     }
     void hear(const std::string& topic, const std::string& payload, bool retained = false) {
         mqtt::Message message;

@@ -73,6 +73,35 @@ TEST_F(HeldCommand, RenewalWithAnotherTime_HoldsForThat) {
     EXPECT_THAT(executed(), Contains("I,d,13,0"));
 }
 
+TEST_F(HeldCommand, RenewalThatWasHeldOnItsWay_HoldsFromWhenItMayHaveCome) {
+    hold();
+    hear({{"renew", "h"}, {"hold_ms", 10'000}});
+    bench.pass(7s);
+    mqtt::Message late;
+    late.topic = kIo;
+    late.payload = R"({"renew":"h","reply_to":"me"})";
+    bench.hear(late, {.at = bench.now - 6s});
+    EXPECT_EQ(json::parse(bench.on("me").back())["proof"], "renewed");
+    bench.pass(3999ms);
+    EXPECT_THAT(executed(), Not(Contains("I,d,13,0")));
+    bench.pass(1ms);
+    EXPECT_THAT(executed(), Contains("I,d,13,0"));
+}
+
+TEST_F(HeldCommand, RenewalOfUnknownAge_ShortensNothing) {
+    hold();
+    bench.pass(400ms);
+    renew();
+    mqtt::Message late;
+    late.topic = kIo;
+    late.payload = R"({"renew":"h","reply_to":"me"})";
+    bench.hear(late, {.at = bench.now - 1s});
+    bench.pass(499ms);
+    EXPECT_THAT(executed(), Not(Contains("I,d,13,0")));
+    bench.pass(1ms);
+    EXPECT_THAT(executed(), Contains("I,d,13,0"));
+}
+
 TEST_F(HeldCommand, RenewedByAnotherClient_IsRefusedAndUndone) {
     hold();
     bench.pass(400ms);

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// Commands that were held on their way to the agent. Real broker, agent and firmware; the simulator says
+// whether the motor's pin changed.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tests/integration/agent/rig.hpp"
+#include "tests/support/tcp_relay.hpp"
+
+namespace asip::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kMotors = "asip/robot/motors/in";
+constexpr const char* kForward = R"({"power":[0,200],"reply_to":"answers","id":)";
+// More than the usual deadline, and less than the broker's silence that ends the connection.
+constexpr auto kHeld = 6s;
+constexpr auto kSometimes = 1500ms;
+
+class LateCommand : public testing::Test {
+  protected:
+    LateCommand() {
+        agent = std::make_unique<ChildProcess>(std::vector<std::string>{
+            ASIP_PROGRAMS "/asip-agent", "--serial", robot.port(), "--broker",
+            "mqtt://127.0.0.1:" + std::to_string(relay.port()), "--name", "robot", "--log-level", "debug"});
+    }
+    /// The board is there, and was commanded a moment ago.
+    bool commanded() {
+        if (!wait_state(probe, "online", kDeadline, "robot") || !is_ok(R"({"power":[0,0]})")) return false;
+        std::this_thread::sleep_for(kSometimes);
+        return true;
+    }
+    bool is_ok(const std::string& command) {
+        const auto answer = probe.request(kMotors, command, time_limit(2s));
+        return answer && json::parse(*answer)["status"] == "ok";
+    }
+    void send(int count, const std::string& more = "") {
+        for (int i = 0; i < count; ++i)
+            probe.publish(kMotors, kForward + std::to_string(i) + more + "}");
+    }
+    void expect_refused(std::size_t count) {
+        ASSERT_TRUE(wait_until([&] { return probe.count("answers") >= count; })) << agent->errors();
+        for (const auto& answer : probe.messages("answers")) {
+            EXPECT_EQ(json::parse(answer.payload)["status"], "refused") << answer.payload;
+            EXPECT_EQ(json::parse(answer.payload)["reason"], "deadline") << answer.payload;
+        }
+        EXPECT_THAT(robot.switched(), testing::IsEmpty()) << "the motor ran";
+    }
+    void expect_usable_soon() {
+        EXPECT_TRUE(wait_until([&] { return is_ok(R"({"power":[0,200]})"); }, time_limit(2s)))
+            << agent->errors();
+        EXPECT_TRUE(wait_until([&] { return robot.runs(); }));
+        EXPECT_THAT(agent->errors(), Not(HasSubstr("broker lost")));
+    }
+    std::size_t checks() const {
+        std::size_t count = 0;
+        const auto log = broker.log();
+        for (std::size_t at = 0; (at = log.find("Received UNSUBSCRIBE", at)) != std::string::npos; ++at)
+            ++count;
+        return count;
+    }
+
+    MosquittoBroker broker;
+    TcpRelay relay{broker.port()};
+    SimulatedRobot robot;
+    BusProbe probe{broker.port()};
+    std::unique_ptr<ChildProcess> agent;
+};
+
+TEST_F(LateCommand, BrokerStoodStill_IsRefused) {
+    ASSERT_TRUE(commanded()) << agent->errors();
+    broker.freeze();
+    send(1);
+    std::this_thread::sleep_for(kHeld);
+    broker.thaw();
+    expect_refused(1);
+    expect_usable_soon();
+}
+
+TEST_F(LateCommand, BrokerStoodStillAndReadsManyPieceByPiece_AllAreRefused) {
+    ASSERT_TRUE(commanded()) << agent->errors();
+    broker.freeze();
+    send(60);
+    std::this_thread::sleep_for(kHeld);
+    broker.thaw();
+    expect_refused(60);
+    expect_usable_soon();
+}
+
+TEST_F(LateCommand, WayToTheAgentWasCut_IsRefused) {
+    ASSERT_TRUE(commanded()) << agent->errors();
+    relay.cut();
+    send(1);
+    std::this_thread::sleep_for(kHeld);
+    relay.restore();
+    expect_refused(1);
+    expect_usable_soon();
+}
+
+TEST_F(LateCommand, MoreThanTheBrokerSendsAtOnce_AllAreRefused) {
+    ASSERT_TRUE(commanded()) << agent->errors();
+    relay.cut();
+    send(60);
+    std::this_thread::sleep_for(kHeld);
+    relay.restore();
+    expect_refused(60);
+    expect_usable_soon();
+}
+
+TEST_F(LateCommand, TimeLeft_IsExecuted) {
+    ASSERT_TRUE(commanded()) << agent->errors();
+    relay.cut();
+    send(1, R"(,"deadline_ms":60000)");
+    std::this_thread::sleep_for(2s);
+    relay.restore();
+    const auto answer = probe.wait_for("answers");
+    ASSERT_TRUE(answer) << agent->errors();
+    EXPECT_EQ(json::parse(answer->payload)["status"], "ok") << answer->payload;
+    EXPECT_TRUE(wait_until([&] { return robot.runs(); }));
+}
+
+TEST_F(LateCommand, NobodyCommands_BrokerIsAskedNothing) {
+    ASSERT_TRUE(wait_state(probe, "online", kDeadline, "robot"));
+    std::this_thread::sleep_for(3s);
+    EXPECT_EQ(checks(), 0u);
+    ASSERT_TRUE(is_ok(R"({"power":[0,0]})"));
+    EXPECT_TRUE(wait_until([&] { return checks() >= 3; })) << broker.log();
+}
+
+}  // namespace
+}  // namespace asip::test

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <memory>
+
+namespace asip::test {
+
+/// Passes TCP connections on to a port of 127.0.0.1, until the way is cut. Has a thread of its own.
+class TcpRelay {
+  public:
+    explicit TcpRelay(std::uint16_t to);
+    ~TcpRelay();
+    TcpRelay(const TcpRelay&) = delete;
+    TcpRelay& operator=(const TcpRelay&) = delete;
+
+    std::uint16_t port() const;
+    /// Nothing passes, either way, and no connection is closed.
+    void cut();
+    /// What waited passes.
+    void restore();
+
+  private:
+    class State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace asip::test
