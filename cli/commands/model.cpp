@@ -2,13 +2,13 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <iterator>
 #include <ostream>
 
 #include "asip/model/example_check.hpp"
 #include "asip/model/reference_page.hpp"
 #include "cli/context.hpp"
 #include "cli/declaration.hpp"
+#include "cli/file_text.hpp"
 #include "cli/generate/clashes.hpp"
 #include "cli/generate/generate.hpp"
 #include "cli/generate/layout.hpp"
@@ -35,12 +35,6 @@ std::size_t elements_of(const ModelOptions& options, const ServiceModel& model) 
     return options.elements.value_or(generate::elements_in_examples(model));
 }
 
-std::optional<std::string> generated_content(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return std::nullopt;
-    return std::string{std::istreambuf_iterator<char>(file), {}};
-}
-
 Outcome<void> write_generated(const fs::path& path, const std::string& text) {
     std::ofstream file(path, std::ios::binary | std::ios::trunc);
     file << text << std::flush;
@@ -57,7 +51,7 @@ Outcome<void> write_all(const std::vector<GeneratedFile>& files, const fs::path&
     if (!options.force) {
         for (const auto& file : files) {
             const auto path = folder / file.name;
-            if (!file.own_code && fs::exists(path, fault) && generated_content(path) != file.text)
+            if (!file.own_code && fs::exists(path, fault) && file_text(path) != file.text)
                 return failure(
                     program::kExitFailure,
                     path.string() + " is there already; --force writes it anew" +
@@ -68,7 +62,7 @@ Outcome<void> write_all(const std::vector<GeneratedFile>& files, const fs::path&
     for (const auto& file : files) {
         const auto path = folder / file.name;
         const bool kept = file.own_code && fs::exists(path, fault);
-        if (!kept && generated_content(path) != file.text)
+        if (!kept && file_text(path) != file.text)
             if (const auto written = write_generated(path, file.text); !written) return written;
         context.out << path.lexically_normal().string() << (kept ? " (kept as it is)" : "") << '\n';
     }

@@ -7,8 +7,8 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
-#include <iterator>
+
+#include "cli/file_text.hpp"
 
 namespace asip::cli {
 namespace {
@@ -22,11 +22,6 @@ std::vector<fs::path> entries(const fs::path& folder) {
         result.push_back(it->path());
     std::sort(result.begin(), result.end());
     return result;
-}
-
-std::string content(const fs::path& file) {
-    std::ifstream stream(file);
-    return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 std::string group_of(const fs::path& file) {
@@ -45,7 +40,7 @@ bool runs(const fs::path& proc, const std::string& program) {
         const auto name = entry.filename().string();
         if (name.empty() || std::isdigit(static_cast<unsigned char>(name.front())) == 0) continue;
         // The kernel keeps 15 characters.
-        if (content(entry / "comm") == program.substr(0, 15) + "\n") return true;
+        if (file_text(entry / "comm") == program.substr(0, 15) + "\n") return true;
     }
     return false;
 }
@@ -54,7 +49,7 @@ bool has_rule(const fs::path& folder) {
     const auto rules = entries(folder);
     return std::any_of(rules.begin(), rules.end(), [](const fs::path& rule) {
         return rule.filename().string().find("asip") != std::string::npos &&
-               content(rule).find("ID_MM_DEVICE_IGNORE") != std::string::npos;
+               file_text(rule).value_or("").find("ID_MM_DEVICE_IGNORE") != std::string::npos;
     });
 }
 

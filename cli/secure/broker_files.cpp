@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "asip/text/wall_time.hpp"
+#include "cli/file_text.hpp"
 #include "cli/secure/reload.hpp"
 
 namespace asip::cli {

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <iterator>
 #include <utility>
 
@@ -129,12 +128,6 @@ bool write_all(int file, const std::string& text) {
 }
 
 }  // namespace
-
-std::optional<std::string> file_text(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) return std::nullopt;
-    return std::string(std::istreambuf_iterator<char>(stream), {});
-}
 
 Outcome<SecureFolder> SecureFolder::create(const Path& path) {
     const bool root = ::geteuid() == 0;

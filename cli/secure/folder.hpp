@@ -63,7 +63,4 @@ class SecureFolder {
     int lock_ = -1;
 };
 
-/// The whole file; nothing when it cannot be read.
-std::optional<std::string> file_text(const std::filesystem::path& file);
-
 }  // namespace asip::cli

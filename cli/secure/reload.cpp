@@ -4,6 +4,8 @@
 #include <csignal>
 #include <cstdlib>
 
+#include "cli/file_text.hpp"
+
 namespace asip::cli {
 namespace {
 

@@ -13,6 +13,7 @@
 #include "asip/program/credentials.hpp"
 #include "asip/program/options.hpp"
 #include "cli/board_source.hpp"
+#include "cli/file_text.hpp"
 #include "cli/named_buses.hpp"
 #include "cli/programmer.hpp"
 #include "cli/secure/reload.hpp"

@@ -5,6 +5,7 @@
 #include <ostream>
 
 #include "asip/text/wall_time.hpp"
+#include "cli/file_text.hpp"
 #include "cli/secure/actions.hpp"
 #include "cli/secure/users.hpp"
 #include "cli/text/table.hpp"

@@ -6,6 +6,7 @@
 #include "asip/program/credentials.hpp"
 #include "asip/text/nearest.hpp"
 #include "asip/text/wall_time.hpp"
+#include "cli/file_text.hpp"
 #include "cli/secure/secrets.hpp"
 
 namespace asip::cli {

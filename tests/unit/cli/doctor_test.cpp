@@ -201,6 +201,8 @@ TEST(LookAtMachine, FilesOfAMachine_AreRead) {
     fs::create_directories(root / "etc/udev/rules.d");
     std::ofstream(root / "dev/ttyACM0") << "";
     std::ofstream(root / "dev/ttyS0") << "";
+    fs::create_directories(root / "proc/41/comm");  // cannot be read, as that of a process that has just
+                                                    // ended
     std::ofstream(root / "proc/42/comm") << "ModemManager\n";
     auto machine = look_at_machine(root);
     ASSERT_EQ(machine.ports.size(), 1U);
