@@ -89,11 +89,18 @@ std::optional<std::int64_t> read_cursor(const std::string& text) {
     return std::stoll(text);
 }
 
+// Every cursor is the number of a row that was there, and the oldest are dropped first.
+bool is_beyond(sqlite3* database, std::int64_t cursor) {
+    Statement newest(database, "SELECT id FROM changes ORDER BY id DESC LIMIT 1");
+    return newest.step() && cursor > newest.integer(0);
+}
+
 }  // namespace
 
 Expected<bus::Answer> History::find(const bus::Query& query) {
     const auto before = read_cursor(query.cursor);
-    if (!before) return fail("cursor: not one of this registry's");
+    if (!before || (!query.cursor.empty() && is_beyond(database_, *before)))
+        return fail("cursor: not one of this registry's");
     for (const std::string& word : query.state) {
         if (!model::board_state_from_text(word))
             return fail("state: \"" + word + "\" is none of online, offline, lost, sleeping, updating");

@@ -15,6 +15,7 @@ using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 bus::HistoryItem row(const std::string& board, std::int64_t at, const std::string& state = "lost") {
     return {board, wall(at), "state", state, "online", "lease"};
@@ -160,6 +161,22 @@ TEST(History, Pages_HoldEachRowOnce) {
         for (int i = 0; i < 25; ++i)
             EXPECT_EQ(times[static_cast<std::size_t>(i)], wall(24 - i)) << pattern;
     }
+}
+
+TEST(History, CursorBeyondTheNewestRow_IsNoneOfOurs) {
+    const HistoryFile file;
+    History history({.path = file.path()});
+    bus::Query query;
+    query.cursor = "7";
+    EXPECT_THAT(history.find(query)->history, IsEmpty()) << "all that was there has been dropped";
+    history.write({row("b1", 1), row("b1", 2)});
+    query.limit = 1;
+    const auto answer = history.find(query);
+    ASSERT_FALSE(answer);
+    EXPECT_THAT(answer.error(), HasSubstr("not one of this registry's"));
+    query.cursor = "";
+    query.cursor = history.find(query)->cursor;
+    EXPECT_THAT(history.find(query)->history, SizeIs(1)) << "the next page";
 }
 
 TEST(History, HostileTexts_AreTextsAndNoCommands) {
