@@ -2,10 +2,12 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 
 #include "asip/model/names.hpp"
+#include "asip/program/config_file.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/text/duration.hpp"
 #include "asip/text/printable.hpp"
@@ -27,6 +29,35 @@ bool append(const std::string& path, const std::string& line) {
     return close(file) == 0 && written;
 }
 
+// As written in a list: blanks around a name are none of it.
+std::vector<std::string> without_blanks(const std::vector<std::string>& words) {
+    std::vector<std::string> result;
+    for (const auto& word : words)
+        result.push_back(program::trimmed(word));
+    return result;
+}
+
+Expected<void> check_patterns(const char* option, const std::vector<std::string>& patterns) {
+    for (const auto& pattern : patterns) {
+        auto name = pattern;
+        std::replace_if(
+            name.begin(), name.end(), [](char c) { return c == '*' || c == '?'; }, 'x');
+        if (!model::valid_name(name))
+            return fail(std::string(option) + ": no name is like \"" + text::printable(pattern) +
+                        "\": 1 to 64 of A-Z a-z 0-9 . _ -, and * and ? as in a shell");
+    }
+    return {};
+}
+
+// What stands in one word of the file must be one.
+Expected<void> check_origins(const std::vector<std::string>& origins) {
+    for (const auto& origin : origins)
+        if (origin.empty() || origin.find_first_of(" \t\r\n\v\f") != std::string::npos)
+            return fail("--frames: \"" + text::printable(origin) +
+                        "\" is not an origin such as https://HOST");
+    return {};
+}
+
 }  // namespace
 
 int make_token(const TokenRequest& request) {
@@ -36,9 +67,13 @@ int make_token(const TokenRequest& request) {
         return refuse("\"" + text::printable(request.name) +
                       "\" is not a name: 1 to 64 of A-Z a-z 0-9 . _ -");
     rights->name = request.name;
-    rights->boards = request.boards;
-    rights->services = request.services;
-    rights->frames = request.frames;
+    rights->boards = without_blanks(request.boards);
+    rights->services = without_blanks(request.services);
+    rights->frames = without_blanks(request.frames);
+    for (const auto& checked :
+         {check_patterns("--boards", rights->boards), check_patterns("--services", rights->services),
+          check_origins(rights->frames)})
+        if (!checked) return refuse(checked.error());
     if (!rights->frames.empty() && rights->role != Role::kKiosk) return refuse("--frames: only for a kiosk");
     if (rights->role == Role::kKiosk && rights->boards.empty())
         return refuse("a kiosk shows one board or service: name it with --boards, and --services");
