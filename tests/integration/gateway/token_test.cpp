@@ -70,9 +70,9 @@ TEST_F(GatewayTokens, BlanksAroundNames_AreNoneOfThem) {
 
 TEST_F(GatewayTokens, PatternThatNoNameIsLike_IsRefusedAndWritesNothing) {
     for (const std::string pattern : {"uno 1", "uno1 boards=*", "a\nadmin",
-                                       "k\xc3\xbc"
-                                       "che",
-                                       ", ,"}) {
+                                      "k\xc3\xbc"
+                                      "che",
+                                      ", ,"}) {
         const auto made = run({ASIP_PROGRAMS "/asip-gateway", "token", "viewer", "hall", "--tokens", file_,
                                "--boards", pattern});
         EXPECT_EQ(made.status, 2) << pattern;
