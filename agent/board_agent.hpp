@@ -63,8 +63,8 @@ class BoardAgent {
     Expected<void> use_credentials(const std::string& file);
     bool look_for_credentials();
     void arm_timer();
-    /// This process runs now: what waited while it could not is not new.
-    void note_running() { held_up_.runs(Clock::now(), armed_for_, continuations()); }
+    /// This process runs now. Call it before anything is done: what waited while it could not is not new.
+    void note_running();
     void end_once_safe(std::function<void()> end);
     void wait_until_safe(Time limit, std::function<void()> end);
     void finish(int status);
@@ -81,8 +81,6 @@ class BoardAgent {
     void note_online();
     void keep_labels(LabelsToKeep keep);
     void message_received(const mqtt::Message& message);
-    /// When a message that is read now may have come, at the earliest.
-    Time arrival(Time now) const { return std::min(held_up_.arrival(now), on_the_way_.arrival(now)); }
     void check_the_way();
     void handle_oldest();
     void schedule_turn();

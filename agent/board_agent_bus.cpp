@@ -125,7 +125,7 @@ void BoardAgent::message_received(const mqtt::Message& message) {
     if (stopping_) return;
     note_running();
     const Time arrived = Clock::now();
-    const Time came = arrival(arrived);
+    const Time came = on_the_way_.arrival(arrived);
     const auto topic = topics_.parse(message.topic);
     if (!topic) return;
     if (topic->kind == bus::TopicKind::kStop) {
@@ -148,6 +148,14 @@ void BoardAgent::message_received(const mqtt::Message& message) {
     }
     inbox_.push(message, came);
     if (inbox_.full()) handle_oldest();
+}
+
+void BoardAgent::note_running() {
+    const Time now = Clock::now();
+    const auto since = held_up_.runs(now, armed_for_, continuations());
+    if (!since || !bus_) return;
+    on_the_way_.held_up(now, *since);
+    check_the_way();
 }
 
 void BoardAgent::check_the_way() {

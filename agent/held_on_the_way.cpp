@@ -2,6 +2,7 @@
 #include "agent/held_on_the_way.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace asip::agent {
 
@@ -13,6 +14,14 @@ bool HeldOnTheWay::commanded(Time now, bool qos1) {
     return true;
 }
 
+void HeldOnTheWay::held_up(Time now, Time since) {
+    if (arrival(since) == since) good_ = since;
+    behind_ = true;
+    drained_by_ = now + kDraining;
+    worthless_ = sent_.has_value();
+    due_ = now;
+}
+
 void HeldOnTheWay::sent(Time now) {
     sent_ = now;
     came_ = 0;
@@ -20,13 +29,17 @@ void HeldOnTheWay::sent(Time now) {
 
 bool HeldOnTheWay::answered(Time now) {
     if (!sent_) return false;
+    if (std::exchange(worthless_, false)) {
+        due_ = now;
+        sent_.reset();
+        return false;
+    }
     const bool late = now > *due_ + limit();
     took_[answers_++ % took_.size()] = now - *due_;
     if (late) drained_by_ = now + kDraining;
     behind_ = late || (behind_ && came_ >= kWindow && now < drained_by_);
     if (behind_) {
-        // The broker reads what its clients sent meanwhile piece by piece, after it has answered.
-        due_ = now + HeldUp::kCatchingUp;
+        due_ = now + kCatchingUp;
     } else {
         good_ = *sent_;
         due_ = std::max(now, *sent_ + kEvery);
@@ -36,9 +49,10 @@ bool HeldOnTheWay::answered(Time now) {
     return late;
 }
 
-bool HeldOnTheWay::overdue(Time now) const {
-    if (!due_ || now <= *due_ + limit()) return false;
-    return !sent_ || now < *due_ + kNoAnswer;
+Time HeldOnTheWay::arrival(Time now) const {
+    const bool held = behind_ || (due_ && now > *due_ + limit());
+    const bool given_up = sent_ && now >= *due_ + kNoAnswer;
+    return held && !given_up ? std::min(good_, now) : now;
 }
 
 // The median, so that neither one stall nor one quick answer counts.

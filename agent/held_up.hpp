@@ -9,32 +9,23 @@
 namespace asip::agent {
 
 /// Finds out that the agent did not run for a while: it was stopped and continued (SIGSTOP), or its timer is
-/// late (a suspended machine, no processor time). What is read then may have waited for as long, and is not
-/// taken for new. Pure.
+/// late (a suspended machine, no processor time). What is read then may have waited for as long. Pure.
 class HeldUp {
   public:
     /// A timer that is later than this was held up.
     static constexpr Duration kLate = std::chrono::milliseconds(500);
-    /// For so long afterwards messages are read that came meanwhile.
-    static constexpr Duration kCatchingUp = std::chrono::milliseconds(300);
 
     /// The agent runs; call it before anything is done. `due`: when its timer was to end; `continuations`:
-    /// how often it went on after a stop.
-    void runs(Time now, std::optional<Time> due, unsigned continuations = 0) {
+    /// how often it went on after a stop. Returns since when it did not run, if it was held up.
+    std::optional<Time> runs(Time now, std::optional<Time> due, unsigned continuations = 0) {
         const bool continued = std::exchange(continuations_, continuations) != continuations;
-        if (last_ && (continued || (due && now >= std::max(*due, *last_) + kLate))) {
-            since_ = *last_;
-            until_ = now + kCatchingUp;
-        }
-        last_ = now;
+        const auto last = std::exchange(last_, now);
+        const bool held_up = last && (continued || (due && now >= std::max(*due, *last) + kLate));
+        return held_up ? last : std::nullopt;
     }
-    /// When a message that is read now may have come, at the earliest.
-    Time arrival(Time now) const { return now < until_ ? since_ : now; }
 
   private:
     std::optional<Time> last_;
-    Time since_{};
-    Time until_{};
     unsigned continuations_ = 0;
 };
 

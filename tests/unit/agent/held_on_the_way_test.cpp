@@ -89,7 +89,7 @@ TEST_F(HeldOnTheWayTest, LateAnswer_CommandsAreOldUntilACheckBehindItIsInTime) {
     check_often(2);
     check(7s);
     EXPECT_EQ(way.arrival(now), kOutset + 1s);
-    EXPECT_EQ(way.next_check(), now + HeldUp::kCatchingUp);
+    EXPECT_EQ(way.next_check(), now + HeldOnTheWay::kCatchingUp);
     now = way.next_check().value();
     way.sent(now);
     now += 1ms;
@@ -220,6 +220,84 @@ TEST_F(HeldOnTheWayTest, BrokerThatNeverAnswersChecks_IsBelievedAfterAWhile) {
     EXPECT_FALSE(way.next_check());
     way.answered(now);
     EXPECT_GT(age(), 0s) << "so it was a stall";
+}
+
+TEST_F(HeldOnTheWayTest, AgentHeldUp_CommandsMayHaveComeSinceThenUntilACheckIsAnswered) {
+    command();
+    check_often(2);
+    const Time stopped = now;
+    now += 600ms;
+    way.held_up(now, stopped);
+    EXPECT_EQ(way.next_check(), now);
+    EXPECT_EQ(way.arrival(now), stopped);
+    way.sent(now);
+    now += 400ms;
+    EXPECT_EQ(way.arrival(now), stopped) << "however long it takes to read them";
+    way.answered(now);
+    EXPECT_EQ(age(), 0s);
+}
+
+TEST_F(HeldOnTheWayTest, AgentHeldUpWhileACheckHasNoAnswer_TheNextOneCounts) {
+    command();
+    check_often(2);
+    now = way.next_check().value();
+    way.sent(now);
+    const Time stopped = now;
+    now += 40s;
+    way.held_up(now, stopped);
+    EXPECT_FALSE(way.next_check());
+    EXPECT_EQ(way.arrival(now), stopped);
+    EXPECT_FALSE(way.answered(now));
+    EXPECT_EQ(way.arrival(now), stopped) << "that answer has waited, too";
+    check();
+    EXPECT_EQ(age(), 0s);
+}
+
+TEST_F(HeldOnTheWayTest, AgentHeldUpThatNobodyCommands_ChecksOnce) {
+    const Time stopped = now;
+    now += 5s;
+    way.held_up(now, stopped);
+    command();
+    EXPECT_EQ(way.arrival(now), stopped);
+    now += 70s;
+    way.held_up(now, now - 1s);
+    check();
+    EXPECT_EQ(age(), 0s);
+    EXPECT_FALSE(way.next_check());
+}
+
+TEST_F(HeldOnTheWayTest, AgentHeldUpBehindAStall_CommandsAreAsOldAsBefore) {
+    command();
+    check_often(2);
+    check(7s);
+    const Time stopped = now;
+    now += 600ms;
+    way.held_up(now, stopped);
+    EXPECT_EQ(way.arrival(now), kOutset + 1s);
+    check();
+    EXPECT_EQ(age(), 0s);
+}
+
+TEST_F(HeldOnTheWayTest, AgentHeldUpAgainAndAgain_IsAsOldAsTheFirst) {
+    command();
+    check_often(2);
+    const Time stopped = now;
+    for (int i = 0; i < 5; ++i) {
+        way.held_up(now + 600ms, now);
+        now += 600ms;
+        EXPECT_EQ(way.arrival(now), stopped);
+        if (way.next_check()) way.sent(now);
+    }
+    way.answered(now);
+    check();
+    EXPECT_EQ(age(), 0s);
+}
+
+TEST_F(HeldOnTheWayTest, AgentHeldUpAtABrokerThatNeverAnswers_IsBelievedAfterAWhile) {
+    way.held_up(now, now - 1s);
+    way.sent(now);
+    now += HeldOnTheWay::kNoAnswer;
+    EXPECT_EQ(age(), 0s);
 }
 
 TEST_F(HeldOnTheWayTest, AnswerToNothing_IsIgnored) {
