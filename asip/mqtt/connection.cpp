@@ -3,6 +3,8 @@
 
 #include <fcntl.h>
 #include <mqtt_protocol.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -139,6 +141,7 @@ void Connection::serve() {
     serving_ = true;
     read_all();
     serving_ = false;
+    acknowledge_at_once();
     if (still_open()) {
         const int error = write_out();
         if (error != MOSQ_ERR_SUCCESS) end(why_closed(error));
@@ -146,6 +149,13 @@ void Connection::serve() {
     if (!still_open()) return;
     if (ready_to_write()) events_.may_write();
     if (still_open()) arm();
+}
+
+// The option holds for some acknowledgements only (tcp(7)).
+void Connection::acknowledge_at_once() {
+    const int on = 1;
+    if (options_.quick_ack && socket_.is_open())
+        setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_QUICKACK, &on, sizeof on);
 }
 
 int Connection::write_out() {

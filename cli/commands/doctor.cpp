@@ -145,6 +145,7 @@ std::string broker_advice(const std::string& broker) {
 }  // namespace
 
 int run_doctor(const DoctorOptions& options, Context& context) {
+    context.mqtt.quick_ack = false;  // what other clients see is to be measured
     BusSession session(context);
     BoardSource source(context, session);
     if (const auto connected = session.connect(); !connected) {

@@ -151,5 +151,22 @@ TEST(PacketLimit, LargerMessage_IsNotDeliveredAndTheNextOneIs) {
     EXPECT_TRUE(bus.losses.empty());
 }
 
+// The acknowledgement and the message are two small packets, of which the broker keeps back the second.
+TEST(Client, BrokerWithNaglesAlgorithm_IsAcknowledgedAtOnce) {
+    MosquittoBroker broker({.extra_lines = {"set_tcp_nodelay false"}});
+    Recorder bus(options_for(broker));
+    bus.client->subscribe("echo");
+    ASSERT_TRUE(bus.connect());
+    ASSERT_TRUE(bus.until([&] { return bus.client->subscribed(); }));
+    Duration quickest = 1h;
+    for (std::size_t i = 1; i <= 20; ++i) {
+        const auto begin = Clock::now();
+        bus.client->publish(make_message("echo", "x", 1));
+        ASSERT_TRUE(bus.until([&] { return bus.messages.size() == i && bus.published.size() == i; }));
+        if (i > 5) quickest = std::min<Duration>(quickest, Clock::now() - begin);
+    }
+    EXPECT_LT(quickest, 20ms);
+}
+
 }  // namespace
 }  // namespace asip::test
