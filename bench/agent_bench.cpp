@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The figures of asip-agent, each beside what it is compared with, measured in the same run: simulated boards
 // with real firmware, a real Mosquitto, the agent as it is shipped.
+//   bench_agent [OPTION OF asip-agent ...]
 #include <fcntl.h>
 #include <poll.h>
 #include <termios.h>
@@ -147,10 +148,10 @@ void wait_online(const MosquittoBroker& broker, Agent& agent) {
     if (!wait_state(probe, "online")) throw std::runtime_error(agent.process().errors());
 }
 
-void plain_board(MosquittoBroker& broker) {
+void plain_board(MosquittoBroker& broker, const std::vector<std::string>& more) {
     SimulatedUno uno("asip_uno_04_services");
     const Latency wire = direct(uno.port(), 57600);
-    Agent agent(broker, uno.port());
+    Agent agent(broker, uno.port(), more);
     wait_online(broker, agent);
     MqttClient client(broker.port());
     client.subscribe("asip/uno1/out");
@@ -163,12 +164,12 @@ void plain_board(MosquittoBroker& broker) {
     row("  the serial port's own p99 over p50, for comparison", wire.p99 / wire.p50, "x", 1.5, 1.2);
 }
 
-void fast_board(MosquittoBroker& broker) {
+void fast_board(MosquittoBroker& broker, const std::vector<std::string>& more) {
     SimulatedUno uno;
     int baud = 0;
     Latency bus, echo;
     {
-        Agent agent(broker, uno.port());
+        Agent agent(broker, uno.port(), more);
         wait_online(broker, agent);
         const auto line = agent.process().wait_for_errors("board identified");
         baud = std::stoi(line->substr(line->rfind("baud=") + 5));
@@ -192,9 +193,9 @@ void fast_board(MosquittoBroker& broker) {
     row("  the serial port's own p99 over p50, for comparison", wire.p99 / wire.p50, "x", 1.5, 1.2);
 }
 
-void idle_board(MosquittoBroker& broker) {
+void idle_board(MosquittoBroker& broker, const std::vector<std::string>& more) {
     SimulatedUno uno;
-    Agent agent(broker, uno.port());
+    Agent agent(broker, uno.port(), more);
     wait_online(broker, agent);
     const auto before = agent.process().processor_time();
     const auto start = Clock::now();
@@ -207,13 +208,14 @@ void idle_board(MosquittoBroker& broker) {
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+    const std::vector<std::string> more(argv + 1, argv + argc);
     mosquitto_lib_init();
     try {
         MosquittoBroker broker({.extra_lines = {"max_queued_messages 0"}});
-        plain_board(broker);
-        fast_board(broker);
-        idle_board(broker);
+        plain_board(broker, more);
+        fast_board(broker, more);
+        idle_board(broker, more);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "bench_agent: %s\n", error.what());
         return 1;
