@@ -59,6 +59,19 @@ std::chrono::milliseconds duration_from(const std::string& name, const std::stri
     return *duration;
 }
 
+constexpr auto kNoLimit = std::numeric_limits<std::size_t>::max();
+
+/// CLI11 takes -1 for a large number.
+std::function<std::string(const std::string&)> whole_number(std::size_t least, std::size_t greatest) {
+    return [least, greatest](const std::string& word) {
+        std::size_t number = 0;
+        const bool read = CLI::detail::lexical_cast(word, number) && !word.starts_with("-");
+        if (read && number >= least && number <= greatest) return std::string();
+        return word + " is not a number from " + std::to_string(least) +
+               (greatest == kNoLimit ? " on" : " to " + std::to_string(greatest));
+    };
+}
+
 }  // namespace
 
 void Declaration::argument(const std::string& type, std::string& value, const std::string& help,
@@ -99,21 +112,14 @@ void Declaration::option(const std::string& names, const std::string& type, std:
 void Declaration::option(const std::string& names, const std::string& type, std::size_t& value,
                          const std::string& help, std::size_t least, std::size_t greatest) {
     command_.add_option(names, value, help)
-        ->check([least, greatest](const std::string& word) {
-            std::size_t number = 0;
-            const bool read = CLI::detail::lexical_cast(word, number) && !word.starts_with("-");
-            if (read && number >= least && number <= greatest) return std::string();
-            const bool open = greatest == std::numeric_limits<std::size_t>::max();
-            return word + " is not a number from " + std::to_string(least) +
-                   (open ? " on" : " to " + std::to_string(greatest));
-        })
+        ->check(whole_number(least, greatest))
         ->type_name(type)
         ->default_str(std::to_string(value));
 }
 
 void Declaration::option(const std::string& names, const std::string& type, std::optional<std::size_t>& value,
                          const std::string& help) {
-    command_.add_option(names, value, help)->type_name(type);
+    command_.add_option(names, value, help)->check(whole_number(0, kNoLimit))->type_name(type);
 }
 
 void Declaration::option(const std::string& names, const std::string& type, double& value,

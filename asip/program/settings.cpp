@@ -35,6 +35,12 @@ std::optional<std::string> early(const std::vector<std::string>& arguments, cons
     return std::nullopt;
 }
 
+// An option that is given twice, in plain words.
+std::string in_words(std::string what) {
+    const auto counts = what.find(": At Most 1 required but received ");
+    return counts == std::string::npos ? what : what.substr(0, counts) + " is given more than once";
+}
+
 }  // namespace
 
 std::optional<std::string> environment_variable(const std::string& name) {
@@ -237,7 +243,7 @@ std::optional<int> Settings::parse(const std::vector<std::string>& arguments,
             option->envname(environment_name(option->get_lnames().front()));
         return app.exit(asked_for_help);
     } catch (const CLI::ParseError& error) {
-        return usage_error(error.what());
+        return usage_error(in_words(error.what()));
     }
     if (state_->log != nullptr) {
         log::configure(*log::parse_level(state_->log->level), *log::parse_format(state_->log->format),

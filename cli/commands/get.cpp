@@ -33,7 +33,8 @@ struct FieldTarget {
 Outcome<FieldTarget> parse_field_target(const std::string& text) {
     const auto service = text.find('/');
     const auto field = service == std::string::npos ? service : text.find('/', service + 1);
-    auto target = parse_target(text.substr(0, field));
+    // An empty FIELD is none: parse_target() tells what is missing.
+    auto target = parse_target(field + 1 == text.size() ? text : text.substr(0, field));
     if (!target) return tl::unexpected(target.error());
     if (target->service.empty()) {
         return failure(program::kExitUsage, "which service of " + target->board + "? Write " + target->board +

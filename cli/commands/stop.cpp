@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/commands/stop.hpp"
 
+#include <algorithm>
 #include <list>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -43,6 +44,8 @@ class Stopper {
     };
 
     void stop(const std::string& board) {
+        const auto same = [&board](const Asked& one) { return one.board == board; };
+        if (std::any_of(asked_.begin(), asked_.end(), same)) return;
         auto& asked = asked_.emplace_back(Asked{board, std::nullopt, {}});
         ++unanswered_;
         asked.request = session_.ask(

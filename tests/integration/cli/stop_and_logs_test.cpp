@@ -59,6 +59,15 @@ TEST_F(StopTest, All_StopsEveryBoardThatIsNotOffline) {
     EXPECT_EQ(probe_.count("asip/uno3/$stop"), 0u);
 }
 
+TEST_F(StopTest, BoardThatIsNamedTwice_IsStoppedOnce) {
+    announce("robot");
+    const auto stopped =
+        stop({"robot", "robot", "--all", "--from-bus", "-o", "jsonl"}, {{"robot", kStopped}});
+    EXPECT_EQ(stopped.status, 0) << stopped.errors;
+    EXPECT_EQ(std::ranges::count(stopped.output, '\n'), 1) << stopped.output;
+    EXPECT_EQ(probe_.count("asip/robot/$stop"), 1u);
+}
+
 TEST_F(StopTest, NoConfirmation_IsStatus4AndTheOtherBoardIsStoppedAllTheSame) {
     const auto stopped = stop({"robot", "crane", "--timeout", "2s"}, {{"robot", kStopped}});
     EXPECT_EQ(stopped.status, 4);

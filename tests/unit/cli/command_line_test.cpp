@@ -52,6 +52,15 @@ TEST(CommandLine, Numbers_AreCheckedAgainstTheirBounds) {
     for (const auto* count : {"0", "257", "-1", "x", ""})
         EXPECT_EQ(parsed({"send", "--stdin", "--in-flight", count}), program::kExitUsage) << count;
     EXPECT_EQ(parsed({"send", "--stdin", "--in-flight", "256"}), std::nullopt);
+    EXPECT_EQ(parsed({"ping", "uno1", "-n", "-1"}), program::kExitUsage) << "not 18446744073709551615";
+    EXPECT_EQ(parsed({"ping", "uno1", "-n", "2"}), std::nullopt);
+}
+
+TEST(CommandLine, OptionThatIsGivenTwice_IsRefusedInPlainWords) {
+    CommandLine line(all_verbs());
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(line.parse({"list", "--board", "uno1", "--board", "uno2"}), program::kExitUsage);
+    EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("--board is given more than once"));
 }
 
 TEST(CommandLine, WrongTemplate_IsBlamedOnItsOptionOnce) {
