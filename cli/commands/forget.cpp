@@ -14,6 +14,7 @@
 #include "cli/retained.hpp"
 #include "cli/side_by_side.hpp"
 #include "cli/target.hpp"
+#include "cli/text/width.hpp"
 #include "cli/text/words.hpp"
 
 namespace asip::cli {
@@ -173,7 +174,7 @@ class Forgetter {
         for (const auto& board : boards_) {
             for (const auto& topic : board.topics) {
                 if (options_.output.for_people())
-                    context_.out << topic << '\n';
+                    context_.out << for_terminal(topic) << '\n';
                 else
                     records.print({{"topic", topic}, {"board", board.name}});
             }

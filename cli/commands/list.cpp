@@ -11,6 +11,7 @@
 #include "cli/board_source.hpp"
 #include "cli/commands/watch.hpp"
 #include "cli/declaration.hpp"
+#include "cli/text/width.hpp"
 
 namespace asip::cli {
 namespace {
@@ -228,7 +229,7 @@ std::string brief_text(const bus::BriefRows& boards, Output output, std::size_t 
     std::string text;
     if (output == Output::kName) {
         for (const auto& board : boards.rows())
-            text.append(board.board).append("\n");
+            text.append(for_terminal(board.board)).append("\n");
         return text;
     }
     if (boards.empty()) return text;
@@ -245,7 +246,7 @@ std::string services_text(const std::vector<bus::ServiceItem>& services, Output 
     if (output == Output::kName) {
         std::string text;
         for (const auto& service : services)
-            text += service.board + "/" + service.name + "\n";
+            text += for_terminal(service.board + "/" + service.name) + "\n";
         return text;
     }
     if (services.empty()) return {};

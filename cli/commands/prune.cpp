@@ -11,6 +11,7 @@
 #include "cli/forget_request.hpp"
 #include "cli/retained.hpp"
 #include "cli/text/table.hpp"
+#include "cli/text/width.hpp"
 #include "cli/text/words.hpp"
 
 namespace asip::cli {
@@ -44,7 +45,7 @@ void print_lingering(const std::vector<Lingering>& all, const OutputOptions& out
                            {"board", one.board},
                            {"why", one.why}});
         } else if (output.form == Output::kName) {
-            context.out << one.topic << '\n';
+            context.out << for_terminal(one.topic) << '\n';
         } else {
             table.add({one.topic, kind_name(one.kind), one.why});
         }

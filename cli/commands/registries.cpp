@@ -8,6 +8,7 @@
 #include "cli/board_source.hpp"
 #include "cli/commands/list.hpp"
 #include "cli/declaration.hpp"
+#include "cli/text/width.hpp"
 #include "cli/text/words.hpp"
 
 namespace asip::cli {
@@ -87,7 +88,7 @@ int run_registries(const OutputOptions& output, Context& context) {
     RecordPrinter records(output, RecordPrinter::Count::kList, context.out);
     for (const auto& [id, registry] : registries) {
         if (output.form == Output::kName && output.for_people()) {
-            context.out << id << '\n';
+            context.out << for_terminal(id) << '\n';
         } else if (output.for_people()) {
             table.add(registry_row(id, registry));
         } else {

@@ -10,6 +10,7 @@
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
 #include "cli/board_source.hpp"
+#include "cli/text/width.hpp"
 
 namespace asip::cli {
 namespace {
@@ -170,10 +171,10 @@ std::string ChangePrinter::rows(const bus::BoardItem& board) {
 }
 
 std::string ChangePrinter::names(const bus::BoardItem& board) const {
-    if (!options_.services()) return board.board + "\n";
+    if (!options_.services()) return for_terminal(board.board) + "\n";
     std::string text;
     for (const auto& service : board.services)
-        text += board.board + "/" + service.name + "\n";
+        text += for_terminal(board.board + "/" + service.name) + "\n";
     return text;
 }
 
@@ -210,7 +211,7 @@ std::string ChangePrinter::gone(const std::string& board) {
         return text.str();
     }
     if (options_.services()) return {};
-    return options_.output.form == Output::kName ? board + "\n" : rows(item);
+    return options_.output.form == Output::kName ? for_terminal(board) + "\n" : rows(item);
 }
 
 int run_watch(const ListOptions& options, Context& context) {

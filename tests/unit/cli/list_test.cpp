@@ -46,6 +46,16 @@ TEST(ListBoards, NameConflict_IsMarked) {
     EXPECT_THAT(boards_text({board}, Output::kTable, 0, false), HasSubstr("online!"));
 }
 
+TEST(ListBoards, NamesThatStrangersMade_MoveNoCursor) {
+    auto board = uno1();
+    board.board = "küche\033[2J";
+    EXPECT_EQ(boards_text({board}, Output::kName, 0, false), "küche?[2J\n");
+    bus::ServiceItem service;
+    service.board = board.board;
+    service.name = "ser\rvo";
+    EXPECT_EQ(services_text({service}, Output::kName, 0, false), "küche?[2J/ser?vo\n");
+}
+
 TEST(ListBoards, BriefRows_SayWhatWholeItemsSay) {
     auto lost = uno1();
     lost.board = "küche\033[31m";
