@@ -49,6 +49,11 @@ std::vector<std::string> KnownBoard::service_names() const {
     return result;
 }
 
+std::string KnownBoard::why_no_description() const {
+    return description_fault.empty() ? "publishes no description"
+                                     : "publishes a description that is not valid: " + description_fault;
+}
+
 BoardSource::BoardSource(const Context& context, BusSession& session)
     : context_(context), session_(session), catalogue_(context.topics) {
     if (context.from_bus) return;
@@ -346,9 +351,16 @@ Outcome<KnownBoard> BoardSource::board_in_full(const std::string& name) {
 
 KnownBoard BoardSource::known(bus::BoardItem item) const {
     KnownBoard result{std::move(item), std::nullopt};
-    if (result.item.description.empty()) return result;
+    if (result.item.description.empty()) {
+        const auto& refused = catalogue_.refused();
+        const auto fault = refused.find(context_.topics.description(result.item.board));
+        if (fault != refused.end()) result.description_fault = fault->second;
+        return result;
+    }
     if (auto description = model::parse_description(result.item.description)) {
         result.description = std::move(*description);
+    } else {
+        result.description_fault = description.error();
     }
     return result;
 }

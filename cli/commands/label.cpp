@@ -77,14 +77,19 @@ class Labeller {
 
     bool one_board() const { return !target_.is_pattern() && !options_.selector; }
 
+    static std::string why_none(const KnownBoard& board) {
+        return board.description_fault.empty()
+                   ? "is known by its names only: it has no agent that keeps labels"
+                   : board.why_no_description();
+    }
+
     Outcome<std::vector<KnownBoard>> find() {
         if (!one_board()) return choose_boards(source_, target_, selector_);
         auto board =
             change_.empty() ? source_.board(target_.board) : find_board_with_agent(source_, target_.board);
         if (!board) return tl::unexpected(board.error());
         if (!board->description)
-            return failure(program::kExitFailure,
-                           target_.board + " is known by its names only: it has no agent that keeps labels");
+            return failure(program::kExitFailure, target_.board + " " + why_none(*board));
         if (!target_.service.empty())
             if (const auto service = find_service(*board, target_.service); !service)
                 return tl::unexpected(service.error());
@@ -143,8 +148,7 @@ class Labeller {
             if (!board.description || board.item.state == "offline") {
                 asked_.emplace_back(Asked{board.item.board}).reply = bus::Reply::refused(
                     std::string(bus::kRefusedBoardNotThere),
-                    board.description ? "it is offline: its agent has ended"
-                                      : "it is known by its names only: it has no agent that keeps labels");
+                    board.description ? "it is offline: its agent has ended" : "it " + why_none(board));
                 continue;
             }
             asked_.emplace_back(Asked{board.item.board}).lost = board.item.state == "lost";

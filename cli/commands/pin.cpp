@@ -187,7 +187,7 @@ Outcome<void> act(const PinOptions& options, Context& context, PinAccess& access
 Outcome<void> show_pins(const PinOptions& options, Context& context, const KnownBoard& board,
                         PinAccess& access) {
     if (!board.description)
-        return failure(program::kExitFailure, board.item.board + " publishes no description");
+        return failure(program::kExitFailure, board.item.board + " " + board.why_no_description());
     auto description = *board.description;
     if (const auto modes = access.modes()) {
         description.pins.modes.clear();

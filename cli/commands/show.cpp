@@ -109,6 +109,7 @@ std::string updating_text(const bus::BoardItem& item) {
 nlohmann::json board_json(const KnownBoard& board) {
     auto result = bus::to_json(board.item);
     if (board.description) result["description"] = model::to_json(*board.description);
+    if (!board.description_fault.empty()) result["description_fault"] = board.description_fault;
     return result;
 }
 
@@ -262,7 +263,10 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
     text += labelled("port", updating_text(item), colour);
     text += labelled("announced", presence_text(item), colour);
     if (!board.description) {
-        text += labelled("known by", "its names only; it publishes no description", colour);
+        text += board.description_fault.empty()
+                    ? labelled("known by", "its names only; it " + board.why_no_description(), colour)
+                    : labelled("known by", "a description that is not valid: " + board.description_fault,
+                               colour, Colour::kRed);
     } else {
         const auto& all = *board.description;
         text += labelled("chip", all.firmware.chip, colour) + labelled("sketch", all.firmware.sketch, colour);
@@ -335,10 +339,11 @@ namespace {
 Run declare_show(Declaration& verb) {
     auto options = std::make_shared<ShowOptions>();
     verb.argument("BOARD[/SERVICE]", options->target, "Which");
-    verb.output(
-        options->output, {Output::kText},
-        {"board", "state", "chip", "sketch", "protocol", "lease", "link", "agent", "services", "description",
-         "name", "kind", "title", "count", "period", "definition", "label", "labels", "names"});
+    verb.output(options->output, {Output::kText},
+                {"board",  "state", "chip",     "sketch",      "protocol",          "lease",
+                 "link",   "agent", "services", "description", "description_fault", "name",
+                 "kind",   "title", "count",    "period",      "definition",        "label",
+                 "labels", "names"});
     return [options](Context& context) { return run_show(*options, context); };
 }
 

@@ -41,6 +41,29 @@ std::string page_with(const std::string& members, const std::string& items) {
     return R"({"registry":"r1","epoch":"e","seq":1,)" + members + R"("items":[)" + items + "]}";
 }
 
+TEST_F(BusTest, DescriptionWithAModelThatIsNotValid_IsShownWithWhatIsWrong) {
+    const std::string description =
+        R"({"board":"esp","session":"a","seq":1,"services":[{"name":"x","model":{"name":"x"}}]})";
+    probe_.publish("asip/servicebus/esp/$description", description, true);
+    probe_.publish("asip/servicebus/esp/$state", "online", true);
+    ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
+    const auto expect_told = [this](const Words& more) {
+        Words words{"show", "esp"};
+        words.insert(words.end(), more.begin(), more.end());
+        const auto show = asipctl(words);
+        EXPECT_THAT(show.output, HasSubstr("a description that is not valid: /services/0/model"));
+        EXPECT_THAT(show.output, Not(HasSubstr("publishes no description")));
+        EXPECT_EQ(show.status, 0) << show.errors;
+    };
+    expect_told({"--from-bus"});
+    ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1"}, environment());
+    ASSERT_TRUE(probe_.wait_for("asip/registry/r1/$state", "online"));
+    expect_told({});
+    const auto json = nlohmann::json::parse(asipctl({"show", "esp", "-o", "json"}).output);
+    EXPECT_THAT(json.value("description_fault", ""), HasSubstr("model"));
+    EXPECT_THAT(asipctl({"label", "esp", "room=lab"}).errors, HasSubstr("not valid: /services/0/model"));
+}
+
 TEST_F(ForgedRegistryTest, PagesWithoutAnEnd_AreRefused) {
     const std::string service = R"({"board":"uno1","name":"io","state":"online"})";
     const std::string change = R"({"board":"uno1","at":"2099-01-01T00:00:00.000Z","what":"added"})";
