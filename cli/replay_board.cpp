@@ -3,17 +3,37 @@
 
 #include <utility>
 
+#include "asip/model/names.hpp"
+
 namespace asip::cli {
 
 using bus::TopicKind;
 using member::Announcements;
 
-ReplayBoard::ReplayBoard(const bus::Topics& topics, Identity identity,
-                         const std::optional<model::Description>& first, Random random)
+namespace {
+
+/// Three times within the time for which a name holds.
+constexpr std::chrono::seconds kNamesEvery{model::kDefaultLeaseSeconds / 3};
+
+}  // namespace
+
+void ReplayBoard::Recorded::take(const RecordedMessage& message) {
+    if (message.kind == TopicKind::kDescription && !first)
+        if (auto parsed = model::parse_description(message.payload)) first = std::move(*parsed);
+    if (message.kind == TopicKind::kServiceOut || message.kind == TopicKind::kServiceError)
+        services.insert(message.service);
+    if (message.kind == TopicKind::kServiceNames && model::valid_name(message.payload))
+        services.insert(message.payload);
+}
+
+ReplayBoard::ReplayBoard(const bus::Topics& topics, Identity identity, const Recorded& recorded,
+                         Random random)
     : topics_(topics),
       identity_(std::move(identity)),
       bystander_(topics, identity_.name, std::string(kRefusedRecorded),
-                 "this board is a recording; it executes nothing") {
+                 "this board is a recording; it executes nothing"),
+      services_(recorded.services) {
+    const auto& first = recorded.first;
     if (!first) return;
     auto options = identity_.announcer;
     options.board = identity_.name;
@@ -46,7 +66,22 @@ std::vector<member::Announcer::Subscription> ReplayBoard::subscriptions() const 
 
 void ReplayBoard::on_connected(Time now, Announcements& out) {
     connected_ = true;
-    if (announcer_) announcer_->on_connected(now, out);
+    if (announcer_) return announcer_->on_connected(now, out);
+    publish_names(now, out);
+}
+
+void ReplayBoard::publish_names(Time now, Announcements& out) {
+    named_ = now;
+    const auto publish = [&out](std::string topic, std::string name) {
+        mqtt::Message message;
+        message.topic = std::move(topic);
+        message.payload = std::move(name);
+        message.qos = 1;
+        out.publish.push_back({std::move(message), mqtt::Priority::kAnnouncement});
+    };
+    if (identity_.announcer.on_shared_topic) publish(topics_.board_names(), identity_.name);
+    for (const auto& service : services_)
+        publish(topics_.service_names(identity_.name), service);
 }
 
 void ReplayBoard::on_subscribed(Time now, Announcements& out) {
@@ -68,7 +103,8 @@ void ReplayBoard::on_message(const mqtt::Message& message, Time now, Announcemen
 }
 
 void ReplayBoard::tick(Time now, Announcements& out) {
-    if (announcer_) announcer_->tick(now, out);
+    if (announcer_) return announcer_->tick(now, out);
+    if (connected_ && now - named_ >= kNamesEvery) publish_names(now, out);
 }
 
 bool ReplayBoard::ready() const {
@@ -92,9 +128,7 @@ void ReplayBoard::play(const RecordedMessage& message, Announcements& out) {
             return;
         case TopicKind::kBoardNames:
         case TopicKind::kServiceNames:
-            if (announcer_) return;  // it is announced anyway
-            copy.payload = message.kind == TopicKind::kBoardNames ? identity_.name : message.payload;
-            break;
+            return;  // it is announced anyway
         default:
             if (message.retained) return;  // from before the recording began
             copy.payload = message.payload;

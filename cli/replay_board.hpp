@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,8 @@
 namespace asip::cli {
 
 /// A recorded board as a member of the bus: announced with its description, lease and state, as its agent
-/// did, and refusing every command. A board that was recorded without a description publishes its names only.
-/// Pure.
+/// did, and refusing every command. A board that was recorded without a description publishes its names only:
+/// its own, and those of the services that said something. Pure.
 class ReplayBoard {
   public:
     struct Identity {
@@ -24,9 +25,13 @@ class ReplayBoard {
         member::AnnouncerOptions announcer{};  ///< `board` is filled in
         model::AgentInfo agent{};
     };
-    /// `first`: the first description that was recorded of it; nothing where there is none.
-    ReplayBoard(const bus::Topics& topics, Identity identity, const std::optional<model::Description>& first,
-                Random random);
+    /// What is known of it before it is played.
+    struct Recorded {
+        std::optional<model::Description> first;  ///< description; nothing where there is none
+        std::set<std::string> services;           ///< that it named or that said something
+        void take(const RecordedMessage& message);
+    };
+    ReplayBoard(const bus::Topics& topics, Identity identity, const Recorded& recorded, Random random);
 
     const std::string& name() const { return identity_.name; }
     /// What the broker publishes when this program dies; nothing for a board of names only.
@@ -48,11 +53,14 @@ class ReplayBoard {
 
   private:
     void describe(model::Description description);
+    void publish_names(Time now, member::Announcements& out);
 
     bus::Topics topics_;
     Identity identity_;
     member::Bystander bystander_;
     std::optional<member::Announcer> announcer_;  // none: names only
+    std::set<std::string> services_;              // of a board of names only
+    Time named_{};                                // when its names were last published
     std::optional<model::Description> described_;
     bool connected_ = false;
 };

@@ -49,8 +49,7 @@ struct ReplayOptions {
     }
 };
 
-/// Which boards were recorded, each with the first description of it.
-using RecordedBoards = std::map<std::string, std::optional<model::Description>>;
+using RecordedBoards = std::map<std::string, ReplayBoard::Recorded>;
 
 Outcome<RecordedBoards> recorded_boards(const ReplayOptions& options) {
     auto reader = RecordingReader::open(options.file);
@@ -60,10 +59,7 @@ Outcome<RecordedBoards> recorded_boards(const ReplayOptions& options) {
         const auto message = reader->next();
         if (!message) return tl::unexpected(message.error());
         if (!*message) break;
-        if (!options.wants((*message)->board)) continue;
-        auto& description = boards[(*message)->board];
-        if (description || (*message)->kind != bus::TopicKind::kDescription) continue;
-        if (auto parsed = model::parse_description((*message)->payload)) description = std::move(*parsed);
+        if (options.wants((*message)->board)) boards[(*message)->board].take(**message);
     }
     if (boards.empty())
         return failure(program::kExitFailure,
@@ -73,7 +69,7 @@ Outcome<RecordedBoards> recorded_boards(const ReplayOptions& options) {
         return failure(
             program::kExitFailure,
             options.file + ": more than " + std::to_string(kMaxReplayBoards) + " boards; name some of them");
-    for (const auto& [name, description] : boards) {
+    for (const auto& [name, recorded] : boards) {
         if (!model::valid_board_name(options.prefix + name))
             return failure(program::kExitUsage,
                            "--prefix: " + model::explain_board_name(options.prefix + name));
@@ -221,19 +217,19 @@ class Replayer {
     Outcome<void> make_players(const RecordedBoards& boards) {
         const auto source = std::filesystem::path(options_.file).filename().string();
         std::map<std::string, mqtt::Options> connections;
-        for (const auto& [name, description] : boards) {
+        for (const auto& [name, recorded] : boards) {
             auto connection = connection_of(options_.prefix + name, options_, context_);
             if (!connection) return tl::unexpected(connection.error());
             connection->client_id += "-" + std::to_string(connections.size() + 1);
             connections.emplace(name, std::move(*connection));
         }
-        for (const auto& [name, description] : boards) {
+        for (const auto& [name, recorded] : boards) {
             auto& connection = connections.at(name);
             ReplayBoard::Identity identity{options_.prefix + name, source, {}, {}};
             identity.announcer.started_unix = static_cast<std::uint64_t>(std::time(nullptr));
             identity.announcer.on_shared_topic = connection.user.empty() && connection.cert_file.empty();
             identity.agent = {ASIP_VERSION, program::host_name(), connection.client_id};
-            ReplayBoard board(context_.topics, std::move(identity), description, context_.mqtt.random);
+            ReplayBoard board(context_.topics, std::move(identity), recorded, context_.mqtt.random);
             players_.emplace(name, std::make_unique<Player>(io_, std::move(connection), std::move(board),
                                                             [this](const std::string& why) {
                                                                 if (fatal_.empty()) fatal_ = why;

@@ -236,6 +236,23 @@ TEST_F(RecordTest, Replayed_BoardIsAMemberOfTheBus) {
     EXPECT_TRUE(probe_.wait_for("asip/servicebus/uno1/$state", "offline"));
 }
 
+TEST_F(RecordTest, ReplayOfValuesAlone_ListsTheBoardAndItsServices) {
+    const auto path = folder_.write(
+        "values.jsonl",
+        R"({"asip":"recording","version":1,"began":"2026-11-21T10:00:00.000Z"})"
+        "\n"
+        R"({"at":0.001,"what":"value","board":"esp","service":"distance","data":{"distance":[1]}})"
+        "\n");
+    ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1"}, environment());
+    ASSERT_TRUE(probe_.wait_for("asip/registry/r1/$state", "online"));
+    ChildProcess replay(program({"replay", path, "--loop", "--speed", "0.01"}), environment());
+    EXPECT_TRUE(wait_until([&] {
+        return asipctl({"list", "services", "-o", "name"}).output == "esp/distance\n";
+    })) << replay.errors();
+    replay.signal(SIGINT);
+    EXPECT_EQ(replay.wait_exit(), 0);
+}
+
 TEST_F(RecordTest, ReplayKilled_LeavesALostBoard) {
     const auto path = walk();
     clear();

@@ -143,8 +143,11 @@ class ReplayBoardTest : public ::testing::Test {
     ReplayBoard board(bool described = true) {
         ReplayBoard::Identity identity{"old-uno1", "walk.jsonl", {}, {"0.1.0", "pi", "asipctl-1"}};
         identity.announcer.started_unix = 1'700'000'000;
-        return {kBus, std::move(identity),
-                described ? std::optional(*model::parse_description(kUno1)) : std::nullopt, [] { return 0; }};
+        ReplayBoard::Recorded recorded;
+        if (described) recorded.take(message(TopicKind::kDescription, kUno1));
+        recorded.take(message(TopicKind::kServiceNames, "servo"));
+        recorded.take(message(TopicKind::kServiceOut, R"({"distance":[1]})", "distance"));
+        return {kBus, std::move(identity), recorded, [] { return 0; }};
     }
 
     static RecordedMessage message(TopicKind kind, const std::string& payload,
@@ -164,6 +167,13 @@ class ReplayBoardTest : public ::testing::Test {
             if (one.message.topic == topic) payload = one.message.payload;
         }
         return payload;
+    }
+
+    std::vector<std::string> published_all(const std::string& topic) const {
+        std::vector<std::string> payloads;
+        for (const auto& one : out_.publish)
+            if (one.message.topic == topic) payloads.push_back(one.message.payload);
+        return payloads;
     }
 
     void join(ReplayBoard& board) {
@@ -243,10 +253,15 @@ TEST_F(ReplayBoardTest, BoardOfNamesOnly_PublishesThem) {
     EXPECT_FALSE(names.will());
     names.on_connected(kStart, out_);
     ASSERT_TRUE(names.ready());
-    names.play(message(TopicKind::kBoardNames, "uno1"), out_);
     EXPECT_EQ(published("asip/servicebus"), "old-uno1");
-    names.play(message(TopicKind::kServiceNames, "servo"), out_);
-    EXPECT_EQ(published("asip/servicebus/old-uno1"), "servo");
+    EXPECT_EQ(published_all("asip/servicebus/old-uno1"), (std::vector<std::string>{"distance", "servo"}));
+    out_ = {};
+    names.play(message(TopicKind::kBoardNames, "uno1"), out_);
+    EXPECT_EQ(published("asip/servicebus"), "") << "not under its old name";
+    names.tick(kStart + 19s, out_);
+    EXPECT_THAT(out_.publish, IsEmpty());
+    names.tick(kStart + 21s, out_);
+    EXPECT_EQ(published("asip/servicebus"), "old-uno1") << "a name holds for a minute";
 }
 
 }  // namespace
