@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <thread>
 
@@ -32,6 +33,7 @@ constexpr int kQueries = 300;
 constexpr int kClients = 8;
 // Of etcd's keep-alives, each waits for its answer: with more at once it is asked for more.
 constexpr int kKeepers = 32;
+constexpr int kAtOnce = 50;
 constexpr auto kRenewing = std::chrono::seconds(5);
 
 struct Figures {
@@ -183,48 +185,58 @@ class Registry {
         std::ifstream("/proc/" + std::to_string(process) + "/statm") >> pages >> resident;
         return static_cast<std::size_t>(resident) * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
     }
-    void request(bench::MqttClient& client, const std::string& query) {
+    std::string request(bench::MqttClient& client, const std::string& query) {
         client.publish("asip/registry/bench/query", R"({"reply_to":"bench/answers","id":"1",)" + query + "}",
                        1);
         if (!client.wait(std::chrono::seconds(60))) throw std::runtime_error("the registry does not answer");
-        client.take();
+        return client.take().front().second;
     }
-    void ask(bench::MqttClient& client, const std::string& board) {
-        request(client, R"("find":"boards","board":")" + board + "\"");
+    std::string ask(bench::MqttClient& client, const std::string& board) {
+        return request(client, R"("find":"boards","board":")" + board + "\"");
     }
 
-    /// Descriptions with the next number, as agents publish them, until the registry answers behind the last
-    /// one.
+    /// Descriptions with the next number, as agents renew their leases, so many at a time for each client:
+    /// then the broker has to answer. Until the registry answers behind the last one.
     double renewals(bench::MqttClient& asker, std::uint32_t boards) {
         boost::asio::io_context io;
-        std::uint64_t renewed = 0, open = 0;
-        std::uint32_t next = 0;
-        bool over = false;
+        std::uint32_t renewed = 0;
+        int open = kClients;
         std::vector<std::unique_ptr<mqtt::Client>> clients;
         const Time began = Clock::now();
-        const auto send = [&](mqtt::Client& client) {
-            const std::uint64_t seq = 2 + next / boards;
-            client.publish(bench::description(next++ % boards, seq), mqtt::Priority::kAnnouncement);
-            ++open;
+        std::function<void(mqtt::Client&)> send = [&](mqtt::Client& client) {
+            if (Clock::now() - began > kRenewing) {
+                if (--open == 0) io.stop();
+                return;
+            }
+            for (int k = 0; k < kAtOnce; ++k, ++renewed) {
+                auto renewal = bench::description(renewed % boards, 2 + renewed / boards);
+                renewal.qos = 0;
+                client.publish(std::move(renewal), mqtt::Priority::kAnnouncement);
+            }
+            client.check([&send, &client] { send(client); });
         };
         for (int i = 0; i < kClients; ++i) {
             mqtt::Client::Handlers handlers;
             handlers.on_connected = [&, i](const mqtt::Connected&) {
-                for (int k = 0; k < 20; ++k)
-                    send(*clients[static_cast<std::size_t>(i)]);
-            };
-            handlers.on_published = [&, i](const std::string&) {
-                ++renewed, --open;
-                over = over || Clock::now() - began > kRenewing;
-                if (!over) return send(*clients[static_cast<std::size_t>(i)]);
-                if (open == 0) io.stop();
+                send(*clients[static_cast<std::size_t>(i)]);
             };
             clients.push_back(std::make_unique<mqtt::Client>(io, bench::options_for(broker_), handlers));
             clients.back()->start();
         }
         io.run();
         ask(asker, BoardTexts::name(0));
-        return static_cast<double>(renewed) / seconds_since(began);
+        const double seconds = seconds_since(began);
+        expect_arrived(asker, renewed, boards);
+        return renewed / seconds;
+    }
+
+    /// Of the last renewals none may have been dropped on the way.
+    void expect_arrived(bench::MqttClient& asker, std::uint32_t renewed, std::uint32_t boards) {
+        for (std::uint32_t number = renewed - std::min(boards, 200u); number < renewed; ++number) {
+            const auto answer = ask(asker, BoardTexts::name(number % boards));
+            if (answer.find("\"seq\":" + std::to_string(2 + number / boards)) == std::string::npos)
+                throw std::runtime_error("a renewal was lost: " + answer);
+        }
     }
 
     void start(std::uint32_t boards) {

@@ -34,7 +34,7 @@ struct Tally {
     std::uint64_t joined = 0, died = 0, flapped = 0, hung = 0, left = 0;
     std::uint64_t conflicts = 0;  ///< a living agent holds the name
     std::uint64_t connections_made = 0, connections_lost = 0, attempts_failed = 0;
-    std::uint64_t descriptions = 0;  ///< acknowledged by the broker: first announcements and renewals
+    std::uint64_t descriptions = 0;  ///< announcements that the broker acknowledged, and renewals
     std::uint64_t commands = 0;      ///< that arrived, and were answered where an answer was wanted
     std::uint64_t values = 0;
     std::uint64_t received = 0, published = 0, dropped = 0, refused = 0, denied = 0;

@@ -20,7 +20,10 @@ void Fleet::publish(std::size_t board, member::Announcements& out) {
     Slot& slot = slots_[board];
     for (auto& publication : out.publish) {
         // Of an announcement only the description expires.
-        if (!slot.said && publication.message.expiry_seconds) slot.said = Clock::now();
+        const bool description = publication.message.expiry_seconds.has_value();
+        if (description && !slot.said) slot.said = Clock::now();
+        // Those of QoS 1 count when the broker has them.
+        if (description && publication.message.qos == 0) ++tally_.descriptions;
         client->publish(std::move(publication.message), publication.priority);
     }
 }

@@ -113,7 +113,7 @@ std::string to_table(const Report& report) {
     table.row("happened", "{} joined, {} died, {} flapped, {} hung, {} left", tally.joined, tally.died,
               tally.flapped, tally.hung, tally.left);
     table.row("join until announced", "{}", text_of(tally.announced));
-    table.row("descriptions", "{} taken by the broker, {:.0f} a second", tally.descriptions,
+    table.row("descriptions", "{} published, {:.0f} a second", tally.descriptions,
               static_cast<double>(tally.descriptions) / std::max(report.seconds, 1e-3));
     if (tally.values > 0) table.row("values", "{}, of which {} dropped", tally.values, tally.dropped);
     table.row("commands answered", "{}", tally.commands);

@@ -18,6 +18,8 @@ constexpr Duration kBetweenChanges = std::chrono::seconds(1);
 // However many probes come.
 constexpr Duration kBetweenAnswers = std::chrono::milliseconds(500);
 constexpr std::size_t kMaxSessionBytes = 64;
+// A lease outlives a renewal that is lost, and acknowledgements cost a broker as much as the message.
+constexpr int kRenewalQos = 0;
 
 std::string make_session(std::uint64_t started_unix, const Random& random) {
     char time[24];
@@ -121,7 +123,7 @@ std::string Announcer::description_text() const {
 
 void Announcer::announce(Time now, Announcements& out) {
     if (subscribed_ && described_) publish_state(out);
-    if (!renew(now, out)) return;
+    if (!publish_description(1, now, out)) return;
     if (options_.on_shared_topic)
         out.publish.push_back({plain(topics_.board_names(), options_.board), mqtt::Priority::kAnnouncement});
     for (const auto& service : description_.services)
@@ -129,7 +131,7 @@ void Announcer::announce(Time now, Announcements& out) {
             {plain(topics_.service_names(options_.board), service.name), mqtt::Priority::kAnnouncement});
 }
 
-bool Announcer::renew(Time now, Announcements& out) {
+bool Announcer::publish_description(int qos, Time now, Announcements& out) {
     probe_answer_.reset();
     renewal_.reset();
     if (!subscribed_) return false;
@@ -139,6 +141,7 @@ bool Announcer::renew(Time now, Announcements& out) {
     description_.session = session_;
     description_.seq = ++seq_;
     mqtt::Message description = retained(topics_.description(options_.board), description_text());
+    description.qos = qos;
     description.expiry_seconds = static_cast<std::uint32_t>(options_.lease_seconds);
     out.publish.push_back({std::move(description), mqtt::Priority::kAnnouncement});
     return true;
@@ -220,7 +223,7 @@ void Announcer::tick(Time now, Announcements& out) {
     }
     if (!established_ || !connected_) return;
     if (probe_answer_ && now >= *probe_answer_) return announce(now, out);
-    if (renewal_ && now >= *renewal_) renew(now, out);
+    if (renewal_ && now >= *renewal_) publish_description(kRenewalQos, now, out);
 }
 
 std::optional<Time> Announcer::next_deadline() const {

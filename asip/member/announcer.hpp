@@ -35,7 +35,8 @@ struct AnnouncerOptions {
 /// is put right.
 ///
 /// Nothing is announced before the broker granted the subscriptions that commands come by. A lease is renewed
-/// by one message, the description; names are published when something changed or somebody probed.
+/// by one message, the description, with QoS 0: it outlives one that is lost. Names are published when
+/// something changed or somebody probed.
 class Announcer {
   public:
     Announcer(const bus::Topics& topics, AnnouncerOptions options, Random random);
@@ -90,8 +91,8 @@ class Announcer {
     void challenge(const model::Description& other, const std::string& holder, Time now, Announcements& out);
     /// State, description and names.
     void announce(Time now, Announcements& out);
-    /// The description alone: nothing else has changed. False where there is none yet, or it may not be sent.
-    bool renew(Time now, Announcements& out);
+    /// The description, which renews the lease. False where there is none yet, or it may not be sent.
+    bool publish_description(int qos, Time now, Announcements& out);
     std::string description_text() const;
     void publish_state(Announcements& out);
     void on_foreign_description(const mqtt::Message& message, Time now, Announcements& out);

@@ -64,6 +64,7 @@ bool Outbox::push(Message message, Priority priority, Time now) {
     if (message.retain) {
         if (const auto older = retained_.find(message.topic); older != retained_.end()) {
             const auto place = older->second;
+            message.qos = std::max(message.qos, place.entry->message.qos);
             if (replaced(*place.entry, message, priority)) return true;
             erase(*place.queue, place.entry);
         }
@@ -104,8 +105,12 @@ Outbox::Entry Outbox::pop() {
 void Outbox::put_back(Entry entry) {
     if (const auto other = entry.message.retain ? retained_.find(entry.message.topic) : retained_.end();
         other != retained_.end()) {
-        if (other->second.entry->order > entry.order) return;
         const auto place = other->second;
+        auto& waiting = place.entry->message;
+        if (place.entry->order > entry.order) {
+            waiting.qos = std::max(waiting.qos, entry.message.qos);
+            return;
+        }
         erase(*place.queue, place.entry);
     }
     auto& own = queue(entry.priority);

@@ -16,8 +16,9 @@ namespace asip::mqtt {
 ///
 /// Urgent entries leave first, all others in the order they came, whatever their priority. A retained message
 /// replaces a waiting one of the same topic: one that expires, and so is renewed again and again, in its
-/// place, any other at the back. When `max` is exceeded the oldest context values are dropped; what may not
-/// be dropped is taken up to twice `max` and then refused, what is urgent up to three times.
+/// place, any other at the back; with the higher QoS of both, since somebody waits for that. When `max` is
+/// exceeded the oldest context values are dropped; what may not be dropped is taken up to twice `max` and
+/// then refused, what is urgent up to three times.
 class Outbox {
   public:
     struct Bounds {

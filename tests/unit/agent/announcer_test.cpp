@@ -99,6 +99,24 @@ TEST(Announcer, Renewal_IsTheDescriptionAlone) {
     EXPECT_THAT(bench.on("asip/servicebus/uno1"), IsEmpty());
 }
 
+TEST(Announcer, Renewal_IsNotAcknowledgedAndTheAnnouncementIs) {
+    BridgeBench bench;
+    bench.go_online();
+    const auto all_of = [](int qos) {
+        return testing::Each(testing::Truly([qos](const auto& publication) {
+            return publication.message.topic != kDescription || publication.message.qos == qos;
+        }));
+    };
+    EXPECT_THAT(bench.published, all_of(1));
+    bench.published.clear();
+    bench.pass(60s);
+    EXPECT_THAT(bench.published, all_of(0));
+    bench.published.clear();
+    bench.hear(kProbe, "");
+    bench.pass(1s);
+    EXPECT_THAT(bench.published, all_of(1));
+}
+
 TEST(Announcer, ProbeAndRenewalTogether_NamesAreAnnouncedToo) {
     BridgeBench bench;
     bench.go_online();

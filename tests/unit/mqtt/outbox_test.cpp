@@ -128,6 +128,24 @@ TEST(Outbox, RetainedThatExpires_IsReplacedInItsPlaceSoThatItLeavesHoweverOftenI
     EXPECT_EQ(drain(outbox), "longer ");
 }
 
+TEST(Outbox, RetainedOfQos0_DoesNotTakeTheAcknowledgementFromTheOneThatWaits) {
+    for (const bool expires : {false, true}) {
+        Outbox outbox({10, kPlenty});
+        auto announcement = message("a", "first", true), renewal = message("a", "renewed", true);
+        announcement.qos = 1;
+        if (expires) announcement.expiry_seconds = renewal.expiry_seconds = 60;
+        outbox.push(announcement, Priority::kAnnouncement);
+        outbox.push(renewal, Priority::kAnnouncement);
+        auto entry = outbox.pop();
+        EXPECT_EQ(entry.message.payload, "renewed");
+        EXPECT_EQ(entry.message.qos, 1);
+        outbox.push(renewal, Priority::kAnnouncement);
+        outbox.put_back(std::move(entry));
+        EXPECT_EQ(outbox.pop().message.qos, 1);
+        EXPECT_TRUE(outbox.empty());
+    }
+}
+
 TEST(Outbox, NotRetainedWithExpiry_ExpiresAndIsSentWithWhatIsLeft) {
     Outbox outbox({10, kPlenty});
     const Time begin{};
