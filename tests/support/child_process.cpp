@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <linux/close_range.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -104,6 +105,12 @@ void fail_for_sanitizer_report(const std::string& errors) {
     }
 }
 
+// A board has a processor of its own: where we may, its simulator comes before what else is busy.
+constexpr int kPriorityOfHardware = -10;
+bool stands_for_hardware(const std::string& program) {
+    return std::filesystem::path(program).filename() == "asip-sim" && !simulator_under_test;
+}
+
 std::vector<char*> pointers(std::vector<std::string>& texts) {
     std::vector<char*> list;
     for (auto& text : texts)
@@ -171,6 +178,7 @@ ChildProcess::ChildProcess(std::vector<std::string> arguments, std::map<std::str
     const auto argv = pointers(arguments);
     const auto envp = pointers(child_environ);
     const pid_t parent = getpid();
+    const bool hardware = stands_for_hardware(arguments.at(0));
     state_->pid = fork();
     if (state_->pid < 0) throw std::runtime_error("fork: " + std::string(std::strerror(errno)));
     if (state_->pid == 0) {
@@ -183,6 +191,7 @@ ChildProcess::ChildProcess(std::vector<std::string> arguments, std::map<std::str
         dup2(errors.write_end, 2);
         // A socket of the test that a child held would keep its port.
         close_range(3, ~0U, CLOSE_RANGE_CLOEXEC);
+        if (hardware) setpriority(PRIO_PROCESS, 0, kPriorityOfHardware);
         execvpe(argv[0], argv.data(), envp.data());
         const int problem = errno;
         [[maybe_unused]] const auto written = write(failure.write_end, &problem, sizeof problem);

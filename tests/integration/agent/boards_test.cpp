@@ -105,9 +105,12 @@ class ManyBoards : public testing::Test {
         return wait_state(probe_, state, kDeadline, board);
     }
     /// That the board executes a command.
-    bool answers(const std::string& board) {
+    testing::AssertionResult answers(const std::string& board) {
         const auto reply = probe_.request("asip/" + board + "/io/in", R"({"mode":[13,"output"]})");
-        return reply && reply->find(R"("proof":"fence")") != std::string::npos;
+        if (reply && reply->find(R"("proof":"fence")") != std::string::npos)
+            return testing::AssertionSuccess();
+        return testing::AssertionFailure() << board << ": " << reply.value_or("no answer") << "\n"
+                                           << agent().errors();
     }
 
     MosquittoBroker broker_;
