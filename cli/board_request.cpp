@@ -87,9 +87,9 @@ Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const
     session.run_until([&reply] { return reply.has_value(); }, Clock::now() + context.timeout);
     if (session.stopped()) return interrupted();
     if (!reply) {
-        return failure(program::kExitNoAnswer, "no answer to " + command.line + " on " + command.topic +
-                                                   " within " + std::to_string(context.timeout.count()) +
-                                                   " ms; is the board's agent running? Try: asipctl doctor");
+        return tl::unexpected(session.unanswered("no answer to " + command.line + " on " + command.topic +
+                                                 " within " + std::to_string(context.timeout.count()) +
+                                                 " ms; is the board's agent running? Try: asipctl doctor"));
     }
     if (!*reply) return failure(program::kExitNoAnswer, "the answer cannot be read: " + reply->error());
     return std::move(**reply);

@@ -45,6 +45,9 @@ std::string explain(const bus::Reply& reply);
 /// The same as a failure of the command; `where` stands before it: `desk: `.
 Failure failure_of(const bus::Reply& reply, const std::string& where);
 
+/// Why a board has no answer to show: nobody gave one.
+inline constexpr std::string_view kNoAnswer = "no-answer";
+
 /// Answers for a board that was not asked: the broker denies writing to its topic; it is lost, and `so` (for
 /// a person: `nothing was sent`).
 bus::Reply refused_by_broker(const std::string& topic);

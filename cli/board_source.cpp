@@ -88,8 +88,8 @@ Outcome<bus::Answer> BoardSource::ask(const bus::Query& query, std::string* line
     session_.run_until([&] { return answer || none_there(); }, deadline);
     if (session_.stopped()) return interrupted();
     if (!answer)
-        return failure(program::kExitNoAnswer,
-                       online_registries_.empty() ? "no registry" : "registry silent");
+        return tl::unexpected(
+            session_.unanswered(online_registries_.empty() ? "no registry" : "registry silent"));
     if (!*answer)
         return failure(program::kExitNoAnswer, "registry answers what cannot be read: " + answer->error());
     if (!(*answer)->refused.empty())
@@ -150,7 +150,7 @@ std::string BoardSource::find_registry() {
     bus::Query query;
     query.limit = 1;
     const auto answer = ask(query);
-    if (!answer && !session_.stopped()) without_registry(answer.error().text);
+    if (!answer && !session_.stopped() && !session_.lost()) without_registry(answer.error().text);
     return registry_;
 }
 
@@ -159,11 +159,11 @@ Outcome<std::vector<bus::BoardItem>> BoardSource::boards(bus::Query query) {
     if (asks_registry()) {
         auto answer = ask_all_pages(query);
         if (answer) return std::move(answer->boards);
-        if (answer.error().status == program::kExitFailure) return tl::unexpected(answer.error());
+        if (answer.error().status != program::kExitNoAnswer) return tl::unexpected(answer.error());
         without_registry(answer.error().text);
     }
     read_bus(true);
-    if (session_.stopped()) return interrupted();
+    if (const auto heard = session_.heard_all(); !heard) return tl::unexpected(heard.error());
     auto all = catalogue_.boards(Clock::now());
     std::erase_if(all, [&](const bus::BoardItem& board) {
         return !bus::board_matches(query, board, catalogue_.description(board.board), context_.models());
@@ -195,7 +195,7 @@ Outcome<bus::BriefRows> BoardSource::brief_boards(bus::Query query) {
         if (answer && answer->brief) return std::move(*answer->brief);
         if (answer) {
             items = std::move(answer->boards);  // a registry that knows no brief queries
-        } else if (answer.error().status == program::kExitFailure) {
+        } else if (answer.error().status != program::kExitNoAnswer) {
             return tl::unexpected(answer.error());
         } else {
             without_registry(answer.error().text);
@@ -214,7 +214,7 @@ Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {
         query.find = bus::Find::kServices;
         auto answer = ask_all_pages(query);
         if (answer) return std::move(answer->services);
-        if (answer.error().status == program::kExitFailure) return tl::unexpected(answer.error());
+        if (answer.error().status != program::kExitNoAnswer) return tl::unexpected(answer.error());
         without_registry(answer.error().text);
     }
     auto all = boards(query);
@@ -235,7 +235,7 @@ Outcome<std::string> BoardSource::json_lines(bus::Query query) {
         std::string lines;
         const auto answer = ask_all_pages(query, &lines);
         if (answer) return text::escape_json(std::move(lines));
-        if (answer.error().status == program::kExitFailure) return tl::unexpected(answer.error());
+        if (answer.error().status != program::kExitNoAnswer) return tl::unexpected(answer.error());
         without_registry(answer.error().text);
     }
     std::string lines;
@@ -341,7 +341,7 @@ Outcome<KnownBoard> BoardSource::board_in_full(const std::string& name) {
     query.full = true;
     auto answer = ask(query);
     if (!answer) {
-        if (answer.error().status == program::kExitFailure) return tl::unexpected(answer.error());
+        if (answer.error().status != program::kExitNoAnswer) return tl::unexpected(answer.error());
         without_registry(answer.error().text);
         return board(name);
     }
@@ -383,7 +383,7 @@ std::vector<std::string> BoardSource::names() {
 Outcome<KnownBoard> BoardSource::unknown(const std::string& name) {
     auto failed = no_such_board(name, names());
     if (session_.stopped()) return interrupted();
-    return tl::unexpected(std::move(failed));
+    return tl::unexpected(session_.unanswered(std::move(failed.text)));
 }
 
 Failure no_such_board(const std::string& name, const std::vector<std::string>& all) {

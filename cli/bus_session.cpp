@@ -15,6 +15,13 @@ namespace asip::cli {
 
 using namespace std::chrono_literals;
 
+namespace {
+
+/// Every broker that lives has done it by then.
+constexpr auto kTimeToAcknowledge = 1s;
+
+}  // namespace
+
 struct BusSession::State {
     explicit State(const Context& its_context)
         : context(its_context),
@@ -33,8 +40,12 @@ struct BusSession::State {
         result.on_connected = [this](const mqtt::Connected&) { connected_again(); };
         result.on_disconnected = [this](const mqtt::ConnectionFailure& why) {
             demander.disconnected();
-            if (why.after_sending != 0) suspect_denial();
-            if (connection_changed) connection_changed(false, why.text);
+            why_lost = why.text;
+            // Of a message that is not acknowledged brokers do not tell that they denied it: Mosquitto 2.0.11
+            // closes the connection. One end may be that of the broker itself.
+            const bool denying = why.after_sending > 1 && !last_topic.empty();
+            if (!connection_changed) return;
+            connection_changed(false, denying ? mqtt::cut_off_text(context.mqtt.user, last_topic) : why.text);
         };
         result.on_connect_failed = [this](const mqtt::ConnectionFailure& why) {
             failed[why.broker.describe()] = why;
@@ -54,15 +65,9 @@ struct BusSession::State {
         return result;
     }
 
-    /// Of a message that is not acknowledged brokers do not tell that they denied it: Mosquitto 2.0.11 closes
-    /// the connection.
-    void suspect_denial() {
-        if (last_topic.empty() || denied.contains(last_topic) || !suspected.insert(last_topic).second) return;
-        context.note(mqtt::cut_off_text(context.mqtt.user, last_topic));
-    }
-
     void connected_again() {
         demander.connected(Clock::now());
+        why_lost.reset();
         const bool first = !std::exchange(was_connected, true);
         if (!first && connection_changed) connection_changed(true, {});
     }
@@ -114,9 +119,11 @@ struct BusSession::State {
     std::set<std::string> brokers;
     std::map<std::string, mqtt::ConnectionFailure> failed;  // the last failure of each broker
     bool tells_refusals = false;
-    std::set<std::string> denied, suspected;
-    std::string last_topic;  // that was published on
-    std::function<void(bool, const std::string&)> connection_changed;
+    std::set<std::string> denied;
+    std::string last_topic;               // that was published on
+    std::optional<std::string> why_lost;  // while there is no connection, and was one
+    std::function<void(bool, const std::string&)> connection_changed =
+        [this](bool connected, const std::string& why) { context.note(connected ? "connected again" : why); };
     std::size_t marks = 0;
     bool started = false;
     program::StopSignal signal;
@@ -238,6 +245,24 @@ bool BusSession::stopped() const {
 
 void BusSession::on_connection_change(std::function<void(bool, const std::string&)> handler) {
     state_->connection_changed = std::move(handler);
+}
+
+bool BusSession::lost() const {
+    return state_->why_lost.has_value();
+}
+
+Outcome<void> BusSession::heard_all() const {
+    if (stopped()) return interrupted();
+    if (lost()) return tl::unexpected(unanswered({}));
+    return {};
+}
+
+Failure BusSession::unanswered(std::string text) const {
+    if (lost()) return {program::kExitBroker, *state_->why_lost + ", and was not back in time"};
+    if (state_->context.timeout >= kTimeToAcknowledge && state_->client.counters().unacknowledged != 0)
+        return {program::kExitBroker,
+                "the broker does not acknowledge what it is sent; does it stand still?"};
+    return {program::kExitNoAnswer, std::move(text)};
 }
 
 bool BusSession::denied(const std::string& topic) const {

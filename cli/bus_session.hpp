@@ -19,7 +19,8 @@ namespace asip::cli {
 
 /// One connection to the bus as a command uses it: it waits, in order, for what it asked for. Everything runs
 /// in the caller's thread, inside run_until. SIGINT and SIGTERM end every wait, and so does the end of
-/// the program that reads our output (`| head -1`).
+/// the program that reads our output (`| head -1`). The user is told when the connection is lost, and when it
+/// is back.
 class BusSession {
   public:
     using OnMessage = std::function<void(const mqtt::Message&)>;
@@ -92,8 +93,15 @@ class BusSession {
     /// From now on the user is told at once of each subscription that the broker refuses: for who listens for
     /// long.
     void tell_refused_subscriptions();
-    /// Called when an established connection is lost or back.
+    /// Called instead of telling the user when an established connection is lost or back.
     void on_connection_change(std::function<void(bool connected, const std::string& why)> handler);
+    /// Whether an established connection was lost, and is not back.
+    bool lost() const;
+    /// Fails where that is so, or the user asked to end: what was heard until now is not all.
+    Outcome<void> heard_all() const;
+    /// What to say of a wait that was in vain: kExitNoAnswer and `text`; while the connection is lost, or the
+    /// broker stands still, kExitBroker and why.
+    Failure unanswered(std::string text) const;
     /// Whether the broker's access rules denied a QoS 1 message of ours on `topic`. The user has been told.
     bool denied(const std::string& topic) const;
 

@@ -26,8 +26,8 @@ constexpr std::chrono::milliseconds kLeastConnectTime{1000};
 constexpr std::uint32_t kMaxAnswerBytes = 64u << 20;
 
 constexpr const char* kNotes =
-    "Exit status: 0 done; 1 it did not succeed; 2 wrong use; 3 the broker cannot be reached or refused the\n"
-    "connection; 4 nothing answered in time.\n"
+    "Exit status: 0 done; 1 it did not succeed; 2 wrong use; 3 the broker cannot be reached, refused\n"
+    "the connection or was lost; 4 nothing answered in time.\n"
     "Examples:\n"
     "  asipctl list\n"
     "  asipctl show uno1/servo\n"

@@ -180,6 +180,7 @@ int run_complete(const std::vector<std::string>& arguments, CommandLine& line, C
     if (line.parse(std::move(options)) || !line.apply(context)) return program::kExitOk;
     context.timeout = std::min(context.timeout, kPatience);
     BusSession session(context);
+    session.on_connection_change({});  // what it says would stand in the line that is typed
     BoardSource source(context, session);
     std::optional<bool> there;
     const auto connected = [&] {

@@ -19,8 +19,9 @@ Outcome<bool> ask(const Context& context, BusSession& session, const std::string
         session.ask(context.topics.registry_query(registry), bus::encode(request),
                     [&answer](const mqtt::Message& message) { answer = bus::parse_answer(message.payload); });
     session.run_until([&answer] { return answer.has_value(); }, Clock::now() + context.timeout);
+    if (session.stopped()) return interrupted();
     if (!answer || !*answer)
-        return failure(program::kExitNoAnswer, "registry " + registry + " did not answer");
+        return tl::unexpected(session.unanswered("registry " + registry + " did not answer"));
     const auto& refused = (*answer)->refused;
     if (!refused.empty() && refused != kUnknownBoard)
         return failure(program::kExitFailure, "registry " + registry + ": " + (*answer)->error);
@@ -37,7 +38,7 @@ AskedToForget ask_to_forget(const Context& context, BusSession& session, BoardSo
     if (registry.empty()) return result;
     for (const auto& board : boards) {
         // One that does not answer is not waited for once for each board.
-        if (result.status == program::kExitNoAnswer) {
+        if (result.status == program::kExitNoAnswer || result.status == program::kExitBroker) {
             result.refused.insert(board);
             continue;
         }

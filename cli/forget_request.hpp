@@ -14,7 +14,7 @@ namespace asip::cli {
 struct AskedToForget {
     std::set<std::string> forgotten;
     std::set<std::string> refused;  ///< they are alive, or it did not answer; the user has been told why
-    int status = program::kExitOk;  ///< kExitFailure, or kExitNoAnswer
+    int status = program::kExitOk;  ///< kExitFailure, kExitNoAnswer or kExitBroker
 };
 
 /// Asks the registry, if there is one, to forget these boards; it may know some of them or none.

@@ -83,13 +83,15 @@ class GroupSender {
             [this](const Member& member) { return member.reply || session_.denied(member.command.topic); });
     }
 
+    Failure unanswered() const {
+        return session_.unanswered("no answer within " + std::to_string(context_.timeout.count()) + " ms");
+    }
+
     bus::Reply reply_of(const Member& member) const {
         if (member.reply) return *member.reply;
         if (session_.denied(member.command.topic)) return refused_by_broker(member.command.topic);
-        auto reply = bus::Reply::timeout("no-answer");
-        reply.error = session_.stopped()
-                          ? "interrupted"
-                          : "no answer within " + std::to_string(context_.timeout.count()) + " ms";
+        auto reply = bus::Reply::timeout(std::string(kNoAnswer));
+        reply.error = session_.stopped() ? "interrupted" : unanswered().text;
         return reply;
     }
 
@@ -112,7 +114,8 @@ class GroupSender {
             const auto reply = reply_of(member);
             const bool ok = reply.succeeded();
             if (ok) ++executed;
-            if (!ok && status == program::kExitOk) status = exit_status(reply);
+            if (!ok && status == program::kExitOk)
+                status = reply.reason == kNoAnswer ? unanswered().status : exit_status(reply);
             if (!group_.output.for_people()) {
                 auto record = *model::parse_json(bus::to_json_text(reply));
                 record["board"] = member.board;

@@ -48,8 +48,8 @@ Outcome<std::string> PortHolder::ask(const bus::PortRequest& request, std::chron
     session_.run_until([&reply] { return reply.has_value(); }, Clock::now() + patience);
     if (session_.stopped()) return interrupted();
     if (!reply || !*reply)
-        return failure(program::kExitNoAnswer,
-                       "the agent of " + board_ + " does not answer; is it running? Try: asipctl doctor");
+        return tl::unexpected(session_.unanswered("the agent of " + board_ +
+                                                  " does not answer; is it running? Try: asipctl doctor"));
     const auto& answer = **reply;
     if (answer.succeeded()) return answer.answer;
     if (answer.reason == bus::kRefusedInvalid)

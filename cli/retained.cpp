@@ -71,8 +71,8 @@ bool looks_like_command(std::string_view topic) {
 
 }  // namespace
 
-std::vector<Retained> read_retained(const Context& context, BusSession& session,
-                                    const std::vector<std::string>& filters) {
+Outcome<std::vector<Retained>> read_retained(const Context& context, BusSession& session,
+                                             const std::vector<std::string>& filters) {
     std::map<std::string, std::string> found;
     std::vector<BusSession::Subscription> subscriptions;
     for (const auto& filter : filters) {
@@ -83,6 +83,7 @@ std::vector<Retained> read_retained(const Context& context, BusSession& session,
     const auto mark = session.mark_retained();
     session.run_until([&mark] { return mark.passed(); }, Clock::now() + context.timeout);
     session.run_for(kRetainedPatience);
+    if (const auto heard = session.heard_all(); !heard) return tl::unexpected(heard.error());
     std::vector<Retained> result;
     for (auto& [topic, payload] : found)
         result.push_back({topic, std::move(payload)});
@@ -96,8 +97,8 @@ Outcome<void> clear_retained(const Context& context, BusSession& session,
     const auto mark = session.mark_retained();
     const auto patience = context.timeout + std::chrono::milliseconds(topics.size());
     if (session.run_until([&mark] { return mark.passed(); }, Clock::now() + patience)) return {};
-    return failure(program::kExitNoAnswer,
-                   "the broker did not confirm in time; run it again to see what is left");
+    return tl::unexpected(
+        session.unanswered("the broker did not confirm in time; run it again to see what is left"));
 }
 
 std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vector<Retained>& all) {

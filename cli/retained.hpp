@@ -16,11 +16,11 @@ struct Retained {
     std::string payload;
 };
 
-/// Reads what the broker has retained for `filters`.
-std::vector<Retained> read_retained(const Context& context, BusSession& session,
-                                    const std::vector<std::string>& filters);
+/// Reads what the broker has retained for `filters`: fails where the broker is lost, or the user ends it.
+Outcome<std::vector<Retained>> read_retained(const Context& context, BusSession& session,
+                                             const std::vector<std::string>& filters);
 
-/// Empties retained topics; returns once the broker has taken it all, or fails with kExitNoAnswer.
+/// Empties retained topics; returns once the broker has taken it all, or fails as BusSession::unanswered.
 Outcome<void> clear_retained(const Context& context, BusSession& session,
                              const std::vector<std::string>& topics);
 

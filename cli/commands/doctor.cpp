@@ -30,15 +30,18 @@ class Examination {
         seen_.broker = context.mqtt.brokers.front().describe();
     }
 
-    Observations look() {
+    Outcome<Observations> look() {
         seen_.v5 = session_.v5();
         try_without_user();
         measure_acknowledgement();
-        seen_.retained = read_retained(context_, session_, {context_.topics.root() + "/#"});
+        auto retained = read_retained(context_, session_, {context_.topics.root() + "/#"});
+        if (!retained) return tl::unexpected(retained.error());
+        seen_.retained = std::move(*retained);
         watch_sessions();
         source_.read_bus(true);
         ask_registry();
         ping_boards();
+        if (const auto heard = session_.heard_all(); !heard) return tl::unexpected(heard.error());
         seen_.machine = look_at_machine();
         return std::move(seen_);
     }
@@ -142,23 +145,28 @@ std::string broker_advice(const std::string& broker) {
            broker;
 }
 
+/// Nothing but this machine can be judged.
+int print_broker_problem(const Failure& problem, const DoctorOptions& options, Context& context) {
+    Findings findings{
+        {Finding::Level::kProblem, problem.text, broker_advice(context.mqtt.brokers.front().describe())}};
+    auto local = check_machine(look_at_machine());
+    std::move(local.begin(), local.end(), std::back_inserter(findings));
+    print(findings, options, context);
+    return problem.status;
+}
+
 }  // namespace
 
 int run_doctor(const DoctorOptions& options, Context& context) {
     context.mqtt.quick_ack = false;  // what other clients see is to be measured
     BusSession session(context);
     BoardSource source(context, session);
-    if (const auto connected = session.connect(); !connected) {
-        Findings findings{{Finding::Level::kProblem, connected.error().text,
-                           broker_advice(context.mqtt.brokers.front().describe())}};
-        auto local = check_machine(look_at_machine());
-        std::move(local.begin(), local.end(), std::back_inserter(findings));
-        print(findings, options, context);
-        return connected.error().status;
-    }
+    if (const auto connected = session.connect(); !connected)
+        return print_broker_problem(connected.error(), options, context);
     const auto seen = Examination(context, session, source).look();
-    if (session.stopped()) return context.fail_with(interrupted().value());
-    return print(check_all(seen), options, context);
+    if (seen) return print(check_all(*seen), options, context);
+    return session.stopped() ? context.fail_with(seen.error())
+                             : print_broker_problem(seen.error(), options, context);
 }
 
 namespace {

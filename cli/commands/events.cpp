@@ -8,7 +8,6 @@
 #include "asip/bus/pattern.hpp"
 #include "cli/board_source.hpp"
 #include "cli/change_record.hpp"
-#include "cli/connection_notes.hpp"
 #include "cli/declaration.hpp"
 #include "cli/target.hpp"
 #include "cli/text/moment.hpp"
@@ -51,7 +50,6 @@ class Follower {
 
     int run() {
         session_.tell_refused_subscriptions();
-        tell_connection(session_, context_);
         if (const auto connected = session_.connect(); !connected)
             return context_.fail_with(connected.error());
         const auto registry = source_.find_registry();

@@ -33,9 +33,13 @@ class Forgetter {
     int run() {
         if (const auto connected = session_.connect(); !connected)
             return context_.fail_with(connected.error());
-        retained_ = read_retained(context_, session_, filters());
+        auto retained = read_retained(context_, session_, filters());
+        if (!retained) return context_.fail_with(retained.error());
+        retained_ = std::move(*retained);
         if (const auto chosen = choose(); !chosen) return context_.fail_with(chosen.error());
         if (!options_.force) leave_living_boards();
+        // A board that could not be asked is not gone.
+        if (const auto heard = session_.heard_all(); !heard) return context_.fail_with(heard.error());
         if (!options_.force && !options_.dry_run) ask_registry();
         leave_unknown_boards();
         return options_.dry_run ? show() : clear();

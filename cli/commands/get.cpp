@@ -8,7 +8,6 @@
 #include "asip/model/json.hpp"
 #include "asip/text/wall_time.hpp"
 #include "cli/board_request.hpp"
-#include "cli/connection_notes.hpp"
 #include "cli/declaration.hpp"
 #include "cli/leaf_values.hpp"
 #include "cli/replay_board.hpp"
@@ -58,7 +57,6 @@ class Getter {
     int run() {
         if (const auto connected = session_.connect(); !connected)
             return context_.fail_with(connected.error());
-        if (options_.watch) tell_connection(session_, context_);
         if (const auto found = find(); !found) return context_.fail_with(found.error());
         const auto topic = context_.topics.service_out(what_.target.board, service_.name);
         const auto reports = session_.subscribe(topic, [this](const mqtt::Message& message) {
@@ -98,9 +96,9 @@ class Getter {
         if (printed_) return {};
         if (!asked) return tl::unexpected(asked.error());
         if (!other_fields_.empty()) return without_field();
-        return failure(program::kExitNoAnswer, where() + " reported nothing within " +
-                                                   std::to_string(context_.timeout.count()) + " ms" +
-                                                   advice());
+        return tl::unexpected(session_.unanswered(where() + " reported nothing within " +
+                                                  std::to_string(context_.timeout.count()) + " ms" +
+                                                  advice()));
     }
 
     Outcome<void> ask() {

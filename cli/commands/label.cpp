@@ -203,7 +203,8 @@ class Labeller {
             const auto labels = shown(asked.now);
             if (!reply.succeeded()) {
                 context_.note(asked.board + ": " + why_not(asked, reply));
-                if (status == program::kExitOk) status = exit_status(reply);
+                if (status == program::kExitOk)
+                    status = reply.reason == kNoAnswer ? session_.unanswered({}).status : exit_status(reply);
             }
             if (!asked.set_aside.empty())
                 context_.note(asked.board +
@@ -230,13 +231,15 @@ class Labeller {
         if (const auto topic = context_.topics.board_in(asked.board); session_.denied(topic))
             return refused_by_broker(topic);
         if (asked.lost) return refused_as_lost("nothing was kept");
-        return bus::Reply::timeout("no-answer");
+        return bus::Reply::timeout(std::string(kNoAnswer));
     }
 
     std::string why_not(const Asked& asked, const bus::Reply& reply) const {
         if (!asked.reply && reply.status == bus::Reply::Status::kTimeout)
-            return "nobody answered within " + std::to_string(context_.timeout.count()) +
-                   " ms; is the board's agent running? Try: asipctl doctor";
+            return session_
+                .unanswered("nobody answered within " + std::to_string(context_.timeout.count()) +
+                            " ms; is the board's agent running? Try: asipctl doctor")
+                .text;
         return reply.error.empty() ? explain(reply) : reply.error;
     }
 

@@ -7,7 +7,6 @@
 #include "asip/bus/pattern.hpp"
 #include "asip/text/wall_time.hpp"
 #include "cli/bus_session.hpp"
-#include "cli/connection_notes.hpp"
 #include "cli/declaration.hpp"
 #include "cli/log_line.hpp"
 #include "cli/target.hpp"
@@ -71,7 +70,6 @@ int run_logs(const LogsOptions& options, Context& context) {
     for (const auto& filter : {context.topics.board_out(board), context.topics.service_error(board, "+"),
                                context.topics.log(board)})
         subscriptions.push_back(session.subscribe(filter, take, {.retained = false}));
-    tell_connection(session, context);
     if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
     const auto end = options.limit ? Clock::now() + *options.limit : Time::max();
     while (!session.stopped() && !printer.enough() && Clock::now() < end)

@@ -96,7 +96,7 @@ class PinAccess {
                            Clock::now() + context_.timeout);
         result.value = latest("digital", key);
         if (!result.value)
-            return failure(program::kExitNoAnswer, "the board did not report the level of pin " + key);
+            return tl::unexpected(session_.unanswered("the board did not report the level of pin " + key));
         return result;
     }
 
@@ -115,9 +115,9 @@ class PinAccess {
         session_.run_until([&] { return latest("analog", key).has_value(); }, Clock::now() + patience);
         result.value = latest("analog", key);
         if (!result.value) {
-            return failure(program::kExitNoAnswer,
-                           "the board reports no analog values now; start it: asipctl send " +
-                               board_.item.board + "/" + service_ + " report 50");
+            return tl::unexpected(
+                session_.unanswered("the board reports no analog values now; start it: asipctl send " +
+                                    board_.item.board + "/" + service_ + " report 50"));
         }
         return result;
     }

@@ -9,7 +9,6 @@
 #include "asip/protocol/request.hpp"
 #include "asip/text/duration.hpp"
 #include "cli/board_request.hpp"
-#include "cli/connection_notes.hpp"
 #include "cli/declaration.hpp"
 
 namespace asip::cli {
@@ -34,7 +33,6 @@ class Pinger {
                                [this](const mqtt::Message& message) { take_line(message.payload); });
         if (const auto connected = session_.connect(); !connected)
             return context_.fail_with(connected.error());
-        tell_connection(session_, context_);
         const auto board = find_living_board(source_, options_.board);
         if (!board) return context_.fail_with(board.error());
         echo_ = board->description && board->description->firmware.extensions.has(protocol::kEcho);
@@ -52,7 +50,7 @@ class Pinger {
         }
         if (!summary_.milliseconds.empty()) return program::kExitOk;
         if (denied_) return program::kExitFailure;
-        return summary_.failed > 0 ? program::kExitFailure : program::kExitNoAnswer;
+        return summary_.failed > 0 ? program::kExitFailure : session_.unanswered({}).status;
     }
 
   private:

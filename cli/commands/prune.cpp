@@ -73,8 +73,9 @@ int run_prune(const PruneOptions& options, Context& context) {
     BusSession session(context);
     BoardSource source(context, session);
     if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
-    auto lingering =
-        find_lingering(context.topics, read_retained(context, session, {context.topics.root() + "/#"}));
+    const auto retained = read_retained(context, session, {context.topics.root() + "/#"});
+    if (!retained) return context.fail_with(retained.error());
+    auto lingering = find_lingering(context.topics, *retained);
     std::erase_if(lingering, [&](const Lingering& one) {
         const auto& kinds = options.kinds;
         return !kinds.empty() && std::find(kinds.begin(), kinds.end(), kind_name(one.kind)) == kinds.end();

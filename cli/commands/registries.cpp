@@ -102,8 +102,7 @@ int run_registries(const OutputOptions& output, Context& context) {
     if (!table.empty()) context.out << table.render(context.width, context.colour);
     context.out << std::flush;
     if (!registries.empty()) return program::kExitOk;
-    context.note("no registry has ever run on this bus; start asip-registry");
-    return program::kExitNoAnswer;
+    return context.fail_with(session.unanswered("no registry has ever run on this bus; start asip-registry"));
 }
 
 Run declare_registries(Declaration& verb) {

@@ -137,12 +137,14 @@ class Sender {
             return;
         }
         if (!done.answer) {
-            const auto text = session_.stopped()
-                                  ? "interrupted before " + done.command.line + " was answered"
-                                  : "no answer to " + done.command.line + " on " + done.command.topic +
-                                        " within " + std::to_string(context_.timeout.count()) + " ms";
-            print(done, {{"status", "timeout"}, {"reason", "no-answer"}, {"error", text}});
-            report_failure(done.where, {program::kExitNoAnswer, text});
+            auto failed =
+                session_.unanswered("no answer to " + done.command.line + " on " + done.command.topic +
+                                    " within " + std::to_string(context_.timeout.count()) + " ms");
+            if (session_.stopped())
+                failed = {program::kExitNoAnswer,
+                          "interrupted before " + done.command.line + " was answered"};
+            print(done, {{"status", "timeout"}, {"reason", kNoAnswer}, {"error", failed.text}});
+            report_failure(done.where, failed);
             return;
         }
         const auto reply = bus::parse_reply(done.answer->payload);

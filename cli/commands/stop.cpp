@@ -74,10 +74,11 @@ class Stopper {
         RecordPrinter records(options_.output, RecordPrinter::Count::kList, context_.out);
         Table table({{"BOARD"}, {"RESULT"}, {"EXECUTED", false, 10}, {"REFUSED", true}});
         for (const auto& asked : asked_) {
-            const auto reply = asked.reply.value_or(bus::Reply::timeout("no-answer"));
+            const auto reply = asked.reply.value_or(bus::Reply::timeout(std::string(kNoAnswer)));
             if (!reply.succeeded()) {
                 context_.note(asked.board + ": " + why_not(asked));
-                if (status == program::kExitOk) status = exit_status(reply);
+                if (status == program::kExitOk)
+                    status = asked.reply ? exit_status(reply) : session_.unanswered({}).status;
             }
             const auto answer = model::parse_json(reply.answer).value_or(nlohmann::json::object());
             if (!options_.output.for_people()) {
@@ -104,8 +105,10 @@ class Stopper {
 
     std::string why_not(const Asked& asked) const {
         if (!asked.reply)
-            return "nobody answered within " + std::to_string(context_.timeout.count()) +
-                   " ms; is the board's agent running? Try: asipctl doctor";
+            return session_
+                .unanswered("nobody answered within " + std::to_string(context_.timeout.count()) +
+                            " ms; is the board's agent running? Try: asipctl doctor")
+                .text;
         return asked.reply->error.empty() ? explain(*asked.reply) : asked.reply->error;
     }
 

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "asip/bus/mirror.hpp"
-#include "cli/connection_notes.hpp"
 #include "cli/context_event.hpp"
 #include "cli/declaration.hpp"
 #include "cli/event_pace.hpp"
@@ -270,7 +269,6 @@ int run_subscribe(const SubscribeOptions& options, Context& context) {
     BoardSource source(context, session);
     Subscriber subscriber(options, *targets, *labels, context);
     subscriber.subscribe(session);
-    tell_connection(session, context);
     const auto deadline = options.limit ? Clock::now() + *options.limit : Time::max();
     if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
     note_unknown(*targets, *labels, context, source);

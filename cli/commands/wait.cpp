@@ -33,8 +33,6 @@ class Waiter {
         watch_announcements();
         retained_ = session_.mark_retained();
         if (!for_state_) watch_events();
-        session_.on_connection_change(
-            [this](bool connected, const std::string& why) { lost_ = connected ? "" : why; });
         if (const auto connected = session_.connect(); !connected)
             return context_.fail_with(connected.error());
         const auto deadline = Clock::now() + context_.timeout;
@@ -45,13 +43,9 @@ class Waiter {
                            std::max(deadline, Clock::now() + kMarkPatience));
         if (came()) return print();
         if (session_.stopped()) return context_.fail_with(interrupted().value());
-        if (!lost_.empty())
-            return context_.fail_with(
-                {program::kExitBroker,
-                 lost_ + ", and was not back within " + std::to_string(context_.timeout.count()) + " ms"});
-        return context_.fail_with(
-            {program::kExitNoAnswer, targets_.front().text() + ": no " + options_.what + " within " +
-                                         std::to_string(context_.timeout.count()) + " ms; " + present()});
+        return context_.fail_with(session_.unanswered(targets_.front().text() + ": no " + options_.what +
+                                                      " within " + std::to_string(context_.timeout.count()) +
+                                                      " ms; " + present()));
     }
 
   private:
@@ -124,7 +118,6 @@ class Waiter {
     Context& context_;
     std::vector<Target> targets_;
     bool for_state_;
-    std::string lost_;  // why there is no connection now
     BusSession session_;
     bus::Mirror catalogue_;
     std::optional<BusSession::Mark> retained_;

@@ -71,6 +71,20 @@ TEST_F(SessionTest, Answers_ComeBelowTheUsersOwnTopic) {
     EXPECT_TRUE(until([&] { return answered; }));
 }
 
+TEST_F(SessionTest, BrokerThatStandsStill_IsBlamedAndNobodyElse) {
+    ASSERT_TRUE(session_->connect());
+    broker_.freeze();
+    const auto asked = session_->command("somebody/in", "question", [](const mqtt::Message&) {});
+    session_->run_for(100ms);
+    EXPECT_EQ(session_->unanswered("nobody there").status, program::kExitBroker);
+    EXPECT_EQ(session_->unanswered("nobody there").text,
+              "the broker does not acknowledge what it is sent; does it stand still?");
+    broker_.thaw();
+    EXPECT_TRUE(until([&] { return session_->acknowledged() == 1; }));
+    EXPECT_EQ(session_->unanswered("nobody there").status, program::kExitNoAnswer);
+    EXPECT_EQ(session_->unanswered("nobody there").text, "nobody there");
+}
+
 TEST_F(SessionTest, OneOfTwoSubscriptionsToAFilterEnds_TheOtherStillHears) {
     int heard = 0;
     const auto stays = session_->subscribe("x", [&](const mqtt::Message&) { ++heard; });
