@@ -107,12 +107,17 @@ std::string denied_board(const std::string& user, const std::string& name) {
            ".credentials, or --credentials-dir FOLDER for several boards";
 }
 
+struct PlayerEvents {
+    std::function<void(const std::string& why)> fatal;
+    std::function<void(const std::string& why)> lost;  ///< the connection that was established
+    std::function<void()> back;
+};
+
 /// One recorded board with its connection.
 class Player {
   public:
-    Player(boost::asio::io_context& io, mqtt::Options options, ReplayBoard board,
-           std::function<void(const std::string&)> on_fatal)
-        : board_(std::move(board)), user_(options.user), on_fatal_(std::move(on_fatal)) {
+    Player(boost::asio::io_context& io, mqtt::Options options, ReplayBoard board, PlayerEvents events)
+        : board_(std::move(board)), user_(options.user), events_(std::move(events)) {
         options.will = board_.will();
         client_ = std::make_unique<mqtt::Client>(io, std::move(options), handlers());
         for (auto& [filter, how] : board_.subscriptions())
@@ -147,13 +152,14 @@ class Player {
         for (auto& publication : out.publish)
             client_->publish(std::move(publication.message), publication.priority);
         if (out.fatal)
-            on_fatal_(out.fatal->text.substr(0, out.fatal->text.find(';')) +
-                      "; replay under other names: --prefix old-");
+            events_.fatal(out.fatal->text.substr(0, out.fatal->text.find(';')) +
+                          "; replay under other names: --prefix old-");
     }
 
     mqtt::Client::Handlers handlers() {
         mqtt::Client::Handlers result;
         result.on_connected = [this](const mqtt::Connected&) {
+            if (std::exchange(lost_, false)) events_.back();
             client_->discard_queued(mqtt::Priority::kAnnouncement);
             with([this](Time now, auto& out) { board_.on_connected(now, out); });
         };
@@ -163,19 +169,20 @@ class Player {
         };
         result.on_disconnected = [this](const mqtt::ConnectionFailure& why) {
             // Older brokers close the connection over what they deny.
-            if (why.after_sending >= (board_.ready() ? mqtt::CutOff::kTimes : 1))
-                on_fatal_(denied_board(user_, board_.name()));
+            if (why.after_sending >= mqtt::CutOff::kTimes) events_.fatal(denied_board(user_, board_.name()));
+            lost_ = true;
+            events_.lost(why.text);
             subscribed_ = false;
             board_.on_disconnected();
         };
         result.on_publish_denied = [this](const std::string&, const std::string&) {
-            on_fatal_(denied_board(user_, board_.name()));
+            events_.fatal(denied_board(user_, board_.name()));
         };
         result.on_subscribe_refused = [this](const std::string&, const std::string&) {
-            on_fatal_(denied_board(user_, board_.name()));
+            events_.fatal(denied_board(user_, board_.name()));
         };
         result.on_connect_failed = [this](const mqtt::ConnectionFailure& why) {
-            if (why.hopeless) on_fatal_(why.text);
+            if (why.hopeless) events_.fatal(why.text);
         };
         result.on_message = [this](const mqtt::Message& message) {
             with([&](Time now, auto& out) { board_.on_message(message, now, out); });
@@ -185,8 +192,9 @@ class Player {
 
     ReplayBoard board_;
     std::string user_;
-    std::function<void(const std::string&)> on_fatal_;
+    PlayerEvents events_;
     bool subscribed_ = false;
+    bool lost_ = false;
     std::unique_ptr<mqtt::Client> client_;
 };
 
@@ -199,8 +207,8 @@ class Replayer {
         if (const auto made = make_players(boards); !made) return context_.fail_with(made.error());
         if (!run_until([this] { return all_ready(); }, Clock::now() + kClaimPatience) && fatal_.empty() &&
             !stopped_)
-            fatal_ = "the boards could not be announced within 10 s; may this user write below " +
-                     context_.topics.root() + "/servicebus?";
+            fail_late("the boards could not be announced within 10 s; may this user write below " +
+                      context_.topics.root() + "/servicebus?");
         if (fatal_.empty() && !stopped_)
             context_.note("replaying " + counted(players_.size(), "board") + "; Ctrl-C ends it");
         do {
@@ -208,7 +216,7 @@ class Replayer {
         } while (options_.loop && messages_ > 0);
         wait_for_arrival();
         end_all();
-        if (!fatal_.empty()) return context_.fail_with({program::kExitFailure, fatal_});
+        if (!fatal_.empty()) return context_.fail_with({status_, fatal_});
         report();
         return program::kExitOk;
     }
@@ -230,10 +238,8 @@ class Replayer {
             identity.announcer.on_shared_topic = connection.user.empty() && connection.cert_file.empty();
             identity.agent = {ASIP_VERSION, program::host_name(), connection.client_id};
             ReplayBoard board(context_.topics, std::move(identity), recorded, context_.mqtt.random);
-            players_.emplace(name, std::make_unique<Player>(io_, std::move(connection), std::move(board),
-                                                            [this](const std::string& why) {
-                                                                if (fatal_.empty()) fatal_ = why;
-                                                            }));
+            players_.emplace(
+                name, std::make_unique<Player>(io_, std::move(connection), std::move(board), events()));
         }
         return {};
     }
@@ -292,7 +298,25 @@ class Replayer {
                                [](const auto& one) { return one.second->arrived(); });
         };
         if (run_until(all_arrived, Clock::now() + kArrivalPatience) || stopped_ || !fatal_.empty()) return;
-        fatal_ = "the broker did not take all within 30 s; what was played last may be missing";
+        fail_late("the broker did not take all within 30 s; what was played last may be missing");
+    }
+
+    void fail_late(const std::string& why) {
+        fatal_ = lost_ == 0 ? why : why_lost_ + ", and was not back in time";
+        if (lost_ != 0) status_ = program::kExitBroker;
+    }
+
+    /// All have the same broker, which is told of once.
+    PlayerEvents events() {
+        return {[this](const std::string& why) {
+                    if (fatal_.empty()) fatal_ = why;
+                },
+                [this](const std::string& why) {
+                    if (lost_++ == 0) context_.note(why_lost_ = why);
+                },
+                [this] {
+                    if (--lost_ == 0) context_.note("connected again");
+                }};
     }
 
     void end_all() {
@@ -323,7 +347,9 @@ class Replayer {
     Context& context_;
     boost::asio::io_context io_{1};
     bool stopped_ = false;
-    std::string fatal_;
+    std::string fatal_, why_lost_;
+    int status_ = program::kExitFailure;  // where it is fatal
+    std::size_t lost_ = 0;                // players without a connection
     program::StopSignal signal_;
     std::map<std::string, std::unique_ptr<Player>> players_;
     std::size_t messages_ = 0;

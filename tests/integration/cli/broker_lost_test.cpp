@@ -7,6 +7,7 @@
 #include <map>
 
 #include "tests/integration/cli/bus_fixture.hpp"
+#include "tests/support/temp_dir.hpp"
 
 namespace asip::test {
 namespace {
@@ -95,6 +96,20 @@ TEST_F(BrokerLostTest, BackInTime_IsToldAndTheAnswerStillCounts) {
         return send->output() == "ok\n";
     }));
     EXPECT_EQ(send->wait_exit(), 0) << send->errors();
+}
+
+TEST_F(BrokerLostTest, Replay_DoesNotBlameAccessRules) {
+    const TempDir folder;
+    const auto walk =
+        folder.write("walk.jsonl", R"({"asip":"recording","version":1,"began":"2026-11-21T10:00:00.000Z"})"
+                                   "\n"
+                                   R"({"at":0.001,"what":"description","board":"walk1","data":)"
+                                   R"({"board":"walk1","session":"5f3a9c01","seq":3,"services":[]}})"
+                                   "\n");
+    const auto replay = start({"replay", walk}, "asip/servicebus/$probe");
+    broker_.kill();
+    expect_lost(*replay, "replay");
+    EXPECT_THAT(replay->errors(), Not(HasSubstr("deny")));
 }
 
 }  // namespace
