@@ -235,6 +235,16 @@ bool BusSession::run_until(const std::function<bool()>& done, Time deadline) {
     return true;
 }
 
+bool BusSession::run_to_end(const std::function<bool()>& done, Duration patience) {
+    const auto deadline = Clock::now() + patience;
+    while (!done()) {
+        const auto left = deadline - Clock::now();
+        if (left <= Duration::zero()) return false;
+        state_->io.run_one_for(std::min<Duration>(left, 20ms));
+    }
+    return true;
+}
+
 std::size_t BusSession::acknowledged() const {
     return state_->acknowledged;
 }

@@ -85,6 +85,8 @@ class BusSession {
     bool run_for(Duration duration) {
         return run_until([] { return false; }, Clock::now() + duration);
     }
+    /// The same for what is to be brought to its end after stopped(), too; nothing ends it early.
+    bool run_to_end(const std::function<bool()>& done, Duration patience);
     /// How many QoS 1 messages of ours the broker has acknowledged.
     std::size_t acknowledged() const;
     /// Whether the user asked to end (Ctrl-C), or the reader of the output has ended.

@@ -11,6 +11,9 @@
 namespace asip::cli {
 namespace {
 
+/// At Ctrl-C, for the answer of the board.
+constexpr std::chrono::seconds kLastPatience{2};
+
 class HeldCommand {
   public:
     HeldCommand(Context& context, BusSession& session, const BoardCommand& command,
@@ -26,6 +29,7 @@ class HeldCommand {
         BoardCommand held = command_;
         held.payload = model::dump_json({{"raw", command_.payload}, {"hold_ms", hold_.count()}});
         const auto reply = ask_board(context_, session_, held);
+        if (!reply && session_.stopped()) return undo();  // it may be executed all the same
         if (!reply) return context_.fail_with(reply.error());
         print(command_.line, *reply);
         if (!reply->succeeded())
@@ -55,18 +59,26 @@ class HeldCommand {
         BoardCommand undoing = command_;
         undoing.payload = command_.safe.substr(std::min<std::size_t>(2, command_.safe.size()));
         undoing.line = command_.safe;
-        if (session_.stopped()) {
-            // Nobody waits for the answer; were it lost, the agent undoes the command by itself.
-            session_.publish(undoing.topic, undoing.payload, 1);
-            context_.note("undoing: " + undoing.line + "; were that lost, the agent would do so within " +
-                          std::to_string(hold_.count()) + " ms");
-            return program::kExitOk;
-        }
-        const auto reply = ask_board(context_, session_, undoing);
+        const auto reply =
+            session_.stopped() ? ask_at_the_end(undoing) : ask_board(context_, session_, undoing);
         if (!reply) return context_.fail_with(reply.error());
         print(undoing.line, *reply);
         if (reply->succeeded()) return program::kExitOk;
         return context_.fail_with({exit_status(*reply), undoing.line + ": " + explain(*reply)});
+    }
+
+    Outcome<bus::Reply> ask_at_the_end(const BoardCommand& undoing) {
+        std::optional<bus::Reply> reply;
+        const auto request =
+            session_.command(undoing.topic, undoing.payload, [&reply](const mqtt::Message& message) {
+                if (const auto parsed = bus::parse_reply(message.payload)) reply = *parsed;
+            });
+        if (session_.run_to_end([&reply] { return reply.has_value(); }, kLastPatience)) return *reply;
+        auto failed = session_.unanswered("no answer");
+        failed.text = undoing.line + " is not confirmed (" + failed.text +
+                      "); were it lost, the agent would undo the command within " +
+                      std::to_string(hold_.count()) + " ms";
+        return tl::unexpected(std::move(failed));
     }
 
     void print(const std::string& line, const bus::Reply& reply) {

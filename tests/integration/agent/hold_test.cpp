@@ -104,7 +104,7 @@ TEST_F(HeldMotor, SenderEndedByCtrlC_StopsAtOnce) {
     ASSERT_TRUE(took);
     EXPECT_LE(*took, kHold) << "before its time is over";
     EXPECT_EQ(sender->wait_exit(), 0);
-    EXPECT_THAT(sender->errors(), HasSubstr("undoing: M,s,0"));
+    EXPECT_THAT(sender->output(), HasSubstr("M,s,0: ok"));
 }
 
 TEST_F(HeldMotor, SenderKilled_StopsInTime) {

@@ -125,9 +125,50 @@ TEST_F(HoldTest, TerminalThatIsClosed_UndoesTheCommandAtOnce) {
     ASSERT_TRUE(child.wait_for_output("ok"));
     child.signal(SIGHUP);
     EXPECT_TRUE(wait_payload("d,13,0"));
-    EXPECT_EQ(child.wait_exit(), 0);
-    EXPECT_THAT(child.errors(),
-                HasSubstr("undoing: I,d,13,0; were that lost, the agent would do so within 60000 ms"));
+    EXPECT_EQ(child.wait_exit(), 4) << "nobody confirms it";
+    EXPECT_THAT(
+        child.errors(),
+        HasSubstr("I,d,13,0 is not confirmed (no answer); were it lost, the agent would undo the command "
+                  "within 60000 ms"));
+}
+
+TEST_F(HoldTest, CtrlC_WaitsForTheAnswerToTheRelease) {
+    ChildProcess child(program({"send", "uno1/io", "write", "13", "1", "--hold", "60s"}), environment());
+    const auto command = wait_payload("hold_ms");
+    ASSERT_TRUE(command) << child.errors();
+    answer(*command, R"({"status":"ok","proof":"fence"})");
+    ASSERT_TRUE(child.wait_for_output("ok"));
+    child.signal(SIGINT);
+    const auto release = wait_payload("d,13,0");
+    ASSERT_TRUE(release);
+    answer(*release, R"({"status":"ok","proof":"fence"})");
+    EXPECT_EQ(child.wait_exit(), 0) << child.errors();
+    EXPECT_EQ(child.output(), "I,d,13,1: ok\nI,d,13,0: ok\n");
+    EXPECT_EQ(child.errors(), "");
+}
+
+TEST_F(HoldTest, CtrlCBeforeTheAnswer_UndoesWhatMayBeExecuted) {
+    ChildProcess child(program({"send", "uno1/io", "write", "13", "1", "--hold", "60s"}), environment());
+    ASSERT_TRUE(wait_payload("hold_ms")) << child.errors();
+    child.signal(SIGINT);
+    const auto release = wait_payload("d,13,0");
+    ASSERT_TRUE(release);
+    answer(*release, R"({"status":"ok","proof":"fence"})");
+    EXPECT_EQ(child.wait_exit(), 0) << child.errors();
+}
+
+TEST_F(HoldTest, ReleaseRefused_IsStatus1WithTheReason) {
+    ChildProcess child(program({"send", "uno1/io", "write", "13", "1", "--hold", "60s"}), environment());
+    const auto command = wait_payload("hold_ms");
+    ASSERT_TRUE(command) << child.errors();
+    answer(*command, R"({"status":"ok","proof":"fence"})");
+    ASSERT_TRUE(child.wait_for_output("ok"));
+    child.signal(SIGINT);
+    const auto release = wait_payload("d,13,0");
+    ASSERT_TRUE(release);
+    answer(*release, R"({"status":"refused","reason":"queue-full","error":"too much waits"})");
+    EXPECT_EQ(child.wait_exit(), 1);
+    EXPECT_THAT(child.errors(), HasSubstr("I,d,13,0: refused (queue-full): too much waits"));
 }
 
 TEST_F(HoldTest, RenewalRefused_EndsWithTheReason) {
