@@ -32,7 +32,9 @@ class Stopper {
             context_.note("there is no board to stop");
             return program::kExitOk;
         }
-        session_.run_until([this] { return unanswered_ == 0; }, Clock::now() + context_.timeout);
+        const auto settled = [this](const Asked& asked) { return asked.reply || denied(asked); };
+        session_.run_until([&] { return std::all_of(asked_.begin(), asked_.end(), settled); },
+                           Clock::now() + context_.timeout);
         return show();
     }
 
@@ -47,15 +49,12 @@ class Stopper {
         const auto same = [&board](const Asked& one) { return one.board == board; };
         if (std::any_of(asked_.begin(), asked_.end(), same)) return;
         auto& asked = asked_.emplace_back(Asked{board, std::nullopt, {}});
-        ++unanswered_;
         asked.request = session_.ask(
             context_.topics.stop(board), "{}",
-            [this, &asked](const mqtt::Message& message) {
+            [&asked](const mqtt::Message& message) {
                 if (asked.reply) return;
                 const auto reply = bus::parse_reply(message.payload);
-                if (!reply) return;
-                asked.reply = *reply;
-                --unanswered_;
+                if (reply) asked.reply = *reply;
             },
             1);
     }
@@ -74,11 +73,11 @@ class Stopper {
         RecordPrinter records(options_.output, RecordPrinter::Count::kList, context_.out);
         Table table({{"BOARD"}, {"RESULT"}, {"EXECUTED", false, 10}, {"REFUSED", true}});
         for (const auto& asked : asked_) {
-            const auto reply = asked.reply.value_or(bus::Reply::timeout(std::string(kNoAnswer)));
+            const auto reply = reply_of(asked);
             if (!reply.succeeded()) {
-                context_.note(asked.board + ": " + why_not(asked));
+                context_.note(asked.board + ": " + why_not(reply));
                 if (status == program::kExitOk)
-                    status = asked.reply ? exit_status(reply) : session_.unanswered({}).status;
+                    status = reply.reason == kNoAnswer ? session_.unanswered({}).status : exit_status(reply);
             }
             const auto answer = model::parse_json(reply.answer).value_or(nlohmann::json::object());
             if (!options_.output.for_people()) {
@@ -103,13 +102,21 @@ class Stopper {
         return status;
     }
 
-    std::string why_not(const Asked& asked) const {
-        if (!asked.reply)
+    bool denied(const Asked& asked) const { return session_.denied(context_.topics.stop(asked.board)); }
+
+    bus::Reply reply_of(const Asked& asked) const {
+        if (asked.reply) return *asked.reply;
+        return denied(asked) ? refused_by_broker(context_.topics.stop(asked.board))
+                             : bus::Reply::timeout(std::string(kNoAnswer));
+    }
+
+    std::string why_not(const bus::Reply& reply) const {
+        if (reply.reason == kNoAnswer)
             return session_
                 .unanswered("nobody answered within " + std::to_string(context_.timeout.count()) +
                             " ms; is the board's agent running? Try: asipctl doctor")
                 .text;
-        return asked.reply->error.empty() ? explain(*asked.reply) : asked.reply->error;
+        return reply.error.empty() ? explain(reply) : reply.error;
     }
 
     const StopOptions& options_;
@@ -117,7 +124,6 @@ class Stopper {
     BusSession session_;
     BoardSource source_;
     std::list<Asked> asked_;
-    std::size_t unanswered_ = 0;
 };
 
 }  // namespace

@@ -59,6 +59,10 @@ TEST_F(WalkOnSecuredBus, ViewerWhoCommands_IsToldWhoWhatAndWhoMayGrantIt) {
     EXPECT_THAT(refused.errors, HasSubstr("does not let user bob write to asip/uno/in"));
     EXPECT_THAT(refused.errors, HasSubstr("asipctl secure add operator"));
     EXPECT_THAT(refused.errors, Not(HasSubstr("no answer")));
+    const auto stop = asipctl("bob", {"stop", "uno"});
+    EXPECT_EQ(stop.status, 1) << stop.errors;
+    EXPECT_THAT(stop.errors, HasSubstr("does not let user bob write to asip/uno/$stop"));
+    EXPECT_THAT(stop.errors, Not(HasSubstr("nobody answered")));
 }
 
 TEST_F(WalkOnSecuredBus, ViewerWhoSubscribes_MayDemandValues_InItsOwnNameOnly) {
