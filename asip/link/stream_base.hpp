@@ -3,13 +3,16 @@
 #include <array>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/error.hpp>
+#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <deque>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "asip/link/byte_stream.hpp"
+#include "asip/quick_ack.hpp"
 
 namespace asip::link {
 
@@ -79,6 +82,8 @@ class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
                     self->ended(error);
                     return;
                 }
+                if constexpr (std::is_same_v<Socket, boost::asio::ip::tcp::socket>)
+                    acknowledge_at_once(self->socket_.native_handle());
                 if (self->handlers_.on_bytes) {
                     self->handlers_.on_bytes({self->buffer_.data(), size});
                 }

@@ -3,8 +3,6 @@
 
 #include <fcntl.h>
 #include <mqtt_protocol.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -16,6 +14,7 @@
 #include <utility>
 
 #include "asip/mqtt/failure.hpp"
+#include "asip/quick_ack.hpp"
 
 namespace asip::mqtt {
 namespace {
@@ -141,7 +140,7 @@ void Connection::serve() {
     serving_ = true;
     read_all();
     serving_ = false;
-    acknowledge_at_once();
+    if (options_.quick_ack && socket_.is_open()) acknowledge_at_once(socket_.native_handle());
     if (still_open()) {
         const int error = write_out();
         if (error != MOSQ_ERR_SUCCESS) end(why_closed(error));
@@ -149,13 +148,6 @@ void Connection::serve() {
     if (!still_open()) return;
     if (ready_to_write()) events_.may_write();
     if (still_open()) arm();
-}
-
-// The option holds for some acknowledgements only (tcp(7)).
-void Connection::acknowledge_at_once() {
-    const int on = 1;
-    if (options_.quick_ack && socket_.is_open())
-        setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_QUICKACK, &on, sizeof on);
 }
 
 int Connection::write_out() {

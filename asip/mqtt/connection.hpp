@@ -88,7 +88,6 @@ class Connection : public std::enable_shared_from_this<Connection> {
     int send_queued(int error);  ///< behind a call of libmosquitto that queues a packet, and its result
     bool still_open();
     bool tcp_established();
-    void acknowledge_at_once();
     void schedule_tick();
     void tick();
     void await_close();

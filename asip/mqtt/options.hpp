@@ -73,8 +73,7 @@ struct Options {
     std::size_t max_queued_messages = 4096;
     std::size_t max_queued_bytes = 4u << 20;
 
-    /// Whether what the broker sends is acknowledged at once (TCP_QUICKACK, Linux): a broker with Nagle's
-    /// algorithm (Mosquitto without set_tcp_nodelay) keeps its next small packet back until then, 40 ms.
+    /// Whether what the broker sends is acknowledged at once, see asip/quick_ack.hpp.
     bool quick_ack = true;
 
     /// libmosquitto's own log goes to Handlers::on_debug, too. It costs some 1,500 instructions a packet.

@@ -6,6 +6,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+
 #include "tests/support/loop.hpp"
 #include "tests/support/temp_dir.hpp"
 
@@ -51,6 +55,30 @@ TEST_F(TcpTest, Connected_CarriesBytesBothWays) {
     server->write("hello\n");
     EXPECT_TRUE(run_until(io, [&] { return at_client == "hello\n" && at_server.size() == large.size(); }));
     EXPECT_EQ(at_server, large);
+}
+
+// Two small packets, of which the second waits for the acknowledgement of the first.
+TEST_F(TcpTest, PeerWithNaglesAlgorithm_IsAcknowledgedAtOnce) {
+    listen();
+    boost::asio::ip::tcp::socket peer(io);
+    peer.connect({boost::asio::ip::address_v4::loopback(), listener->port()});
+    peer.set_option(boost::asio::ip::tcp::no_delay(false));
+    ASSERT_TRUE(run_until(io, [&] { return server != nullptr; }));
+    std::string heard;
+    server->start({[&](std::string_view bytes) { heard += bytes; }, {}});
+    Duration quickest = 1h;
+    for (int i = 0; i < 40; ++i) {
+        heard.clear();
+        const auto begin = Clock::now();
+        boost::asio::write(peer, boost::asio::buffer("a", 1));
+        boost::asio::write(peer, boost::asio::buffer("b", 1));
+        ASSERT_TRUE(run_until(io, [&] { return heard == "ab"; }));
+        if (i >= 30) quickest = std::min<Duration>(quickest, Clock::now() - begin);
+        server->write("c");
+        char answer = 0;
+        boost::asio::read(peer, boost::asio::buffer(&answer, 1));
+    }
+    EXPECT_LT(quickest, 20ms);
 }
 
 TEST_F(TcpTest, PeerHangsUp_IsReported) {
