@@ -36,10 +36,14 @@ void BrokerList::accepted() {
 BrokerList::Next BrokerList::lost(const ConnectionEnd& end, Duration held, const Random& random) {
     using Kind = ConnectionFailure::Kind;
     // A broker that accepts connections and ends them at once must not be asked without a pause.
-    if (held >= kHeldLongEnough) backoff_.reset();
-    failures_this_round_ = brokers_.size();
+    const bool good = held >= kHeldLongEnough;
+    if (good) backoff_.reset();
     const bool at_once = end.failure.kind != Kind::kStalled && end.failure.kind != Kind::kRefused;
-    return {advance(at_once, random), end.failure};
+    const bool others = good && brokers_.size() > 1;
+    failures_this_round_ = others ? 0 : brokers_.size();
+    const Duration wait = advance(at_once, random);
+    if (others) failures_this_round_ = 0;
+    return {wait, end.failure};
 }
 
 BrokerList::Next BrokerList::failed(const ConnectionEnd& end, bool tried_v5, const Random& random) {

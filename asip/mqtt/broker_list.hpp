@@ -32,7 +32,7 @@ class BrokerList {
 
     /// It accepted the connection.
     void accepted();
-    /// The accepted connection ended after `held`.
+    /// The accepted connection ended after `held`. Of a list, the next attempt is at once if that was long.
     Next lost(const ConnectionEnd& end, Duration held, const Random& random);
     /// The attempt failed. `tried_v5`: what with_v5() was.
     Next failed(const ConnectionEnd& end, bool tried_v5, const Random& random);

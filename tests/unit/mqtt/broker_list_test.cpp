@@ -95,6 +95,17 @@ TEST_F(BrokerListTest, LostConnection_ReturnsToTheSameBrokerUnlessItStalled) {
     EXPECT_EQ(list.current().host, "broker1");
 }
 
+TEST_F(BrokerListTest, GoodConnectionLost_WholeListIsTriedAtOnce) {
+    auto list = list_of(3);
+    list.accepted();
+    EXPECT_EQ(list.lost(ended(list, Kind::kClosed), 1min, random_).wait, 0s);
+    for (const char* next : {"broker1", "broker2"}) {
+        EXPECT_EQ(list.failed(ended(list, Kind::kUnreachable), true, random_).wait, 0s);
+        EXPECT_EQ(list.current().host, next);
+    }
+    EXPECT_GT(list.failed(ended(list, Kind::kUnreachable), true, random_).wait, 99ms);
+}
+
 TEST_F(BrokerListTest, ConnectionThatHeldShortly_DoesNotShortenThePause) {
     auto list = list_of(1);
     Duration wait{};
