@@ -26,6 +26,7 @@ Client::Impl::Impl(asio::io_context& io, Options options, Handlers handlers)
       brokers_(options_.brokers, options_.version, Backoff(options_.retry_first, options_.retry_max)),
       retry_timer_(io),
       lookup_(io),
+      usable_qos_(options_.qos),
       client_id_(options_.client_id),
       outbox_({options_.max_queued_messages, options_.max_queued_bytes}),
       stop_timer_(io) {}

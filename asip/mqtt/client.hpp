@@ -101,7 +101,7 @@ class Client {
         std::function<void(const ConnectionFailure&)> on_connect_failed;
         /// A message of a subscription. Valid during the call only.
         std::function<void(const Message&)> on_message;
-        /// The broker acknowledged this QoS 1 message.
+        /// The broker acknowledged this QoS 1 message; where QoS 0 is used in its place: it was handed over.
         std::function<void(const std::string& topic)> on_published;
         /// The broker does not deliver this subscription: access rules, or a broker in trouble. Called for
         /// the first refusal on a connection; the subscription is tried again (1 s to 30 s apart), and a

@@ -29,6 +29,7 @@ void Client::Impl::connect_next_address() {
     addresses_.pop_back();
     was_up_ = false;
     tried_v5_ = brokers_.with_v5();
+    if (options_.will) options_.will->qos = usable_qos_.of(options_.will->qos);
     connection_ = std::make_shared<Connection>(io_, options_, brokers_.current(), host, tried_v5_, *this);
     connection_->open();
 }
@@ -47,6 +48,7 @@ void Client::Impl::connection_up(const Connected& connected) {
 void Client::Impl::connection_down(const ConnectionEnd& end) {
     connection_.reset();
     check_.reset();
+    const auto waited = unacknowledged_for(Clock::now());
     requeue_unacknowledged();
     if (stopped_) {
         finish();
@@ -58,8 +60,10 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
         const auto now = Clock::now();
         auto failure = end.failure;
         cut_off_.ended(failure, now - up_since_, options_.user, now);
+        const bool stores_nothing = failure.kind == Kind::kClosed && usable_qos_.failed(waited, tried_v5_);
         // RabbitMQ keeps the queue of an identifier at the node that died, and closes whoever comes with it.
-        if (failure.after_sending > 1) options_.client_id = client_id_ + "-" + random_hex(options_.random, 4);
+        // NATS lets nobody in under an identifier whose stored session it cannot delete.
+        if (failure.after_sending > 1 || stores_nothing) change_identifier();
         retry_after(brokers_.lost(end, now - up_since_, options_.random).wait);
         if (handlers_.on_disconnected) handlers_.on_disconnected(failure);
         return;
@@ -72,6 +76,17 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
     const auto next = brokers_.failed(end, tried_v5_, options_.random);
     retry_after(next.wait);
     if (next.failure && !silent() && handlers_.on_connect_failed) handlers_.on_connect_failed(*next.failure);
+}
+
+void Client::Impl::change_identifier() {
+    options_.client_id = client_id_ + "-" + random_hex(options_.random, 4);
+}
+
+Duration Client::Impl::unacknowledged_for(Time now) const {
+    Duration longest{};
+    for (const auto& [id, sent] : unacknowledged_)
+        longest = std::max(longest, now - sent.sent);
+    return longest;
 }
 
 void Client::Impl::retry_after(Duration wait) {

@@ -14,6 +14,7 @@
 #include "asip/mqtt/cut_off.hpp"
 #include "asip/mqtt/host_lookup.hpp"
 #include "asip/mqtt/outbox.hpp"
+#include "asip/mqtt/usable_qos.hpp"
 
 namespace asip::mqtt {
 
@@ -57,6 +58,9 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     void connect_next_address();
     void retry_after(Duration wait);
     void fail_if_stalled(Time now);
+    void change_identifier();
+    /// For how long the oldest message without an acknowledgement has waited for it.
+    Duration unacknowledged_for(Time now) const;
 
     // Subscriptions and messages (client_messages.cpp)
     void message_received(Message message) override;
@@ -69,6 +73,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     int send(Outbox::Entry entry);
     void flush();
     void requeue_unacknowledged();
+    void handed_over(std::string topic);
     bool window_open(const Message& message) const;
 
     // Stopping (client.cpp)
@@ -90,6 +95,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     Time up_since_{};
     bool tried_v5_ = false;
     CutOff cut_off_;
+    UsableQos usable_qos_;
     const std::string client_id_;  // the one that was asked for
 
     Subscriptions subscriptions_;

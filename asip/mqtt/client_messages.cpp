@@ -2,6 +2,9 @@
 #include <mosquitto.h>
 #include <mqtt_protocol.h>
 
+#include <boost/asio/post.hpp>
+#include <utility>
+
 #include "asip/mqtt/client_impl.hpp"
 
 namespace asip::mqtt {
@@ -67,8 +70,9 @@ void Client::Impl::unsubscribe_answered(int id) {
 
 void Client::Impl::send_subscriptions() {
     const auto now = Clock::now();
-    for (const auto& [filter, options] : subscriptions_.due(now)) {
+    for (auto& [filter, options] : subscriptions_.due(now)) {
         int id = 0;
+        options.qos = usable_qos_.of(options.qos);
         if (connection_->subscribe(filter, options, id) == MOSQ_ERR_SUCCESS)
             subscriptions_.sent(id, filter, now);
     }
@@ -88,7 +92,9 @@ void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
     const auto advice = advice_on_topic(refusal->filter);
     if (refusal->first && handlers_.on_subscribe_refused)
         handlers_.on_subscribe_refused(refusal->filter, advice.empty() ? reason : reason + "." + advice);
-    if (refusal->give_up && brokers_.size() > 1 && connection_) {
+    const bool too_slow = usable_qos_.failed(refusal->after, tried_v5_);
+    if (too_slow) change_identifier();
+    if ((refusal->give_up || too_slow) && brokers_.size() > 1 && connection_) {
         connection_->fail({ConnectionFailure::Kind::kRefused, brokers_.current(), code,
                            brokers_.current().describe() + " refuses the subscription to " + refusal->filter +
                                ": " + reason});
@@ -132,8 +138,10 @@ void Client::Impl::flush() {
 
 int Client::Impl::send(Outbox::Entry entry) {
     int id = 0;
+    const int wanted = std::exchange(entry.message.qos, usable_qos_.of(entry.message.qos));
     const int error = connection_->publish(entry.message, id);
     if (is_connection_error(error)) {
+        entry.message.qos = wanted;
         outbox_.put_back(std::move(entry));
     } else if (error != MOSQ_ERR_SUCCESS) {
         ++counters_.rejected;
@@ -141,11 +149,19 @@ int Client::Impl::send(Outbox::Entry entry) {
     } else if (entry.message.qos == 0) {
         ++counters_.published;
         cut_off_.sent(Clock::now());
+        if (wanted > 0) handed_over(std::move(entry.message.topic));
     } else {
         cut_off_.sent(Clock::now());
         unacknowledged_.emplace(id, Unacknowledged{std::move(entry), Clock::now()});
     }
     return error;
+}
+
+/// Of a message of QoS 1 that was sent with QoS 0 this is all that will be known.
+void Client::Impl::handed_over(std::string topic) {
+    boost::asio::post(io_, [self = shared_from_this(), topic = std::move(topic)] {
+        if (!self->silent() && self->handlers_.on_published) self->handlers_.on_published(topic);
+    });
 }
 
 void Client::Impl::publish_answered(int id, int reason_code) {
@@ -174,7 +190,7 @@ void Client::Impl::requeue_unacknowledged() {
 }
 
 bool Client::Impl::window_open(const Message& message) const {
-    return message.qos == 0 || unacknowledged_.size() < kMaxUnacknowledged;
+    return usable_qos_.of(message.qos) == 0 || unacknowledged_.size() < kMaxUnacknowledged;
 }
 
 }  // namespace asip::mqtt

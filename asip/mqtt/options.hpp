@@ -40,8 +40,8 @@ enum class Version {
 struct Options {
     std::vector<BrokerAddress> brokers{BrokerAddress{}};  ///< at least one; tried in turn
     /// Unique per process: a broker throws out the older of two connections with the same id. Empty: made up.
-    /// A broker that closes the connection twice, each time right after it was sent messages, sees it with
-    /// four hexadecimal digits behind it.
+    /// A broker that closes the connection twice, each time right after it was sent messages, or with which
+    /// QoS 1 turned out to be of no use, sees it with four hexadecimal digits behind it.
     std::string client_id;
     std::string user;
     std::string password;
@@ -52,6 +52,9 @@ struct Options {
     bool insecure = false;  ///< TLS that accepts any certificate of the broker
 
     Version version = Version::kBest;
+    /// The highest QoS that is used, 0 or 1; with 0 what should be acknowledged counts as published once it
+    /// is handed over. See UsableQos for when 1 becomes 0 by itself.
+    int qos = 1;
     std::chrono::seconds keepalive{10};  ///< at least 5
     /// An attempt that has no CONNACK after this long is given up: a dead host, or a broker that hangs.
     Duration connect_timeout = std::chrono::seconds(5);

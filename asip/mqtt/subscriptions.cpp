@@ -59,6 +59,7 @@ std::optional<Subscriptions::Refusal> Subscriptions::answered(int id, bool grant
     const auto packet = unanswered_.find(id);
     if (packet == unanswered_.end()) return std::nullopt;
     const auto filter = std::move(packet->second.filter);
+    const auto after = now - packet->second.at;
     unanswered_.erase(packet);
     const auto found = wanted_.find(filter);
     if (found == wanted_.end() || found->second.state != State::kSent) return std::nullopt;
@@ -71,7 +72,8 @@ std::optional<Subscriptions::Refusal> Subscriptions::answered(int id, bool grant
     set(wanted, filter, State::kRefused);
     wanted.again = now + wanted.backoff.next(random);
     ++wanted.refusals;
-    return Refusal{filter, wanted.refusals == 1, wanted.options.required && wanted.refusals == kMaxRefusals};
+    return Refusal{filter, wanted.refusals == 1, wanted.options.required && wanted.refusals == kMaxRefusals,
+                   after};
 }
 
 std::optional<Time> Subscriptions::waiting_since() const {

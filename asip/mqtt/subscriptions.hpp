@@ -39,6 +39,7 @@ class Subscriptions {
         std::string filter;
         bool first = false;    ///< the first of this connection
         bool give_up = false;  ///< required, and refused kMaxRefusals times in a row
+        Duration after{};      ///< from sending to this answer
     };
 
     /// The same filter again replaces its options and is due again.

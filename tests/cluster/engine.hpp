@@ -34,6 +34,8 @@ class Engine {
     virtual std::vector<asip::mqtt::BrokerAddress> brokers() const = 0;
     /// Certificates that brokers' must be signed by; empty: no TLS.
     virtual std::string ca() const { return {}; }
+    /// Highest QoS that its clients use.
+    virtual int qos() const { return 1; }
     virtual std::size_t nodes() const = 0;
     /// What the programs must do without, in words.
     virtual std::vector<std::string> lacks() const { return {}; }

@@ -101,6 +101,7 @@ std::vector<std::string> Fleet::program(const std::string& name, std::size_t fir
     for (const auto& broker : connection(name, first_node).brokers)
         brokers += (brokers.empty() ? "" : ",") + broker.describe();
     std::vector<std::string> command{std::string(ASIP_PROGRAMS "/") + name, "--broker", brokers};
+    if (engine_.qos() == 0) command.insert(command.end(), {"--qos", "0"});
     if (!engine_.ca().empty()) more.insert(more.end(), {"--ca", engine_.ca()});
     command.insert(command.end(), more.begin(), more.end());
     return command;
@@ -110,6 +111,7 @@ asip::mqtt::Options Fleet::connection(const std::string& id, std::size_t first_n
     asip::mqtt::Options options;
     options.client_id = "cluster-" + id;
     options.ca_file = engine_.ca();
+    options.qos = engine_.qos();
     options.brokers = engine_.brokers();
     const auto first = static_cast<std::ptrdiff_t>(first_node % options.brokers.size());
     std::rotate(options.brokers.begin(), options.brokers.begin() + first, options.brokers.end());

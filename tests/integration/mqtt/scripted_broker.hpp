@@ -3,6 +3,7 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 #include <memory>
 #include <string>
@@ -10,8 +11,9 @@
 
 namespace asip::test {
 
-/// Speaks just enough of MQTT 5 to accept a connection and to answer SUBSCRIBE, QoS 1 PUBLISH and PINGREQ as
-/// it is given: what Mosquitto never does with its own rules. One io_context of its own, run by run().
+/// Speaks just enough of MQTT 5 and 3.1.1 to accept a connection and to answer SUBSCRIBE, QoS 1 PUBLISH and
+/// PINGREQ as it is given: what Mosquitto never does with its own rules. One io_context of its own, run by
+/// run().
 class ScriptedBroker {
   public:
     ScriptedBroker() : acceptor_(io_, {boost::asio::ip::address_v4::loopback(), 0}) { accept(); }
@@ -23,6 +25,9 @@ class ScriptedBroker {
     void answer_nothing_after_connect() { silent_ = true; }
     /// Whoever publishes with this client identifier is closed, as by a node that has its queue elsewhere.
     void close_publisher(std::string client_id) { closed_ = std::move(client_id); }
+    /// From now on, as a node of NATS that cannot store anything: a QoS 1 PUBLISH has no answer and its
+    /// connection is closed after this time; a QoS 1 SUBSCRIBE is refused after it.
+    void store_nothing(std::chrono::milliseconds time) { gives_up_after_ = time; }
     /// What was held back first, in order.
     void answer_all() {
         silent_ = false;
@@ -37,6 +42,8 @@ class ScriptedBroker {
     int subscriptions = 0;
     int acknowledgements = 0;  ///< PUBACKs that came
     std::string connect_packet{};
+    std::vector<int> subscribed_qos{};
+    std::vector<int> published_qos{};
 
   private:
     using Socket = boost::asio::ip::tcp::socket;
@@ -45,6 +52,7 @@ class ScriptedBroker {
         Socket socket;
         std::string buffer = std::string(65536, '\0');
         std::string received;
+        bool v5 = true;
     };
 
     void accept() {
@@ -80,18 +88,25 @@ class ScriptedBroker {
 
     void answer(const std::shared_ptr<Peer>& peer, const std::string& packet) {
         const auto type = static_cast<unsigned char>(packet[0]) & 0xf0;
+        if (type == 0x30) published_qos.push_back((packet[0] >> 1) & 3);
         if (type == 0x10) {
             connect_packet = packet;
-            send(*peer, std::string("\x20\x03\x00\x00\x00", 5));
+            peer->v5 = packet[8] == 5;
+            send(*peer,
+                 peer->v5 ? std::string("\x20\x03\x00\x00\x00", 5) : std::string("\x20\x02\x00\x00", 4));
         } else if (type == 0x80) {
             ++subscriptions;
+            subscribed_qos.push_back(packet.back() & 3);
+            if (gives_up_after_.count() > 0 && subscribed_qos.back() > 0)
+                return later(peer, [this, peer, packet] { reply(peer, suback(*peer, packet, '\x80')); });
             const bool refused = refusals_ > 0;
             if (refused) --refusals_;
-            reply(peer, std::string("\x90\x04", 2) + packet.substr(2, 2) + std::string(1, '\0') +
-                            (refused ? '\x87' : '\x01'));
+            reply(peer, suback(*peer, packet, refused ? '\x87' : '\x01'));
             if (publishes_) reply(peer, std::string("\x32\x07\x00\x01t\x00\x01\x00!", 9));
         } else if (type == 0x40) {
             ++acknowledgements;
+        } else if (type == 0x30 && gives_up_after_.count() > 0 && published_qos.back() > 0) {
+            later(peer, [peer] { peer->socket.close(); });
         } else if (type == 0x30 && !closed_.empty() && connect_packet.ends_with(closed_)) {
             peer->socket.close();
         } else if (type == 0x30 && (packet[0] & 0x06) != 0) {
@@ -100,6 +115,18 @@ class ScriptedBroker {
         } else if (type == 0xc0) {
             send(*peer, std::string("\xd0\x00", 2));
         }
+    }
+
+    static std::string suback(const Peer& peer, const std::string& packet, char code) {
+        const auto id = packet.substr(2, 2);
+        return (peer.v5 ? std::string("\x90\x04") + id + '\0' : std::string("\x90\x03") + id) + code;
+    }
+
+    template <class Action>
+    void later(const std::shared_ptr<Peer>& peer, Action action) {
+        auto timer =
+            std::make_shared<boost::asio::steady_timer>(peer->socket.get_executor(), gives_up_after_);
+        timer->async_wait([timer, action](const boost::system::error_code&) { action(); });
     }
 
     void reply(const std::shared_ptr<Peer>& peer, const std::string& bytes) {
@@ -119,6 +146,7 @@ class ScriptedBroker {
     int refusals_ = 0;
     bool silent_ = false;
     bool publishes_ = false;
+    std::chrono::milliseconds gives_up_after_{0};
     std::string closed_;
     std::vector<std::pair<std::shared_ptr<Peer>, std::string>> held_;
 };

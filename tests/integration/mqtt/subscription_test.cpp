@@ -79,6 +79,57 @@ TEST_F(SubscriptionTest, ClosedTwiceRightAfterSending_ComesBackUnderAnotherIdent
                 ElementsAre("asip-lamp", "asip-lamp", testing::MatchesRegex("asip-lamp-[0-9a-f]{4}")));
 }
 
+// As NATS does after a node was lost.
+TEST_F(SubscriptionTest, ClosedWithoutAnAcknowledgementForLong_ComesBackWithQos0) {
+    broker.store_nothing(3500ms);
+    auto made = options();
+    made.version = mqtt::Version::kV311;
+    made.client_id = "asip-lamp";
+    made.will = make_message("asip/lamp/state", "lost", 1);
+    Recorder bus(made);
+    bus.client->start();
+    bus.client->publish(make_message("asip/lamp", "on", 1));
+    ASSERT_TRUE(until(bus, [&] { return !bus.published.empty(); }));
+    EXPECT_THAT(broker.published_qos, ElementsAre(1, 0)) << "sent again";
+    ASSERT_EQ(bus.connects.size(), 2U);
+    EXPECT_THAT(bus.connects[1].client_id, testing::MatchesRegex("asip-lamp-[0-9a-f]{4}"));
+    constexpr char kWillQos = 0x18, kFlags = 9;
+    EXPECT_EQ(broker.connect_packet[kFlags] & kWillQos, 0);
+    bus.client->subscribe("in", {.qos = 1});
+    ASSERT_TRUE(until(bus, [&] { return bus.client->subscribed(); }));
+    EXPECT_THAT(broker.subscribed_qos, ElementsAre(0));
+}
+
+TEST_F(SubscriptionTest, RefusedAfterLong_AsksTheNextBrokerForQos0) {
+    ScriptedBroker next;
+    broker.store_nothing(3500ms);
+    auto both = options();
+    both.version = mqtt::Version::kV311;
+    both.brokers.push_back({"127.0.0.1", next.port(), false});
+    Recorder bus(both);
+    bus.client->subscribe("in", {.qos = 1});
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] {
+        next.run();
+        return bus.client->subscribed();
+    }));
+    EXPECT_THAT(broker.subscribed_qos, ElementsAre(1));
+    EXPECT_THAT(next.subscribed_qos, ElementsAre(0));
+}
+
+TEST_F(SubscriptionTest, Qos0AsAnOption_IsUsedForAll) {
+    auto made = options();
+    made.qos = 0;
+    Recorder bus(made);
+    bus.client->subscribe("in", {.qos = 1});
+    bus.client->start();
+    bus.client->publish(make_message("asip/lamp", "on", 1));
+    ASSERT_TRUE(until(bus, [&] { return bus.client->subscribed() && !bus.published.empty(); }));
+    EXPECT_THAT(bus.published, ElementsAre("asip/lamp")) << "handed over";
+    EXPECT_THAT(broker.subscribed_qos, ElementsAre(0));
+    EXPECT_THAT(broker.published_qos, ElementsAre(0));
+}
+
 TEST_F(SubscriptionTest, RequiredAndRefusedThreeTimes_TriesTheNextBroker) {
     MosquittoBroker next;
     broker.refuse_subscriptions(1000);
