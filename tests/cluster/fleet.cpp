@@ -18,6 +18,8 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t kDeparting = 2;
 constexpr Millis kSetUp = 60'000;
+// Who loses a connection that is newer than five seconds waits before the next attempt.
+constexpr Millis kSettled = 6'000;
 
 }  // namespace
 
@@ -250,6 +252,12 @@ void Fleet::suffer(const std::vector<Fault>& faults) {
         run_until(step.at);
         step.begins ? begin(*step.fault) : end(*step.fault);
     }
+    look_for_recovery(round);
+    for (const auto& watcher : watchers_)
+        if (!watcher->right_since()) round.wrong[watcher->registry()] = watcher->difference();
+}
+
+void Fleet::look_for_recovery(Round& round) {
     round.end = now();
     for (const auto& watcher : watchers_)
         watcher->look_anew();
@@ -258,8 +266,26 @@ void Fleet::suffer(const std::vector<Fault>& faults) {
     while (!recovered(round) && now() < round.end + options_.look)
         run_until(now() + 20);
     round.looked_until = now();
-    for (const auto& watcher : watchers_)
-        if (!watcher->right_since()) round.wrong[watcher->registry()] = watcher->difference();
+}
+
+bool Fleet::fail_over(BareClient& bare, FailOver& result) {
+    result.node = bare.node();
+    engine_.kill(result.node);
+    const Millis killed = now();
+    bare.look_anew();
+    std::optional<Millis> commands;
+    std::vector<std::size_t> mute;
+    while ((!commands || !bare.heard()) && now() < killed + options_.look) {
+        run_until(now() + 5);
+        if (!commands) commands = commands_work(killed, mute);
+    }
+    if (bare.heard()) result.bare = *bare.heard() - killed;
+    if (commands) result.commands = *commands - killed;
+    engine_.start(result.node);
+    Round round;
+    look_for_recovery(round);
+    run_until(now() + kSettled);
+    return recovered(round);
 }
 
 bool Fleet::recovered(Round& round) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/cluster/bare_client.hpp"
 #include "tests/cluster/board.hpp"
 #include "tests/cluster/commander.hpp"
 #include "tests/cluster/echo.hpp"
@@ -50,6 +51,17 @@ class Fleet {
     /// Waits for the last answers.
     void finish();
 
+    /// How long after kill -9 of a node.
+    struct FailOver {
+        std::size_t node = 0;
+        std::optional<Millis> bare{};      ///< a bare client that was connected to it heard itself again
+        std::optional<Millis> commands{};  ///< each board had executed a command that was sent since
+    };
+    /// Kills the node at which the bare client is, and starts it again. False: it did not recover.
+    bool fail_over(BareClient& bare, FailOver& result);
+    /// For a bare client: where everything connects to.
+    asip::mqtt::Options connection(const std::string& id, std::size_t first_node) const;
+
     Shape shape() const;
     /// The log of each program into a file of the folder.
     void write_logs(const std::string& folder) const;
@@ -63,7 +75,6 @@ class Fleet {
     std::size_t host_of_share(std::size_t share) const;
     void weather(const Fault& fault, bool begins);
     std::vector<std::size_t> hosts_of(const Fault& fault) const;
-    asip::mqtt::Options connection(const std::string& id, std::size_t first_node) const;
     void depart();
     void run_until(Millis time);
     void begin(const Fault& fault);
@@ -71,6 +82,7 @@ class Fleet {
     Process& process(const Fault& fault);
     void nodes(const Fault& fault, void (Engine::*what)(std::size_t));
     void look_for_ends();
+    void look_for_recovery(Round& round);
     bool recovered(Round& round);
     std::optional<Millis> commands_work(Millis end, std::vector<std::size_t>& mute) const;
     std::optional<Millis> engine_works(Millis end) const;

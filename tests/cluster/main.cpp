@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -15,9 +16,13 @@ namespace {
 
 using namespace cluster;
 
+/// Commands a second to each board: as often as a bare client writes.
+constexpr double kOftenEnough = 50;
+
 struct Settings {
     std::string engine = "mosquitto";
     std::size_t rounds = 0;
+    std::size_t fail_overs = 0;
     std::uint64_t seed = 1;
     std::string faults = "all";
     std::string logs = "cluster-logs";
@@ -53,6 +58,37 @@ std::string library_for_clocks(const Settings& settings) {
     return {};
 }
 
+std::string seconds(const std::optional<Millis>& time) {
+    return time ? fmt::format("{:.3f} s", static_cast<double>(*time) / 1000) : "never";
+}
+
+Millis median(std::vector<Millis> times) {
+    std::sort(times.begin(), times.end());
+    return times[times.size() / 2];
+}
+
+/// Nodes are killed one after the other: how long commands fail, beside a bare client of the engine.
+int fail_overs(const Settings& settings, const Engine& engine, Fleet& fleet) {
+    BareClient bare(fleet.connection("bare", 0));
+    std::vector<Millis> bares, commands;
+    for (std::size_t i = 0; i < settings.fail_overs; ++i) {
+        Fleet::FailOver each;
+        const bool recovered = fleet.fail_over(bare, each);
+        fmt::print("node {} killed: bare client {}, commands {}\n", each.node, seconds(each.bare),
+                   seconds(each.commands));
+        std::fflush(stdout);
+        if (!recovered || !each.bare || !each.commands)
+            throw std::runtime_error("that node did not come back as it was");
+        bares.push_back(*each.bare);
+        commands.push_back(*each.commands);
+    }
+    const auto ratio =
+        static_cast<double>(median(commands)) / static_cast<double>(std::max<Millis>(1, median(bares)));
+    fmt::print("{}: commands work again after kill -9 of a node, over a bare client, medians of {}: {:.2f}\n",
+               engine.name(), settings.fail_overs, ratio);
+    return 0;
+}
+
 int run(Settings settings) {
     fmt::print("engine {}, seed {}, {} boards, {} registries, {} clients\n", settings.engine, settings.seed,
                settings.fleet.boards, settings.fleet.registries, settings.fleet.clients);
@@ -60,6 +96,7 @@ int run(Settings settings) {
     boost::asio::io_context io;
     const auto network = make_network(settings);
     settings.fleet.clock = library_for_clocks(settings);
+    if (settings.fail_overs > 0) settings.fleet.per_board = kOftenEnough;
     if (settings.faults == "network") settings.fleet.processes = false;
     const auto engine = make_engine(settings.engine, Hosts{network.get()});
     if (!engine->part().empty()) fmt::print("{}: its part is the {}\n", engine->name(), engine->part());
@@ -73,6 +110,7 @@ int run(Settings settings) {
         fmt::print("not begun: {}; logs are in {}\n", error.what(), settings.logs);
         return 1;
     }
+    if (settings.fail_overs > 0) return fail_overs(settings, *engine, fleet);
     const auto plan = settings.rounds == 0 ? each_once(settings.seed, fleet.shape())
                                            : at_random(settings.seed, settings.rounds, fleet.shape());
     for (const auto& faults : plan) {
@@ -100,6 +138,9 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     app.add_option("--rounds", settings.rounds,
                    "Faults and pairs of them at random; default: each fault once");
+    app.add_option("--fail-overs", settings.fail_overs,
+                   "Instead of rounds: so many times a node is killed, and how long commands fail is put "
+                   "beside a bare client of the engine");
     app.add_option("--faults", settings.faults,
                    "processes: killed and stopped; network: packets dropped and delayed between hosts, which "
                    "only root can make; all: both, and a clock that is stepped")
@@ -116,6 +157,7 @@ int main(int argc, char** argv) {
     app.add_option("--logs", settings.logs, "Folder for the programs' logs after a violation")
         ->capture_default_str();
     CLI11_PARSE(app, argc, argv);
+    if (settings.fail_overs > 0) settings.faults = "processes";
     try {
         return run(settings);
     } catch (const std::exception& error) {
