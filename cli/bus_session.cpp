@@ -44,6 +44,7 @@ struct BusSession::State {
             // Of a message that is not acknowledged brokers do not tell that they denied it: Mosquitto 2.0.11
             // closes the connection. One end may be that of the broker itself.
             const bool denying = why.after_sending > 1 && !last_topic.empty();
+            if (why.after_sending > 0 && !last_topic.empty()) cut_off_by = last_topic;
             if (!connection_changed) return;
             connection_changed(false, denying ? mqtt::cut_off_text(context.mqtt.user, last_topic) : why.text);
         };
@@ -120,8 +121,9 @@ struct BusSession::State {
     std::map<std::string, mqtt::ConnectionFailure> failed;  // the last failure of each broker
     bool tells_refusals = false;
     std::set<std::string> denied;
-    std::string last_topic;               // that was published on
-    std::optional<std::string> why_lost;  // while there is no connection, and was one
+    std::string last_topic;                 // that was published on
+    std::optional<std::string> cut_off_by;  // right behind a message on this topic the connection was closed
+    std::optional<std::string> why_lost;    // while there is no connection, and was one
     std::function<void(bool, const std::string&)> connection_changed =
         [this](bool connected, const std::string& why) { context.note(connected ? "connected again" : why); };
     std::size_t marks = 0;
@@ -272,6 +274,8 @@ Failure BusSession::unanswered(std::string text) const {
     if (state_->context.timeout >= kTimeToAcknowledge && state_->client.counters().unacknowledged != 0)
         return {program::kExitBroker,
                 "the broker does not acknowledge what it is sent; does it stand still?"};
+    // It came back without an answer: a broker that only restarted is the rarer reason.
+    if (state_->cut_off_by) text += "; " + mqtt::cut_off_text(state_->context.mqtt.user, *state_->cut_off_by);
     return {program::kExitNoAnswer, std::move(text)};
 }
 
