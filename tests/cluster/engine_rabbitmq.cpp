@@ -39,6 +39,7 @@ class RabbitMq final : public NodeEngine {
         const auto configuration = folder().write(
             fmt::format("rb{}.conf", node), fmt::format(R"(listeners.tcp.1 = {3}:{0}
 mqtt.listeners.tcp.1 = {3}:{1}
+loopback_users = none
 mqtt.allow_anonymous = true
 mqtt.default_user = guest
 mqtt.default_pass = guest
