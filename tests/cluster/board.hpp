@@ -1,54 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <array>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/steady_timer.hpp>
-#include <cstdint>
+#include <cstddef>
 #include <functional>
-#include <memory>
 #include <string>
-#include <string_view>
-
-#include "tests/unit/session/scripted_board.hpp"
+#include <vector>
 
 namespace cluster {
 
-/// A scripted board with a network of its own. It reports what it executed by the token in each command, and
-/// sends a value five times a second.
+/// A board at the end of a link to its agent. It tells what it executed by the token in each command.
 class Board {
   public:
     using OnExecuted = std::function<void(std::size_t token)>;
 
-    /// Accepts at `address`.
-    Board(boost::asio::io_context& io, std::string name, const std::string& address, OnExecuted on_executed);
+    Board() = default;
+    virtual ~Board() = default;
     Board(const Board&) = delete;
     Board& operator=(const Board&) = delete;
 
-    const std::string& name() const { return board_.stored_name; }
-    std::uint16_t port() const { return endpoint_.port(); }
+    /// Options of asip-agent that name the link.
+    virtual std::vector<std::string> link() const = 0;
+    /// The request that carries a token, for each token another.
+    virtual std::string request(std::size_t token) const = 0;
 
-    void cut();   ///< the connection ends, and a new one is refused
-    void plug();  ///< accepts again, as a board that has just started
-
-    /// The request that carries a token, a line of the board's servo service.
-    static std::string request(std::size_t token);
-
-  private:
-    struct Connection;
-    void accept();
-    void read();
-    void executed();
-    void report();
-    void say(std::string_view bytes);
-
-    asip::session::ScriptedBoard board_;
-    OnExecuted on_executed_;
-    boost::asio::io_context& io_;
-    boost::asio::ip::tcp::acceptor acceptor_;
-    std::shared_ptr<Connection> connection_;
-    boost::asio::steady_timer timer_;
-    boost::asio::ip::tcp::endpoint endpoint_;
+    virtual void cut() = 0;   ///< the link ends, and there is no new one
+    virtual void plug() = 0;  ///< it is back, and the board has just started
 };
 
 }  // namespace cluster

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "asip/bus/reply.hpp"
-#include "tests/cluster/board.hpp"
 
 namespace cluster {
 
@@ -73,7 +72,7 @@ void Commander::send() {
         asip::mqtt::Message message;
         message.topic = topics_.board_in(history_.boards[board]);
         message.payload =
-            nlohmann::json{{"raw", Board::request(token)}, {"deadline_ms", history_.deadline}}.dump();
+            nlohmann::json{{"raw", load_.request(board, token)}, {"deadline_ms", history_.deadline}}.dump();
         message.qos = load_.qos;
         message.expiry_seconds = static_cast<std::uint32_t>(history_.deadline / 1000);
         auto request =

@@ -22,6 +22,7 @@ class Commander {
         std::size_t boards = 1;  ///< boards 0 to `boards` - 1 of the history, one after the other
         std::size_t first = 0;   ///< the board to begin with
         double per_second = 1;
+        std::function<std::string(std::size_t board, std::size_t token)> request{};
         int qos = 0;  ///< 0 as the client library, 1 as other programs
     };
     Commander(boost::asio::io_context& io, asip::mqtt::Options options, History& history, const Load& load);

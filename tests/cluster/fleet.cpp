@@ -8,6 +8,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "tests/cluster/firmware_board.hpp"
+#include "tests/cluster/tcp_board.hpp"
 #include "tests/support/loop.hpp"
 
 namespace cluster {
@@ -38,25 +40,34 @@ Fleet::Fleet(boost::asio::io_context& io, Engine& engine, Network* network, cons
         const auto name = stays ? fmt::format("board{:03}", i) : fmt::format("left{}", i - options_.boards);
         history_.boards.push_back(name);
         truth_.online.insert(name);
-        boards_.push_back(
-            std::make_unique<Board>(io_, name, hosts_.address(Network::kWired), [this, i](std::size_t token) {
-                history_.executions.push_back({token, i, now()});
-            }));
-        const auto link = fmt::format("{}:{}", hosts_.address(Network::kWired), boards_.back()->port());
-        agents_.push_back(start(host_of_share(i % kShares), i % kShares == 0,
-                                program("asip-agent", i, {"--name", name, "--tcp", link})));
+        boards_.push_back(make_board(i));
+        auto link = boards_.back()->link();
+        link.insert(link.end(), {"--name", name});
+        agents_.push_back(
+            start(host_of_share(i % kShares), i % kShares == 0, program("asip-agent", i, link)));
     }
     const double each =
         options_.per_board * static_cast<double>(options_.boards) / static_cast<double>(options_.clients);
     for (std::size_t i = 0; i < options_.clients; ++i)
-        commanders_.push_back(
-            std::make_unique<Commander>(io_, connection(fmt::format("commands-{}", i), i), history_,
-                                        Commander::Load{.boards = options_.boards,
-                                                        .first = i * options_.boards / options_.clients,
-                                                        .per_second = each,
-                                                        .qos = static_cast<int>(i % 2)}));
+        commanders_.push_back(std::make_unique<Commander>(
+            io_, connection(fmt::format("commands-{}", i), i), history_,
+            Commander::Load{.boards = options_.boards,
+                            .first = i * options_.boards / options_.clients,
+                            .per_second = each,
+                            .request = [this](std::size_t board,
+                                              std::size_t token) { return boards_[board]->request(token); },
+                            .qos = static_cast<int>(i % 2)}));
     for (std::size_t i = 0; i < engine_.brokers().size(); ++i)
         echoes_.push_back(std::make_unique<Echo>(io_, connection(fmt::format("echo-{}", i), i)));
+}
+
+std::unique_ptr<Board> Fleet::make_board(std::size_t index) {
+    const auto executed = [this, index](std::size_t token) {
+        history_.executions.push_back({token, index, now()});
+    };
+    if (index < options_.firmware)
+        return std::make_unique<FirmwareBoard>(io_, history_.boards[index], executed);
+    return std::make_unique<TcpBoard>(io_, history_.boards[index], hosts_.address(Network::kWired), executed);
 }
 
 Shape Fleet::shape() const {

@@ -21,6 +21,7 @@ namespace cluster {
 
 struct FleetOptions {
     std::size_t boards = 12;
+    std::size_t firmware = 1;  ///< so many of the boards are real firmware in a simulator
     std::size_t registries = 3;
     std::size_t clients = 3;
     double per_board = 2;   ///< commands a second
@@ -67,6 +68,7 @@ class Fleet {
     void write_logs(const std::string& folder) const;
 
   private:
+    std::unique_ptr<Board> make_board(std::size_t index);
     std::vector<std::string> program(const std::string& name, std::size_t first_node,
                                      std::vector<std::string> more) const;
     std::unique_ptr<Process> start(std::size_t host, bool own_clock, std::vector<std::string> command) const;

@@ -15,7 +15,7 @@ struct Limits {
     Millis agree = 10'000;     ///< until all catalogues are right
     Millis commands = 10'000;  ///< until each board can be commanded
     Millis slack = 1000;       ///< of deadlines: client and agent begin to count at other moments
-    Millis order = 200;        ///< of an execution and its answer, which are read from two connections
+    Millis order = 500;        ///< of an execution and its answer, which come on two ways
 };
 
 /// One line of the table: a fault by name, all its rounds together.

@@ -90,8 +90,10 @@ int fail_overs(const Settings& settings, const Engine& engine, Fleet& fleet) {
 }
 
 int run(Settings settings) {
-    fmt::print("engine {}, seed {}, {} boards, {} registries, {} clients\n", settings.engine, settings.seed,
-               settings.fleet.boards, settings.fleet.registries, settings.fleet.clients);
+    fmt::print("engine {}, seed {}, {} boards ({} with real firmware), {} registries, {} clients\n",
+               settings.engine, settings.seed, settings.fleet.boards,
+               std::min(settings.fleet.boards, settings.fleet.firmware), settings.fleet.registries,
+               settings.fleet.clients);
     History history;
     boost::asio::io_context io;
     const auto network = make_network(settings);
@@ -149,6 +151,10 @@ int main(int argc, char** argv) {
     app.add_option("--seed", settings.seed, "Decides the faults")->capture_default_str();
     app.add_option("--agents", settings.fleet.boards, "Boards")
         ->check(CLI::Range(1, 200))
+        ->capture_default_str();
+    app.add_option("--firmware", settings.fleet.firmware,
+                   "So many of the boards are real firmware in a simulator; the others are scripted")
+        ->check(CLI::Range(0, 200))
         ->capture_default_str();
     app.add_option("--registries", settings.fleet.registries)->check(CLI::Range(1, 9))->capture_default_str();
     app.add_option("--clients", settings.fleet.clients, "That send commands")

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/cluster/board.hpp"
+#include "tests/cluster/tcp_board.hpp"
 
-#include <boost/asio/write.hpp>
+#include <fmt/format.h>
+
 #include <chrono>
 #include <cstdlib>
 #include <utility>
@@ -22,13 +23,13 @@ constexpr std::string_view kValue = "@D,e,1,{42}";
 }  // namespace
 
 /// Handlers of an old connection hold it, and see that it is not the board's any more.
-struct Board::Connection {
+struct TcpBoard::Connection {
     explicit Connection(tcp::socket accepted) : socket(std::move(accepted)) {}
     tcp::socket socket;
     std::array<char, 512> buffer{};
 };
 
-Board::Board(asio::io_context& io, std::string name, const std::string& address, OnExecuted on_executed)
+TcpBoard::TcpBoard(asio::io_context& io, std::string name, const std::string& address, OnExecuted on_executed)
     : on_executed_(std::move(on_executed)),
       io_(io),
       acceptor_(io),
@@ -39,18 +40,22 @@ Board::Board(asio::io_context& io, std::string name, const std::string& address,
     plug();
 }
 
-std::string Board::request(std::size_t token) {
+std::vector<std::string> TcpBoard::link() const {
+    return {"--tcp", fmt::format("{}:{}", endpoint_.address().to_string(), endpoint_.port())};
+}
+
+std::string TcpBoard::request(std::size_t token) const {
     return std::string(kServo) + std::to_string(token);
 }
 
-void Board::cut() {
+void TcpBoard::cut() {
     acceptor_.close();
     timer_.cancel();
     if (connection_) connection_->socket.close();
     connection_.reset();
 }
 
-void Board::plug() {
+void TcpBoard::plug() {
     acceptor_.open(endpoint_.protocol());
     acceptor_.set_option(tcp::acceptor::reuse_address(true));
     acceptor_.bind(endpoint_);
@@ -60,7 +65,7 @@ void Board::plug() {
     report();
 }
 
-void Board::accept() {
+void TcpBoard::accept() {
     acceptor_.async_accept([this](const boost::system::error_code& error, tcp::socket socket) {
         if (error) return;
         if (connection_) connection_->socket.close();
@@ -71,7 +76,7 @@ void Board::accept() {
     });
 }
 
-void Board::read() {
+void TcpBoard::read() {
     connection_->socket.async_read_some(asio::buffer(connection_->buffer), [this, connection = connection_](
                                                                                const boost::system::
                                                                                    error_code& error,
@@ -84,14 +89,14 @@ void Board::read() {
     });
 }
 
-void Board::executed() {
+void TcpBoard::executed() {
     for (const auto& line : board_.executed)
         if (line.starts_with(kServo)) on_executed_(std::strtoull(line.c_str() + kServo.size(), nullptr, 10));
     board_.executed.clear();
     board_.heard.clear();
 }
 
-void Board::report() {
+void TcpBoard::report() {
     timer_.expires_after(kBetweenValues);
     timer_.async_wait([this](const boost::system::error_code& error) {
         if (error) return;
@@ -101,7 +106,7 @@ void Board::report() {
 }
 
 // An agent that is stopped does not read: what does not fit is lost, as on a serial line.
-void Board::say(std::string_view bytes) {
+void TcpBoard::say(std::string_view bytes) {
     boost::system::error_code ignored;
     connection_->socket.non_blocking(true, ignored);
     connection_->socket.write_some(asio::buffer(bytes), ignored);
