@@ -7,7 +7,6 @@
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <functional>
 #include <memory>
 #include <thread>
@@ -169,8 +168,7 @@ class Registry {
             request(client, R"("find":"services","kind":"distance","state":"online","limit":100)");
         });
         figures.renewals = renewals(client, boards);
-        figures.megabytes =
-            static_cast<double>(process_->resident_bytes() + resident_of(broker_.pid())) / 1e6;
+        figures.megabytes = static_cast<double>(process_->resident_bytes() + broker_.resident_bytes()) / 1e6;
         process_->signal(SIGKILL);
         process_->wait_exit();
         began = Clock::now();
@@ -180,11 +178,6 @@ class Registry {
     }
 
   private:
-    static std::size_t resident_of(pid_t process) {
-        long pages = 0, resident = 0;
-        std::ifstream("/proc/" + std::to_string(process) + "/statm") >> pages >> resident;
-        return static_cast<std::size_t>(resident) * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-    }
     std::string request(bench::MqttClient& client, const std::string& query) {
         client.publish("asip/registry/bench/query", R"({"reply_to":"bench/answers","id":"1",)" + query + "}",
                        1);

@@ -2,57 +2,18 @@
 // A whole snapshot of a registry, page by page, and what another asker notices of it.
 //   bench_registry_snapshot [BOARDS]
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <cstdio>
 #include <cstdlib>
-#include <optional>
+#include <functional>
 
-#include "asip/bus/answer.hpp"
-#include "asip/bus/query.hpp"
-#include "asip/bus/requester.hpp"
-#include "asip/mqtt/client.hpp"
-#include "bench/figures.hpp"
-#include "bench/retained_boards.hpp"
+#include "bench/asker.hpp"
 #include "tests/support/child_process.hpp"
 
 namespace asip {
 namespace {
 
-using bench::Milliseconds;
-
-/// One who asks a registry, over a connection of its own.
-class Asker {
-  public:
-    Asker(boost::asio::io_context& io, const test::MosquittoBroker& broker, const std::string& name)
-        : requester_(name, bus::ReplyTopics(topics_, "", name)),
-          client_(io, bench::options_for(broker), handlers()) {
-        client_.subscribe(requester_.replies().filter(), {.qos = 1});
-        client_.start();
-        while (!client_.subscribed())
-            io.run_one();
-    }
-    void ask(const bus::Query& query, std::function<void(const std::string& payload)> done) {
-        mqtt::Message message;
-        message.topic = topics_.registry_query("bench");
-        message.payload = bus::encode(bus::RegistryRequest{query, {}, {}});
-        message.qos = 1;
-        request_ = requester_.ask(message, client_.v5(),
-                                  [done](const mqtt::Message& answer) { done(answer.payload); });
-        client_.publish(std::move(message), mqtt::Priority::kReply);
-    }
-
-  private:
-    mqtt::Client::Handlers handlers() {
-        mqtt::Client::Handlers result;
-        result.on_message = [this](const mqtt::Message& message) { requester_.take(message); };
-        return result;
-    }
-
-    bus::Topics topics_;
-    bus::Requester requester_;
-    bus::Requester::Request request_;
-    mqtt::Client client_;
-};
+using bench::Asker;
+using bench::SteadyAsker;
 
 /// The boards of a snapshot are counted by their answers' cursors alone: reading 100 MB of JSON here would
 /// disturb what is measured. The cursor stands at the beginning of an answer.
@@ -72,23 +33,18 @@ struct Snapshot {
 class Run {
   public:
     Run(const test::MosquittoBroker& broker, std::uint32_t boards)
-        : boards_(boards), all_(io_, broker, "bench-all"), one_(io_, broker, "bench-one"), pause_(io_) {}
+        : all_(io_, broker, "bench-all"), one_(io_, broker, "bench-one", boards) {}
 
-    bench::Latency alone(int count) {
-        small_.clear();
-        wanted_ = true;
-        ask_one();
-        while (static_cast<int>(small_.size()) < count)
+    bench::Latency alone(std::size_t count) {
+        one_.begin();
+        while (one_.answers() < count)
             io_.run_one();
-        wanted_ = false;
-        return bench::summary(small_);
+        return bench::summary(one_.end());
     }
 
     Snapshot snapshot(bool full) {
         Snapshot result;
-        small_.clear();
-        wanted_ = true;
-        ask_one();
+        one_.begin();
         bool complete = false;
         bus::Query query;
         query.limit = bus::Query::kMaxPage;
@@ -109,34 +65,14 @@ class Run {
         while (!complete)
             io_.run_one();
         result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
-        result.small = bench::summary(small_);
-        wanted_ = false;
+        result.small = bench::summary(one_.end());
         return result;
     }
 
   private:
-    void ask_one() {
-        bus::Query query;
-        query.board = bench::BoardTexts::name(next_ = (next_ * 7919 + 1) % boards_);
-        const Time sent = Clock::now();
-        one_.ask(query, [this, sent](const std::string&) {
-            small_.push_back(Milliseconds(Clock::now() - sent).count());
-            if (!wanted_) return;
-            pause_.expires_after(std::chrono::milliseconds(2));
-            pause_.async_wait([this](const boost::system::error_code& error) {
-                if (!error && wanted_) ask_one();
-            });
-        });
-    }
-
-    std::uint32_t boards_;
     boost::asio::io_context io_;
     Asker all_;
-    Asker one_;
-    boost::asio::steady_timer pause_;
-    std::vector<double> small_;
-    std::uint32_t next_ = 0;
-    bool wanted_ = false;
+    SteadyAsker one_;
 };
 
 void print(const char* what, const Snapshot& snapshot, const bench::Latency& alone) {

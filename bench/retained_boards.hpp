@@ -18,10 +18,11 @@ inline mqtt::Options options_for(const test::MosquittoBroker& broker, std::size_
     return options;
 }
 
-inline mqtt::Message description(std::uint32_t board, std::uint64_t seq) {
+inline mqtt::Message description(std::uint32_t board, std::uint64_t seq,
+                                 const BoardTexts& texts = BoardTexts()) {
     mqtt::Message message;
     message.topic = "asip/servicebus/" + BoardTexts::name(board) + "/$description";
-    message.payload = BoardTexts().description(board, seq, 3600);
+    message.payload = texts.description(board, seq, 3600);
     message.retain = true;
     message.qos = 1;
     message.expiry_seconds = 3600;
@@ -29,7 +30,8 @@ inline mqtt::Message description(std::uint32_t board, std::uint64_t seq) {
 }
 
 /// So many boards, each by its retained description; returns when the broker has them all.
-inline void retain_boards(const test::MosquittoBroker& broker, std::uint32_t boards) {
+inline void retain_boards(const test::MosquittoBroker& broker, std::uint32_t boards,
+                          const BoardTexts& texts = BoardTexts()) {
     boost::asio::io_context io;
     std::uint32_t sent = 0;
     std::uint32_t acknowledged = 0;
@@ -37,11 +39,11 @@ inline void retain_boards(const test::MosquittoBroker& broker, std::uint32_t boa
     mqtt::Client::Handlers handlers;
     handlers.on_connected = [&](const mqtt::Connected&) {
         while (sent < boards && sent < 1000)
-            client->publish(description(sent++, 1), mqtt::Priority::kAnnouncement);
+            client->publish(description(sent++, 1, texts), mqtt::Priority::kAnnouncement);
     };
     handlers.on_published = [&](const std::string&) {
         if (++acknowledged == boards) return io.stop();
-        if (sent < boards) client->publish(description(sent++, 1), mqtt::Priority::kAnnouncement);
+        if (sent < boards) client->publish(description(sent++, 1, texts), mqtt::Priority::kAnnouncement);
     };
     mqtt::Client loader(io, options_for(broker), handlers);
     client = &loader;

@@ -145,6 +145,10 @@ pid_t MosquittoBroker::pid() const {
     return process_->pid();
 }
 
+std::size_t MosquittoBroker::resident_bytes() const {
+    return process_->resident_bytes();
+}
+
 std::string MosquittoBroker::log() const {
     return earlier_logs_ + (process_ && process_->running() ? process_->errors() : "");
 }

@@ -47,6 +47,7 @@ class MosquittoBroker {
     std::string url() const { return (options_.tls ? "mqtts://" : "mqtt://") + address(); }
     const Certificates& certificates() const { return certificates_; }
     pid_t pid() const;
+    std::size_t resident_bytes() const;  ///< of its memory
     std::string log() const;
 
     void stop();   ///< SIGTERM, waits for its end
