@@ -7,6 +7,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "asip/text/file_text.hpp"
 #include "sim/board_impl.hpp"
 
 namespace asip::sim {
@@ -17,10 +18,9 @@ constexpr Cycles kPollCycles = 320;
 Expected<std::vector<std::uint8_t>> read_eeprom(const std::filesystem::path& file) {
     std::error_code error;
     if (!std::filesystem::exists(file, error)) return std::vector<std::uint8_t>{};
-    std::ifstream stream(file, std::ios::binary);
-    std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
-    if (!stream && !stream.eof()) return fail(file.string() + ": cannot read the EEPROM file");
-    return bytes;
+    const auto text = text::file_text(file);
+    if (!text) return fail(file.string() + ": cannot read the EEPROM file: " + text.error());
+    return std::vector<std::uint8_t>(text->begin(), text->end());
 }
 
 /// Under another name first: a program that is killed must not leave half an EEPROM.

@@ -3,12 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "asip/text/file_text.hpp"
 #include "asip/text/json_reader.hpp"
 #include "asip/text/nearest.hpp"
 #include "sim/board_kind.hpp"
@@ -102,14 +99,9 @@ Expected<BoardFile> parse_board_file(std::string_view text, const std::filesyste
 }
 
 Expected<BoardFile> load_board_file(const std::filesystem::path& file) {
-    std::error_code error;
-    if (std::filesystem::is_directory(file, error))
-        return fail(file.string() + ": is a folder, not a board file");
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream)
-        return fail(fmt::format("{}: cannot read the board file: {}", file.string(), std::strerror(errno)));
-    const std::string text{std::istreambuf_iterator<char>(stream), {}};
-    return parse_board_file(text, file);
+    const auto text = text::file_text(file);
+    if (!text) return fail(fmt::format("{}: cannot read the board file: {}", file.string(), text.error()));
+    return parse_board_file(*text, file);
 }
 
 }  // namespace asip::sim

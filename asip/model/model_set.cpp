@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 
 #include "asip/model/embedded.hpp"
+#include "asip/text/file_text.hpp"
 
 namespace asip::model {
 namespace {
@@ -98,10 +97,9 @@ Expected<ServiceModel> load_service_model(const std::string& path) {
     const auto size = fs::file_size(path, fault);
     if (fault) return fail(path + ": " + fault.message());
     if (size > kMaxFileBytes) return fail(path + ": is larger than 64 KiB");
-    std::ifstream file(path, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
-    if (!file) return fail(path + ": cannot be read");
-    auto model = parse_service_model(text);
+    const auto text = text::file_text(path);
+    if (!text) return fail(path + ": " + text.error());
+    auto model = parse_service_model(*text);
     if (!model) return fail(path + ": " + model.error());
     return model;
 }

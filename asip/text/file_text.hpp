@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <filesystem>
-#include <optional>
 #include <string>
 
-namespace asip::cli {
+#include "asip/expected.hpp"
 
-/// The whole file; nothing when it cannot be read: it is not there, it is a folder, or its process has ended.
-std::optional<std::string> file_text(const std::filesystem::path& file);
+namespace asip::text {
 
-}  // namespace asip::cli
+/// The whole file, or in words why it cannot be read: it is not there, it is a folder, its process has ended.
+Expected<std::string> file_text(const std::filesystem::path& file);
+
+}  // namespace asip::text

@@ -6,9 +6,9 @@
 
 #include "asip/model/example_check.hpp"
 #include "asip/model/reference_page.hpp"
+#include "asip/text/file_text.hpp"
 #include "cli/context.hpp"
 #include "cli/declaration.hpp"
-#include "cli/file_text.hpp"
 #include "cli/generate/clashes.hpp"
 #include "cli/generate/generate.hpp"
 #include "cli/generate/layout.hpp"
@@ -51,7 +51,7 @@ Outcome<void> write_all(const std::vector<GeneratedFile>& files, const fs::path&
     if (!options.force) {
         for (const auto& file : files) {
             const auto path = folder / file.name;
-            if (!file.own_code && fs::exists(path, fault) && file_text(path) != file.text)
+            if (!file.own_code && fs::exists(path, fault) && text::file_text(path) != file.text)
                 return failure(
                     program::kExitFailure,
                     path.string() + " is there already; --force writes it anew" +
@@ -62,7 +62,7 @@ Outcome<void> write_all(const std::vector<GeneratedFile>& files, const fs::path&
     for (const auto& file : files) {
         const auto path = folder / file.name;
         const bool kept = file.own_code && fs::exists(path, fault);
-        if (!kept && file_text(path) != file.text)
+        if (!kept && text::file_text(path) != file.text)
             if (const auto written = write_generated(path, file.text); !written) return written;
         context.out << path.lexically_normal().string() << (kept ? " (kept as it is)" : "") << '\n';
     }

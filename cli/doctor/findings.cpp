@@ -98,12 +98,12 @@ Findings check_broker(const Observations& seen) {
                     "do the access rules let us subscribe below " + seen.topics.root() + "/reply/ ?"));
     } else if (*seen.acknowledged > kSlowAcknowledgement) {
         result.push_back(
-            problem("a QoS 1 message takes " + text::duration_text(*seen.acknowledged) +
+            problem("a message takes " + text::duration_text(*seen.acknowledged) +
                         " out and back; a slow network, or TCP_NODELAY is missing on the broker",
                     "Mosquitto: add the line  set_tcp_nodelay true  to its configuration and restart it"));
     } else {
         result.push_back(
-            fine("a QoS 1 message takes " + text::duration_text(*seen.acknowledged) + " out and back"));
+            fine("a message takes " + text::duration_text(*seen.acknowledged) + " out and back"));
     }
     return result;
 }

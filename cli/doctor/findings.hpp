@@ -39,7 +39,8 @@ struct Observations {
     /// Whether the broker lets anybody command boards; nothing: not known.
     std::optional<bool> open{};
     bool loopback = false;  ///< the broker's address is one of this machine alone
-    std::optional<std::chrono::duration<double>> acknowledged{};  ///< QoS 1 message out and back, median
+    std::optional<std::chrono::duration<double>> acknowledged{};  ///< a message out and back, median; QoS 1
+                                                                  ///< unless --qos 0
 
     std::vector<Retained> retained{};
     std::vector<std::string> registries{};               ///< online by their retained state

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/doctor/machine.hpp"
+#include "asip/text/file_text.hpp"
 
 #include <grp.h>
 #include <sys/stat.h>
@@ -7,8 +8,6 @@
 
 #include <algorithm>
 #include <cctype>
-
-#include "cli/file_text.hpp"
 
 namespace asip::cli {
 namespace {
@@ -40,7 +39,7 @@ bool runs(const fs::path& proc, const std::string& program) {
         const auto name = entry.filename().string();
         if (name.empty() || std::isdigit(static_cast<unsigned char>(name.front())) == 0) continue;
         // The kernel keeps 15 characters.
-        if (file_text(entry / "comm") == program.substr(0, 15) + "\n") return true;
+        if (text::file_text(entry / "comm") == program.substr(0, 15) + "\n") return true;
     }
     return false;
 }
@@ -49,7 +48,7 @@ bool has_rule(const fs::path& folder) {
     const auto rules = entries(folder);
     return std::any_of(rules.begin(), rules.end(), [](const fs::path& rule) {
         return rule.filename().string().find("asip") != std::string::npos &&
-               file_text(rule).value_or("").find("ID_MM_DEVICE_IGNORE") != std::string::npos;
+               text::file_text(rule).value_or("").find("ID_MM_DEVICE_IGNORE") != std::string::npos;
     });
 }
 

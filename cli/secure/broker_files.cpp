@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "asip/text/file_text.hpp"
 #include "asip/text/wall_time.hpp"
-#include "cli/file_text.hpp"
 #include "cli/secure/reload.hpp"
 
 namespace asip::cli {
@@ -37,7 +37,7 @@ std::string configuration_text(const SecureFolder& folder, const SecuredBus& bus
 
 /// As Mosquitto reads it: words in a line, with any spaces before and between.
 bool lets_in_everybody(const fs::path& file) {
-    std::istringstream lines(file_text(file).value_or(""));
+    std::istringstream lines(text::file_text(file).value_or(""));
     for (std::string line; std::getline(lines, line);) {
         std::istringstream words(line);
         std::string name, value;
@@ -65,7 +65,7 @@ std::string joined(const std::vector<std::string>& words) {
 }
 
 Outcome<void> ensure_authority(const SecureFolder& folder, SecureReport& report) {
-    const auto key = file_text(folder.authority_key());
+    const auto key = text::file_text(folder.authority_key());
     const bool certificate = fs::exists(folder.authority());
     if (key && certificate) {
         // Closes it to others, where it came back from a backup.
@@ -111,11 +111,11 @@ Outcome<void> write_certificate(const SecureFolder& folder, const SecuredBus& bu
 }
 
 Outcome<void> ensure_certificate(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report) {
-    const auto key = file_text(folder.key());
-    const auto certificate = file_text(folder.certificate());
+    const auto key = text::file_text(folder.key());
+    const auto certificate = text::file_text(folder.certificate());
     std::string why = "there was none";
     if (key && certificate) {
-        why = explain_certificate({*certificate, *key}, file_text(folder.authority()).value_or(""),
+        why = explain_certificate({*certificate, *key}, text::file_text(folder.authority()).value_or(""),
                                   certificate_hosts(bus.hosts));
         if (why.empty()) {
             if (auto done = folder.write(folder.key(), *key, SecureFolder::Readers::kOwner); !done)
@@ -132,7 +132,7 @@ Outcome<void> ensure_certificate(const SecureFolder& folder, const SecuredBus& b
 
 Outcome<void> ensure_configuration(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report) {
     const auto wanted = configuration_text(folder, bus);
-    const auto present = file_text(bus.configuration);
+    const auto present = text::file_text(bus.configuration);
     if (present) {
         report.did("kept", "Mosquitto's configuration", bus.configuration);
         if (*present != wanted)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/secure/folder.hpp"
+#include "asip/text/file_text.hpp"
 
 #include <fcntl.h>
 #include <pwd.h>
@@ -170,7 +171,7 @@ SecureFolder::~SecureFolder() {
 }
 
 Outcome<SecuredBus> SecureFolder::bus() const {
-    const auto text = file_text(bus_file());
+    const auto text = text::file_text(bus_file());
     if (!text) return tl::unexpected(cannot("read", bus_file()));
     auto bus = read_bus(*text);
     if (!bus) return failure(program::kExitFailure, bus_file().string() + ": " + bus.error());
@@ -178,9 +179,9 @@ Outcome<SecuredBus> SecureFolder::bus() const {
 }
 
 Outcome<CertificateAndKey> SecureFolder::authority_and_key() const {
-    auto certificate = file_text(authority());
+    auto certificate = text::file_text(authority());
     if (!certificate) return tl::unexpected(cannot("read", authority()));
-    auto key = file_text(authority_key());
+    auto key = text::file_text(authority_key());
     if (!key) return tl::unexpected(cannot("read the authority's key", authority_key()));
     return CertificateAndKey{std::move(*certificate), std::move(*key)};
 }
@@ -193,7 +194,7 @@ Outcome<void> SecureFolder::save(const SecuredBus& bus) const {
 
 Outcome<bool> SecureFolder::write(const Path& file, const std::string& text, Readers readers) const {
     const mode_t mode = readers == Readers::kOwner ? 0600 : 0644;
-    if (has_mode(file, mode) && file_text(file) == text) return false;
+    if (has_mode(file, mode) && text::file_text(file) == text) return false;
     const Mask mask(kOthersMayNotWrite);
     const auto temporary = file.string() + ".new";
     ::unlink(temporary.c_str());

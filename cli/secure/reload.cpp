@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/secure/reload.hpp"
+#include "asip/text/file_text.hpp"
 
 #include <csignal>
 #include <cstdlib>
-
-#include "cli/file_text.hpp"
 
 namespace asip::cli {
 namespace {
@@ -12,12 +11,12 @@ namespace {
 constexpr const char* kSystemPidFile = "/run/mosquitto/mosquitto.pid";
 
 int pid_in(const std::filesystem::path& file) {
-    const auto text = file_text(file);
+    const auto text = text::file_text(file);
     return text ? std::atoi(text->c_str()) : 0;
 }
 
 bool is_mosquitto(int pid) {
-    return pid > 0 && file_text("/proc/" + std::to_string(pid) + "/comm") == "mosquitto\n";
+    return pid > 0 && text::file_text("/proc/" + std::to_string(pid) + "/comm") == "mosquitto\n";
 }
 
 }  // namespace

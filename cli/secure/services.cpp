@@ -12,8 +12,8 @@
 #include "asip/mqtt/options.hpp"
 #include "asip/program/credentials.hpp"
 #include "asip/program/options.hpp"
+#include "asip/text/file_text.hpp"
 #include "cli/board_source.hpp"
-#include "cli/file_text.hpp"
 #include "cli/named_buses.hpp"
 #include "cli/programmer.hpp"
 #include "cli/secure/reload.hpp"
@@ -52,7 +52,7 @@ Outcome<bool> write_for_group(const fs::path& file, const std::string& text) {
     if (::stat(kFolder, &folder) != 0) return tl::unexpected(failed_to("look at", kFolder));
     const bool kept = ::lstat(file.c_str(), &present) == 0 && S_ISREG(present.st_mode) &&
                       (present.st_mode & 0777) == 0640 && present.st_gid == folder.st_gid;
-    if (kept && file_text(file) == text) return false;
+    if (kept && text::file_text(file) == text) return false;
     const auto draft = file.string() + ".new";
     ::unlink(draft.c_str());
     const int opened = ::open(draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
@@ -137,7 +137,7 @@ Outcome<Names> ensure_services(const SecureFolder& folder, SecuredBus& bus, cons
 
 Outcome<Names> give_to_services(const SecureFolder& folder, const SecuredBus& bus, const Names& names,
                                 SecureReport& report) {
-    const auto authority = file_text(folder.authority());
+    const auto authority = text::file_text(folder.authority());
     if (!authority) return tl::unexpected(failed_to("read", folder.authority()));
     Names changed;
     for (const auto& name : names) {

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "asip/text/file_text.hpp"
 #include "asip/text/wall_time.hpp"
-#include "cli/file_text.hpp"
 #include "cli/secure/actions.hpp"
 #include "cli/secure/users.hpp"
 #include "cli/text/table.hpp"
@@ -39,7 +39,7 @@ Row broker_row(const SecureFolder& folder, const SecuredBus& bus, Context& conte
     for (const auto& host : bus.hosts)
         hosts += (hosts.empty() ? "" : " ") + mqtt::BrokerAddress{host, bus.port, true}.describe();
     Row row{"broker", "broker", {}, {}, folder.certificate().string(), hosts};
-    const auto text = file_text(folder.certificate());
+    const auto text = text::file_text(folder.certificate());
     const auto end = text ? end_of(*text) : Expected<CertificateTime>(fail("it cannot be read"));
     if (!end) {
         context.note(folder.certificate().string() + ": " + end.error() + "; asipctl secure init makes one");

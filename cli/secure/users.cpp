@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "asip/program/credentials.hpp"
+#include "asip/text/file_text.hpp"
 #include "asip/text/nearest.hpp"
 #include "asip/text/wall_time.hpp"
-#include "cli/file_text.hpp"
 #include "cli/secure/secrets.hpp"
 
 namespace asip::cli {
@@ -21,7 +21,7 @@ SecuredUser made_user(const std::string& name, Role role, const std::string& pas
 /// True: they are not as they were.
 Outcome<bool> write_credentials(const SecureFolder& folder, const SecuredBus& bus, const SecuredUser& user,
                                 const std::string& password) {
-    const auto authority = file_text(folder.authority());
+    const auto authority = text::file_text(folder.authority());
     if (!authority) return failure(program::kExitFailure, "cannot read " + folder.authority().string());
     return folder.write(folder.credentials(user.name), credentials_text(bus, user, password, *authority),
                         SecureFolder::Readers::kOwner);

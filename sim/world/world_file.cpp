@@ -3,12 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "asip/text/file_text.hpp"
 #include "asip/text/json_reader.hpp"
 
 namespace asip::sim::world {
@@ -108,11 +105,9 @@ Expected<std::shared_ptr<World>> parse_world(std::string_view text, const std::f
 }
 
 Expected<std::shared_ptr<World>> load_world(const std::filesystem::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream)
-        return fail(fmt::format("{}: cannot read the world file: {}", file.string(), std::strerror(errno)));
-    const std::string text{std::istreambuf_iterator<char>(stream), {}};
-    return parse_world(text, file);
+    const auto text = text::file_text(file);
+    if (!text) return fail(fmt::format("{}: cannot read the world file: {}", file.string(), text.error()));
+    return parse_world(*text, file);
 }
 
 }  // namespace asip::sim::world

@@ -198,6 +198,13 @@ std::string refusal(const BoardConfig& config) {
     return board ? "none" : board.error();
 }
 
+TEST(Board, EepromFileIsAFolder_Refused) {
+    TemporaryFolder folder;
+    auto config = Monitor::config();
+    config.eeprom = folder / "";
+    EXPECT_THAT(refusal(config), HasSubstr("cannot read the EEPROM file: is a folder"));
+}
+
 TEST(Board, MissingImage_RefusedByName) {
     auto config = Monitor::config();
     config.image = "/nowhere/sketch.elf";

@@ -250,6 +250,10 @@ std::string fault_of(std::string_view text) {
     return world ? "none" : world.error();
 }
 
+TEST(WorldFile, Folder_Refused) {
+    EXPECT_EQ(load_world("/tmp").error(), "/tmp: cannot read the world file: is a folder");
+}
+
 TEST(WorldFile, MeasuresAndObstacles_AreRead) {
     const auto world = parse_world(R"({"track":{"line":[[0,0],[100,0],[0,100]],"width":10,"off":15},
         "rover":{"wheel":40,"noise":2},"obstacles":[{"x":1,"y":2,"r":3}],"seed":7})",
