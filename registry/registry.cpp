@@ -104,7 +104,6 @@ void Registry::connected(std::size_t max_packet_bytes, Instant now) {
     endpoint_.set_max_bytes(max_packet_bytes);
     if (history_ != nullptr) history_->begin_reading();
     port_.publish(identity_.probe());
-    port_.publish(state("online"));
 
     const std::string mark = random_hex(random_, 16);
     settling_.begin(mark, now.time);
@@ -115,6 +114,8 @@ void Registry::connected(std::size_t max_packet_bytes, Instant now) {
     mqtt::Message probe;
     probe.topic = topics_.probe();
     port_.publish(std::move(probe));
+    // Last: a broker that cannot store it now may read nothing more from us for seconds.
+    port_.publish(state("online"));
 }
 
 void Registry::disconnected() {
@@ -212,7 +213,9 @@ void Registry::complete() {
     if (history_ != nullptr) history_->complete(catalogue_, now_);
     log::info("catalogue is complete", {{"boards", catalogue_.size()}});
     if (auto reset = feed_.reset(now_, 0)) publish(*reset);
-    publish_statistics();
+    // The broker has those of before, and what waits for an answer goes first.
+    const bool first = statistics_.counts.connections == 1;
+    first ? publish_statistics() : statistics_.postpone(now_.time);
 }
 
 void Registry::handle(const std::vector<Event>& events, bool decided_here) {

@@ -24,6 +24,8 @@ class Statistics {
     Counts counts;
 
     bool due(Time now) const { return now - last_ >= interval_; }
+    /// Not due before an interval is over.
+    void postpone(Time now) { last_ = now; }
     Duration age(Time now) const { return now - started_; }
     /// The payload of `$stats`: JSON, documented in docs/asip-registry.md. The next is due an interval later.
     std::string document(const Catalogue& catalogue, const std::string& epoch, std::uint64_t seq,

@@ -77,7 +77,8 @@ Shape Fleet::shape() const {
             .shares = network_ != nullptr ? std::min(kShares, options_.boards) : 0,
             .part = !engine_.part().empty(),
             .clock = !options_.clock.empty(),
-            .processes = options_.processes};
+            .processes = options_.processes,
+            .longest_stop = options_.longest_stop};
 }
 
 std::size_t Fleet::hosts(const FleetOptions& options) {

@@ -24,11 +24,12 @@ struct FleetOptions {
     std::size_t firmware = 1;  ///< so many of the boards are real firmware in a simulator
     std::size_t registries = 3;
     std::size_t clients = 3;
-    double per_board = 2;   ///< commands a second
-    Millis look = 30'000;   ///< at the most, for the recovery after a fault
-    bool processes = true;  ///< faults of processes and links, too
-    std::string clock{};    ///< libfaketime; empty: no faults of clocks
-    Millis steady = 1500;   ///< for so long the catalogues must stay right
+    double per_board = 2;          ///< commands a second
+    Millis look = 30'000;          ///< at the most, for the recovery after a fault
+    bool processes = true;         ///< faults of processes and links, too
+    std::string clock{};           ///< libfaketime; empty: no faults of clocks
+    Millis longest_stop = 20'000;  ///< of faults at random
+    Millis steady = 1500;          ///< for so long the catalogues must stay right
 };
 
 /// Registries, agents with scripted boards, clients and watchers around an engine, each with another node

@@ -160,6 +160,10 @@ int main(int argc, char** argv) {
     app.add_option("--clients", settings.fleet.clients, "That send commands")
         ->check(CLI::Range(1, 100))
         ->capture_default_str();
+    app.add_option("--longest", settings.fleet.longest_stop,
+                   "Milliseconds that faults at random last at the most, but for those that kill")
+        ->check(CLI::Range(5'000, 60'000))
+        ->capture_default_str();
     app.add_option("--logs", settings.logs, "Folder for the programs' logs after a violation")
         ->capture_default_str();
     CLI11_PARSE(app, argc, argv);

@@ -208,6 +208,22 @@ TEST_F(RegistryTest, AnotherOfItsIdStartsLater_IsNoReasonToEnd) {
     EXPECT_FALSE(registry.id_taken_by());
 }
 
+TEST_F(RegistryTest, ConnectionAgain_RetainedMessagesDoNotHoldUpAnswers) {
+    const std::string query = "asip/registry/r1/query", state = "asip/registry/r1/$state";
+    const std::string statistics = "asip/registry/r1/$stats";
+    registry.message(sent(query, 1), moment(0s));
+    registry.disconnected();
+    connection.published.clear();
+    registry.connected(0, moment(30s));
+    EXPECT_EQ(connection.published.back().topic, state) << "probes go before it";
+    registry.message(sent(query, 1), moment(30s));
+    registry.tick(moment(31s));
+    EXPECT_EQ(connection.count(statistics), 0u);
+    for (Duration time = 32s; time <= 45s; time += 1s)
+        registry.tick(moment(time));
+    EXPECT_GE(connection.count(statistics), 1u);
+}
+
 TEST_F(RegistryTest, ChangesBeforeTheCatalogueIsComplete_AreOneReset) {
     const std::string events = "asip/registry/r1/events";
     registry.message(bus_message("asip/servicebus/uno1/$description", description("uno1").payload),
