@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <mqtt_protocol.h>
+
 #include <algorithm>
 
 #include "asip/mqtt/client_impl.hpp"
@@ -39,6 +41,7 @@ void Client::Impl::connection_up(const Connected& connected) {
     up_since_ = last_granted_ = Clock::now();
     ++counters_.connects;
     brokers_.accepted();
+    usable_qos_.broker_allows(connection_->max_qos());
     subscriptions_.restart();
     send_subscriptions();
     if (!silent() && handlers_.on_connected) handlers_.on_connected(connected);
@@ -72,6 +75,8 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
         connect_next_address();
         return;
     }
+    // It is our will's. The same broker is asked again at once, with a lower one.
+    if (end.failure.code == MQTT_RC_QOS_NOT_SUPPORTED && usable_qos_.broker_allows(0)) return attempt();
     ++counters_.failures;
     const auto next = brokers_.failed(end, tried_v5_, options_.random);
     retry_after(next.wait);

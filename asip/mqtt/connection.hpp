@@ -5,6 +5,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -58,6 +59,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
     bool up() const { return phase_ == Phase::kUp; }
     bool v5() const { return v5_; }
+    /// What the broker allows; known once up().
+    int max_qos() const { return max_qos_; }
 
     /// Whether a PUBLISH would go straight to the socket.
     bool ready_to_write() const { return up() && !mosquitto_want_write(mosquitto_.get()); }
@@ -121,6 +124,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     bool closing_ = false;       ///< what the broker still sends is thrown away
     unsigned packets_seen_ = 0;  ///< counts callbacks, to learn whether reading again may give more
     int connack_code_ = 0;
+    std::uint8_t max_qos_ = 2;
     int disconnect_code_ = 0;
     std::string tls_detail_;
 };

@@ -50,6 +50,7 @@ void Connection::on_connect(int code, const mosquitto_property* properties) {
     if (mosquitto_property_read_int32(properties, MQTT_PROP_MAXIMUM_PACKET_SIZE, &limit, false) != nullptr) {
         connected.max_packet_bytes = limit;
     }
+    mosquitto_property_read_byte(properties, MQTT_PROP_MAXIMUM_QOS, &max_qos_, false);
     events_.connection_up(connected);
 }
 

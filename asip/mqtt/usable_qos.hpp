@@ -16,7 +16,15 @@ class UsableQos {
     explicit UsableQos(int highest) : highest_(highest) {}
 
     /// The one to use for what wants `wanted`.
-    int of(int wanted) const { return std::min(wanted, highest_); }
+    int of(int wanted) const { return std::min({wanted, highest_, allowed_}); }
+
+    /// What the broker of this connection allows (MQTT 5), until another one says otherwise. True: that is
+    /// less than was used.
+    bool broker_allows(int highest) {
+        const int before = of(1);
+        allowed_ = highest;
+        return of(1) < before;
+    }
 
     /// A broker refused a subscription with QoS 1, or closed the connection, after `waited` for it or for an
     /// acknowledgement. True: from now on QoS 0 is used in its place. Not with brokers that know MQTT 5,
@@ -29,6 +37,7 @@ class UsableQos {
 
   private:
     int highest_;
+    int allowed_ = 1;
 };
 
 }  // namespace asip::mqtt

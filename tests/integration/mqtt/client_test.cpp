@@ -22,6 +22,19 @@ TEST(Client, BrokerRunning_ConnectsWithVersion5) {
     EXPECT_TRUE(bus.failures.empty());
 }
 
+TEST(Client, BrokerWithoutQos1_IsUsedWithQos0) {
+    MosquittoBroker broker({.extra_lines = {"max_qos 0"}});
+    BusProbe probe(broker.port());
+    auto options = options_for(broker);
+    options.will = make_message("asip/lamp/state", "lost", 1);
+    Recorder bus(options);
+    bus.client->publish(make_message("out", "on", 1));
+    ASSERT_TRUE(bus.connect());
+    EXPECT_TRUE(bus.failures.empty());
+    EXPECT_TRUE(bus.until([&] { return probe.count("out") == 1; }));
+    EXPECT_THAT(bus.published, testing::ElementsAre("out"));
+}
+
 TEST(Client, HostGivenByName_IsLookedUpAndConnects) {
     MosquittoBroker broker;
     auto options = options_for(broker);

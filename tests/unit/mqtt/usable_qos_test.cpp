@@ -24,6 +24,16 @@ TEST(UsableQos, QuickFailureOrMqtt5_IsSomethingElse) {
     EXPECT_EQ(qos.of(1), 1);
 }
 
+TEST(UsableQos, BrokerAllowsLess_IsThatUntilAnotherAllowsMore) {
+    UsableQos qos(1);
+    EXPECT_FALSE(qos.broker_allows(2));
+    EXPECT_TRUE(qos.broker_allows(0));
+    EXPECT_EQ(qos.of(1), 0);
+    EXPECT_FALSE(qos.broker_allows(0)) << "told once";
+    EXPECT_FALSE(qos.broker_allows(2));
+    EXPECT_EQ(qos.of(1), 1);
+}
+
 TEST(UsableQos, ZeroFromTheStart_IsZero) {
     UsableQos qos(0);
     EXPECT_EQ(qos.of(1), 0);
