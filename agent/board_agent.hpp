@@ -116,7 +116,8 @@ class BoardAgent {
     std::optional<Time> armed_for_;
     std::uint64_t logged_dropped_ = 0;
     std::uint64_t logged_refused_ = 0;
-    std::uint64_t rejected_before_ = 0;    // by the broker, before this connection
+    mqtt::Counters counted_before_;        // this connection
+    std::size_t packet_limit_ = 0;         // of its broker, in bytes
     bool announcement_published_ = false;  // over this connection
     bool rejection_logged_ = false;        // of this connection
     bool denial_logged_ = false;           // since the last announcement that was taken

@@ -89,7 +89,8 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
     handlers.on_connected = [this](const mqtt::Connected& connected) {
         bus_outage_.over();
         announcement_published_ = rejection_logged_ = false;
-        rejected_before_ = bus_->counters().rejected;
+        counted_before_ = bus_->counters();
+        packet_limit_ = connected.max_packet_bytes;
         log_.info("broker connected",
                   {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
         bus_->discard_queued(mqtt::Priority::kAnnouncement);
@@ -266,14 +267,25 @@ void BoardAgent::note_published(const std::string& topic) {
 }
 
 void BoardAgent::log_rejections() {
-    if (!bus_ || rejection_logged_ || bus_->counters().rejected == rejected_before_) return;
+    if (!bus_ || rejection_logged_) return;
+    const auto counted = bus_->counters();
+    const auto refused = counted.rejected - counted_before_.rejected;
+    const bool too_large = counted.too_large > counted_before_.too_large;
+    if (refused == 0 && !too_large) return;
     rejection_logged_ = true;
+    if (too_large) {
+        log_.error(
+            "a message of this agent is larger than the broker takes; raise its limit (Mosquitto: "
+            "max_packet_size)",
+            {{"board", bridge_.name()}, {"broker's limit", packet_limit_}});
+        return;
+    }
     if (!announcement_published_) return announcing_denied();
     log_.warning(
         "the broker refuses some of what this agent publishes; look at its access control. Answers are "
         "written to the topics that requests name: on a secured bus " +
             options_.bridge.topic_root + "/reply/USER/" + bridge_.name() + "/...",
-        {{"board", bridge_.name()}, {"refused", bus_->counters().rejected - rejected_before_}});
+        {{"board", bridge_.name()}, {"refused", refused}});
 }
 
 /// Once until an announcement is taken: a broker may take long to be set right.

@@ -74,6 +74,7 @@ struct Counters {
     std::uint64_t refused = 0;          ///< publish() returned kRefused
     std::uint64_t expired = 0;          ///< not sent, because their time was over: see publish()
     std::uint64_t rejected = 0;         ///< acknowledged by the broker with an error (not authorised, quota)
+    std::uint64_t too_large = 0;        ///< not sent, because this broker takes no packet as large (MQTT 5)
     std::uint64_t connects = 0;         ///< accepted connections
     std::uint64_t failures = 0;         ///< failed attempts and lost connections
     std::size_t queued = 0;             ///< now

@@ -144,7 +144,7 @@ int Client::Impl::send(Outbox::Entry entry) {
         entry.message.qos = wanted;
         outbox_.put_back(std::move(entry));
     } else if (error != MOSQ_ERR_SUCCESS) {
-        ++counters_.rejected;
+        ++(error == MOSQ_ERR_OVERSIZE_PACKET ? counters_.too_large : counters_.rejected);
         debug_line("not published on " + entry.message.topic + ": " + mosquitto_strerror(error));
     } else if (entry.message.qos == 0) {
         ++counters_.published;

@@ -39,6 +39,16 @@ TEST(AgentBroker, AnnouncingDenied_IsWarnedOfWithWhatToDo) {
     EXPECT_TRUE(agent.process().running());
 }
 
+TEST(AgentBroker, AnnouncementLargerThanTheBrokerTakes_IsWarnedOfWithItsLimit) {
+    MosquittoBroker broker({.extra_lines = {"max_packet_size 300"}});
+    FakePort port;
+    Agent agent(broker, port.path());
+    const auto line = agent.process().wait_for_errors("larger than the broker takes");
+    ASSERT_TRUE(line) << agent.process().errors();
+    EXPECT_THAT(*line, HasSubstr("=300"));
+    EXPECT_THAT(agent.process().errors(), testing::Not(HasSubstr("access control")));
+}
+
 TEST(AgentBroker, EverythingAllowed_NoDenialIsWarnedOf) {
     TempDir folder;
     const auto rules = folder.write("acl", "user pi\ntopic readwrite #\n");
