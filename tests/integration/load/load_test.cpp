@@ -88,11 +88,11 @@ TEST_F(LoadTest, BoardsThatShareConnections_AreTheSameToTheRegistry) {
     const std::string lease = other_programs() ? "25" : "8";
     const auto load =
         start({"--boards", "200", "--boards-per-connection", "50", "--join-rate", "400", "--lease", lease,
-               "--step", "then die 10", "--step", "then flap 20 down 300ms", "--step", "then hang 6"});
+               "--step", "then die 10", "--step", "then flap 20 down 2s", "--step", "then hang 6"});
+    EXPECT_TRUE(wait_until([&] { return were_lost() >= 36; }, time_limit(10s)))
+        << were_lost() << " of 10 by a will, 20 for a moment, 6 by their leases";
     EXPECT_TRUE(counts("lost", 16));
     EXPECT_TRUE(counts("online", 184));
-    EXPECT_TRUE(wait_until([&] { return were_lost() >= 36; }, time_limit(2s)))
-        << were_lost() << " of 10 by a will, 20 for a moment, 6 by their leases";
     const auto result = report(*load);
     EXPECT_EQ(result.at("connections"), 4);
     EXPECT_EQ(result.at("connections_made"), 4 + result.at("connections_lost").get<int>());
