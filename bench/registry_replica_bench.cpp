@@ -46,11 +46,13 @@ bool complete(ChildProcess& registry, std::uint32_t boards, std::chrono::millise
         .has_value();
 }
 
-/// The boards of an answer, but for since when its registry knows them so.
+/// The boards of an answer, but for when its registry saw them first, and since when as they are.
 nlohmann::json items_of(const std::string& payload) {
     auto items = nlohmann::json::parse(payload).at("items");
-    for (auto& item : items)
+    for (auto& item : items) {
+        item.erase("first_seen");
         item.erase("since");
+    }
     return items;
 }
 

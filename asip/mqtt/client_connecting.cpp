@@ -38,7 +38,7 @@ void Client::Impl::connect_next_address() {
 
 void Client::Impl::connection_up(const Connected& connected) {
     was_up_ = true;
-    up_since_ = last_granted_ = Clock::now();
+    up_since_ = last_subscribing_ = Clock::now();
     ++counters_.connects;
     brokers_.accepted();
     usable_qos_.broker_allows(connection_->max_qos());
@@ -116,7 +116,7 @@ void Client::Impl::fail_if_stalled(Time now) {
         return;
     }
     for (const auto& [id, sent] : unacknowledged_) {
-        if (now - std::max(sent.sent, last_granted_) < options_.ack_timeout) continue;
+        if (now - std::max(sent.sent, last_subscribing_) < options_.ack_timeout) continue;
         stalled(" acknowledges nothing any more");
         return;
     }

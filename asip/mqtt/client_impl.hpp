@@ -99,7 +99,9 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     const std::string client_id_;  // the one that was asked for
 
     Subscriptions subscriptions_;
-    Time last_granted_{};  ///< or refused: when the broker was last busy with a subscription
+    /// When the broker was last busy with a subscription: granted or refused it, or delivered what it
+    /// retains.
+    Time last_subscribing_{};
     std::optional<Check> check_;
     Outbox outbox_;
     std::map<int, Unacknowledged> unacknowledged_;

@@ -35,6 +35,7 @@ bool is_connection_error(int error) {
 
 void Client::Impl::message_received(Message message) {
     ++counters_.received;
+    if (message.retain) last_subscribing_ = Clock::now();
     if (!silent() && handlers_.on_message) handlers_.on_message(message);
 }
 
@@ -80,7 +81,7 @@ void Client::Impl::send_subscriptions() {
 
 void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
     const auto now = Clock::now();
-    last_granted_ = now;
+    last_subscribing_ = now;
     const int code = granted.empty() ? 0 : granted.front();
     const bool complete_before = subscriptions_.all_granted();
     const auto refusal = subscriptions_.answered(id, code < kFirstErrorCode, now, options_.random);

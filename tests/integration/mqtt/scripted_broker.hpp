@@ -38,6 +38,10 @@ class ScriptedBroker {
 
     /// To whoever subscribes next, right behind the answer: a PUBLISH of QoS 1 on topic "t".
     void publish_to_subscriber() { publishes_ = true; }
+    /// To whoever subscribed last, who speaks MQTT 5.
+    void deliver(bool retained) {
+        send(*subscriber_, (retained ? "\x31" : "\x30") + std::string("\x05\x00\x01t\x00!", 6));
+    }
 
     int subscriptions = 0;
     int acknowledgements = 0;  ///< PUBACKs that came
@@ -96,6 +100,7 @@ class ScriptedBroker {
                  peer->v5 ? std::string("\x20\x03\x00\x00\x00", 5) : std::string("\x20\x02\x00\x00", 4));
         } else if (type == 0x80) {
             ++subscriptions;
+            subscriber_ = peer;
             subscribed_qos.push_back(packet.back() & 3);
             if (gives_up_after_.count() > 0 && subscribed_qos.back() > 0)
                 return later(peer, [this, peer, packet] { reply(peer, suback(*peer, packet, '\x80')); });
@@ -143,6 +148,7 @@ class ScriptedBroker {
 
     boost::asio::io_context io_;
     boost::asio::ip::tcp::acceptor acceptor_;
+    std::shared_ptr<Peer> subscriber_;
     int refusals_ = 0;
     bool silent_ = false;
     bool publishes_ = false;

@@ -163,6 +163,28 @@ TEST_F(SubscriptionTest, AnswerToASubscriptionTakesLongerThanAckTimeout_KeepsThe
     ASSERT_TRUE(until(bus, [&] { return bus.client->subscribed() && !bus.published.empty(); }));
 }
 
+TEST_F(SubscriptionTest, RetainedMessagesTakeLongerThanAckTimeout_KeepTheConnection) {
+    auto patient = options();
+    patient.ack_timeout = 1s;
+    Recorder bus(patient);
+    bus.client->subscribe("t", {.qos = 0});
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] { return bus.client->subscribed(); }));
+    broker.answer_nothing_after_connect();
+    bus.client->publish(make_message("state", "online", 1));
+    const auto lost_while = [&](bool retained) {
+        return until(
+            bus,
+            [&] {
+                broker.deliver(retained);
+                return !bus.losses.empty();
+            },
+            3500ms);
+    };
+    EXPECT_FALSE(lost_while(true)) << bus.losses[0].text;
+    EXPECT_TRUE(lost_while(false)) << "what others publish says nothing about acknowledgements";
+}
+
 TEST_F(SubscriptionTest, SubscriptionNeverAnswered_IsStalledAfterItsOwnTime) {
     broker.answer_nothing_after_connect();
     auto patient = options();
