@@ -17,6 +17,9 @@ using program::log::Level;
 
 namespace {
 
+// Of a stop that has nothing to undo: only an answer of the board shows that it is there.
+constexpr const char* kQuestion = "#,?";
+
 std::string milliseconds(Duration time) {
     return std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(time).count()) + " ms";
 }
@@ -74,7 +77,7 @@ void Safety::done(const SafeLines::Done& line, Time now, Effects& out) {
     for (Stop& stop : stops_) {
         if (stop.open.erase(line.line) == 0) continue;
         if (line.executed) {
-            stop.executed.push_back(line.line);
+            if (line.line != kQuestion) stop.executed.push_back(line.line);
         } else if (!stop.error) {
             stop.error = line;
         }
@@ -144,12 +147,13 @@ void Safety::on_stop(const mqtt::Message& message, std::size_t waiting, const se
         lines.push_back(hold.safe);
     for (const auto& service : services.entries())
         if (service.model) lines.insert(lines.end(), service.model->safe.begin(), service.model->safe.end());
+    if (lines.empty()) lines.emplace_back(kQuestion);
     for (const auto& line : lines)
         lines_.add(line);
     lines_.send(session, now, actions);
     stop.refused = waiting + session.cancel_waiting(actions);
     stop.open.insert(lines.begin(), lines.end());
-    if (stop.open.empty() || stops_.size() >= kMaxStops) return answer(stop, stop.open.empty(), now, out);
+    if (stops_.size() >= kMaxStops) return answer(stop, false, now, out);
     stops_.push_back(std::move(stop));
 }
 

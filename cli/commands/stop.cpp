@@ -2,6 +2,7 @@
 #include "cli/commands/stop.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <list>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -45,12 +46,18 @@ class Stopper {
         BusSession::Request request;
     };
 
+    /// The agent's answer that the board did not confirm is to come before the end of our patience.
+    std::string payload() const {
+        const auto deadline = std::clamp<std::int64_t>(context_.timeout.count() * 9 / 10, 50, 60000);
+        return nlohmann::json{{"deadline_ms", deadline}}.dump();
+    }
+
     void stop(const std::string& board) {
         const auto same = [&board](const Asked& one) { return one.board == board; };
         if (std::any_of(asked_.begin(), asked_.end(), same)) return;
         auto& asked = asked_.emplace_back(Asked{board, std::nullopt, {}});
         asked.request = session_.ask(
-            context_.topics.stop(board), "{}",
+            context_.topics.stop(board), payload(),
             [&asked](const mqtt::Message& message) {
                 if (asked.reply) return;
                 const auto reply = bus::parse_reply(message.payload);

@@ -2,6 +2,7 @@
 // The main job from end to end: firmware in a simulated Uno, asip-agent, asip-registry, asipctl.
 #include <gmock/gmock.h>
 
+#include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "tests/integration/cli/bus_fixture.hpp"
@@ -46,6 +47,17 @@ INSTANTIATE_TEST_SUITE_P(Firmware, RealBoardTest,
                              return std::string(test.param).find("04") == std::string::npos ? "Ours"
                                                                                             : "Asip04";
                          });
+
+TEST_P(RealBoardTest, StopOfABoardThatIsGone_IsNoSuccessAndBlamesTheBoard) {
+    EXPECT_EQ(asipctl({"stop", "desk"}).status, 0);
+    sim_.signal(SIGTERM);
+    ASSERT_TRUE(probe_.wait_for("asip/servicebus/desk/$state", "lost"));
+    const auto stopped = asipctl({"stop", "desk", "--timeout", "2s"});
+    EXPECT_EQ(stopped.status, 4);
+    EXPECT_THAT(stopped.output, HasSubstr("not stopped"));
+    EXPECT_EQ(stopped.errors,
+              "asipctl: desk: the board did not confirm it; it is stopped as soon as it answers\n");
+}
 
 TEST_P(RealBoardTest, ListShowSendAndSubscribe_WorkOnIt) {
     EXPECT_THAT(asipctl({"list", "--from-bus"}).output,

@@ -76,6 +76,13 @@ TEST_F(StopTest, NoConfirmation_IsStatus4AndTheOtherBoardIsStoppedAllTheSame) {
     EXPECT_THAT(stopped.output, HasSubstr("not stopped"));
 }
 
+TEST_F(StopTest, AgentThatWaitsForItsBoard_AnswersBeforeThePatienceEnds) {
+    stop({"robot", "--timeout", "2s"}, {{"robot", kStopped}});
+    const auto request = probe_.wait_for("asip/robot/$stop");
+    ASSERT_TRUE(request);
+    EXPECT_EQ(json::parse(request->payload), json::parse(R"({"deadline_ms":1800})"));
+}
+
 TEST_F(StopTest, BoardRefuses_IsStatus1WithItsWords) {
     const auto stopped = stop(
         {"robot"},

@@ -175,11 +175,35 @@ TEST_F(StoppedBoard, ManyStopsAtOnce_AreEachAnsweredAndBounded) {
     EXPECT_EQ(bench.on("stops").size(), 1000u);
 }
 
-TEST(StopWithoutActuators, IsAnsweredOk) {
+TEST(StopWithoutActuators, BoardAnswersAQuestion_IsOk) {
     BridgeBench bench;
     bench.go_online();
     bench.hear(kStop, R"({"id":"s","reply_to":"stops"})");
-    EXPECT_EQ(json::parse(bench.on("stops").at(0))["answer"], json::parse(R"({"executed":[],"refused":0})"));
+    EXPECT_EQ(json::parse(bench.on("stops").at(0)), json::parse(R"({"id":"s","status":"ok","proof":"fence",
+        "answer":{"executed":[],"refused":0}})"));
+}
+
+TEST(StopWithoutActuators, BoardThatIsGone_ConfirmsNothing) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.unplug();
+    bench.hear(kStop, R"({"id":"s","reply_to":"stops"})");
+    EXPECT_THAT(bench.on("stops"), IsEmpty());
+    bench.pass(5s);
+    ASSERT_EQ(bench.on("stops").size(), 1u);
+    const auto answer = json::parse(bench.on("stops")[0]);
+    EXPECT_EQ(answer["status"], "timeout");
+    EXPECT_EQ(answer["reason"], "board-not-there");
+}
+
+TEST(StopWithoutActuators, BoardThatIsSilent_ConfirmsNothing) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.board.mute = true;
+    bench.hear(kStop, R"({"id":"s","reply_to":"stops"})");
+    bench.pass(6s);
+    ASSERT_EQ(bench.on("stops").size(), 1u);
+    EXPECT_EQ(json::parse(bench.on("stops")[0])["status"], "timeout");
 }
 
 TEST(StopBeforeTheNameIsOurs, IsNotExecuted) {
