@@ -45,12 +45,10 @@ constexpr const char* kExamples =
     "          [board porch]\n"
     "          tcp = 192.168.1.20:5005\n"
     "\n"
-    "Exit status: 0 stopped by a signal; 2 bad option; 3 the broker refused the connection; 5 port busy, no "
-    "permission, or no "
-    "ASIP\n"
-    "board there; 6 another agent holds the board's name. With several boards 3, 5 and 6 end none but that "
-    "one,\n"
-    "which is started again.";
+    "Exit status: 0 stopped by a signal; 1 cannot listen for clients, or failed while running;\n"
+    "2 bad option; 3 the broker refused the connection; 5 port busy, no permission, or no ASIP board\n"
+    "there; 6 another agent holds the board's name. With several boards 1, 3, 5 and 6 end none but\n"
+    "that one, which is started again.";
 
 // What belongs to one board, so that it cannot be said for all of them.
 struct OfOneBoard {

@@ -28,8 +28,13 @@ Unexpected<BadRequest> bad(ReplyTo reply, std::string error) {
     return Unexpected<BadRequest>(BadRequest{std::move(reply), std::move(error)});
 }
 
+// At the end of a character of UTF-8.
 std::string cut_name(std::string name) {
-    name.resize(std::min(name.size(), kMaxByBytes));
+    if (name.size() <= kMaxByBytes) return name;
+    auto end = kMaxByBytes;
+    while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80)
+        --end;
+    name.resize(end);
     return name;
 }
 

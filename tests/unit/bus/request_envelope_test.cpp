@@ -89,6 +89,19 @@ TEST(Envelope, Unusable_IsRefusedAndTheRequesterIsStillKnown) {
     }
 }
 
+TEST(Envelope, WhoAsksAtTooGreatLength_IsCutBehindAWholeCharacter) {
+    const std::string fits(kMaxByBytes, 'x');
+    for (const auto& [by, kept] : {std::pair{fits, fits},
+                                   {fits + "x", fits},
+                                   {fits.substr(1) + "\u00e4", fits.substr(1)},
+                                   {fits.substr(2) + "\u20ac", fits.substr(2)},
+                                   {fits.substr(2) + "\u00e4x", fits.substr(2) + "\u00e4"}}) {
+        const auto envelope = open_envelope(request(R"({"by":")" + by + R"(","reply_to":"mine"})"));
+        ASSERT_TRUE(envelope) << by;
+        EXPECT_EQ(envelope->reply.by, kept);
+    }
+}
+
 TEST(Envelope, IdThatIsNone_RequesterNamedByReplyToIsStillKnown) {
     for (const auto& id : {std::string("true"), std::string("null"), std::string("[]"), std::string("{}"),
                            '"' + std::string(kMaxRequestIdBytes + 1, 'x') + '"'}) {
