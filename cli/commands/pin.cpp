@@ -111,6 +111,7 @@ class PinAccess {
             return failure(program::kExitFailure, "the board did not report which analog channel pin " +
                                                       std::to_string(pin) + " is");
         const auto key = std::to_string(*channel);
+        const auto demand = session_.demand(board_.item.board, service_);
         const auto patience = std::min<Duration>(context_.timeout, std::chrono::seconds(2));
         session_.run_until([&] { return latest("analog", key).has_value(); }, Clock::now() + patience);
         result.value = latest("analog", key);

@@ -109,6 +109,15 @@ TEST_F(ReportsOnDemand, PlainClients_GetTheRestingPeriod_AndPeopleSeeIt) {
     EXPECT_THAT(nonsense.errors, HasSubstr("--fastest-period: 0s is not 1 ms to 65535 ms"));
 }
 
+TEST_F(ReportsOnDemand, AnalogPinThatIsRead_IsReportedMeanwhile) {
+    start_agent();
+    ASSERT_TRUE(period_becomes(0)) << agent->process().errors();
+    ChildProcess reading({ASIP_PROGRAMS "/asipctl", "pin", "uno1", "A0", "--broker", broker.address(),
+                          "--from-bus", "-o", "jsonl"});
+    EXPECT_EQ(reading.wait_exit(), 0) << reading.errors();
+    EXPECT_THAT(reading.output(), HasSubstr("\"value\":"));
+}
+
 TEST_F(ReportsOnDemand, FloodOfTenThousandDemanders_IsBoundedAndHoldsUpNobody) {
     start_agent();
     ASSERT_TRUE(period_becomes(0));
