@@ -135,6 +135,7 @@ void Registry::message(const mqtt::Message& message, Instant now) {
             const std::string_view rest = std::string_view(message.topic).substr(topics_.root().size() + 1);
             tidier_.retained(message.topic, rest.substr(0, rest.find('/')));
         }
+        catalogue_.count_refused(Refusal::kBadName);
         return refused(message, {}, Refusal::kBadName);
     }
     switch (topic->kind) {

@@ -133,6 +133,10 @@ void Catalogue::for_each(const std::function<void(std::string_view, model::Board
     }
 }
 
+void Catalogue::count_refused(Refusal refusal) {
+    ++impl_->stats_.refused[static_cast<std::size_t>(refusal)];
+}
+
 CatalogueStats Catalogue::stats() const {
     CatalogueStats stats = impl_->stats_;
     for (std::size_t state = 0; state < kStates; ++state)

@@ -176,6 +176,8 @@ class Catalogue {
     /// Each board with its effective state, in no order.
     void for_each(const std::function<void(std::string_view board, model::BoardState)>& visit) const;
     CatalogueStats stats() const;
+    /// Of a message whose topic is not one of the bus: it is counted with those that apply() refused.
+    void count_refused(Refusal refusal);
     /// Services now, by kind.
     std::vector<std::pair<std::string, std::size_t>> services_by_kind() const;
 

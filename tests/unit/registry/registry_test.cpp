@@ -224,6 +224,16 @@ TEST_F(RegistryTest, ConnectionAgain_RetainedMessagesDoNotHoldUpAnswers) {
     EXPECT_GE(connection.count(statistics), 1u);
 }
 
+TEST_F(RegistryTest, NamesThatAreNone_AreCountedWhereverTheyStand) {
+    registry.message(bus_message("asip/servicebus/un o/$state", "online"), moment(0s));
+    registry.message(bus_message("asip/servicebus/registry/$state", "online"), moment(0s));
+    registry.message(bus_message("asip/servicebus", "un o"), moment(0s));
+    registry.message(sent("asip/registry/r1/query", 1), moment(1s));
+    for (Duration time = 2s; time <= 30s; time += 1s)
+        registry.tick(moment(time));
+    EXPECT_EQ(connection.last("asip/registry/r1/$stats").at("refused"), json({{"bad-name", 3}}));
+}
+
 TEST_F(RegistryTest, ChangesBeforeTheCatalogueIsComplete_AreOneReset) {
     const std::string events = "asip/registry/r1/events";
     registry.message(bus_message("asip/servicebus/uno1/$description", description("uno1").payload),
