@@ -16,6 +16,7 @@ namespace {
 
 constexpr Duration kGoodbye = std::chrono::seconds(5);
 constexpr auto kProgress = std::chrono::seconds(10);
+constexpr auto kAnswersTick = std::chrono::milliseconds(10);
 
 }  // namespace
 
@@ -25,13 +26,19 @@ Application::Application(LoadOptions options)
       plan_(options_.steps, options_.fleet.boards),
       stop_signal_(io_, [this](int) { stop(); }),
       steps_timer_(io_),
-      progress_timer_(io_) {
+      progress_timer_(io_),
+      answers_timer_(io_) {
     const auto& fleet = options_.fleet;
     fleet_.on_hopeless = [this](const std::string& why) { hopeless(why); };
     if (options_.watch) watch_.emplace(io_, fleet.mqtt, fleet.topic_root, fleet.prefix, fleet_);
     if (options_.commands_per_second > 0)
         commander_.emplace(io_, fleet.mqtt, fleet.topic_root, options_.kind, fleet_,
                            options_.commands_per_second);
+    if (options_.queries_per_second > 0)
+        queries_.emplace(io_, fleet.mqtt, fleet.topic_root, options_.kind, fleet_,
+                         options_.queries_per_second);
+    if (options_.watchers > 0)
+        watchers_.emplace(io_, fleet.mqtt, fleet.topic_root, options_.watchers, fleet_);
 }
 
 int Application::run() {
@@ -40,6 +47,8 @@ int Application::run() {
                               {"broker", options_.fleet.mqtt.brokers.front().describe()}});
     if (watch_) watch_->start();
     if (commander_) commander_->start();
+    if (queries_) queries_->start();
+    if (watchers_) watchers_->start();
     started_ = Clock::now();
     schedule_steps();
     schedule_progress();
@@ -85,9 +94,23 @@ void Application::stop() {
     steps_timer_.cancel();
     progress_timer_.cancel();
     if (commander_) commander_->stop();
+    if (queries_) queries_->stop();
     report_.seconds = std::chrono::duration<double>(Clock::now() - started_).count();
     report_.tally = fleet_.tally();
-    if (!watch_ || no_broker_) return finish();
+    if (no_broker_) return finish();
+    await_answers();
+}
+
+void Application::await_answers() {
+    const Time now = Clock::now();
+    const bool commanded = !commander_ || commander_->idle(now);
+    if (commanded && (!queries_ || queries_->idle(now))) return compare();
+    answers_timer_.expires_after(kAnswersTick);
+    answers_timer_.async_wait([this](const boost::system::error_code&) { await_answers(); });
+}
+
+void Application::compare() {
+    if (!watch_) return finish();
     watch_->compare(options_.settle, [this] { compared(); });
 }
 
@@ -103,6 +126,11 @@ void Application::finish() {
     report_.present = fleet_.present();
     report_.announced = fleet_.announced();
     if (commander_) report_.commands = commander_->tally();
+    if (queries_) report_.queries = queries_->tally();
+    if (watchers_) {
+        report_.watchers = watchers_->tally();
+        watchers_->stop();
+    }
     report_.usage = program::process_usage();
     fleet_.end(no_broker_ ? Duration{} : kGoodbye, [this] {
         stop_signal_.cancel();

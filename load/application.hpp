@@ -8,8 +8,10 @@
 #include "load/commander.hpp"
 #include "load/fleet.hpp"
 #include "load/options.hpp"
+#include "load/queries.hpp"
 #include "load/report.hpp"
 #include "load/watch.hpp"
+#include "load/watchers.hpp"
 
 namespace asip::load {
 
@@ -25,6 +27,8 @@ class Application {
     void schedule_steps();
     void schedule_progress();
     void stop();
+    void await_answers();
+    void compare();
     void compared();
     void hopeless(const std::string& why);
     void finish();
@@ -36,9 +40,12 @@ class Application {
     Plan plan_;
     std::optional<Watch> watch_;
     std::optional<Commander> commander_;
+    std::optional<Queries> queries_;
+    std::optional<Watchers> watchers_;
     program::StopSignal stop_signal_;
     boost::asio::steady_timer steps_timer_;
     boost::asio::steady_timer progress_timer_;
+    boost::asio::steady_timer answers_timer_;
     Time started_{};
     Report report_;
     bool stopping_ = false;

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "load/commander.hpp"
 
-#include <algorithm>
-
 namespace asip::load {
 namespace {
 
 constexpr auto kTick = std::chrono::milliseconds(5);
-constexpr Duration kPatience = std::chrono::seconds(10);
 // At boards in one turn, whether they can be commanded.
 constexpr std::size_t kLooks = 5000;
-constexpr std::size_t kMaxWaiting = 2000;
 
 mqtt::Options commander_options(mqtt::Options options) {
     options.client_id += "-commands";
@@ -24,7 +20,6 @@ Commander::Commander(boost::asio::io_context& io, mqtt::Options options, const s
     : kind_(kind),
       fleet_(fleet),
       topics_(topic_root),
-      per_second_(per_second),
       requester_(options.client_id + "-commands",
                  bus::ReplyTopics(topics_, options.user, options.client_id + "-commands")),
       client_(io, commander_options(options),
@@ -36,13 +31,15 @@ Commander::Commander(boost::asio::io_context& io, mqtt::Options options, const s
                .on_subscribe_refused = {},
                .on_debug = {},
                .on_subscribed = {}}),
-      timer_(io) {
+      timer_(io),
+      pace_(per_second) {
     client_.subscribe(requester_.replies().filter(), {.qos = 1});
 }
 
 void Commander::start() {
     client_.start();
-    since_ = swept_ = Clock::now();
+    swept_ = Clock::now();
+    pace_.begin(swept_);
     schedule();
 }
 
@@ -51,24 +48,22 @@ void Commander::schedule() {
     timer_.async_wait([this](const boost::system::error_code& error) {
         if (error || stopped_) return;
         const Time now = Clock::now();
-        due_ += std::chrono::duration<double>(now - since_).count() * per_second_;
-        since_ = now;
+        pace_.pass(now);
         if (client_.subscribed() && fleet_.announced() > 0) send_due();
-        due_ = std::min(due_, per_second_);
         if (now - swept_ > std::chrono::seconds(1)) forget_overdue(now);
         schedule();
     });
 }
 
 void Commander::send_due() {
-    for (std::size_t looked_at = 0; due_ >= 1 && looked_at < kLooks; ++looked_at) {
+    for (std::size_t looked_at = 0; pace_.due() && looked_at < kLooks; ++looked_at) {
         const std::size_t number = next_++;
         const std::size_t board = number % fleet_.size();
         if (fleet_.expected(board) != "online") continue;
         const auto& service = kind_.services[(number / fleet_.size()) % kind_.services.size()];
         if (service.command.empty()) continue;
-        due_ -= 1;
-        if (waiting_.size() >= kMaxWaiting)
+        pace_.done();
+        if (pending_.full())
             ++tally_.left_out;
         else
             send(board, service);
@@ -84,25 +79,29 @@ void Commander::send(std::size_t board, const BoardKind::Service& service) {
     const Time now = Clock::now();
     auto request = requester_.ask(message, client_.v5(), [this, id, now](const mqtt::Message& answer) {
         const auto reply = bus::parse_reply(answer.payload);
-        if (!reply || !waiting_.erase(*id)) return;
+        if (!reply || !pending_.end(*id)) return;
         ++(reply->succeeded() ? tally_.ok : tally_.refused);
         tally_.answered.add(Clock::now() - now);
     });
     *id = request.id();
     ++tally_.sent;
-    waiting_.emplace(*id, Waiting{std::move(request), now});
+    pending_.add(std::move(request), now);
     client_.publish(std::move(message), mqtt::Priority::kReply);
 }
 
 void Commander::forget_overdue(Time now) {
     swept_ = now;
-    tally_.unanswered +=
-        std::erase_if(waiting_, [&](const auto& one) { return now - one.second.sent > kPatience; });
+    tally_.unanswered += pending_.forget_overdue(now).size();
+}
+
+bool Commander::idle(Time now) {
+    forget_overdue(now);
+    return pending_.empty();
 }
 
 CommandTally Commander::tally() const {
     auto result = tally_;
-    result.unanswered += waiting_.size();
+    result.unanswered += pending_.kinds().size();
     return result;
 }
 

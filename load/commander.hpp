@@ -3,12 +3,13 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <string>
-#include <unordered_map>
 
 #include "asip/bus/reply.hpp"
 #include "asip/bus/requester.hpp"
 #include "asip/mqtt/client.hpp"
 #include "load/fleet.hpp"
+#include "load/pace.hpp"
+#include "load/pending.hpp"
 
 namespace asip::load {
 
@@ -28,14 +29,11 @@ class Commander {
     void start();
     /// Sends no more; answers that are under way are still counted.
     void stop() { timer_.cancel(), stopped_ = true; }
+    /// No answer is awaited any more. For who waits for that after stop().
+    bool idle(Time now);
     CommandTally tally() const;
 
   private:
-    struct Waiting {
-        bus::Requester::Request request;
-        Time sent;
-    };
-
     void schedule();
     void send_due();
     void send(std::size_t board, const BoardKind::Service& service);
@@ -44,14 +42,12 @@ class Commander {
     const BoardKind& kind_;
     const Fleet& fleet_;
     bus::Topics topics_;
-    double per_second_;
     bus::Requester requester_;
     mqtt::Client client_;
     boost::asio::steady_timer timer_;
-    Time since_{};
-    double due_ = 0;
+    Pace pace_;
+    Pending pending_;
     std::size_t next_ = 0;
-    std::unordered_map<std::string, Waiting> waiting_;
     Time swept_{};
     CommandTally tally_;
     bool stopped_ = false;

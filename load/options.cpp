@@ -14,6 +14,7 @@
 #include "asip/program/open_files.hpp"
 #include "asip/program/options.hpp"
 #include "asip/text/duration.hpp"
+#include "load/queries.hpp"
 
 namespace asip::load {
 namespace {
@@ -36,6 +37,8 @@ constexpr const char* kExamples =
     "minute.\n"
     "  asip-load --boards 200 --values 10 --commands 500 --time 30s -o json\n"
     "      Each service reports ten times a second, and 500 commands a second are sent.\n"
+    "  asip-load --boards 500 --queries 200 --watchers 50 --step '30s flap 1% every 10s' --time 1m\n"
+    "      What registries bear: 200 questions a second, and 50 programs that follow their changes.\n"
     "\n"
     "Steps: AT VERB BOARDS [over TIME] [down TIME] [every TIME]. AT is a time since the start, or `then`: "
     "once "
@@ -48,13 +51,15 @@ constexpr const char* kExamples =
     "  hang   nothing more is said: the lease runs out\n"
     "  leave  goodbye\n"
     "\n"
-    "Exit status: 0 every board was announced, and registries agree; 1 not so; 2 bad option; 3 no broker; 6 "
+    "Exit status: 0 every board was announced, registries agree, and no answer is wrong; 1 not so; 2 bad "
+    "option; 3 no broker; 6 "
     "the\nnames of boards are held by others.";
 
 // Of each connection: its socket, a second name of it, and the two ends by which libmosquitto can be woken.
 constexpr std::size_t kFilesOfAConnection = 4;
 constexpr std::size_t kOtherFiles = 64;
 constexpr std::size_t kMaxBoards = 1'000'000;
+constexpr std::size_t kMaxWatchers = 10'000;
 
 struct Raw {
     program::BrokerOptions broker;
@@ -68,7 +73,8 @@ struct Raw {
     std::vector<std::string> steps;
     std::string script, time, settle = "10s";
     bool watch = false;
-    double values = 0, commands = 0;
+    double values = 0, commands = 0, queries = 0;
+    std::size_t watchers = 0;
     std::string output = "table";
 };
 
@@ -128,6 +134,17 @@ void declare_run(CLI::App& app, program::Settings& settings, Raw& raw) {
         ->capture_default_str()
         ->group(group);
     settings
+        .setting(app.add_option("--queries", raw.queries, "Questions a second that registries are asked"))
+        ->check(CLI::Range(0.0, 1e5))
+        ->capture_default_str()
+        ->group(group);
+    settings
+        .setting(app.add_option("--watchers", raw.watchers,
+                                "Programs that follow the registries' changes, each over its own connection"))
+        ->check(CLI::Range(std::size_t{0}, kMaxWatchers))
+        ->capture_default_str()
+        ->group(group);
+    settings
         .setting(app.add_flag("--watch", raw.watch,
                               "Listen to the registries, and compare their catalogues with the truth at the "
                               "end"))
@@ -154,7 +171,13 @@ std::size_t local_ports() {
 
 Expected<std::size_t> sharing(const Raw& raw) {
     const auto files = program::allow_many_open_files();
-    const auto needed = boards_per_connection(raw.boards, files, local_ports());
+    const auto ports = local_ports();
+    const std::size_t others = raw.watchers + (raw.queries > 0 ? Queries::kConnections : 0);
+    if (kOtherFiles + (others + 1) * kFilesOfAConnection > files || others >= ports)
+        return fail("--watchers " + std::to_string(raw.watchers) + ": this machine's limits (" +
+                    std::to_string(files) + " open files) do not allow as many; raise them: ulimit -n");
+    const auto needed =
+        boards_per_connection(raw.boards, files - others * kFilesOfAConnection, ports - others);
     if (raw.per_connection == 0) {
         if (needed > 1)
             log::warning(
@@ -255,6 +278,8 @@ Expected<LoadOptions, int> read_options(int argc, const char* const* argv) {
     fleet.started_unix = static_cast<std::uint64_t>(std::time(nullptr));
     options.watch = raw.watch;
     options.commands_per_second = raw.commands;
+    options.queries_per_second = raw.queries;
+    options.watchers = raw.watchers;
     options.json = raw.output == "json";
     return options;
 }

@@ -19,6 +19,8 @@ struct LoadOptions {
     bool watch = false;
     Duration settle = std::chrono::seconds(10);  ///< for the comparison with registries at the end
     double commands_per_second = 0;
+    double queries_per_second = 0;
+    std::size_t watchers = 0;
     bool json = false;
 };
 

@@ -35,6 +35,30 @@ std::string agreement(const Watched& watched) {
                        text::duration_text(*watched.agreed));
 }
 
+json json_of(const QueryTally& queries) {
+    json kinds;
+    for (std::size_t i = 0; i < kQuestionKinds; ++i) {
+        const auto& kind = queries.kinds[i];
+        kinds[std::string(name_of(QuestionKind{static_cast<std::uint8_t>(i)}))] = {
+            {"asked", kind.asked},     {"answered", kind.answered}, {"unanswered", kind.unanswered},
+            {"refused", kind.refused}, {"wrong", kind.wrong},       {"took", json_of(kind.took)}};
+    }
+    return {{"kinds", std::move(kinds)}, {"left_out", queries.left_out}};
+}
+
+json json_of(const WatchersTally& watchers) {
+    json document = {{"watchers", watchers.watchers},
+                     {"listening", watchers.listening},
+                     {"connections_lost", watchers.connections_lost},
+                     {"attempts_failed", watchers.attempts_failed}};
+    for (const auto& [id, seen] : watchers.registries)
+        document["registries"][id] = {
+            {"events", seen.events},        {"different", seen.different}, {"very_late", seen.very_late},
+            {"resets", seen.resets},        {"gaps", seen.gaps},           {"left_out", seen.left_out},
+            {"first", json_of(seen.first)}, {"last", json_of(seen.last)}};
+    return document;
+}
+
 class Table {
   public:
     template <class... Values>
@@ -47,11 +71,37 @@ class Table {
     std::string text_;
 };
 
+void add_rows(Table& table, const QueryTally& queries) {
+    for (std::size_t i = 0; i < kQuestionKinds; ++i) {
+        const auto& kind = queries.kinds[i];
+        if (kind.asked == 0) continue;
+        table.row(fmt::format("asked: {}", name_of(QuestionKind{static_cast<std::uint8_t>(i)})),
+                  "{}: {} answered, {} unanswered, {} refused, {} wrong", kind.asked, kind.answered,
+                  kind.unanswered, kind.refused, kind.wrong);
+        table.row("  answered after", "{}", text_of(kind.took));
+    }
+    if (queries.answered() == 0) table.row("asked", "no question was answered");
+    if (queries.left_out > 0) table.row("not asked", "{}: too many waited", queries.left_out);
+}
+
+void add_rows(Table& table, const WatchersTally& watchers) {
+    table.row("watchers", "{} of {} listen at the end, {} connections lost, {} attempts failed",
+              watchers.listening, watchers.watchers, watchers.connections_lost, watchers.attempts_failed);
+    for (const auto& [id, seen] : watchers.registries) {
+        table.row("  events of " + id, "{} in sum, {} different, {} numbers left out, {} resets", seen.events,
+                  seen.different, seen.left_out, seen.resets);
+        if (seen.very_late > 0) table.row("  very late", "{}", seen.very_late);
+        table.row("  seen by the first", "{}", text_of(seen.first));
+        table.row("  seen by the last", "{}", text_of(seen.last));
+    }
+}
+
 }  // namespace
 
 bool Report::good() const {
     return tally.descriptions > 0 && announced == present && tally.conflicts == 0 &&
            (!watched || !registries.empty()) &&
+           (!queries || (queries->answered() > 0 && queries->wrong() == 0)) &&
            std::all_of(registries.begin(), registries.end(),
                        [](const auto& one) { return one.second.agreed.has_value(); });
 }
@@ -92,11 +142,15 @@ json to_json(const Report& report) {
         document["commands"] = {{"sent", commands->sent},         {"ok", commands->ok},
                                 {"refused", commands->refused},   {"unanswered", commands->unanswered},
                                 {"left_out", commands->left_out}, {"answered", json_of(commands->answered)}};
+    if (report.queries) document["queries"] = json_of(*report.queries);
+    if (report.watchers) document["watchers"] = json_of(*report.watchers);
     for (const auto& [id, watched] : report.registries) {
-        document["registries"][id] = {{"events", watched.events},      {"resets", watched.resets},
-                                      {"gaps", watched.gaps},          {"online", json_of(watched.online)},
-                                      {"lost", json_of(watched.lost)}, {"listed", watched.listed},
-                                      {"wrong", watched.wrong},        {"examples", watched.examples}};
+        document["registries"][id] = {
+            {"events", watched.events},          {"resets", watched.numbers.resets},
+            {"gaps", watched.numbers.gaps},      {"left_out", watched.numbers.left_out},
+            {"online", json_of(watched.online)}, {"lost", json_of(watched.lost)},
+            {"listed", watched.listed},          {"wrong", watched.wrong},
+            {"examples", watched.examples}};
         if (watched.agreed)
             document["registries"][id]["agreed_after_ms"] =
                 std::chrono::duration<double, std::milli>(*watched.agreed).count();
@@ -122,12 +176,14 @@ std::string to_table(const Report& report) {
                   commands->ok, commands->refused, commands->unanswered, commands->left_out);
         table.row("command to answer", "{}", text_of(commands->answered));
     }
+    if (report.queries) add_rows(table, *report.queries);
+    if (report.watchers) add_rows(table, *report.watchers);
     for (const auto& [id, watched] : report.registries) {
         table.row("registry " + id, "{}", agreement(watched));
         for (const auto& example : watched.examples)
             table.row("", "{}", example);
-        table.row("  events", "{}, {} numbers left out, {} resets", watched.events, watched.gaps,
-                  watched.resets);
+        table.row("  events", "{}, {} numbers left out, {} resets", watched.events, watched.numbers.left_out,
+                  watched.numbers.resets);
         table.row("  announced to seen", "{}", text_of(watched.online));
         table.row("  died to seen", "{}", text_of(watched.lost));
     }

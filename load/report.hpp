@@ -9,7 +9,9 @@
 #include "asip/program/process_usage.hpp"
 #include "load/commander.hpp"
 #include "load/fleet.hpp"
+#include "load/questions.hpp"
 #include "load/watch.hpp"
+#include "load/watchers.hpp"
 
 namespace asip::load {
 
@@ -22,11 +24,14 @@ struct Report {
     std::size_t announced = 0;  ///< of those, the broker has the description of so many
     Tally tally;
     std::optional<CommandTally> commands;
+    std::optional<QueryTally> queries;
+    std::optional<WatchersTally> watchers;
     std::map<std::string, Watched> registries;
     bool watched = false;
     program::ProcessUsage usage;
 
-    /// Boards were announced, each that is present is, no name was another's, and each registry agrees.
+    /// Boards were announced, each that is present is, no name was another's, each registry agrees, and
+    /// questions have answers of which none is wrong.
     bool good() const;
 };
 

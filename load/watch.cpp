@@ -18,6 +18,16 @@ mqtt::Options watch_options(mqtt::Options options) {
 
 }  // namespace
 
+std::optional<Time> happened(const Fleet& fleet, const bus::ChangeEvent& event) {
+    using Kind = bus::ChangeEvent::Kind;
+    if (event.kind != Kind::kAdded && event.kind != Kind::kState) return std::nullopt;
+    const auto board = fleet.number(event.board.board);
+    if (!board || event.board.state != fleet.expected(*board)) return std::nullopt;
+    const bool told =
+        event.board.state == "online" || (event.board.state == "lost" && event.reason == "will");
+    return told ? std::optional(fleet.since(*board)) : std::nullopt;
+}
+
 Watch::Watch(boost::asio::io_context& io, mqtt::Options options, const std::string& topic_root,
              const std::string& prefix, const Fleet& fleet)
     : fleet_(fleet),
@@ -54,22 +64,12 @@ void Watch::received(const mqtt::Message& message) {
 void Watch::event(const bus::ChangeEvent& event) {
     using Kind = bus::ChangeEvent::Kind;
     Watched& watched = registries_[event.registry];
-    const bool first = watched.epoch != event.epoch;
-    if (event.kind == Kind::kReset) {
-        if (!first) ++watched.resets;
-    } else if (!first && event.seq != watched.seq + 1) {
-        ++watched.gaps;
-    }
-    watched.epoch = event.epoch;
-    watched.seq = event.seq;
+    watched.numbers.take(event.epoch, event.seq, event.kind == Kind::kReset);
     if (event.kind != Kind::kAdded && event.kind != Kind::kState) return;
-    const auto board = fleet_.number(event.board.board);
-    if (!board) return;
+    if (!fleet_.number(event.board.board)) return;
     ++watched.events;
-    if (event.board.state != fleet_.expected(*board)) return;
-    const auto took = Clock::now() - fleet_.since(*board);
-    if (event.board.state == "online") watched.online.add(took);
-    if (event.board.state == "lost" && event.reason == "will") watched.lost.add(took);
+    if (const auto since = happened(fleet_, event))
+        (event.board.state == "online" ? watched.online : watched.lost).add(Clock::now() - *since);
 }
 
 void Watch::compare(Duration limit, std::function<void()> done) {

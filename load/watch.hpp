@@ -12,6 +12,7 @@
 #include "asip/bus/change_event.hpp"
 #include "asip/bus/requester.hpp"
 #include "asip/mqtt/client.hpp"
+#include "load/changes.hpp"
 #include "load/fleet.hpp"
 
 namespace asip::load {
@@ -19,19 +20,19 @@ namespace asip::load {
 /// What one registry said of the simulated boards.
 struct Watched {
     std::uint64_t events = 0;
-    std::uint64_t resets = 0;  ///< beyond the one of each connection of the registry
-    std::uint64_t gaps = 0;    ///< of its numbers
-    Times online;              ///< from a board's description to the event, as this program saw both
-    Times lost;                ///< from a broken connection to the event
+    EventNumbers numbers{};
+    Times online;  ///< from a board's description to the event, as this program saw both
+    Times lost;    ///< from a broken connection to the event
     /// By the last comparison of its catalogue with the truth.
     std::size_t listed = 0;
     std::size_t wrong = 0;
     std::vector<std::string> examples;  ///< of what is wrong, in words
     std::optional<Duration> agreed{};   ///< after so long nothing was wrong
-    // Of its events:
-    std::string epoch{};
-    std::uint64_t seq = 0;
 };
+
+/// When what an event tells happened to a board of ours: it was announced, or its connection broke. Nothing:
+/// it is another change, or the board's state is another one by now.
+std::optional<Time> happened(const Fleet& fleet, const bus::ChangeEvent& event);
 
 /// A watcher of all registries, over a connection of its own.
 class Watch {

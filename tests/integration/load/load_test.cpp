@@ -5,6 +5,7 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <thread>
 
 #include "running_registry.hpp"
 
@@ -105,6 +106,56 @@ TEST_F(LoadTest, BoardsThatShareConnections_AreTheSameToTheRegistry) {
     EXPECT_TRUE(counts("lost", 16));
 }
 
+TEST_F(LoadTest, QuestionsAndWatchers_ShowWhatTheRegistriesBear) {
+    RunningRegistry other(broker.address(), "r2");
+    ASSERT_TRUE(registry.complete());
+    ASSERT_TRUE(other.complete());
+    const auto load = start({"--boards", "60", "--join-rate", "100", "--queries", "50", "--watchers", "8",
+                             "--step", "then flap 6 down 1s"});
+    ASSERT_TRUE(wait_until([&] { return were_lost() >= 6; }, time_limit(20s)));
+    ASSERT_TRUE(counts("online", 60));
+    const auto result = report(*load);
+    std::uint64_t asked = 0;
+    for (const auto& [name, kind] : result.at("queries").at("kinds").items()) {
+        asked += kind.at("asked").get<std::uint64_t>();
+        EXPECT_GT(kind.at("asked"), 0) << name;
+        EXPECT_GT(kind.at("answered"), 0) << name;
+        EXPECT_EQ(kind.at("answered").get<int>() + kind.at("unanswered").get<int>(), kind.at("asked"))
+            << name;
+        EXPECT_EQ(kind.at("took").at("count"), kind.at("answered")) << name;
+        EXPECT_EQ(kind.at("refused"), 0) << name;
+        EXPECT_EQ(kind.at("wrong"), 0) << name;
+    }
+    EXPECT_GT(asked, 50u);
+    const auto& watchers = result.at("watchers");
+    EXPECT_EQ(watchers.at("listening"), 8);
+    for (const char* id : {"r1", "r2"}) {
+        const auto& seen = watchers.at("registries").at(id);
+        EXPECT_GE(seen.at("different"), 6) << id;
+        EXPECT_GE(seen.at("events"), seen.at("different")) << id;
+        EXPECT_LE(seen.at("events"), 8 * seen.at("different").get<int>()) << id;
+        EXPECT_EQ(seen.at("left_out"), 0) << id;
+        EXPECT_EQ(seen.at("resets"), 0) << id;
+        EXPECT_GE(seen.at("first").at("count"), 1) << id << ": of changes that still hold when they are seen";
+        EXPECT_EQ(seen.at("last").at("count"), seen.at("first").at("count")) << id;
+        EXPECT_LE(seen.at("first").at("p50_ms"), seen.at("last").at("p50_ms")) << id;
+    }
+}
+
+TEST_F(LoadTest, SilentRegistry_LeavesQuestionsUnanswered) {
+    ASSERT_TRUE(registry.complete());
+    ChildProcess load(command({"--boards", "5", "--queries", "50", "-o", "json"}));
+    ASSERT_TRUE(counts("online", 5));
+    registry.process().signal(SIGSTOP);
+    std::this_thread::sleep_for(2s);
+    load.signal(SIGINT);
+    load.wait_exit(time_limit(30s));
+    registry.process().signal(SIGCONT);
+    const auto kind = json::parse(load.output()).at("queries").at("kinds").at("board");
+    EXPECT_GE(kind.at("unanswered"), 10) << load.output();
+    EXPECT_EQ(kind.at("answered").get<int>() + kind.at("unanswered").get<int>(), kind.at("asked"));
+}
+
 TEST_F(LoadTest, Killed_ItsWillsAreFired) {
     ASSERT_TRUE(registry.complete());
     ChildProcess load(command({"--boards", "50"}));
@@ -154,6 +205,32 @@ TEST(LoadWithoutBroker, NoRegistryToWatch_IsNoSuccess) {
         run({ASIP_LOAD_PROGRAM, "--broker", broker.address(), "--boards", "3", "--time", "3s", "--watch"});
     EXPECT_EQ(done.status, 1);
     EXPECT_THAT(done.output, HasSubstr("none was there"));
+}
+
+TEST(LoadWithoutBroker, RegistryThatListsNothing_IsWrong) {
+    MosquittoBroker broker;
+    BusProbe liar(broker.port(), {"asip/registry/query"});
+    ChildProcess load({ASIP_LOAD_PROGRAM, "--broker", broker.address(), "--boards", "3", "--queries", "40",
+                       "--time", "13s", "-o", "json"});
+    std::size_t answered = 0;
+    while (load.running()) {
+        const auto questions = liar.messages();
+        for (; answered < questions.size(); ++answered) {
+            mqtt::Message answer;
+            answer.topic = questions[answered].response_topic;
+            answer.correlation = questions[answered].correlation;
+            answer.payload = R"({"registry":"liar","epoch":"1","seq":1,"find":"boards","items":[]})";
+            liar.publish(answer);
+        }
+        std::this_thread::sleep_for(20ms);
+    }
+    EXPECT_EQ(load.wait_exit(), 1);
+    const auto kinds = json::parse(load.output()).at("queries").at("kinds");
+    EXPECT_GE(kinds.at("board").at("wrong"), 10) << "of those that were announced ten seconds before";
+    EXPECT_LT(kinds.at("board").at("wrong"), kinds.at("board").at("answered"));
+    EXPECT_EQ(kinds.at("board").at("unanswered"), 0);
+    EXPECT_GE(kinds.at("description").at("wrong"), 1);
+    EXPECT_EQ(kinds.at("list").at("wrong"), 0) << "of a page it is not judged";
 }
 
 TEST(LoadWithoutBroker, RefusedByTheBroker_EndsAndSaysSo) {

@@ -34,6 +34,16 @@ TEST(LoadOptions, Nothing_IsAHundredBoardsThatJoinAtTheRate) {
     EXPECT_EQ(options->time, std::nullopt);
 }
 
+TEST(LoadOptions, WhatRegistriesBear_IsAskedForByOptions) {
+    const auto none = read({});
+    EXPECT_EQ(none->queries_per_second, 0);
+    EXPECT_EQ(none->watchers, 0u);
+    const auto options = read({"--queries", "0.5", "--watchers", "20"});
+    ASSERT_TRUE(options);
+    EXPECT_EQ(options->queries_per_second, 0.5);
+    EXPECT_EQ(options->watchers, 20u);
+}
+
 TEST(LoadOptions, Steps_ComeAfterTheJoinUnlessOneJoinsAtTheStart) {
     EXPECT_EQ(read({"--step", "5s die 5", "--step", "9s join 5"})->steps.size(), 3u);
     EXPECT_EQ(read({"--step", "0s join 5"})->steps.size(), 1u);
@@ -49,6 +59,10 @@ TEST(LoadOptions, Wrong_IsRefusedInWords) {
     EXPECT_THAT(fault_of({"--models", "distnace"}), HasSubstr("did you mean \"distance\""));
     EXPECT_THAT(fault_of({"--boards", "0"}), HasSubstr("--boards"));
     EXPECT_THAT(fault_of({"--bords", "5"}), HasSubstr("--boards"));
+    EXPECT_THAT(fault_of({"--queries", "-1"}), HasSubstr("--queries"));
+    EXPECT_THAT(fault_of({"--queries", "100001"}), HasSubstr("--queries"));
+    EXPECT_THAT(fault_of({"--watchers", "10001"}), HasSubstr("--watchers"));
+    EXPECT_THAT(fault_of({"--watchers", "few"}), HasSubstr("--watchers"));
     EXPECT_THAT(fault_of({"--broker", "http://x"}), HasSubstr("http://x"));
 }
 

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "asip/mqtt/client.hpp"
+#include "load/changes.hpp"
+#include "load/fleet.hpp"
+
+namespace asip::load {
+
+struct WatchersTally {
+    std::size_t watchers = 0;
+    std::size_t listening = 0;  ///< at the end
+    std::uint64_t connections_lost = 0, attempts_failed = 0;
+    std::map<std::string, SeenChanges> registries{};
+};
+
+/// Programs that follow the changes of registries, each over a connection of its own, subscribed as
+/// `asipctl list --watch` is: to the events of all registries. None keeps a catalogue.
+class Watchers {
+  public:
+    /// `fleet` and `io` outlive it. `number`: above 0.
+    Watchers(boost::asio::io_context& io, const mqtt::Options& options, const std::string& topic_root,
+             std::size_t number, const Fleet& fleet);
+
+    void start();
+    /// They leave; nothing is counted any more.
+    void stop();
+    WatchersTally tally() const;
+
+  private:
+    void schedule_start();
+    mqtt::Client::Handlers handlers(std::size_t watcher);
+
+    boost::asio::steady_timer start_timer_;
+    std::string filter_;
+    WatchersTally tally_;
+    Changes changes_;
+    std::vector<std::unique_ptr<mqtt::Client>> clients_;
+    std::size_t started_ = 0;
+};
+
+}  // namespace asip::load
