@@ -110,6 +110,7 @@ void MosquittoBroker::write_configuration() {
 }
 
 void MosquittoBroker::start() {
+    process_.reset();  // one that runs would still hold the port
     // /usr/sbin is not in everyone's PATH.
     const auto program = access("/usr/sbin/mosquitto", X_OK) == 0 ? "/usr/sbin/mosquitto" : "mosquitto";
     process_ = std::make_unique<ChildProcess>(
