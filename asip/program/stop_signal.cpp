@@ -13,7 +13,21 @@ namespace asip::program {
 struct StopSignal::State : std::enable_shared_from_this<State> {
     State(boost::asio::io_context& io, std::function<void(int)> callback, Hangup hangup)
         : signals(io, SIGINT, SIGTERM), stop(std::move(callback)) {
-        if (hangup == Hangup::kStops && !ignored(SIGHUP)) signals.add(SIGHUP);
+        hangup_stops = hangup == Hangup::kStops && !ignored(SIGHUP);
+        if (hangup_stops) signals.add(SIGHUP);
+    }
+
+    /// The second SIGHUP may come as late as this, when nobody waits for signals any more.
+    ~State() {
+        if (!asked || !hangup_stops) return;
+        sigset_t hangup, before;
+        sigemptyset(&hangup);
+        sigaddset(&hangup, SIGHUP);
+        pthread_sigmask(SIG_BLOCK, &hangup, &before);
+        boost::system::error_code ignored;
+        signals.clear(ignored);
+        std::signal(SIGHUP, SIG_IGN);
+        pthread_sigmask(SIG_SETMASK, &before, nullptr);
     }
 
     void wait() {
@@ -30,6 +44,7 @@ struct StopSignal::State : std::enable_shared_from_this<State> {
 
     boost::asio::signal_set signals;
     std::function<void(int)> stop;
+    bool hangup_stops = false;
     bool asked = false;
 };
 

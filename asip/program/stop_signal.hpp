@@ -14,7 +14,8 @@ bool ignored(int signal);
 
 /// Calls `stop` once, on the io_context, at the first SIGINT, SIGTERM or SIGHUP (the terminal was closed). A
 /// second one ends the process at once with status 128 + signal, for when the orderly way hangs; not a
-/// SIGHUP, which kernel and shell both send. Keeps the io_context busy until cancelled or destroyed.
+/// SIGHUP, which kernel and shell both send: once stopped, the process ignores it to its end. Keeps the
+/// io_context busy until cancelled or destroyed.
 class StopSignal {
   public:
     enum class Hangup { kStops, kElsewhere };  ///< who handles SIGHUP; nobody where it is ignored

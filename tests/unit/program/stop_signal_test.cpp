@@ -47,6 +47,21 @@ TEST(StopSignalDeathTest, Hangups_StopOnceAndAreNoSecondSignal) {
         testing::ExitedWithCode(1), "");
 }
 
+TEST(StopSignalDeathTest, HangupBehindTheOrderlyEnd_IsIgnored) {
+    EXPECT_EXIT(
+        {
+            {
+                boost::asio::io_context io;
+                StopSignal stop(io, [&](int) { io.stop(); });
+                std::raise(SIGHUP);
+                io.run();
+            }
+            std::raise(SIGHUP);
+            _exit(0);
+        },
+        testing::ExitedWithCode(0), "");
+}
+
 TEST(StopSignalDeathTest, HangupThatIsIgnoredOrHandledElsewhere_StaysSo) {
     EXPECT_EXIT(
         {
