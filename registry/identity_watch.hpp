@@ -15,9 +15,8 @@ class IdentityWatch {
     /// `run`: random, what the epochs of this run begin with. `user`: of the broker, for the reply topic.
     IdentityWatch(const bus::Topics& topics, std::string id, std::string run, const std::string& user);
 
-    /// Topics to subscribe to, before probe() is published.
+    /// Subscribe to it, and to the statistics of this id, before probe() is published.
     std::string reply_topic() const { return reply_topic_; }
-    std::string statistics_topic() const { return topics_.registry_stats(id_); }
     /// A query to the registry of this id.
     mqtt::Message probe() const;
     /// Whether this is probe(), received by its sender: not to be answered.

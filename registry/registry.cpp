@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registry/registry.hpp"
 
+#include "asip/bus/reply_topics.hpp"
 #include "asip/mqtt/failure.hpp"
 #include "asip/program/log.hpp"
 
@@ -32,6 +33,10 @@ Registry::Registry(const RegistryOptions& options, UnitsOf units_of, Random rand
       run_(random_hex(random_, 8)),
       catalogue_(catalogue_options(options, std::move(units_of))),
       feed_(id_),
+      first_state_(
+          topics_, id_,
+          bus::ReplyTopics(topics_, user_, "registry-" + run_ + "/first").to(topics_.any_registry_query()),
+          options.copy_boards, first_state_dependencies()),
       statistics_(options.stats_interval, now.time),
       identity_(topics_, id_, run_, options.mqtt.user),
       tidier_(topics_, port_,
@@ -71,13 +76,31 @@ Queries::Dependencies Registry::query_dependencies() {
     return result;
 }
 
+FirstState::Dependencies Registry::first_state_dependencies() {
+    FirstState::Dependencies result;
+    result.publish = [this](mqtt::Message message) { port_.publish(std::move(message)); };
+    result.read_retained = [this] { port_.subscribe(service_bus(), true); };
+    result.probe = [this] {
+        mqtt::Message probe;
+        probe.topic = topics_.probe();
+        port_.publish(std::move(probe));
+    };
+    result.apply = [this](const Announcement& announcement) {
+        const Applied applied = catalogue_.apply(announcement, now_.time);
+        if (!applied.events.empty()) handle(applied.events, false);
+    };
+    result.complete = [this] { complete(); };
+    return result;
+}
+
 std::vector<Registry::Subscription> Registry::subscriptions() const {
     // QoS 0 for announcements: they repeat, and brokers hold fewer messages at QoS 1 than they retain.
-    return {{topics_.root() + "/servicebus/#", 0, true},
+    return {{service_bus(), 0, false},
+            {first_state_.statistics_topic(), 0, true},
+            {first_state_.reply_topic(), 1, false},
             {topics_.any_registry_query(), 1, false},
             {topics_.registry_query(id_), 1, false},
-            {identity_.reply_topic(), 0, false},
-            {identity_.statistics_topic(), 0, false}};
+            {identity_.reply_topic(), 0, false}};
 }
 
 mqtt::Message Registry::state(std::string word) const {
@@ -93,7 +116,7 @@ mqtt::Message Registry::will() const {
     return state("lost");
 }
 
-void Registry::connected(std::size_t max_packet_bytes, Instant now) {
+void Registry::connected(std::size_t max_packet_bytes, bool v5, Instant now) {
     now_ = now;
     connected_ = true;
     last_tick_ = now.time;
@@ -104,16 +127,7 @@ void Registry::connected(std::size_t max_packet_bytes, Instant now) {
     endpoint_.set_max_bytes(max_packet_bytes);
     if (history_ != nullptr) history_->begin_reading();
     port_.publish(identity_.probe());
-
-    const std::string mark = random_hex(random_, 16);
-    settling_.begin(mark, now.time);
-    mqtt::Message marker;
-    marker.topic = topics_.registry_query(id_);
-    marker.payload = mark;
-    port_.publish(std::move(marker));
-    mqtt::Message probe;
-    probe.topic = topics_.probe();
-    port_.publish(std::move(probe));
+    first_state_.begin(random_hex(random_, 16), !v5, now.time);
     // Last: a broker that cannot store it now may read nothing more from us for seconds.
     port_.publish(state("online"));
 }
@@ -122,13 +136,15 @@ void Registry::disconnected() {
     connected_ = false;
     catalogue_.suspend();
     feed_.end();
-    settling_.end();
+    first_state_.end();
+    port_.subscribe(service_bus(), false);  // on the next connection
 }
 
 void Registry::message(const mqtt::Message& message, Instant now) {
     now_ = now;
     ++statistics_.counts.messages;
     if (message.topic == identity_.reply_topic()) return identity(message);
+    if (message.topic == first_state_.reply_topic()) return first_state_answer(message);
     const auto topic = topics_.parse(message.topic);
     if (!topic) {
         if (message.retain) {
@@ -140,13 +156,14 @@ void Registry::message(const mqtt::Message& message, Instant now) {
     }
     switch (topic->kind) {
         case TopicKind::kRegistryQuery:
-            if (settling_.is_mark(message.payload)) return complete();
+            if (first_state_.mark(message.payload, now_.time)) return;
             if (identity_.is_probe(message)) return;
             [[fallthrough]];
         case TopicKind::kAnyRegistryQuery:
             return endpoint_.request(message);
         case TopicKind::kRegistryStats:
-            return identity(message);
+            if (topic->board == id_) return identity(message);
+            return first_state_.statistics(topic->board, message.payload);
         case TopicKind::kProbe:
             return;
         case TopicKind::kStats:
@@ -169,6 +186,12 @@ void Registry::message(const mqtt::Message& message, Instant now) {
         default:
             announcement(message, *topic);
     }
+}
+
+// What is alive may be pages away: until they are read no lease runs out.
+void Registry::first_state_answer(const mqtt::Message& message) {
+    first_state_.answer(message.payload, now_.time);
+    if (first_state_.copying()) catalogue_.suspend();
 }
 
 void Registry::announcement(const mqtt::Message& message, const bus::TopicRef& topic) {
@@ -207,12 +230,13 @@ void Registry::identity(const mqtt::Message& message) {
 }
 
 void Registry::complete() {
-    if (!settling_.active()) return;
-    settling_.end();
+    if (catalogue_.suspended()) catalogue_.resume(now_.time);
     queries_.set_settling(false);
     feed_.complete();
     if (history_ != nullptr) history_->complete(catalogue_, now_);
-    log::info("catalogue is complete", {{"boards", catalogue_.size()}});
+    std::vector<log::Field> fields{{"boards", catalogue_.size()}};
+    if (!first_state_.from().empty()) fields.push_back({"read from registry", first_state_.from()});
+    log::write(log::Level::kInfo, "catalogue is complete", fields);
     if (auto reset = feed_.reset(now_, 0)) publish(*reset);
     // The broker has those of before, and what waits for an answer goes first.
     const bool first = statistics_.counts.connections == 1;
@@ -300,7 +324,7 @@ void Registry::tick(Instant now) {
 }
 
 void Registry::tick_connected() {
-    if (now_.time - last_tick_ > kStall) {
+    if (now_.time - last_tick_ > kStall && !first_state_.copying()) {
         log::warning("was held up; leases get time to be renewed",
                      {{"seconds", std::chrono::duration<double>(now_.time - last_tick_).count()}});
         catalogue_.resume(now_.time);
@@ -308,8 +332,8 @@ void Registry::tick_connected() {
     handle(catalogue_.expire(now_.time), true);
     tidier_.tick(now_.time);
     names_only_.tick(now_.time);
-    if (settling_.overdue(now_.time)) complete();
-    if (settling_.active()) return;
+    first_state_.tick(now_.time);
+    if (first_state_.active()) return;
     if (auto reset = feed_.reset(now_, port_.queued())) publish(*reset);
     publish_changes();
     catalogue_.settle();

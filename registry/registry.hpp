@@ -10,6 +10,7 @@
 #include "asip/random.hpp"
 #include "registry/catalogue/catalogue.hpp"
 #include "registry/change_feed.hpp"
+#include "registry/first_state.hpp"
 #include "registry/history/keeper.hpp"
 #include "registry/identity_watch.hpp"
 #include "registry/names_only_boards.hpp"
@@ -18,7 +19,6 @@
 #include "registry/queries.hpp"
 #include "registry/query_endpoint.hpp"
 #include "registry/refusal_log.hpp"
-#include "registry/settling.hpp"
 #include "registry/statistics.hpp"
 #include "registry/tidier.hpp"
 
@@ -41,8 +41,9 @@ class Registry {
     std::vector<Subscription> subscriptions() const;
     mqtt::Message will() const;
 
-    /// `max_packet_bytes`: the broker's limit; 0: none.
-    void connected(std::size_t max_packet_bytes, Instant now);
+    /// `max_packet_bytes`: the broker's limit; 0: none. `v5`: MQTT 5 is spoken, so that what is retained
+    /// comes only where it is asked for.
+    void connected(std::size_t max_packet_bytes, bool v5, Instant now);
     void disconnected();
     void message(const mqtt::Message& message, Instant now);
     /// The broker accepted, or denied, a message with quality of service 1 on this topic.
@@ -61,7 +62,10 @@ class Registry {
   private:
     Catalogue::Options catalogue_options(const RegistryOptions& options, UnitsOf units_of);
     Queries::Dependencies query_dependencies();
+    FirstState::Dependencies first_state_dependencies();
+    std::string service_bus() const { return topics_.root() + "/servicebus/#"; }
     void announcement(const mqtt::Message& message, const bus::TopicRef& topic);
+    void first_state_answer(const mqtt::Message& message);
     void refused(const mqtt::Message& message, std::string_view board, Refusal refusal);
     void identity(const mqtt::Message& message);
     void complete();
@@ -84,7 +88,7 @@ class Registry {
     std::string run_;  // random, of this start; epochs are run_ and the number of the connection
     Catalogue catalogue_;
     ChangeFeed feed_;
-    Settling settling_;
+    FirstState first_state_;
     RefusalLog refusals_;
     Statistics statistics_;
     IdentityWatch identity_;

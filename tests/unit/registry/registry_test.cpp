@@ -68,7 +68,7 @@ class RegistryRun {
     RegistryRun(const std::string& history_file, Duration start, RegistryOptions with = options())
         : keeper_(io_, {.path = history_file}, [](const std::string& why) { ADD_FAILURE() << why; }),
           registry(with, {}, counting(), connection.port(), &keeper_, moment(start)) {
-        registry.connected(0, moment(start));
+        registry.connected(0, false, moment(start));
     }
     /// Everything retained was delivered.
     void complete(Duration now) {
@@ -167,7 +167,7 @@ TEST(RegistryWithHistory, NamesOnlyBoardThatLeftMeanwhile_DoesNotStayOnline) {
 
 class RegistryTest : public testing::Test {
   protected:
-    RegistryTest() { registry.connected(0, moment(0s)); }
+    RegistryTest() { registry.connected(0, false, moment(0s)); }
     mqtt::Message sent(const std::string& topic, std::size_t index = 0) const {
         for (const auto& message : connection.published) {
             if (message.topic == topic && index-- == 0) return message;
@@ -191,7 +191,7 @@ TEST_F(RegistryTest, AnotherOfItsIdAnswersTheProbe_TheIdIsTaken) {
     Connection other_connection;
     Registry other(
         options(), {}, [] { return std::uint64_t{7}; }, other_connection.port(), nullptr, moment(0s));
-    other.connected(0, moment(0s));
+    other.connected(0, false, moment(0s));
     other.message(sent("asip/registry/r1/query", 0), moment(1s));
     registry.message(other_connection.published.back(), moment(1s));
     ASSERT_TRUE(registry.id_taken_by());
@@ -202,7 +202,7 @@ TEST_F(RegistryTest, AnotherOfItsIdStartsLater_IsNoReasonToEnd) {
     Connection other_connection;
     Registry other(
         options(), {}, [] { return std::uint64_t{7}; }, other_connection.port(), nullptr, moment(0s));
-    other.connected(0, moment(0s));
+    other.connected(0, false, moment(0s));
     other.message(sent("asip/registry/r1/query", 0), moment(1s));
     registry.message(other_connection.published.back(), moment(60s));
     EXPECT_FALSE(registry.id_taken_by());
@@ -214,7 +214,7 @@ TEST_F(RegistryTest, ConnectionAgain_RetainedMessagesDoNotHoldUpAnswers) {
     registry.message(sent(query, 1), moment(0s));
     registry.disconnected();
     connection.published.clear();
-    registry.connected(0, moment(30s));
+    registry.connected(0, false, moment(30s));
     EXPECT_EQ(connection.published.back().topic, state) << "probes go before it";
     registry.message(sent(query, 1), moment(30s));
     registry.tick(moment(31s));
