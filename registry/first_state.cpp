@@ -14,7 +14,7 @@
 namespace asip::registry {
 namespace {
 
-constexpr std::size_t kMaxOthers = 64;
+constexpr std::size_t kMaxOthers = 1000;  // statistics of registries that are gone stay
 
 /// What of a board's item matters here.
 struct Item {
@@ -71,6 +71,7 @@ FirstState::FirstState(const bus::Topics& topics, std::string id, std::string re
 void FirstState::begin(std::string mark, bool retained_comes, Time now) {
     run_ = std::move(mark);
     others_.clear();
+    asked_ = 0;
     pages_ = 0;
     from_.clear();
     if (retained_comes) return wait_behind_retained(now);
@@ -94,23 +95,35 @@ bool FirstState::mark(std::string_view payload, Time now) {
     return true;
 }
 
-void FirstState::statistics(std::string_view id, std::string_view payload) {
-    if (phase_ != Phase::kWho || id == id_ || others_.size() == kMaxOthers) return;
-    const auto document = model::parse_json(payload, {.max_bytes = 1u << 20, .max_depth = 16});
-    if (!document || !document->is_object() || !document->contains("boards")) return;
-    std::size_t boards = 0;
-    for (const auto& of_state : (*document)["boards"]) {
-        if (of_state.is_number_unsigned()) boards += of_state.get<std::size_t>();
-    }
-    if (boards >= many_boards_) others_.emplace(id, boards);
+FirstState::Other* FirstState::other(std::string_view id) {
+    if (phase_ != Phase::kWho || id == id_) return nullptr;
+    const auto found = others_.find(id);
+    if (found != others_.end()) return &found->second;
+    return others_.size() < kMaxOthers ? &others_.try_emplace(std::string(id)).first->second : nullptr;
 }
 
-// The one with the most boards. Statistics outlive their registry: it may not answer.
+void FirstState::statistics(std::string_view id, std::string_view payload) {
+    Other* const registry = other(id);
+    if (registry == nullptr) return;
+    const auto document = model::parse_json(payload, {.max_bytes = 1u << 20, .max_depth = 16});
+    if (!document || !document->is_object() || !document->contains("boards")) return;
+    registry->boards = 0;
+    for (const auto& of_state : (*document)["boards"]) {
+        if (of_state.is_number_unsigned()) registry->boards += of_state.get<std::size_t>();
+    }
+}
+
+void FirstState::state(std::string_view id, std::string_view word) {
+    if (Other* const registry = other(id)) registry->online = word == "online";
+}
+
 void FirstState::next_registry(Time now) {
-    const auto most =
-        std::max_element(others_.begin(), others_.end(),
-                         [](const auto& one, const auto& other) { return one.second < other.second; });
-    if (most == others_.end()) return retained(now);
+    const auto worth = [](const auto& entry) { return entry.second.online ? entry.second.boards : 0; };
+    const auto most = std::max_element(others_.begin(), others_.end(), [&](const auto& one, const auto& two) {
+        return worth(one) < worth(two);
+    });
+    if (most == others_.end() || worth(*most) < many_boards_ || asked_ == kMostAsked) return retained(now);
+    ++asked_;
     from_ = most->first;
     others_.erase(most);
     epoch_.clear();

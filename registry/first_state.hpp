@@ -23,8 +23,10 @@ namespace asip::registry {
 /// whatever goes wrong leads back to those. Pure: messages and time in, messages and announcements out.
 class FirstState {
   public:
-    /// Without an answer for so long, another registry is asked, and in the end the retained messages read.
+    /// Without an answer for so long, another registry is asked; after kMostAsked the retained messages are
+    /// read.
     static constexpr Duration kAnswerTime = std::chrono::seconds(3);
+    static constexpr std::size_t kMostAsked = 3;
     /// Where the mark behind what is retained is lost, the state is taken for whole after this time.
     static constexpr Duration kRetainedTime = std::chrono::seconds(15);
     /// Of a page: so small that its reader, and who asks the other registry meanwhile, wait for
@@ -51,9 +53,10 @@ class FirstState {
     FirstState(const bus::Topics& topics, std::string id, std::string reply_topic, std::size_t many_boards,
                Dependencies dependencies);
 
-    /// Topics to subscribe to, the statistics with what is retained.
+    /// Topics to subscribe to, the latter two with what is retained.
     const std::string& reply_topic() const { return reply_topic_; }
     std::string statistics_topic() const { return topics_.registry_stats("+"); }
+    std::string states_topic() const { return topics_.registry_state("+"); }
 
     /// A new connection. `mark`: random. `retained_comes`: the retained messages are on their way already,
     /// wanted or not (MQTT 3.1.1).
@@ -68,8 +71,9 @@ class FirstState {
     const std::string& from() const { return from_; }
     /// A message on the registry's own query topic. True: it was this class's mark.
     bool mark(std::string_view payload, Time now);
-    /// What a registry counts.
+    /// What a registry counts, and what it is.
     void statistics(std::string_view id, std::string_view payload);
+    void state(std::string_view id, std::string_view word);
     /// A message on the reply topic.
     void answer(std::string_view payload, Time now);
     void tick(Time now);
@@ -77,10 +81,15 @@ class FirstState {
   private:
     enum class Phase {
         kWhole,     // nothing to do
-        kWho,       // a mark is under way behind the statistics of the other registries
+        kWho,       // a mark is under way behind what the other registries have said of themselves
         kPages,     // one of them is asked for page after page
         kRetained,  // a mark is under way behind what is retained
     };
+    struct Other {
+        std::size_t boards = 0;
+        bool online = false;
+    };
+    Other* other(std::string_view id);
     void send_mark(Phase phase);
     void next_registry(Time now);
     void ask_page(Time now);
@@ -97,11 +106,12 @@ class FirstState {
     std::size_t many_boards_;
     Dependencies dependencies_;
     Phase phase_ = Phase::kWhole;
-    std::string run_;                            // what marks and questions of this connection begin with
-    std::string mark_;                           // the one under way
-    std::string question_;                       // the one without an answer
-    std::map<std::string, std::size_t> others_;  // boards of each registry that has many, and was not asked
-    std::string from_;                           // whose pages are read
+    std::string run_;       // what marks and questions of this connection begin with
+    std::string mark_;      // the one under way
+    std::string question_;  // the one without an answer
+    std::map<std::string, Other, std::less<>> others_;  // those that were not asked
+    std::size_t asked_ = 0;
+    std::string from_;  // whose pages are read
     std::string epoch_;
     std::string cursor_;
     std::string last_;  // the name of the last board of them

@@ -97,6 +97,7 @@ std::vector<Registry::Subscription> Registry::subscriptions() const {
     // QoS 0 for announcements: they repeat, and brokers hold fewer messages at QoS 1 than they retain.
     return {{service_bus(), 0, false},
             {first_state_.statistics_topic(), 0, true},
+            {first_state_.states_topic(), 0, true},
             {first_state_.reply_topic(), 1, false},
             {topics_.any_registry_query(), 1, false},
             {topics_.registry_query(id_), 1, false},
@@ -164,6 +165,8 @@ void Registry::message(const mqtt::Message& message, Instant now) {
         case TopicKind::kRegistryStats:
             if (topic->board == id_) return identity(message);
             return first_state_.statistics(topic->board, message.payload);
+        case TopicKind::kRegistryState:
+            return first_state_.state(topic->board, message.payload);
         case TopicKind::kProbe:
             return;
         case TopicKind::kStats:

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <csignal>
+
 #include "asip/bus/catalogue_view.hpp"
 #include "running_registry.hpp"
 
@@ -110,13 +112,13 @@ TEST(RegistryBesideALargeOne, ReadsItsPagesAndIsHeardByAll) {
 
 TEST(RegistryBesideALargeOne, ThatDoesNotAnswer_ReadsWhatTheBrokerRetains) {
     LargeSite site;
-    site.first.process().signal(9);
-    site.first.process().wait_exit();
+    site.first.process().signal(SIGSTOP);
     RunningRegistry second(site.broker.address(), "second", {"--copy-boards", "100"});
     ASSERT_TRUE(second.process().wait_for_errors("catalogue is complete  boards=161"))
         << second.process().errors();
     EXPECT_THAT(second.process().errors(), testing::Not(testing::HasSubstr("read from")));
     EXPECT_EQ(state_of(site.probe, "board200", "second"), "online");
+    site.first.process().signal(SIGCONT);
 }
 
 TEST(Registry, TwoAgentsWithOneName_ConflictIsReportedAndTheyNeverAlternate) {

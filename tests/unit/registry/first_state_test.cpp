@@ -56,10 +56,12 @@ class FirstStateTest : public testing::Test {
         result.complete = [this] { log.emplace_back("complete"); };
         return result;
     }
-    /// The statistics of another registry, and then the mark that was sent behind them.
+    /// What others that are online say of themselves, and then the mark that was sent behind it.
     void others_say(const std::vector<std::pair<std::string, std::size_t>>& boards) {
-        for (const auto& [id, count] : boards)
+        for (const auto& [id, count] : boards) {
+            first.state(id, "online");
             first.statistics(id, R"({"boards":{"lost":1,"online":)" + std::to_string(count - 1) + "}}");
+        }
         back_comes_the_mark();
     }
     void back_comes_the_mark() {
@@ -115,6 +117,30 @@ TEST_F(FirstStateTest, OthersHaveFewBoards_RetainedMessagesAreRead) {
     first.begin("aa", false, now);
     others_say({{"r1", 5000}, {"r2", kMany - 1}});
     EXPECT_THAT(log, ElementsAre("retained", "probe")) << "r1 is this registry, before it started again";
+}
+
+TEST_F(FirstStateTest, OthersAreGone_TheirStatisticsCountForNothing) {
+    first.begin("aa", false, now);
+    for (const char* word : {"lost", "offline", "", "\xff"})
+        first.state("r2", word);
+    first.statistics("r2", R"({"boards":{"online":100000}})");
+    first.statistics("r3", R"({"boards":{"online":100000}})");
+    back_comes_the_mark();
+    EXPECT_THAT(log, ElementsAre("retained", "probe"));
+}
+
+TEST_F(FirstStateTest, ManyThatDoNotAnswer_AreNotAllAsked) {
+    first.begin("aa", false, now);
+    std::vector<std::pair<std::string, std::size_t>> forged;
+    for (int i = 0; i < 5000; ++i)
+        forged.emplace_back("forged" + std::to_string(i), kMany + 1);
+    others_say(forged);
+    for (std::size_t i = 1; i <= FirstState::kMostAsked; ++i) {
+        EXPECT_EQ(sent.size(), i);
+        EXPECT_THAT(log, IsEmpty());
+        first.tick(now += FirstState::kAnswerTime);
+    }
+    EXPECT_THAT(log, ElementsAre("retained", "probe"));
 }
 
 TEST_F(FirstStateTest, OtherHasMany_ItsPagesMakeTheSameCatalogue) {
@@ -257,6 +283,7 @@ TEST_F(FirstStateTest, AnswersThatAreNone_AreNoReasonToStop) {
 
 TEST_F(FirstStateTest, StatisticsThatAreNone_CountForNothing) {
     first.begin("aa", false, now);
+    first.state("r2", "online");
     for (const char* text : {"", "{", "[]", "\xff", R"({"boards":7})",
                              R"({"boards":{"online":-5,"lost":"many"}})", R"({"boards":{"online":1e300}})"})
         first.statistics("r2", text);
