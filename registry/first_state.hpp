@@ -27,7 +27,8 @@ class FirstState {
     /// read.
     static constexpr Duration kAnswerTime = std::chrono::seconds(3);
     static constexpr std::size_t kMostAsked = 3;
-    /// Where the mark behind what is retained is lost, the state is taken for whole after this time.
+    /// Where the mark behind what is retained is lost, the state is taken for whole when no retained message
+    /// has come for this time.
     static constexpr Duration kRetainedTime = std::chrono::seconds(15);
     /// Of a page: so small that its reader, and who asks the other registry meanwhile, wait for
     /// milliseconds.
@@ -76,6 +77,10 @@ class FirstState {
     void state(std::string_view id, std::string_view word);
     /// A message on the reply topic.
     void answer(std::string_view payload, Time now);
+    /// A retained message has come.
+    void retained_came(Time now) {
+        if (phase_ == Phase::kRetained) until_ = now + kRetainedTime;
+    }
     void tick(Time now);
 
   private:

@@ -144,6 +144,7 @@ void Registry::disconnected() {
 void Registry::message(const mqtt::Message& message, Instant now) {
     now_ = now;
     ++statistics_.counts.messages;
+    if (message.retain) first_state_.retained_came(now.time);
     if (message.topic == identity_.reply_topic()) return identity(message);
     if (message.topic == first_state_.reply_topic()) return first_state_answer(message);
     const auto topic = topics_.parse(message.topic);

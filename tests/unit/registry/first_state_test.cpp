@@ -301,6 +301,17 @@ TEST_F(FirstStateTest, MarksAreLost_ItGoesOnAllTheSame) {
     EXPECT_THAT(log, ElementsAre("retained", "probe", "complete"));
 }
 
+TEST_F(FirstStateTest, RetainedMessagesThatTakeLong_AreWaitedFor) {
+    first.begin("aa", true, now);
+    for (int i = 0; i < 100; ++i) {
+        first.retained_came(now += 1s);
+        first.tick(now);
+    }
+    EXPECT_THAT(log, ElementsAre("probe"));
+    first.tick(now += FirstState::kRetainedTime);
+    EXPECT_THAT(log, ElementsAre("probe", "complete"));
+}
+
 TEST_F(FirstStateTest, ConnectionLostBetweenPages_TheNextBeginsAnew) {
     OtherRegistry other("r2");
     other.describe(kMany);
