@@ -22,6 +22,9 @@ constexpr std::size_t kDeparting = 2;
 constexpr Millis kSetUp = 60'000;
 // Who loses a connection that is newer than five seconds waits before the next attempt.
 constexpr Millis kSettled = 6'000;
+constexpr Millis kTurn = 20;
+// RabbitMQ needs 10 to 20 s, on a busy machine more.
+constexpr Millis kNodeStarts = 120'000;
 
 }  // namespace
 
@@ -164,7 +167,10 @@ void Fleet::depart() {
 
 void Fleet::run_until(Millis time) {
     while (now() < time) {
-        asip::test::run_for(io_, std::chrono::milliseconds(std::min<Millis>(time - now(), 20)));
+        const Millis due = std::min(time, now() + kTurn);
+        asip::test::run_for(io_, std::chrono::milliseconds(due - now()));
+        if (!history_.rounds.empty())
+            history_.rounds.back().delayed = std::max(history_.rounds.back().delayed, now() - due);
         look_for_ends();
     }
 }
@@ -264,19 +270,19 @@ void Fleet::suffer(const std::vector<Fault>& faults) {
         run_until(step.at);
         step.begins ? begin(*step.fault) : end(*step.fault);
     }
-    look_for_recovery(round);
+    look_for_recovery(round, options_.look);
     for (const auto& watcher : watchers_)
         if (!watcher->right_since()) round.wrong[watcher->registry()] = watcher->difference();
 }
 
-void Fleet::look_for_recovery(Round& round) {
+void Fleet::look_for_recovery(Round& round, Millis longest) {
     round.end = now();
     for (const auto& watcher : watchers_)
         watcher->look_anew();
     for (const auto& echo : echoes_)
         echo->look_anew();
-    while (!recovered(round) && now() < round.end + options_.look)
-        run_until(now() + 20);
+    while (!recovered(round) && now() < round.end + longest)
+        run_until(now() + kTurn);
     round.looked_until = now();
 }
 
@@ -295,7 +301,7 @@ bool Fleet::fail_over(BareClient& bare, FailOver& result) {
     if (commands) result.commands = *commands - killed;
     engine_.start(result.node);
     Round round;
-    look_for_recovery(round);
+    look_for_recovery(round, kNodeStarts);
     run_until(now() + kSettled);
     return recovered(round);
 }

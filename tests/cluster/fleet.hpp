@@ -85,7 +85,7 @@ class Fleet {
     Process& process(const Fault& fault);
     void nodes(const Fault& fault, void (Engine::*what)(std::size_t));
     void look_for_ends();
-    void look_for_recovery(Round& round);
+    void look_for_recovery(Round& round, Millis longest);
     bool recovered(Round& round);
     std::optional<Millis> commands_work(Millis end, std::vector<std::size_t>& mute) const;
     std::optional<Millis> engine_works(Millis end) const;

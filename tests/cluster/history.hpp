@@ -64,6 +64,7 @@ struct Round {
     /// A broker was held by SIGSTOP, or packets of a broker or an agent by the network. When it goes on, what
     /// waits in sockets is delivered, and nobody can see how old that is; TCP sends again only after seconds.
     bool messages_held = false;
+    Millis delayed = 0;  ///< the most by which this process itself was too late: a busy machine
 };
 
 /// All that the judge knows.

@@ -62,6 +62,16 @@ std::string seconds(const std::optional<Millis>& time) {
     return time ? fmt::format("{:.3f} s", static_cast<double>(*time) / 1000) : "never";
 }
 
+/// How, and by how much a busy machine may have had a part in it.
+std::string came_back(const Round& round) {
+    const auto since = [&](const std::optional<Millis>& at) {
+        return seconds(at ? std::optional(*at - round.end) : std::nullopt);
+    };
+    return fmt::format("engine {}, commands {}, catalogues {}; longest delay of the harness {} ms",
+                       since(round.engine_works), since(round.commands_work), since(round.catalogues_agree),
+                       round.delayed);
+}
+
 Millis median(std::vector<Millis> times) {
     std::sort(times.begin(), times.end());
     return times[times.size() / 2];
@@ -77,6 +87,7 @@ int fail_overs(const Settings& settings, const Engine& engine, Fleet& fleet) {
         fmt::print("node {} killed: bare client {}, commands {}\n", each.node, seconds(each.bare),
                    seconds(each.commands));
         std::fflush(stdout);
+        fleet.write_logs(settings.logs);
         if (!recovered || !each.bare || !each.commands)
             throw std::runtime_error("that node did not come back as it was");
         bares.push_back(*each.bare);
@@ -119,6 +130,7 @@ int run(Settings settings) {
         fmt::print("{:8.3f} s: {}\n", static_cast<double>(now()) / 1000, described(faults));
         std::fflush(stdout);
         fleet.suffer(faults);
+        fmt::print("            {}\n", came_back(history.rounds.back()));
     }
     fleet.finish();
     const auto verdict = judge(history);
