@@ -3,6 +3,8 @@
 
 #include <fcntl.h>
 #include <mqtt_protocol.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -43,7 +45,8 @@ Connection::Connection(asio::io_context& io, const Options& options, BrokerAddre
       v5_(v5),
       events_(events),
       socket_(io),
-      timer_(io) {
+      timer_(io),
+      unreceived_(options.unreceived_timeout) {
     static Library library;
     mosquitto_.reset(mosquitto_new(options_.client_id.c_str(), true, this));
     if (!mosquitto_) throw std::bad_alloc();
@@ -213,11 +216,22 @@ void Connection::tick() {
             return;
         }
         if (!still_open()) return;
+        if (is_cut_off(now)) {
+            end({{Kind::kStalled, broker_, 0, broker_.describe() + " cannot be reached any more"}});
+            return;
+        }
         if (up()) events_.tick(now);
         if (!still_open()) return;
     }
     arm();
     schedule_tick();
+}
+
+bool Connection::is_cut_off(Time now) {
+    tcp_info info{};
+    socklen_t size = sizeof info;
+    if (!up() || getsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return false;
+    return unreceived_.look(now, info.tcpi_unacked > 0, std::chrono::milliseconds(info.tcpi_last_ack_recv));
 }
 
 void Connection::goodbye() {

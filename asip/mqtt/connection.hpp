@@ -14,6 +14,7 @@
 #include "asip/mqtt/failure.hpp"
 #include "asip/mqtt/message.hpp"
 #include "asip/mqtt/tls.hpp"
+#include "asip/mqtt/unreceived.hpp"
 
 namespace asip::mqtt {
 
@@ -93,6 +94,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     bool tcp_established();
     void schedule_tick();
     void tick();
+    bool is_cut_off(Time now);
     void await_close();
     void end(const ConnectionEnd& reason);
     ConnectionEnd why_closed(int error) const;
@@ -115,6 +117,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     boost::asio::posix::stream_descriptor socket_;
     boost::asio::steady_timer timer_;
     Time opened_{};
+    Unreceived unreceived_;
     Phase phase_ = Phase::kConnecting;
     bool tcp_connected_ = false;
     bool read_armed_ = false;

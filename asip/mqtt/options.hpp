@@ -65,6 +65,9 @@ struct Options {
     /// A subscription without an answer for this long, likewise. While one has none, the broker is busy with
     /// it and ack_timeout does not run.
     Duration subscribe_timeout = std::chrono::seconds(30);
+    /// A broker's host that acknowledges for this long nothing of what TCP sends to it is cut off: the
+    /// connection is dropped and the next broker tried. Zero: left to the keep-alive.
+    Duration unreceived_timeout = std::chrono::seconds(5);
     /// Larger packets than this are not delivered to us (MQTT 5; on 3.1.1 only the broker's own limit holds).
     /// It bounds our memory against anyone who may publish. 0: no limit.
     std::uint32_t max_packet_bytes = 1u << 20;

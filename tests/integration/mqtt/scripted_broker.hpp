@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <linux/filter.h>
+
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -36,6 +38,13 @@ class ScriptedBroker {
         held_.clear();
     }
 
+    /// The kernel throws away unread what comes from whoever subscribed last, as if the network were cut.
+    void cut_off_subscriber() {
+        sock_filter nothing{BPF_RET | BPF_K, 0, 0, 0};
+        const sock_fprog program{1, &nothing};
+        ::setsockopt(subscriber_->socket.native_handle(), SOL_SOCKET, SO_ATTACH_FILTER, &program,
+                     sizeof program);
+    }
     /// To whoever subscribes next, right behind the answer: a PUBLISH of QoS 1 on topic "t".
     void publish_to_subscriber() { publishes_ = true; }
     /// To whoever subscribed last, who speaks MQTT 5.
