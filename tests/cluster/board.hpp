@@ -5,12 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "tests/cluster/history.hpp"
+
 namespace cluster {
 
 /// A board at the end of a link to its agent. It tells what it executed by the token in each command.
 class Board {
   public:
-    using OnExecuted = std::function<void(std::size_t token)>;
+    /// The token, and when it was seen.
+    using OnExecuted = std::function<void(std::size_t token, Millis at)>;
 
     Board() = default;
     virtual ~Board() = default;

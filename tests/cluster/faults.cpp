@@ -54,6 +54,7 @@ std::size_t how_many(Target target, const Shape& shape) {
 /// With one node the cluster is that node.
 bool possible(std::pair<Target, Action> kind, const Shape& shape) {
     const auto [target, action] = kind;
+    if (!shape.only.empty() && shape.only != name_of(Fault{.target = target, .action = action})) return false;
     if (target == Target::kClock) return shape.clock;
     if (is_of_network(action)) return shape.shares > 0;
     if (!shape.processes) return false;
@@ -117,6 +118,12 @@ std::vector<std::vector<Fault>> each_once(std::uint64_t seed, const Shape& shape
     return plan;
 }
 
+bool is_known(const std::string& fault, const Shape& shape) {
+    auto alone = shape;
+    alone.only = fault;
+    return std::any_of(kKinds.begin(), kKinds.end(), [&](const auto& kind) { return possible(kind, alone); });
+}
+
 std::vector<std::vector<Fault>> at_random(std::uint64_t seed, std::size_t rounds, const Shape& shape) {
     Dice dice(seed);
     const auto any = [&] {
@@ -128,7 +135,7 @@ std::vector<std::vector<Fault>> at_random(std::uint64_t seed, std::size_t rounds
     std::vector<std::vector<Fault>> plan(rounds);
     for (auto& round : plan) {
         round.push_back(any());
-        if (!dice.chance(0.5)) continue;
+        if (!shape.only.empty() || !dice.chance(0.5)) continue;
         auto second = any();
         while (clash(round.front(), second))
             second = any();

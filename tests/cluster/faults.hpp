@@ -56,10 +56,13 @@ struct Shape {
     bool clock = false;
     bool processes = true;  ///< also faults of processes and links
     Millis longest_stop = 20'000;
+    std::string only{};  ///< this fault, by name_of(), alone; empty: all that are possible
 };
 
 /// Each kind of fault once, alone; stops of 5 s.
 std::vector<std::vector<Fault>> each_once(std::uint64_t seed, const Shape& shape);
+/// Whether the shape has it.
+bool is_known(const std::string& fault, const Shape& shape);
 /// Faults alone and in pairs, at random: the same seed and shape give the same.
 std::vector<std::vector<Fault>> at_random(std::uint64_t seed, std::size_t rounds, const Shape& shape);
 

@@ -70,5 +70,17 @@ TEST(Faults, ManyRounds_NeverTwoFaultsOfOneProcessAndNoneOutOfBounds) {
     EXPECT_LT(pairs, 1200u);
 }
 
+TEST(Faults, OnlyOneKind_IsDrawnAloneAndOneThatIsNotThereIsNotKnown) {
+    Shape shape = kThreeNodes;
+    shape.only = "broker stop";
+    for (const auto& faults : at_random(4, 50, shape)) {
+        ASSERT_EQ(faults.size(), 1u);
+        EXPECT_EQ(name_of(faults), "broker stop");
+    }
+    EXPECT_TRUE(is_known("broker stop", shape));
+    EXPECT_FALSE(is_known("broker cut", shape)) << "there is no network";
+    EXPECT_FALSE(is_known("broker", shape));
+}
+
 }  // namespace
 }  // namespace cluster

@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "tests/cluster/commander.hpp"
+
 namespace cluster {
 
 namespace {
@@ -67,7 +69,8 @@ void FirmwareBoard::observe(std::string_view line) {
     for (std::size_t pixel = 0; pixel < kPixels && shown >> color; ++pixel) {
         const auto now_shown = static_cast<std::uint32_t>(std::strtoul(color.c_str(), nullptr, 16));
         if (std::exchange(colors_[pixel], now_shown) == now_shown || now_shown == 0) continue;
-        boost::asio::post(io_, [this, token = now_shown - color_of(0)] { on_executed_(token); });
+        boost::asio::post(io_,
+                          [this, token = now_shown - color_of(0), at = now()] { on_executed_(token, at); });
     }
 }
 

@@ -31,7 +31,7 @@ constexpr Millis kNodeStarts = 120'000;
 Fleet::Fleet(boost::asio::io_context& io, Engine& engine, Network* network, const FleetOptions& options,
              History& history)
     : io_(io), engine_(engine), hosts_{network}, network_(network), options_(options), history_(history) {
-    step_clock("+0");
+    folder_.write("clock", std::string(sizeof(std::int64_t), '\0'));
     for (std::size_t i = 0; i < options_.registries; ++i) {
         const auto id = fmt::format("r{}", i);
         registries_.push_back(start(host_of_registry(i), i == 0, program("asip-registry", i, {"--id", id})));
@@ -65,8 +65,8 @@ Fleet::Fleet(boost::asio::io_context& io, Engine& engine, Network* network, cons
 }
 
 std::unique_ptr<Board> Fleet::make_board(std::size_t index) {
-    const auto executed = [this, index](std::size_t token) {
-        history_.executions.push_back({token, index, now()});
+    const auto executed = [this, index](std::size_t token, Millis at) {
+        history_.executions.push_back({token, index, at});
     };
     if (index < options_.firmware)
         return std::make_unique<FirmwareBoard>(io_, history_.boards[index], executed);
@@ -79,9 +79,10 @@ Shape Fleet::shape() const {
             .boards = options_.boards,
             .shares = network_ != nullptr ? std::min(kShares, options_.boards) : 0,
             .part = !engine_.part().empty(),
-            .clock = !options_.clock.empty(),
+            .clock = options_.clock,
             .processes = options_.processes,
-            .longest_stop = options_.longest_stop};
+            .longest_stop = options_.longest_stop,
+            .only = options_.only};
 }
 
 std::size_t Fleet::hosts(const FleetOptions& options) {
@@ -99,17 +100,16 @@ std::size_t Fleet::host_of_share(std::size_t share) const {
 std::unique_ptr<Process> Fleet::start(std::size_t host, bool own_clock,
                                       std::vector<std::string> command) const {
     std::map<std::string, std::string> environment;
-    if (own_clock && !options_.clock.empty())
-        environment = {{"LD_PRELOAD", options_.clock},
-                       {"FAKETIME_TIMESTAMP_FILE", folder_.file("clock")},
-                       {"FAKETIME_NO_CACHE", "1"},
-                       {"FAKETIME_DONT_FAKE_MONOTONIC", "1"}};
+    if (own_clock && options_.clock)
+        environment = {{"LD_PRELOAD", ASIP_CLOCK}, {"CLUSTER_CLOCK", folder_.file("clock")}};
     return std::make_unique<Process>(hosts_.inside(host, std::move(command)), std::move(environment));
 }
 
-// A file that is read while it is written would be no time at all.
-void Fleet::step_clock(const std::string& by) const {
-    std::filesystem::rename(folder_.write("clock.new", by + '\n'), folder_.file("clock"));
+// Mapped by those that have this clock, so the file stays the same one.
+void Fleet::step_clock(std::chrono::seconds ahead) const {
+    const std::int64_t seconds = ahead.count();
+    std::fstream file(folder_.file("clock"), std::ios::in | std::ios::out | std::ios::binary);
+    file.write(reinterpret_cast<const char*>(&seconds), sizeof seconds);
 }
 
 std::vector<std::string> Fleet::program(const std::string& name, std::size_t first_node,
@@ -117,7 +117,8 @@ std::vector<std::string> Fleet::program(const std::string& name, std::size_t fir
     std::string brokers;
     for (const auto& broker : connection(name, first_node).brokers)
         brokers += (brokers.empty() ? "" : ",") + broker.describe();
-    std::vector<std::string> command{std::string(ASIP_PROGRAMS "/") + name, "--broker", brokers};
+    std::vector<std::string> command{std::string(ASIP_PROGRAMS "/") + name, "--broker", brokers,
+                                     "--log-level", options_.log_level};
     if (engine_.qos() == 0) command.insert(command.end(), {"--qos", "0"});
     if (!engine_.ca().empty()) more.insert(more.end(), {"--ca", engine_.ca()});
     command.insert(command.end(), more.begin(), more.end());
@@ -213,7 +214,7 @@ void Fleet::begin(const Fault& fault) {
         case Target::kPart:
             return engine_.kill_part();
         case Target::kClock:
-            return step_clock("+1d");
+            return step_clock(24h);
         case Target::kAgents:
             return;
         case Target::kLink:
@@ -234,7 +235,7 @@ void Fleet::end(const Fault& fault) {
         case Target::kPart:
             return engine_.start_part();
         case Target::kClock:
-            return step_clock("+0");
+            return step_clock(0s);
         case Target::kAgents:
             return;
         case Target::kLink:

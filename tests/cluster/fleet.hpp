@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <boost/asio/io_context.hpp>
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,12 +25,14 @@ struct FleetOptions {
     std::size_t firmware = 1;  ///< so many of the boards are real firmware in a simulator
     std::size_t registries = 3;
     std::size_t clients = 3;
-    double per_board = 2;          ///< commands a second
-    Millis look = 30'000;          ///< at the most, for the recovery after a fault
-    bool processes = true;         ///< faults of processes and links, too
-    std::string clock{};           ///< libfaketime; empty: no faults of clocks
-    Millis longest_stop = 20'000;  ///< of faults at random
-    Millis steady = 1500;          ///< for so long the catalogues must stay right
+    double per_board = 2;            ///< commands a second
+    Millis look = 30'000;            ///< at the most, for the recovery after a fault
+    bool processes = true;           ///< faults of processes and links, too
+    bool clock = false;              ///< faults of clocks, too
+    Millis longest_stop = 20'000;    ///< of faults at random
+    std::string only{};              ///< fault at random, by name; empty: all
+    std::string log_level = "info";  ///< of agents and registries
+    Millis steady = 1500;            ///< for so long the catalogues must stay right
 };
 
 /// Registries, agents with scripted boards, clients and watchers around an engine, each with another node
@@ -73,7 +76,7 @@ class Fleet {
     std::vector<std::string> program(const std::string& name, std::size_t first_node,
                                      std::vector<std::string> more) const;
     std::unique_ptr<Process> start(std::size_t host, bool own_clock, std::vector<std::string> command) const;
-    void step_clock(const std::string& by) const;
+    void step_clock(std::chrono::seconds ahead) const;
     std::size_t host_of_registry(std::size_t registry) const;
     std::size_t host_of_share(std::size_t share) const;
     void weather(const Fault& fault, bool begins);

@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <stdexcept>
 
@@ -44,18 +43,6 @@ std::unique_ptr<Network> make_network(const Settings& settings) {
     if (settings.faults == "network") throw std::runtime_error(why);
     fmt::print("LEFT OUT: faults of the network; {}\n", why);
     return nullptr;
-}
-
-/// Empty where there is none.
-std::string library_for_clocks(const Settings& settings) {
-    if (settings.faults != "all") return {};
-    for (const auto& folder : std::filesystem::directory_iterator("/usr/lib")) {
-        auto library = folder.path() / "faketime/libfaketime.so.1";
-        std::error_code ignored;
-        if (std::filesystem::exists(library, ignored)) return library;
-    }
-    fmt::print("LEFT OUT: a clock stepped by a day; Debian's package faketime is not there\n");
-    return {};
 }
 
 std::string seconds(const std::optional<Millis>& time) {
@@ -108,7 +95,7 @@ int run(Settings settings) {
     History history;
     boost::asio::io_context io;
     const auto network = make_network(settings);
-    settings.fleet.clock = library_for_clocks(settings);
+    settings.fleet.clock = settings.faults == "all";
     if (settings.fail_overs > 0) settings.fleet.per_board = kOftenEnough;
     if (settings.faults == "network") settings.fleet.processes = false;
     const auto engine = make_engine(settings.engine, Hosts{network.get()});
@@ -123,6 +110,8 @@ int run(Settings settings) {
         fmt::print("not begun: {}; logs are in {}\n", error.what(), settings.logs);
         return 1;
     }
+    if (!settings.fleet.only.empty() && !is_known(settings.fleet.only, fleet.shape()))
+        throw std::runtime_error("there is no fault \"" + settings.fleet.only + "\" here");
     if (settings.fail_overs > 0) return fail_overs(settings, *engine, fleet);
     const auto plan = settings.rounds == 0 ? each_once(settings.seed, fleet.shape())
                                            : at_random(settings.seed, settings.rounds, fleet.shape());
@@ -136,10 +125,12 @@ int run(Settings settings) {
     const auto verdict = judge(history);
     fmt::print("\n{}\n{} commands, {} violations, seed {}\n", report(engine->name(), verdict),
                history.commands.size(), verdict.violations.size(), settings.seed);
-    if (verdict.violations.empty()) return 0;
-    fleet.write_logs(settings.logs);
-    fmt::print("logs are in {}\n", settings.logs);
-    return 1;
+    const bool wrong = !verdict.violations.empty();
+    if (wrong || settings.fleet.log_level != "info") {
+        fleet.write_logs(settings.logs);
+        fmt::print("logs are in {}\n", settings.logs);
+    }
+    return wrong ? 1 : 0;
 }
 
 }  // namespace
@@ -175,6 +166,12 @@ int main(int argc, char** argv) {
     app.add_option("--longest", settings.fleet.longest_stop,
                    "Milliseconds that faults at random last at the most, but for those that kill")
         ->check(CLI::Range(5'000, 60'000))
+        ->capture_default_str();
+    app.add_option("--only", settings.fleet.only,
+                   "At random only this fault, alone, by its name in the table: \"broker cut\"");
+    app.add_option("--log-level", settings.fleet.log_level,
+                   "Of agents and registries; above info logs are kept also without a violation")
+        ->check(CLI::IsMember({"info", "debug", "trace"}))
         ->capture_default_str();
     app.add_option("--logs", settings.logs, "Folder for the programs' logs after a violation")
         ->capture_default_str();

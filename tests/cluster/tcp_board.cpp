@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "asip/time.hpp"
+#include "tests/cluster/commander.hpp"
 
 namespace cluster {
 
@@ -91,7 +92,8 @@ void TcpBoard::read() {
 
 void TcpBoard::executed() {
     for (const auto& line : board_.executed)
-        if (line.starts_with(kServo)) on_executed_(std::strtoull(line.c_str() + kServo.size(), nullptr, 10));
+        if (line.starts_with(kServo))
+            on_executed_(std::strtoull(line.c_str() + kServo.size(), nullptr, 10), now());
     board_.executed.clear();
     board_.heard.clear();
 }
