@@ -94,7 +94,9 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
         log_.info("broker connected",
                   {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
         bus_->discard_queued(mqtt::Priority::kAnnouncement);
-        with_bridge([&](Time now, Effects& out) { bridge_.bus_connected(now, connected.client_id, out); });
+        with_bridge([&](Time now, Effects& out) {
+            bridge_.bus_connected(now, connected.client_id, connected.v5, out);
+        });
         publish_log();
     };
     handlers.on_subscribed = [this] {

@@ -63,7 +63,8 @@ class Bridge {
     void line_rate_set(bool ok, Time now, Effects& out);
 
     // --- the bus's side
-    void bus_connected(Time now, const std::string& client_id, Effects& out);
+    /// `expires`: what this broker retains.
+    void bus_connected(Time now, const std::string& client_id, bool expires, Effects& out);
     /// The broker granted every subscription that was asked for so far.
     void bus_subscribed(Time now, Effects& out);
     void bus_disconnected();

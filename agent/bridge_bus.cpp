@@ -30,13 +30,13 @@ std::vector<std::string> Bridge::control_subscriptions() const {
     return filters;
 }
 
-void Bridge::bus_connected(Time now, const std::string& client_id, Effects& out) {
+void Bridge::bus_connected(Time now, const std::string& client_id, bool expires, Effects& out) {
     if (!announcer_) return;
     if (facts_.agent.client != client_id) {
         facts_.agent = {ASIP_VERSION, program::host_name(), client_id};
         describe_again();
     }
-    announcer_->on_connected(now, out);
+    announcer_->on_connected(now, out, expires);
     start_publishing(out);
 }
 

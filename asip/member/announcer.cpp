@@ -74,6 +74,7 @@ void Announcer::describe(model::Description description) {
     description_.board = options_.board;
     description_.lease = options_.lease_seconds;
     described_ = true;
+    retained_until_.reset();
     // At the next tick, so that many changes are one announcement, and at most once a second.
     if (established_ && connected_) probe_answer_ = last_announced_ + kBetweenChanges;
 }
@@ -81,22 +82,25 @@ void Announcer::describe(model::Description description) {
 void Announcer::set_updating(std::string json) {
     if (updating_ == json) return;
     updating_ = std::move(json);
+    retained_until_.reset();
     if (established_ && connected_) probe_answer_ = last_announced_ + kBetweenChanges;
 }
 
 void Announcer::set_state(model::BoardState state, Announcements& out) {
     if (state_ == state) return;
     state_ = state;
-    if (established_ && connected_ && subscribed_) publish_state(out);
+    if (established_ && connected_ && subscribed_) publish_state(true, out);
 }
 
-void Announcer::publish_state(Announcements& out) {
-    out.publish.push_back({retained(topics_.state(options_.board), std::string(to_text(state_))),
-                           mqtt::Priority::kAnnouncement});
+void Announcer::publish_state(bool retain, Announcements& out) {
+    auto state = retained(topics_.state(options_.board), std::string(to_text(state_)));
+    state.retain = retain;
+    out.publish.push_back({std::move(state), mqtt::Priority::kAnnouncement});
 }
 
-void Announcer::on_connected(Time now, Announcements& out) {
+void Announcer::on_connected(Time now, Announcements& out, bool expires) {
     connected_ = true;
+    expires_ = expires;
     if (established_) return;
     claim_ends_ = now + kClaimTime;
     out.publish.push_back({plain(topics_.probe(), options_.board), mqtt::Priority::kAnnouncement});
@@ -108,6 +112,7 @@ void Announcer::on_disconnected() {
     claim_ends_.reset();
     renewal_.reset();
     probe_answer_.reset();
+    retained_until_.reset();
 }
 
 void Announcer::on_subscribed(Time now, Announcements& out) {
@@ -122,8 +127,9 @@ std::string Announcer::description_text() const {
 }
 
 void Announcer::announce(Time now, Announcements& out) {
-    if (subscribed_ && described_) publish_state(out);
-    if (!publish_description(1, now, out)) return;
+    const bool retain = retains(now);
+    if (subscribed_ && described_) publish_state(retain, out);
+    if (!publish_description(1, retain, now, out)) return;
     if (options_.on_shared_topic)
         out.publish.push_back({plain(topics_.board_names(), options_.board), mqtt::Priority::kAnnouncement});
     for (const auto& service : description_.services)
@@ -131,7 +137,7 @@ void Announcer::announce(Time now, Announcements& out) {
             {plain(topics_.service_names(options_.board), service.name), mqtt::Priority::kAnnouncement});
 }
 
-bool Announcer::publish_description(int qos, Time now, Announcements& out) {
+bool Announcer::publish_description(int qos, bool retain, Time now, Announcements& out) {
     probe_answer_.reset();
     renewal_.reset();
     if (!subscribed_) return false;
@@ -142,6 +148,8 @@ bool Announcer::publish_description(int qos, Time now, Announcements& out) {
     description_.seq = ++seq_;
     mqtt::Message description = retained(topics_.description(options_.board), description_text());
     description.qos = qos;
+    description.retain = retain;
+    if (retain) retained_until_ = now + std::chrono::seconds(options_.lease_seconds);
     description.expiry_seconds = static_cast<std::uint32_t>(options_.lease_seconds);
     out.publish.push_back({std::move(description), mqtt::Priority::kAnnouncement});
     return true;
@@ -172,13 +180,15 @@ void Announcer::on_message(const mqtt::Message& message, Time now, Announcements
         return;
     // Our own words of a moment ago come back, too; saying the newest once more does no harm.
     out.log(program::log::Level::kDebug, "state put right", {{"was", message.payload.substr(0, 32)}});
-    publish_state(out);
+    publish_state(true, out);
 }
 
 void Announcer::on_foreign_description(const mqtt::Message& message, Time now, Announcements& out) {
-    if (message.retain || message.payload.empty()) return;  // a stored one proves no living agent
+    if (message.retain) return;  // a stored one proves no living agent
     const auto other = model::parse_description(message.payload);
-    if (!other || other->session == session_) return;
+    if (other && other->session == session_) return;
+    retained_until_.reset();
+    if (!other) return;
     const std::string holder = "agent " +
                                (other->agent.client.empty() ? other->session : other->agent.client) +
                                (other->agent.host.empty() ? "" : " on " + other->agent.host);
@@ -214,6 +224,7 @@ void Announcer::tick(Time now, Announcements& out) {
         if (challenge_->session.size() < kMaxSessionBytes)
             session_ = challenge_->session + "-" + random_hex(random_, 4);
         challenge_.reset();
+        retained_until_.reset();
         announce_within(Duration{}, now);
     }
     if (claim_ends_ && now >= *claim_ends_) {
@@ -223,7 +234,7 @@ void Announcer::tick(Time now, Announcements& out) {
     }
     if (!established_ || !connected_) return;
     if (probe_answer_ && now >= *probe_answer_) return announce(now, out);
-    if (renewal_ && now >= *renewal_) publish_description(kRenewalQos, now, out);
+    if (renewal_ && now >= *renewal_) publish_description(kRenewalQos, retains(now), now, out);
 }
 
 std::optional<Time> Announcer::next_deadline() const {
@@ -237,7 +248,7 @@ std::optional<Time> Announcer::next_deadline() const {
 void Announcer::goodbye(Announcements& out) {
     const bool known = described_ && established_;
     state_ = model::BoardState::kOffline;
-    if (known) publish_state(out);
+    if (known) publish_state(true, out);
     established_ = false;
     renewal_.reset();
     probe_answer_.reset();

@@ -37,6 +37,9 @@ struct AnnouncerOptions {
 /// Nothing is announced before the broker granted the subscriptions that commands come by. A lease is renewed
 /// by one message, the description, with QoS 0: it outlives one that is lost. Names are published when
 /// something changed or somebody probed.
+///
+/// Where what is retained does not expire, the broker is told to retain the same only once a lease: a cluster
+/// that has to store it may do nothing else for us meanwhile, and may take seconds.
 class Announcer {
   public:
     Announcer(const bus::Topics& topics, AnnouncerOptions options, Random random);
@@ -60,7 +63,8 @@ class Announcer {
     static std::vector<Subscription> subscriptions(const bus::Topics& topics, const std::string& board);
     std::vector<Subscription> subscriptions() const { return subscriptions(topics_, options_.board); }
 
-    void on_connected(Time now, Announcements& out);
+    /// `expires`: what this broker retains, so that each renewal has to be retained.
+    void on_connected(Time now, Announcements& out, bool expires = true);
     void on_disconnected();
     /// Commands reach us now.
     void on_subscribed(Time now, Announcements& out);
@@ -92,9 +96,11 @@ class Announcer {
     /// State, description and names.
     void announce(Time now, Announcements& out);
     /// The description, which renews the lease. False where there is none yet, or it may not be sent.
-    bool publish_description(int qos, Time now, Announcements& out);
+    bool publish_description(int qos, bool retain, Time now, Announcements& out);
+    /// Whether it is time to have the broker retain the same again.
+    bool retains(Time now) const { return expires_ || !retained_until_ || now >= *retained_until_; }
     std::string description_text() const;
-    void publish_state(Announcements& out);
+    void publish_state(bool retain, Announcements& out);
     void on_foreign_description(const mqtt::Message& message, Time now, Announcements& out);
     void schedule_renewal(Time now);
     void announce_within(Duration limit, Time now);
@@ -109,10 +115,13 @@ class Announcer {
     model::BoardState state_ = model::BoardState::kLost;
     bool described_ = false;
     bool connected_ = false;
+    bool expires_ = true;
     bool subscribed_ = false;
     bool established_ = false;  // the name is ours
     std::optional<Challenge> challenge_;
     Time last_announced_{};
+    /// This connection's broker has the present description until then.
+    std::optional<Time> retained_until_;
     std::optional<Time> claim_ends_;
     std::optional<Time> renewal_;
     std::optional<Time> probe_answer_;

@@ -47,8 +47,8 @@ class BridgeBench {
     void unplug() {
         run([&](Effects& out) { bridge.link_down("gone", now, out); });
     }
-    void connect() {
-        run([&](Effects& out) { bridge.bus_connected(now, "client", out); });
+    void connect(bool expires = true) {
+        run([&](Effects& out) { bridge.bus_connected(now, "client", expires, out); });
         if (grants_subscriptions) run([&](Effects& out) { bridge.bus_subscribed(now, out); });
     }
     /// Board, bus, and the name claimed.
