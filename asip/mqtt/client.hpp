@@ -150,7 +150,8 @@ class Client {
     /// older. May be called before start(), and while there is no connection. `priority` decides what is
     /// dropped first when the queue is full; of the order only that Priority::kUrgent leaves ahead of all.
     /// A message with expiry_seconds that is not retained is dropped and counted when it waited, or was not
-    /// acknowledged, for so long; also on 3.1.1, where brokers do not know of it.
+    /// acknowledged, for so long, or for less than a second less; also on 3.1.1, where brokers do not know of
+    /// it.
     PublishResult publish(Message message, Priority priority = Priority::kContext);
 
     /// Forgets what is queued and not yet handed over, for a program that announces anew on each connection.

@@ -56,8 +56,14 @@ bool Outbox::replaced(Entry& older, Message& message, Priority priority) {
     return true;
 }
 
+bool Outbox::Entry::expired(Time now) const {
+    return until && *until - now < (has_waited(now) ? std::chrono::seconds(1) : Duration(1));
+}
+
 void Outbox::Entry::age(Time now) {
-    if (until) message.expire_after(*until - now);
+    if (!until) return;
+    const Duration left = *until - now;
+    message.expire_after(has_waited(now) ? std::chrono::floor<std::chrono::seconds>(left) : left);
 }
 
 bool Outbox::push(Message message, Priority priority, Time now) {
@@ -83,7 +89,7 @@ bool Outbox::push(Message message, Priority priority, Time now) {
     std::optional<Time> until;
     if (message.expiry_seconds && !message.retain)
         until = now + std::chrono::seconds(*message.expiry_seconds);
-    insert(own, own.end(), Entry{std::move(message), priority, next_order_++, until});
+    insert(own, own.end(), Entry{std::move(message), priority, next_order_++, until, now});
     return true;
 }
 

@@ -32,10 +32,16 @@ class Outbox {
         /// Its time is over then: whoever published it wants it no more. None without an expiry, and of what
         /// is retained: that says how things are, and waits for as long as it takes.
         std::optional<Time> until;
+        Time since{};  ///< when it was published
 
-        bool expired(Time now) const { return until && now >= *until; }
-        /// Makes its expiry what is left of it, in whole seconds and at least one.
+        /// Or too little is left to say so in whole seconds.
+        bool expired(Time now) const;
+        /// Makes its expiry what is left of it, in whole seconds: not more than there is, once it has waited
+        /// for one.
         void age(Time now);
+
+      private:
+        bool has_waited(Time now) const { return now - since >= std::chrono::seconds(1); }
     };
 
     explicit Outbox(Bounds max) : max_(max) {}

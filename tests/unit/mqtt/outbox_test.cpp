@@ -155,9 +155,12 @@ TEST(Outbox, NotRetainedWithExpiry_ExpiresAndIsSentWithWhatIsLeft) {
     auto entry = outbox.pop();
     entry.age(begin);
     EXPECT_EQ(entry.message.expiry_seconds, 5u);
+    entry.age(begin + std::chrono::milliseconds(999));
+    EXPECT_EQ(entry.message.expiry_seconds, 5u) << "it has hardly waited";
     entry.age(begin + std::chrono::milliseconds(3500));
-    EXPECT_EQ(entry.message.expiry_seconds, 2u);
-    EXPECT_FALSE(entry.expired(begin + std::chrono::milliseconds(4999)));
+    EXPECT_EQ(entry.message.expiry_seconds, 1u) << "not more than there is";
+    EXPECT_FALSE(entry.expired(begin + std::chrono::seconds(4)));
+    EXPECT_TRUE(entry.expired(begin + std::chrono::milliseconds(4001))) << "less than MQTT can say";
     EXPECT_TRUE(entry.expired(begin + std::chrono::seconds(5)));
     outbox.put_back(entry);
     entry = outbox.pop();
