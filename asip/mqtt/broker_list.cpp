@@ -9,6 +9,8 @@ namespace {
 /// "Closed before answering" can be a broker that is just going down; only the second time in a row it is
 /// taken as "does not know MQTT 5".
 constexpr int kSuspicionsUntilFallback = 2;
+/// A broker that was going down may be back just when the other version is tried. Not twice.
+constexpr int kAcceptedUntilBelieved = 2;
 constexpr int kUnansweredUntilTls = 3;
 constexpr auto kHeldLongEnough = std::chrono::seconds(5);
 
@@ -23,12 +25,14 @@ BrokerList::BrokerList(std::vector<BrokerAddress> brokers, Version version, Back
 bool BrokerList::with_v5() const {
     const auto& broker = brokers_[current_];
     return version_ == Version::kV5 ||
-           (version_ == Version::kBest && broker.supports_v5 && broker.suspicions < kSuspicionsUntilFallback);
+           (version_ == Version::kBest && broker.supports_v5 &&
+            accepted_without_v5_ < kAcceptedUntilBelieved && broker.suspicions < kSuspicionsUntilFallback);
 }
 
 void BrokerList::accepted() {
     auto& broker = brokers_[current_];
     ever_accepted_ = true;
+    if (broker.suspicions >= kSuspicionsUntilFallback) ++accepted_without_v5_;
     broker.suspicions = broker.unanswered = 0;
     broker.failed_fatally = false;
 }

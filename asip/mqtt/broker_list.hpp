@@ -56,6 +56,7 @@ class BrokerList {
     std::size_t current_ = 0;
     std::size_t failures_this_round_ = 0;
     bool ever_accepted_ = false;
+    int accepted_without_v5_ = 0;  ///< behind attempts with MQTT 5 that had no answer
 };
 
 }  // namespace asip::mqtt

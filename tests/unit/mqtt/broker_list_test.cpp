@@ -69,6 +69,22 @@ TEST_F(BrokerListTest, ClosedUnansweredTwice_TriesWithout5AndReturnsTo5WhenThatF
     EXPECT_EQ(list.current().host, "broker1") << "the suspicion was wrong";
 }
 
+TEST_F(BrokerListTest, AcceptedWithout5Twice_NoBrokerOfTheListIsTriedWith5AnyMore) {
+    auto list = list_of(2);
+    for (int i = 0; i < 2; ++i) {
+        for (int attempt = 0; attempt < 2; ++attempt) {
+            EXPECT_TRUE(list.with_v5()) << "once may be a broker that was going down";
+            list.failed(unanswered(list), true, random_);
+        }
+        EXPECT_FALSE(list.with_v5());
+        list.accepted();
+        list.lost(ended(list, Kind::kStalled), 10s, random_);
+    }
+    EXPECT_FALSE(list.with_v5());
+    list.failed(ended(list, Kind::kUnreachable), false, random_);
+    EXPECT_FALSE(list.with_v5());
+}
+
 TEST_F(BrokerListTest, TlsBrokerThatClosesUnansweredThreeTimes_IsReportedAsTls) {
     BrokerList list({{"broker", 8883, true}}, Version::kV5, Backoff(100ms, 2s));
     EXPECT_EQ(list.failed(unanswered(list), true, random_).failure->kind, Kind::kNoAnswer);
