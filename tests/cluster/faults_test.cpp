@@ -8,7 +8,7 @@
 namespace cluster {
 namespace {
 
-constexpr Shape kThreeNodes{.nodes = 3, .registries = 3, .boards = 12};
+const Shape kThreeNodes{.nodes = 3, .registries = 3, .boards = 12};
 
 TEST(Faults, SameSeed_SamePlanAndOthersDiffer) {
     EXPECT_EQ(at_random(7, 50, kThreeNodes), at_random(7, 50, kThreeNodes));
