@@ -98,6 +98,7 @@ TEST_F(RecordTest, OneService_IsRecordedWithoutTheOthers) {
         say(1);
         return !record.running();
     }));
+    EXPECT_EQ(record.wait_exit(), 0);  // all of its output is read
     EXPECT_EQ(nlohmann::json::parse(record.output())["boards"], 1);
     for (const auto& line : lines(path))
         EXPECT_THAT(line.dump(), Not(testing::AnyOf(HasSubstr("servo\"}"), HasSubstr("\"line\""))));
