@@ -24,7 +24,10 @@ class SimulatedBoard {
     static std::vector<member::Announcer::Subscription> subscriptions(const bus::Topics& topics,
                                                                       const std::string& name);
 
-    void on_connected(Time now, member::Announcements& out) { announcer_.on_connected(now, out); }
+    /// `expires`: what this broker retains.
+    void on_connected(Time now, member::Announcements& out, bool expires = true) {
+        announcer_.on_connected(now, out, expires);
+    }
     void on_subscribed(Time now, member::Announcements& out) { announcer_.on_subscribed(now, out); }
     void on_disconnected() { announcer_.on_disconnected(); }
     /// Returns whether it was a command, and was answered or was not to be.

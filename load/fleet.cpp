@@ -159,7 +159,7 @@ void Fleet::attach(std::size_t board) {
     Carrier& carrier = carriers_[carrier_of(board)];
     if (!carrier.client) return open(carrier_of(board));
     if (!carrier.connected) return;
-    with(board, [](auto& one, Time now, auto& out) { one.on_connected(now, out); });
+    with(board, [&](auto& one, Time now, auto& out) { one.on_connected(now, out, carrier.client->v5()); });
     if (carrier.client->subscribed())
         with(board, [](auto& one, Time now, auto& out) { one.on_subscribed(now, out); });
 }

@@ -89,9 +89,10 @@ void Fleet::connected(std::size_t carrier) {
     ++tally_.connections_made;
     carriers_[carrier].connected = true;
     carriers_[carrier].client->discard_queued(mqtt::Priority::kAnnouncement);
-    for_boards_of(carrier, [this](std::size_t board) {
+    const bool expires = carriers_[carrier].client->v5();
+    for_boards_of(carrier, [this, expires](std::size_t board) {
         if (slots_[board].life == Life::kPresent)
-            with(board, [](auto& one, Time now, auto& out) { one.on_connected(now, out); });
+            with(board, [=](auto& one, Time now, auto& out) { one.on_connected(now, out, expires); });
     });
 }
 
