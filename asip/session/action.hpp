@@ -81,10 +81,11 @@ struct BoardReset {
 /// until the next Identified.
 struct BecameSilent {};
 
-/// Nothing that speaks ASIP answered since link_up, at any rate; reported once per link_up. The session
-/// continues to ask.
+/// No question was answered for SessionOptions::patience, at any rate, before the board was known; reported
+/// once per link_up. The session continues to ask.
 struct NoAnswer {
-    bool heard_bytes = false;  ///< something arrived, but not ASIP: a wrong rate, or not an ASIP board
+    bool heard_bytes = false;  ///< something arrived: without a banner a wrong rate, or not an ASIP board
+    bool heard_banner = false;
 };
 
 /// The line rate in use changed, for logs and descriptions.

@@ -23,6 +23,14 @@ void BoardSession::receive(std::string_view bytes, Time now, Actions& out) {
 void BoardSession::tick(Time now, Actions& out) {
     machine_->tick(now, out);
 }
+std::size_t BoardSession::waiting(ClientId client) const {
+    return machine_->requests().waiting().size_of(client);
+}
+
+void BoardSession::not_watched(Time since, Time now) {
+    machine_->not_watched(since, now);
+}
+
 void BoardSession::line_rate_set(bool ok, Time now, Actions& out) {
     machine_->line_rate_set(ok, now, out);
 }

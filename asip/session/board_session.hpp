@@ -31,11 +31,12 @@ struct SessionOptions {
     /// A fence or an answer not back after this long is overdue. A 0.4 board waits up to a second inside a
     /// cut-off message.
     Duration answer_timeout = std::chrono::milliseconds(1500);
-    /// A board that was asked something and has sent no byte for this long since then is gone.
-    Duration gone_after = std::chrono::seconds(4);
-    /// How long after link_up without any answer until NoAnswer is reported. An Uno's boot loader takes two
-    /// seconds. Also how long a board that is there may answer nothing that can be understood until it is
+    /// A board that has sent no byte for this long, and was asked something at least answer_timeout ago, is
     /// gone.
+    Duration gone_after = std::chrono::seconds(4);
+    /// How long after link_up, or after its last answer, a board that is not known yet may answer nothing
+    /// until NoAnswer is reported. An Uno's boot loader takes two seconds. Also how long a board that is
+    /// there may answer nothing that can be understood, or restart without answering, until it is gone.
     Duration patience = std::chrono::seconds(8);
 };
 
@@ -137,6 +138,9 @@ class BoardSession {
     void receive(std::string_view bytes, Time now, Actions& out);
     /// Time has passed. May be called at any time; must be called when next_deadline() has come.
     void tick(Time now, Actions& out);
+    /// The caller was stopped, and listened to nothing from `since` to `now`. Before any other call behind
+    /// it.
+    void not_watched(Time since, Time now);
     /// The answer to SetLineRate: `ok` if the link now has that rate.
     void line_rate_set(bool ok, Time now, Actions& out);
 
@@ -148,8 +152,9 @@ class BoardSession {
     std::size_t cancel_waiting(Actions& out);
     /// Whether submit() would not refuse a request with kNoBoard.
     bool accepts_requests() const;
-    /// How many more requests of this client may be queued now.
+    /// How many more requests of this client may be queued now, and how many wait.
     std::size_t room(ClientId client) const;
+    std::size_t waiting(ClientId client) const;
 
     /// When tick() wants to be called; none while the link is down.
     std::optional<Time> next_deadline() const;

@@ -12,6 +12,7 @@ void Machine::on_event(Identifying& state, const protocol::Event& event, std::st
     state.answers = true;
     if (state.interview.on_event(event, now, lines)) {
         state.answers = false;
+        progress_at_ = now;
         write(lines, now, out);
         return follow(state, now, out);
     }
@@ -37,6 +38,8 @@ void Machine::on_error(Identifying& state, const protocol::ErrorReply& error, st
 }
 
 void Machine::on_time(Identifying& state, Time now, Actions& out) {
+    // It restarts again and again, and says nothing else.
+    if (there_ && now >= progress_at_ + options_.patience) return fall_silent(now, out);
     // Its answer to the search came late, and was read at a rate that it does not have.
     if (!wire_.at_start_rate() && now >= deadline(state) && !std::exchange(state.answers, false))
         return search(now, now, out);
@@ -49,7 +52,8 @@ void Machine::on_time(Identifying& state, Time now, Actions& out) {
 }
 
 Time Machine::deadline(const Identifying& state) const {
-    return state.interview.next_deadline(options_.answer_timeout);
+    const Time next = state.interview.next_deadline(options_.answer_timeout);
+    return there_ ? std::min(next, progress_at_ + options_.patience) : next;
 }
 
 void Machine::follow(Identifying& state, Time now, Actions& out) {

@@ -93,6 +93,8 @@ class InFlight {
 
     /// Ends everything: in doubt, or as timed out.
     void end_all(Ending ending, std::vector<RequestEnd>& ended);
+    /// The board restarted: it sends nothing any more that somebody asked for before.
+    void forget_owed() { owed_.clear(); }
 
     /// Not after the moment when one of the above changes something.
     Time next_deadline(Duration answer_timeout) const;
@@ -154,7 +156,7 @@ class InFlight {
     void end(Item& item, Ending ending, std::vector<RequestEnd>& ended, Time sent_by = Time::max());
     bool note_value(const protocol::Event& event, const protocol::ParsedLine& line,
                     std::vector<RequestEnd>& ended);
-    void forget_owed(const Batch& batch);
+    void forget_owed(const Batch& batch, Time now);
     void note_owed(const Item& item, Ending ending, Time sent_by);
     bool changes_period(char service) const;
     void note_slow(const Item& item, bool slow);

@@ -19,6 +19,11 @@ constexpr std::array<std::string_view, 9> kQuestions{
     protocol::kAskPinModes,  protocol::kAskPinCapabilities, protocol::kAskIdentity,
 };
 
+// Without them a board is of no use: a board that stood still is asked for them once more.
+constexpr bool is_essential(std::string_view question) {
+    return question == protocol::kAskServiceNames || question == protocol::kAskPortMap;
+}
+
 constexpr int kTries = 3;
 // Errors that name no question of ours: they may be about what was sent before, and come in numbers.
 constexpr int kTriesAtOnce = 3;
@@ -56,19 +61,22 @@ void Interview::repeat(Time now, std::vector<std::string>& lines) {
 
 void Interview::ask_again_or_pass(Time now, std::vector<std::string>& lines) {
     if (tries_ < kTries) return ask(now, lines);
-    if (kQuestions[step_] != protocol::kAskExtensions || ++rounds_ == kRounds) return pass(now, lines);
+    if (kQuestions[step_] != protocol::kAskExtensions || ++rounds_ == kRounds) return pass(false, now, lines);
     start_again(now, lines);
 }
 
 void Interview::start_again(Time now, std::vector<std::string>& lines) {
     identity_ = Identity{};
+    unanswered_ = {};
+    once_more_ = false;
     step_ = 0;
     tries_ = tries_at_once_ = 0;
     ask(now, lines);
 }
 
 // Leaves the question unanswered.
-void Interview::pass(Time now, std::vector<std::string>& lines) {
+void Interview::pass(bool refused, Time now, std::vector<std::string>& lines) {
+    unanswered_[step_] = !refused;
     if (step_ == 0) {
         progress_ = Progress::kFailed;
     } else {
@@ -77,6 +85,7 @@ void Interview::pass(Time now, std::vector<std::string>& lines) {
 }
 
 bool Interview::skip_step() const {
+    if (once_more_) return !unanswered_[step_] || !is_essential(kQuestions[step_]);
     return kQuestions[step_] == protocol::kAskIdentity && !identity_.extensions.has(protocol::kIdentity);
 }
 
@@ -89,7 +98,9 @@ void Interview::next(Time now, std::vector<std::string>& lines) {
         return start_again(now, lines);
     }
     do {
-        if (++step_ == kQuestions.size()) return finish();
+        if (++step_ < kQuestions.size()) continue;
+        if (std::exchange(once_more_, true)) return finish();
+        step_ = 1;
     } while (skip_step());
     ask(now, lines);
 }
@@ -151,17 +162,34 @@ bool Interview::take(const protocol::Event& event) {
     }
 }
 
+void Interview::note_answer(std::size_t step) {
+    unanswered_[step] = false;
+    if (kQuestions[step] == protocol::kAskServiceNames || (step > 0 && other_question_.empty()))
+        other_question_ = kQuestions[step];
+}
+
+// To a question that was asked for long enough without one.
+bool Interview::take_late(const protocol::Event& event) {
+    for (std::size_t i = 0; i < kQuestions.size(); ++i) {
+        if (!unanswered_[i] || i == step_ || event.service != kQuestions[i][0] ||
+            event.tag != kQuestions[i][2])
+            continue;
+        if (take(event)) note_answer(i);
+        return true;
+    }
+    return false;
+}
+
 bool Interview::on_event(const protocol::Event& event, Time now, std::vector<std::string>& lines) {
     if (progress_ != Progress::kAsking) return false;
     const std::string_view question = kQuestions[step_];
-    if (event.service != question[0] || event.tag != question[2]) return false;
+    if (event.service != question[0] || event.tag != question[2]) return take_late(event);
     // A damaged answer is asked for again at once, while tries are left.
     if (!take(event)) {
         ask_again_or_pass(now, lines);
         return true;
     }
-    if (question == protocol::kAskServiceNames || (step_ > 0 && other_question_.empty()))
-        other_question_ = question;
+    note_answer(step_);
     next(now, lines);
     return true;
 }
@@ -174,7 +202,7 @@ bool Interview::on_error(const protocol::ErrorReply& error, Time now, std::vecto
     if (named) {
         const bool damaged = error.code == static_cast<int>(protocol::ErrorCode::kBadArgument);
         const bool believed = question != protocol::kAskExtensions || (!damaged && ++refusals_ == kRefusals);
-        damaged || !believed ? ask_again_or_pass(now, lines) : pass(now, lines);
+        damaged || !believed ? ask_again_or_pass(now, lines) : pass(true, now, lines);
     } else if (tries_at_once_ < kTriesAtOnce) {  // our question may have been damaged
         ++tries_at_once_;
         --tries_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,8 +12,9 @@
 namespace asip::session {
 
 /// The state machine that asks a board what it is: one question at a time, each up to three times. Only `#,?`
-/// must be answered; what a board refuses or does not answer stays empty. That it has no extensions is
-/// believed of a board that refuses `#,X` twice, or that twice answers `#,?` and not `#,X`.
+/// must be answered; what a board refuses or does not answer stays empty. Answers may come late; services and
+/// pins are asked for once more in the end where they did not come at all. That a board has no extensions is
+/// believed where it refuses `#,X` twice, or twice answers `#,?` and not `#,X`.
 class Interview {
   public:
     enum class Progress { kAsking, kDone, kFailed };
@@ -38,10 +40,12 @@ class Interview {
   private:
     void ask(Time now, std::vector<std::string>& lines);
     void ask_again_or_pass(Time now, std::vector<std::string>& lines);
-    void pass(Time now, std::vector<std::string>& lines);
+    void pass(bool refused, Time now, std::vector<std::string>& lines);
     void start_again(Time now, std::vector<std::string>& lines);
     void next(Time now, std::vector<std::string>& lines);
     bool skip_step() const;
+    bool take_late(const protocol::Event& event);
+    void note_answer(std::size_t step);
     bool take(const protocol::Event& event);
     bool take_extensions(std::string_view body);
     bool take_of_core(const protocol::Event& event);
@@ -53,6 +57,8 @@ class Interview {
     int tries_at_once_ = 0;
     int rounds_ = 0;
     int refusals_ = 0;
+    std::array<bool, 9> unanswered_{};  // by step: asked, and neither answered nor refused
+    bool once_more_ = false;
     protocol::Extensions extensions_;  // as last answered
     Time asked_{};
     bool turn_checksums_on_;

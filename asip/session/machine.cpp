@@ -34,7 +34,8 @@ void Machine::link_up(const LinkTraits& traits, Time now, Actions& out) {
     suspect_baud_ = 0;
     found_at_.reset();
     ready_baud_ = traits.baud;
-    link_up_at_ = last_byte_ = now;
+    progress_at_ = last_byte_ = now;
+    banner_ = false;
     reports_.clear();
     banner_services_.clear();
     rates_.forget_bad();
@@ -66,6 +67,7 @@ void Machine::search(Time quiet_until, Time now, Actions& out) {
     wire_.reader().reset();
     abandon_in_flight(Ending::kDoubt, out);
     const auto* const identifying = std::get_if<Identifying>(&state_);
+    if (identifying == nullptr && !std::holds_alternative<Searching>(state_)) progress_at_ = now;
     Search search;
     search.start(wire_.start_baud(), wire_.has_rates(), identifying ? Search::longer(identifying->turn) : 1,
                  quiet_until, now);
@@ -132,6 +134,7 @@ void Machine::become_ready(Time now, Actions& out) {
 }
 
 void Machine::board_restarted(std::string why, Time now, Actions& out) {
+    if (!std::holds_alternative<Identifying>(state_)) progress_at_ = now;
     ++counters_.resets;
     out.emplace_back(BoardReset{std::move(why)});
     abandon_in_flight(Ending::kDoubt, out);
@@ -247,9 +250,9 @@ void Machine::report(std::vector<RequestEnd>& ended, Actions& out) {
 void Machine::tick(Time now, Actions& out) {
     if (std::holds_alternative<Down>(state_)) return;
     if (const auto gone = gone_at(); gone && now >= *gone) return fall_silent(now, out);
-    if (!no_answer_reported_ && now >= link_up_at_ + options_.patience) {
+    if (!no_answer_reported_ && now >= progress_at_ + options_.patience) {
         no_answer_reported_ = true;
-        out.emplace_back(NoAnswer{counters_.bytes_in > 0});
+        out.emplace_back(NoAnswer{counters_.bytes_in > 0, banner_});
     }
     std::vector<RequestEnd> ended;
     queue_.on_time(now, options_.answer_timeout, ended);
@@ -262,8 +265,15 @@ std::optional<Time> Machine::next_deadline() const {
     if (std::holds_alternative<Down>(state_)) return std::nullopt;
     Time deadline = queue_.next_deadline(options_.answer_timeout);
     if (const auto gone = gone_at()) deadline = std::min(deadline, *gone);
-    if (!no_answer_reported_) deadline = std::min(deadline, link_up_at_ + options_.patience);
+    if (!no_answer_reported_) deadline = std::min(deadline, progress_at_ + options_.patience);
     return std::min(deadline, std::visit([&](const auto& state) { return this->deadline(state); }, state_));
+}
+
+// Nobody listened: that nothing was heard says nothing.
+void Machine::not_watched(Time since, Time now) {
+    last_byte_ = std::min(now, last_byte_ + (now - since));
+    progress_at_ = std::min(now, progress_at_ + (now - since));
+    if (asked_at_) asked_at_ = std::min(now, *asked_at_ + (now - since));
 }
 
 // A board that was never there, or is known to be gone, cannot be lost.

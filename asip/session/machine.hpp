@@ -28,6 +28,7 @@ class Machine {
     void receive(std::string_view bytes, Time now, Actions& out);
     void tick(Time now, Actions& out);
     void line_rate_set(bool ok, Time now, Actions& out);
+    void not_watched(Time since, Time now);
     Expected<RequestId, Refusal> submit(std::string_view line, const RequestOptions& request, Time now,
                                         Actions& out);
     std::size_t cancel_waiting(Actions& out);
@@ -172,7 +173,8 @@ class Machine {
     };
     std::vector<NewPeriod> new_periods_;  // the last one of each service
     Time last_report_{};
-    Time link_up_at_{};
+    Time progress_at_{};   // while it is not ready: link_up, the end of its being ready, its last answer
+    bool banner_ = false;  // one came since link_up
     std::optional<Time> found_at_;  // its first interview since it was ready
     Time last_byte_{};
     std::optional<Time> asked_at_;  // the first question since the last byte

@@ -88,11 +88,14 @@ void Machine::on_info(const protocol::Info& info, std::string_view line, Time no
     const bool half = !banner && info.text.find(kEndOfBanner) != std::string_view::npos;
     out.emplace_back(BoardLine{protocol::ParsedLine(line, info), std::nullopt});
     if (!banner && !half) return;
+    banner_ = true;
     reports_.clear();
     if (banner) banner_services_ = banner->services;
     if (there_ && !std::holds_alternative<Searching>(state_))
-        return board_restarted("it sent its banner", now, out);
-    identify(now, out);
+        board_restarted("it sent its banner", now, out);
+    else
+        identify(now, out);
+    queue_.board_restarted();
 }
 
 void Machine::on_malformed(std::string_view reason, std::string_view line, Time now, Actions& out) {

@@ -21,7 +21,10 @@ void Machine::ask(Searching& state, Time now, Actions& out) {
 
 void Machine::on_event(Searching& state, const protocol::Event& event, std::string_view line, Time now,
                        Actions& out) {
-    if (event.service == '#' && event.tag == '?') return identify(now, out);
+    if (event.service == '#' && event.tag == '?') {
+        progress_at_ = now;
+        return identify(now, out);
+    }
     state.search.heard();
     note_report(event, now);
     // Answers to questions that were asked before belong to no client.

@@ -132,6 +132,45 @@ TEST(BoardSession, RateAfterRateFailsForLong_IsNotCalledNoAnswer) {
     EXPECT_EQ(bench.count("no-answer"), 0);
 }
 
+TEST(BoardSession, SlowToSayWhatItIs_IsNotCalledNoAnswer) {
+    Bench bench(no_step_up());
+    bench.board.replies["#,S"] = "";
+    bench.board.replies["I,m"] = "";
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within(15s));
+    EXPECT_GT(bench.now, Time{} + 8s);
+    EXPECT_EQ(bench.count("no-answer"), 0);
+}
+
+TEST_P(EachGeneration, RestartsAgainAndAgainAndSaysNothingElse_IsSilent) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.mute = true;
+    for (int i = 0; i < 10; ++i) {
+        bench.say(bench.board.reboot());
+        bench.pass(2s);
+    }
+    EXPECT_EQ(bench.count("silent"), 1);
+    EXPECT_EQ(bench.refused("I,d,13,1"), Refusal::kNoBoard);
+    bench.board.mute = false;
+    EXPECT_TRUE(bench.ready_within(5s));
+}
+
+TEST(BoardSession, CallerWasStopped_SilenceMeanwhileSaysNothing) {
+    Bench bench(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.board.mute = true;
+    bench.request("I,d,13,1", {.prove = false});
+    const Time stopped = bench.now;
+    bench.now += 20s;
+    bench.session.not_watched(stopped, bench.now);
+    bench.pass(3900ms);
+    EXPECT_EQ(bench.count("silent"), 0);
+    bench.pass(200ms);
+    EXPECT_EQ(bench.count("silent"), 1);
+}
+
 TEST(BoardSession, OneQuestionUnanswered_RestIsKnown) {
     Bench bench(no_step_up());
     bench.board.replies["I,c"] = "";

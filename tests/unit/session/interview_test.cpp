@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "asip/protocol/extensions.hpp"
 #include "asip/session/interview.hpp"
 
@@ -97,6 +99,68 @@ TEST_F(AskedForExtensions, BoardNeverAnswersThat_HasNone) {
         says_nothing();
     EXPECT_EQ(question(), "#,N");
     EXPECT_TRUE(interview_.identity().extensions.empty());
+}
+
+/// It has answered "#,X", and stands still when it is asked what services it has.
+class AskedForNames : public AskedForExtensions {
+  protected:
+    static constexpr const char* kNames = "@#,N,3,{I:ASIP core IO,S:Servos,D:Distance}";
+    AskedForNames() {
+        says("@#,X,5,{E:1,I:1,B:1,C:1,V:1}");
+        for (int i = 0; i < 3; ++i)
+            says_nothing();
+    }
+    void answers_the_rest() {
+        for (const char* line : {"@#,S,6,{@,@,I,I,S,D}", "@I,M,6,{4:1,4:2,4:4,4:8,4:10,3:1}", "@I,m,1,{5:0}",
+                                 "@I,p,6{6,6,1,1,7,7}", "@I,c,6,{1,1,1,5,1,3}", "@#,I,uno1"})
+            says(line);
+    }
+    bool done() const { return interview_.progress() == Interview::Progress::kDone; }
+};
+
+TEST_F(AskedForNames, AnswersComeLate_AreTaken) {
+    EXPECT_EQ(question(), "#,S");
+    for (int i = 0; i < 3; ++i)
+        says(kNames);
+    answers_the_rest();
+    ASSERT_TRUE(done());
+    EXPECT_EQ(interview_.identity().services.size(), 3u);
+    EXPECT_EQ(interview_.identity().port_map.pin_count(), 6u);
+}
+
+TEST_F(AskedForNames, AnswersAreLost_AreAskedForOnceMore) {
+    answers_the_rest();
+    ASSERT_FALSE(done());
+    EXPECT_EQ(question(), "#,N");
+    says(kNames);
+    ASSERT_TRUE(done());
+    EXPECT_EQ(interview_.identity().services.size(), 3u);
+    EXPECT_EQ(std::count(asked_.begin(), asked_.end(), "#,S"), 1);
+}
+
+TEST_F(AskedForNames, BoardStandsStillForPinsToo_BothAreAskedForOnceMore) {
+    says("@#,S,6,{@,@,I,I,S,D}");
+    for (int i = 0; i < 3; ++i)
+        says_nothing();
+    EXPECT_EQ(question(), "I,m");
+    says("@I,m,1,{5:0}");
+    says("@I,p,6{6,6,1,1,7,7}");
+    says("@I,c,6,{1,1,1,5,1,3}");
+    says("@#,I,uno1");
+    EXPECT_EQ(question(), "#,N");
+    says(kNames);
+    EXPECT_EQ(question(), "I,M");
+    says("@I,M,6,{4:1,4:2,4:4,4:8,4:10,3:1}");
+    EXPECT_TRUE(done());
+    EXPECT_EQ(interview_.identity().port_map.pin_count(), 6u);
+}
+
+TEST_F(AskedForNames, AreNeverAnswered_EndsWithoutThem) {
+    answers_the_rest();
+    for (int i = 0; i < 3; ++i)
+        says_nothing();
+    EXPECT_TRUE(done());
+    EXPECT_TRUE(interview_.identity().services.empty());
 }
 
 }  // namespace
