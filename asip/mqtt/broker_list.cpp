@@ -25,12 +25,14 @@ BrokerList::BrokerList(std::vector<BrokerAddress> brokers, Version version, Back
 bool BrokerList::with_v5() const {
     const auto& broker = brokers_[current_];
     return version_ == Version::kV5 ||
-           (version_ == Version::kBest && broker.supports_v5 &&
+           (version_ == Version::kBest && broker.supports_v5 && (broker.took_v5 || !refused_v5_) &&
             accepted_without_v5_ < kAcceptedUntilBelieved && broker.suspicions < kSuspicionsUntilFallback);
 }
 
 void BrokerList::accepted() {
     auto& broker = brokers_[current_];
+    broker.took_v5 = with_v5();
+    refused_v5_ = refused_v5_ || !broker.supports_v5;
     ever_accepted_ = true;
     if (broker.suspicions >= kSuspicionsUntilFallback) ++accepted_without_v5_;
     broker.suspicions = broker.unanswered = 0;

@@ -27,7 +27,8 @@ class BrokerList {
     /// The one to try now.
     const BrokerAddress& current() const { return brokers_[current_].address; }
     std::size_t size() const { return brokers_.size(); }
-    /// Whether to try it with MQTT 5.
+    /// Whether to try it with MQTT 5: not where another broker of the list said that it does not know it.
+    /// They are of one kind, and at a busy one an attempt in vain takes as long as the other.
     bool with_v5() const;
 
     /// It accepted the connection.
@@ -41,6 +42,7 @@ class BrokerList {
     struct Broker {
         BrokerAddress address;
         bool supports_v5 = true;
+        bool took_v5 = false;         ///< it accepted a connection with it
         int suspicions = 0;           ///< attempts with MQTT 5 in a row that were closed without an answer
         int unanswered = 0;           ///< attempts in a row, with any version, that had no answer
         bool failed_fatally = false;  ///< the last time
@@ -56,6 +58,7 @@ class BrokerList {
     std::size_t current_ = 0;
     std::size_t failures_this_round_ = 0;
     bool ever_accepted_ = false;
+    bool refused_v5_ = false;      ///< one of the list that was accepted with 3.1.1 then
     int accepted_without_v5_ = 0;  ///< behind attempts with MQTT 5 that had no answer
 };
 
