@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/cluster/echo.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <utility>
 
@@ -11,26 +12,25 @@ namespace cluster {
 namespace {
 
 constexpr auto kBetweenMessages = std::chrono::milliseconds(100);
+const std::string kTopics = "cluster-test/echo/";
+const std::string kRetained = "cluster-test/retained/";
 
 }  // namespace
 
-Echo::Echo(boost::asio::io_context& io, asip::mqtt::Options options)
-    : topic_("cluster-test/" + options.client_id),
+Echo::Echo(boost::asio::io_context& io, asip::mqtt::Options options, std::size_t number, std::size_t count)
+    : topic_(std::to_string(number)),
+      heard_(count),
       client_(io, std::move(options),
               {.on_connected = {},
                .on_disconnected = {},
                .on_connect_failed = {},
-               .on_message =
-                   [this](const asip::mqtt::Message& message) {
-                       const bool counts = std::strtoll(message.payload.c_str(), nullptr, 10) >= since_;
-                       if (counts && !heard_) heard_ = now();
-                   },
+               .on_message = [this](const asip::mqtt::Message& message) { received(message); },
                .on_published = {},
                .on_subscribe_refused = {},
                .on_debug = {},
                .on_subscribed = {}}),
       timer_(io) {
-    client_.subscribe(topic_);
+    client_.subscribe(kTopics + "+");
 }
 
 void Echo::start() {
@@ -40,14 +40,29 @@ void Echo::start() {
 
 void Echo::look_anew() {
     since_ = now();
-    heard_.reset();
+    std::fill(heard_.begin(), heard_.end(), std::nullopt);
+}
+
+void Echo::received(const asip::mqtt::Message& message) {
+    const auto number = std::strtoull(message.topic.c_str() + kTopics.size(), nullptr, 10);
+    const bool counts = std::strtoll(message.payload.c_str(), nullptr, 10) >= since_;
+    if (counts && number < heard_.size() && !heard_[number]) heard_[number] = now();
+}
+
+std::optional<Millis> Echo::heard() const {
+    if (!std::all_of(heard_.begin(), heard_.end(), [](const auto& each) { return each.has_value(); }))
+        return std::nullopt;
+    return *std::max_element(heard_.begin(), heard_.end());
 }
 
 void Echo::send() {
     timer_.expires_after(kBetweenMessages);
     timer_.async_wait([this](const boost::system::error_code& error) {
         if (error) return;
-        if (client_.connected()) client_.publish({.topic = topic_, .payload = std::to_string(now())});
+        const auto payload = std::to_string(now());
+        if (client_.connected() && !heard())
+            client_.publish({.topic = kRetained + topic_, .payload = payload, .retain = true});
+        if (client_.connected()) client_.publish({.topic = kTopics + topic_, .payload = payload});
         send();
     });
 }

@@ -4,29 +4,35 @@
 #include <boost/asio/steady_timer.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "asip/mqtt/client.hpp"
 #include "tests/cluster/history.hpp"
 
 namespace cluster {
 
-/// A client that hears itself: whether the engine works, apart from registries, agents and boards.
+/// One of some clients that hear each other and themselves: whether the engine works, apart from registries,
+/// agents and boards. Until it has heard all of them, each of its messages has one in front of it that the
+/// broker retains: one that cannot do that reads no further, or closes the connection.
 class Echo {
   public:
-    Echo(boost::asio::io_context& io, asip::mqtt::Options options);
+    /// The client `number` of `count`.
+    Echo(boost::asio::io_context& io, asip::mqtt::Options options, std::size_t number, std::size_t count);
 
     void start();
     /// From now on only messages count that are sent from now on.
     void look_anew();
-    /// When the first of them came.
-    std::optional<Millis> heard() const { return heard_; }
+    /// When the first of them had come from each client.
+    std::optional<Millis> heard() const;
 
   private:
     void send();
 
+    void received(const asip::mqtt::Message& message);
+
     std::string topic_;
     Millis since_ = 0;
-    std::optional<Millis> heard_;
+    std::vector<std::optional<Millis>> heard_;  // by client
     asip::mqtt::Client client_;
     boost::asio::steady_timer timer_;
 };

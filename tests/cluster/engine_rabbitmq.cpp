@@ -64,7 +64,8 @@ cluster_partition_handling = autoheal
                 {"RABBITMQ_LOG_BASE", own},
                 {"RABBITMQ_LOGS", "-"},
                 {"RABBITMQ_PID_FILE", own + ".pid"},
-                {"RABBITMQ_SERVER_ADDITIONAL_ERL_ARGS", "+S 1 -setcookie asip"}};
+                {"RABBITMQ_SERVER_ADDITIONAL_ERL_ARGS",
+                 "+S 1 +sbwt none +sbwtdcpu none +sbwtdio none -setcookie asip"}};
     }
 
     std::vector<std::uint16_t> inner_;  // three of AMQP, three between the nodes, one of the name server

@@ -23,8 +23,8 @@ constexpr Millis kSetUp = 60'000;
 // Who loses a connection that is newer than five seconds waits before the next attempt.
 constexpr Millis kSettled = 6'000;
 constexpr Millis kTurn = 20;
-// RabbitMQ needs 10 to 20 s, on a busy machine more.
-constexpr Millis kNodeStarts = 120'000;
+// RabbitMQ needs 10 to 20 s, on a busy machine more; all of its nodes together minutes.
+constexpr Millis kNodeStarts = 180'000;
 
 }  // namespace
 
@@ -64,7 +64,8 @@ Fleet::Fleet(boost::asio::io_context& io, Engine& engine, Network* network, cons
                                               std::size_t token) { return boards_[board]->request(token); },
                             .qos = static_cast<int>(i % 2)}));
     for (std::size_t i = 0; i < engine_.brokers().size(); ++i)
-        echoes_.push_back(std::make_unique<Echo>(io_, connection(fmt::format("echo-{}", i), i)));
+        echoes_.push_back(std::make_unique<Echo>(io_, connection(fmt::format("echo-{}", i), i), i,
+                                                 engine_.brokers().size()));
 }
 
 std::unique_ptr<Board> Fleet::make_board(std::size_t index) {
@@ -285,23 +286,34 @@ void Fleet::look_for_recovery(Round& round, Millis longest) {
         watcher->look_anew();
     for (const auto& echo : echoes_)
         echo->look_anew();
-    while (!recovered(round) && now() < round.end + longest)
+    const auto limit = [&] {
+        return std::min(round.engine_works.value_or(now()), round.end + kNodeStarts) + longest;
+    };
+    while (!recovered(round) && now() < limit())
         run_until(now() + kTurn);
     round.looked_until = now();
 }
 
-bool Fleet::fail_over(BareClient& bare, FailOver& result) {
-    result.node = bare.node();
+bool Fleet::fail_over(const BareClients& bare, FailOver& result) {
+    result.node = bare.front()->node();
     engine_.kill(result.node);
     const Millis killed = now();
-    bare.look_anew();
+    for (const auto& client : bare)
+        client->look_anew();
     std::optional<Millis> commands;
     std::vector<std::size_t> mute;
-    while ((!commands || !bare.heard()) && now() < killed + options_.look) {
+    const auto heard = [](const auto& client) { return client->heard().has_value(); };
+    const auto all_heard = [&] { return std::all_of(bare.begin(), bare.end(), heard); };
+    while ((!commands || !all_heard()) && now() < killed + options_.look) {
         run_until(now() + 5);
         if (!commands) commands = commands_work(killed, mute);
     }
-    if (bare.heard()) result.bare = *bare.heard() - killed;
+    if (heard(bare.front())) result.bare = *bare.front()->heard() - killed;
+    if (all_heard()) {
+        result.all_bare = 0;
+        for (const auto& client : bare)
+            result.all_bare = std::max(*result.all_bare, *client->heard() - killed);
+    }
     if (commands) result.commands = *commands - killed;
     engine_.start(result.node);
     Round round;

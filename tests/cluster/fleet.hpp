@@ -60,10 +60,12 @@ class Fleet {
     struct FailOver {
         std::size_t node = 0;
         std::optional<Millis> bare{};      ///< a bare client that was connected to it heard itself again
+        std::optional<Millis> all_bare{};  ///< each of the bare clients had
         std::optional<Millis> commands{};  ///< each board had executed a command that was sent since
     };
-    /// Kills the node at which the bare client is, and starts it again. False: it did not recover.
-    bool fail_over(BareClient& bare, FailOver& result);
+    using BareClients = std::vector<std::unique_ptr<BareClient>>;
+    /// Kills the node at which the first bare client is, and starts it again. False: it did not recover.
+    bool fail_over(const BareClients& bare, FailOver& result);
     /// For a bare client: where everything connects to.
     asip::mqtt::Options connection(const std::string& id, std::size_t first_node) const;
 

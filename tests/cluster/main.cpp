@@ -64,26 +64,35 @@ Millis median(std::vector<Millis> times) {
     return times[times.size() / 2];
 }
 
-/// Nodes are killed one after the other: how long commands fail, beside a bare client of the engine.
+/// Nodes are killed one after the other: how long commands fail, beside as many bare clients of the engine as
+/// agents and clients have to come back for that.
 int fail_overs(const Settings& settings, const Engine& engine, Fleet& fleet) {
-    BareClient bare(fleet.connection("bare", 0));
-    std::vector<Millis> bares, commands;
+    Fleet::BareClients bare;
+    for (std::size_t i = 0; i < settings.fleet.boards + settings.fleet.clients; ++i)
+        bare.push_back(std::make_unique<BareClient>(fleet.connection(fmt::format("bare-{}", i), i)));
+    std::vector<Millis> bares, all_bares, commands;
     for (std::size_t i = 0; i < settings.fail_overs; ++i) {
         Fleet::FailOver each;
         const bool recovered = fleet.fail_over(bare, each);
-        fmt::print("node {} killed: bare client {}, commands {}\n", each.node, seconds(each.bare),
-                   seconds(each.commands));
+        fmt::print("node {} killed: bare client {}, the last of {} {}, commands {}\n", each.node,
+                   seconds(each.bare), bare.size(), seconds(each.all_bare), seconds(each.commands));
         std::fflush(stdout);
         fleet.write_logs(settings.logs);
-        if (!recovered || !each.bare || !each.commands)
+        if (!recovered || !each.bare || !each.all_bare || !each.commands)
             throw std::runtime_error("that node did not come back as it was");
         bares.push_back(*each.bare);
+        all_bares.push_back(*each.all_bare);
         commands.push_back(*each.commands);
     }
-    const auto ratio =
-        static_cast<double>(median(commands)) / static_cast<double>(std::max<Millis>(1, median(bares)));
-    fmt::print("{}: commands work again after kill -9 of a node, over a bare client, medians of {}: {:.2f}\n",
-               engine.name(), settings.fail_overs, ratio);
+    const auto ratio = [&](const std::vector<Millis>& beside) {
+        return static_cast<double>(median(commands)) /
+               static_cast<double>(std::max<Millis>(1, median(beside)));
+    };
+    fmt::print(
+        "{}: commands work again after kill -9 of a node, medians of {}: {:.2f} of a bare client's time, "
+        "{:.2f} "
+        "of the last one's of {}\n",
+        engine.name(), settings.fail_overs, ratio(bares), ratio(all_bares), bare.size());
     return 0;
 }
 
