@@ -62,16 +62,21 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
              [this](const link::StreamError& error) {
                  link_failed(error, !std::exchange(link_tried_, true));
              }}),
-      clients_(io_, log_, options_.listen_silence,
-               [this](session::ClientId client, std::string_view line) {
-                   auto result = Bridge::ClientResult::kAccepted;
-                   with_bridge([&](Time now, Effects& out) {
-                       result = bridge_.client_line(client, line, now, out);
-                       if (result == Bridge::ClientResult::kRefused)
-                           log_.debug("client's line refused", {{"line", line}});
-                   });
-                   return result != Bridge::ClientResult::kLater;
-               }),
+      clients_(
+          io_, log_, options_.listen_silence,
+          [this] {
+              note_running();
+              return reads_since_;
+          },
+          [this](session::ClientId client, std::string_view line, std::optional<Time> sent) {
+              auto result = Bridge::ClientResult::kAccepted;
+              with_bridge([&](Time now, Effects& out) {
+                  result = bridge_.client_line(client, line, sent, now, out);
+                  if (result == Bridge::ClientResult::kRefused)
+                      log_.debug("client's line refused", {{"line", line}});
+              });
+              return result != Bridge::ClientResult::kLater;
+          }),
       timer_(io_),
       reset_timer_(io_),
       counters_timer_(io_),

@@ -109,6 +109,7 @@ class BoardAgent {
     Notes notes_;
     Inbox inbox_;
     HeldUp held_up_;
+    std::optional<Time> reads_since_;  // what sockets hold may have been sent since then
     HeldOnTheWay on_the_way_;
     std::size_t arrived_ = 0;  // commands in this turn of the loop
     bool turn_scheduled_ = false;

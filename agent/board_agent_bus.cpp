@@ -156,7 +156,19 @@ void BoardAgent::message_received(const mqtt::Message& message) {
 void BoardAgent::note_running() {
     const Time now = Clock::now();
     const auto since = held_up_.runs(now, armed_for_, continuations());
-    if (!since || !bus_) return;
+    if (!since) return;
+    bridge_.not_watched(*since, now);
+    if (!reads_since_) {
+        reads_since_ = since;
+        // Each socket that had something then is read in this turn of the loop or in the next one.
+        boost::asio::post(io_, [this, alive = std::weak_ptr(alive_)] {
+            if (alive.expired()) return;
+            boost::asio::post(io_, [this, alive] {
+                if (!alive.expired()) reads_since_.reset();
+            });
+        });
+    }
+    if (!bus_) return;
     on_the_way_.held_up(now, *since);
     check_the_way();
 }

@@ -32,7 +32,8 @@ Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
       session_(options_.session, random_),
       safety_(topics_, statistics_),
       periods_(options_.reports),
-      control_(topics_, session_, statistics_, safety_, periods_),
+      clock_(random_),
+      control_(topics_, session_, clock_, statistics_, safety_, periods_),
       context_(topics_, options_.context),
       labels_(topics_, options_.labels) {
     if (const auto& reports = options_.reports; reports.on_demand)
@@ -53,12 +54,18 @@ void Bridge::link_up(const session::LinkTraits& traits, model::LinkInfo link, Ti
 void Bridge::link_down(const std::string& why, Time now, Effects& out) {
     // A port that opens and closes with nothing behind it loses no board.
     const bool heard = session_.counters().bytes_in > 0;
-    out.log(heard ? Level::kWarning : Level::kDebug, "board lost", {{"why", why}});
+    // Nor does one that is lost already.
+    const bool lost = name_claimed_ && !session_.accepts_requests();
+    out.log(heard && !lost ? Level::kWarning : Level::kDebug, "board lost", {{"why", why}});
     if (announcer_) announcer_->set_state(model::BoardState::kLost, out);
     safety_.board_gone(out);
     session::Actions actions;
     session_.link_down(now, actions);
     perform(actions, now, out);
+}
+
+void Bridge::not_watched(Time since, Time now) {
+    session_.not_watched(since, now);
 }
 
 void Bridge::receive(std::string_view bytes, Time now, Effects& out) {
@@ -179,10 +186,13 @@ void Bridge::on_action(const session::BecameSilent&, Time, Effects& out) {
 
 void Bridge::on_action(const session::NoAnswer& none, Time, Effects& out) {
     const std::string why =
-        none.heard_bytes ? " sends bytes, but they are not ASIP at 57600 baud or any rate that a board "
-                           "steps up to: is it another device, or a sketch without ASIP?"
-                         : " does not answer: is an ASIP sketch loaded (asip firmware: AsipHello), and "
-                           "is it the right port?";
+        none.heard_banner
+            ? " said that it is an ASIP board, and answers no question: does it restart again and again (its "
+              "power), is its sketch busy for seconds, or does the line lose what is sent to it?"
+        : none.heard_bytes ? " sends bytes, but they are not ASIP at 57600 baud or any rate that a board "
+                             "steps up to: is it another device, or a sketch without ASIP?"
+                           : " does not answer: is an ASIP sketch loaded (asip firmware: AsipHello), and "
+                             "is it the right port?";
     // A board that was here may come back; a port where none ever was is more likely the wrong one.
     if (name_.empty()) {
         out.fatal = Fatal{program::kExitBoard, facts_.link.path + why};

@@ -60,6 +60,8 @@ class Bridge {
     void link_up(const session::LinkTraits& traits, model::LinkInfo link, Time now, Effects& out);
     void link_down(const std::string& why, Time now, Effects& out);
     void receive(std::string_view bytes, Time now, Effects& out);
+    /// As BoardSession::not_watched().
+    void not_watched(Time since, Time now);
     void line_rate_set(bool ok, Time now, Effects& out);
 
     // --- the bus's side
@@ -87,8 +89,13 @@ class Bridge {
         kRefused,  ///< an error line for that client is among the effects
         kLater,    ///< too many lines of this client wait for the board; to be given again
     };
-    /// `client`: any number below kBusClient; lines of one client keep their order.
-    ClientResult client_line(session::ClientId client, std::string_view line, Time now, Effects& out);
+    /// `client`: any number below kBusClient; lines of one client keep their order. `sent`: when that may
+    /// have been, where it was long ago.
+    ClientResult client_line(session::ClientId client, std::string_view line, std::optional<Time> sent,
+                             Time now, Effects& out);
+    /// So many lines of a client wait at the most: enough to keep a board busy, and few enough for a slow one
+    /// to come to the last of them in time.
+    static constexpr std::size_t kMaxClientLines = 16;
 
     /// Whether the name has become ours.
     bool name_claimed() const { return name_claimed_; }
@@ -152,6 +159,7 @@ class Bridge {
     Statistics statistics_;
     Safety safety_;
     ReportPeriods periods_;
+    bus::AgentClock clock_;
     Control control_;
     ClientRequests client_requests_;
     Context context_;

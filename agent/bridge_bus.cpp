@@ -83,13 +83,15 @@ bool Bridge::is_request(bus::TopicKind kind, const mqtt::Message& message) const
     return (envelope ? envelope->reply : envelope.error().reply).wanted();
 }
 
-Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_view line, Time now,
-                                         Effects& out) {
+Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_view line,
+                                         std::optional<Time> sent, Time now, Effects& out) {
     const bool valid = session::may_be_sent(line);
-    if (valid && session_.accepts_requests() && session_.room(client) == 0) return ClientResult::kLater;
+    if (valid && session_.accepts_requests() && session_.waiting(client) >= kMaxClientLines)
+        return ClientResult::kLater;
     session::Actions actions;
-    const auto id =
-        session_.submit(line, client_requests_.options(client, line, session_.identity()), now, actions);
+    auto options = client_requests_.options(client, line, session_.identity());
+    if (sent) options.deadline = *sent + session::kDefaultDeadline;
+    const auto id = session_.submit(line, options, now, actions);
     if (id) client_requests_.sent(*id, client);
     if (id) safety_.queued(*id, line, safe_form_of(services_, line), services_);
     if (id) periods_.queued(*id, line);

@@ -40,13 +40,21 @@ session::ClientId client_of(const std::string& topic) {
 
 }  // namespace
 
-Duration deadline_of(const bus::RequestEnvelope& envelope, const mqtt::Message& message) {
+Time deadline_of(const bus::RequestEnvelope& envelope, const mqtt::Message& message, Time arrived,
+                 Time sent) {
     if (!message.expiry_seconds)
-        return envelope.deadline ? Duration(*envelope.deadline) : session::kDefaultDeadline;
+        return sent + (envelope.deadline ? Duration(*envelope.deadline) : session::kDefaultDeadline);
     const auto left = std::clamp<std::chrono::milliseconds>(std::chrono::seconds(*message.expiry_seconds),
                                                             bus::kMinDeadline, bus::kMaxDeadline);
     // What is left of the expiry shows how long it was on its way; brokers cut off up to a second.
-    return envelope.deadline ? std::min<Duration>(*envelope.deadline, left + std::chrono::seconds(1)) : left;
+    return envelope.deadline
+               ? std::min<Time>(sent + *envelope.deadline, arrived + left + std::chrono::seconds(1))
+               : arrived + left;
+}
+
+Time sent_at(const bus::RequestEnvelope& envelope, const bus::AgentClock& clock, Time arrived) {
+    const auto sent = clock.time_of(envelope.sent);
+    return sent ? std::min(*sent, arrived) : arrived;
 }
 
 namespace {
@@ -68,11 +76,12 @@ void Control::on_message(const mqtt::Message& message, const Arrival& arrival,
     auto envelope = bus::open_envelope(message);
     command->reply = envelope ? envelope->reply : envelope.error().reply;
     command->arrived = arrival.at;
+    command->sent = envelope ? sent_at(*envelope, clock_, arrival.at) : arrival.at;
     command->board = topic->board;
     command->service = topic->service;
     command->noted = envelope ? envelope->shown() : message.payload;
     const auto refuse_it = [&](std::string_view reason, std::string text) {
-        refuse(*command, command->noted, reason, std::move(text), out);
+        refuse(*command, command->noted, reason, std::move(text), now, out);
     };
     if (message.retain)
         return refuse_it(
@@ -98,10 +107,10 @@ void Control::on_message(const mqtt::Message& message, const Arrival& arrival,
         return renew(*command, *envelope, now, out);
     }
     if (was_seen(*command, message, now, out)) return;
-    command->deadline = arrival.at + deadline_of(*envelope, message);
+    command->deadline = deadline_of(*envelope, message, arrival.at, command->sent);
     command->hold = envelope->hold;
     // Nobody is there to renew it after that.
-    if (command->hold) command->deadline = std::min(command->deadline, arrival.at + *command->hold);
+    if (command->hold) command->deadline = std::min(command->deadline, command->sent + *command->hold);
     const auto lines = read(*envelope, service, services);
     if (!lines) return refuse_it(bus::kRefusedInvalid, lines.error());
     if (auto fault = hold_fault(*command, *lines); !fault.empty())
@@ -110,7 +119,8 @@ void Control::on_message(const mqtt::Message& message, const Arrival& arrival,
         if (service != nullptr) return refuse_it(session::to_string(*why), refusal_text(*why));
         const std::string& line = lines->front().text;
         command->service = service_of_line(services, line);
-        return refuse(*command, request_of_line(line), session::to_string(*why), refusal_text(*why), out);
+        return refuse(*command, request_of_line(line), session::to_string(*why), refusal_text(*why), now,
+                      out);
     }
     execute(std::move(command), *lines, services, session, now, actions, out);
 }
@@ -127,11 +137,11 @@ bool Control::was_seen(Command& command, const mqtt::Message& message, Time now,
         case RecentAnswers::Seen::kPending:
             break;
         case RecentAnswers::Seen::kAnswered:
-            send(command.reply, *recent_.find(key), out);
+            send(command.reply, *recent_.find(key), now, out);
             break;
         case RecentAnswers::Seen::kOtherPayload:
             refuse(command, command.noted, bus::kRefusedIdReused,
-                   "another command had this id within the last minute", out);
+                   "another command had this id within the last minute", now, out);
             break;
     }
     return true;
@@ -154,14 +164,14 @@ void Control::renew(Command& command, const bus::RequestEnvelope& envelope, Time
     if (which.is_number()) id = which.dump();
     if (!id && which != nlohmann::json(true))
         return refuse(command, "renew", bus::kRefusedInvalid,
-                      "\"renew\" must be the id of a command, or true", out);
+                      "\"renew\" must be the id of a command, or true", now, out);
     const auto count =
-        safety_.holds().renew(command.client, command.service, id, envelope.hold, command.arrived);
+        safety_.holds().renew(command.client, command.service, id, envelope.hold, command.sent);
     if (count == 0)
         return refuse(command, "renew", bus::kRefusedNotHeld,
                       "this client holds nothing here: it was not renewed in time, or another command, a "
                       "stop or a restart of the board ended it",
-                      out);
+                      now, out);
     command.outcome = bus::Reply::ok("renewed");
     conclude(command, now, out);
 }
@@ -229,7 +239,7 @@ void Control::execute(std::shared_ptr<Command> command, const std::vector<Line>&
         periods_.queued(*id, line.text);
         if (command->hold)
             safety_.holds().begin({command->client, command->reply.key(), command->service, line.text,
-                                   line.safe, *command->hold, command->arrived + *command->hold, *id,
+                                   line.safe, *command->hold, command->sent + *command->hold, *id,
                                    command->reply.by});
         ++command->open;
         open_.emplace(
@@ -323,7 +333,7 @@ std::string Control::sender_of(session::ClientId client) const {
 }
 
 void Control::refuse(Command& command, std::string_view request, std::string_view reason, std::string text,
-                     Effects& out) {
+                     Time now, Effects& out) {
     out.log(program::log::Level::kDebug, "command refused", {{"reason", std::string(reason)}, {"why", text}});
     // An empty payload is how somebody clears a stored command: nothing was asked for.
     if (!command.reply.wanted() && !request.empty())
@@ -331,7 +341,7 @@ void Control::refuse(Command& command, std::string_view request, std::string_vie
             topics_, command.board,
             {command.service.empty() ? "io" : command.service, request, reason, text, command.reply.by}, out);
     command.outcome = bus::Reply::refused(std::string(reason), std::move(text));
-    conclude(command, command.arrived, out);
+    conclude(command, now, out);
 }
 
 void Control::report_refused(const std::string& board, std::string_view line, session::Refusal why,
@@ -346,8 +356,8 @@ void Control::report_refused(const std::string& board, std::string_view line, se
 }
 
 void Control::conclude(Command& command, Time now, Effects& out) {
-    // "Refused" is only what was not executed at all.
-    if (command.outcome.status == bus::Reply::Status::kRefused && command.not_sent < command.lines) {
+    // "Refused" is only what was not executed at all, and an error one of all lines.
+    if (command.not_sent > 0 && command.not_sent < command.lines) {
         const std::string why = std::move(command.outcome.error);
         command.outcome = bus::Reply::timeout(bus::kTimeoutPartly);
         command.outcome.error = std::to_string(command.not_sent) + " of " + std::to_string(command.lines) +
@@ -361,7 +371,7 @@ void Control::conclude(Command& command, Time now, Effects& out) {
         }
     }
     statistics_.answered(command.outcome, command.reply.wanted(), now - command.arrived);
-    send(command.reply, command.outcome, out);
+    send(command.reply, command.outcome, now, out);
     if (!command.noted.empty())
         note_command(topics_, command.board,
                      {"command", command.service, command.noted, command.reply.by, command.outcome,
@@ -369,8 +379,9 @@ void Control::conclude(Command& command, Time now, Effects& out) {
                      out);
 }
 
-void Control::send(const bus::ReplyTo& to, const bus::Reply& reply, Effects& out) {
-    if (auto message = bus::reply_message(to, reply))
+void Control::send(const bus::ReplyTo& to, bus::Reply reply, Time now, Effects& out) const {
+    if (to.clock) reply.clock = clock_.read(now);
+    if (auto message = bus::reply_message(to, std::move(reply)))
         out.publish.push_back({std::move(*message), mqtt::Priority::kReply});
 }
 

@@ -12,6 +12,7 @@
 #include "agent/report_periods.hpp"
 #include "agent/safety.hpp"
 #include "agent/statistics.hpp"
+#include "asip/bus/agent_clock.hpp"
 #include "asip/bus/request_envelope.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/model/event_decoder.hpp"
@@ -24,17 +25,25 @@ namespace asip::agent {
 /// Set in the client ids of the bus; those of point-to-point clients do not have it.
 inline constexpr session::ClientId kBusClient = session::ClientId{1} << 63;
 
-/// Within which time of its arrival a request has to be done: by what it says, its expiry, or as usual.
-Duration deadline_of(const bus::RequestEnvelope& envelope, const mqtt::Message& message);
+/// By when a request has to be done, by what it says, its expiry, or as usual. `arrived`, `sent`: when that
+/// was, at the earliest.
+Time deadline_of(const bus::RequestEnvelope& envelope, const mqtt::Message& message, Time arrived, Time sent);
+/// When it was sent, at the latest: by what it says of our clock, else when it arrived.
+Time sent_at(const bus::RequestEnvelope& envelope, const bus::AgentClock& clock, Time arrived);
 
 /// The control bus: takes the envelope off, checks the command by its model, queues it on the session, and
 /// sees that whoever asked for an answer gets exactly one, in time. What fails for those who asked for none
 /// is reported on the service's error topic.
 class Control {
   public:
-    Control(const bus::Topics& topics, const session::BoardSession& session, Statistics& statistics,
-            Safety& safety, ReportPeriods& periods)
-        : topics_(topics), session_(session), statistics_(statistics), safety_(safety), periods_(periods) {}
+    Control(const bus::Topics& topics, const session::BoardSession& session, const bus::AgentClock& clock,
+            Statistics& statistics, Safety& safety, ReportPeriods& periods)
+        : topics_(topics),
+          session_(session),
+          clock_(clock),
+          statistics_(statistics),
+          safety_(safety),
+          periods_(periods) {}
 
     struct Arrival {
         Time at;
@@ -64,6 +73,7 @@ class Control {
         std::optional<RecentAnswers::Key> key;  // none: cannot be recognised again
         session::ClientId client = 0;
         Time arrived;
+        Time sent;
         Time deadline;
         std::optional<Duration> hold;
         const model::ServiceModel* model = nullptr;
@@ -93,12 +103,12 @@ class Control {
     void renew(Command& command, const bus::RequestEnvelope& envelope, Time now, Effects& out);
     std::string hold_fault(const Command& command, const std::vector<Line>& lines) const;
     void refuse(Command& command, std::string_view request, std::string_view reason, std::string text,
-                Effects& out);
+                Time now, Effects& out);
     std::optional<session::Refusal> refusal(const std::vector<Line>& lines, session::ClientId client,
                                             const session::BoardSession& session) const;
     void note_end(Command& command, const session::Finished& end) const;
     void conclude(Command& command, Time now, Effects& out);
-    void send(const bus::ReplyTo& to, const bus::Reply& reply, Effects& out);
+    void send(const bus::ReplyTo& to, bus::Reply reply, Time now, Effects& out) const;
     Expected<std::vector<Line>> read(const bus::RequestEnvelope& envelope,
                                      const session::ServiceTable::Entry* service,
                                      const session::ServiceTable& services) const;
@@ -108,6 +118,7 @@ class Control {
 
     bus::Topics topics_;
     const session::BoardSession& session_;
+    const bus::AgentClock& clock_;
     Statistics& statistics_;
     Safety& safety_;
     ReportPeriods& periods_;

@@ -13,10 +13,12 @@ constexpr Duration kBetweenRefusalLogs = std::chrono::seconds(10);
 
 }  // namespace
 
-PointToPoint::PointToPoint(boost::asio::io_context& io, BoardLog& log, Duration silence, LineHandler on_line)
+PointToPoint::PointToPoint(boost::asio::io_context& io, BoardLog& log, Duration silence, ReadsOld reads_old,
+                           LineHandler on_line)
     : io_(io),
       log_(log),
       silence_(silence),
+      reads_old_(std::move(reads_old)),
       on_line_(std::move(on_line)),
       silence_timer_(io),
       ended_timer_(io) {}
@@ -54,7 +56,7 @@ void PointToPoint::accepted(std::unique_ptr<link::ByteStream> stream, ClientFram
     log_.info("client connected", {{"client", stream->describe()}});
     const Time now = Clock::now();
     const auto client = clients_.insert(
-        clients_.end(), Client{next_id_++, std::move(stream), ClientFraming(framing), now, now, false, {}});
+        clients_.end(), Client{next_id_++, std::move(stream), ClientFraming(framing), now, now});
     client->stream->start({[this, client](std::string_view bytes) { received(*client, bytes); },
                            [this, client](const link::StreamError&) { drop(*client, "closed"); },
                            [this, client] { input_ended(*client); }});
@@ -63,14 +65,17 @@ void PointToPoint::accepted(std::unique_ptr<link::ByteStream> stream, ClientFram
 
 void PointToPoint::received(Client& client, std::string_view bytes) {
     client.heard = Clock::now();
+    if (const auto since = reads_old_()) client.reads_since = since;
     for (auto& line : client.framing.decode(bytes))
-        client.waiting.push_back(std::move(line));
+        client.waiting.push_back({std::move(line), client.reads_since});
+    if (bytes.size() < link::ByteStream::kMostAtOnce) client.reads_since.reset();
     give(client);
 }
 
 void PointToPoint::give(Client& client) {
     if (std::exchange(giving_, true)) return;
-    while (!client.gone && !client.waiting.empty() && on_line_(client.id, client.waiting.front())) {
+    while (!client.gone && !client.waiting.empty() &&
+           on_line_(client.id, client.waiting.front().text, client.waiting.front().sent)) {
         client.waiting.pop_front();
         client.served = Clock::now();
     }

@@ -33,10 +33,15 @@ class PointToPoint {
     static constexpr Duration kLongestAfterEnd = std::chrono::seconds(10);
 
     /// A line of a client. False: not now; it is given again at the next resume().
-    using LineHandler = std::function<bool(session::ClientId client, std::string_view line)>;
+    /// `sent`: when it may have been sent, where that is long ago.
+    using LineHandler =
+        std::function<bool(session::ClientId client, std::string_view line, std::optional<Time> sent)>;
+    /// When that may have been sent that is read now, where it is long ago.
+    using ReadsOld = std::function<std::optional<Time>()>;
 
     /// `silence`: a client that sent nothing for so long is taken to want plain lines.
-    PointToPoint(boost::asio::io_context& io, BoardLog& log, Duration silence, LineHandler on_line);
+    PointToPoint(boost::asio::io_context& io, BoardLog& log, Duration silence, ReadsOld reads_old,
+                 LineHandler on_line);
 
     Expected<std::uint16_t, link::StreamError> listen(const link::TcpAddress& address,
                                                       ClientFraming::Kind framing);
@@ -54,7 +59,12 @@ class PointToPoint {
         Time connected;
         Time heard;
         bool gone = false;  // erased at the next turn of the loop: its handlers may still be running
-        std::deque<std::string> waiting;  // lines that could not be accepted yet; reading is paused meanwhile
+        struct Line {
+            std::string text;
+            std::optional<Time> sent;
+        };
+        std::optional<Time> reads_since = std::nullopt;  // what it sent, until all that waited is read
+        std::deque<Line> waiting{};  // lines that could not be accepted yet; reading is paused meanwhile
         std::optional<Time> ended = std::nullopt;  // it sends no more
         Time served = {};                          // the last line of it was taken, or for it alone was sent
     };
@@ -73,6 +83,7 @@ class PointToPoint {
     boost::asio::io_context& io_;
     BoardLog& log_;
     Duration silence_;
+    ReadsOld reads_old_;
     LineHandler on_line_;
     boost::asio::steady_timer silence_timer_;
     boost::asio::steady_timer ended_timer_;

@@ -3,7 +3,9 @@
 
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
+#include "asip/bus/agent_clock.hpp"
 #include "asip/bus/json_scanner.hpp"
 #include "asip/bus/json_text.hpp"
 #include "asip/bus/request_envelope.hpp"
@@ -59,6 +61,8 @@ std::optional<Reply> plain_reply(std::string_view text) {
             reply.proof = value;
         else if (key == "by")
             reply.by = value;
+        else if (key == kClockName)
+            reply.clock = value;
         else if (key == "reason")
             reply.reason = value;
         else if (key == "error")
@@ -137,6 +141,7 @@ std::string to_json_text(const Reply& reply) {
         out += answer_text(reply.answer);
     }
     text("by", reply.by);
+    text(kClockName, reply.clock);
     if (reply.status == Reply::Status::kError) {
         begin_member("code");
         out += std::to_string(reply.code);
@@ -163,6 +168,7 @@ Expected<Reply> parse_reply(std::string_view text) {
     reply.error = text_member(object, "error");
     reply.reason = text_member(object, "reason");
     reply.by = text_member(object, "by");
+    reply.clock = text_member(object, kClockName.data());
     if (const auto code = object.find("code"); code != object.end() && code->is_number_integer()) {
         const auto number = code->get<std::int64_t>();
         if (number >= 0 && number <= std::numeric_limits<int>::max()) reply.code = static_cast<int>(number);
@@ -176,6 +182,8 @@ std::optional<mqtt::Message> reply_message(const ReplyTo& to, Reply reply) {
     reply.id = to.id;
     reply.by = to.by;
     mqtt::Message message;
+    if (to.properties && !reply.clock.empty())
+        message.user_properties.emplace_back(kClockName, std::exchange(reply.clock, {}));
     message.topic = to.topic;
     message.payload = to_json_text(reply);
     message.qos = 1;

@@ -16,6 +16,8 @@ struct ReplyTo {
     std::string id;           ///< the requester's `id`, sent back inside the JSON
     /// Who asks, as the requester says (a gateway: the name of the token); sent back inside the JSON.
     std::string by{};
+    bool properties = false;  ///< asked over MQTT 5: the answer may have user properties
+    bool clock = false;       ///< the agent's clock is wanted with the answer
 
     bool wanted() const { return !topic.empty(); }
 
@@ -47,6 +49,7 @@ struct Reply {
     std::string error{};   ///< for a person
     std::string reason{};  ///< one of the words below
     std::string by{};      ///< ReplyTo::by
+    std::string clock{};   ///< the agent's clock when it answered: AgentClock::read()
 
     static Reply ok(std::string proof, std::string answer = {});
     static Reply board_error(int code, std::string error);
@@ -90,7 +93,7 @@ std::string to_json_text(const Reply& reply);
 Expected<Reply> parse_reply(std::string_view text);
 
 /// The message that carries `reply` (its id and `by` filled in from `to`) to the topic in `to`, with QoS 1;
-/// nothing when no answer is wanted.
+/// nothing when no answer is wanted. Where it may have user properties, the clock is one.
 std::optional<mqtt::Message> reply_message(const ReplyTo& to, Reply reply);
 
 }  // namespace asip::bus

@@ -2,7 +2,9 @@
 #include "asip/bus/request_envelope.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "asip/bus/agent_clock.hpp"
 #include "asip/bus/broken_request.hpp"
 #include "asip/model/json.hpp"
 
@@ -38,9 +40,20 @@ std::string cut_name(std::string name) {
     return name;
 }
 
-std::string property_by(const mqtt::Message& request) {
-    for (const auto& [name, value] : request.user_properties)
-        if (name == "by") return cut_name(value);
+void read_properties(const mqtt::Message& request, RequestEnvelope& envelope) {
+    for (const auto& [name, value] : request.user_properties) {
+        if (name == "by" && envelope.reply.by.empty()) envelope.reply.by = cut_name(value);
+        if (name == kClockName) envelope.sent = value, envelope.reply.clock = true;
+    }
+}
+
+/// The reason when it cannot be used.
+std::string take_clock(json& object, RequestEnvelope& envelope) {
+    const auto clock = object.find(kClockName);
+    if (clock == object.end()) return {};
+    if (!clock->is_string()) return "\"clock\" must be a string";
+    if (!std::exchange(envelope.reply.clock, true)) envelope.sent = clock->get<std::string>();
+    object.erase(clock);
     return {};
 }
 
@@ -75,11 +88,12 @@ std::string RequestEnvelope::shown() const {
 
 Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request) {
     RequestEnvelope envelope;
-    envelope.reply.by = property_by(request);
+    read_properties(request, envelope);
     if (!request.response_topic.empty()) {
         if (!valid_reply_topic(request.response_topic))
             return bad(std::move(envelope.reply), "the response topic cannot be published on");
         envelope.reply.topic = request.response_topic;
+        envelope.reply.properties = true;
         if (request.correlation.size() > kMaxCorrelationBytes)
             return bad(std::move(envelope.reply), "the correlation data is too long");
         envelope.reply.correlation = request.correlation;
@@ -104,6 +118,8 @@ Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request
     if (auto reason = take_reply_members(object, envelope.reply); !reason.empty()) {
         return bad(std::move(envelope.reply), std::move(reason));
     }
+    if (auto reason = take_clock(object, envelope); !reason.empty())
+        return bad(std::move(envelope.reply), std::move(reason));
     for (const auto& [name, value] :
          {std::pair("deadline_ms", &envelope.deadline), std::pair("hold_ms", &envelope.hold)}) {
         static_assert(kMinDeadline == kMinHold && kMaxDeadline == kMaxHold);

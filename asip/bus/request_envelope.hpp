@@ -35,12 +35,14 @@ struct RequestEnvelope {
         kRaw,   ///< `text` is the request: the payload, or the member of `{"raw":"#,?","id":"..."}`
     };
     Form form = Form::kRaw;
-    /// kJson: the object without `reply_to`, `id`, `by`, `deadline_ms` and `hold_ms`.
+    /// kJson: the object without `reply_to`, `id`, `by`, `clock`, `deadline_ms` and
+    /// `hold_ms`.
     nlohmann::json object;
     std::string text;  ///< kRaw: ASIP text
     ReplyTo reply;
     std::optional<std::chrono::milliseconds> deadline;  ///< `deadline_ms`, kMinDeadline to kMaxDeadline
     std::optional<std::chrono::milliseconds> hold;      ///< `hold_ms`, kMinHold to kMaxHold
+    std::string sent;  ///< `clock`: what the agent's clock showed then; empty: not said
 
     /// The request in words, for reports about it: the text, or the object's JSON text.
     std::string shown() const;
@@ -54,11 +56,11 @@ struct BadRequest {
 };
 
 /// Takes the envelope off a control payload or registry query. Where both are given, the MQTT 5 response
-/// topic wins over `reply_to`, and the user property `by` over the member. A payload whose first character
-/// after white space is `{` must be a JSON object, any other is raw text. Refuses: too long, nested too
-/// deeply, broken JSON, an `id` that is neither a string nor a number or too long, a `deadline_ms` or
-/// `hold_ms` that is not 50 to 60000, a reply topic with wildcards, control characters, a leading `$` or too
-/// long. Any bytes may be given; whether the message was retained is the caller's to judge.
+/// topic wins over `reply_to`, and the user properties `by` and `clock` over the members. A payload whose
+/// first character after white space is `{` must be a JSON object, any other is raw text. Refuses: too long,
+/// nested too deeply, broken JSON, an `id` that is neither a string nor a number or too long, a `deadline_ms`
+/// or `hold_ms` that is not 50 to 60000, a reply topic with wildcards, control characters, a leading `$` or
+/// too long. Any bytes may be given; whether the message was retained is the caller's to judge.
 Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request);
 
 }  // namespace asip::bus

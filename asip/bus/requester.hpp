@@ -4,17 +4,22 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
+#include "asip/bus/agent_clock.hpp"
 #include "asip/bus/reply_topics.hpp"
 #include "asip/mqtt/message.hpp"
+#include "asip/time.hpp"
 
 namespace asip::bus {
 
 /// Sends requests over MQTT and finds their answers: the ids, the reply topic, and what of it travels as MQTT
-/// 5 properties or, on 3.1.1, inside the payload. Pure: the caller publishes the request and gives what
-/// arrives to take().
+/// 5 properties or, on 3.1.1, inside the payload. A command says when it was sent, by the clock of the agent
+/// that gets it, as soon as an answer of that agent has told the clock. Pure: the caller publishes the
+/// request and gives what arrives to take().
 class Requester {
   public:
     using OnReply = std::function<void(const mqtt::Message&)>;
@@ -34,6 +39,7 @@ class Requester {
             std::string id;
             std::string reply_topic;
             OnReply on_reply;
+            std::optional<Time> asked;  // of a command: its answer tells the agent's clock
         };
         explicit Request(std::shared_ptr<Entry> entry) : entry_(std::move(entry)) {}
         std::shared_ptr<Entry> entry_;
@@ -50,21 +56,28 @@ class Requester {
     /// On 3.1.1 a payload that is not a JSON object becomes the member "raw" of one. `on_reply` is called for
     /// each answer, as several registries may answer one query, until the returned request is destroyed or
     /// reset. There is no time limit: that is the caller's.
-    Request ask(mqtt::Message& message, bool v5, OnReply on_reply);
+    Request ask(mqtt::Message& message, bool v5, OnReply on_reply, Time now = Clock::now());
 
     /// Give it every message that arrives. True: it was on a reply topic, and is dealt with. What comes on
     /// the topic of somebody else than was asked is no answer.
-    bool take(const mqtt::Message& message);
+    bool take(const mqtt::Message& message, Time now = Clock::now());
 
   private:
     std::string name_;
     ReplyTopics replies_;
     std::size_t last_ = 0;
     std::map<std::string, std::weak_ptr<Request::Entry>> open_;
+    AgentClocks clocks_;  // by reply topic: of one board each
 };
 
-/// What a request's payload looks like on 3.1.1: see Requester::ask.
-std::string with_reply_members(const std::string& payload, const std::string& reply_to,
-                               const std::string& id);
+/// What a request's payload looks like on 3.1.1: see Requester::ask. `clock`: empty asks for it; none: it is
+/// no command.
+std::string with_reply_members(const std::string& payload, const std::string& reply_to, const std::string& id,
+                               const std::optional<std::string>& clock);
+
+/// Whether an agent executes what comes on this topic, and tells its clock with the answer.
+bool is_command_topic(std::string_view topic);
+/// The clock that came with an answer: a user property, or a member of its JSON; empty: none.
+std::string clock_in(const mqtt::Message& answer);
 
 }  // namespace asip::bus

@@ -26,6 +26,9 @@ struct StreamError {
 /// was opened with. Destroying a stream closes it; no handler is called after close() or destruction.
 class ByteStream {
   public:
+    /// No more bytes come at once.
+    static constexpr std::size_t kMostAtOnce = 4096;
+
     struct Handlers {
         /// Bytes as they came, any number at least one; the view is valid during the call only.
         std::function<void(std::string_view)> on_bytes;

@@ -62,15 +62,19 @@ Commands::Started Commands::start(Start& start, bool v5, const Instant& now, Don
     message.payload = with_deadline(start.payload, start.deadline);
     const auto reply_topic =
         (start.answer_first ? urgent(replies_) : replies_).below(start.session).to(start.topic);
+    if (!start.by.empty()) message.user_properties = {{"by", start.by}};
+    std::optional<std::string> clock;
+    if (bus::is_command_topic(start.topic)) clock = clocks_.reading(replies_.to(start.topic), now.time);
     if (v5) {
         message.response_topic = reply_topic;
         message.correlation = key;
+        if (clock) message.user_properties.emplace_back(bus::kClockName, *clock);
     } else {
-        message.payload = bus::with_reply_members(with_by(message.payload, start.by), reply_topic, key);
+        message.payload =
+            bus::with_reply_members(with_by(message.payload, start.by), reply_topic, key, clock);
     }
     // A stop is never too late.
     if (!start.urgent) message.expire_after(start.deadline);
-    if (!start.by.empty()) message.user_properties = {{"by", start.by}};
     Entry entry;
     entry.record = {start.id, start.by, start.target, start.payload, now, std::nullopt, false};
     entry.topic = start.topic;
@@ -97,6 +101,9 @@ bool Commands::take(const mqtt::Message& message, const Instant& now) {
     const auto found = entries_.find(message.correlation.empty() ? reply->id : message.correlation);
     if (found == entries_.end() || found->second.reply_topic != message.topic) return false;
     auto& entry = found->second;
+    if (bus::is_command_topic(entry.topic))
+        clocks_.note(replies_.to(entry.topic), bus::clock_in(message), entry.record.sent.time, now.time);
+    reply->clock.clear();
     if (entry.answered && (!entry.record.reply || entry.record.reply->reason != kNoAnswer)) return true;
     finish(entry, std::move(*reply), now.time);
     return true;

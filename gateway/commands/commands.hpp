@@ -103,6 +103,7 @@ class Commands {
     Entries entries_;
     Due due_;
     std::uint64_t made_up_ = 0;
+    bus::AgentClocks clocks_;  // by reply topic of nobody's session: of one board each
     Counters counters_;
 };
 

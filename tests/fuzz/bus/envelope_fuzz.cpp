@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "asip/bus/agent_clock.hpp"
 #include "asip/bus/reply.hpp"
 #include "asip/bus/request_envelope.hpp"
 #include "asip/model/json.hpp"
@@ -15,6 +16,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     asip::mqtt::Message message;
     message.payload = text;
     if (const auto envelope = open_envelope(message)) {
+        static const AgentClock clock([] { return std::uint64_t{0}; });
+        AgentClocks clocks;
+        clocks.note("uno1", envelope->sent, {}, {});
+        if (const auto sent = clock.time_of(envelope->sent); sent && *sent < asip::Time()) std::abort();
+        if (clock.time_of(clocks.reading("uno1", {})).value_or(asip::Time()) < asip::Time()) std::abort();
         if (envelope->reply.id.size() > kMaxRequestIdBytes) std::abort();
         if (envelope->form == RequestEnvelope::Form::kJson &&
             !asip::model::json_depth_within(envelope->shown(), kMaxJsonDepth)) {

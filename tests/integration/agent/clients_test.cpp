@@ -96,6 +96,31 @@ TEST(AgentClients, PlainAndJavaClientsAtOnce_BothTalkToTheBoard) {
     EXPECT_TRUE(probe.wait_for("asip/uno1/out", "@#,?,0,4,ATmega328P,20,AsipServices")) << "alongside MQTT";
 }
 
+TEST(AgentClients, AgentStoppedForSixSeconds_LineThatWaitedIsNotExecutedAndTheBoardIsNotBlamed) {
+    MosquittoBroker broker;
+    SimulatedUno uno;
+    BusProbe probe(broker.port());
+    const auto port = free_port();
+    Agent agent(broker, uno.port(), {"--listen", std::to_string(port)});
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    Socket client(port);
+    client.send("I,P,12,1\nI,P,13,3\nI,d,13,0\n#,N\n");
+    ASSERT_TRUE(client.receive("@#,N"));
+    client.received.clear();
+    probe.publish("asip/uno1/io/in", "d,13,0");  // nobody wants its proof
+    agent.process().signal(SIGSTOP);
+    client.send("I,d,13,1\n");
+    std::this_thread::sleep_for(6s);
+    agent.process().signal(SIGCONT);
+    EXPECT_TRUE(client.receive("~#,C,10")) << client.received;
+    client.send("#,E,later\n");
+    EXPECT_TRUE(client.receive("@#,E,later")) << client.received;
+    EXPECT_THAT(client.received, Not(HasSubstr("@I,d"))) << "pin 12 is wired to pin 13";
+    EXPECT_THAT(agent.process().errors(), Not(HasSubstr("board silent")));
+    client.send("I,d,13,1\n");
+    EXPECT_TRUE(client.receive("@I,d")) << client.received;
+}
+
 /// Two clients send lines that look alike, one of them what the board refuses: whose errors go where.
 TEST(AgentClients, PlainLinesOfTwoLookAlike_ErrorsGoToTheirSenderAlone) {
     for (const char* image : {"asip_uno_services", "asip_uno_04_services"}) {

@@ -133,5 +133,54 @@ TEST_F(LateCommand, NobodyCommands_BrokerIsAskedNothing) {
     EXPECT_TRUE(wait_until([&] { return checks() >= 3; })) << broker.log();
 }
 
+/// The agent's broker, and another one with a bridge to it that speaks MQTT 3.1.1: nothing expires on it.
+class HeldBetweenBrokers : public testing::Test {
+  protected:
+    /// A command of a client at the other broker, as an MQTT 3.1.1 client sends it.
+    void send(const std::string& id, const std::string& clock, int power) {
+        probe.publish(
+            kMotors,
+            json{{"power", {0, power}}, {"reply_to", "answers"}, {"id", id}, {"clock", clock}}.dump());
+    }
+    json answer_to(const std::string& id) {
+        json found;
+        EXPECT_TRUE(wait_until([&] {
+            for (const auto& message : probe.messages("answers"))
+                if (auto answer = json::parse(message.payload); answer["id"] == id) found = std::move(answer);
+            return !found.is_null();
+        })) << agent.errors();
+        return found;
+    }
+
+    MosquittoBroker broker;
+    TcpRelay relay{broker.port()};
+    MosquittoBroker other{
+        {.extra_lines = {"connection hub", "address 127.0.0.1:" + std::to_string(relay.port()),
+                         "topic # both 1", "bridge_protocol_version mqttv311", "notifications false",
+                         "restart_timeout 1"}}};
+    SimulatedRobot robot;
+    ChildProcess agent{
+        {ASIP_PROGRAMS "/asip-agent", "--serial", robot.port(), "--broker", broker.url(), "--name", "robot"}};
+    BusProbe probe{other.port()};
+};
+
+TEST_F(HeldBetweenBrokers, CommandThatTellsWhenItWasSent_IsRefused) {
+    ASSERT_TRUE(wait_state(probe, "online", kDeadline, "robot")) << agent.errors();
+    send("first", "", 0);
+    const auto first = answer_to("first");
+    ASSERT_EQ(first["status"], "ok");
+    relay.cut();
+    send("late", first["clock"], 200);
+    std::this_thread::sleep_for(kHeld);
+    relay.restore();
+    const auto late = answer_to("late");
+    EXPECT_EQ(late["status"], "refused");
+    EXPECT_EQ(late["reason"], "deadline");
+    EXPECT_THAT(robot.switched(), testing::IsEmpty()) << "the motor ran";
+    send("then", late["clock"], 200);
+    EXPECT_EQ(answer_to("then")["status"], "ok");
+    EXPECT_TRUE(wait_until([&] { return robot.runs(); }));
+}
+
 }  // namespace
 }  // namespace asip::test

@@ -104,6 +104,24 @@ TEST_F(OnlineBridge, ClientTooFast_IsAskedToWaitAndLosesNothing) {
     EXPECT_THAT(bench.on("asip/uno1/io/error"), IsEmpty());
 }
 
+TEST_F(OnlineBridge, ClientTooFastForASlowBoard_NoMoreWaitThanItExecutesInTime) {
+    int waiting = 0;
+    bench.board.mute = true;
+    while (bench.client_says("S,W,0,90", 1) == Bridge::ClientResult::kAccepted)
+        ++waiting;
+    EXPECT_LE(waiting, 24) << "five a round trip, and 1.5 s is the longest";
+    EXPECT_GE(waiting, 16);
+}
+
+TEST_F(OnlineBridge, LineThatWaitedWhileTheAgentWasStopped_IsNotExecuted) {
+    EXPECT_EQ(bench.client_says("I,d,13,1", 1, bench.now - 6s), Bridge::ClientResult::kAccepted);
+    EXPECT_EQ(bench.client_says("I,d,13,0", 1, bench.now - 4s), Bridge::ClientResult::kAccepted);
+    bench.pass(1s);
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,d,13,0"));
+    ASSERT_FALSE(bench.lines_for_one.empty());
+    EXPECT_EQ(bench.lines_for_one[0].line, "~#,C,10{BAD_CHECKSUM}");
+}
+
 TEST_F(OnlineBridge, ServiceWithoutAModel_PublishesTagAndBody) {
     bench.board.replies["#,N"] = "@#,N,2,{I:ASIP core IO,Z:A thing}";
     bench.say(bench.board.banner());

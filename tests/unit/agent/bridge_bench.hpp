@@ -70,9 +70,10 @@ class BridgeBench {
         message.retain = retained;
         hear(message);
     }
-    Bridge::ClientResult client_says(std::string_view line, session::ClientId client = 1) {
+    Bridge::ClientResult client_says(std::string_view line, session::ClientId client = 1,
+                                     std::optional<Time> sent = {}) {
         auto result = Bridge::ClientResult::kAccepted;
-        run([&](Effects& out) { result = bridge.client_line(client, line, now, out); });
+        run([&](Effects& out) { result = bridge.client_line(client, line, sent, now, out); });
         return result;
     }
     void release_holds() {

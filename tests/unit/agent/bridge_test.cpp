@@ -25,6 +25,16 @@ TEST(NoAnswer, NoBoardEverIdentified_EndsTheProgram) {
     EXPECT_THAT(bench.fatal->text, HasSubstr("does not answer"));
 }
 
+TEST(NoAnswer, BoardSaidItsBannerAndNothingElse_IsCalledABoard) {
+    BridgeBench bench;
+    bench.board.mute = true;
+    bench.plug();
+    bench.say(bench.board.banner());
+    bench.pass(20s);
+    ASSERT_TRUE(bench.fatal);
+    EXPECT_THAT(bench.fatal->text, HasSubstr("said that it is an ASIP board, and answers no question"));
+}
+
 TEST_F(OnlineBridge, ReplacedByABoardThatIsMute_WarnsAndKeepsAsking) {
     bench.unplug();
     bench.board.mute = true;

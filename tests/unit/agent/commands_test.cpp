@@ -222,6 +222,21 @@ TEST_F(OnlineBridge, SomeLinesSentAndOthersNot_IsNotCalledRefused) {
     EXPECT_EQ(json::parse(bench.on("answers")[0])["status"], "timeout");
 }
 
+TEST_F(OnlineBridge, SomeLinesNotSentAndOneWithAnError_IsCalledPartly) {
+    bench.board.replies["S,W,9,90"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    std::string lines = "S,W,9,90";
+    for (int i = 0; i < 20; ++i)
+        lines += "\nS,W,0," + std::to_string(100 + i);
+    bench.board.swallow_fences = 3;
+    bench.ask("asip/uno1/in", {{"raw", lines}});
+    bench.board.mute = true;
+    bench.pass(10s);
+    ASSERT_EQ(bench.on("answers").size(), 1u);
+    const auto answer = json::parse(bench.on("answers")[0]);
+    EXPECT_EQ(answer["status"], "timeout") << answer;
+    EXPECT_EQ(answer["reason"], "partly") << answer;
+}
+
 TEST_F(OnlineBridge, MoreLinesThanThereIsRoomFor_NoneIsSent) {
     bench.board.mute = true;
     std::string lines;

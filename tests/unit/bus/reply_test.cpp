@@ -73,6 +73,19 @@ TEST(ReplyMessage, WantedWithId_GoesToTheTopicWithIdAndCorrelation) {
     EXPECT_EQ(message->payload, R"({"id":"7","status":"timeout"})");
 }
 
+TEST(ReplyMessage, Clock_IsAUserPropertyWhereThereAreSomeElseAMember) {
+    auto reply = Reply::ok("fence");
+    reply.clock = "1f3c09aa-7";
+    ReplyTo to{"a/b", "", "7"};
+    EXPECT_EQ(reply_message(to, reply)->payload,
+              R"({"clock":"1f3c09aa-7","id":"7","proof":"fence","status":"ok"})");
+    EXPECT_EQ(parse_reply(reply_message(to, reply)->payload)->clock, "1f3c09aa-7");
+    to.properties = true;
+    EXPECT_EQ(reply_message(to, reply)->payload, R"({"id":"7","proof":"fence","status":"ok"})");
+    EXPECT_EQ(reply_message(to, reply)->user_properties,
+              (std::vector<std::pair<std::string, std::string>>{{"clock", "1f3c09aa-7"}}));
+}
+
 TEST(ReplyMessage, NobodyAsked_IsNothing) {
     EXPECT_FALSE(reply_message({}, Reply::timeout()));
 }

@@ -44,7 +44,7 @@ TEST(Envelope, ResponseTopicOfMqtt5_WinsOverReplyTo) {
     message.correlation = std::string("\0\x01", 2);
     const auto envelope = open_envelope(message);
     ASSERT_TRUE(envelope);
-    EXPECT_EQ(envelope->reply, (ReplyTo{"mine", std::string("\0\x01", 2), "7"}));
+    EXPECT_EQ(envelope->reply, (ReplyTo{"mine", std::string("\0\x01", 2), "7", "", true}));
 }
 
 TEST(Envelope, AsipText_IsPassedAsItCame) {
@@ -156,7 +156,7 @@ TEST(Envelope, BrokenJson_RequesterIsKnownFromWhatStandsBeforeTheFault) {
     message.correlation = "c";
     const auto envelope = open_envelope(message);
     ASSERT_FALSE(envelope);
-    EXPECT_EQ(envelope.error().reply, (ReplyTo{"mine", "c", "7"}));
+    EXPECT_EQ(envelope.error().reply, (ReplyTo{"mine", "c", "7", "", true}));
 }
 
 TEST(Envelope, BeyondALimit_RequesterIsKnownFromWhatStandsBeforeIt) {

@@ -9,6 +9,7 @@
 namespace asip::bus {
 namespace {
 
+using namespace std::chrono_literals;
 using testing::ElementsAre;
 
 mqtt::Message message(std::string topic, std::string payload, std::string correlation = {}) {
@@ -52,10 +53,10 @@ TEST_F(RequesterTest, OnVersion5_AnswersAreFoundByCorrelation) {
 
 TEST_F(RequesterTest, OnVersion311_RequestAndAnswerCarryTheIdInTheirText) {
     const auto a = ask(R"({"write":[0,90]})", false, "a");
-    EXPECT_EQ(sent.payload, R"({"id":"me-1","reply_to":"asip/reply/ann/uno1/me","write":[0,90]})");
+    EXPECT_EQ(sent.payload, R"({"clock":"","id":"me-1","reply_to":"asip/reply/ann/uno1/me","write":[0,90]})");
     EXPECT_TRUE(sent.response_topic.empty());
     const auto b = ask("W,0,90", false, "b");
-    EXPECT_EQ(sent.payload, R"({"id":"me-2","raw":"W,0,90","reply_to":"asip/reply/ann/uno1/me"})");
+    EXPECT_EQ(sent.payload, R"({"clock":"","id":"me-2","raw":"W,0,90","reply_to":"asip/reply/ann/uno1/me"})");
     requester.take(message(kReply, R"({"status":"ok","id":"me-2"})"));
     requester.take(message(kReply, R"({"id":7})"));
     requester.take(message(kReply, "nonsense"));
@@ -70,6 +71,46 @@ TEST_F(RequesterTest, AnswerOnTheTopicOfAnotherBoard_IsNone) {
     EXPECT_TRUE(heard.empty());
     EXPECT_TRUE(requester.take(message(kReply, "true", sent.correlation)));
     EXPECT_THAT(heard, ElementsAre("a:true"));
+}
+
+// --- the agent's clock
+
+using Properties = std::vector<std::pair<std::string, std::string>>;
+
+TEST_F(RequesterTest, OnVersion5_CommandTellsWhenItWasSentByTheClockOfTheLastAnswer) {
+    const Time began = Time(100s);
+    const auto first = requester.ask(
+        sent = message("asip/uno1/in", "#,?"), true, [](auto&) {}, began);
+    EXPECT_EQ(sent.user_properties, (Properties{{"clock", ""}}));
+    auto answer = message(kReply, "{}", sent.correlation);
+    answer.user_properties = {{"by", "me"}, {"clock", "1f3c09aa-700000"}};
+    requester.take(answer, began + 10ms);
+    const auto second = requester.ask(
+        sent = message("asip/uno1/servo/in", "W,0,90"), true, [](auto&) {}, began + 1s);
+    EXPECT_EQ(sent.user_properties, (Properties{{"clock", "1f3c09aa-701001"}}));
+    EXPECT_EQ(sent.payload, "W,0,90");
+    const auto other = requester.ask(
+        sent = message("asip/uno2/servo/in", "W,0,90"), true, [](auto&) {}, began + 1s);
+    EXPECT_EQ(sent.user_properties, (Properties{{"clock", ""}})) << "another board, another agent";
+}
+
+TEST_F(RequesterTest, OnVersion311_ClockTravelsInTheText) {
+    const Time began = Time(100s);
+    const auto first = requester.ask(
+        sent = message("asip/uno1/in", "#,?"), false, [](auto&) {}, began);
+    requester.take(message(kReply, R"({"answer":{"clock":"no"},"clock":"1f3c09aa-700000","id":"me-1"})"),
+                   began);
+    const auto second = requester.ask(
+        sent = message("asip/uno1/in", "#,?"), false, [](auto&) {}, began);
+    EXPECT_EQ(sent.payload,
+              R"({"clock":"1f3c09aa-700001","id":"me-2","raw":"#,?","reply_to":"asip/reply/ann/uno1/me"})");
+}
+
+TEST_F(RequesterTest, WhatIsNoCommand_AsksForNoClock) {
+    const auto query = requester.ask(sent = message("asip/registry/query", "{}"), true, [](auto&) {});
+    EXPECT_TRUE(sent.user_properties.empty());
+    const auto old = requester.ask(sent = message("asip/registry/query", "{}"), false, [](auto&) {});
+    EXPECT_EQ(sent.payload, R"({"id":"me-2","reply_to":"asip/reply/ann/registry/me"})");
 }
 
 TEST_F(RequesterTest, RequestEnded_ItsAnswerIsIgnored) {

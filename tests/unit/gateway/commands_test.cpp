@@ -37,7 +37,20 @@ TEST_F(CommandsTest, Sent_CarriesDeadlineReplyTopicOfTheSessionAndWhoSentIt) {
     EXPECT_EQ(message_.payload, R"({"write":[0,90],"deadline_ms":1000})");
     EXPECT_EQ(message_.expiry_seconds, 1u);
     EXPECT_EQ(message_.response_topic, "asip/reply/gate/uno1/gw/s1");
-    EXPECT_EQ(message_.user_properties, (std::vector<std::pair<std::string, std::string>>{{"by", "anna"}}));
+    EXPECT_EQ(message_.user_properties,
+              (std::vector<std::pair<std::string, std::string>>{{"by", "anna"}, {"clock", ""}}));
+}
+
+TEST_F(CommandsTest, AnswerToldTheClockOfTheAgent_TheNextCommandToldWhenItWasSent) {
+    send("s1", "7");
+    auto first = answer(R"({"id":"s1.7","status":"ok","proof":"fence"})");
+    first.user_properties = {{"clock", "1f3c09aa-700000"}};
+    ASSERT_TRUE(commands_.take(first, at(5ms)));
+    EXPECT_EQ(done_[0].reply->clock, "");
+    message_ = {};
+    send("s2", "8");
+    EXPECT_EQ(message_.user_properties.back(),
+              (std::pair<std::string, std::string>{"clock", "1f3c09aa-700001"}));
 }
 
 TEST_F(CommandsTest, Urgent_ItsAnswerComesPastThoseOfOthers) {
