@@ -170,6 +170,7 @@ TEST_F(LabelTest, LostBoards_HoldUpNobody_AndOneWhoseAgentIsThereIsLabelled) {
     for (int i = 0; i < 200; ++i)
         announce("gone" + std::to_string(i), "lost");
     probe_.publish("asip/servicebus/desk/$state", "lost", true);
+    ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
     const auto began = std::chrono::steady_clock::now();
     const auto set = asipctl({"label", "*", "room=lab", "--from-bus", "--timeout", "100s", "-o", "json"});
     EXPECT_LT(std::chrono::steady_clock::now() - began, time_limit(5s));

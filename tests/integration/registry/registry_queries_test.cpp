@@ -95,7 +95,8 @@ TEST(Registry, ForgottenBoard_LeavesNoRetainedTopicBehind) {
 }
 
 TEST(Registry, Flood_NothingIsLostAndQueriesAreStillAnswered) {
-    MosquittoBroker broker;
+    MosquittoBroker broker{{.extra_lines = {"max_queued_messages 0"}}};  // as in the configuration that is
+                                                                         // shipped
     RunningRegistry registry(broker.address());
     ASSERT_TRUE(registry.complete());
     BusProbe flood(broker.port(), {"nothing"});
