@@ -295,6 +295,7 @@ void Fleet::look_for_recovery(Round& round, Millis longest) {
 }
 
 bool Fleet::fail_over(const BareClients& bare, FailOver& result) {
+    run_until(now() + kSettled);
     result.node = bare.front()->node();
     engine_.kill(result.node);
     const Millis killed = now();
@@ -318,7 +319,6 @@ bool Fleet::fail_over(const BareClients& bare, FailOver& result) {
     engine_.start(result.node);
     Round round;
     look_for_recovery(round, kNodeStarts);
-    run_until(now() + kSettled);
     return recovered(round);
 }
 
