@@ -27,6 +27,8 @@ class BrokerList {
     /// The one to try now.
     const BrokerAddress& current() const { return brokers_[current_].address; }
     std::size_t size() const { return brokers_.size(); }
+    /// Its place in the list.
+    std::size_t place() const { return current_; }
     /// Whether to try it with MQTT 5: not where another broker of the list said that it does not know it.
     /// They are of one kind, and at a busy one an attempt in vain takes as long as the other.
     bool with_v5() const;

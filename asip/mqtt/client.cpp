@@ -28,6 +28,7 @@ Client::Impl::Impl(asio::io_context& io, Options options, Handlers handlers)
       lookup_(io),
       usable_qos_(options_.qos),
       client_id_(options_.client_id),
+      identifier_(client_id_),
       outbox_({options_.max_queued_messages, options_.max_queued_bytes}),
       stop_timer_(io) {}
 

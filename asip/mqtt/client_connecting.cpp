@@ -31,6 +31,7 @@ void Client::Impl::connect_next_address() {
     addresses_.pop_back();
     was_up_ = false;
     tried_v5_ = brokers_.with_v5();
+    options_.client_id = identifier();
     if (options_.will) options_.will->qos = usable_qos_.of(options_.will->qos);
     connection_ = std::make_shared<Connection>(io_, options_, brokers_.current(), host, tried_v5_, *this);
     connection_->open();
@@ -84,7 +85,15 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
 }
 
 void Client::Impl::change_identifier() {
-    options_.client_id = client_id_ + "-" + random_hex(options_.random, 4);
+    identifier_ = client_id_ + "-" + random_hex(options_.random, 4);
+}
+
+// RabbitMQ keeps the queue of an identifier at the node where it was first connected, and gives it to whoever
+// comes with that identifier to another one: what was to be delivered then waits for a node that was left
+// because it is cut off, and is lost with it, while the new connection stays.
+std::string Client::Impl::identifier() const {
+    if (tried_v5_ || brokers_.place() == 0) return identifier_;
+    return identifier_ + "-" + std::to_string(brokers_.place());
 }
 
 Duration Client::Impl::unacknowledged_for(Time now) const {
@@ -108,6 +117,11 @@ void Client::Impl::tick(Time now) {
 
 void Client::Impl::fail_if_stalled(Time now) {
     if (options_.ack_timeout == Duration::zero()) return;
+    // The acknowledgement may be among what waits.
+    if (connection_->has_unread()) {
+        last_behind_ = now;
+        return;
+    }
     const auto stalled = [&](const char* what) {
         connection_->fail({Kind::kStalled, brokers_.current(), 0, brokers_.current().describe() + what});
     };
@@ -116,7 +130,7 @@ void Client::Impl::fail_if_stalled(Time now) {
         return;
     }
     for (const auto& [id, sent] : unacknowledged_) {
-        if (now - std::max(sent.sent, last_subscribing_) < options_.ack_timeout) continue;
+        if (now - std::max({sent.sent, last_subscribing_, last_behind_}) < options_.ack_timeout) continue;
         stalled(" acknowledges nothing any more");
         return;
     }

@@ -59,6 +59,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     void retry_after(Duration wait);
     void fail_if_stalled(Time now);
     void change_identifier();
+    std::string identifier() const;
     /// For how long the oldest message without an acknowledgement has waited for it.
     Duration unacknowledged_for(Time now) const;
 
@@ -97,11 +98,13 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     CutOff cut_off_;
     UsableQos usable_qos_;
     const std::string client_id_;  // the one that was asked for
+    std::string identifier_;       // what is used in its place; see identifier()
 
     Subscriptions subscriptions_;
     /// When the broker was last busy with a subscription: granted or refused it, or delivered what it
     /// retains.
     Time last_subscribing_{};
+    Time last_behind_{};  // when bytes of the broker were not read yet
     std::optional<Check> check_;
     Outbox outbox_;
     std::map<int, Unacknowledged> unacknowledged_;

@@ -5,6 +5,7 @@
 #include <mqtt_protocol.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -232,6 +233,12 @@ bool Connection::is_cut_off(Time now) {
     socklen_t size = sizeof info;
     if (!up() || getsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return false;
     return unreceived_.look(now, info.tcpi_unacked > 0, std::chrono::milliseconds(info.tcpi_last_ack_recv));
+}
+
+bool Connection::has_unread() const {
+    int waiting = 0;
+    return tcp_connected_ && ioctl(mosquitto_socket(mosquitto_.get()), FIONREAD, &waiting) == 0 &&
+           waiting > 0;
 }
 
 void Connection::goodbye() {

@@ -62,6 +62,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     bool v5() const { return v5_; }
     /// What the broker allows; known once up().
     int max_qos() const { return max_qos_; }
+    /// Whether bytes from the broker wait to be read: we are behind, not the broker.
+    bool has_unread() const;
 
     /// Whether a PUBLISH would go straight to the socket.
     bool ready_to_write() const { return up() && !mosquitto_want_write(mosquitto_.get()); }

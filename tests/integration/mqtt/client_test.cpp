@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "tests/integration/mqtt/recorder.hpp"
 #include "tests/support/bus_probe.hpp"
 
@@ -301,6 +303,40 @@ TEST(Client, BrokerOfTheListDies_MovesToTheOther) {
     first.kill();
     ASSERT_TRUE(bus.until([&] { return bus.connects.size() == 2; }));
     EXPECT_EQ(bus.connects[1].broker.port, second.port());
+}
+
+TEST(Client, NextBrokerOfTheListWithout5_IsGivenAnotherIdentifier) {
+    MosquittoBroker first, second;
+    auto options = options_for(first);
+    options.brokers.push_back(*mqtt::parse_broker(second.url()));
+    options.version = mqtt::Version::kV311;
+    options.client_id = "lamp";
+    Recorder bus(options);
+    ASSERT_TRUE(bus.connect());
+    EXPECT_EQ(bus.client->client_id(), "lamp");
+    first.kill();
+    ASSERT_TRUE(bus.until([&] { return bus.connects.size() == 2; }));
+    EXPECT_THAT(second.log(), testing::HasSubstr(" as lamp-1 "));
+    EXPECT_EQ(bus.client->client_id(), "lamp-1");
+}
+
+TEST(Client, ReadsMoreSlowlyThanTheBrokerSends_DoesNotBlameTheBroker) {
+    MosquittoBroker broker;
+    BusProbe probe(broker.port(), {"nothing"});
+    auto options = options_for(broker);
+    options.ack_timeout = 500ms;
+    Recorder bus(options);
+    bus.client->subscribe("in", {.qos = 0});
+    bus.at_message = [&bus](const mqtt::Message&) {
+        if (bus.messages.size() == 1) bus.client->publish(make_message("out", "behind all that", 1));
+        std::this_thread::sleep_for(10ms);
+    };
+    ASSERT_TRUE(bus.connect());
+    ASSERT_TRUE(bus.until([&] { return bus.subscribed_calls > 0; }));
+    for (int i = 0; i < 300; ++i)
+        probe.publish("in", std::to_string(i), false, 0);
+    EXPECT_TRUE(bus.until([&] { return bus.messages.size() == 300 && !bus.published.empty(); }));
+    EXPECT_TRUE(bus.losses.empty()) << bus.losses.front().text;
 }
 
 TEST(Client, FloodWhileTheBrokerHangs_DropsOldestContextAndKeepsReplies) {

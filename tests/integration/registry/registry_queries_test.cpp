@@ -105,7 +105,7 @@ TEST(Registry, Flood_NothingIsLostAndQueriesAreStillAnswered) {
         const std::string board = "board" + std::to_string(i % 2000);
         flood.publish(announcement(board, description_text(board, "a", i + 1), 60));
         if (i % 5000 == 4999) {
-            EXPECT_TRUE(ask(probe, R"({"find":"boards","limit":1})"));
+            EXPECT_TRUE(ask(probe, R"({"find":"boards","limit":1})")) << registry.process().errors();
         }
     }
     EXPECT_TRUE(wait_until([&] {
