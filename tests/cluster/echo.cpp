@@ -14,6 +14,7 @@ namespace {
 constexpr auto kBetweenMessages = std::chrono::milliseconds(100);
 const std::string kTopics = "cluster-test/echo/";
 const std::string kRetained = "cluster-test/retained/";
+const std::string kOwn = "cluster-test/own/";
 
 }  // namespace
 
@@ -41,10 +42,16 @@ void Echo::start() {
 void Echo::look_anew() {
     since_ = now();
     std::fill(heard_.begin(), heard_.end(), std::nullopt);
+    if (!own_.empty()) client_.unsubscribe(own_);
+    own_ = kOwn + topic_ + "/" + std::to_string(since_);
+    client_.subscribe(own_);
 }
 
 void Echo::received(const asip::mqtt::Message& message) {
-    const auto number = std::strtoull(message.topic.c_str() + kTopics.size(), nullptr, 10);
+    const bool own = message.topic.starts_with(kOwn);
+    const auto number =
+        std::strtoull(own ? topic_.c_str() : message.topic.c_str() + kTopics.size(), nullptr, 10);
+    if (!own && std::to_string(number) == topic_) return;
     const bool counts = std::strtoll(message.payload.c_str(), nullptr, 10) >= since_;
     if (counts && number < heard_.size() && !heard_[number]) heard_[number] = now();
 }
@@ -63,6 +70,7 @@ void Echo::send() {
         if (client_.connected() && !heard())
             client_.publish({.topic = kRetained + topic_, .payload = payload, .retain = true});
         if (client_.connected()) client_.publish({.topic = kTopics + topic_, .payload = payload});
+        if (client_.connected() && !own_.empty()) client_.publish({.topic = own_, .payload = payload});
         send();
     });
 }

@@ -13,7 +13,8 @@ namespace cluster {
 
 /// One of some clients that hear each other and themselves: whether the engine works, apart from registries,
 /// agents and boards. Until it has heard all of them, each of its messages has one in front of it that the
-/// broker retains: one that cannot do that reads no further, or closes the connection.
+/// broker retains: one that cannot do that reads no further, or closes the connection. What it hears itself
+/// by is a subscription that is made anew for each look, as programs need one that lost their connection.
 class Echo {
   public:
     /// The client `number` of `count`.
@@ -31,6 +32,7 @@ class Echo {
     void received(const asip::mqtt::Message& message);
 
     std::string topic_;
+    std::string own_;  // of this look
     Millis since_ = 0;
     std::vector<std::optional<Millis>> heard_;  // by client
     asip::mqtt::Client client_;

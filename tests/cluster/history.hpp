@@ -55,8 +55,8 @@ struct Round {
     std::optional<Millis> commands_work{};     ///< when each board had executed a command sent after `end`
     std::optional<Millis> catalogues_agree{};  ///< since when all registries were right, to the end of the
                                                ///< look
-    /// When a client of each node had heard those of all nodes, and the nodes had taken something to retain,
-    /// sent after `end`: before that no program can do what it is for.
+    /// When a client of each node had heard those of all nodes, the nodes had taken something to retain and
+    /// new subscriptions, all after `end`: before that no program can do what it is for.
     std::optional<Millis> engine_works{};
     Millis looked_until = 0;
     std::map<std::string, Difference> wrong{};  ///< by registry, where they never agreed

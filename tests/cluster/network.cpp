@@ -17,6 +17,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <mutex>
 #include <random>
@@ -90,6 +91,9 @@ Descriptor make_interface(const std::vector<std::uint32_t>& addresses) {
         set_address(socket.number(), name.c_str(), SIOCSIFNETMASK, 0xFFFFFF00);
     }
     bring_up(socket.number(), "bus0");
+    // TCP sends again at least that often, so that connections go on a second after a cut and not as long
+    // after it as it lasted. Linux 6.15 and later; elsewhere there is no such file.
+    std::ofstream("/proc/sys/net/ipv4/tcp_rto_max_ms") << 1000;
     return tun;
 }
 
