@@ -19,11 +19,6 @@ constexpr std::array<std::string_view, 9> kQuestions{
     protocol::kAskPinModes,  protocol::kAskPinCapabilities, protocol::kAskIdentity,
 };
 
-// Without them a board is of no use: a board that stood still is asked for them once more.
-constexpr bool is_essential(std::string_view question) {
-    return question == protocol::kAskServiceNames || question == protocol::kAskPortMap;
-}
-
 constexpr int kTries = 3;
 // Errors that name no question of ours: they may be about what was sent before, and come in numbers.
 constexpr int kTriesAtOnce = 3;
@@ -32,6 +27,11 @@ constexpr int kTriesAtOnce = 3;
 constexpr int kRounds = 2;
 // A damaged "#,X" may be refused, too.
 constexpr int kRefusals = 2;
+
+// Without them a board is of no use: a board that stood still is asked for them once more.
+constexpr bool is_essential(std::string_view question) {
+    return question == protocol::kAskServiceNames || question == protocol::kAskPortMap;
+}
 
 template <class T>
 bool keep(Expected<T> parsed, T& place) {
@@ -44,6 +44,7 @@ bool keep(Expected<T> parsed, T& place) {
 
 Interview::Interview(std::string services, bool with_checksums, Time now, std::vector<std::string>& lines)
     : turn_checksums_on_(with_checksums), banner_services_(std::move(services)) {
+    static_assert(kQuestionCount == kQuestions.size());
     ask(now, lines);
 }
 

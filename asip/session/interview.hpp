@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,6 +39,7 @@ class Interview {
     std::string other_question() const;
 
   private:
+    static constexpr std::size_t kQuestionCount = 9;
     void ask(Time now, std::vector<std::string>& lines);
     void ask_again_or_pass(Time now, std::vector<std::string>& lines);
     void pass(bool refused, Time now, std::vector<std::string>& lines);
@@ -57,7 +59,7 @@ class Interview {
     int tries_at_once_ = 0;
     int rounds_ = 0;
     int refusals_ = 0;
-    std::array<bool, 9> unanswered_{};  // by step: asked, and neither answered nor refused
+    std::array<bool, kQuestionCount> unanswered_{};  // by step: asked, and neither answered nor refused
     bool once_more_ = false;
     protocol::Extensions extensions_;  // as last answered
     Time asked_{};

@@ -271,9 +271,10 @@ std::optional<Time> Machine::next_deadline() const {
 
 // Nobody listened: that nothing was heard says nothing.
 void Machine::not_watched(Time since, Time now) {
-    last_byte_ = std::min(now, last_byte_ + (now - since));
-    progress_at_ = std::min(now, progress_at_ + (now - since));
-    if (asked_at_) asked_at_ = std::min(now, *asked_at_ + (now - since));
+    const auto later = [&](Time time) { return std::min(now, time + (now - since)); };
+    last_byte_ = later(last_byte_);
+    progress_at_ = later(progress_at_);
+    if (asked_at_) asked_at_ = later(*asked_at_);
 }
 
 // A board that was never there, or is known to be gone, cannot be lost.

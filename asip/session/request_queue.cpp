@@ -171,10 +171,6 @@ void RequestQueue::abandon_in_flight(Ending ending, std::vector<RequestEnd>& end
     probe_wanted_ = false;
 }
 
-void RequestQueue::board_restarted() {
-    in_flight_.forget_owed();
-}
-
 void RequestQueue::abandon_waiting(std::vector<RequestEnd>& ended) {
     for (Request& request : waiting_.take_all())
         ended.push_back({std::move(request), Ending::kNotSent, NotSent::kBoardGone});

@@ -80,11 +80,11 @@ class RequestQueue {
     void on_time(Time now, Duration answer_timeout, std::vector<RequestEnd>& ended);
 
     /// The link or the board went, or the board restarted. What waits stays.
-    /// It said so: what it still owed does not come any more.
-    void board_restarted();
     void abandon_in_flight(Ending ending, std::vector<RequestEnd>& ended);
     void abandon_waiting(std::vector<RequestEnd>& ended);
     void cancel_waiting(std::vector<RequestEnd>& ended);
+    /// The board said that it restarted: what it still owed does not come any more.
+    void board_restarted() { in_flight_.forget_owed(); }
     /// The board was found again: no fence of before is missing any more.
     void restart();
 
