@@ -158,7 +158,7 @@ void InFlight::fences_back(std::size_t number, bool ambiguous, Time now, std::ve
     }
     Batch batch = std::move(batches_.front());
     batches_.pop_front();
-    if (!ambiguous) forget_owed(batch, now);
+    if (!ambiguous) forget_owed(batch);
     finish(std::move(batch), number > 0 || ambiguous, now, ended);
 }
 

@@ -156,7 +156,7 @@ class InFlight {
     void end(Item& item, Ending ending, std::vector<RequestEnd>& ended, Time sent_by = Time::max());
     bool note_value(const protocol::Event& event, const protocol::ParsedLine& line,
                     std::vector<RequestEnd>& ended);
-    void forget_owed(const Batch& batch, Time now);
+    void forget_owed(const Batch& batch);
     void note_owed(const Item& item, Ending ending, Time sent_by);
     bool changes_period(char service) const;
     void note_slow(const Item& item, bool slow);

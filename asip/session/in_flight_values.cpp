@@ -72,8 +72,6 @@ bool InFlight::refutes(const protocol::Event& event) const {
 }
 
 void InFlight::end_without_value(Item& item, Time sent_by, std::vector<RequestEnd>& ended) {
-    // It may have been the one that came before the fence.
-    std::erase(slow_, std::pair(item.request.service(), item.request.answer_tag));
     if (item.value_error) item.error = std::move(item.value_error);
     const bool known = item.error && !item.doubted;
     end(item, known ? Ending::kBoardError : Ending::kNoValue, ended, sent_by);
@@ -97,13 +95,10 @@ void InFlight::goes_on(Time now) {
         one.sent_by = std::max(one.sent_by, now + one.answer_time);
 }
 
-// What was on the way before a fence has come when the fence is back. What was sent before it was executed by
-// then, or never is.
-void InFlight::forget_owed(const Batch& batch, Time now) {
+// What was on the way before a fence has come when the fence is back.
+void InFlight::forget_owed(const Batch& batch) {
     std::erase_if(
         owed_, [&](const Owed& one) { return one.sent_by <= batch.last_sent && one.ended <= batch.number; });
-    for (Owed& one : owed_)
-        if (one.sent_by == Time::max() && one.ended <= batch.number) one.sent_by = now + one.answer_time;
 }
 
 Time InFlight::owed_until(const Request& next) const {

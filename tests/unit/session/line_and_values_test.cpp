@@ -284,20 +284,6 @@ TEST_P(AnswersAtOnce, NoTimeToWait_IsAskedAndTheNextIsBelievedAgain) {
     }
 }
 
-TEST_P(AnswersAtOnce, OneWasLost_TheNextIsBelieved) {
-    for (int i = 0; i < 3; ++i) {
-        bench.board.lose_lines = 1;
-        const auto lost = measure();
-        bench.pass(12s);
-        ASSERT_NE(bench.end_of(lost), nullptr);
-        EXPECT_NE(ending(lost), Ending::kExecuted);
-        const auto next = measure();
-        bench.pass(600ms);
-        ASSERT_NE(bench.end_of(next), nullptr);
-        EXPECT_EQ(ending(next), Ending::kExecuted) << i;
-    }
-}
-
 TEST_P(AnswersAtOnce, OneWasLostWithARestart_TheNextIsBelieved) {
     bench.board.mute = true;
     const auto lost = measure();
@@ -308,24 +294,6 @@ TEST_P(AnswersAtOnce, OneWasLostWithARestart_TheNextIsBelieved) {
     bench.pass(600ms);
     ASSERT_NE(bench.end_of(next), nullptr);
     EXPECT_EQ(ending(next), Ending::kExecuted);
-}
-
-TEST_P(AnswersAtOnce, OnceTheyTookTimeAndOneWasLost_TheNextAreBelieved) {
-    bench.board.replies["D,M"] = "";
-    const auto slow = measure();
-    bench.pass(30ms);
-    bench.say_line("@D,e,1,{7}");
-    EXPECT_EQ(ending(slow), Ending::kExecuted);
-    bench.board.lose_lines = 1;
-    measure();
-    bench.pass(3s);
-    bench.board.replies["D,M"] = "@D,e,1,{7}";
-    for (int i = 0; i < 5; ++i) {
-        const auto id = measure();
-        bench.pass(700ms);
-        ASSERT_NE(bench.end_of(id), nullptr);
-        EXPECT_EQ(ending(id), Ending::kExecuted) << i;
-    }
 }
 
 TEST_P(AnswersAtOnce, ReportsAreRare_TheNextIsWaitedFor) {
