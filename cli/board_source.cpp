@@ -294,19 +294,13 @@ void BoardSource::listen(const std::string& filter) {
         session_.subscribe(filter, [this](const mqtt::Message& message) { take(message); }));
 }
 
-void BoardSource::wait_retained(const std::function<bool()>& enough) {
-    const auto mark = session_.mark_retained();
-    session_.run_until([&] { return mark.passed() || enough(); }, Clock::now() + kMarkPatience);
-    if (!enough()) session_.run_until(enough, Clock::now() + kRetainedPatience);
-}
-
 void BoardSource::read_bus(bool probe) {
     if (!bus_subscribed_) {
         bus_subscribed_ = true;
         listen(context_.topics.board_names());
         listen(context_.topics.board_names() + "/+/+");
         listen(context_.topics.service_names("+"));
-        wait_retained([] { return false; });
+        session_.wait_retained();
     }
     if (!probe || session_.stopped()) return;
     session_.publish(context_.topics.probe(), "");
@@ -319,7 +313,7 @@ std::optional<KnownBoard> BoardSource::retained_board(const std::string& name) {
     const auto here = [&] {
         return catalogue_.description(name) != nullptr && !catalogue_.board(name, {})->reported.empty();
     };
-    wait_retained(here);
+    session_.wait_retained(here);
     if (catalogue_.description(name) == nullptr) return std::nullopt;
     return known(*catalogue_.board(name, Clock::now()));
 }

@@ -15,12 +15,8 @@
 
 namespace asip::cli {
 
-/// How long to wait for the mark itself: access rules may forbid it.
-inline constexpr std::chrono::milliseconds kMarkPatience{1000};
 /// Registries answer sooner; only after it is asked whether there is one at all.
 inline constexpr std::chrono::milliseconds kAnswerPatience{30};
-/// After the broker's own mark, patience with brokers that hand out retained messages later.
-inline constexpr std::chrono::milliseconds kRetainedPatience{150};
 /// Agents answer a probe within a second.
 inline constexpr std::chrono::milliseconds kProbeWindow{1200};
 
@@ -96,7 +92,6 @@ class BoardSource {
     void without_registry(const std::string& why);
     void take(const mqtt::Message& message);
     void listen(const std::string& filter);
-    void wait_retained(const std::function<bool()>& enough);
     Outcome<KnownBoard> unknown(const std::string& name);
     KnownBoard known(bus::BoardItem item) const;
 

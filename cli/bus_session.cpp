@@ -93,6 +93,7 @@ struct BusSession::State {
         if (requester.take(message)) return;
         demander.take(message, Clock::now());
         router.dispatch(message);
+        if (message.retain) retained_at = Clock::now();
     }
 
     Request ask(mqtt::Message message, OnMessage on_reply) {
@@ -127,6 +128,7 @@ struct BusSession::State {
     std::function<void(bool, const std::string&)> connection_changed =
         [this](bool connected, const std::string& why) { context.note(connected ? "connected again" : why); };
     std::size_t marks = 0;
+    Time retained_at{};  // when something retained last came
     bool started = false;
     program::StopSignal signal;
     mqtt::Client client;
@@ -222,6 +224,16 @@ BusSession::Mark BusSession::mark_retained() {
     });
     publish(topic, "mark");
     return mark;
+}
+
+void BusSession::wait_retained(const std::function<bool()>& enough, Duration patience) {
+    const auto began = Clock::now();
+    const auto mark = mark_retained();
+    const auto over = [&] {
+        const auto last = std::max(state_->retained_at, mark.passed_at().value_or(began));
+        return Clock::now() - last >= (mark.passed() ? Duration(kRetainedPatience) : patience);
+    };
+    run_until([&] { return enough() || over(); }, Time::max());
 }
 
 bool BusSession::run_until(const std::function<bool()>& done, Time deadline) {

@@ -17,6 +17,11 @@
 
 namespace asip::cli {
 
+/// How long to wait for a mark: access rules may forbid it.
+inline constexpr std::chrono::milliseconds kMarkPatience{1000};
+/// After the mark, patience with brokers that hand out retained messages later.
+inline constexpr std::chrono::milliseconds kRetainedPatience{150};
+
 /// One connection to the bus as a command uses it: it waits, in order, for what it asked for. Everything runs
 /// in the caller's thread, inside run_until. SIGINT and SIGTERM end every wait, and so does the end of
 /// the program that reads our output (`| head -1`). The user is told when the connection is lost, and when it
@@ -79,6 +84,13 @@ class BusSession {
         Subscription subscription_;
     };
     Mark mark_retained();
+
+    /// Handles events until what the broker had retained for the subscriptions made until now has come, or
+    /// `enough` holds. Access rules may forbid the mark, and some brokers hand out retained messages behind
+    /// it: it ends when nothing retained has come for `patience` (from the mark on: for kRetainedPatience).
+    /// How much there is, and how slow this machine is, does not matter.
+    void wait_retained(
+        const std::function<bool()>& enough = [] { return false; }, Duration patience = kMarkPatience);
 
     /// Handles events until `done` holds; false: `deadline` came, or stopped().
     bool run_until(const std::function<bool()>& done, Time deadline);

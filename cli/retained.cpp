@@ -80,9 +80,7 @@ Outcome<std::vector<Retained>> read_retained(const Context& context, BusSession&
             if (message.retain && !message.payload.empty()) found[message.topic] = message.payload;
         }));
     }
-    const auto mark = session.mark_retained();
-    session.run_until([&mark] { return mark.passed(); }, Clock::now() + context.timeout);
-    session.run_for(kRetainedPatience);
+    session.wait_retained([] { return false; }, context.timeout);
     if (const auto heard = session.heard_all(); !heard) return tl::unexpected(heard.error());
     std::vector<Retained> result;
     for (auto& [topic, payload] : found)

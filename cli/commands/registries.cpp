@@ -71,9 +71,7 @@ int run_registries(const OutputOptions& output, Context& context) {
     const auto states = session.subscribe(context.topics.registry_state("+"), keep);
     const auto stats = session.subscribe(context.topics.registry_stats("+"), keep);
     if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
-    const auto mark = session.mark_retained();
-    session.run_until([&mark] { return mark.passed(); }, Clock::now() + kMarkPatience);
-    session.run_for(kRetainedPatience);
+    session.wait_retained();
     Table table({{"REGISTRY"},
                  {"STATE"},
                  {"UP", true},

@@ -85,6 +85,20 @@ TEST_F(SessionTest, BrokerThatStandsStill_IsBlamedAndNobodyElse) {
     EXPECT_EQ(session_->unanswered("nobody there").text, "nobody there");
 }
 
+TEST_F(SessionTest, RetainedMessagesThatTakeLongerThanThePatience_AreAllRead) {
+    for (int i = 0; i < 40; ++i)
+        probe_.publish("kept/" + std::to_string(i), std::string(100'000, 'x'), true);
+    ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
+    ASSERT_TRUE(session_->connect());
+    int heard = 0;
+    const auto subscription = session_->subscribe("kept/+", [&heard](const mqtt::Message&) {
+        std::this_thread::sleep_for(20ms);
+        ++heard;
+    });
+    session_->wait_retained([] { return false; }, 300ms);
+    EXPECT_EQ(heard, 40);
+}
+
 TEST_F(SessionTest, OneOfTwoSubscriptionsToAFilterEnds_TheOtherStillHears) {
     int heard = 0;
     const auto stays = session_->subscribe("x", [&](const mqtt::Message&) { ++heard; });
