@@ -85,10 +85,10 @@ bool InFlight::add(Request request, std::size_t bytes, bool reports, Time close_
     Item item;
     item.asked = request.is_question();
     item.number = next_number_++;
-    item.behind_fence = reports || changes_period(request.service()) ||
-                        std::any_of(owed_.begin(), owed_.end(), [&](const Owed& owed) {
-                            return owed.service == request.service() && owed.tag == request.answer_tag;
-                        });
+    item.follows_owed = std::any_of(owed_.begin(), owed_.end(), [&](const Owed& owed) {
+        return owed.service == request.service() && owed.tag == request.answer_tag;
+    });
+    item.behind_fence = item.follows_owed || reports || changes_period(request.service());
     item.request = std::move(request);
     batch.items.push_back(std::move(item));
     return batch.items.back().behind_fence;
@@ -158,14 +158,23 @@ void InFlight::fences_back(std::size_t number, bool ambiguous, Time now, std::ve
     }
     Batch batch = std::move(batches_.front());
     batches_.pop_front();
-    if (!ambiguous) forget_owed(batch);
+    if (!ambiguous) {
+        see_running(batch, now);
+        forget_owed(batch, now);
+    }
     finish(std::move(batch), number > 0 || ambiguous, now, ended);
 }
 
 void InFlight::finish(Batch batch, bool missing, Time now, std::vector<RequestEnd>& ended) {
     bytes_ -= batch.bytes;
     for (Item& item : batch.items) {
-        if (item.ended) continue;
+        if (item.ended) {
+            // It was executed after its end. Nobody is told, but what it set holds.
+            if (missing || item.doubted || item.suspected || item.error) continue;
+            item.request.id = 0;
+            ended.push_back({std::move(item.request), Ending::kExecuted});
+            continue;
+        }
         if (missing || ((item.doubted || item.suspected) && !item.error)) {
             end(item, Ending::kDoubt, ended);
         } else if (item.error) {

@@ -59,9 +59,16 @@ class InFlight {
 
     /// Whether a request is under way that sets the period of that service to 0.
     bool turns_reports_off(char service) const;
-    /// Then the board has sent what others asked for that ended without it: a fence behind that moment shows
-    /// that it does not come any more. Time::min(): nobody did; Time::max(): not known.
-    Time owed_until(const Request& next) const;
+    /// Then the board has sent what others asked for that ended without it, as far as fences show until then
+    /// that it does not stand still (see_again()): one behind that moment shows that it does not come any
+    /// more. Time::min(): nobody did.
+    Time owed_until(const Request& next, Time now) const;
+    /// When the next fence is to be sent so that it shows that.
+    Time see_again() const { return last_back_ + longest_gap() / 2; }
+    /// The same where one is to be sent though nobody waits; Time::max(): none is. A client that has little
+    /// time would never wait for it.
+    Time look_at() const;
+    void looked();
     /// Whether the value of such a request was seen to take longer than its fence.
     bool comes_behind_fence(const Request& next) const;
 
@@ -100,13 +107,20 @@ class InFlight {
     Time next_deadline(Duration answer_timeout) const;
 
   private:
+    // Between two fences further apart the board may have stood still for too long to be sure that it has
+    // sent what it was asked for: a good part of the least answer time of a service.
+    static constexpr Duration kLongestGap = std::chrono::milliseconds(100);
+    // Of fences that come back: two seconds.
+    static constexpr unsigned kLooks = 40;
+
     struct Item {
         Request request;
         bool ended = false;
         bool asked = false;  // a question whose answer has not come
         bool doubted = false;
-        std::uint64_t number = 0;  // in the order of sending
-        // Events of that tag may come that are older: only those behind its fence count
+        std::uint64_t number = 0;   // in the order of sending
+        bool follows_owed = false;  // an event of that tag may come that somebody before it asked for
+        // Or one of reports. Only those behind its fence count
         bool behind_fence = false;
         bool has_value = false;
         protocol::ParsedLine answer;
@@ -120,9 +134,10 @@ class InFlight {
         std::uint64_t number;
         char service;
         char tag;
-        Time sent_by;         // the board has sent it then; Time::max(): not known
+        Time sent_by;         // the board has sent it then; Time::max(): no fence behind it is back
         std::uint64_t ended;  // as next_number_
         Duration answer_time;
+        unsigned looks = kLooks;  // so many fences more are sent for it alone
     };
     /// An error that may belong to several requests of a batch.
     struct Unclear {
@@ -151,12 +166,14 @@ class InFlight {
     static bool settle_errors(Batch& batch, const protocol::Event& event);
     Item* find_question(const protocol::Event& event);
     void goes_on(Time now);
+    void see_running(const Batch& batch, Time now);
+    Duration longest_gap() const { return kLongestGap + 2 * shortest_way_; }
     void fences_back(std::size_t batch, bool ambiguous, Time now, std::vector<RequestEnd>& ended);
     void finish(Batch batch, bool missing, Time now, std::vector<RequestEnd>& ended);
     void end(Item& item, Ending ending, std::vector<RequestEnd>& ended, Time sent_by = Time::max());
     bool note_value(const protocol::Event& event, const protocol::ParsedLine& line,
                     std::vector<RequestEnd>& ended);
-    void forget_owed(const Batch& batch);
+    void forget_owed(const Batch& batch, Time now);
     void note_owed(const Item& item, Ending ending, Time sent_by);
     bool changes_period(char service) const;
     void note_slow(const Item& item, bool slow);
@@ -173,8 +190,10 @@ class InFlight {
     std::vector<std::pair<char, char>> slow_;  // service and tag of values that come behind the fence
     std::uint64_t next_number_ = 1;
     std::size_t bytes_ = 0;
-    bool stood_still_ = false;     // the board may have: a fence is overdue
-    Time earliest_ = Time::max();  // not after the first deadline of an item
+    bool stood_still_ = false;             // the board may have: a fence is overdue
+    Time last_back_{};                     // when a fence last came back
+    Duration shortest_way_ = kLongestGap;  // of a fence, there and back
+    Time earliest_ = Time::max();          // not after the first deadline of an item
 };
 
 }  // namespace asip::session

@@ -82,7 +82,7 @@ void InFlight::note_owed(const Item& item, Ending ending, Time sent_by) {
     if (!item.wants_value() || item.has_value || item.request.is_question()) return;
     if (ending == Ending::kExecuted || ending == Ending::kBoardError || owed_.size() >= kMaxOwed) return;
     owed_.push_back({item.number, item.request.service(), item.request.answer_tag, sent_by, next_number_,
-                     item.request.answer_time});
+                     item.request.answer_time, kLooks});
 }
 
 // A board that stood still did not measure meanwhile.
@@ -91,20 +91,45 @@ void InFlight::goes_on(Time now) {
         one.latest = std::max(one.latest, now + one.item.request.answer_time);
         one.until = std::min(one.item.request.deadline, one.latest);
     }
+}
+
+// A fence that comes at once shows that the board runs, not that it ran all the time since the one before: it
+// may have stood still between measuring and sending.
+void InFlight::see_running(const Batch& batch, Time now) {
+    shortest_way_ = std::min(shortest_way_, now - batch.last_sent);
+    if (now - std::exchange(last_back_, now) <= longest_gap()) return;
     for (Owed& one : owed_)
         one.sent_by = std::max(one.sent_by, now + one.answer_time);
 }
 
-// What was on the way before a fence has come when the fence is back.
-void InFlight::forget_owed(const Batch& batch) {
+// What was on the way before a fence has come when the fence is back. What was sent before it was executed by
+// then, or never is.
+void InFlight::forget_owed(const Batch& batch, Time now) {
     std::erase_if(
         owed_, [&](const Owed& one) { return one.sent_by <= batch.last_sent && one.ended <= batch.number; });
+    for (Owed& one : owed_)
+        if (one.sent_by == Time::max() && one.ended <= batch.number) one.sent_by = now + one.answer_time;
 }
 
-Time InFlight::owed_until(const Request& next) const {
+Time InFlight::look_at() const {
+    const bool looks =
+        std::any_of(owed_.begin(), owed_.end(), [](const Owed& one) { return one.looks > 0; }) ||
+        std::any_of(awaiting_.begin(), awaiting_.end(),
+                    [](const Awaiting& one) { return one.item.follows_owed; });
+    return looks ? see_again() : Time::max();
+}
+
+void InFlight::looked() {
+    for (Owed& one : owed_)
+        one.looks -= one.looks > 0 ? 1 : 0;
+}
+
+Time InFlight::owed_until(const Request& next, Time now) const {
     Time until = Time::min();
-    for (const Owed& one : owed_)
-        if (one.service == next.service() && one.tag == next.answer_tag) until = std::max(until, one.sent_by);
+    for (const Owed& one : owed_) {
+        if (one.service != next.service() || one.tag != next.answer_tag) continue;
+        until = std::max(until, one.sent_by == Time::max() ? now + one.answer_time : one.sent_by);
+    }
     return until;
 }
 

@@ -60,6 +60,12 @@ void RequestQueue::close(Time now, std::vector<std::string>& lines) {
     in_flight_.close(std::move(fence), fence_bytes(), now);
 }
 
+void RequestQueue::look_for_owed(Time now) {
+    if (now < in_flight_.look_at() || in_flight_.fence_out() || probe_wanted_) return;
+    in_flight_.looked();
+    probe_wanted_ = true;
+}
+
 void RequestQueue::send_probe(Time now, std::vector<std::string>& lines) {
     if (!stalled_ && !probe_wanted_) return;
     if (in_flight_.has_open_batch() ? may_fence(now) : !in_flight_.fence_out()) {
@@ -71,18 +77,23 @@ void RequestQueue::send_probe(Time now, std::vector<std::string>& lines) {
 // A value that comes before its fence may be one of before: the last of reports that were turned off, or what
 // another was waiting for. A board that answers at once sends no other, so this is over first.
 bool RequestQueue::settles_first(const Request& next, const SelfReports& reports, Time now) {
-    if (next.answer_tag == 0 || next.is_question() || in_flight_.comes_behind_fence(next)) return false;
-    const bool ending = in_flight_.turns_reports_off(next.service());
-    const Time owed = in_flight_.owed_until(next);
-    const Time over = std::max(ending ? now : reports.until, owed);
+    if (next.answer_tag == 0 || next.is_question()) return false;
+    const bool slow = in_flight_.comes_behind_fence(next);
+    const bool ending = !slow && in_flight_.turns_reports_off(next.service());
+    const Time owed = in_flight_.owed_until(next, now);
+    const bool is_owed = owed != Time::min();
+    const Time over = slow ? owed : std::max(ending ? now : reports.until, owed);
     if (over == Time::min() || over == Time::max()) return false;
     if (over > now) {
         if (over > std::max(next.deadline - next.answer_time, now + (next.deadline - now) / 2)) return false;
         settled_at_ = std::min(settled_at_, over);
-        return true;
     }
-    if (owed != Time::min() && !in_flight_.fence_out()) probe_wanted_ = true;
-    return ending || owed != Time::min();
+    if (is_owed && !in_flight_.fence_out()) {
+        const Time look = std::min(over, in_flight_.see_again());
+        probe_wanted_ = probe_wanted_ || look <= now;
+        if (look > now) settled_at_ = std::min(settled_at_, look);
+    }
+    return over > now || ending || is_owed;
 }
 
 bool RequestQueue::next_may_go(Time now, std::vector<std::string>& lines) {

@@ -54,6 +54,7 @@ class RequestQueue {
     template <class Reports>
     std::vector<std::string> pump(Time now, Reports&& reports) {
         std::vector<std::string> lines;
+        look_for_owed(now);
         send_probe(now, lines);
         settled_at_ = Time::max();
         fills_batch_ = false;
@@ -68,6 +69,8 @@ class RequestQueue {
         }
         send_probe(now, lines);
         send_last_fence(now, lines);
+        const Time look = in_flight_.look_at();
+        if (!in_flight_.fence_out() && look > now) settled_at_ = std::min(settled_at_, look);
         return lines;
     }
 
@@ -106,6 +109,7 @@ class RequestQueue {
     std::uint64_t fence_timeouts() const { return fence_timeouts_; }
 
   private:
+    void look_for_owed(Time now);
     void send_probe(Time now, std::vector<std::string>& lines);
     bool settles_first(const Request& next, const SelfReports& reports, Time now);
     bool next_may_go(Time now, std::vector<std::string>& lines);

@@ -16,11 +16,9 @@ namespace {
 
 namespace protocol = asip::protocol;
 
-// What was damaged before a stall arrives behind it.
+// What was damaged before a stall arrives behind it, and so does the error of a request that timed out
+// meanwhile.
 constexpr Micros kLongestStall = 4 * kSecond;
-
-// A request that timed out on the line: its error comes when the board has read it.
-constexpr Micros kErrorIsLate = kSecond;
 
 }  // namespace
 
@@ -100,7 +98,7 @@ bool Ledger::answers_another(const Entry& entry, Micros at, const protocol::Erro
 bool Ledger::blames_another(const Entry& entry, Micros then, char service, char tag) const {
     return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& other) {
         if (&other == &entry || other.sent > then) return false;
-        if (other.ended < then && (other.ended < other.deadline || other.ended + kErrorIsLate < then))
+        if (other.ended < then && (other.ended < other.deadline || other.ended + kLongestStall < then))
             return false;
         const std::string& line = other.command.line;
         return (line[0] == service && line[2] == tag) || tag == '?' || service == 'Q';

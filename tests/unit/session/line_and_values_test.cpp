@@ -284,6 +284,39 @@ TEST_P(AnswersAtOnce, NoTimeToWait_IsAskedAndTheNextIsBelievedAgain) {
     }
 }
 
+TEST_P(AnswersAtOnce, ReportsWereTurnedOffBehindTheDeadline_IsKnownOnceTheFenceIsBack) {
+    report_for_a_while();
+    bench.hold();
+    const auto off = bench.request("#,R", {.deadline = bench.now + 50ms});
+    bench.pass(60ms);
+    EXPECT_EQ(ending(off), Ending::kTimeout);
+    bench.release();
+    bench.pass(2s);
+    const auto value = measure();
+    ASSERT_NE(bench.end_of(value), nullptr) << "at once";
+    EXPECT_EQ(ending(value), Ending::kExecuted);
+}
+
+TEST_P(AnswersAtOnce, OnceTheyTookTimeAndOneWasLost_OneMoreAtMostIsNotBelieved) {
+    bench.board.replies["D,M"] = "";
+    const auto slow = measure();
+    bench.pass(30ms);
+    bench.say_line("@D,e,1,{7}");
+    EXPECT_EQ(ending(slow), Ending::kExecuted);
+    bench.board.lose_lines = 1;
+    measure();
+    bench.pass(3s);
+    bench.board.replies["D,M"] = "@D,e,1,{7}";
+    for (int i = 0; i < 5; ++i) {
+        const auto id = measure();
+        bench.pass(700ms);
+        ASSERT_NE(bench.end_of(id), nullptr);
+        if (i > 0) {
+            EXPECT_EQ(ending(id), Ending::kExecuted) << i;
+        }
+    }
+}
+
 TEST_P(AnswersAtOnce, OneWasLostWithARestart_TheNextIsBelieved) {
     bench.board.mute = true;
     const auto lost = measure();
