@@ -28,6 +28,8 @@ class ReplyTopics {
     std::string to(std::string_view request_topic) const;
     /// A topic that the program itself writes and reads, and nobody else.
     std::string own() const { return of("$self"); }
+    /// Of all programs of this user: own() without CLIENT.
+    std::string own_of_all() const { return prefix_ + "$self"; }
     /// Whether the topic matches filter().
     bool have(std::string_view topic) const;
     /// Whether the topic is of this user, and of whichever of its programs.

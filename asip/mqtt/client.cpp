@@ -17,6 +17,13 @@ Options completed(Options options) {
     return options;
 }
 
+std::string own_topic(const Options& options) {
+    const bool checks = options.brokers.size() > 1 && options.check_delivery > Duration::zero();
+    if (!checks || options.own_topics.empty()) return {};
+    auto topic = options.own_topics + "/" + options.client_id;
+    return can_be_topic(topic) ? topic : std::string();
+}
+
 }  // namespace
 
 Client::Impl::Impl(asio::io_context& io, Options options, Handlers handlers)
@@ -29,8 +36,12 @@ Client::Impl::Impl(asio::io_context& io, Options options, Handlers handlers)
       usable_qos_(options_.qos),
       client_id_(options_.client_id),
       identifier_(client_id_),
+      own_topic_(own_topic(options_)),
+      delivery_(options_.check_delivery),
       outbox_({options_.max_queued_messages, options_.max_queued_bytes}),
-      stop_timer_(io) {}
+      stop_timer_(io) {
+    if (checks_delivery()) subscriptions_.add(own_topic_, {.no_local = false, .retained = false});
+}
 
 void Client::Impl::stop(Duration limit, std::function<void()> done) {
     if (stopped_ || closed_) return;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <mosquitto.h>
 #include <mqtt_protocol.h>
 
 #include <algorithm>
@@ -44,6 +45,7 @@ void Client::Impl::connection_up(const Connected& connected) {
     brokers_.accepted();
     usable_qos_.broker_allows(connection_->max_qos());
     subscriptions_.restart();
+    delivery_.restart(up_since_);
     send_subscriptions();
     if (!silent() && handlers_.on_connected) handlers_.on_connected(connected);
     flush();
@@ -63,6 +65,7 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
         ++counters_.failures;
         const auto now = Clock::now();
         auto failure = end.failure;
+        if (failure.kind == Kind::kClosed) delivery_.closed();
         cut_off_.ended(failure, now - up_since_, options_.user, now);
         const bool stores_nothing = failure.kind == Kind::kClosed && usable_qos_.failed(waited, tried_v5_);
         // RabbitMQ keeps the queue of an identifier at the node that died, and closes whoever comes with it.
@@ -113,6 +116,22 @@ void Client::Impl::retry_after(Duration wait) {
 void Client::Impl::tick(Time now) {
     fail_if_stalled(now);
     if (connected()) send_subscriptions();
+    if (connected() && checks_delivery()) check_delivery(now);
+}
+
+void Client::Impl::check_delivery(Time now) {
+    if (connection_->has_unread()) return delivery_.behind(now);
+    if (delivery_.lost(now)) {
+        delivery_.leave();
+        return connection_->fail(
+            {Kind::kStalled, brokers_.current(), 0,
+             brokers_.current().describe() + " does not deliver what is published any more"});
+    }
+    if (!subscriptions_.all_granted() || !connection_->ready_to_write() || !delivery_.due(now)) return;
+    Message message;
+    message.topic = own_topic_;
+    int id = 0;
+    if (connection_->publish(message, id) == MOSQ_ERR_SUCCESS) delivery_.sent(now);
 }
 
 void Client::Impl::fail_if_stalled(Time now) {

@@ -12,11 +12,15 @@
 #include "asip/mqtt/client.hpp"
 #include "asip/mqtt/connection.hpp"
 #include "asip/mqtt/cut_off.hpp"
+#include "asip/mqtt/delivery.hpp"
 #include "asip/mqtt/host_lookup.hpp"
 #include "asip/mqtt/outbox.hpp"
 #include "asip/mqtt/usable_qos.hpp"
 
 namespace asip::mqtt {
+
+/// Whether something can be published on it.
+bool can_be_topic(const std::string& text);
 
 /// What is behind a Client; lives until its last asynchronous operation has ended.
 class Client::Impl final : public ConnectionEvents, public std::enable_shared_from_this<Impl> {
@@ -58,6 +62,8 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     void connect_next_address();
     void retry_after(Duration wait);
     void fail_if_stalled(Time now);
+    bool checks_delivery() const { return !own_topic_.empty(); }
+    void check_delivery(Time now);
     void change_identifier();
     std::string identifier() const;
     /// For how long the oldest message without an acknowledgement has waited for it.
@@ -106,6 +112,8 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     Time last_subscribing_{};
     Time last_behind_{};  // when bytes of the broker were not read yet
     std::optional<Check> check_;
+    std::string own_topic_;  // empty: delivery is not checked
+    Delivery delivery_;
     Outbox outbox_;
     std::map<int, Unacknowledged> unacknowledged_;
     Counters counters_;

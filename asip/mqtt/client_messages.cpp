@@ -17,10 +17,7 @@ constexpr int kFirstErrorCode = 128;
 constexpr const char* kCheckFilter = "$check";
 
 bool can_be_published(const Message& message) {
-    return !message.topic.empty() && message.qos >= 0 && message.qos <= 1 &&
-           mosquitto_pub_topic_check(message.topic.c_str()) == 0 &&
-           message.topic.find('\0') == std::string::npos && message.topic.size() <= kMaxPropertyBytes &&
-           mosquitto_validate_utf8(message.topic.data(), static_cast<int>(message.topic.size())) == 0 &&
+    return message.qos >= 0 && message.qos <= 1 && can_be_topic(message.topic) &&
            message.payload.size() <= MQTT_MAX_PAYLOAD && message.correlation.size() <= kMaxPropertyBytes &&
            message.response_topic.size() <= kMaxPropertyBytes;
 }
@@ -33,7 +30,15 @@ bool is_connection_error(int error) {
 
 }  // namespace
 
+bool can_be_topic(const std::string& text) {
+    return !text.empty() && mosquitto_pub_topic_check(text.c_str()) == 0 &&
+           text.find('\0') == std::string::npos && text.size() <= kMaxPropertyBytes &&
+           mosquitto_validate_utf8(text.data(), static_cast<int>(text.size())) == 0;
+}
+
 void Client::Impl::message_received(Message message) {
+    if (checks_delivery() && message.topic == own_topic_) return delivery_.came(Clock::now());
+    delivery_.heard(Clock::now());
     ++counters_.received;
     if (message.retain) last_subscribing_ = Clock::now();
     if (!silent() && handlers_.on_message) handlers_.on_message(message);

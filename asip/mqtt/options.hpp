@@ -71,6 +71,12 @@ struct Options {
     /// Larger packets than this are not delivered to us (MQTT 5; on 3.1.1 only the broker's own limit holds).
     /// It bounds our memory against anyone who may publish. 0: no limit.
     std::uint32_t max_packet_bytes = 1u << 20;
+    /// Where there are several brokers: how often this client sends itself a message, and so notices that one
+    /// of them delivers nothing any more (see Delivery). Zero: never.
+    Duration check_delivery = std::chrono::seconds(3);
+    /// The topics that it does so on: `own_topics`/CLIENT_ID, which it may write and read and nobody else
+    /// uses. Empty: never.
+    std::string own_topics;
     /// Waiting time between attempts, see Backoff.
     Duration retry_first = std::chrono::milliseconds(100);
     Duration retry_max = std::chrono::seconds(2);

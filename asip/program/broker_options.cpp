@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "asip/bus/reply_topics.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/program/command_words.hpp"
 #include "asip/program/credentials.hpp"
@@ -78,6 +79,13 @@ void Settings::add_broker_options(BrokerOptions& options) {
            {"0", "1"})
         ->default_str("1")
         ->group(group);
+    setting(app.add_option("--check-delivery", options.check_delivery,
+                           "With several brokers: seconds between messages to itself, by which the program "
+                           "notices that one of them delivers nothing; 0: none"))
+        ->check(CLI::Range(0, 3600))
+        ->type_name("SECONDS")
+        ->default_str("3")
+        ->group(group);
     setting(app.add_option("--topic-root", options.topic_root, "What all topics begin with"))
         ->type_name("TOPIC")
         ->default_str("asip")
@@ -115,6 +123,7 @@ Expected<std::string> take_credentials(BrokerOptions& options, const std::string
     replaced.credentials_dir = options.credentials_dir;
     replaced.mqtt_version = options.mqtt_version;
     replaced.qos = options.qos;
+    replaced.check_delivery = options.check_delivery;
     options = std::move(replaced);
     return read->name;
 }
@@ -159,6 +168,9 @@ Expected<mqtt::Options> mqtt_options(const BrokerOptions& options, std::string_v
     made.qos = options.qos == "0" ? 0 : 1;
     made.random = system_random();
     made.client_id = std::string(program) + "-" + id_safe(host_name()) + "-" + random_hex(made.random, 8);
+    made.own_topics =
+        bus::ReplyTopics(bus::Topics(options.topic_root), made.user, made.client_id).own_of_all();
+    made.check_delivery = std::chrono::seconds(options.check_delivery);
     return made;
 }
 

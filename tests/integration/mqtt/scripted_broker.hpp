@@ -47,6 +47,10 @@ class ScriptedBroker {
     }
     /// To whoever subscribes next, right behind the answer: a PUBLISH of QoS 1 on topic "t".
     void publish_to_subscriber() { publishes_ = true; }
+    /// Whether a QoS 0 PUBLISH is delivered to whoever sent it.
+    void deliver_own(bool on) { delivers_own_ = on; }
+    /// Whoever publishes is closed, as by rules that deny it.
+    void close_publishers() { closes_publishers_ = true; }
     /// To whoever subscribed last, who speaks MQTT 5.
     void deliver(bool retained) {
         send(*subscriber_, (retained ? "\x31" : "\x30") + std::string("\x05\x00\x01t\x00!", 6));
@@ -119,6 +123,10 @@ class ScriptedBroker {
             if (publishes_) reply(peer, std::string("\x32\x07\x00\x01t\x00\x01\x00!", 9));
         } else if (type == 0x40) {
             ++acknowledgements;
+        } else if (type == 0x30 && closes_publishers_) {
+            peer->socket.close();
+        } else if (type == 0x30 && delivers_own_ && published_qos.back() == 0) {
+            send(*peer, packet);
         } else if (type == 0x30 && gives_up_after_.count() > 0 && published_qos.back() > 0) {
             later(peer, [peer] { peer->socket.close(); });
         } else if (type == 0x30 && !closed_.empty() && connect_packet.ends_with(closed_)) {
@@ -161,6 +169,8 @@ class ScriptedBroker {
     int refusals_ = 0;
     bool silent_ = false;
     bool publishes_ = false;
+    bool delivers_own_ = false;
+    bool closes_publishers_ = false;
     std::chrono::milliseconds gives_up_after_{0};
     std::string closed_;
     std::vector<std::pair<std::shared_ptr<Peer>, std::string>> held_;

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Brokers of a cluster that accept everything and deliver nothing.
+#include <gtest/gtest.h>
+
+#include "tests/integration/mqtt/recorder.hpp"
+#include "tests/integration/mqtt/scripted_broker.hpp"
+
+namespace asip::test {
+namespace {
+
+class DeliveryTest : public testing::Test {
+  protected:
+    mqtt::Options options() {
+        mqtt::Options made;
+        made.brokers = {{"127.0.0.1", first.port(), false}, {"127.0.0.1", second.port(), false}};
+        made.client_id = "lamp";
+        made.own_topics = "self";
+        made.check_delivery = 100ms;
+        made.retry_first = 5ms;
+        return made;
+    }
+    template <class Condition>
+    bool until(Recorder& bus, Condition condition) {
+        return wait_until(
+            [&] {
+                run_for(bus.io, 5ms);
+                first.run();
+                second.run();
+                return condition();
+            },
+            kDeadline);
+    }
+
+    ScriptedBroker first, second;
+};
+
+TEST_F(DeliveryTest, BrokerDeliversNothingAnyMore_TheNextIsUsed) {
+    first.deliver_own(true);
+    second.deliver_own(true);
+    Recorder bus(options());
+    bus.client->subscribe("lamp/in");
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] { return first.published_qos.size() >= 2; }));
+    EXPECT_TRUE(bus.losses.empty());
+    first.deliver_own(false);
+    ASSERT_TRUE(until(bus, [&] { return second.published_qos.size() >= 2; }));
+    ASSERT_EQ(bus.losses.size(), 1u);
+    EXPECT_EQ(bus.losses[0].kind, mqtt::ConnectionFailure::Kind::kStalled);
+    EXPECT_NE(bus.losses[0].text.find("does not deliver what is published any more"), std::string::npos);
+    EXPECT_EQ(second.subscriptions, 2);
+    EXPECT_TRUE(bus.messages.empty()) << "nobody is told of its own";
+}
+
+TEST_F(DeliveryTest, RulesDenyIt_OneConnectionIsLostForItAndNoMore) {
+    first.close_publishers();
+    second.close_publishers();
+    Recorder bus(options());
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] { return bus.connects.size() == 2; }));
+    run_for(bus.io, 2500ms);
+    first.run();
+    second.run();
+    EXPECT_TRUE(bus.client->connected());
+    EXPECT_EQ(bus.losses.size(), 1u);
+    EXPECT_TRUE(second.published_qos.empty());
+}
+
+}  // namespace
+}  // namespace asip::test
