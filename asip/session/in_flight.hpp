@@ -167,7 +167,7 @@ class InFlight {
     Item* find_question(const protocol::Event& event);
     void goes_on(Time now);
     void see_running(const Batch& batch, Time now);
-    Duration longest_gap() const { return kLongestGap + 2 * shortest_way_; }
+    Duration longest_gap() const { return kLongestGap + 2 * usual_way_; }
     void fences_back(std::size_t batch, bool ambiguous, Time now, std::vector<RequestEnd>& ended);
     void finish(Batch batch, bool missing, Time now, std::vector<RequestEnd>& ended);
     void end(Item& item, Ending ending, std::vector<RequestEnd>& ended, Time sent_by = Time::max());
@@ -190,10 +190,10 @@ class InFlight {
     std::vector<std::pair<char, char>> slow_;  // service and tag of values that come behind the fence
     std::uint64_t next_number_ = 1;
     std::size_t bytes_ = 0;
-    bool stood_still_ = false;             // the board may have: a fence is overdue
-    Time last_back_{};                     // when a fence last came back
-    Duration shortest_way_ = kLongestGap;  // of a fence, there and back
-    Time earliest_ = Time::max();          // not after the first deadline of an item
+    bool stood_still_ = false;     // the board may have: a fence is overdue
+    Time last_back_{};             // when a fence last came back
+    Duration usual_way_{};         // of a fence, there and back
+    Time earliest_ = Time::max();  // not after the first deadline of an item
 };
 
 }  // namespace asip::session

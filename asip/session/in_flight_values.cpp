@@ -96,8 +96,9 @@ void InFlight::goes_on(Time now) {
 // A fence that comes at once shows that the board runs, not that it ran all the time since the one before: it
 // may have stood still between measuring and sending.
 void InFlight::see_running(const Batch& batch, Time now) {
-    shortest_way_ = std::min(shortest_way_, now - batch.last_sent);
-    if (now - std::exchange(last_back_, now) <= longest_gap()) return;
+    const bool seen = now - std::exchange(last_back_, now) <= longest_gap();
+    usual_way_ += (now - batch.last_sent - usual_way_) / 8;
+    if (seen) return;
     for (Owed& one : owed_)
         one.sent_by = std::max(one.sent_by, now + one.answer_time);
 }

@@ -317,6 +317,32 @@ TEST_P(AnswersAtOnce, OnceTheyTookTimeAndOneWasLost_OneMoreAtMostIsNotBelieved) 
     }
 }
 
+// Of a board behind a network on which everything takes up to 400 ms.
+TEST(SlowLink, OneWasLost_OneMoreAtMostIsNotBelieved) {
+    Bench bench(no_step_up());
+    bench.board.replies["D,M"] = "@D,e,1,{7}";
+    const auto pass = [&bench](int windows) {
+        for (int i = 0; i < windows; ++i) {
+            bench.pass(400ms);
+            bench.release_held();
+        }
+    };
+    bench.hold();
+    bench.plug();
+    pass(50);
+    ASSERT_EQ(bench.session.state(), BoardSession::State::kReady);
+    for (int i = 0; i < 6; ++i) {
+        bench.board.lose_lines = i == 0 ? 1 : 0;
+        const auto id =
+            bench.request("D,M", {.deadline = bench.now + 5s, .answer_tag = 'e', .answer_time = 500ms});
+        pass(15);
+        ASSERT_NE(bench.end_of(id), nullptr);
+        if (i > 1) {
+            EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted) << i;
+        }
+    }
+}
+
 TEST_P(AnswersAtOnce, OneWasLostWithARestart_TheNextIsBelieved) {
     bench.board.mute = true;
     const auto lost = measure();

@@ -196,14 +196,22 @@ void Bench::perform(Actions& actions) {
 
 void Bench::deliver() {
     if (std::exchange(delivering_, true)) return;
-    while (!inbox_.empty()) {
-        const std::string bytes = std::move(inbox_.front());
-        inbox_.pop_front();
-        Actions actions;
-        session.receive(bytes, now, actions);
-        perform_all(actions);
-    }
+    while (!inbox_.empty())
+        deliver_next();
     delivering_ = false;
+}
+
+void Bench::release_held() {
+    for (auto left = inbox_.size(); left > 0; --left)
+        deliver_next();
+}
+
+void Bench::deliver_next() {
+    const std::string bytes = std::move(inbox_.front());
+    inbox_.pop_front();
+    Actions actions;
+    session.receive(bytes, now, actions);
+    perform_all(actions);
 }
 
 void Bench::perform_all(Actions& actions) {

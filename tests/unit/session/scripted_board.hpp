@@ -102,11 +102,14 @@ class Bench {
         delivering_ = false;
         deliver();
     }
+    /// While it is held: what the board has said until now arrives, and what it answers to that waits.
+    void release_held();
 
   private:
     void perform(Actions& actions);
     void perform_all(Actions& actions);
     void deliver();
+    void deliver_next();
     void step_to(Time time);
 
     std::deque<std::string> inbox_;
