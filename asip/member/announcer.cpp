@@ -112,12 +112,14 @@ void Announcer::on_disconnected() {
     claim_ends_.reset();
     renewal_.reset();
     probe_answer_.reset();
+    names_.reset();
     retained_until_.reset();
 }
 
 void Announcer::on_subscribed(Time now, Announcements& out) {
     if (!connected_ || std::exchange(subscribed_, true) || !established_) return;
-    announce(now, out);
+    // Commands wait behind what is sent now: of all members of a broker that is gone, at the same moment.
+    if (announce_board(now, out)) names_ = now + random_part(kProbeAnswer, random_);
 }
 
 std::string Announcer::description_text() const {
@@ -127,9 +129,17 @@ std::string Announcer::description_text() const {
 }
 
 void Announcer::announce(Time now, Announcements& out) {
+    if (announce_board(now, out)) publish_names(out);
+}
+
+bool Announcer::announce_board(Time now, Announcements& out) {
     const bool retain = retains(now);
     if (subscribed_ && described_) publish_state(retain, out);
-    if (!publish_description(1, retain, now, out)) return;
+    return publish_description(1, retain, now, out);
+}
+
+void Announcer::publish_names(Announcements& out) {
+    names_.reset();
     if (options_.on_shared_topic)
         out.publish.push_back({plain(topics_.board_names(), options_.board), mqtt::Priority::kAnnouncement});
     for (const auto& service : description_.services)
@@ -234,13 +244,14 @@ void Announcer::tick(Time now, Announcements& out) {
     }
     if (!established_ || !connected_) return;
     if (probe_answer_ && now >= *probe_answer_) return announce(now, out);
+    if (names_ && now >= *names_) publish_names(out);
     if (renewal_ && now >= *renewal_) publish_description(kRenewalQos, retains(now), now, out);
 }
 
 std::optional<Time> Announcer::next_deadline() const {
     std::optional<Time> deadline = claim_ends_;
     if (challenge_ && (!deadline || challenge_->ends < *deadline)) deadline = challenge_->ends;
-    for (const auto& other : {renewal_, probe_answer_})
+    for (const auto& other : {renewal_, probe_answer_, names_})
         if (other && (!deadline || *other < *deadline)) deadline = other;
     return deadline;
 }
@@ -252,6 +263,7 @@ void Announcer::goodbye(Announcements& out) {
     established_ = false;
     renewal_.reset();
     probe_answer_.reset();
+    names_.reset();
     claim_ends_.reset();
     challenge_.reset();
 }

@@ -95,6 +95,9 @@ class Announcer {
     void challenge(const model::Description& other, const std::string& holder, Time now, Announcements& out);
     /// State, description and names.
     void announce(Time now, Announcements& out);
+    /// State and description. False as publish_description().
+    bool announce_board(Time now, Announcements& out);
+    void publish_names(Announcements& out);
     /// The description, which renews the lease. False where there is none yet, or it may not be sent.
     bool publish_description(int qos, bool retain, Time now, Announcements& out);
     /// Whether it is time to have the broker retain the same again.
@@ -125,6 +128,7 @@ class Announcer {
     std::optional<Time> claim_ends_;
     std::optional<Time> renewal_;
     std::optional<Time> probe_answer_;
+    std::optional<Time> names_;  // are published
 };
 
 }  // namespace asip::member

@@ -321,6 +321,11 @@ TEST(Announcer, BrokerBack_AnnouncesAtOnceWithoutAnotherClaim) {
     EXPECT_THAT(bench.on(kState), ElementsAre("lost"));
     EXPECT_EQ(bench.on(kDescription).size(), 1u);
     EXPECT_THAT(bench.on(kProbe), IsEmpty());
+    EXPECT_THAT(bench.on("asip/servicebus"), IsEmpty());
+    bench.pass(1s);
+    EXPECT_THAT(bench.on("asip/servicebus"), ElementsAre("uno1")) << "commands come first";
+    EXPECT_THAT(bench.on("asip/servicebus/uno1"), testing::Not(IsEmpty()));
+    EXPECT_EQ(bench.on(kDescription).size(), 1u);
 }
 
 TEST(Announcer, Goodbye_PublishesOffline) {
