@@ -21,6 +21,7 @@ constexpr double kOftenEnough = 50;
 struct Settings {
     std::string engine = "mosquitto";
     std::size_t rounds = 0;
+    std::size_t skip = 0;
     std::size_t fail_overs = 0;
     std::uint64_t seed = 1;
     std::string faults = "all";
@@ -122,8 +123,10 @@ int run(Settings settings) {
     if (!settings.fleet.only.empty() && !is_known(settings.fleet.only, fleet.shape()))
         throw std::runtime_error("there is no fault \"" + settings.fleet.only + "\" here");
     if (settings.fail_overs > 0) return fail_overs(settings, *engine, fleet);
-    const auto plan = settings.rounds == 0 ? each_once(settings.seed, fleet.shape())
-                                           : at_random(settings.seed, settings.rounds, fleet.shape());
+    auto plan = settings.rounds == 0 ? each_once(settings.seed, fleet.shape())
+                                     : at_random(settings.seed, settings.rounds, fleet.shape());
+    plan.erase(plan.begin(),
+               plan.begin() + static_cast<std::ptrdiff_t>(std::min(settings.skip, plan.size())));
     for (const auto& faults : plan) {
         fmt::print("{:8.3f} s: {}\n", static_cast<double>(now()) / 1000, described(faults));
         std::fflush(stdout);
@@ -152,6 +155,8 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     app.add_option("--rounds", settings.rounds,
                    "Faults and pairs of them at random; default: each fault once");
+    app.add_option("--skip", settings.skip,
+                   "Leave out so many of the first rounds: to see a later one again");
     app.add_option("--fail-overs", settings.fail_overs,
                    "Instead of rounds: so many times a node is killed, and how long commands fail is put "
                    "beside a bare client of the engine");
