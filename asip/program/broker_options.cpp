@@ -12,6 +12,7 @@
 #include "asip/program/credentials.hpp"
 #include "asip/program/options.hpp"
 #include "asip/random.hpp"
+#include "asip/text/duration.hpp"
 
 namespace asip::program {
 
@@ -80,11 +81,10 @@ void Settings::add_broker_options(BrokerOptions& options) {
         ->default_str("1")
         ->group(group);
     setting(app.add_option("--check-delivery", options.check_delivery,
-                           "With several brokers: seconds between messages to itself, by which the program "
-                           "notices that one of them delivers nothing; 0: none"))
-        ->check(CLI::Range(0, 3600))
-        ->type_name("SECONDS")
-        ->default_str("3")
+                           "With several brokers: how often to send oneself a message, to notice that one "
+                           "of them delivers nothing; 0: never"))
+        ->type_name("DURATION")
+        ->default_str("3s")
         ->group(group);
     setting(app.add_option("--topic-root", options.topic_root, "What all topics begin with"))
         ->type_name("TOPIC")
@@ -170,7 +170,9 @@ Expected<mqtt::Options> mqtt_options(const BrokerOptions& options, std::string_v
     made.client_id = std::string(program) + "-" + id_safe(host_name()) + "-" + random_hex(made.random, 8);
     made.own_topics =
         bus::ReplyTopics(bus::Topics(options.topic_root), made.user, made.client_id).own_of_all();
-    made.check_delivery = std::chrono::seconds(options.check_delivery);
+    const auto check_delivery = text::parse_duration(options.check_delivery);
+    if (!check_delivery) return fail("--check-delivery: " + check_delivery.error());
+    made.check_delivery = *check_delivery;
     return made;
 }
 
