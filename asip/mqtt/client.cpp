@@ -40,7 +40,7 @@ Client::Impl::Impl(asio::io_context& io, Options options, Handlers handlers)
       delivery_(options_.check_delivery),
       outbox_({options_.max_queued_messages, options_.max_queued_bytes}),
       stop_timer_(io) {
-    if (checks_delivery()) subscriptions_.add(own_topic_, {.no_local = false, .retained = false});
+    if (checks_delivery()) subscriptions_.add(own_topic_, {.retained = false});
 }
 
 void Client::Impl::stop(Duration limit, std::function<void()> done) {

@@ -37,8 +37,10 @@ bool can_be_topic(const std::string& text) {
 }
 
 void Client::Impl::message_received(Message message) {
-    if (checks_delivery() && message.topic == own_topic_) return delivery_.came(Clock::now());
-    delivery_.heard(Clock::now());
+    if (checks_delivery()) {
+        if (message.topic == own_topic_) return delivery_.came(Clock::now());
+        delivery_.heard(Clock::now());
+    }
     ++counters_.received;
     if (message.retain) last_subscribing_ = Clock::now();
     if (!silent() && handlers_.on_message) handlers_.on_message(message);

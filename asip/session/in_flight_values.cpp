@@ -82,7 +82,7 @@ void InFlight::note_owed(const Item& item, Ending ending, Time sent_by) {
     if (!item.wants_value() || item.has_value || item.request.is_question()) return;
     if (ending == Ending::kExecuted || ending == Ending::kBoardError || owed_.size() >= kMaxOwed) return;
     owed_.push_back({item.number, item.request.service(), item.request.answer_tag, sent_by, next_number_,
-                     item.request.answer_time, kLooks});
+                     item.request.answer_time});
 }
 
 // A board that stood still did not measure meanwhile.
