@@ -39,9 +39,7 @@ Client::Impl::Impl(asio::io_context& io, Options options, Handlers handlers)
       own_topic_(own_topic(options_)),
       delivery_(options_.check_delivery),
       outbox_({options_.max_queued_messages, options_.max_queued_bytes}),
-      stop_timer_(io) {
-    if (checks_delivery()) subscriptions_.add(own_topic_, {.retained = false});
-}
+      stop_timer_(io) {}
 
 void Client::Impl::stop(Duration limit, std::function<void()> done) {
     if (stopped_ || closed_) return;

@@ -46,6 +46,7 @@ void Client::Impl::connection_up(const Connected& connected) {
     usable_qos_.broker_allows(connection_->max_qos());
     subscriptions_.restart();
     delivery_.restart(up_since_);
+    own_subscription_.reset();
     send_subscriptions();
     if (!silent() && handlers_.on_connected) handlers_.on_connected(connected);
     flush();
@@ -128,9 +129,12 @@ void Client::Impl::check_delivery(Time now) {
              brokers_.current().describe() + " does not deliver what is published any more"});
     }
     if (!subscriptions_.all_granted() || !connection_->ready_to_write() || !delivery_.due(now)) return;
+    int id = 0;
+    if (!own_subscription_ && connection_->subscribe(own_topic_, {.retained = false}, id) == MOSQ_ERR_SUCCESS)
+        own_subscription_ = {id, false};
+    if (!own_subscription_ || !own_subscription_->granted) return;
     Message message;
     message.topic = own_topic_;
-    int id = 0;
     if (connection_->publish(message, id) == MOSQ_ERR_SUCCESS) delivery_.sent(now);
 }
 

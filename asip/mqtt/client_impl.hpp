@@ -49,6 +49,10 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
         Outbox::Entry entry;
         Time sent;
     };
+    struct OwnSubscription {
+        int id;
+        bool granted;
+    };
     struct Check {
         int id;
         std::function<void()> answered;
@@ -113,6 +117,9 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     Time last_behind_{};  // when bytes of the broker were not read yet
     std::optional<Check> check_;
     std::string own_topic_;  // empty: delivery is not checked
+    /// None yet on this connection. It is asked for last, when nobody waits for the broker any more: of all
+    /// who come from a node that died, at the same moment.
+    std::optional<OwnSubscription> own_subscription_;
     Delivery delivery_;
     Outbox outbox_;
     std::map<int, Unacknowledged> unacknowledged_;

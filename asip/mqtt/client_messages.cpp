@@ -90,6 +90,10 @@ void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
     const auto now = Clock::now();
     last_subscribing_ = now;
     const int code = granted.empty() ? 0 : granted.front();
+    if (own_subscription_ && own_subscription_->id == id) {
+        own_subscription_->granted = code < kFirstErrorCode;
+        return;
+    }
     const bool complete_before = subscriptions_.all_granted();
     const auto refusal = subscriptions_.answered(id, code < kFirstErrorCode, now, options_.random);
     if (silent()) return;

@@ -17,6 +17,8 @@ class Delivery {
     static constexpr Duration kPatience = std::chrono::seconds(3);
     /// Grows to this, doubling, while broker after broker delivers nothing.
     static constexpr Duration kMostPatience = std::chrono::seconds(48);
+    /// Before the first one on a connection.
+    static constexpr Duration kSettling = std::chrono::seconds(1);
     /// In these it is lost though others come.
     static constexpr int kPatiences = 10;
 
@@ -26,7 +28,8 @@ class Delivery {
     /// A new connection.
     void restart(Time now) {
         sent_.reset();
-        next_ = heard_ = now;
+        heard_ = now;
+        next_ = now + std::min(every_, kSettling);
     }
     bool due(Time now) const { return every_ > Duration::zero() && !sent_ && now >= next_; }
     void sent(Time now) { sent_ = now; }

@@ -65,5 +65,19 @@ TEST_F(DeliveryTest, RulesDenyIt_OneConnectionIsLostForItAndNoMore) {
     EXPECT_TRUE(second.published_qos.empty());
 }
 
+TEST_F(DeliveryTest, RulesDenyToReadIt_ThereIsNoCheck) {
+    first.refuse_subscriptions(1);
+    Recorder bus(options());
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] { return first.subscriptions == 1; })) << "when nothing else is waited for";
+    run_for(bus.io, 2500ms);
+    first.run();
+    EXPECT_TRUE(bus.client->subscribed());
+    EXPECT_TRUE(bus.losses.empty());
+    EXPECT_TRUE(bus.refused_filters.empty()) << "nobody is told of its own";
+    EXPECT_EQ(first.subscriptions, 1);
+    EXPECT_TRUE(first.published_qos.empty());
+}
+
 }  // namespace
 }  // namespace asip::test
