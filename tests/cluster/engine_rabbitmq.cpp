@@ -47,6 +47,7 @@ mqtt.tcp_listen_options.nodelay = true
 cluster_formation.peer_discovery_backend = classic_config
 log.console.level = warning
 cluster_partition_handling = autoheal
+net_ticktime = 120
 {2})",
                                                         inner_[node], ports()[node], peers, address(node)));
         const auto own = folder().file(fmt::format("rb{}", node));

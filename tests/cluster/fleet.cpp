@@ -64,8 +64,7 @@ Fleet::Fleet(boost::asio::io_context& io, Engine& engine, Network* network, cons
                                               std::size_t token) { return boards_[board]->request(token); },
                             .qos = static_cast<int>(i % 2)}));
     for (std::size_t i = 0; i < engine_.brokers().size(); ++i)
-        echoes_.push_back(std::make_unique<Echo>(io_, connection(fmt::format("echo-{}", i), i), i,
-                                                 engine_.brokers().size()));
+        echoes_.push_back(std::make_unique<Echo>(io_, echo(i), i, engine_.brokers().size()));
 }
 
 std::unique_ptr<Board> Fleet::make_board(std::size_t index) {
@@ -137,6 +136,16 @@ asip::mqtt::Options Fleet::connection(const std::string& id, std::size_t first_n
     options.brokers = engine_.brokers();
     const auto first = static_cast<std::ptrdiff_t>(first_node % options.brokers.size());
     std::rotate(options.brokers.begin(), options.brokers.begin() + first, options.brokers.end());
+    return options;
+}
+
+asip::mqtt::Options Fleet::echo(std::size_t node) const {
+    auto options = connection(fmt::format("echo-{}", node), node);
+    // Twice the same one: who has a list of brokers notices that it is delivered nothing any more.
+    options.brokers = {options.brokers.front(), options.brokers.front()};
+    options.own_topics = "cluster-test/self";
+    options.connect_timeout = 1s;
+    options.retry_max = 200ms;
     return options;
 }
 
@@ -266,6 +275,7 @@ void Fleet::suffer(const std::vector<Fault>& faults) {
         const bool broker = fault.target == Target::kNode || fault.target == Target::kCluster;
         const bool held = is_of_network(fault.action) && fault.target != Target::kRegistry;
         if (held || (broker && fault.action == Action::kStop)) round.messages_held = true;
+        round.nodes_apart = round.nodes_apart || (broker && engine_.nodes() > 1);
         steps.push_back({round.begin + fault.after, true, &fault});
         steps.push_back({round.begin + fault.after + fault.lasts, false, &fault});
     }
@@ -303,18 +313,23 @@ bool Fleet::fail_over(const BareClients& bare, FailOver& result) {
         client->look_anew();
     std::optional<Millis> commands;
     std::vector<std::size_t> mute;
-    const auto heard = [](const auto& client) { return client->heard().has_value(); };
-    const auto all_heard = [&] { return std::all_of(bare.begin(), bare.end(), heard); };
-    while ((!commands || !all_heard()) && now() < killed + options_.look) {
+    const auto last = [&](std::optional<Millis> (BareClient::*what)() const) -> std::optional<Millis> {
+        Millis latest = killed;
+        for (const auto& client : bare) {
+            const auto time = ((*client).*what)();
+            if (!time) return std::nullopt;
+            latest = std::max(latest, *time);
+        }
+        return latest - killed;
+    };
+    while ((!commands || !last(&BareClient::heard) || !last(&BareClient::answered)) &&
+           now() < killed + options_.look) {
         run_until(now() + 5);
         if (!commands) commands = commands_work(killed, mute);
     }
-    if (heard(bare.front())) result.bare = *bare.front()->heard() - killed;
-    if (all_heard()) {
-        result.all_bare = 0;
-        for (const auto& client : bare)
-            result.all_bare = std::max(*result.all_bare, *client->heard() - killed);
-    }
+    if (const auto heard = bare.front()->heard()) result.bare = *heard - killed;
+    result.all_bare = last(&BareClient::heard);
+    result.answered = last(&BareClient::answered);
     if (commands) result.commands = *commands - killed;
     engine_.start(result.node);
     Round round;

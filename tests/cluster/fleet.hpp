@@ -61,6 +61,7 @@ class Fleet {
         std::size_t node = 0;
         std::optional<Millis> bare{};      ///< a bare client that was connected to it heard itself again
         std::optional<Millis> all_bare{};  ///< each of the bare clients had
+        std::optional<Millis> answered{};  ///< each of the bare clients had had an answer of another one
         std::optional<Millis> commands{};  ///< each board had executed a command that was sent since
     };
     using BareClients = std::vector<std::unique_ptr<BareClient>>;
@@ -68,6 +69,8 @@ class Fleet {
     bool fail_over(const BareClients& bare, FailOver& result);
     /// For a bare client: where everything connects to.
     asip::mqtt::Options connection(const std::string& id, std::size_t first_node) const;
+    /// The same for one that stays with its node.
+    asip::mqtt::Options echo(std::size_t node) const;
 
     Shape shape() const;
     /// The log of each program into a file of the folder.

@@ -32,6 +32,7 @@ struct Row {
 struct Verdict {
     std::vector<Row> rows;  ///< in the order in which the faults came first; then "between faults"
     std::vector<std::string> violations;
+    std::size_t excused_gaps = 0;  ///< in the events of a registry, while nodes of the engine were apart
 };
 
 /// Decides, by what the boards executed and the registries said, whether all was as promised. Pure.

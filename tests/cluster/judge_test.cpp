@@ -145,6 +145,16 @@ TEST_F(JudgeTest, GapInEventsAndProgramThatEnded) {
     EXPECT_THAT(violations(), ElementsAre(HasSubstr("event 6 came after 4"), HasSubstr("status 6")));
 }
 
+TEST_F(JudgeTest, GapInEventsWhileNodesWereApart_IsCounted) {
+    history.gaps.push_back({.registry = "r1", .after = 4, .next = 6, .since = 8000, .at = 13'000});
+    EXPECT_THAT(violations(), ElementsAre(HasSubstr("event 6 came after 4"))) << "the engine is one node";
+    history.rounds[0].nodes_apart = true;
+    EXPECT_THAT(violations(), IsEmpty());
+    EXPECT_EQ(judge(history).excused_gaps, 1u);
+    history.gaps.push_back({.registry = "r1", .after = 7, .next = 9, .since = 13'100, .at = 14'000});
+    EXPECT_THAT(violations(), ElementsAre(HasSubstr("event 9 came after 7"))) << "the fault was over";
+}
+
 TEST_F(JudgeTest, TokenThatNobodySent) {
     history.executions.push_back({17, 0, 100});
     EXPECT_THAT(violations(), ElementsAre(HasSubstr("token 17")));

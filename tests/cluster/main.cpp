@@ -68,32 +68,39 @@ Millis median(std::vector<Millis> times) {
 /// Nodes are killed one after the other: how long commands fail, beside as many bare clients of the engine as
 /// agents and clients have to come back for that.
 int fail_overs(const Settings& settings, const Engine& engine, Fleet& fleet) {
+    const std::size_t count = settings.fleet.boards + settings.fleet.clients;
     Fleet::BareClients bare;
-    for (std::size_t i = 0; i < settings.fleet.boards + settings.fleet.clients; ++i)
-        bare.push_back(std::make_unique<BareClient>(fleet.connection(fmt::format("bare-{}", i), i)));
-    std::vector<Millis> bares, all_bares, commands;
+    for (std::size_t i = 0; i < count; ++i)
+        bare.push_back(
+            std::make_unique<BareClient>(fleet.connection(fmt::format("bare-{}", i), i), i, count));
+    std::vector<Millis> bares, all_bares, answers, commands;
     for (std::size_t i = 0; i < settings.fail_overs; ++i) {
         Fleet::FailOver each;
         const bool recovered = fleet.fail_over(bare, each);
-        fmt::print("node {} killed: bare client {}, the last of {} {}, commands {}\n", each.node,
-                   seconds(each.bare), bare.size(), seconds(each.all_bare), seconds(each.commands));
+        fmt::print("node {} killed: bare client {}, the last of {} {}, answered {}, commands {}\n", each.node,
+                   seconds(each.bare), count, seconds(each.all_bare), seconds(each.answered),
+                   seconds(each.commands));
         std::fflush(stdout);
         fleet.write_logs(settings.logs);
-        if (!recovered || !each.bare || !each.all_bare || !each.commands)
+        if (!recovered || !each.bare || !each.all_bare || !each.answered || !each.commands)
             throw std::runtime_error("that node did not come back as it was");
         bares.push_back(*each.bare);
         all_bares.push_back(*each.all_bare);
+        answers.push_back(*each.answered);
         commands.push_back(*each.commands);
     }
-    const auto ratio = [&](const std::vector<Millis>& beside) {
-        return static_cast<double>(median(commands)) /
-               static_cast<double>(std::max<Millis>(1, median(beside)));
+    const auto beside = [&](const std::vector<Millis>& others) {
+        const Millis time = median(others);
+        return fmt::format(
+            "{} ms ({:.2f})", time,
+            static_cast<double>(median(commands)) / static_cast<double>(std::max<Millis>(1, time)));
     };
     fmt::print(
-        "{}: commands work again after kill -9 of a node, medians of {}: {:.2f} of a bare client's time, "
-        "{:.2f} "
-        "of the last one's of {}\n",
-        engine.name(), settings.fail_overs, ratio(bares), ratio(all_bares), bare.size());
+        "{}: after kill -9 of a node, medians of {}: commands {} ms; a bare client hears itself {}, the last "
+        "of "
+        "{} {}, the last of them is answered {}\n",
+        engine.name(), settings.fail_overs, median(commands), beside(bares), count, beside(all_bares),
+        beside(answers));
     return 0;
 }
 

@@ -87,8 +87,9 @@ void Watcher::answered(const asip::bus::Answer& answer) {
 void Watcher::event(const asip::bus::ChangeEvent& event) {
     const bool reset = event.kind == asip::bus::ChangeEvent::Kind::kReset;
     if (joined_ && epoch_ == event.epoch && !reset && event.seq != seq_ + 1 && event.seq != seq_)
-        history_.gaps.push_back({registry_, seq_, event.seq, now()});
+        history_.gaps.push_back({registry_, seq_, event.seq, came_, now()});
     joined_ = true;
+    came_ = now();
     epoch_ = event.epoch;
     seq_ = event.seq;
     view_.event(event);

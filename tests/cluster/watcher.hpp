@@ -54,6 +54,7 @@ class Watcher {
     Millis asked_ = 0;
     std::string epoch_;
     std::uint64_t seq_ = 0;
+    Millis came_ = 0;      // when the event with this number did
     bool joined_ = false;  // an event of this epoch has come over this connection
     Difference difference_;
     std::optional<Millis> right_since_;
