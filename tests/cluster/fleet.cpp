@@ -25,6 +25,8 @@ constexpr Millis kSettled = 6'000;
 constexpr Millis kTurn = 20;
 // RabbitMQ needs 10 to 20 s, on a busy machine more; all of its nodes together minutes.
 constexpr Millis kNodeStarts = 180'000;
+// A node that does not work behind all programs, which have left it.
+constexpr Millis kLeftNode = 20'000;
 
 }  // namespace
 
@@ -285,12 +287,12 @@ void Fleet::suffer(const std::vector<Fault>& faults) {
         run_until(step.at);
         step.begins ? begin(*step.fault) : end(*step.fault);
     }
-    look_for_recovery(round, options_.look);
+    look_for_recovery(round, options_.look, kLeftNode);
     for (const auto& watcher : watchers_)
         if (!watcher->right_since()) round.wrong[watcher->registry()] = watcher->difference();
 }
 
-void Fleet::look_for_recovery(Round& round, Millis longest) {
+void Fleet::look_for_recovery(Round& round, Millis longest, Millis engine_alone) {
     round.end = now();
     for (const auto& watcher : watchers_)
         watcher->look_anew();
@@ -299,7 +301,11 @@ void Fleet::look_for_recovery(Round& round, Millis longest) {
     const auto limit = [&] {
         return std::min(round.engine_works.value_or(now()), round.end + kNodeStarts) + longest;
     };
-    while (!recovered(round) && now() < limit())
+    const auto only_the_engine = [&] {
+        return round.commands_work && round.catalogues_agree &&
+               now() > std::max(*round.commands_work, *round.catalogues_agree) + engine_alone;
+    };
+    while (!recovered(round) && now() < limit() && !only_the_engine())
         run_until(now() + kTurn);
     round.looked_until = now();
 }
@@ -333,7 +339,7 @@ bool Fleet::fail_over(const BareClients& bare, FailOver& result) {
     if (commands) result.commands = *commands - killed;
     engine_.start(result.node);
     Round round;
-    look_for_recovery(round, kNodeStarts);
+    look_for_recovery(round, kNodeStarts, kNodeStarts);
     return recovered(round);
 }
 

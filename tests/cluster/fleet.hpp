@@ -93,7 +93,9 @@ class Fleet {
     Process& process(const Fault& fault);
     void nodes(const Fault& fault, void (Engine::*what)(std::size_t));
     void look_for_ends();
-    void look_for_recovery(Round& round, Millis longest);
+    /// Not longer than `longest` behind the engine; and where only the engine does not work, for
+    /// `engine_alone`.
+    void look_for_recovery(Round& round, Millis longest, Millis engine_alone);
     bool recovered(Round& round);
     std::optional<Millis> commands_work(Millis end, std::vector<std::size_t>& mute) const;
     std::optional<Millis> engine_works(Millis end) const;
