@@ -61,7 +61,7 @@ class Fleet {
         std::size_t node = 0;
         std::optional<Millis> bare{};      ///< a bare client that was connected to it heard itself again
         std::optional<Millis> all_bare{};  ///< each of the bare clients had
-        std::optional<Millis> answered{};  ///< each of the bare clients had had an answer of another one
+        std::optional<Millis> answered{};  ///< each of them had been answered by another one
         std::optional<Millis> commands{};  ///< each board had executed a command that was sent since
     };
     using BareClients = std::vector<std::unique_ptr<BareClient>>;
@@ -69,17 +69,19 @@ class Fleet {
     bool fail_over(const BareClients& bare, FailOver& result);
     /// For a bare client: where everything connects to.
     asip::mqtt::Options connection(const std::string& id, std::size_t first_node) const;
-    /// The same for one that stays with its node.
-    asip::mqtt::Options echo(std::size_t node) const;
 
     Shape shape() const;
     /// The log of each program into a file of the folder.
     void write_logs(const std::string& folder) const;
 
   private:
+    static constexpr Millis kTurn = 20;  // between two looks
+
     std::unique_ptr<Board> make_board(std::size_t index);
     std::vector<std::string> program(const std::string& name, std::size_t first_node,
                                      std::vector<std::string> more) const;
+    /// As connection(), for one that stays with its node.
+    asip::mqtt::Options echo(std::size_t node) const;
     std::unique_ptr<Process> start(std::size_t host, bool own_clock, std::vector<std::string> command) const;
     void step_clock(std::chrono::seconds ahead) const;
     std::size_t host_of_registry(std::size_t registry) const;

@@ -98,9 +98,8 @@ int fail_overs(const Settings& settings, const Engine& engine, Fleet& fleet) {
             static_cast<double>(median(commands)) / static_cast<double>(std::max<Millis>(1, time)));
     };
     fmt::print(
-        "{}: after kill -9 of a node, medians of {}: commands {} ms; a bare client hears itself {}, the last "
-        "of "
-        "{} {}, the last of them is answered {}\n",
+        "{}: after kill -9 of a node, medians of {}: commands {} ms; "
+        "a bare client hears itself {}, the last of {} {}, the last of them is answered {}\n",
         engine.name(), commands.size(), median(commands), beside(bares), count, beside(all_bares),
         beside(answers));
     return 0;

@@ -92,7 +92,7 @@ Descriptor make_interface(const std::vector<std::uint32_t>& addresses) {
     }
     bring_up(socket.number(), "bus0");
     // TCP sends again at least that often, so that connections go on a second after a cut and not as long
-    // after it as it lasted. Linux 6.15 and later; elsewhere there is no such file. And for ten minutes: by
+    // after it as it lasted. Linux 6.15 and later; elsewhere there is no such file. And for four minutes: by
     // itself TCP counts how often it sent again, and would give a connection up after 15 s now.
     if (std::ofstream file("/proc/sys/net/ipv4/tcp_rto_max_ms"); file << 1000 << std::flush)
         std::ofstream("/proc/sys/net/ipv4/tcp_retries2") << 255;

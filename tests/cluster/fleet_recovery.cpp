@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// How the fleet comes back behind a fault, and how long that takes.
+#include <algorithm>
+
+#include "tests/cluster/fleet.hpp"
+
+namespace cluster {
+
+namespace {
+
+// Who loses a connection that is newer than five seconds waits before the next attempt.
+constexpr Millis kSettled = 6'000;
+// RabbitMQ needs 10 to 20 s, on a busy machine more; all of its nodes together minutes.
+constexpr Millis kNodeStarts = 180'000;
+
+}  // namespace
+
+void Fleet::look_for_recovery(Round& round, Millis longest, Millis engine_alone) {
+    round.end = now();
+    for (const auto& watcher : watchers_)
+        watcher->look_anew();
+    for (const auto& echo : echoes_)
+        echo->look_anew();
+    const auto limit = [&] {
+        return std::min(round.engine_works.value_or(now()), round.end + kNodeStarts) + longest;
+    };
+    const auto only_the_engine = [&] {
+        return round.commands_work && round.catalogues_agree &&
+               now() > std::max(*round.commands_work, *round.catalogues_agree) + engine_alone;
+    };
+    while (!recovered(round) && now() < limit() && !only_the_engine())
+        run_until(now() + kTurn);
+    round.looked_until = now();
+}
+
+bool Fleet::fail_over(const BareClients& bare, FailOver& result) {
+    run_until(now() + kSettled);
+    result.node = bare.front()->node();
+    engine_.kill(result.node);
+    const Millis killed = now();
+    for (const auto& client : bare)
+        client->look_anew();
+    std::optional<Millis> commands;
+    std::vector<std::size_t> mute;
+    const auto last = [&](std::optional<Millis> (BareClient::*what)() const) -> std::optional<Millis> {
+        Millis latest = killed;
+        for (const auto& client : bare) {
+            const auto time = ((*client).*what)();
+            if (!time) return std::nullopt;
+            latest = std::max(latest, *time);
+        }
+        return latest - killed;
+    };
+    while ((!commands || !last(&BareClient::heard) || !last(&BareClient::answered)) &&
+           now() < killed + options_.look) {
+        run_until(now() + 5);
+        if (!commands) commands = commands_work(killed, mute);
+    }
+    if (const auto heard = bare.front()->heard()) result.bare = *heard - killed;
+    result.all_bare = last(&BareClient::heard);
+    result.answered = last(&BareClient::answered);
+    if (commands) result.commands = *commands - killed;
+    engine_.start(result.node);
+    Round round;
+    look_for_recovery(round, kNodeStarts, kNodeStarts);
+    return recovered(round);
+}
+
+bool Fleet::recovered(Round& round) {
+    if (!round.commands_work) round.commands_work = commands_work(round.end, round.mute);
+    round.catalogues_agree = catalogues_agree(round.end);
+    round.engine_works = engine_works(round.end);
+    return round.commands_work && round.catalogues_agree && round.engine_works;
+}
+
+// When the last board had answered one of the commands that were sent since.
+std::optional<Millis> Fleet::commands_work(Millis end, std::vector<std::size_t>& mute) const {
+    std::vector<std::optional<Millis>> first(options_.boards);
+    for (auto command = history_.commands.rbegin();
+         command != history_.commands.rend() && command->sent >= end; ++command) {
+        if (command->outcome != Outcome::kOk) continue;
+        auto& known = first[command->board];
+        known = std::min(known.value_or(*command->answered), *command->answered);
+    }
+    mute.clear();
+    Millis last = end;
+    for (std::size_t board = 0; board < first.size(); ++board) {
+        if (first[board])
+            last = std::max(last, *first[board]);
+        else
+            mute.push_back(board);
+    }
+    return mute.empty() ? std::optional(last) : std::nullopt;
+}
+
+std::optional<Millis> Fleet::engine_works(Millis end) const {
+    Millis last = end;
+    for (const auto& echo : echoes_) {
+        if (!echo->heard()) return std::nullopt;
+        last = std::max(last, *echo->heard());
+    }
+    return last;
+}
+
+std::optional<Millis> Fleet::catalogues_agree(Millis end) const {
+    Millis since = end;
+    for (const auto& watcher : watchers_) {
+        const auto right = watcher->right_since();
+        if (!right) return std::nullopt;
+        since = std::max(since, *right);
+    }
+    return now() >= since + options_.steady ? std::optional(since) : std::nullopt;
+}
+
+}  // namespace cluster
