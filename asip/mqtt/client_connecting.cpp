@@ -3,6 +3,7 @@
 #include <mqtt_protocol.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "asip/mqtt/client_impl.hpp"
 
@@ -45,7 +46,23 @@ void Client::Impl::connection_up(const Connected& connected) {
     brokers_.accepted();
     usable_qos_.broker_allows(connection_->max_qos());
     subscriptions_.restart();
-    delivery_.restart(up_since_);
+    if (!left_unanswered_ || !try_first_subscription(connected)) begin(connected);
+}
+
+// A node of RabbitMQ that waits for another one answers CONNECT at once and a subscription much later. Each
+// connection that was left there has all it asked for done nevertheless, before those that came after it. So
+// whoever has left one asks for one subscription, and for the rest, and publishes, when that has an answer.
+bool Client::Impl::try_first_subscription(const Connected& connected) {
+    const auto due = subscriptions_.due(up_since_);
+    if (due.empty()) return false;
+    const auto id = send(due.front(), up_since_);
+    if (id) trial_ = {connected, *id};
+    return id.has_value();
+}
+
+void Client::Impl::begin(Connected connected) {
+    trial_.reset();
+    delivery_.restart(Clock::now());
     own_subscription_.reset();
     send_subscriptions();
     if (!silent() && handlers_.on_connected) handlers_.on_connected(connected);
@@ -55,6 +72,7 @@ void Client::Impl::connection_up(const Connected& connected) {
 void Client::Impl::connection_down(const ConnectionEnd& end) {
     connection_.reset();
     check_.reset();
+    const bool tried = std::exchange(trial_, std::nullopt).has_value();
     const auto waited = unacknowledged_for(Clock::now());
     requeue_unacknowledged();
     if (stopped_) {
@@ -64,6 +82,7 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
     if (was_up_) {
         was_up_ = false;
         ++counters_.failures;
+        left_unanswered_ = end.failure.kind == Kind::kStalled && subscriptions_.waiting_since();
         const auto now = Clock::now();
         auto failure = end.failure;
         if (failure.kind == Kind::kClosed) delivery_.closed();
@@ -73,7 +92,8 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
         // NATS lets nobody in under an identifier whose stored session it cannot delete.
         if (failure.after_sending > 1 || stores_nothing) change_identifier();
         retry_after(brokers_.lost(end, now - up_since_, options_.random).wait);
-        if (handlers_.on_disconnected) handlers_.on_disconnected(failure);
+        const auto& handler = tried ? handlers_.on_connect_failed : handlers_.on_disconnected;
+        if (handler) handler(failure);
         return;
     }
     if (end.failure.kind == Kind::kUnreachable && !addresses_.empty()) {

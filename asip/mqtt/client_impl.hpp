@@ -38,7 +38,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     PublishResult publish(Message message, Priority priority);
     void discard_queued(Priority priority) { outbox_.discard(priority); }
 
-    bool connected() const { return connection_ && connection_->up(); }
+    bool connected() const { return connection_ && connection_->up() && !trial_; }
     bool subscribed() const { return connected() && subscriptions_.all_granted(); }
     bool v5() const { return connected() && connection_->v5(); }
     const std::string& client_id() const { return options_.client_id; }
@@ -53,6 +53,10 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
         int id;
         bool granted;
     };
+    struct Trial {
+        Connected connected;
+        int id;  ///< of its subscription
+    };
     struct Check {
         int id;
         std::function<void()> answered;
@@ -64,6 +68,8 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     void tick(Time now) override;
     void attempt();
     void connect_next_address();
+    bool try_first_subscription(const Connected& connected);
+    void begin(Connected connected);
     void retry_after(Duration wait);
     void fail_if_stalled(Time now);
     bool checks_delivery() const { return !own_topic_.empty(); }
@@ -81,6 +87,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     void may_write() override { flush(); }
     void debug_line(const std::string& line) override;
     void send_subscriptions();
+    std::optional<int> send(const Subscriptions::Sending& due, Time now);
     int send(Outbox::Entry entry);
     void flush();
     void requeue_unacknowledged();
@@ -104,6 +111,9 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     std::shared_ptr<Connection> connection_;
     bool was_up_ = false;
     Time up_since_{};
+    /// The connection before ended while a subscription had no answer.
+    bool left_unanswered_ = false;
+    std::optional<Trial> trial_;
     bool tried_v5_ = false;
     CutOff cut_off_;
     UsableQos usable_qos_;

@@ -37,6 +37,7 @@ bool can_be_topic(const std::string& text) {
 }
 
 void Client::Impl::message_received(Message message) {
+    if (trial_) begin(trial_->connected);  // 3.1.1 allows it before the answer
     if (checks_delivery()) {
         if (message.topic == own_topic_) return delivery_.came(Clock::now());
         delivery_.heard(Clock::now());
@@ -78,12 +79,17 @@ void Client::Impl::unsubscribe_answered(int id) {
 
 void Client::Impl::send_subscriptions() {
     const auto now = Clock::now();
-    for (auto& [filter, options] : subscriptions_.due(now)) {
-        int id = 0;
-        options.qos = usable_qos_.of(options.qos);
-        if (connection_->subscribe(filter, options, id) == MOSQ_ERR_SUCCESS)
-            subscriptions_.sent(id, filter, now);
-    }
+    for (const auto& due : subscriptions_.due(now))
+        send(due, now);
+}
+
+std::optional<int> Client::Impl::send(const Subscriptions::Sending& due, Time now) {
+    int id = 0;
+    auto options = due.second;
+    options.qos = usable_qos_.of(options.qos);
+    if (connection_->subscribe(due.first, options, id) != MOSQ_ERR_SUCCESS) return std::nullopt;
+    subscriptions_.sent(id, due.first, now);
+    return id;
 }
 
 void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
@@ -96,6 +102,7 @@ void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
     }
     const bool complete_before = subscriptions_.all_granted();
     const auto refusal = subscriptions_.answered(id, code < kFirstErrorCode, now, options_.random);
+    if (trial_ && trial_->id == id) begin(trial_->connected);
     if (silent()) return;
     if (!complete_before && subscriptions_.all_granted() && handlers_.on_subscribed)
         handlers_.on_subscribed();
@@ -129,7 +136,7 @@ PublishResult Client::Impl::publish(Message message, Priority priority) {
 /// libmosquitto's own queue has no bound: it is given the next message only when it has written the one
 /// before.
 void Client::Impl::flush() {
-    while (!outbox_.empty() && connection_ && connection_->ready_to_write() &&
+    while (!outbox_.empty() && connected() && connection_->ready_to_write() &&
            window_open(outbox_.front().message)) {
         auto entry = outbox_.pop();
         const auto now = Clock::now();
