@@ -47,6 +47,7 @@ void Client::Impl::stop(Duration limit, std::function<void()> done) {
     if (!stopped_) stopped_ = [] {};
     retry_timer_.cancel();
     lookup_.cancel();
+    trial_.reset();  // what waits is sent, and DISCONNECT: no will is published
     if (!connected()) {
         asio::post(io_, [self = shared_from_this()] { self->finish(); });
         return;

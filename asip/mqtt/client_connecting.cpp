@@ -46,6 +46,8 @@ void Client::Impl::connection_up(const Connected& connected) {
     brokers_.accepted();
     usable_qos_.broker_allows(connection_->max_qos());
     subscriptions_.restart();
+    delivery_.restart(up_since_);
+    own_subscription_.reset();
     if (!left_unanswered_ || !try_first_subscription(connected)) begin(connected);
 }
 
@@ -54,7 +56,7 @@ void Client::Impl::connection_up(const Connected& connected) {
 // whoever has left one asks for one subscription, and for the rest, and publishes, when that has an answer.
 bool Client::Impl::try_first_subscription(const Connected& connected) {
     const auto due = subscriptions_.due(up_since_);
-    if (due.empty()) return false;
+    if (due.empty() || options_.ack_timeout == Duration::zero()) return false;
     const auto id = send(due.front(), up_since_);
     if (id) trial_ = {connected, *id};
     return id.has_value();
@@ -63,7 +65,6 @@ bool Client::Impl::try_first_subscription(const Connected& connected) {
 void Client::Impl::begin(Connected connected) {
     trial_.reset();
     delivery_.restart(Clock::now());
-    own_subscription_.reset();
     send_subscriptions();
     if (!silent() && handlers_.on_connected) handlers_.on_connected(connected);
     flush();
@@ -82,15 +83,17 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
     if (was_up_) {
         was_up_ = false;
         ++counters_.failures;
-        left_unanswered_ = end.failure.kind == Kind::kStalled && subscriptions_.waiting_since();
+        const bool unanswered = end.failure.kind == Kind::kStalled && subscribing_since();
+        left_unanswered_ = tried || unanswered;
         const auto now = Clock::now();
         auto failure = end.failure;
         if (failure.kind == Kind::kClosed) delivery_.closed();
         cut_off_.ended(failure, now - up_since_, options_.user, now);
         const bool stores_nothing = failure.kind == Kind::kClosed && usable_qos_.failed(waited, tried_v5_);
-        // RabbitMQ keeps the queue of an identifier at the node that died, and closes whoever comes with it.
+        // RabbitMQ keeps the queue of an identifier at the node that died, and closes whoever comes with it;
+        // and closes the newer of two connections when the older one, which was left, gets its turn.
         // NATS lets nobody in under an identifier whose stored session it cannot delete.
-        if (failure.after_sending > 1 || stores_nothing) change_identifier();
+        if (failure.after_sending > 1 || stores_nothing || unanswered) change_identifier();
         retry_after(brokers_.lost(end, now - up_since_, options_.random).wait);
         const auto& handler = tried ? handlers_.on_connect_failed : handlers_.on_disconnected;
         if (handler) handler(failure);
@@ -136,7 +139,7 @@ void Client::Impl::retry_after(Duration wait) {
 
 void Client::Impl::tick(Time now) {
     fail_if_stalled(now);
-    if (connected()) send_subscriptions();
+    if (connected() && !silent()) send_subscriptions();
     if (connected() && checks_delivery()) check_delivery(now);
 }
 
@@ -151,11 +154,17 @@ void Client::Impl::check_delivery(Time now) {
     if (!subscriptions_.all_granted() || !connection_->ready_to_write() || !delivery_.due(now)) return;
     int id = 0;
     if (!own_subscription_ && connection_->subscribe(own_topic_, {.retained = false}, id) == MOSQ_ERR_SUCCESS)
-        own_subscription_ = {id, false};
+        own_subscription_ = {id, now};
     if (!own_subscription_ || !own_subscription_->granted) return;
     Message message;
     message.topic = own_topic_;
     if (connection_->publish(message, id) == MOSQ_ERR_SUCCESS) delivery_.sent(now);
+}
+
+std::optional<Time> Client::Impl::subscribing_since() const {
+    if (const auto since = subscriptions_.waiting_since()) return since;
+    if (own_subscription_ && !own_subscription_->answered) return own_subscription_->sent;
+    return std::nullopt;
 }
 
 void Client::Impl::fail_if_stalled(Time now) {
@@ -168,7 +177,7 @@ void Client::Impl::fail_if_stalled(Time now) {
     const auto stalled = [&](const char* what) {
         connection_->fail({Kind::kStalled, brokers_.current(), 0, brokers_.current().describe() + what});
     };
-    if (const auto since = subscriptions_.waiting_since()) {
+    if (const auto since = subscribing_since()) {
         if (now - *since >= options_.subscribe_timeout) stalled(" does not answer a subscription");
         return;
     }

@@ -38,7 +38,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     PublishResult publish(Message message, Priority priority);
     void discard_queued(Priority priority) { outbox_.discard(priority); }
 
-    bool connected() const { return connection_ && connection_->up() && !trial_; }
+    bool connected() const { return up() && !trial_; }
     bool subscribed() const { return connected() && subscriptions_.all_granted(); }
     bool v5() const { return connected() && connection_->v5(); }
     const std::string& client_id() const { return options_.client_id; }
@@ -51,7 +51,9 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     };
     struct OwnSubscription {
         int id;
-        bool granted;
+        Time sent;
+        bool answered = false;
+        bool granted = false;
     };
     struct Trial {
         Connected connected;
@@ -62,6 +64,8 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
         std::function<void()> answered;
     };
 
+    bool up() const { return connection_ && connection_->up(); }
+
     // Connecting (client_connecting.cpp)
     void connection_up(const Connected& connected) override;
     void connection_down(const ConnectionEnd& end) override;
@@ -71,6 +75,8 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     bool try_first_subscription(const Connected& connected);
     void begin(Connected connected);
     void retry_after(Duration wait);
+    /// When the oldest subscription without an answer was asked for.
+    std::optional<Time> subscribing_since() const;
     void fail_if_stalled(Time now);
     bool checks_delivery() const { return !own_topic_.empty(); }
     void check_delivery(Time now);

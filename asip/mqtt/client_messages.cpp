@@ -59,7 +59,7 @@ void Client::Impl::subscribe(std::string filter, SubscribeOptions options) {
 void Client::Impl::unsubscribe(const std::string& filter) {
     subscriptions_.remove(filter);
     int id = 0;
-    if (connected()) connection_->unsubscribe(filter, id);
+    if (up()) connection_->unsubscribe(filter, id);
 }
 
 bool Client::Impl::check(std::function<void()> answered) {
@@ -97,6 +97,7 @@ void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
     last_subscribing_ = now;
     const int code = granted.empty() ? 0 : granted.front();
     if (own_subscription_ && own_subscription_->id == id) {
+        own_subscription_->answered = true;
         own_subscription_->granted = code < kFirstErrorCode;
         return;
     }

@@ -41,7 +41,8 @@ struct Options {
     std::vector<BrokerAddress> brokers{BrokerAddress{}};  ///< at least one; tried in turn
     /// Unique per process: a broker throws out the older of two connections with the same id. Empty: made up.
     /// A broker that closes the connection twice, each time right after it was sent messages, or with which
-    /// QoS 1 turned out to be of no use, sees it with four hexadecimal digits behind it.
+    /// QoS 1 turned out to be of no use, and whoever comes after one that was left with a subscription
+    /// unanswered, sees it with four hexadecimal digits behind it.
     std::string client_id;
     std::string user;
     std::string password;

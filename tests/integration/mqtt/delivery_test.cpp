@@ -79,5 +79,37 @@ TEST_F(DeliveryTest, RulesDenyToReadIt_ThereIsNoCheck) {
     EXPECT_TRUE(first.published_qos.empty());
 }
 
+TEST_F(DeliveryTest, OwnSubscriptionHasNoAnswer_TheNextBrokerIsUsed) {
+    auto made = options();
+    made.subscribe_timeout = 1s;
+    Recorder bus(made);
+    bus.client->subscribe("lamp/in");
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] { return bus.client->subscribed(); }));
+    first.answer_nothing_after_connect();
+    ASSERT_TRUE(until(bus, [&] { return second.subscriptions > 0; }));
+    EXPECT_EQ(first.subscriptions, 2);
+    ASSERT_EQ(bus.losses.size(), 1u);
+    EXPECT_NE(bus.losses[0].text.find("does not answer a subscription"), std::string::npos);
+}
+
+TEST_F(DeliveryTest, ClosedBeforeTheFirstAnswer_IsNotTakenForRulesThatDenyIt) {
+    auto made = options();
+    made.subscribe_timeout = 1s;
+    Recorder bus(made);
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] { return first.published_qos.size() == 1; }));
+    first.answer_nothing_after_connect();
+    second.answer_nothing_after_connect();
+    bus.client->subscribe("lamp/in");
+    ASSERT_TRUE(until(bus, [&] { return second.subscriptions == 1; })) << "it has not come back yet";
+    second.close_subscriber();
+    for (auto* broker : {&first, &second}) {
+        broker->deliver_own(true);
+        broker->answer_all();
+    }
+    ASSERT_TRUE(until(bus, [&] { return first.published_qos.size() + second.published_qos.size() > 2; }));
+}
+
 }  // namespace
 }  // namespace asip::test

@@ -51,12 +51,16 @@ class ScriptedBroker {
     void deliver_own(bool on) { delivers_own_ = on; }
     /// Whoever publishes is closed, as by rules that deny it.
     void close_publishers() { closes_publishers_ = true; }
+    /// Whoever subscribed last is closed.
+    void close_subscriber() { subscriber_->socket.close(); }
     /// To whoever subscribed last, who speaks MQTT 5.
     void deliver(bool retained) {
         send(*subscriber_, (retained ? "\x31" : "\x30") + std::string("\x05\x00\x01t\x00!", 6));
     }
 
     int subscriptions = 0;
+    int unsubscriptions = 0;
+    int disconnects = 0;
     int acknowledgements = 0;  ///< PUBACKs that came
     std::string connect_packet{};
     std::vector<int> subscribed_qos{};
@@ -121,6 +125,10 @@ class ScriptedBroker {
             if (refused) --refusals_;
             reply(peer, suback(*peer, packet, refused ? '\x87' : '\x01'));
             if (publishes_) reply(peer, std::string("\x32\x07\x00\x01t\x00\x01\x00!", 9));
+        } else if (type == 0xa0) {
+            ++unsubscriptions;
+        } else if (type == 0xe0) {
+            ++disconnects;
         } else if (type == 0x40) {
             ++acknowledgements;
         } else if (type == 0x30 && closes_publishers_) {

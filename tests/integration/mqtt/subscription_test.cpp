@@ -198,55 +198,6 @@ TEST_F(SubscriptionTest, SubscriptionNeverAnswered_IsStalledAfterItsOwnTime) {
     EXPECT_THAT(bus.losses[0].text, testing::HasSubstr("does not answer a subscription"));
 }
 
-TEST_F(SubscriptionTest, LeftWithoutAnAnswer_AsksTheNextBrokerForOneAndForTheRestWhenItAnswers) {
-    ScriptedBroker next;
-    broker.answer_nothing_after_connect();
-    next.answer_nothing_after_connect();
-    auto both = options();
-    both.brokers.push_back({"127.0.0.1", next.port(), false});
-    both.subscribe_timeout = 2s;
-    Recorder bus(both);
-    for (const char* filter : {"a", "b", "c"})
-        bus.client->subscribe(filter);
-    bus.at_connect = [&] { bus.client->publish(make_message("asip/lamp", "on")); };
-    bus.client->start();
-    const auto seen = [&](int at_first, int at_next) {
-        return until(bus, [&] {
-            next.run();
-            return broker.subscriptions == at_first && next.subscriptions == at_next;
-        });
-    };
-    ASSERT_TRUE(seen(3, 1));
-    EXPECT_EQ(bus.losses.size(), 1u);
-    ASSERT_TRUE(seen(4, 1)) << "not answered there either";
-    EXPECT_FALSE(bus.client->connected());
-    EXPECT_EQ(bus.connects.size(), 1u) << "nobody is told of a connection before it is of use";
-    EXPECT_EQ(bus.losses.size(), 1u);
-    EXPECT_EQ(bus.failures.size(), 1u);
-    EXPECT_TRUE(next.published_qos.empty());
-    broker.answer_all();
-    ASSERT_TRUE(until(bus, [&] { return bus.client->subscribed() && broker.published_qos.size() == 2; }));
-    EXPECT_EQ(broker.subscriptions, 6);
-    EXPECT_EQ(bus.connects.size(), 2u);
-}
-
-TEST_F(SubscriptionTest, MessageBeforeTheFirstAnswer_IsHandedOutBehindTheConnection) {
-    broker.answer_nothing_after_connect();
-    auto made = options();
-    made.subscribe_timeout = 2s;
-    Recorder bus(made);
-    bus.client->subscribe("t");
-    std::vector<std::size_t> connects;
-    bus.at_message = [&](const mqtt::Message&) { connects.push_back(bus.connects.size()); };
-    bus.client->start();
-    ASSERT_TRUE(until(bus, [&] { return broker.subscriptions == 2; }));
-    EXPECT_FALSE(bus.client->connected());
-    broker.deliver(false);
-    ASSERT_TRUE(until(bus, [&] { return !connects.empty(); }));
-    EXPECT_THAT(connects, ElementsAre(2u));
-    EXPECT_TRUE(bus.client->connected());
-}
-
 TEST_F(SubscriptionTest, Connect_SaysHowLargeAPacketMayBe) {
     auto bounded = options();
     bounded.max_packet_bytes = 0x00012345;
