@@ -39,7 +39,7 @@ cleansession false
 try_private true
 notifications false
 keepalive_interval 5
-restart_timeout 1
+restart_timeout 1 2
 )",
                        node, address, port);
 }

@@ -157,7 +157,7 @@ class HeldBetweenBrokers : public testing::Test {
     MosquittoBroker other{
         {.extra_lines = {"connection hub", "address 127.0.0.1:" + std::to_string(relay.port()),
                          "topic # both 1", "bridge_protocol_version mqttv311", "notifications false",
-                         "restart_timeout 1"}}};
+                         "restart_timeout 1 2"}}};
     SimulatedRobot robot;
     ChildProcess agent{
         {ASIP_PROGRAMS "/asip-agent", "--serial", robot.port(), "--broker", broker.url(), "--name", "robot"}};
