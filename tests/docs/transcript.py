@@ -91,7 +91,7 @@ def end_all(groups):
 
 def run(step, folder, background):
     """What the command prints, standard error included, as a terminal shows it."""
-    with tempfile.NamedTemporaryFile("a+", dir=folder, prefix=".output") as output:
+    with tempfile.NamedTemporaryFile(dir=folder, prefix=".output") as output:
         child = subprocess.Popen(["bash", "-c", step.command], cwd=folder, env=dict(os.environ, HOME=folder), stdin=subprocess.DEVNULL, stdout=output,
                                  stderr=subprocess.STDOUT, start_new_session=True)
         end = time.monotonic() + LIMIT_SECONDS
@@ -111,8 +111,9 @@ def run(step, folder, background):
 
 
 def read(output):
-    output.seek(0)
-    lines = output.read().split("\n")
+    """By a descriptor of its own: that of the command would write where this one reads."""
+    with open(output.name) as beside:
+        lines = beside.read().split("\n")
     return lines[:-1] if lines[-1] == "" else lines
 
 
