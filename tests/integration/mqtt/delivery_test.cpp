@@ -21,14 +21,7 @@ class DeliveryTest : public testing::Test {
     }
     template <class Condition>
     bool until(Recorder& bus, Condition condition) {
-        return wait_until(
-            [&] {
-                run_for(bus.io, 5ms);
-                first.run();
-                second.run();
-                return condition();
-            },
-            kDeadline);
+        return until_beside(bus, condition, kDeadline, first, second);
     }
 
     ScriptedBroker first, second;

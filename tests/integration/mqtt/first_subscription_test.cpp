@@ -29,14 +29,7 @@ class FirstSubscriptionTest : public testing::Test {
     }
     template <class Condition>
     bool until(Recorder& bus, Condition condition, std::chrono::milliseconds limit = kDeadline) {
-        return wait_until(
-            [&] {
-                run_for(bus.io, 5ms);
-                first.run();
-                second.run();
-                return condition();
-            },
-            limit);
+        return until_beside(bus, condition, limit, first, second);
     }
     bool asked(Recorder& bus, int of_first, int of_second) {
         return until(bus,

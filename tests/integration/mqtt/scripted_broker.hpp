@@ -11,6 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/loop.hpp"
+#include "tests/support/wait.hpp"
+
 namespace asip::test {
 
 /// Speaks just enough of MQTT 5 and 3.1.1 to accept a connection and to answer SUBSCRIBE, QoS 1 PUBLISH and
@@ -183,5 +186,17 @@ class ScriptedBroker {
     std::string closed_;
     std::vector<std::pair<std::shared_ptr<Peer>, std::string>> held_;
 };
+
+/// Runs a client, which has an io_context `io` of its own, and scripted brokers until the condition holds.
+template <class Bus, class Condition, class... Brokers>
+bool until_beside(Bus& bus, Condition condition, std::chrono::milliseconds limit, Brokers&... brokers) {
+    return wait_until(
+        [&] {
+            run_for(bus.io, std::chrono::milliseconds(5));
+            (brokers.run(), ...);
+            return condition();
+        },
+        limit);
+}
 
 }  // namespace asip::test

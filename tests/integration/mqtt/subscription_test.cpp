@@ -22,13 +22,7 @@ class SubscriptionTest : public testing::Test {
     }
     template <class Condition>
     bool until(Recorder& bus, Condition condition, std::chrono::milliseconds limit = kDeadline) {
-        return wait_until(
-            [&] {
-                run_for(bus.io, 5ms);
-                broker.run();
-                return condition();
-            },
-            limit);
+        return until_beside(bus, condition, limit, broker);
     }
 
     ScriptedBroker broker;
