@@ -97,7 +97,6 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
         with_bridge([&](Time now, Effects& out) {
             bridge_.bus_connected(now, connected.client_id, connected.v5, out);
         });
-        publish_log();
     };
     handlers.on_subscribed = [this] {
         with_bridge([&](Time now, Effects& out) { bridge_.bus_subscribed(now, out); });
@@ -276,8 +275,9 @@ void BoardAgent::publish_log() {
 void BoardAgent::note_published(const std::string& topic) {
     const auto known = topics_.parse(topic);
     if (!known || known->kind != bus::TopicKind::kDescription) return;
-    announcement_published_ = true;
     denial_logged_ = false;
+    // What is to be read later goes behind what commands and catalogues wait for.
+    if (!std::exchange(announcement_published_, true)) publish_log();
 }
 
 void BoardAgent::log_rejections() {

@@ -95,6 +95,7 @@ void Announcer::set_state(model::BoardState state, Announcements& out) {
 void Announcer::publish_state(bool retain, Announcements& out) {
     auto state = retained(topics_.state(options_.board), std::string(to_text(state_)));
     state.retain = retain;
+    state_said_ = true;
     out.publish.push_back({std::move(state), mqtt::Priority::kAnnouncement});
 }
 
@@ -107,7 +108,7 @@ void Announcer::on_connected(Time now, Announcements& out, bool expires) {
 }
 
 void Announcer::on_disconnected() {
-    connected_ = subscribed_ = false;
+    connected_ = subscribed_ = state_said_ = false;
     challenge_.reset();
     claim_ends_.reset();
     renewal_.reset();
@@ -119,6 +120,7 @@ void Announcer::on_disconnected() {
 void Announcer::on_subscribed(Time now, Announcements& out) {
     if (!connected_ || std::exchange(subscribed_, true) || !established_) return;
     // Commands wait behind what is sent now: of all members of a broker that is gone, at the same moment.
+    if (!expires_) return announce_within(kProbeAnswer, now);
     if (announce_board(now, out)) names_ = now + random_part(kProbeAnswer, random_);
 }
 
@@ -185,7 +187,7 @@ void Announcer::on_message(const mqtt::Message& message, Time now, Announcements
     }
     if (topic->board != options_.board) return;
     if (topic->kind == bus::TopicKind::kDescription) return on_foreign_description(message, now, out);
-    if (topic->kind != bus::TopicKind::kState || !established_ || message.retain ||
+    if (topic->kind != bus::TopicKind::kState || !established_ || (message.retain && !state_said_) ||
         message.payload == to_text(state_))
         return;
     // Our own words of a moment ago come back, too; saying the newest once more does no harm.

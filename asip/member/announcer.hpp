@@ -38,8 +38,9 @@ struct AnnouncerOptions {
 /// by one message, the description, with QoS 0: it outlives one that is lost. Names are published when
 /// something changed or somebody probed.
 ///
-/// Where what is retained does not expire, the broker is told to retain the same only once a lease: a cluster
-/// that has to store it may do nothing else for us meanwhile, and may take seconds.
+/// Where what is retained does not expire, the broker is told to retain the same only once a lease, and on a
+/// new connection within 0.9 s instead of at once: a cluster that has to store it may do nothing else for us
+/// meanwhile, and may take seconds.
 class Announcer {
   public:
     Announcer(const bus::Topics& topics, AnnouncerOptions options, Random random);
@@ -120,6 +121,7 @@ class Announcer {
     bool connected_ = false;
     bool expires_ = true;
     bool subscribed_ = false;
+    bool state_said_ = false;   // over this connection: what is retained behind that is not older
     bool established_ = false;  // the name is ours
     std::optional<Challenge> challenge_;
     Time last_announced_{};

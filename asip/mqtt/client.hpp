@@ -110,8 +110,8 @@ class Client {
         std::function<void(const std::string& filter, const std::string& reason)> on_subscribe_refused;
         /// What was not published and why, and with Options::packet_log each line of libmosquitto's own log.
         std::function<void(const std::string& line)> on_debug;
-        /// Every subscription is granted: what is published from here on reaches us. Called after
-        /// on_connected, and again whenever the last missing one is granted.
+        /// Each subscription that is required is granted, or where none is, each: what is published from here
+        /// on reaches us. Called after on_connected, and again whenever the last missing one is granted.
         std::function<void()> on_subscribed;
         /// The broker denied this QoS 1 message: access rules, quota. It is not sent again. MQTT 5
         /// only: brokers deny in silence on 3.1.1.
@@ -158,7 +158,7 @@ class Client {
     void discard_queued(Priority priority);
 
     bool connected() const;
-    /// Connected, and the broker has granted every subscription.
+    /// Connected, and the broker has granted each subscription that is required, or where none is, each.
     bool subscribed() const;
     /// Whether the present connection is MQTT 5; false while there is none.
     bool v5() const;

@@ -39,7 +39,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     void discard_queued(Priority priority) { outbox_.discard(priority); }
 
     bool connected() const { return up() && !trial_; }
-    bool subscribed() const { return connected() && subscriptions_.all_granted(); }
+    bool subscribed() const { return connected() && subscriptions_.usable(); }
     bool v5() const { return connected() && connection_->v5(); }
     const std::string& client_id() const { return options_.client_id; }
     Counters counters() const;

@@ -101,12 +101,13 @@ void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
         own_subscription_->granted = code < kFirstErrorCode;
         return;
     }
-    const bool complete_before = subscriptions_.all_granted();
+    const bool usable_before = subscriptions_.usable();
+    const bool held_back = subscriptions_.holds_back();
     const auto refusal = subscriptions_.answered(id, code < kFirstErrorCode, now, options_.random);
     if (trial_ && trial_->id == id) begin(trial_->connected);
     if (silent()) return;
-    if (!complete_before && subscriptions_.all_granted() && handlers_.on_subscribed)
-        handlers_.on_subscribed();
+    if (!usable_before && subscriptions_.usable() && handlers_.on_subscribed) handlers_.on_subscribed();
+    if (held_back && !subscriptions_.holds_back() && connected() && !silent()) send_subscriptions();
     if (!refusal) return;
     const std::string reason = mosquitto_reason_string(code);
     const auto advice = advice_on_topic(refusal->filter);

@@ -5,26 +5,38 @@ namespace asip::mqtt {
 
 void Subscriptions::add(const std::string& filter, SubscribeOptions options) {
     remove(filter);
-    wanted_[filter].options = options;
-    open_.insert(filter);
+    auto& wanted = wanted_[filter];
+    wanted.options = options;
+    count(wanted, 1);
+    open(wanted).insert(filter);
 }
 
 void Subscriptions::remove(const std::string& filter) {
     const auto found = wanted_.find(filter);
     if (found == wanted_.end()) return;
-    if (found->second.state == State::kGranted) --granted_;
-    open_.erase(filter);
+    count(found->second, -1);
+    open(found->second).erase(filter);
     wanted_.erase(found);
 }
 
+void Subscriptions::count(const Wanted& wanted, std::ptrdiff_t by) {
+    const bool granted = wanted.state == State::kGranted;
+    const auto add = [by](std::size_t& to) { to += static_cast<std::size_t>(by); };
+    if (granted) add(granted_);
+    if (!wanted.options.required) return;
+    add(required_);
+    if (granted) add(required_granted_);
+    if (!granted && wanted.state != State::kRefused) add(required_unanswered_);
+}
+
 void Subscriptions::set(Wanted& wanted, const std::string& filter, State state) {
-    if (wanted.state == State::kGranted) --granted_;
-    if (state == State::kGranted) ++granted_;
-    if (state == State::kDue || state == State::kRefused)
-        open_.insert(filter);
-    else
-        open_.erase(filter);
+    count(wanted, -1);
     wanted.state = state;
+    count(wanted, 1);
+    if (state == State::kDue || state == State::kRefused)
+        open(wanted).insert(filter);
+    else
+        open(wanted).erase(filter);
 }
 
 void Subscriptions::restart() {
@@ -38,13 +50,18 @@ void Subscriptions::restart() {
 
 std::vector<Subscriptions::Sending> Subscriptions::due(Time now) const {
     std::vector<Sending> result;
-    for (const auto& filter : open_) {
+    add_due(open_required_, now, result);
+    if (!holds_back()) add_due(open_others_, now, result);
+    return result;
+}
+
+void Subscriptions::add_due(const Open& open, Time now, std::vector<Sending>& result) const {
+    for (const auto& filter : open) {
         const auto& wanted = wanted_.at(filter);
         if (wanted.state != State::kDue && now < wanted.again) continue;
         result.emplace_back(filter, wanted.options);
         if (wanted.refusals > 0) result.back().second.qos = 0;
     }
-    return result;
 }
 
 void Subscriptions::sent(int id, const std::string& filter, Time now) {

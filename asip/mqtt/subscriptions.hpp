@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <set>
@@ -21,8 +22,8 @@ struct SubscribeOptions {
     /// MQTT 5: whether retained messages are delivered when we subscribe. On 3.1.1 they always are, marked as
     /// retained.
     bool retained = true;
-    /// The connection is of no use without it: a broker that refuses it kMaxRefusals times in a row is left
-    /// for the next one of the list.
+    /// The connection is of no use without it: it is asked for before those that are not, and a broker that
+    /// refuses it kMaxRefusals times in a row is left for the next one of the list.
     bool required = false;
 };
 
@@ -49,8 +50,11 @@ class Subscriptions {
     /// A new connection: nothing is granted, everything is due.
     void restart();
 
-    /// What is to be sent now; each is to be followed by sent() unless it could not be sent.
+    /// What is to be sent now; each is to be followed by sent() unless it could not be sent. While one that
+    /// is required has no answer yet, none that is not: of all who come from a broker that is gone, at the
+    /// same moment, the next one serves first what they cannot work without.
     std::vector<Sending> due(Time now) const;
+    bool holds_back() const { return required_unanswered_ > 0; }
     /// `id`: the packet id that the broker will answer.
     void sent(int id, const std::string& filter, Time now);
 
@@ -59,6 +63,8 @@ class Subscriptions {
 
     /// Whether the broker has granted all that are wanted; true when there are none.
     bool all_granted() const { return granted_ == wanted_.size(); }
+    /// Whether it has granted those that are required; all, where none is.
+    bool usable() const { return required_ > 0 ? required_granted_ == required_ : all_granted(); }
     /// When the oldest packet without an answer was sent.
     std::optional<Time> waiting_since() const;
 
@@ -77,10 +83,21 @@ class Subscriptions {
     };
 
     void set(Wanted& wanted, const std::string& filter, State state);
+    void count(const Wanted& wanted, std::ptrdiff_t by);
+
+    using Open = std::set<std::string>;
+    Open& open(const Wanted& wanted) { return wanted.options.required ? open_required_ : open_others_; }
+    void add_due(const Open& open, Time now, std::vector<Sending>& result) const;
 
     std::map<std::string, Wanted> wanted_;
-    std::set<std::string> open_;  // those of wanted_ that are due or refused
-    std::size_t granted_ = 0;     // so many of wanted_ are
+    // Those of wanted_ that are due or refused. Of the others there may be many that are held back.
+    Open open_required_;
+    Open open_others_;
+    // So many of wanted_ are.
+    std::size_t granted_ = 0;
+    std::size_t required_ = 0;
+    std::size_t required_granted_ = 0;
+    std::size_t required_unanswered_ = 0;  // due or sent
     std::unordered_map<int, Sent> unanswered_;
 };
 

@@ -135,8 +135,24 @@ TEST(Announcer, WhatDoesNotExpireChangesOrIsOverwritten_IsRetainedAtOnce) {
     bench.published.clear();
     bench.bridge.bus_disconnected();
     bench.connect(false);
+    bench.pass(900ms);
     EXPECT_THAT(retained_on(kState, bench), ElementsAre(true));
     EXPECT_THAT(retained_on(kDescription, bench), ElementsAre(true));
+}
+
+TEST(Announcer, BrokerBackWhoseRetainedDoesNotExpire_CommandsComeBeforeTheAnnouncement) {
+    BridgeBench bench;
+    bench.plug();
+    bench.connect(false);
+    bench.pass(1500ms);
+    bench.bridge.bus_disconnected();
+    bench.published.clear();
+    bench.connect(false);
+    EXPECT_THAT(bench.published, IsEmpty());
+    bench.pass(900ms);
+    EXPECT_THAT(bench.on(kState), ElementsAre("online"));
+    EXPECT_EQ(bench.on(kDescription).size(), 1u);
+    EXPECT_THAT(bench.on("asip/servicebus"), ElementsAre("uno1"));
 }
 
 TEST(Announcer, Renewal_IsTheDescriptionAlone) {
@@ -204,6 +220,18 @@ TEST(Announcer, OwnStateWrittenBySomebody_IsPutRight) {
     EXPECT_THAT(bench.on(kState), ElementsAre("online"));
     bench.hear(kState, "");
     EXPECT_THAT(bench.on(kState), ElementsAre("online", "online"));
+}
+
+TEST(Announcer, StateThatIsRetainedBehindOurs_IsPutRight) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.bridge.bus_disconnected();
+    bench.connect();
+    bench.published.clear();
+    bench.hear(kState, "online", true);
+    EXPECT_THAT(bench.on(kState), IsEmpty());
+    bench.hear(kState, "lost", true);
+    EXPECT_THAT(bench.on(kState), ElementsAre("online"));
 }
 
 TEST(Announcer, LivingHolderAnswersTheClaim_EndsAndNamesIt) {

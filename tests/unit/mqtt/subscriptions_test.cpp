@@ -91,6 +91,50 @@ TEST_F(SubscriptionsTest, RequiredAndRefusedThreeTimes_GivesTheBrokerUp) {
     }
 }
 
+TEST_F(SubscriptionsTest, Required_AreAskedForBeforeTheOthersAndMakeItUsable) {
+    subscriptions.add("a", {});
+    subscriptions.add("b", {.required = true});
+    subscriptions.add("c", {.required = true});
+    for (int connection = 0; connection < 2; ++connection) {
+        EXPECT_THAT(filters(subscriptions.due(now)), testing::ElementsAre("b", "c"));
+        send_due();
+        EXPECT_THAT(subscriptions.due(now), IsEmpty());
+        answer(true);
+        EXPECT_FALSE(subscriptions.usable());
+        EXPECT_TRUE(subscriptions.holds_back());
+        subscriptions.answered(last_id - 1, true, now, random);
+        EXPECT_TRUE(subscriptions.usable());
+        EXPECT_FALSE(subscriptions.holds_back());
+        EXPECT_FALSE(subscriptions.all_granted());
+        EXPECT_THAT(filters(subscriptions.due(now)), testing::ElementsAre("a"));
+        send_due();
+        answer(true);
+        EXPECT_TRUE(subscriptions.all_granted());
+        subscriptions.restart();
+    }
+}
+
+TEST_F(SubscriptionsTest, RequiredAndRefused_DoesNotHoldTheOthersBack) {
+    subscriptions.add("a", {});
+    subscriptions.add("b", {.required = true});
+    send_due();
+    answer(false);
+    EXPECT_FALSE(subscriptions.usable());
+    EXPECT_THAT(filters(subscriptions.due(now)), testing::ElementsAre("a"));
+}
+
+TEST_F(SubscriptionsTest, RequiredRemovedUnanswered_DoesNotHoldTheOthersBack) {
+    subscriptions.add("a", {});
+    subscriptions.add("b", {.required = true});
+    send_due();
+    subscriptions.remove("b");
+    EXPECT_FALSE(subscriptions.holds_back());
+    EXPECT_THAT(filters(subscriptions.due(now)), testing::ElementsAre("a"));
+    subscriptions.add("b", {});
+    subscriptions.add("b", {.required = true});
+    EXPECT_THAT(filters(subscriptions.due(now)), testing::ElementsAre("b"));
+}
+
 TEST_F(SubscriptionsTest, NewConnection_MakesEverythingDueAndForgetsOldAnswers) {
     subscriptions.add("a", {});
     subscriptions.add("b", {});
