@@ -34,6 +34,7 @@ Client::Impl::Impl(asio::io_context& io, Options options, Handlers handlers)
       retry_timer_(io),
       lookup_(io),
       usable_qos_(options_.qos),
+      keepalive_(options_.keepalive),
       client_id_(options_.client_id),
       identifier_(client_id_),
       own_topic_(own_topic(options_)),

@@ -12,6 +12,10 @@ namespace {
 
 using Kind = ConnectionFailure::Kind;
 
+/// A first subscription, that alone, may take so many times as long as others: who leaves the broker for it
+/// finds the next one waiting for the same, and both have more to do behind that.
+constexpr int kPatience = 2;
+
 }  // namespace
 
 void Client::Impl::attempt() {
@@ -34,6 +38,7 @@ void Client::Impl::connect_next_address() {
     was_up_ = false;
     tried_v5_ = brokers_.with_v5();
     options_.client_id = identifier();
+    options_.keepalive = keepalive();
     if (options_.will) options_.will->qos = usable_qos_.of(options_.will->qos);
     connection_ = std::make_shared<Connection>(io_, options_, brokers_.current(), host, tried_v5_, *this);
     connection_->open();
@@ -48,18 +53,30 @@ void Client::Impl::connection_up(const Connected& connected) {
     subscriptions_.restart();
     delivery_.restart(up_since_);
     own_subscription_.reset();
-    if (!left_unanswered_ || !try_first_subscription(connected)) begin(connected);
+    if (!left_stalled_ || !try_first_subscription(connected)) begin(connected);
 }
 
 // A node of RabbitMQ that waits for another one answers CONNECT at once and a subscription much later. Each
 // connection that was left there has all it asked for done nevertheless, before those that came after it. So
-// whoever has left one asks for one subscription, and for the rest, and publishes, when that has an answer.
+// whoever has left a broker that stood still, which the next one may be waiting for, asks for one
+// subscription, and for the rest, and publishes, when that has an answer. It answers no ping meanwhile, and
+// counts our silence behind that.
 bool Client::Impl::try_first_subscription(const Connected& connected) {
     const auto due = subscriptions_.due(up_since_);
     if (due.empty() || options_.ack_timeout == Duration::zero()) return false;
     const auto id = send(due.front(), up_since_);
     if (id) trial_ = {connected, *id};
     return id.has_value();
+}
+
+Duration Client::Impl::subscribe_timeout() const {
+    return trial_ ? kPatience * options_.subscribe_timeout : options_.subscribe_timeout;
+}
+
+std::chrono::seconds Client::Impl::keepalive() const {
+    if (!left_stalled_ || options_.ack_timeout == Duration::zero()) return keepalive_;
+    return std::max(keepalive_,
+                    std::chrono::ceil<std::chrono::seconds>(kPatience * options_.subscribe_timeout));
 }
 
 void Client::Impl::begin(Connected connected) {
@@ -84,7 +101,7 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
         was_up_ = false;
         ++counters_.failures;
         const bool unanswered = end.failure.kind == Kind::kStalled && subscribing_since();
-        left_unanswered_ = tried || unanswered;
+        left_stalled_ = tried || end.failure.kind == Kind::kStalled;
         const auto now = Clock::now();
         auto failure = end.failure;
         if (failure.kind == Kind::kClosed) delivery_.closed();
@@ -178,7 +195,7 @@ void Client::Impl::fail_if_stalled(Time now) {
         connection_->fail({Kind::kStalled, brokers_.current(), 0, brokers_.current().describe() + what});
     };
     if (const auto since = subscribing_since()) {
-        if (now - *since >= options_.subscribe_timeout) stalled(" does not answer a subscription");
+        if (now - *since >= subscribe_timeout()) stalled(" does not answer a subscription");
         return;
     }
     for (const auto& [id, sent] : unacknowledged_) {

@@ -73,6 +73,8 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     void attempt();
     void connect_next_address();
     bool try_first_subscription(const Connected& connected);
+    Duration subscribe_timeout() const;
+    std::chrono::seconds keepalive() const;
     void begin(Connected connected);
     void retry_after(Duration wait);
     /// When the oldest subscription without an answer was asked for.
@@ -117,14 +119,15 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     std::shared_ptr<Connection> connection_;
     bool was_up_ = false;
     Time up_since_{};
-    /// The connection before ended while a subscription had no answer.
-    bool left_unanswered_ = false;
+    /// The connection before ended because the broker stood still or could not be reached any more.
+    bool left_stalled_ = false;
     std::optional<Trial> trial_;
     bool tried_v5_ = false;
     CutOff cut_off_;
     UsableQos usable_qos_;
-    const std::string client_id_;  // the one that was asked for
-    std::string identifier_;       // what is used in its place; see identifier()
+    const std::chrono::seconds keepalive_;  // the one that was asked for; see keepalive()
+    const std::string client_id_;           // likewise; see identifier()
+    std::string identifier_;                // what is used in its place
 
     Subscriptions subscriptions_;
     /// When the broker was last busy with a subscription: granted or refused it, or delivered what it

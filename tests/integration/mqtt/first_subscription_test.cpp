@@ -86,6 +86,24 @@ TEST_F(FirstSubscriptionTest, LeftBroker_SeesAnotherIdentifierNext) {
                 testing::MatchesRegex("lamp-[0-9a-f]{4}"));
 }
 
+int keepalive_in(const std::string& connect_packet) {
+    const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(connect_packet.at(at)); };
+    return byte(10) * 256 + byte(11);
+}
+
+TEST_F(FirstSubscriptionTest, LeftBroker_HasMoreTimeNext) {
+    auto slow = options();
+    slow.subscribe_timeout = 4s;
+    slow.keepalive = 5s;
+    Recorder bus(slow);
+    ASSERT_TRUE(asks_the_second(bus));
+    EXPECT_EQ(keepalive_in(first.connect_packet), 5);
+    EXPECT_EQ(keepalive_in(second.connect_packet), 8);
+    EXPECT_FALSE(until(
+        bus, [&] { return !bus.failures.empty(); }, 7s));
+    EXPECT_TRUE(until(bus, [&] { return !bus.failures.empty(); }));
+}
+
 TEST_F(FirstSubscriptionTest, MessageBeforeTheAnswer_IsHandedOutBehindTheConnection) {
     Recorder bus(options());
     std::vector<std::size_t> connects;
