@@ -93,8 +93,8 @@ struct Counters {
 class Client {
   public:
     struct Handlers {
-        /// Subscriptions have been sent: what is published from here on reaches us, too. Announce and probe
-        /// here.
+        /// Subscriptions have been sent, those that are required or where none is, all: what is published
+        /// from here on reaches us by them, too. Announce and probe here.
         std::function<void(const Connected&)> on_connected;
         /// An established connection was lost; the next attempt is under way.
         std::function<void(const ConnectionFailure&)> on_disconnected;

@@ -53,7 +53,7 @@ void Client::Impl::connection_up(const Connected& connected) {
     subscriptions_.restart();
     delivery_.restart(up_since_);
     own_subscription_.reset();
-    if (!left_stalled_ || !try_first_subscription(connected)) begin(connected);
+    if (!asks_for_one_first() || !try_first_subscription(connected)) begin(connected);
 }
 
 // A node of RabbitMQ that waits for another one answers CONNECT at once and a subscription much later. Each
@@ -61,22 +61,25 @@ void Client::Impl::connection_up(const Connected& connected) {
 // whoever has left a broker that stood still, which the next one may be waiting for, asks for one
 // subscription, and for the rest, and publishes, when that has an answer. It answers no ping meanwhile, and
 // counts our silence behind that.
+bool Client::Impl::asks_for_one_first() const {
+    return left_stalled_ && options_.ack_timeout != Duration::zero();
+}
+
 bool Client::Impl::try_first_subscription(const Connected& connected) {
     const auto due = subscriptions_.due(up_since_);
-    if (due.empty() || options_.ack_timeout == Duration::zero()) return false;
+    if (due.empty()) return false;
     const auto id = send(due.front(), up_since_);
     if (id) trial_ = {connected, *id};
     return id.has_value();
 }
 
-Duration Client::Impl::subscribe_timeout() const {
-    return trial_ ? kPatience * options_.subscribe_timeout : options_.subscribe_timeout;
+Duration Client::Impl::patience() const {
+    return kPatience * options_.subscribe_timeout;
 }
 
 std::chrono::seconds Client::Impl::keepalive() const {
-    if (!left_stalled_ || options_.ack_timeout == Duration::zero()) return keepalive_;
-    return std::max(keepalive_,
-                    std::chrono::ceil<std::chrono::seconds>(kPatience * options_.subscribe_timeout));
+    if (!asks_for_one_first()) return keepalive_;
+    return std::max(keepalive_, std::chrono::ceil<std::chrono::seconds>(patience()));
 }
 
 void Client::Impl::begin(Connected connected) {
@@ -100,8 +103,9 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
     if (was_up_) {
         was_up_ = false;
         ++counters_.failures;
-        const bool unanswered = end.failure.kind == Kind::kStalled && subscribing_since();
-        left_stalled_ = tried || end.failure.kind == Kind::kStalled;
+        const bool stalled = end.failure.kind == Kind::kStalled;
+        const bool unanswered = stalled && subscribing_since();
+        left_stalled_ = tried || stalled;
         const auto now = Clock::now();
         auto failure = end.failure;
         if (failure.kind == Kind::kClosed) delivery_.closed();
@@ -195,7 +199,8 @@ void Client::Impl::fail_if_stalled(Time now) {
         connection_->fail({Kind::kStalled, brokers_.current(), 0, brokers_.current().describe() + what});
     };
     if (const auto since = subscribing_since()) {
-        if (now - *since >= subscribe_timeout()) stalled(" does not answer a subscription");
+        if (now - *since >= (trial_ ? patience() : options_.subscribe_timeout))
+            stalled(" does not answer a subscription");
         return;
     }
     for (const auto& [id, sent] : unacknowledged_) {

@@ -72,8 +72,10 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     void tick(Time now) override;
     void attempt();
     void connect_next_address();
+    bool asks_for_one_first() const;
     bool try_first_subscription(const Connected& connected);
-    Duration subscribe_timeout() const;
+    /// How long a first subscription may take.
+    Duration patience() const;
     std::chrono::seconds keepalive() const;
     void begin(Connected connected);
     void retry_after(Duration wait);

@@ -8,25 +8,25 @@ void Subscriptions::add(const std::string& filter, SubscribeOptions options) {
     auto& wanted = wanted_[filter];
     wanted.options = options;
     count(wanted, 1);
-    open(wanted).insert(filter);
+    group_of(wanted).open.insert(filter);
 }
 
 void Subscriptions::remove(const std::string& filter) {
     const auto found = wanted_.find(filter);
     if (found == wanted_.end()) return;
     count(found->second, -1);
-    open(found->second).erase(filter);
+    group_of(found->second).open.erase(filter);
     wanted_.erase(found);
 }
 
 void Subscriptions::count(const Wanted& wanted, std::ptrdiff_t by) {
-    const bool granted = wanted.state == State::kGranted;
     const auto add = [by](std::size_t& to) { to += static_cast<std::size_t>(by); };
-    if (granted) add(granted_);
-    if (!wanted.options.required) return;
-    add(required_);
-    if (granted) add(required_granted_);
-    if (!granted && wanted.state != State::kRefused) add(required_unanswered_);
+    Group& group = group_of(wanted);
+    add(group.wanted);
+    if (wanted.state == State::kGranted)
+        add(group.granted);
+    else if (wanted.state != State::kRefused)
+        add(group.unanswered);
 }
 
 void Subscriptions::set(Wanted& wanted, const std::string& filter, State state) {
@@ -34,9 +34,9 @@ void Subscriptions::set(Wanted& wanted, const std::string& filter, State state) 
     wanted.state = state;
     count(wanted, 1);
     if (state == State::kDue || state == State::kRefused)
-        open(wanted).insert(filter);
+        group_of(wanted).open.insert(filter);
     else
-        open(wanted).erase(filter);
+        group_of(wanted).open.erase(filter);
 }
 
 void Subscriptions::restart() {
@@ -50,13 +50,13 @@ void Subscriptions::restart() {
 
 std::vector<Subscriptions::Sending> Subscriptions::due(Time now) const {
     std::vector<Sending> result;
-    add_due(open_required_, now, result);
-    if (!holds_back()) add_due(open_others_, now, result);
+    add_due(required_, now, result);
+    if (!holds_back()) add_due(others_, now, result);
     return result;
 }
 
-void Subscriptions::add_due(const Open& open, Time now, std::vector<Sending>& result) const {
-    for (const auto& filter : open) {
+void Subscriptions::add_due(const Group& group, Time now, std::vector<Sending>& result) const {
+    for (const auto& filter : group.open) {
         const auto& wanted = wanted_.at(filter);
         if (wanted.state != State::kDue && now < wanted.again) continue;
         result.emplace_back(filter, wanted.options);

@@ -54,7 +54,7 @@ class Subscriptions {
     /// is required has no answer yet, none that is not: of all who come from a broker that is gone, at the
     /// same moment, the next one serves first what they cannot work without.
     std::vector<Sending> due(Time now) const;
-    bool holds_back() const { return required_unanswered_ > 0; }
+    bool holds_back() const { return required_.unanswered > 0; }
     /// `id`: the packet id that the broker will answer.
     void sent(int id, const std::string& filter, Time now);
 
@@ -62,9 +62,9 @@ class Subscriptions {
     std::optional<Refusal> answered(int id, bool granted, Time now, const Random& random);
 
     /// Whether the broker has granted all that are wanted; true when there are none.
-    bool all_granted() const { return granted_ == wanted_.size(); }
+    bool all_granted() const { return required_.all_granted() && others_.all_granted(); }
     /// Whether it has granted those that are required; all, where none is.
-    bool usable() const { return required_ > 0 ? required_granted_ == required_ : all_granted(); }
+    bool usable() const { return (required_.wanted > 0 ? required_ : others_).all_granted(); }
     /// When the oldest packet without an answer was sent.
     std::optional<Time> waiting_since() const;
 
@@ -82,22 +82,23 @@ class Subscriptions {
         Time at;
     };
 
-    void set(Wanted& wanted, const std::string& filter, State state);
-    void count(const Wanted& wanted, std::ptrdiff_t by);
+    /// Those that are required, or those that are not: of the latter there may be many that are held back.
+    struct Group {
+        std::set<std::string> open;  // due or refused
+        std::size_t wanted = 0;
+        std::size_t granted = 0;
+        std::size_t unanswered = 0;  // due or sent
+        bool all_granted() const { return granted == wanted; }
+    };
 
-    using Open = std::set<std::string>;
-    Open& open(const Wanted& wanted) { return wanted.options.required ? open_required_ : open_others_; }
-    void add_due(const Open& open, Time now, std::vector<Sending>& result) const;
+    Group& group_of(const Wanted& wanted) { return wanted.options.required ? required_ : others_; }
+    void count(const Wanted& wanted, std::ptrdiff_t by);
+    void set(Wanted& wanted, const std::string& filter, State state);
+    void add_due(const Group& group, Time now, std::vector<Sending>& result) const;
 
     std::map<std::string, Wanted> wanted_;
-    // Those of wanted_ that are due or refused. Of the others there may be many that are held back.
-    Open open_required_;
-    Open open_others_;
-    // So many of wanted_ are.
-    std::size_t granted_ = 0;
-    std::size_t required_ = 0;
-    std::size_t required_granted_ = 0;
-    std::size_t required_unanswered_ = 0;  // due or sent
+    Group required_;
+    Group others_;
     std::unordered_map<int, Sent> unanswered_;
 };
 

@@ -68,13 +68,9 @@ class Judge {
         add(into.commands_work, first, round.commands_work, round.end);
         add(into.catalogues_agree, first, round.catalogues_agree, round.end);
         const Millis begin = round.engine_works.value_or(round.end);
-        if (!round.commands_work || *round.commands_work > begin + limits_.commands) {
-            std::string who;
-            for (const auto board : round.mute)
-                who += ' ' + history_.boards.at(board);
+        if (!round.commands_work || *round.commands_work > begin + limits_.commands)
             fail(round.end, fmt::format("{}: commands did not work again within {} ms:{}", round.name,
-                                        limits_.commands, who));
-        }
+                                        limits_.commands, names_of_mute(round, history_)));
         if (round.catalogues_agree && *round.catalogues_agree <= begin + limits_.agree) return;
         std::string how;
         for (const auto& [registry, difference] : round.wrong) {
@@ -180,6 +176,13 @@ const char* to_string(Outcome outcome) {
             break;
     }
     return "unanswered";
+}
+
+std::string names_of_mute(const Round& round, const History& history) {
+    std::string names;
+    for (const auto board : round.mute)
+        names += ' ' + history.boards.at(board);
+    return names;
 }
 
 Verdict judge(const History& history, const Limits& limits) {

@@ -38,6 +38,9 @@ struct Verdict {
 /// Decides, by what the boards executed and the registries said, whether all was as promised. Pure.
 Verdict judge(const History& history, const Limits& limits = {});
 
+/// The boards that executed nothing after the round, each behind a blank.
+std::string names_of_mute(const Round& round, const History& history);
+
 /// The table and the violations as text.
 std::string report(const std::string& engine, const Verdict& verdict);
 

@@ -50,20 +50,14 @@ std::string seconds(const std::optional<Millis>& time) {
     return time ? fmt::format("{:.3f} s", static_cast<double>(*time) / 1000) : "never";
 }
 
-std::string mute_boards(const Round& round, const History& history) {
-    std::string names;
-    for (const auto board : round.commands_work ? std::vector<std::size_t>{} : round.mute)
-        names += (names.empty() ? " to " : " ") + history.boards.at(board);
-    return names;
-}
-
 /// How, and by how much a busy machine may have had a part in it.
 std::string came_back(const Round& round, const History& history) {
     const auto since = [&](const std::optional<Millis>& at) {
         return seconds(at ? std::optional(*at - round.end) : std::nullopt);
     };
     return fmt::format("engine {}, commands {}{}, catalogues {}; longest delay of the harness {} ms",
-                       since(round.engine_works), since(round.commands_work), mute_boards(round, history),
+                       since(round.engine_works), since(round.commands_work),
+                       round.commands_work ? "" : " to" + names_of_mute(round, history),
                        since(round.catalogues_agree), round.delayed);
 }
 
