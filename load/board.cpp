@@ -43,7 +43,11 @@ SimulatedBoard::SimulatedBoard(const bus::Topics& topics, const BoardKind& kind,
 
 std::vector<member::Announcer::Subscription> SimulatedBoard::subscriptions(const bus::Topics& topics,
                                                                            const std::string& name) {
+    // Of all these the required ones are asked for first, and the claim of a name hears of its holder by its
+    // description.
     auto all = member::Announcer::subscriptions(topics, name);
+    for (auto& [filter, how] : all)
+        how.required = filter == topics.description(name);
     for (auto&& filter : {topics.stop(name), topics.board_in(name), topics.service_in(name, "+")})
         all.push_back({filter, {.qos = 1, .no_local = true, .required = true}});
     return all;

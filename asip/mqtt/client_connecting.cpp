@@ -12,9 +12,11 @@ namespace {
 
 using Kind = ConnectionFailure::Kind;
 
-/// A first subscription, that alone, may take so many times as long as others: who leaves the broker for it
-/// finds the next one waiting for the same, and both have more to do behind that.
+/// A first subscription, that alone, may take so many times as long as others where there are more brokers,
+/// but no longer than kMostPatience unless all may: who leaves the broker for it finds the next one waiting
+/// for the same, and both have more to do behind that.
 constexpr int kPatience = 2;
+constexpr Duration kMostPatience = std::chrono::minutes(1);
 
 }  // namespace
 
@@ -53,6 +55,7 @@ void Client::Impl::connection_up(const Connected& connected) {
     subscriptions_.restart();
     delivery_.restart(up_since_);
     own_subscription_.reset();
+    first_subscription_.reset();
     if (!asks_for_one_first() || !try_first_subscription(connected)) begin(connected);
 }
 
@@ -68,18 +71,22 @@ bool Client::Impl::asks_for_one_first() const {
 bool Client::Impl::try_first_subscription(const Connected& connected) {
     const auto due = subscriptions_.due(up_since_);
     if (due.empty()) return false;
-    const auto id = send(due.front(), up_since_);
-    if (id) trial_ = {connected, *id};
-    return id.has_value();
+    first_subscription_ = send(due.front(), up_since_);
+    if (first_subscription_) trial_ = connected;
+    return first_subscription_.has_value();
 }
 
 Duration Client::Impl::patience() const {
-    return kPatience * options_.subscribe_timeout;
+    if (brokers_.size() == 1) return options_.subscribe_timeout;
+    return std::max(options_.subscribe_timeout,
+                    std::min(kPatience * options_.subscribe_timeout, kMostPatience));
 }
 
+// It stays for the whole connection. With one broker there is nobody who is left too early.
 std::chrono::seconds Client::Impl::keepalive() const {
-    if (!asks_for_one_first()) return keepalive_;
-    return std::max(keepalive_, std::chrono::ceil<std::chrono::seconds>(patience()));
+    if (!asks_for_one_first() || brokers_.size() == 1) return keepalive_;
+    return std::max(keepalive_,
+                    std::chrono::ceil<std::chrono::seconds>(std::min(patience(), kMostPatience)));
 }
 
 void Client::Impl::begin(Connected connected) {
@@ -199,7 +206,7 @@ void Client::Impl::fail_if_stalled(Time now) {
         connection_->fail({Kind::kStalled, brokers_.current(), 0, brokers_.current().describe() + what});
     };
     if (const auto since = subscribing_since()) {
-        if (now - *since >= (trial_ ? patience() : options_.subscribe_timeout))
+        if (now - *since >= (first_subscription_ ? patience() : options_.subscribe_timeout))
             stalled(" does not answer a subscription");
         return;
     }

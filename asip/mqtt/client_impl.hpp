@@ -55,10 +55,6 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
         bool answered = false;
         bool granted = false;
     };
-    struct Trial {
-        Connected connected;
-        int id;  ///< of its subscription
-    };
     struct Check {
         int id;
         std::function<void()> answered;
@@ -123,7 +119,9 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     Time up_since_{};
     /// The connection before ended because the broker stood still or could not be reached any more.
     bool left_stalled_ = false;
-    std::optional<Trial> trial_;
+    /// While the connection is of no use yet: what is to be reported when the broker shows that it works.
+    std::optional<Connected> trial_;
+    std::optional<int> first_subscription_;  // that was asked for alone, while it has no answer
     bool tried_v5_ = false;
     CutOff cut_off_;
     UsableQos usable_qos_;

@@ -37,7 +37,7 @@ bool can_be_topic(const std::string& text) {
 }
 
 void Client::Impl::message_received(Message message) {
-    if (trial_) begin(trial_->connected);  // 3.1.1 allows it before the answer
+    if (trial_) begin(*trial_);  // 3.1.1 allows it before the answer
     if (checks_delivery()) {
         if (message.topic == own_topic_) return delivery_.came(Clock::now());
         delivery_.heard(Clock::now());
@@ -104,7 +104,8 @@ void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
     const bool usable_before = subscriptions_.usable();
     const bool held_back = subscriptions_.holds_back();
     const auto refusal = subscriptions_.answered(id, code < kFirstErrorCode, now, options_.random);
-    if (trial_ && trial_->id == id) begin(trial_->connected);
+    if (first_subscription_ == id) first_subscription_.reset();
+    if (trial_ && !first_subscription_) begin(*trial_);
     if (silent()) return;
     if (!usable_before && subscriptions_.usable() && handlers_.on_subscribed) handlers_.on_subscribed();
     if (held_back && !subscriptions_.holds_back() && connected() && !silent()) send_subscriptions();

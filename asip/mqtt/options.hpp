@@ -56,8 +56,8 @@ struct Options {
     /// The highest QoS that is used, 0 or 1; with 0 what should be acknowledged counts as published once it
     /// is handed over. See UsableQos for when 1 becomes 0 by itself.
     int qos = 1;
-    /// At least 5. Whoever comes from a broker that stood still takes twice subscribe_timeout, if that is
-    /// more.
+    /// At least 5. Whoever comes from a broker that stood still, and has a list of them, takes twice
+    /// subscribe_timeout and no more than a minute, if that is more.
     std::chrono::seconds keepalive{10};
     /// An attempt that has no CONNACK after this long is given up: a dead host, or a broker that hangs.
     Duration connect_timeout = std::chrono::seconds(5);
@@ -66,7 +66,8 @@ struct Options {
     /// million messages may be in its queue before an acknowledgement. Zero: left to the keep-alive.
     Duration ack_timeout = std::chrono::seconds(8);
     /// A subscription without an answer for this long, likewise. While one has none, the broker is busy with
-    /// it and ack_timeout does not run. Twice as long for the single one that the next broker is asked for.
+    /// it and ack_timeout does not run. Twice as long, up to a minute, for the single one that the next of
+    /// several brokers is asked for.
     Duration subscribe_timeout = std::chrono::seconds(30);
     /// A broker's host that acknowledges for this long nothing of what TCP sends to it is cut off: the
     /// connection is dropped and the next broker tried. Zero: left to the keep-alive.

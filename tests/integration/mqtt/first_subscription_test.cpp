@@ -104,6 +104,44 @@ TEST_F(FirstSubscriptionTest, LeftBroker_HasMoreTimeNext) {
     EXPECT_TRUE(until(bus, [&] { return !bus.failures.empty(); }));
 }
 
+TEST_F(FirstSubscriptionTest, OneBrokerAlone_HasNoMoreTimeThanOthers) {
+    auto alone = options();
+    alone.brokers.pop_back();
+    alone.keepalive = 5s;
+    alone.subscribe_timeout = 4s;
+    Recorder bus(alone);
+    for (const char* filter : {"a", "b", "c"})
+        bus.client->subscribe(filter);
+    bus.client->start();
+    ASSERT_TRUE(asked(bus, 4, 0));
+    EXPECT_EQ(keepalive_in(first.connect_packet), 5);
+    EXPECT_TRUE(until(
+        bus, [&] { return !bus.failures.empty(); }, 6s));
+}
+
+TEST_F(FirstSubscriptionTest, TimeOfMinutes_IsNotDoubled) {
+    auto patient = options();
+    patient.subscribe_timeout = 5min;
+    Recorder bus(patient);
+    bus.client->subscribe("a");
+    bus.client->start();
+    ASSERT_TRUE(asked(bus, 1, 0));
+    first.cut_off_subscriber();
+    bus.client->subscribe("b");
+    ASSERT_TRUE(asked(bus, 1, 1));
+    EXPECT_EQ(keepalive_in(second.connect_packet), 60);
+}
+
+TEST_F(FirstSubscriptionTest, MessageBeforeTheAnswer_LeavesTheBrokerItsTime) {
+    Recorder bus(options());
+    ASSERT_TRUE(asks_the_second(bus));
+    second.deliver(false);
+    ASSERT_TRUE(until(bus, [&] { return bus.connects.size() == 2; }));
+    EXPECT_FALSE(until(
+        bus, [&] { return bus.losses.size() > 1; }, 3s));
+    EXPECT_TRUE(bus.client->connected());
+}
+
 TEST_F(FirstSubscriptionTest, MessageBeforeTheAnswer_IsHandedOutBehindTheConnection) {
     Recorder bus(options());
     std::vector<std::size_t> connects;
@@ -134,6 +172,17 @@ TEST_F(FirstSubscriptionTest, StoppedMeanwhile_SendsWhatIsQueuedAndGoodbye) {
     ASSERT_TRUE(until(bus, [&] { return stopped && second.disconnects == 1; }));
     EXPECT_EQ(second.published_qos.size(), 1u);
     EXPECT_EQ(second.subscriptions, 1);
+}
+
+TEST_F(FirstSubscriptionTest, StoppedLate_SaysGoodbye) {
+    Recorder bus(options());
+    ASSERT_TRUE(asks_the_second(bus));
+    EXPECT_FALSE(until(
+        bus, [&] { return !bus.failures.empty(); }, 3s));
+    bool stopped = false;
+    bus.client->stop(2s, [&] { stopped = true; });
+    ASSERT_TRUE(until(bus, [&] { return stopped; }));
+    EXPECT_EQ(second.disconnects, 1);
 }
 
 TEST_F(FirstSubscriptionTest, LeftToTheKeepAlive_EverythingIsAskedForAtOnce) {
