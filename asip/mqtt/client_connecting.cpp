@@ -85,8 +85,7 @@ Duration Client::Impl::patience() const {
 // It stays for the whole connection. With one broker there is nobody who is left too early.
 std::chrono::seconds Client::Impl::keepalive() const {
     if (!asks_for_one_first() || brokers_.size() == 1) return keepalive_;
-    return std::max(keepalive_,
-                    std::chrono::ceil<std::chrono::seconds>(std::min(patience(), kMostPatience)));
+    return std::max(keepalive_, std::chrono::ceil<std::chrono::seconds>(std::min(patience(), kMostPatience)));
 }
 
 void Client::Impl::begin(Connected connected) {
@@ -111,7 +110,7 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
         was_up_ = false;
         ++counters_.failures;
         const bool stalled = end.failure.kind == Kind::kStalled;
-        const bool unanswered = stalled && subscribing_since();
+        const bool unanswered = (stalled || end.failure.kind == Kind::kClosed) && subscribing_since();
         left_stalled_ = tried || stalled;
         const auto now = Clock::now();
         auto failure = end.failure;
@@ -119,8 +118,9 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
         cut_off_.ended(failure, now - up_since_, options_.user, now);
         const bool stores_nothing = failure.kind == Kind::kClosed && usable_qos_.failed(waited, tried_v5_);
         // RabbitMQ keeps the queue of an identifier at the node that died, and closes whoever comes with it;
-        // and closes the newer of two connections when the older one, which was left, gets its turn.
-        // NATS lets nobody in under an identifier whose stored session it cannot delete.
+        // and closes the newer of two connections when the older one, which was left, gets its turn; and
+        // whoever subscribes with an identifier whose queue it lost, for good. NATS lets nobody in under an
+        // identifier whose stored session it cannot delete.
         if (failure.after_sending > 1 || stores_nothing || unanswered) change_identifier();
         retry_after(brokers_.lost(end, now - up_since_, options_.random).wait);
         const auto& handler = tried ? handlers_.on_connect_failed : handlers_.on_disconnected;

@@ -69,13 +69,15 @@ TEST_F(FirstSubscriptionTest, NotAnsweredEither_IsAFailedAttemptAndTheNextIsAske
     EXPECT_THAT(bus.failures[0].text, HasSubstr("does not answer a subscription"));
 }
 
-TEST_F(FirstSubscriptionTest, ClosedMeanwhile_TheNextIsAskedForOne) {
+TEST_F(FirstSubscriptionTest, ClosedMeanwhile_TheNextIsAskedForOneByAnotherIdentifier) {
     Recorder bus(options());
     ASSERT_TRUE(asks_the_second(bus));
+    const auto before = bus.client->client_id();
     second.close_subscriber();
     ASSERT_TRUE(until(bus, [&] { return first.subscriptions + second.subscriptions > 4; }));
     EXPECT_FALSE(until(
         bus, [&] { return first.subscriptions + second.subscriptions > 5; }, 300ms));
+    EXPECT_NE(bus.client->client_id(), before);
 }
 
 TEST_F(FirstSubscriptionTest, LeftBroker_SeesAnotherIdentifierNext) {
