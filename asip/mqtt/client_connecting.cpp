@@ -17,6 +17,9 @@ using Kind = ConnectionFailure::Kind;
 /// for the same, and both have more to do behind that.
 constexpr int kPatience = 2;
 constexpr Duration kMostPatience = std::chrono::minutes(1);
+/// An acknowledgement that waits for another node, cut off from ours. RabbitMQ gives up a node that is gone
+/// after five quarters of net_ticktime.
+constexpr Duration kMostUnacknowledged = std::chrono::minutes(3);
 
 }  // namespace
 
@@ -56,6 +59,7 @@ void Client::Impl::connection_up(const Connected& connected) {
     delivery_.restart(up_since_);
     own_subscription_.reset();
     first_subscription_.reset();
+    without_acknowledgements_ = false;
     if (!asks_for_one_first() || !try_first_subscription(connected)) begin(connected);
 }
 
@@ -210,11 +214,22 @@ void Client::Impl::fail_if_stalled(Time now) {
             stalled(" does not answer a subscription");
         return;
     }
+    bool missing = false;
     for (const auto& [id, sent] : unacknowledged_) {
         if (now - std::max({sent.sent, last_subscribing_, last_behind_}) < options_.ack_timeout) continue;
-        stalled(" acknowledges nothing any more");
-        return;
+        if (!stays_unacknowledged(sent.sent, now)) return stalled(" acknowledges nothing any more");
+        missing = true;
     }
+    if (std::exchange(without_acknowledgements_, missing) == missing) return;
+    debug_line(missing ? "the broker delivers and acknowledges nothing; QoS 0 is used until it does"
+                       : "the broker acknowledges again");
+    flush();
+}
+
+// A broker of a cluster acknowledges what all nodes have that somebody listens at. While one of them is cut
+// off, each of the others is like this one, and takes no new subscription.
+bool Client::Impl::stays_unacknowledged(Time since, Time now) const {
+    return delivery_.works(now) && now - since < kMostUnacknowledged;
 }
 
 }  // namespace asip::mqtt

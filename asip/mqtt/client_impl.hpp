@@ -78,6 +78,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     /// When the oldest subscription without an answer was asked for.
     std::optional<Time> subscribing_since() const;
     void fail_if_stalled(Time now);
+    bool stays_unacknowledged(Time since, Time now) const;
     bool checks_delivery() const { return !own_topic_.empty(); }
     void check_delivery(Time now);
     void change_identifier();
@@ -99,6 +100,9 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     void requeue_unacknowledged();
     void handed_over(std::string topic);
     bool window_open(const Message& message) const;
+    int qos_of(const Message& message) const {
+        return without_acknowledgements_ ? 0 : usable_qos_.of(message.qos);
+    }
 
     // Stopping (client.cpp)
     /// Handlers are kept, and no longer called: one of them may be what called stop().
@@ -125,6 +129,8 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     bool tried_v5_ = false;
     CutOff cut_off_;
     UsableQos usable_qos_;
+    /// The broker delivers and does not acknowledge: QoS 0 is used until it does.
+    bool without_acknowledgements_ = false;
     const std::chrono::seconds keepalive_;  // the one that was asked for; see keepalive()
     const std::string client_id_;           // likewise; see identifier()
     std::string identifier_;                // what is used in its place

@@ -160,7 +160,7 @@ void Client::Impl::flush() {
 
 int Client::Impl::send(Outbox::Entry entry) {
     int id = 0;
-    const int wanted = std::exchange(entry.message.qos, usable_qos_.of(entry.message.qos));
+    const int wanted = std::exchange(entry.message.qos, qos_of(entry.message));
     const int error = connection_->publish(entry.message, id);
     if (is_connection_error(error)) {
         entry.message.qos = wanted;
@@ -212,7 +212,7 @@ void Client::Impl::requeue_unacknowledged() {
 }
 
 bool Client::Impl::window_open(const Message& message) const {
-    return usable_qos_.of(message.qos) == 0 || unacknowledged_.size() < kMaxUnacknowledged;
+    return qos_of(message) == 0 || unacknowledged_.size() < kMaxUnacknowledged;
 }
 
 }  // namespace asip::mqtt

@@ -28,6 +28,7 @@ class Delivery {
     /// A new connection.
     void restart(Time now) {
         sent_.reset();
+        came_.reset();
         heard_ = now;
         next_ = now + std::min(every_, kSettling);
     }
@@ -38,6 +39,7 @@ class Delivery {
     /// Ours came.
     void came(Time now) {
         sent_.reset();
+        came_ = now;
         seen_ = true;
         next_ = now + every_;
         patience_ = kPatience;
@@ -52,6 +54,8 @@ class Delivery {
         return seen_ && sent_ && now - *sent_ >= patience_ &&
                (now - heard_ >= patience_ || now - *sent_ >= kPatiences * patience_);
     }
+    /// Ours came a moment ago.
+    bool works(Time now) const { return came_ && now - *came_ <= every_ + kPatience; }
     /// It is being left for that.
     void leave() { patience_ = std::min(2 * patience_, kMostPatience); }
     /// The broker closed the connection. Where none ever came that may be why: Mosquitto 2.0.11 closes
@@ -66,6 +70,7 @@ class Delivery {
     Time next_{};
     Time heard_{};
     std::optional<Time> sent_;
+    std::optional<Time> came_;  // the newest on this connection
     bool seen_ = false;
 };
 

@@ -63,7 +63,8 @@ struct Options {
     Duration connect_timeout = std::chrono::seconds(5);
     /// A QoS 1 message that is not acknowledged for this long means that the broker stalls: the connection is
     /// dropped and the next broker tried. It does not run while the broker delivers what it retains: a
-    /// million messages may be in its queue before an acknowledgement. Zero: left to the keep-alive.
+    /// million messages may be in its queue before an acknowledgement. Nor, for some minutes, where
+    /// check_delivery shows that the broker delivers: QoS 0 is used meanwhile. Zero: left to the keep-alive.
     Duration ack_timeout = std::chrono::seconds(8);
     /// A subscription without an answer for this long, likewise. While one has none, the broker is busy with
     /// it and ack_timeout does not run. Twice as long, up to a minute, for the single one that the next of

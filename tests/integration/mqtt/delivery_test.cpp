@@ -2,6 +2,8 @@
 // Brokers of a cluster that accept everything and deliver nothing.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/integration/mqtt/recorder.hpp"
 #include "tests/integration/mqtt/scripted_broker.hpp"
 
@@ -102,6 +104,58 @@ TEST_F(DeliveryTest, ClosedBeforeTheFirstAnswer_IsNotTakenForRulesThatDenyIt) {
         broker->answer_all();
     }
     ASSERT_TRUE(until(bus, [&] { return first.published_qos.size() + second.published_qos.size() > 2; }));
+}
+
+/// The first broker delivers, and from now on acknowledges nothing.
+struct UnacknowledgedTest : DeliveryTest {
+    UnacknowledgedTest() {
+        first.deliver_own(true);
+        bus.client->subscribe("lamp/in");
+        bus.client->start();
+        EXPECT_TRUE(until(bus, [&] { return first.published_qos.size() >= 2; }));
+        first.answer_nothing_after_connect();
+    }
+    static mqtt::Options impatient(mqtt::Options made) {
+        made.ack_timeout = 1s;
+        return made;
+    }
+    void run_beside(std::chrono::milliseconds time) {
+        until_beside(
+            bus, [] { return false; }, time, first, second);
+    }
+    void publish(int count) {
+        for (int i = 0; i < count; ++i)
+            bus.client->publish(make_message("asip/lamp", "on", 1));
+    }
+    std::ptrdiff_t with_qos_1() const {
+        return std::count(first.published_qos.begin(), first.published_qos.end(), 1);
+    }
+
+    Recorder bus{impatient(options())};
+};
+
+TEST_F(UnacknowledgedTest, BrokerThatDelivers_IsUsedWithQos0UntilItAcknowledges) {
+    publish(25);
+    EXPECT_TRUE(until(bus, [&] { return bus.client->counters().queued == 0; }));
+    EXPECT_EQ(with_qos_1(), 20);
+    EXPECT_EQ(bus.client->counters().published, 5u);
+    run_beside(3s);
+    EXPECT_TRUE(bus.losses.empty());
+    first.answer_all();
+    EXPECT_TRUE(until(bus, [&] { return bus.client->counters().published == 25; }));
+    run_beside(1500ms);
+    publish(1);
+    EXPECT_TRUE(until(bus, [&] { return bus.client->counters().published == 26; }));
+    EXPECT_EQ(with_qos_1(), 21);
+}
+
+TEST_F(UnacknowledgedTest, BrokerThatStopsToDeliver_IsLeft) {
+    publish(1);
+    run_beside(2s);
+    EXPECT_TRUE(bus.losses.empty());
+    first.deliver_own(false);
+    EXPECT_TRUE(until(bus, [&] { return second.subscriptions > 0; }));
+    EXPECT_EQ(bus.losses.size(), 1u);
 }
 
 }  // namespace

@@ -32,6 +32,15 @@ TEST(Delivery, OneIsUnderWayAtATime) {
     EXPECT_FALSE(delivery.lost(kStart + 1h));
 }
 
+TEST(Delivery, CameAMomentAgo_Works) {
+    auto delivery = seen();
+    EXPECT_TRUE(delivery.works(kStart - 5s));
+    EXPECT_TRUE(delivery.works(kStart + 3s));
+    EXPECT_FALSE(delivery.works(kStart + 4s));
+    delivery.restart(kStart - 5s);
+    EXPECT_FALSE(delivery.works(kStart - 5s)) << "that was another connection";
+}
+
 TEST(Delivery, NoneEverCame_NoBrokerIsLeft) {
     Delivery delivery(5s);
     delivery.restart(kStart);
