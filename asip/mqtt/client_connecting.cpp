@@ -226,8 +226,8 @@ void Client::Impl::fail_if_stalled(Time now) {
     flush();
 }
 
-// A broker of a cluster acknowledges what all nodes have that somebody listens at. While one of them is cut
-// off, each of the others is like this one, and takes no new subscription.
+// A broker of a cluster may acknowledge only what has reached each listener, at whichever node. While one of
+// them is cut off each of the others is like this one, and takes no new subscription.
 bool Client::Impl::stays_unacknowledged(Time since, Time now) const {
     return delivery_.works(now) && now - since < kMostUnacknowledged;
 }
