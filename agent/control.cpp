@@ -76,6 +76,7 @@ void Control::on_message(const mqtt::Message& message, const Arrival& arrival,
     auto envelope = bus::open_envelope(message);
     command->reply = envelope ? envelope->reply : envelope.error().reply;
     command->arrived = arrival.at;
+    const auto told = envelope ? clock_.time_of(envelope->sent) : std::nullopt;
     command->sent = envelope ? sent_at(*envelope, clock_, arrival.at) : arrival.at;
     command->board = topic->board;
     command->service = topic->service;
@@ -89,24 +90,25 @@ void Control::on_message(const mqtt::Message& message, const Arrival& arrival,
             "a stored command was not executed; clear it by publishing an empty retained message on " +
                 message.topic);
     if (!envelope) return refuse_it(bus::kRefusedInvalid, envelope.error().error);
-    if (arrival.stopped)
-        return refuse_it(bus::kRefusedStopped, "the board was stopped while it waited; it was not sent");
 
-    const session::ServiceTable::Entry* service = nullptr;
-    if (topic->kind == bus::TopicKind::kServiceIn) {
-        service = services.find(topic->service);
-        if (!service)
-            return refuse_it(services.entries().empty() ? bus::kRefusedBoardNotThere : bus::kRefusedInvalid,
-                             "the board has no service \"" + std::string(topic->service) + "\"");
+    const bool for_service = topic->kind == bus::TopicKind::kServiceIn;
+    const auto* service = for_service ? services.find(topic->service) : nullptr;
+    if (service != nullptr) {
         command->model_owner = service->model;
         command->model = service->model.get();
     }
     command->client = client_of(command->reply.wanted() ? command->reply.topic : message.topic);
-    if (is_renewal(*envelope, command->model)) {
+    const bool renewal = is_renewal(*envelope, command->model);
+    if (!renewal && was_seen(*command, message, told, now, out)) return;
+    if (arrival.stopped)
+        return refuse_it(bus::kRefusedStopped, "the board was stopped while it waited; it was not sent");
+    if (for_service && service == nullptr)
+        return refuse_it(services.entries().empty() ? bus::kRefusedBoardNotThere : bus::kRefusedInvalid,
+                         "the board has no service \"" + std::string(topic->service) + "\"");
+    if (renewal) {
         command->noted.clear();
         return renew(*command, *envelope, now, out);
     }
-    if (was_seen(*command, message, now, out)) return;
     command->deadline = deadline_of(*envelope, message, arrival.at, command->sent);
     command->hold = envelope->hold;
     // Nobody is there to renew it after that.
@@ -126,11 +128,12 @@ void Control::on_message(const mqtt::Message& message, const Arrival& arrival,
 }
 
 // The same message again is answered as the first was, or when that one is.
-bool Control::was_seen(Command& command, const mqtt::Message& message, Time now, Effects& out) {
+bool Control::was_seen(Command& command, const mqtt::Message& message, std::optional<Time> sent, Time now,
+                       Effects& out) {
     const std::string id = command.reply.key();
     if (id.empty()) return false;
     const auto key = RecentAnswers::key(message.topic, command.reply.topic, id);
-    switch (recent_.see(key, message.payload, now)) {
+    switch (recent_.see(key, message.payload, now, sent)) {
         case RecentAnswers::Seen::kNew:
             command.key = key;
             return false;
@@ -363,13 +366,7 @@ void Control::conclude(Command& command, Time now, Effects& out) {
         command.outcome.error = std::to_string(command.not_sent) + " of " + std::to_string(command.lines) +
                                 " lines were not sent: " + why;
     }
-    if (command.key) {
-        if (command.outcome.status == bus::Reply::Status::kRefused) {
-            recent_.forget(*command.key);
-        } else {
-            recent_.answer(*command.key, command.outcome);
-        }
-    }
+    if (command.key) recent_.answer(*command.key, command.outcome);
     statistics_.answered(command.outcome, command.reply.wanted(), now - command.arrived);
     send(command.reply, command.outcome, now, out);
     if (!command.noted.empty())

@@ -99,7 +99,8 @@ class Control {
     void execute(std::shared_ptr<Command> command, const std::vector<Line>& lines,
                  const session::ServiceTable& services, session::BoardSession& session, Time now,
                  session::Actions& actions, Effects& out);
-    bool was_seen(Command& command, const mqtt::Message& message, Time now, Effects& out);
+    bool was_seen(Command& command, const mqtt::Message& message, std::optional<Time> sent, Time now,
+                  Effects& out);
     void renew(Command& command, const bus::RequestEnvelope& envelope, Time now, Effects& out);
     std::string hold_fault(const Command& command, const std::vector<Line>& lines) const;
     void refuse(Command& command, std::string_view request, std::string_view reason, std::string text,

@@ -29,18 +29,21 @@ std::size_t RecentAnswers::bytes() const {
     return entries_.size() * kEntryBytes + reply_bytes_;
 }
 
-RecentAnswers::Seen RecentAnswers::see(Key key, std::string_view payload, Time now) {
+RecentAnswers::Seen RecentAnswers::see(Key key, std::string_view payload, Time now,
+                                       std::optional<Time> sent) {
     forget_old(now);
     const std::uint64_t hash = std::hash<std::string_view>{}(payload);
-    const auto [known, is_new] = entries_.try_emplace(key);
-    Entry& entry = known->second;
-    if (!is_new) {
-        if (entry.payload != hash) return Seen::kOtherPayload;
-        return entry.answered ? Seen::kAnswered : Seen::kPending;
+    if (const auto known = entries_.find(key); known != entries_.end()) {
+        const Entry& entry = known->second;
+        const bool copy = sent && sent <= entry.sent;
+        if (entry.refused() && copy) return Seen::kAnswered;
+        if (!entry.refused() && entry.payload != hash) return Seen::kOtherPayload;
+        if (!entry.refused()) return entry.answered ? Seen::kAnswered : Seen::kPending;
+        erase(key);
     }
-    entry.payload = hash;
-    entry.number = next_number_++;
-    turns_.push_back({now, key, entry.number});
+    const std::uint32_t number = next_number_++;
+    entries_[key] = {.payload = hash, .sent = sent, .number = number, .reply = {}};
+    turns_.push_back({now, key, number});
     return Seen::kNew;
 }
 
@@ -48,11 +51,22 @@ void RecentAnswers::answer(Key key, const bus::Reply& reply) {
     const auto known = entries_.find(key);
     if (known == entries_.end()) return;
     Entry& entry = known->second;
+    if (reply.status == bus::Reply::Status::kRefused) {
+        if (!entry.sent) return erase(key);
+        auto& refusal = refusals_[reply.reason];
+        if (!refusal)
+            refusal = std::make_shared<bus::Reply>(
+                bus::Reply::refused(reply.reason, "a copy of a message that was refused"));
+        entry.answered = true;
+        entry.reply = refusal;
+        return;
+    }
     entry.answered = true;
     if (reply == bus::Reply::ok("fence")) return;
-    entry.reply = std::make_unique<bus::Reply>(reply);
-    entry.reply->id.clear();
-    reply_bytes_ += bytes_of(*entry.reply);
+    auto kept = std::make_shared<bus::Reply>(reply);
+    kept->id.clear();
+    reply_bytes_ += bytes_of(*kept);
+    entry.reply = std::move(kept);
     forget_old(std::nullopt);
 }
 
@@ -65,12 +79,9 @@ std::unique_ptr<bus::Reply> RecentAnswers::find(Key key) const {
 
 void RecentAnswers::erase(Key key) {
     const auto known = entries_.find(key);
-    if (known->second.reply) reply_bytes_ -= bytes_of(*known->second.reply);
+    const Entry& entry = known->second;
+    if (entry.reply && !entry.refused()) reply_bytes_ -= bytes_of(*entry.reply);
     entries_.erase(known);
-}
-
-void RecentAnswers::forget(Key key) {
-    if (entries_.contains(key)) erase(key);
 }
 
 void RecentAnswers::forget_old(std::optional<Time> now) {

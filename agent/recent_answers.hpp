@@ -2,8 +2,10 @@
 #pragma once
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <unordered_map>
 
@@ -31,11 +33,11 @@ class RecentAnswers {
         kAnswered,      ///< the same was seen and has ended: see find()
         kOtherPayload,  ///< another request had this key
     };
-    Seen see(Key key, std::string_view payload, Time now);
-    /// Nothing happens where the request was forgotten meanwhile.
+    /// `sent`: when it was sent, where it says so.
+    Seen see(Key key, std::string_view payload, Time now, std::optional<Time> sent = {});
+    /// Nothing happens where the request was forgotten meanwhile. One that was refused may be tried again,
+    /// and is new then; not where it was sent no later: that is a copy, brokers deliver at least once.
     void answer(Key key, const bus::Reply& reply);
-    /// The request was not executed: the same may be tried again.
-    void forget(Key key);
     /// The reply of an answered one, without its id; none where it was forgotten.
     std::unique_ptr<bus::Reply> find(Key key) const;
 
@@ -47,10 +49,12 @@ class RecentAnswers {
   private:
     struct Entry {
         std::uint64_t payload = 0;
+        std::optional<Time> sent;
         std::uint32_t number = 0;  // distinguishes it from one that had the key before
         bool answered = false;
         // Absent for a pending one and for the most frequent answer, "ok, by a fence".
-        std::unique_ptr<bus::Reply> reply;
+        std::shared_ptr<const bus::Reply> reply;
+        bool refused() const { return reply && reply->status == bus::Reply::Status::kRefused; }
     };
     struct Turn {
         Time seen;
@@ -65,6 +69,7 @@ class RecentAnswers {
 
     std::unordered_map<Key, Entry> entries_;
     std::deque<Turn> turns_;  // in the order seen; entries that were erased may still be in here
+    std::map<std::string, std::shared_ptr<const bus::Reply>> refusals_;  // by reason, of which there are few
     std::size_t reply_bytes_ = 0;
     std::uint32_t next_number_ = 0;
     std::uint64_t dropped_ = 0;

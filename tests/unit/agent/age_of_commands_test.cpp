@@ -45,6 +45,36 @@ TEST_F(AgeOfCommands, HeldOnItsWayForLongerThanItsDeadline_IsRefused) {
     EXPECT_THAT(bench.board.executed, ElementsAre("S,W,0,10", "S,W,0,20"));
 }
 
+TEST_F(AgeOfCommands, RefusedAndDeliveredAgain_IsRefusedAgainAndATryOfLaterIsNot) {
+    const auto deliver = [&](const std::string& clock) {
+        bench.ask("asip/uno1/servo/in", {{"write", {0, 10}}, {"clock", clock}}, "same");
+        return answer();
+    };
+    bench.unplug();
+    EXPECT_EQ(deliver(sent)["reason"], "board-not-there");
+    bench.plug();
+    bench.pass(3s);
+    const auto copy = deliver(sent);
+    EXPECT_EQ(copy["status"], "refused");
+    EXPECT_EQ(copy["reason"], "board-not-there");
+    EXPECT_THAT(bench.board.executed, testing::Not(testing::Contains("S,W,0,10")));
+    EXPECT_EQ(deliver(copy["clock"])["status"], "ok");
+}
+
+TEST_F(AgeOfCommands, RefusedByAStopAndDeliveredAgain_IsRefusedAgain) {
+    mqtt::Message message;
+    message.topic = "asip/uno1/servo/in";
+    message.payload = "W,0,10";
+    message.response_topic = "answers";
+    message.correlation = "c";
+    message.user_properties = {{"clock", sent}};
+    bench.hear(message, {.at = bench.now, .stopped = true});
+    EXPECT_EQ(answer()["reason"], "stopped");
+    bench.hear(message, {.at = bench.now});
+    EXPECT_EQ(answer()["reason"], "stopped");
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
 TEST_F(AgeOfCommands, WithAnExpiry_WhatIsLeftOfItCountsFromTheArrival) {
     mqtt::Message message;
     message.topic = "asip/uno1/servo/in";

@@ -40,13 +40,47 @@ TEST(RecentAnswers, LongAnswers_OldestAreDroppedAndCounted) {
     EXPECT_EQ(recent.find(key_of(9'999))->answer.size(), 1000u);
 }
 
-TEST(RecentAnswers, ForgottenAndSeenAgain_IsKeptItsWholeMinute) {
+using Seen = RecentAnswers::Seen;
+
+TEST(RecentAnswers, RefusedAndSeenAgain_IsKeptItsWholeMinute) {
     RecentAnswers recent;
     recent.see(key_of(1), "p", Time{});
-    recent.forget(key_of(1));
-    EXPECT_EQ(recent.see(key_of(1), "p", Time{} + 30s), RecentAnswers::Seen::kNew);
-    EXPECT_EQ(recent.see(key_of(1), "p", Time{} + 80s), RecentAnswers::Seen::kPending);
-    EXPECT_EQ(recent.see(key_of(1), "p", Time{} + 91s), RecentAnswers::Seen::kNew);
+    recent.answer(key_of(1), bus::Reply::refused("queue-full", "later"));
+    EXPECT_EQ(recent.see(key_of(1), "p", Time{} + 30s), Seen::kNew);
+    EXPECT_EQ(recent.see(key_of(1), "p", Time{} + 80s), Seen::kPending);
+    EXPECT_EQ(recent.see(key_of(1), "p", Time{} + 91s), Seen::kNew);
+}
+
+TEST(RecentAnswers, RefusedAndSentNoLater_IsACopyAndRefusedAgain) {
+    constexpr Time kSent{1000s};
+    RecentAnswers recent;
+    const auto see = [&](Time sent, const char* payload = "p") {
+        return recent.see(key_of(1), payload, Time{}, sent);
+    };
+    const auto refuse = [&] { recent.answer(key_of(1), bus::Reply::refused("deadline", "too late")); };
+    EXPECT_EQ(see(kSent), Seen::kNew);
+    refuse();
+    EXPECT_EQ(see(kSent), Seen::kAnswered);
+    EXPECT_EQ(recent.find(key_of(1))->status, bus::Reply::Status::kRefused);
+    EXPECT_EQ(recent.find(key_of(1))->reason, "deadline");
+    EXPECT_EQ(see(kSent + 4s, "q"), Seen::kNew) << "tried again";
+    refuse();
+    EXPECT_EQ(see(kSent), Seen::kAnswered) << "a copy of the first try";
+    EXPECT_EQ(see(kSent + 5s), Seen::kNew);
+    recent.answer(key_of(1), bus::Reply::ok("fence"));
+    EXPECT_EQ(see(kSent + 6s), Seen::kAnswered);
+    EXPECT_EQ(recent.find(key_of(1))->status, bus::Reply::Status::kOk);
+    EXPECT_EQ(see(kSent + 6s, "q"), Seen::kOtherPayload);
+}
+
+TEST(RecentAnswers, FloodOfRefusals_TakesNoMoreThanOneOfAnswers) {
+    RecentAnswers recent;
+    for (int i = 0; i < 16'000; ++i) {
+        recent.see(key_of(i), "p", Time{}, Time{});
+        recent.answer(key_of(i), bus::Reply::refused("queue-full", std::string(1000, 'x')));
+    }
+    EXPECT_EQ(recent.dropped(), 0u);
+    EXPECT_LE(recent.bytes(), RecentAnswers::kMaxBytes);
 }
 
 }  // namespace
