@@ -108,19 +108,21 @@ void Application::message(const mqtt::Message& received) {
     log::error("another registry uses this id; give this one another with --id",
                {{"id", options_.id}, {"its epoch", *registry_->id_taken_by()}});
     status_ = program::kExitNameConflict;
+    stopping_ = true;
     client_->stop(std::chrono::seconds(1), [this] { end(); });
 }
 
 void Application::schedule_tick() {
     timer_.expires_after(kTick);
     timer_.async_wait([this](const boost::system::error_code& error) {
-        if (error) return;
+        if (error || stopping_) return;
         registry_->tick(now());
         schedule_tick();
     });
 }
 
 void Application::stop() {
+    stopping_ = true;  // nothing is said behind the goodbye
     client_->publish(registry_->goodbye(), mqtt::Priority::kAnnouncement);
     client_->stop(std::chrono::seconds(2), [this] { end(); });
 }

@@ -43,6 +43,7 @@ class Application {
     std::unique_ptr<mqtt::Client> client_;
     program::BrokerLog broker_log_;
     int status_ = 0;
+    bool stopping_ = false;
 };
 
 }  // namespace asip::registry

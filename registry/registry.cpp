@@ -167,6 +167,7 @@ void Registry::message(const mqtt::Message& message, Instant now) {
             if (topic->board == id_) return identity(message);
             return first_state_.statistics(topic->board, message.payload);
         case TopicKind::kRegistryState:
+            if (topic->board == id_) return own_state(message);
             return first_state_.state(topic->board, message.payload);
         case TopicKind::kProbe:
             return;
@@ -231,6 +232,12 @@ void Registry::identity(const mqtt::Message& message) {
         log::warning("another registry uses this id: watchers see the changes of both; give one another --id",
                      {{"id", id_}, {"its epoch", *other}});
     }
+}
+
+// The will of a connection that we left comes late, where the next broker is another one or was given another
+// identifier. What is retained was there before we said that we are online.
+void Registry::own_state(const mqtt::Message& message) {
+    if (!message.retain && message.payload != "online") state_due_ = now_.time + kStateRepeat;
 }
 
 void Registry::complete() {

@@ -68,6 +68,7 @@ class Registry {
     void first_state_answer(const mqtt::Message& message);
     void refused(const mqtt::Message& message, std::string_view board, Refusal refusal);
     void identity(const mqtt::Message& message);
+    void own_state(const mqtt::Message& message);
     void complete();
     void handle(const std::vector<Event>& events, bool decided_here);
     void change(const Event& event);

@@ -224,6 +224,20 @@ TEST_F(RegistryTest, ConnectionAgain_RetainedMessagesDoNotHoldUpAnswers) {
     EXPECT_GE(connection.count(statistics), 1u);
 }
 
+TEST_F(RegistryTest, WillOfAnEarlierConnectionComesLate_ItSaysAgainThatItIsOnline) {
+    const std::string state = "asip/registry/r1/$state";
+    const auto before = connection.count(state);
+    registry.message(bus_message(state, "offline", true), moment(1s));  // of the run before
+    registry.message(bus_message(state, "online"), moment(1s));
+    registry.tick(moment(3s));
+    EXPECT_EQ(connection.count(state), before);
+    registry.message(bus_message(state, "lost"), moment(4s));
+    for (Duration time = 5s; time <= 8s; time += 1s)
+        registry.tick(moment(time));
+    EXPECT_EQ(connection.count(state), before + 1);
+    EXPECT_EQ(connection.published.back().payload, "online");
+}
+
 TEST_F(RegistryTest, NamesThatAreNone_AreCountedWhereverTheyStand) {
     registry.message(bus_message("asip/servicebus/un o/$state", "online"), moment(0s));
     registry.message(bus_message("asip/servicebus/registry/$state", "online"), moment(0s));
