@@ -12,6 +12,9 @@ constexpr int kSuspicionsUntilFallback = 2;
 /// A broker that was going down may be back just when the other version is tried. Not twice.
 constexpr int kAcceptedUntilBelieved = 2;
 constexpr int kUnansweredUntilTls = 3;
+/// A broker that ends connections as soon as it accepted them may do so to us alone. After the second one
+/// the client comes by another identifier, which is tried there.
+constexpr int kClosedSoonUntilNext = 3;
 constexpr auto kHeldLongEnough = std::chrono::seconds(5);
 
 }  // namespace
@@ -44,7 +47,9 @@ BrokerList::Next BrokerList::lost(const ConnectionEnd& end, Duration held, const
     // A broker that accepts connections and ends them at once must not be asked without a pause.
     const bool good = held >= kHeldLongEnough;
     if (good) backoff_.reset();
-    const bool at_once = end.failure.kind != Kind::kStalled && end.failure.kind != Kind::kRefused;
+    closed_soon_ = good || end.failure.kind != Kind::kClosed ? 0 : closed_soon_ + 1;
+    const bool at_once = end.failure.kind != Kind::kStalled && end.failure.kind != Kind::kRefused &&
+                         closed_soon_ < kClosedSoonUntilNext;
     const bool others = good && brokers_.size() > 1;
     failures_this_round_ = others ? 0 : brokers_.size();
     const Duration wait = advance(at_once, random);
@@ -78,7 +83,10 @@ void BrokerList::learn(Broker& broker, const ConnectionEnd& end, bool tried_v5) 
 
 Duration BrokerList::advance(bool same_broker_at_once, const Random& random) {
     const bool suspected = version_ == Version::kBest && brokers_[current_].suspicions > 0;
-    if (!same_broker_at_once && !suspected) current_ = (current_ + 1) % brokers_.size();
+    if (!same_broker_at_once && !suspected) {
+        current_ = (current_ + 1) % brokers_.size();
+        closed_soon_ = 0;
+    }
     // The whole list is tried without waiting, then there is a pause.
     if (++failures_this_round_ < brokers_.size()) return {};
     failures_this_round_ = 0;

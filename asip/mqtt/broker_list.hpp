@@ -35,7 +35,8 @@ class BrokerList {
 
     /// It accepted the connection.
     void accepted();
-    /// The accepted connection ended after `held`. Of a list, the next attempt is at once if that was long.
+    /// The accepted connection ended after `held`. Of a list, the next attempt is at once if that was long;
+    /// if it was short for the third time in a row, it is at the next broker.
     Next lost(const ConnectionEnd& end, Duration held, const Random& random);
     /// The attempt failed. `tried_v5`: what with_v5() was.
     Next failed(const ConnectionEnd& end, bool tried_v5, const Random& random);
@@ -59,6 +60,7 @@ class BrokerList {
     Backoff backoff_;
     std::size_t current_ = 0;
     std::size_t failures_this_round_ = 0;
+    int closed_soon_ = 0;  ///< connections in a row that this broker ended as soon as it had accepted them
     bool ever_accepted_ = false;
     bool refused_v5_ = false;      ///< one of the list that was accepted with 3.1.1 then
     int accepted_without_v5_ = 0;  ///< behind attempts with MQTT 5 that had no answer

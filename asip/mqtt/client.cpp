@@ -57,6 +57,10 @@ void Client::Impl::stop(Duration limit, std::function<void()> done) {
     stop_timer_.expires_after(limit * 3 / 4);
     stop_timer_.async_wait([self = shared_from_this(), limit](const boost::system::error_code& error) {
         if (error || self->closed_) return;
+        if (self->connection_ && !self->leaving_) {
+            self->without_acknowledgements_ = true;  // what waits for those that are missing goes, too
+            self->flush();
+        }
         if (self->connection_ && !self->leaving_) self->connection_->goodbye();
         self->leaving_ = true;
         self->stop_timer_.expires_after(limit / 4);

@@ -84,7 +84,9 @@ struct Counters {
 
 /// One connection to a bus, kept up: connects, and after any loss connects again, to the next broker of the
 /// list with jittered backoff, subscribes to everything again, and sends what was queued. At least once for
-/// QoS 1: what was not acknowledged is sent again over the next connection.
+/// QoS 1: what was not acknowledged is sent again over the next connection. Not where a broker of a list
+/// delivers and acknowledges nothing for long (Options::check_delivery): until it does, QoS 0 is used, and
+/// what it took is not sent again unless it is retained.
 ///
 /// Runs on the io_context it is given, on the one thread that runs it; every handler is called from there,
 /// never from inside a call of one of the member functions. Handlers may call any member function, but must
@@ -162,7 +164,8 @@ class Client {
     bool subscribed() const;
     /// Whether the present connection is MQTT 5; false while there is none.
     bool v5() const;
-    /// As in the options; made up by the client where that was empty.
+    /// Of this connection or attempt: as in the options, or made up by the client; something is appended for
+    /// another broker of the list, and where a broker has trouble with it.
     const std::string& client_id() const;
     Counters counters() const;
 

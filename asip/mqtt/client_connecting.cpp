@@ -21,6 +21,12 @@ constexpr Duration kMostPatience = std::chrono::minutes(1);
 /// after five quarters of net_ticktime.
 constexpr Duration kMostUnacknowledged = std::chrono::minutes(3);
 
+/// Also "not authorized": rules may name the identifiers of a user.
+bool refuses_identifier(int code) {
+    return code == CONNACK_REFUSED_IDENTIFIER_REJECTED || code == CONNACK_REFUSED_NOT_AUTHORIZED ||
+           code == MQTT_RC_CLIENTID_NOT_VALID || code == MQTT_RC_NOT_AUTHORIZED;
+}
+
 }  // namespace
 
 void Client::Impl::attempt() {
@@ -105,7 +111,7 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
     check_.reset();
     const bool tried = std::exchange(trial_, std::nullopt).has_value();
     const auto waited = unacknowledged_for(Clock::now());
-    requeue_unacknowledged();
+    requeue_unacknowledged(Clock::now());
     if (stopped_) {
         finish();
         return;
@@ -120,7 +126,7 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
         auto failure = end.failure;
         if (failure.kind == Kind::kClosed) delivery_.closed();
         cut_off_.ended(failure, now - up_since_, options_.user, now);
-        const bool stores_nothing = failure.kind == Kind::kClosed && usable_qos_.failed(waited, tried_v5_);
+        const bool stores_nothing = failure.kind == Kind::kClosed && qos_failed(waited);
         // RabbitMQ keeps the queue of an identifier at the node that died, and closes whoever comes with it;
         // and closes the newer of two connections when the older one, which was left, gets its turn; and
         // whoever subscribes with an identifier whose queue it lost, for good. NATS lets nobody in under an
@@ -137,10 +143,17 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
     }
     // It is our will's. The same broker is asked again at once, with a lower one.
     if (end.failure.code == MQTT_RC_QOS_NOT_SUPPORTED && usable_qos_.broker_allows(0)) return attempt();
+    if (refuses_identifier(end.failure.code)) identifier_ = client_id_;
     ++counters_.failures;
     const auto next = brokers_.failed(end, tried_v5_, options_.random);
     retry_after(next.wait);
     if (next.failure && !silent() && handlers_.on_connect_failed) handlers_.on_connect_failed(*next.failure);
+}
+
+bool Client::Impl::qos_failed(Duration waited) {
+    if (!usable_qos_.failed(waited, tried_v5_)) return false;
+    debug_line("QoS 0 is used from now on: the broker gave up what has QoS 1 after seconds");
+    return true;
 }
 
 void Client::Impl::change_identifier() {
@@ -183,13 +196,16 @@ void Client::Impl::check_delivery(Time now) {
             {Kind::kStalled, brokers_.current(), 0,
              brokers_.current().describe() + " does not deliver what is published any more"});
     }
-    if (!subscriptions_.all_granted() || !connection_->ready_to_write() || !delivery_.due(now)) return;
+    const bool in_doubt = unacknowledged_for(now) >= options_.ack_timeout / 2;
+    if (subscriptions_.unanswered() || !connection_->ready_to_write() || !delivery_.due(now, in_doubt))
+        return;
     int id = 0;
     if (!own_subscription_ && connection_->subscribe(own_topic_, {.retained = false}, id) == MOSQ_ERR_SUCCESS)
         own_subscription_ = {id, now};
     if (!own_subscription_ || !own_subscription_->granted) return;
     Message message;
     message.topic = own_topic_;
+    message.payload = own_payload_ = std::to_string(++own_messages_);
     if (connection_->publish(message, id) == MOSQ_ERR_SUCCESS) delivery_.sent(now);
 }
 
@@ -201,6 +217,7 @@ std::optional<Time> Client::Impl::subscribing_since() const {
 
 void Client::Impl::fail_if_stalled(Time now) {
     if (options_.ack_timeout == Duration::zero()) return;
+    do_without_what_is_withheld(now);
     // The acknowledgement may be among what waits.
     if (connection_->has_unread()) {
         last_behind_ = now;
@@ -214,22 +231,27 @@ void Client::Impl::fail_if_stalled(Time now) {
             stalled(" does not answer a subscription");
         return;
     }
-    bool missing = false;
     for (const auto& [id, sent] : unacknowledged_) {
         if (now - std::max({sent.sent, last_subscribing_, last_behind_}) < options_.ack_timeout) continue;
-        if (!stays_unacknowledged(sent.sent, now)) return stalled(" acknowledges nothing any more");
-        missing = true;
+        if (!delivery_.works(now) || now - sent.sent >= kMostUnacknowledged)
+            return stalled(" acknowledges nothing any more");
     }
-    if (std::exchange(without_acknowledgements_, missing) == missing) return;
-    debug_line(missing ? "the broker delivers and acknowledges nothing; QoS 0 is used until it does"
-                       : "the broker acknowledges again");
-    flush();
 }
 
 // A broker of a cluster may acknowledge only what has reached each listener, at whichever node. While one of
 // them is cut off each of the others is like this one, and takes no new subscription.
-bool Client::Impl::stays_unacknowledged(Time since, Time now) const {
-    return delivery_.works(now) && now - since < kMostUnacknowledged;
+bool Client::Impl::withheld(Time published, Time now) const {
+    return options_.ack_timeout != Duration::zero() && now - published >= options_.ack_timeout &&
+           delivery_.took(published);
+}
+
+void Client::Impl::do_without_what_is_withheld(Time now) {
+    const bool any = std::any_of(unacknowledged_.begin(), unacknowledged_.end(),
+                                 [&](const auto& each) { return withheld(each.second.sent, now); });
+    if (std::exchange(without_acknowledgements_, any) == any) return;
+    debug_line(any ? "the broker delivers and acknowledges nothing; QoS 0 is used until it does"
+                   : "the broker acknowledges again");
+    flush();
 }
 
 }  // namespace asip::mqtt

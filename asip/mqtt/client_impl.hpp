@@ -48,6 +48,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     struct Unacknowledged {
         Outbox::Entry entry;
         Time sent;
+        bool superseded = false;  // a newer retained one of its topic was sent with QoS 0
     };
     struct OwnSubscription {
         int id;
@@ -78,9 +79,12 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     /// When the oldest subscription without an answer was asked for.
     std::optional<Time> subscribing_since() const;
     void fail_if_stalled(Time now);
-    bool stays_unacknowledged(Time since, Time now) const;
+    /// Whether the broker took what was published then, long ago, and does not acknowledge it.
+    bool withheld(Time published, Time now) const;
+    void do_without_what_is_withheld(Time now);
     bool checks_delivery() const { return !own_topic_.empty(); }
     void check_delivery(Time now);
+    bool qos_failed(Duration waited);
     void change_identifier();
     std::string identifier() const;
     /// For how long the oldest message without an acknowledgement has waited for it.
@@ -97,8 +101,9 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     std::optional<int> send(const Subscriptions::Sending& due, Time now);
     int send(Outbox::Entry entry);
     void flush();
-    void requeue_unacknowledged();
+    void requeue_unacknowledged(Time now);
     void handed_over(std::string topic);
+    void supersede(const std::string& topic);
     bool window_open(const Message& message) const;
     int qos_of(const Message& message) const {
         return without_acknowledgements_ ? 0 : usable_qos_.of(message.qos);
@@ -141,7 +146,9 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     Time last_subscribing_{};
     Time last_behind_{};  // when bytes of the broker were not read yet
     std::optional<Check> check_;
-    std::string own_topic_;  // empty: delivery is not checked
+    std::string own_topic_;    // empty: delivery is not checked
+    std::string own_payload_;  // of the last message on it
+    std::uint64_t own_messages_ = 0;
     /// None yet on this connection. It is asked for last, when nobody waits for the broker any more: of all
     /// who come from a node that died, at the same moment.
     std::optional<OwnSubscription> own_subscription_;

@@ -39,8 +39,10 @@ bool can_be_topic(const std::string& text) {
 void Client::Impl::message_received(Message message) {
     if (trial_) begin(*trial_);  // 3.1.1 allows it before the answer
     if (checks_delivery()) {
-        if (message.topic == own_topic_) return delivery_.came(Clock::now());
+        const bool own = message.topic == own_topic_;
+        if (own && message.payload == own_payload_) return delivery_.came(Clock::now());
         delivery_.heard(Clock::now());
+        if (own) return;  // it was sent on an earlier connection
     }
     ++counters_.received;
     if (message.retain) last_subscribing_ = Clock::now();
@@ -114,7 +116,7 @@ void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
     const auto advice = advice_on_topic(refusal->filter);
     if (refusal->first && handlers_.on_subscribe_refused)
         handlers_.on_subscribe_refused(refusal->filter, advice.empty() ? reason : reason + "." + advice);
-    const bool too_slow = usable_qos_.failed(refusal->after, tried_v5_);
+    const bool too_slow = qos_failed(refusal->after);
     if (too_slow) change_identifier();
     if ((refusal->give_up || too_slow) && brokers_.size() > 1 && connection_) {
         connection_->fail({ConnectionFailure::Kind::kRefused, brokers_.current(), code,
@@ -171,12 +173,18 @@ int Client::Impl::send(Outbox::Entry entry) {
     } else if (entry.message.qos == 0) {
         ++counters_.published;
         cut_off_.sent(Clock::now());
+        if (entry.message.retain) supersede(entry.message.topic);
         if (wanted > 0) handed_over(std::move(entry.message.topic));
     } else {
         cut_off_.sent(Clock::now());
         unacknowledged_.emplace(id, Unacknowledged{std::move(entry), Clock::now()});
     }
     return error;
+}
+
+void Client::Impl::supersede(const std::string& topic) {
+    for (auto& [id, sent] : unacknowledged_)
+        sent.superseded = sent.superseded || (sent.entry.message.retain && sent.entry.message.topic == topic);
 }
 
 /// Of a message of QoS 1 that was sent with QoS 0 this is all that will be known.
@@ -205,14 +213,25 @@ void Client::Impl::publish_answered(int id, int reason_code) {
     leave_when_sent();
 }
 
-void Client::Impl::requeue_unacknowledged() {
-    for (auto& [id, sent] : unacknowledged_)
-        outbox_.put_back(std::move(sent.entry));
+// What is retained says how things are, and the next broker may not have it. The acknowledgement of anything
+// else was withheld for good, and it is out of order by now.
+void Client::Impl::requeue_unacknowledged(Time now) {
+    for (auto& [id, sent] : unacknowledged_) {
+        auto& message = sent.entry.message;
+        const bool says_how_things_are = message.retain && !sent.superseded;
+        if (says_how_things_are || !withheld(sent.sent, now)) {
+            outbox_.put_back(std::move(sent.entry));
+        } else {
+            ++counters_.published;
+            handed_over(std::move(message.topic));
+        }
+    }
     unacknowledged_.clear();
 }
 
 bool Client::Impl::window_open(const Message& message) const {
-    return qos_of(message) == 0 || unacknowledged_.size() < kMaxUnacknowledged;
+    return qos_of(message) == 0 ||
+           unacknowledged_.size() < std::min(kMaxUnacknowledged, connection_->receive_maximum());
 }
 
 }  // namespace asip::mqtt

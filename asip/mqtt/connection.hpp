@@ -62,6 +62,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
     bool v5() const { return v5_; }
     /// What the broker allows; known once up().
     int max_qos() const { return max_qos_; }
+    /// Of how many messages of QoS 1 the broker may still owe the acknowledgement (MQTT 5.0, 3.2.2.3.3);
+    /// libmosquitto keeps more than that to itself.
+    std::size_t receive_maximum() const { return receive_maximum_; }
     /// Whether bytes from the broker wait to be read: we are behind, not the broker.
     bool has_unread() const;
 
@@ -130,6 +133,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     unsigned packets_seen_ = 0;  ///< counts callbacks, to learn whether reading again may give more
     int connack_code_ = 0;
     std::uint8_t max_qos_ = 2;
+    std::uint16_t receive_maximum_ = 65535;
     int disconnect_code_ = 0;
     std::string tls_detail_;
 };

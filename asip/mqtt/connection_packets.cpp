@@ -51,6 +51,7 @@ void Connection::on_connect(int code, const mosquitto_property* properties) {
         connected.max_packet_bytes = limit;
     }
     mosquitto_property_read_byte(properties, MQTT_PROP_MAXIMUM_QOS, &max_qos_, false);
+    mosquitto_property_read_int16(properties, MQTT_PROP_RECEIVE_MAXIMUM, &receive_maximum_, false);
     events_.connection_up(connected);
 }
 

@@ -19,6 +19,8 @@ class Delivery {
     static constexpr Duration kMostPatience = std::chrono::seconds(48);
     /// Before the first one on a connection.
     static constexpr Duration kSettling = std::chrono::seconds(1);
+    /// Where there are fewer, the last one says little of how the broker is now. In doubt there are as many.
+    static constexpr Duration kOften = std::chrono::seconds(5);
     /// In these it is lost though others come.
     static constexpr int kPatiences = 10;
 
@@ -29,17 +31,23 @@ class Delivery {
     void restart(Time now) {
         sent_.reset();
         came_.reset();
+        took_until_.reset();
         heard_ = now;
         next_ = now + std::min(every_, kSettling);
     }
-    bool due(Time now) const { return every_ > Duration::zero() && !sent_ && now >= next_; }
-    void sent(Time now) { sent_ = now; }
+    /// `in_doubt`: something else that the broker owes us is late.
+    bool due(Time now, bool in_doubt = false) const {
+        if (every_ == Duration::zero() || sent_) return false;
+        return now >= next_ || (in_doubt && came_ && now >= *came_ + kOften);
+    }
+    void sent(Time now) { sent_ = published_ = now; }
     /// A message of somebody came.
     void heard(Time now) { heard_ = now; }
     /// Ours came.
     void came(Time now) {
         sent_.reset();
         came_ = now;
+        took_until_ = published_;
         seen_ = true;
         next_ = now + every_;
         patience_ = kPatience;
@@ -55,7 +63,10 @@ class Delivery {
                (now - heard_ >= patience_ || now - *sent_ >= kPatiences * patience_);
     }
     /// Ours came a moment ago.
-    bool works(Time now) const { return came_ && now - *came_ <= every_ + kPatience; }
+    bool works(Time now) const { return came_ && now - *came_ <= std::min(every_, kOften) + kPatience; }
+    /// Whether the broker took what was published on this connection at that time: one of ours that left
+    /// behind it came, and brokers read what a client sends in order.
+    bool took(Time published) const { return took_until_ && published < *took_until_; }
     /// It is being left for that.
     void leave() { patience_ = std::min(2 * patience_, kMostPatience); }
     /// The broker closed the connection. Where none ever came that may be why: Mosquitto 2.0.11 closes
@@ -69,8 +80,10 @@ class Delivery {
     Duration patience_ = kPatience;
     Time next_{};
     Time heard_{};
-    std::optional<Time> sent_;
-    std::optional<Time> came_;  // the newest on this connection
+    std::optional<Time> sent_;        // the one under way; later, where we were behind
+    Time published_{};                // the last one, truly
+    std::optional<Time> came_;        // the newest on this connection
+    std::optional<Time> took_until_;  // when that was published
     bool seen_ = false;
 };
 

@@ -61,10 +61,10 @@ class Subscriptions {
     /// The broker's answer to the packet `id`.
     std::optional<Refusal> answered(int id, bool granted, Time now, const Random& random);
 
-    /// Whether the broker has granted all that are wanted; true when there are none.
-    bool all_granted() const { return required_.all_granted() && others_.all_granted(); }
-    /// Whether it has granted those that are required; all, where none is.
+    /// Whether the broker has granted those that are required; all, where none is; true when there are none.
     bool usable() const { return (required_.wanted > 0 ? required_ : others_).all_granted(); }
+    /// Whether one has no answer yet; one that was refused has.
+    bool unanswered() const { return required_.unanswered + others_.unanswered > 0; }
     /// When the oldest packet without an answer was sent.
     std::optional<Time> waiting_since() const;
 

@@ -74,6 +74,18 @@ TEST_F(DeliveryTest, RulesDenyToReadIt_ThereIsNoCheck) {
     EXPECT_TRUE(first.published_qos.empty());
 }
 
+TEST_F(DeliveryTest, AnotherSubscriptionIsRefused_DeliveryIsCheckedNevertheless) {
+    first.deliver_own(true);
+    first.refuse_filter("denied");
+    Recorder bus(options());
+    bus.client->subscribe("denied");
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] { return first.published_qos.size() >= 2; }));
+    EXPECT_FALSE(bus.client->subscribed());
+    first.deliver_own(false);
+    EXPECT_TRUE(until(bus, [&] { return second.subscriptions > 0; }));
+}
+
 TEST_F(DeliveryTest, OwnSubscriptionHasNoAnswer_TheNextBrokerIsUsed) {
     auto made = options();
     made.subscribe_timeout = 1s;
@@ -147,6 +159,66 @@ TEST_F(UnacknowledgedTest, BrokerThatDelivers_IsUsedWithQos0UntilItAcknowledges)
     publish(1);
     EXPECT_TRUE(until(bus, [&] { return bus.client->counters().published == 26; }));
     EXPECT_EQ(with_qos_1(), 21);
+}
+
+TEST_F(UnacknowledgedTest, BrokerBusyWithRetainedMessages_IsUsedWithQos0AllTheTime) {
+    publish(20);
+    EXPECT_TRUE(until(bus, [&] { return bus.client->counters().unacknowledged == 20; }));
+    publish(1);
+    EXPECT_TRUE(until(bus, [&] { return bus.client->counters().queued == 0; }));
+    first.deliver(true);
+    for (int i = 0; i < 4; ++i) {
+        run_beside(500ms);
+        publish(1);
+        EXPECT_EQ(bus.client->counters().queued, 0u) << i;
+    }
+    EXPECT_EQ(with_qos_1(), 20);
+}
+
+TEST_F(UnacknowledgedTest, BrokerIsLostThen_WhatItTookIsNotSentAgainButWhatIsRetained) {
+    publish(3);
+    auto state = make_message("asip/lamp/state", "online", 1);
+    state.retain = true;
+    bus.client->publish(state);
+    run_beside(3s);
+    EXPECT_EQ(with_qos_1(), 4);
+    EXPECT_TRUE(bus.published.empty());
+    first.close_subscriber();
+    EXPECT_TRUE(until(bus, [&] { return bus.published.size() == 3; }));
+    first.answer_all();
+    EXPECT_TRUE(until(bus, [&] { return bus.published.size() == 4; }));
+    EXPECT_EQ(bus.published.back(), "asip/lamp/state");
+    EXPECT_EQ(with_qos_1(), 5);
+    EXPECT_EQ(bus.client->counters().published, 4u);
+}
+
+TEST_F(UnacknowledgedTest, StoppedWithAFullWindow_SendsWhatWaitsAndDisconnects) {
+    publish(29);
+    ASSERT_TRUE(until(bus, [&] { return with_qos_1() == 20; }));
+    const auto before = first.published_qos.size();
+    bool stopped = false;
+    bus.client->stop(400ms, [&] { stopped = true; });
+    EXPECT_TRUE(until(bus, [&] { return stopped && first.disconnects == 1; }));
+    EXPECT_EQ(with_qos_1(), 20);
+    EXPECT_GE(first.published_qos.size(), before + 9);
+}
+
+TEST_F(UnacknowledgedTest, RetainedOneWithANewerBehindIt_IsNotSentAgain) {
+    const auto say = [&](const char* word) {
+        auto state = make_message("asip/lamp/state", word, 1);
+        state.retain = true;
+        bus.client->publish(state);
+    };
+    say("old");
+    run_beside(3s);
+    say("new");
+    EXPECT_EQ(with_qos_1(), 1);
+    first.close_subscriber();
+    EXPECT_TRUE(until(bus, [&] { return bus.connects.size() == 2; }));
+    first.answer_all();
+    publish(1);
+    EXPECT_TRUE(until(bus, [&] { return bus.published.back() == "asip/lamp"; }));
+    EXPECT_EQ(with_qos_1(), 2) << "the last one, and not the old one again";
 }
 
 TEST_F(UnacknowledgedTest, BrokerThatStopsToDeliver_IsLeft) {

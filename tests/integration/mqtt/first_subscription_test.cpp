@@ -90,6 +90,31 @@ TEST_F(FirstSubscriptionTest, ClosedMeanwhile_TheNextIsAskedForOneByAnotherIdent
     EXPECT_NE(bus.client->client_id(), before);
 }
 
+TEST_F(FirstSubscriptionTest, OtherIdentifierIsRefused_TheOwnOneIsUsedAgain) {
+    second.let_in_only("lamp");
+    auto alone = options();
+    alone.brokers.erase(alone.brokers.begin());
+    Recorder bus(alone);
+    bus.client->subscribe("a");
+    bus.client->start();
+    ASSERT_TRUE(asked(bus, 0, 1));
+    second.close_subscriber();
+    ASSERT_TRUE(asked(bus, 0, 2));
+    EXPECT_EQ(second.connects, 3);
+    EXPECT_EQ(bus.client->client_id(), "lamp");
+}
+
+TEST_F(FirstSubscriptionTest, BrokerClosesWhoeverSubscribes_TheNextIsUsed) {
+    first.close_subscribers();
+    second.answer_all();
+    Recorder bus(options());
+    bus.client->subscribe("a");
+    bus.client->start();
+    EXPECT_TRUE(until(bus, [&] { return bus.client->subscribed(); }));
+    EXPECT_EQ(first.subscriptions, 3);
+    EXPECT_EQ(second.subscriptions, 1);
+}
+
 TEST_F(FirstSubscriptionTest, LeftBroker_SeesAnotherIdentifierNext) {
     Recorder bus(options());
     ASSERT_TRUE(asks_the_second(bus));

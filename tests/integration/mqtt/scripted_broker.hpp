@@ -27,6 +27,12 @@ class ScriptedBroker {
     void run() { io_.restart(), io_.poll(); }
 
     void refuse_subscriptions(int count) { refusals_ = count; }
+    /// Each time, whatever is asked for this filter.
+    void refuse_filter(std::string filter) { refused_filter_ = std::move(filter); }
+    /// CONNECT with any other client identifier is refused.
+    void let_in_only(std::string client_id) { let_in_ = std::move(client_id); }
+    /// Whoever subscribes is closed.
+    void close_subscribers() { closes_subscribers_ = true; }
     void answer_nothing_after_connect() { silent_ = true; }
     /// Whoever publishes with this client identifier is closed, as by a node that has its queue elsewhere.
     void close_publisher(std::string client_id) { closed_ = std::move(client_id); }
@@ -61,6 +67,7 @@ class ScriptedBroker {
         send(*subscriber_, (retained ? "\x31" : "\x30") + std::string("\x05\x00\x01t\x00!", 6));
     }
 
+    int connects = 0;
     int subscriptions = 0;
     int unsubscriptions = 0;
     int disconnects = 0;
@@ -114,18 +121,23 @@ class ScriptedBroker {
         const auto type = static_cast<unsigned char>(packet[0]) & 0xf0;
         if (type == 0x30) published_qos.push_back((packet[0] >> 1) & 3);
         if (type == 0x10) {
+            ++connects;
             connect_packet = packet;
             peer->v5 = packet[8] == 5;
-            send(*peer,
-                 peer->v5 ? std::string("\x20\x03\x00\x00\x00", 5) : std::string("\x20\x02\x00\x00", 4));
+            const bool refused = !packet.ends_with(let_in_);
+            send(*peer, peer->v5 ? std::string("\x20\x03\x00", 3) + (refused ? '\x85' : '\0') + '\0'
+                                 : std::string("\x20\x02\x00", 3) + (refused ? '\x02' : '\0'));
         } else if (type == 0x80) {
             ++subscriptions;
             subscriber_ = peer;
+            if (closes_subscribers_) return peer->socket.close();
             subscribed_qos.push_back(packet.back() & 3);
             if (gives_up_after_.count() > 0 && subscribed_qos.back() > 0)
                 return later(peer, [this, peer, packet] { reply(peer, suback(*peer, packet, '\x80')); });
-            const bool refused = refusals_ > 0;
-            if (refused) --refusals_;
+            const bool by_name =
+                !refused_filter_.empty() && packet.find(refused_filter_) != std::string::npos;
+            const bool refused = by_name || refusals_ > 0;
+            if (refused && !by_name) --refusals_;
             reply(peer, suback(*peer, packet, refused ? '\x87' : '\x01'));
             if (publishes_) reply(peer, std::string("\x32\x07\x00\x01t\x00\x01\x00!", 9));
         } else if (type == 0xa0) {
@@ -182,6 +194,9 @@ class ScriptedBroker {
     bool publishes_ = false;
     bool delivers_own_ = false;
     bool closes_publishers_ = false;
+    bool closes_subscribers_ = false;
+    std::string refused_filter_;
+    std::string let_in_;
     std::chrono::milliseconds gives_up_after_{0};
     std::string closed_;
     std::vector<std::pair<std::shared_ptr<Peer>, std::string>> held_;

@@ -62,6 +62,7 @@ TEST_F(SubscriptionTest, ClosedTwiceRightAfterSending_ComesBackUnderAnotherIdent
     auto made = options();
     made.client_id = "asip-lamp";
     made.retry_first = 5ms;
+    made.brokers.push_back({"127.0.0.1", 1, false});  // nobody is there
     Recorder bus(made);
     bus.at_connect = [&] { bus.client->publish(make_message("asip/lamp", "on", 1)); };
     bus.client->start();
@@ -71,6 +72,7 @@ TEST_F(SubscriptionTest, ClosedTwiceRightAfterSending_ComesBackUnderAnotherIdent
         identifiers.push_back(connected.client_id);
     EXPECT_THAT(identifiers,
                 ElementsAre("asip-lamp", "asip-lamp", testing::MatchesRegex("asip-lamp-[0-9a-f]{4}")));
+    EXPECT_TRUE(bus.failures.empty()) << "the broker that closed it is where another identifier is tried";
 }
 
 // As NATS does after a node was lost.

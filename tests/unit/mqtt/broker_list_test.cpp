@@ -130,6 +130,31 @@ TEST_F(BrokerListTest, LostConnection_ReturnsToTheSameBrokerUnlessItStalled) {
     EXPECT_EQ(list.current().host, "broker1");
 }
 
+TEST_F(BrokerListTest, ConnectionClosedAsSoonAsAccepted_IsTriedThreeTimesThenTheNextIs) {
+    auto list = list_of(2);
+    for (const char* next : {"broker0", "broker0", "broker1", "broker1", "broker1", "broker0"}) {
+        list.accepted();
+        EXPECT_GT(list.lost(ended(list, Kind::kClosed), 1s, random_).wait, 0s);
+        EXPECT_EQ(list.current().host, next);
+    }
+    for (int i = 0; i < 3; ++i) {
+        list.lost(ended(list, Kind::kTakenOver), 1s, random_);
+        EXPECT_EQ(list.current().host, "broker0") << "by another one with our identifier";
+    }
+    for (int i = 0; i < 3; ++i) {
+        list.lost(ended(list, Kind::kClosed), 1s, random_);
+        list.lost(ended(list, Kind::kClosed), 1s, random_);
+        list.lost(ended(list, Kind::kClosed), 1min, random_);
+        EXPECT_EQ(list.current().host, "broker0");
+    }
+    list.lost(ended(list, Kind::kClosed), 1s, random_);
+    list.failed(ended(list, Kind::kUnreachable), true, random_);
+    for (int i = 0; i < 2; ++i) {
+        list.lost(ended(list, Kind::kClosed), 1s, random_);
+        EXPECT_EQ(list.current().host, "broker1") << "which has done so for the first time";
+    }
+}
+
 TEST_F(BrokerListTest, GoodConnectionLost_WholeListIsTriedAtOnce) {
     auto list = list_of(3);
     list.accepted();

@@ -41,6 +41,33 @@ TEST(Delivery, CameAMomentAgo_Works) {
     EXPECT_FALSE(delivery.works(kStart - 5s)) << "that was another connection";
 }
 
+TEST(Delivery, OnesThatAreSeldom_SayHowItIsForAShortTime) {
+    Delivery delivery(1min);
+    delivery.restart(kStart);
+    delivery.sent(kStart);
+    delivery.came(kStart);
+    EXPECT_TRUE(delivery.works(kStart + 8s));
+    EXPECT_FALSE(delivery.works(kStart + 9s));
+    EXPECT_FALSE(delivery.due(kStart + 4s, true));
+    EXPECT_TRUE(delivery.due(kStart + 5s, true)) << "in doubt there are more";
+    EXPECT_FALSE(delivery.due(kStart + 59s));
+    EXPECT_TRUE(delivery.due(kStart + 60s));
+}
+
+TEST(Delivery, WhatWasSentBeforeOneThatCame_WasTaken) {
+    auto delivery = seen();
+    EXPECT_TRUE(delivery.took(kStart - 7s));
+    EXPECT_FALSE(delivery.took(kStart - 6s));
+    delivery.sent(kStart);
+    EXPECT_FALSE(delivery.took(kStart - 1s));
+    delivery.behind(kStart + 2s);
+    delivery.came(kStart + 3s);
+    EXPECT_TRUE(delivery.took(kStart - 1s));
+    EXPECT_FALSE(delivery.took(kStart + 1s)) << "it left behind this one";
+    delivery.restart(kStart + 4s);
+    EXPECT_FALSE(delivery.took(kStart - 1s)) << "that was another connection";
+}
+
 TEST(Delivery, NoneEverCame_NoBrokerIsLeft) {
     Delivery delivery(5s);
     delivery.restart(kStart);
