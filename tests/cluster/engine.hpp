@@ -48,6 +48,9 @@ class Engine {
 
     /// A part that is no node and can be killed, such as a store, by what it is; empty: there is none.
     virtual std::string part() const { return {}; }
+    /// Whether what one node tells another goes through it: while it is gone, messages of QoS 0 are lost
+    /// between them.
+    virtual bool part_joins_nodes() const { return false; }
     virtual void kill_part() {}
     virtual void start_part() {}
 };

@@ -29,6 +29,7 @@ class Aedes final : public NodeEngine {
                 "wills of a killed node are published late or never"};
     }
     std::string part() const override { return "redis master"; }
+    bool part_joins_nodes() const override { return true; }
     void kill_part() override {
         killed_ = master();
         helper(killed_).kill();

@@ -272,7 +272,8 @@ void Fleet::suffer(const std::vector<Fault>& faults) {
         const bool broker = fault.target == Target::kNode || fault.target == Target::kCluster;
         const bool held = is_of_network(fault.action) && fault.target != Target::kRegistry;
         if (held || (broker && fault.action == Action::kStop)) round.messages_held = true;
-        round.nodes_apart = round.nodes_apart || (broker && engine_.nodes() > 1);
+        const bool parts = broker || (fault.target == Target::kPart && engine_.part_joins_nodes());
+        round.nodes_apart = round.nodes_apart || (parts && engine_.nodes() > 1);
         steps.push_back({round.begin + fault.after, true, &fault});
         steps.push_back({round.begin + fault.after + fault.lasts, false, &fault});
     }

@@ -65,8 +65,8 @@ struct Round {
     /// A broker was held by SIGSTOP, or packets of a broker or an agent by the network. When it goes on, what
     /// waits in sockets is delivered, and nobody can see how old that is; TCP sends again only after seconds.
     bool messages_held = false;
-    /// A broker node was killed, stopped or cut off, and there are others: what has QoS 0, as events have, is
-    /// not kept for it by them.
+    /// A broker node was killed, stopped or cut off, and there are others, or what joins them was killed:
+    /// what has QoS 0, as events have, is not kept for it by them.
     bool nodes_apart = false;
     Millis delayed = 0;  ///< the most by which this process itself was too late: a busy machine
 };
