@@ -26,7 +26,7 @@ bool Bridge::take_port_request(const mqtt::Message& message, Time arrival, Time 
     if (!request) return answer(bus::Reply::refused(std::string(bus::kRefusedInvalid), request.error()));
     // Nobody waits for the port any more, and nobody would give it back.
     if (request->what == bus::PortRequest::What::kRelease &&
-        now >= deadline_of(*envelope, message, arrival, sent_at(*envelope, clock_, arrival)))
+        now >= deadline_of(*envelope, message, arrival, sent_at(clock_.time_of(envelope->sent), arrival)))
         return answer(bus::Reply::timeout());
     const bool ready = session_.accepts_requests();
     const bool was_ours = port_.phase() == PortLease::Phase::kOurs;

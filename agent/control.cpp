@@ -52,9 +52,8 @@ Time deadline_of(const bus::RequestEnvelope& envelope, const mqtt::Message& mess
                : arrived + left;
 }
 
-Time sent_at(const bus::RequestEnvelope& envelope, const bus::AgentClock& clock, Time arrived) {
-    const auto sent = clock.time_of(envelope.sent);
-    return sent ? std::min(*sent, arrived) : arrived;
+Time sent_at(std::optional<Time> told, Time arrived) {
+    return told ? std::min(*told, arrived) : arrived;
 }
 
 namespace {
@@ -77,7 +76,7 @@ void Control::on_message(const mqtt::Message& message, const Arrival& arrival,
     command->reply = envelope ? envelope->reply : envelope.error().reply;
     command->arrived = arrival.at;
     const auto told = envelope ? clock_.time_of(envelope->sent) : std::nullopt;
-    command->sent = envelope ? sent_at(*envelope, clock_, arrival.at) : arrival.at;
+    command->sent = sent_at(told, arrival.at);
     command->board = topic->board;
     command->service = topic->service;
     command->noted = envelope ? envelope->shown() : message.payload;

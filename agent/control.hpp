@@ -28,8 +28,8 @@ inline constexpr session::ClientId kBusClient = session::ClientId{1} << 63;
 /// By when a request has to be done, by what it says, its expiry, or as usual. `arrived`, `sent`: when that
 /// was, at the earliest.
 Time deadline_of(const bus::RequestEnvelope& envelope, const mqtt::Message& message, Time arrived, Time sent);
-/// When it was sent, at the latest: by what it says of our clock, else when it arrived.
-Time sent_at(const bus::RequestEnvelope& envelope, const bus::AgentClock& clock, Time arrived);
+/// When it was sent, at the latest: as it told by our clock, else when it arrived.
+Time sent_at(std::optional<Time> told, Time arrived);
 
 /// The control bus: takes the envelope off, checks the command by its model, queues it on the session, and
 /// sees that whoever asked for an answer gets exactly one, in time. What fails for those who asked for none

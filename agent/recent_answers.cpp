@@ -35,10 +35,11 @@ RecentAnswers::Seen RecentAnswers::see(Key key, std::string_view payload, Time n
     const std::uint64_t hash = std::hash<std::string_view>{}(payload);
     if (const auto known = entries_.find(key); known != entries_.end()) {
         const Entry& entry = known->second;
-        const bool copy = sent && sent <= entry.sent;
-        if (entry.refused() && copy) return Seen::kAnswered;
-        if (!entry.refused() && entry.payload != hash) return Seen::kOtherPayload;
-        if (!entry.refused()) return entry.answered ? Seen::kAnswered : Seen::kPending;
+        if (!entry.refused()) {
+            if (entry.payload != hash) return Seen::kOtherPayload;
+            return entry.answered ? Seen::kAnswered : Seen::kPending;
+        }
+        if (sent && sent <= entry.sent) return Seen::kAnswered;
         erase(key);
     }
     const std::uint32_t number = next_number_++;

@@ -29,6 +29,16 @@ struct AgeOfCommands : OnlineBridge {
         const auto answers = bench.on("answers");
         return answers.empty() ? json() : json::parse(answers.back());
     }
+    static mqtt::Message over_mqtt5(const std::string& payload,
+                                    decltype(mqtt::Message::user_properties) properties) {
+        mqtt::Message message;
+        message.topic = "asip/uno1/servo/in";
+        message.payload = payload;
+        message.response_topic = "answers";
+        message.correlation = "c";
+        message.user_properties = std::move(properties);
+        return message;
+    }
     std::string sent;  // what the agent's clock showed then
     int ids = 1;
 };
@@ -62,12 +72,7 @@ TEST_F(AgeOfCommands, RefusedAndDeliveredAgain_IsRefusedAgainAndATryOfLaterIsNot
 }
 
 TEST_F(AgeOfCommands, RefusedByAStopAndDeliveredAgain_IsRefusedAgain) {
-    mqtt::Message message;
-    message.topic = "asip/uno1/servo/in";
-    message.payload = "W,0,10";
-    message.response_topic = "answers";
-    message.correlation = "c";
-    message.user_properties = {{"clock", sent}};
+    const auto message = over_mqtt5("W,0,10", {{"clock", sent}});
     bench.hear(message, {.at = bench.now, .stopped = true});
     EXPECT_EQ(answer()["reason"], "stopped");
     bench.hear(message, {.at = bench.now});
@@ -76,11 +81,7 @@ TEST_F(AgeOfCommands, RefusedByAStopAndDeliveredAgain_IsRefusedAgain) {
 }
 
 TEST_F(AgeOfCommands, WithAnExpiry_WhatIsLeftOfItCountsFromTheArrival) {
-    mqtt::Message message;
-    message.topic = "asip/uno1/servo/in";
-    message.payload = R"({"write":[0,10],"deadline_ms":5000})";
-    message.response_topic = "answers";
-    message.user_properties = {{"clock", sent}};
+    auto message = over_mqtt5(R"({"write":[0,10],"deadline_ms":5000})", {{"clock", sent}});
     const auto hear = [&](unsigned left, const char* id) {
         message.expiry_seconds = left;
         message.correlation = id;
@@ -94,12 +95,7 @@ TEST_F(AgeOfCommands, WithAnExpiry_WhatIsLeftOfItCountsFromTheArrival) {
 }
 
 TEST_F(AgeOfCommands, OverMqtt5_ClockComesAndGoesAsUserProperty) {
-    mqtt::Message message;
-    message.topic = "asip/uno1/servo/in";
-    message.payload = "W,0,10";
-    message.response_topic = "answers";
-    message.correlation = "c";
-    message.user_properties = {{"by", "ann"}, {"clock", ""}};
+    auto message = over_mqtt5("W,0,10", {{"by", "ann"}, {"clock", ""}});
     bench.hear(message);
     ASSERT_EQ(bench.published.front().message.topic, "answers");
     const auto& first = bench.published.front().message;
