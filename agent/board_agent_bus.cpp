@@ -101,6 +101,9 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
     handlers.on_subscribed = [this] {
         with_bridge([&](Time now, Effects& out) { bridge_.bus_subscribed(now, out); });
     };
+    handlers.on_all_subscribed = [this] {
+        with_bridge([&](Time now, Effects&) { bridge_.bus_all_subscribed(now); });
+    };
     handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
         bridge_.bus_disconnected();
         on_the_way_ = {};

@@ -44,6 +44,10 @@ void Bridge::bus_subscribed(Time now, Effects& out) {
     if (announcer_ && name_claimed_) announcer_->on_subscribed(now, out);
 }
 
+void Bridge::bus_all_subscribed(Time now) {
+    if (announcer_ && name_claimed_) announcer_->on_all_subscribed(now);
+}
+
 void Bridge::bus_disconnected() {
     if (announcer_) announcer_->on_disconnected();
 }

@@ -124,6 +124,10 @@ void Announcer::on_subscribed(Time now, Announcements& out) {
     if (announce_board(now, out)) names_ = now + random_part(kProbeAnswer, random_);
 }
 
+void Announcer::on_all_subscribed(Time now) {
+    if (subscribed_ && established_ && !expires_ && !probe_answer_) announce_within(kProbeAnswer, now);
+}
+
 std::string Announcer::description_text() const {
     auto text = model::to_text(description_);
     if (!updating_.empty()) text.insert(text.size() - 1, ",\"updating\":" + updating_);

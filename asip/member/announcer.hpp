@@ -69,6 +69,9 @@ class Announcer {
     void on_disconnected();
     /// Commands reach us now.
     void on_subscribed(Time now, Announcements& out);
+    /// And all else. Where a broker needs long for that, a probe and our own late will came before we could
+    /// hear of them, and it finds nothing by wildcards (RabbitMQ): what was announced before is said again.
+    void on_all_subscribed(Time now);
     /// A message on our board's service-bus topics or on the probe topic.
     void on_message(const mqtt::Message& message, Time now, Announcements& out);
     void tick(Time now, Announcements& out);

@@ -115,6 +115,8 @@ class Client {
         /// Each subscription that is required is granted, or where none is, each: what is published from here
         /// on reaches us. Called after on_connected, and again whenever the last missing one is granted.
         std::function<void()> on_subscribed;
+        /// Each subscription is granted, also those that are not required. Called as on_subscribed, after it.
+        std::function<void()> on_all_subscribed{};
         /// The broker denied this QoS 1 message: access rules, quota. It is not sent again. MQTT 5
         /// only: brokers deny in silence on 3.1.1.
         std::function<void(const std::string& topic, const std::string& reason)> on_publish_denied{};

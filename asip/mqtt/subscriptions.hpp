@@ -63,6 +63,8 @@ class Subscriptions {
 
     /// Whether the broker has granted those that are required; all, where none is; true when there are none.
     bool usable() const { return (required_.wanted > 0 ? required_ : others_).all_granted(); }
+    /// Whether the broker has granted each.
+    bool all_granted() const { return required_.all_granted() && others_.all_granted(); }
     /// Whether one has no answer yet; one that was refused has.
     bool unanswered() const { return required_.unanswered + others_.unanswered > 0; }
     /// When the oldest packet without an answer was sent.

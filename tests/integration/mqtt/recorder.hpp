@@ -32,6 +32,7 @@ struct Recorder {
             denied.push_back(topic);
         };
         handlers.on_subscribed = [this] { ++subscribed_calls; };
+        handlers.on_all_subscribed = [this] { ++all_subscribed_calls; };
         client = std::make_unique<mqtt::Client>(io, std::move(options), std::move(handlers));
     }
 
@@ -61,6 +62,7 @@ struct Recorder {
     std::vector<std::string> refused_filters;
     std::vector<std::string> denied;
     int subscribed_calls = 0;
+    int all_subscribed_calls = 0;
     std::function<void()> at_connect;
     std::function<void(const mqtt::Message&)> at_message;
     std::unique_ptr<mqtt::Client> client;

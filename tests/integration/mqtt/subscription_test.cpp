@@ -43,6 +43,22 @@ TEST_F(SubscriptionTest, RefusedTwiceThenGranted_IsTriedAgainAndReported) {
     EXPECT_TRUE(bus.losses.empty());
 }
 
+TEST_F(SubscriptionTest, RestIsAnsweredLater_ReportedOnceMoreThen) {
+    broker.refuse_filter("rest");
+    Recorder bus(options());
+    bus.client->subscribe("in", {.qos = 1, .required = true});
+    bus.client->subscribe("rest", {.qos = 1});
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] { return !bus.refused_filters.empty(); }));
+    EXPECT_TRUE(bus.client->subscribed());
+    EXPECT_EQ(bus.subscribed_calls, 1);
+    EXPECT_EQ(bus.all_subscribed_calls, 0);
+    broker.refuse_filter("");
+    ASSERT_TRUE(until(bus, [&] { return bus.all_subscribed_calls > 0; }));
+    EXPECT_EQ(bus.subscribed_calls, 1);
+    EXPECT_EQ(bus.all_subscribed_calls, 1);
+}
+
 TEST_F(SubscriptionTest, MessageOfQos1_IsHandedOutBeforeItIsAcknowledged) {
     broker.publish_to_subscriber();
     Recorder bus(options());

@@ -155,6 +155,35 @@ TEST(Announcer, BrokerBackWhoseRetainedDoesNotExpire_CommandsComeBeforeTheAnnoun
     EXPECT_THAT(bench.on("asip/servicebus"), ElementsAre("uno1"));
 }
 
+TEST(Announcer, BrokerThatFindsNothingByWildcardsGrantsTheRestLate_IsToldAgain) {
+    BridgeBench bench;
+    bench.plug();
+    bench.connect(false);
+    bench.pass(1500ms);
+    bench.bridge.bus_disconnected();
+    bench.connect(false);
+    bench.published.clear();
+    bench.all_subscribed();
+    bench.pass(3s);
+    EXPECT_EQ(bench.on(kDescription).size(), 1u) << "what is due anyway comes behind that";
+    bench.published.clear();
+    bench.all_subscribed();
+    EXPECT_THAT(bench.published, IsEmpty());
+    bench.pass(900ms);
+    EXPECT_THAT(bench.on(kState), ElementsAre("online"));
+    EXPECT_EQ(bench.on(kDescription).size(), 1u);
+    EXPECT_THAT(retained_on(kState, bench), ElementsAre(false)) << "stored already";
+}
+
+TEST(Announcer, BrokerThatFindsAllThatItRetainsGrantsTheRestLate_IsToldNothingTwice) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.published.clear();
+    bench.all_subscribed();
+    bench.pass(3s);
+    EXPECT_THAT(bench.published, IsEmpty());
+}
+
 TEST(Announcer, Renewal_IsTheDescriptionAlone) {
     BridgeBench bench;
     bench.go_online();

@@ -108,7 +108,9 @@ TEST_F(SubscriptionsTest, Required_AreAskedForBeforeTheOthersAndMakeItUsable) {
         EXPECT_TRUE(subscriptions.unanswered());
         EXPECT_THAT(filters(subscriptions.due(now)), testing::ElementsAre("a"));
         send_due();
+        EXPECT_FALSE(subscriptions.all_granted());
         answer(connection == 1);
+        EXPECT_EQ(subscriptions.all_granted(), connection == 1);
         EXPECT_FALSE(subscriptions.unanswered());
         EXPECT_TRUE(subscriptions.usable());
         subscriptions.restart();
