@@ -319,6 +319,8 @@ void Fleet::write_logs(const std::string& folder) const {
         write(history_.boards[i], agents_[i]->log());
     for (std::size_t i = 0; i < registries_.size(); ++i)
         write(watchers_[i]->registry(), registries_[i]->log());
+    for (const auto& watcher : watchers_)
+        write("watch-" + watcher->registry(), watcher->log());
     for (std::size_t i = 0; i < engine_.nodes(); ++i)
         write(fmt::format("{}{}", engine_.name(), i), engine_.log(i));
 }

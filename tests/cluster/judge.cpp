@@ -75,11 +75,7 @@ class Judge {
         std::string how;
         for (const auto& [registry, difference] : round.wrong) {
             how += fmt::format(" {}:", registry);
-            if (difference.none()) how += " no answer";
-            for (const auto& board : difference.ghosts)
-                how += ' ' + board + " is a ghost";
-            for (const auto& board : difference.lost)
-                how += ' ' + board + " lives and is not online";
+            how += difference.none() ? " no answer" : text_of(difference);
         }
         fail(round.end, fmt::format("{}: catalogues did not agree with the truth within {} ms:{}", round.name,
                                     limits_.agree, how));
@@ -176,6 +172,15 @@ const char* to_string(Outcome outcome) {
             break;
     }
     return "unanswered";
+}
+
+std::string text_of(const Difference& difference) {
+    std::string text;
+    for (const auto& board : difference.ghosts)
+        text += ' ' + board + " is a ghost";
+    for (const auto& board : difference.lost)
+        text += ' ' + board + " lives and is not online";
+    return text;
 }
 
 std::string names_of_mute(const Round& round, const History& history) {

@@ -38,6 +38,9 @@ struct Verdict {
 /// Decides, by what the boards executed and the registries said, whether all was as promised. Pure.
 Verdict judge(const History& history, const Limits& limits = {});
 
+/// What is wrong, each behind a blank.
+std::string text_of(const Difference& difference);
+
 /// The boards that executed nothing after the round, each behind a blank.
 std::string names_of_mute(const Round& round, const History& history);
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/cluster/watcher.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "tests/cluster/commander.hpp"
+#include "tests/cluster/judge.hpp"
 
 namespace cluster {
 
@@ -116,10 +119,17 @@ void Watcher::look(const std::vector<asip::bus::BoardItem>& boards) {
     const bool right = difference_.none() && view_.complete();
     const bool fresh = now() - seen_ <= kOld;
     seen_ = now();
+    note(!difference_.none() ? text_of(difference_) : right ? " right" : " right, but the copy has a gap");
     if (!right)
         right_since_.reset();
     else if (!right_since_ || !fresh)
         right_since_ = seen_;
+}
+
+void Watcher::note(std::string what) {
+    if (what == noted_) return;
+    log_ += fmt::format("{:8.3f} s:{}\n", static_cast<double>(seen_) / 1000, what);
+    noted_ = std::move(what);
 }
 
 }  // namespace cluster

@@ -34,12 +34,15 @@ class Watcher {
     /// What was seen so far counts no more.
     void look_anew() { right_since_.reset(); }
     const Difference& difference() const { return difference_; }
+    /// What it saw, whenever that changed.
+    const std::string& log() const { return log_; }
 
   private:
     void ask();
     void answered(const asip::bus::Answer& answer);
     void event(const asip::bus::ChangeEvent& event);
     void look(const std::vector<asip::bus::BoardItem>& boards);
+    void note(std::string what);
     void compare(const std::map<std::string, std::string>& states, Difference& difference) const;
 
     std::string registry_;
@@ -57,6 +60,8 @@ class Watcher {
     Millis came_ = 0;      // when the event with this number did
     bool joined_ = false;  // an event of this epoch has come over this connection
     Difference difference_;
+    std::string noted_;
+    std::string log_;
     std::optional<Millis> right_since_;
     Millis seen_ = 0;
 };
