@@ -8,8 +8,6 @@
 namespace asip::agent {
 namespace {
 
-using testing::Contains;
-using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -87,92 +85,6 @@ TEST(Announcer, Lease_IsRenewedAtAThirdWithARisingSeq) {
     ASSERT_LE(descriptions.size(), 6u);
     EXPECT_EQ(model::parse_description(descriptions[0])->seq + 1,
               model::parse_description(descriptions[1])->seq);
-}
-
-/// Of each message on the topic, whether the broker was to retain it.
-std::vector<bool> retained_on(const std::string& topic, const BridgeBench& bench) {
-    std::vector<bool> retained;
-    for (const auto& publication : bench.published)
-        if (publication.message.topic == topic) retained.push_back(publication.message.retain);
-    return retained;
-}
-
-TEST(Announcer, RetainedDoesNotExpireAtThisBroker_IsRetainedOnceALease) {
-    BridgeBench bench;
-    bench.plug();
-    bench.connect(false);
-    bench.pass(1500ms);
-    EXPECT_THAT(retained_on(kState, bench), ElementsAre(true));
-    EXPECT_THAT(retained_on(kDescription, bench), ElementsAre(true));
-    bench.published.clear();
-    bench.hear(kProbe, "");
-    bench.pass(1s);
-    EXPECT_THAT(bench.on(kState), ElementsAre("online"));
-    EXPECT_THAT(retained_on(kState, bench), ElementsAre(false));
-    EXPECT_THAT(retained_on(kDescription, bench), ElementsAre(false));
-    bench.published.clear();
-    bench.pass(58s);
-    EXPECT_THAT(retained_on(kDescription, bench), Each(false)) << "leases are renewed all the same";
-    bench.pass(22s);
-    EXPECT_THAT(retained_on(kDescription, bench), Contains(true).Times(1));
-}
-
-TEST(Announcer, WhatDoesNotExpireChangesOrIsOverwritten_IsRetainedAtOnce) {
-    BridgeBench bench;
-    bench.plug();
-    bench.connect(false);
-    bench.pass(1500ms);
-    for (const std::string foreign : {"", "no json"}) {
-        bench.published.clear();
-        bench.hear(kDescription, foreign);
-        bench.hear(kProbe, "");
-        bench.pass(1s);
-        EXPECT_THAT(retained_on(kDescription, bench), ElementsAre(true)) << foreign;
-    }
-    bench.published.clear();
-    bench.hear(kState, "lost");
-    EXPECT_THAT(retained_on(kState, bench), ElementsAre(true));
-    bench.published.clear();
-    bench.bridge.bus_disconnected();
-    bench.connect(false);
-    bench.pass(900ms);
-    EXPECT_THAT(retained_on(kState, bench), ElementsAre(true));
-    EXPECT_THAT(retained_on(kDescription, bench), ElementsAre(true));
-}
-
-TEST(Announcer, BrokerBackWhoseRetainedDoesNotExpire_CommandsComeBeforeTheAnnouncement) {
-    BridgeBench bench;
-    bench.plug();
-    bench.connect(false);
-    bench.pass(1500ms);
-    bench.bridge.bus_disconnected();
-    bench.published.clear();
-    bench.connect(false);
-    EXPECT_THAT(bench.published, IsEmpty());
-    bench.pass(900ms);
-    EXPECT_THAT(bench.on(kState), ElementsAre("online"));
-    EXPECT_EQ(bench.on(kDescription).size(), 1u);
-    EXPECT_THAT(bench.on("asip/servicebus"), ElementsAre("uno1"));
-}
-
-TEST(Announcer, BrokerThatFindsNothingByWildcardsGrantsTheRestLate_IsToldAgain) {
-    BridgeBench bench;
-    bench.plug();
-    bench.connect(false);
-    bench.pass(1500ms);
-    bench.bridge.bus_disconnected();
-    bench.connect(false);
-    bench.published.clear();
-    bench.all_subscribed();
-    bench.pass(3s);
-    EXPECT_EQ(bench.on(kDescription).size(), 1u) << "what is due anyway comes behind that";
-    bench.published.clear();
-    bench.all_subscribed();
-    EXPECT_THAT(bench.published, IsEmpty());
-    bench.pass(900ms);
-    EXPECT_THAT(bench.on(kState), ElementsAre("online"));
-    EXPECT_EQ(bench.on(kDescription).size(), 1u);
-    EXPECT_THAT(retained_on(kState, bench), ElementsAre(false)) << "stored already";
 }
 
 TEST(Announcer, BrokerThatFindsAllThatItRetainsGrantsTheRestLate_IsToldNothingTwice) {
