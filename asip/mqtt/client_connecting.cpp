@@ -61,7 +61,8 @@ void Client::Impl::connection_up(const Connected& connected) {
     ++counters_.connects;
     brokers_.accepted();
     usable_qos_.broker_allows(connection_->max_qos());
-    subscriptions_.restart();
+    // RabbitMQ grants one subscription after the other, to all who come from a node that is gone.
+    subscriptions_.restart(!tried_v5_ && brokers_.size() > 1);
     delivery_.restart(up_since_);
     own_subscription_.reset();
     first_subscription_.reset();

@@ -105,7 +105,7 @@ void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
     }
     const bool usable_before = subscriptions_.usable();
     const bool all_before = subscriptions_.all_granted();
-    const bool held_back = subscriptions_.holds_back();
+    const bool held_back = subscriptions_.holds_back(now);
     const auto refusal = subscriptions_.answered(id, code < kFirstErrorCode, now, options_.random);
     if (first_subscription_ == id) first_subscription_.reset();
     if (trial_ && !first_subscription_) begin(*trial_);
@@ -113,7 +113,7 @@ void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
     if (!usable_before && subscriptions_.usable() && handlers_.on_subscribed) handlers_.on_subscribed();
     if (!all_before && subscriptions_.all_granted() && !silent() && handlers_.on_all_subscribed)
         handlers_.on_all_subscribed();
-    if (held_back && !subscriptions_.holds_back() && connected() && !silent()) send_subscriptions();
+    if (held_back && !subscriptions_.holds_back(now) && connected() && !silent()) send_subscriptions();
     if (!refusal) return;
     const std::string reason = mosquitto_reason_string(code);
     const auto advice = advice_on_topic(refusal->filter);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/mqtt/subscriptions.hpp"
 
+#include <algorithm>
+
 namespace asip::mqtt {
 
 void Subscriptions::add(const std::string& filter, SubscribeOptions options) {
@@ -39,8 +41,10 @@ void Subscriptions::set(Wanted& wanted, const std::string& filter, State state) 
         group_of(wanted).open.erase(filter);
 }
 
-void Subscriptions::restart() {
+void Subscriptions::restart(bool defers) {
     unanswered_.clear();
+    defers_ = defers;
+    others_from_ = {};
     for (auto& [filter, wanted] : wanted_) {
         set(wanted, filter, State::kDue);
         wanted.refusals = 0;
@@ -51,7 +55,7 @@ void Subscriptions::restart() {
 std::vector<Subscriptions::Sending> Subscriptions::due(Time now) const {
     std::vector<Sending> result;
     add_due(required_, now, result);
-    if (!holds_back()) add_due(others_, now, result);
+    if (!holds_back(now)) add_due(others_, now, result);
     return result;
 }
 
@@ -84,6 +88,8 @@ std::optional<Subscriptions::Refusal> Subscriptions::answered(int id, bool grant
     if (granted) {
         set(wanted, filter, State::kGranted);
         wanted.refusals = 0;
+        if (defers_ && wanted.options.required && required_.all_granted() && after >= kBusy)
+            others_from_ = now + std::min(after, kMostDeference);
         return std::nullopt;
     }
     set(wanted, filter, State::kRefused);

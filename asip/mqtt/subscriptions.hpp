@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <chrono>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -34,6 +35,9 @@ struct SubscribeOptions {
 class Subscriptions {
   public:
     static constexpr int kMaxRefusals = 3;
+    static constexpr Duration kBusy = std::chrono::milliseconds(500);
+    /// Below Options::ack_timeout, which does not run while the broker has a subscription to answer.
+    static constexpr Duration kMostDeference = std::chrono::seconds(5);
 
     using Sending = std::pair<std::string, SubscribeOptions>;
     struct Refusal {
@@ -47,14 +51,16 @@ class Subscriptions {
     void add(const std::string& filter, SubscribeOptions options);
     void remove(const std::string& filter);
 
-    /// A new connection: nothing is granted, everything is due.
-    void restart();
+    /// A new connection: nothing is granted, everything is due. `defers`: to a busy broker, see due().
+    void restart(bool defers = false);
 
     /// What is to be sent now; each is to be followed by sent() unless it could not be sent. While one that
     /// is required has no answer yet, none that is not: of all who come from a broker that is gone, at the
-    /// same moment, the next one serves first what they cannot work without.
+    /// same moment, the next one serves first what they cannot work without. After restart(true), and where
+    /// the last of these took kBusy or longer, what is not required waits as long again, for kMostDeference
+    /// at the most: others are likely to wait for theirs.
     std::vector<Sending> due(Time now) const;
-    bool holds_back() const { return required_.unanswered > 0; }
+    bool holds_back(Time now) const { return required_.unanswered > 0 || now < others_from_; }
     /// `id`: the packet id that the broker will answer.
     void sent(int id, const std::string& filter, Time now);
 
@@ -101,6 +107,8 @@ class Subscriptions {
     std::map<std::string, Wanted> wanted_;
     Group required_;
     Group others_;
+    bool defers_ = false;
+    Time others_from_{};
     std::unordered_map<int, Sent> unanswered_;
 };
 

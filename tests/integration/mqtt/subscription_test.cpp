@@ -59,6 +59,24 @@ TEST_F(SubscriptionTest, RestIsAnsweredLater_ReportedOnceMoreThen) {
     EXPECT_EQ(bus.all_subscribed_calls, 1);
 }
 
+TEST_F(SubscriptionTest, BusyBrokerOfAList_RestIsAskedForAsLongAgainLater) {
+    broker.answer_nothing_after_connect();
+    auto both = options();
+    both.version = mqtt::Version::kV311;
+    both.brokers.push_back({"127.0.0.1", 1, false});  // nobody is there
+    Recorder bus(both);
+    bus.client->subscribe("in", {.qos = 1, .required = true});
+    bus.client->subscribe("rest", {.qos = 1});
+    bus.client->start();
+    const auto asked_for_the_rest = [&] { return broker.subscriptions > 1; };
+    EXPECT_FALSE(until(bus, asked_for_the_rest, 2s));
+    broker.answer_all();
+    ASSERT_TRUE(until(bus, [&] { return bus.client->subscribed(); }));
+    EXPECT_FALSE(until(bus, asked_for_the_rest, 500ms));
+    EXPECT_TRUE(until(bus, [&] { return bus.all_subscribed_calls > 0; }));
+    EXPECT_EQ(broker.subscriptions, 2);
+}
+
 TEST_F(SubscriptionTest, MessageOfQos1_IsHandedOutBeforeItIsAcknowledged) {
     broker.publish_to_subscriber();
     Recorder bus(options());

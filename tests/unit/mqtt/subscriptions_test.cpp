@@ -101,10 +101,10 @@ TEST_F(SubscriptionsTest, Required_AreAskedForBeforeTheOthersAndMakeItUsable) {
         EXPECT_THAT(subscriptions.due(now), IsEmpty());
         answer(true);
         EXPECT_FALSE(subscriptions.usable());
-        EXPECT_TRUE(subscriptions.holds_back());
+        EXPECT_TRUE(subscriptions.holds_back(now));
         subscriptions.answered(last_id - 1, true, now, random);
         EXPECT_TRUE(subscriptions.usable());
-        EXPECT_FALSE(subscriptions.holds_back());
+        EXPECT_FALSE(subscriptions.holds_back(now));
         EXPECT_TRUE(subscriptions.unanswered());
         EXPECT_THAT(filters(subscriptions.due(now)), testing::ElementsAre("a"));
         send_due();
@@ -131,11 +131,45 @@ TEST_F(SubscriptionsTest, RequiredRemovedUnanswered_DoesNotHoldTheOthersBack) {
     subscriptions.add("b", {.required = true});
     send_due();
     subscriptions.remove("b");
-    EXPECT_FALSE(subscriptions.holds_back());
+    EXPECT_FALSE(subscriptions.holds_back(now));
     EXPECT_THAT(filters(subscriptions.due(now)), testing::ElementsAre("a"));
     subscriptions.add("b", {});
     subscriptions.add("b", {.required = true});
     EXPECT_THAT(filters(subscriptions.due(now)), testing::ElementsAre("b"));
+}
+
+TEST_F(SubscriptionsTest, RequiredGrantedByABusyBroker_TheOthersWaitAsLongAgain) {
+    subscriptions.add("a", {});
+    subscriptions.add("b", {.required = true});
+    subscriptions.add("c", {.required = true});
+    const auto grant_after = [&](Duration took, bool defers = true) {
+        subscriptions.restart(defers);
+        send_due();
+        now += took / 2;
+        answer(true);
+        EXPECT_THAT(subscriptions.due(now), IsEmpty());
+        now += took - took / 2;
+        subscriptions.answered(last_id - 1, true, now, random);
+        EXPECT_TRUE(subscriptions.usable());
+    };
+    const auto waits = [&](Duration wait) {
+        now += wait - 1ms;
+        EXPECT_TRUE(subscriptions.holds_back(now));
+        EXPECT_THAT(subscriptions.due(now), IsEmpty());
+        now += 1ms;
+        EXPECT_FALSE(subscriptions.holds_back(now));
+        EXPECT_THAT(filters(subscriptions.due(now)), testing::ElementsAre("a"));
+    };
+    grant_after(2s);
+    waits(2s);
+    grant_after(1min);
+    waits(Subscriptions::kMostDeference);
+    grant_after(2s);
+    grant_after(Subscriptions::kBusy - 1ms);
+    EXPECT_THAT(filters(subscriptions.due(now)), testing::ElementsAre("a"))
+        << "nor is the wait of an earlier connection kept";
+    grant_after(2s, false);
+    EXPECT_THAT(filters(subscriptions.due(now)), testing::ElementsAre("a"));
 }
 
 TEST_F(SubscriptionsTest, NewConnection_MakesEverythingDueAndForgetsOldAnswers) {
