@@ -98,15 +98,17 @@ void Application::stop() {
     report_.seconds = std::chrono::duration<double>(Clock::now() - started_).count();
     report_.tally = fleet_.tally();
     if (no_broker_) return finish();
-    await_answers();
+    await_answers(Clock::now() + options_.settle);
 }
 
-void Application::await_answers() {
+/// `until`: for how long boards that lost their connection may announce again, where registries are compared.
+void Application::await_answers(Time until) {
     const Time now = Clock::now();
     const bool commanded = !commander_ || commander_->idle(now);
-    if (commanded && (!queries_ || queries_->idle(now))) return compare();
+    const bool announced = !watch_ || fleet_.announced() == fleet_.present() || now >= until;
+    if (commanded && announced && (!queries_ || queries_->idle(now))) return compare();
     answers_timer_.expires_after(kAnswersTick);
-    answers_timer_.async_wait([this](const boost::system::error_code&) { await_answers(); });
+    answers_timer_.async_wait([this, until](const boost::system::error_code&) { await_answers(until); });
 }
 
 void Application::compare() {

@@ -27,7 +27,7 @@ class Application {
     void schedule_steps();
     void schedule_progress();
     void stop();
-    void await_answers();
+    void await_answers(Time until);
     void compare();
     void compared();
     void hopeless(const std::string& why);

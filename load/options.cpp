@@ -149,7 +149,9 @@ void declare_run(CLI::App& app, program::Settings& settings, Raw& raw) {
                               "Listen to the registries, and compare their catalogues with the truth at the "
                               "end"))
         ->group(group);
-    settings.setting(app.add_option("--settle", raw.settle, "How long they have for that"))
+    settings
+        .setting(app.add_option("--settle", raw.settle,
+                                "How long they have for that, and boards, before it, to announce again"))
         ->capture_default_str()
         ->group(group);
     program::one_of(settings.setting(app.add_option("-o,--output", raw.output, "Form of the report")),
