@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/program.hpp"
+#include "agent/program/program.hpp"
 #include "asip/program/open_files.hpp"
 
 int main(int argc, char** argv) {

@@ -12,7 +12,7 @@
 
 #include "asip/bus/query.hpp"
 #include "bench/figures.hpp"
-#include "cli/bus_session.hpp"
+#include "cli/ask/bus_session.hpp"
 #include "registry/history/history.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/mosquitto_broker.hpp"

@@ -7,8 +7,8 @@
 #include "asip/program/command_words.hpp"
 #include "asip/text/duration.hpp"
 #include "asip/text/nearest.hpp"
-#include "cli/broker_search.hpp"
 #include "cli/declaration.hpp"
+#include "cli/find/broker_search.hpp"
 
 namespace asip::cli {
 namespace {

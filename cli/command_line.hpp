@@ -7,7 +7,7 @@
 
 #include "asip/program/options.hpp"
 #include "cli/context.hpp"
-#include "cli/named_buses.hpp"
+#include "cli/find/named_buses.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verb.hpp"
 

@@ -6,9 +6,9 @@
 #include <set>
 
 #include "asip/program/command_words.hpp"
-#include "cli/board_source.hpp"
+#include "cli/ask/board_source.hpp"
+#include "cli/find/target.hpp"
 #include "cli/name_sources.hpp"
-#include "cli/target.hpp"
 
 namespace asip::cli {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "cli/target.hpp"
+#include "cli/find/target.hpp"
 
 namespace asip::cli {
 namespace {

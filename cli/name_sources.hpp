@@ -2,7 +2,7 @@
 #pragma once
 #include <functional>
 
-#include "cli/board_source.hpp"
+#include "cli/ask/board_source.hpp"
 #include "cli/complete.hpp"
 
 namespace asip::cli {

@@ -5,7 +5,7 @@
 
 #include "asip/mqtt/options.hpp"
 #include "cli/declaration.hpp"
-#include "cli/named_buses.hpp"
+#include "cli/find/named_buses.hpp"
 #include "cli/text/table.hpp"
 
 namespace asip::cli {

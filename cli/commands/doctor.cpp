@@ -6,7 +6,7 @@
 
 #include "asip/protocol/request.hpp"
 #include "asip/random.hpp"
-#include "cli/board_source.hpp"
+#include "cli/ask/board_source.hpp"
 #include "cli/declaration.hpp"
 #include "cli/doctor/findings.hpp"
 #include "cli/secure/try_out.hpp"

@@ -6,10 +6,10 @@
 #include <ostream>
 
 #include "asip/bus/pattern.hpp"
-#include "cli/board_source.hpp"
-#include "cli/change_record.hpp"
+#include "cli/ask/board_source.hpp"
 #include "cli/declaration.hpp"
-#include "cli/target.hpp"
+#include "cli/events/change_record.hpp"
+#include "cli/find/target.hpp"
 #include "cli/text/moment.hpp"
 
 namespace asip::cli {

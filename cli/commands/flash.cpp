@@ -5,10 +5,10 @@
 #include <thread>
 
 #include "cli/declaration.hpp"
-#include "cli/port_holder.hpp"
-#include "cli/programmer.hpp"
-#include "cli/replay_board.hpp"
-#include "cli/target.hpp"
+#include "cli/find/target.hpp"
+#include "cli/flash/port_holder.hpp"
+#include "cli/flash/programmer.hpp"
+#include "cli/record/replay_board.hpp"
 #include "cli/text/width.hpp"
 
 namespace asip::cli {

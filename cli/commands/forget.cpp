@@ -8,12 +8,12 @@
 
 #include "asip/protocol/request.hpp"
 #include "asip/text/nearest.hpp"
-#include "cli/board_source.hpp"
+#include "cli/ask/board_source.hpp"
+#include "cli/ask/forget_request.hpp"
+#include "cli/ask/retained.hpp"
+#include "cli/ask/side_by_side.hpp"
 #include "cli/declaration.hpp"
-#include "cli/forget_request.hpp"
-#include "cli/retained.hpp"
-#include "cli/side_by_side.hpp"
-#include "cli/target.hpp"
+#include "cli/find/target.hpp"
 #include "cli/text/width.hpp"
 #include "cli/text/words.hpp"
 

@@ -7,11 +7,11 @@
 
 #include "asip/model/json.hpp"
 #include "asip/text/wall_time.hpp"
-#include "cli/board_request.hpp"
+#include "cli/ask/board_request.hpp"
 #include "cli/declaration.hpp"
-#include "cli/leaf_values.hpp"
-#include "cli/replay_board.hpp"
-#include "cli/target.hpp"
+#include "cli/events/leaf_values.hpp"
+#include "cli/find/target.hpp"
+#include "cli/record/replay_board.hpp"
 #include "cli/text/width.hpp"
 #include "cli/text/words.hpp"
 

@@ -4,10 +4,10 @@
 #include <ostream>
 
 #include "asip/bus/pattern.hpp"
-#include "cli/board_source.hpp"
-#include "cli/change_record.hpp"
+#include "cli/ask/board_source.hpp"
 #include "cli/declaration.hpp"
-#include "cli/target.hpp"
+#include "cli/events/change_record.hpp"
+#include "cli/find/target.hpp"
 
 namespace asip::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "asip/text/duration.hpp"
-#include "cli/board_source.hpp"
+#include "cli/ask/board_source.hpp"
 #include "cli/commands/watch.hpp"
 #include "cli/declaration.hpp"
 #include "cli/text/width.hpp"

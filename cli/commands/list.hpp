@@ -7,8 +7,8 @@
 
 #include "asip/bus/items.hpp"
 #include "asip/bus/query.hpp"
-#include "cli/chosen_boards.hpp"
 #include "cli/context.hpp"
+#include "cli/find/chosen_boards.hpp"
 #include "cli/output.hpp"
 #include "cli/text/table.hpp"
 #include "cli/text/where.hpp"

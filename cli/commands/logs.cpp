@@ -6,10 +6,10 @@
 
 #include "asip/bus/pattern.hpp"
 #include "asip/text/wall_time.hpp"
-#include "cli/bus_session.hpp"
+#include "cli/ask/bus_session.hpp"
 #include "cli/declaration.hpp"
-#include "cli/log_line.hpp"
-#include "cli/target.hpp"
+#include "cli/events/log_line.hpp"
+#include "cli/find/target.hpp"
 #include "cli/text/table.hpp"
 #include "cli/text/width.hpp"
 

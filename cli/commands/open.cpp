@@ -9,9 +9,9 @@
 #include "asip/model/names.hpp"
 #include "asip/program/options.hpp"
 #include "asip/text/printable.hpp"
+#include "cli/ask/http_request.hpp"
 #include "cli/context.hpp"
 #include "cli/declaration.hpp"
-#include "cli/http_request.hpp"
 
 namespace asip::cli {
 namespace {

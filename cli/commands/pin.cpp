@@ -7,7 +7,7 @@
 #include "asip/model/json.hpp"
 #include "asip/protocol/body.hpp"
 #include "asip/text/nearest.hpp"
-#include "cli/board_request.hpp"
+#include "cli/ask/board_request.hpp"
 #include "cli/commands/show.hpp"
 #include "cli/declaration.hpp"
 #include "cli/text/width.hpp"

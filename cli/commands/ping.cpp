@@ -8,7 +8,7 @@
 
 #include "asip/protocol/request.hpp"
 #include "asip/text/duration.hpp"
-#include "cli/board_request.hpp"
+#include "cli/ask/board_request.hpp"
 #include "cli/declaration.hpp"
 
 namespace asip::cli {

@@ -6,10 +6,10 @@
 #include <ostream>
 #include <set>
 
-#include "cli/board_source.hpp"
+#include "cli/ask/board_source.hpp"
+#include "cli/ask/forget_request.hpp"
+#include "cli/ask/retained.hpp"
 #include "cli/declaration.hpp"
-#include "cli/forget_request.hpp"
-#include "cli/retained.hpp"
 #include "cli/text/table.hpp"
 #include "cli/text/width.hpp"
 #include "cli/text/words.hpp"

@@ -4,10 +4,10 @@
 #include <ostream>
 #include <set>
 
-#include "cli/bus_session.hpp"
+#include "cli/ask/bus_session.hpp"
 #include "cli/declaration.hpp"
-#include "cli/recording_file.hpp"
-#include "cli/target.hpp"
+#include "cli/find/target.hpp"
+#include "cli/record/recording_file.hpp"
 #include "cli/text/words.hpp"
 
 namespace asip::cli {

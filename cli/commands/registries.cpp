@@ -5,7 +5,7 @@
 
 #include "asip/model/json.hpp"
 #include "asip/text/duration.hpp"
-#include "cli/board_source.hpp"
+#include "cli/ask/board_source.hpp"
 #include "cli/commands/list.hpp"
 #include "cli/declaration.hpp"
 #include "cli/text/width.hpp"

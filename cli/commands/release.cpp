@@ -3,8 +3,8 @@
 #include <ostream>
 
 #include "cli/declaration.hpp"
-#include "cli/port_holder.hpp"
-#include "cli/target.hpp"
+#include "cli/find/target.hpp"
+#include "cli/flash/port_holder.hpp"
 #include "cli/text/width.hpp"
 
 namespace asip::cli {

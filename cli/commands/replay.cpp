@@ -13,10 +13,10 @@
 #include "asip/mqtt/cut_off.hpp"
 #include "asip/program/options.hpp"
 #include "asip/program/stop_signal.hpp"
-#include "cli/bus_session.hpp"
+#include "cli/ask/bus_session.hpp"
 #include "cli/declaration.hpp"
-#include "cli/recording_file.hpp"
-#include "cli/replay_board.hpp"
+#include "cli/record/recording_file.hpp"
+#include "cli/record/replay_board.hpp"
 #include "cli/text/words.hpp"
 
 namespace asip::cli {

@@ -8,10 +8,10 @@
 #include <ostream>
 
 #include "asip/model/json.hpp"
-#include "cli/board_request.hpp"
+#include "cli/ask/board_request.hpp"
+#include "cli/ask/group_command.hpp"
+#include "cli/ask/held_command.hpp"
 #include "cli/declaration.hpp"
-#include "cli/group_command.hpp"
-#include "cli/held_command.hpp"
 
 namespace asip::cli {
 namespace {

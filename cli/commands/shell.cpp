@@ -6,12 +6,12 @@
 #include <istream>
 #include <ostream>
 
-#include "cli/board_source.hpp"
+#include "cli/ask/board_source.hpp"
 #include "cli/declaration.hpp"
+#include "cli/find/target.hpp"
 #include "cli/shell/interactive_shell.hpp"
 #include "cli/shell/run_self.hpp"
 #include "cli/shell/shell_words.hpp"
-#include "cli/target.hpp"
 
 namespace asip::cli {
 namespace {

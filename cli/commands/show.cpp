@@ -12,7 +12,7 @@
 #include "asip/text/wall_time.hpp"
 #include "cli/commands/list.hpp"
 #include "cli/declaration.hpp"
-#include "cli/target.hpp"
+#include "cli/find/target.hpp"
 #include "cli/text/width.hpp"
 
 namespace asip::cli {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "asip/model/service_model.hpp"
-#include "cli/board_source.hpp"
+#include "cli/ask/board_source.hpp"
 #include "cli/context.hpp"
 #include "cli/output.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
-#include "cli/board_request.hpp"
+#include "cli/ask/board_request.hpp"
 #include "cli/declaration.hpp"
 #include "cli/text/table.hpp"
 

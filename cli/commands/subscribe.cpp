@@ -7,9 +7,9 @@
 #include <set>
 
 #include "asip/bus/mirror.hpp"
-#include "cli/context_event.hpp"
 #include "cli/declaration.hpp"
-#include "cli/event_pace.hpp"
+#include "cli/events/context_event.hpp"
+#include "cli/events/event_pace.hpp"
 
 namespace asip::cli {
 namespace {

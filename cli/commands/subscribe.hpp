@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "cli/chosen_boards.hpp"
 #include "cli/context.hpp"
+#include "cli/find/chosen_boards.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {

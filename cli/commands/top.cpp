@@ -11,13 +11,13 @@
 #include "asip/program/options.hpp"
 #include "asip/protocol/request.hpp"
 #include "asip/text/duration.hpp"
-#include "cli/board_source.hpp"
-#include "cli/context_event.hpp"
+#include "cli/ask/board_source.hpp"
 #include "cli/declaration.hpp"
-#include "cli/stats_model.hpp"
-#include "cli/target.hpp"
+#include "cli/events/context_event.hpp"
+#include "cli/events/stats_model.hpp"
+#include "cli/events/top_model.hpp"
+#include "cli/find/target.hpp"
 #include "cli/terminal.hpp"
-#include "cli/top_model.hpp"
 
 namespace asip::cli {
 namespace {

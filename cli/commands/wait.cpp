@@ -10,10 +10,10 @@
 #include "asip/model/board_state.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/wall_time.hpp"
-#include "cli/board_source.hpp"
-#include "cli/context_event.hpp"
+#include "cli/ask/board_source.hpp"
 #include "cli/declaration.hpp"
-#include "cli/target.hpp"
+#include "cli/events/context_event.hpp"
+#include "cli/find/target.hpp"
 
 namespace asip::cli {
 namespace {

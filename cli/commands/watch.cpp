@@ -9,7 +9,7 @@
 #include "asip/bus/catalogue_view.hpp"
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
-#include "cli/board_source.hpp"
+#include "cli/ask/board_source.hpp"
 #include "cli/text/width.hpp"
 
 namespace asip::cli {

@@ -11,8 +11,8 @@
 #include "asip/bus/items.hpp"
 #include "asip/bus/reply.hpp"
 #include "asip/bus/topics.hpp"
+#include "cli/ask/retained.hpp"
 #include "cli/doctor/machine.hpp"
-#include "cli/retained.hpp"
 
 namespace asip::cli {
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "asip/program/options.hpp"
-#include "cli/broker_search.hpp"
+#include "cli/find/broker_search.hpp"
 #include "cli/secure/broker_files.hpp"
 #include "cli/secure/machine_names.hpp"
 #include "cli/secure/reload.hpp"

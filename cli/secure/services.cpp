@@ -13,9 +13,9 @@
 #include "asip/program/credentials.hpp"
 #include "asip/program/options.hpp"
 #include "asip/text/file_text.hpp"
-#include "cli/board_source.hpp"
-#include "cli/named_buses.hpp"
-#include "cli/programmer.hpp"
+#include "cli/ask/board_source.hpp"
+#include "cli/find/named_buses.hpp"
+#include "cli/flash/programmer.hpp"
 #include "cli/secure/reload.hpp"
 #include "cli/secure/users.hpp"
 

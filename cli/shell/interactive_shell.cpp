@@ -7,9 +7,9 @@
 
 #include "asip/program/options.hpp"
 #include "asip/text/nearest.hpp"
-#include "cli/board_source.hpp"
-#include "cli/context_event.hpp"
-#include "cli/decoded_event.hpp"
+#include "cli/ask/board_source.hpp"
+#include "cli/events/context_event.hpp"
+#include "cli/events/decoded_event.hpp"
 #include "cli/name_sources.hpp"
 #include "cli/shell/line_editor.hpp"
 #include "cli/shell/line_history.hpp"

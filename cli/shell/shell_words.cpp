@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "asip/program/command_words.hpp"
-#include "cli/target.hpp"
+#include "cli/find/target.hpp"
 
 namespace asip::cli {
 namespace {

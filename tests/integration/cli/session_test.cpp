@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "cli/bus_session.hpp"
+#include "cli/ask/bus_session.hpp"
 #include "tests/support/bus_probe.hpp"
 #include "tests/support/mosquitto_broker.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "agent/bridge.hpp"
+#include "agent/bridge/bridge.hpp"
 #include "tests/unit/session/scripted_board.hpp"
 
 namespace asip::agent {

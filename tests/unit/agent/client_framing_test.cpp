@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "agent/client_framing.hpp"
+#include "agent/clients/client_framing.hpp"
 
 namespace asip::agent {
 namespace {

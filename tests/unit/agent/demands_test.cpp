@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/demands.hpp"
+#include "agent/reports/demands.hpp"
 
 #include <gtest/gtest.h>
 

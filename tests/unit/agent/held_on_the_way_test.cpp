@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/held_on_the_way.hpp"
+#include "agent/command/held_on_the_way.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/held_up.hpp"
+#include "agent/command/held_up.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/inbox.hpp"
+#include "agent/command/inbox.hpp"
 
 #include <gtest/gtest.h>
 

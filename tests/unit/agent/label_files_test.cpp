@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/label_files.hpp"
+#include "agent/describe/label_files.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/log_feed.hpp"
+#include "agent/counts/log_feed.hpp"
 
 #include <gmock/gmock.h>
 

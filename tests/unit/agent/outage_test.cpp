@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "agent/outage.hpp"
+#include "agent/port/outage.hpp"
 
 namespace asip::agent {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "agent/recent_answers.hpp"
+#include "agent/command/recent_answers.hpp"
 
 namespace asip::agent {
 namespace {

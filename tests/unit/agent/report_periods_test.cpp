@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/report_periods.hpp"
+#include "agent/reports/report_periods.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

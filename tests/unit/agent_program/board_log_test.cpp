@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/board_log.hpp"
+#include "agent/counts/board_log.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

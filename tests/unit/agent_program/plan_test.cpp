@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/plan.hpp"
+#include "agent/program/plan.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What announcements of brokers say, and what no announcement may do.
-#include "cli/broker_search.hpp"
+#include "cli/find/broker_search.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

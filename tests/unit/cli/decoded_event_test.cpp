@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/decoded_event.hpp"
+#include "cli/events/decoded_event.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "asip/model/model_set.hpp"
-#include "cli/event_pace.hpp"
+#include "cli/events/event_pace.hpp"
 
 namespace asip::cli {
 namespace {

@@ -5,10 +5,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "cli/bus_session.hpp"
-#include "cli/context_event.hpp"
+#include "cli/ask/bus_session.hpp"
+#include "cli/events/context_event.hpp"
+#include "cli/events/top_model.hpp"
 #include "cli/text/table.hpp"
-#include "cli/top_model.hpp"
 #include "tests/unit/cli/boards.hpp"
 
 namespace asip::cli {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "cli/http_request.hpp"
+#include "cli/ask/http_request.hpp"
 
 namespace asip::cli {
 namespace {

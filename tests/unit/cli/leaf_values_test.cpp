@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/leaf_values.hpp"
+#include "cli/events/leaf_values.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

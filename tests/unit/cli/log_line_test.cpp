@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/log_line.hpp"
+#include "cli/events/log_line.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/named_buses.hpp"
+#include "cli/find/named_buses.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

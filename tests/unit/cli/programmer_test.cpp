@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/programmer.hpp"
+#include "cli/flash/programmer.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/recording.hpp"
+#include "cli/record/recording.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/reply.hpp"
-#include "cli/recording_file.hpp"
-#include "cli/replay_board.hpp"
+#include "cli/record/recording_file.hpp"
+#include "cli/record/replay_board.hpp"
 #include "tests/support/temp_dir.hpp"
 #include "tests/unit/cli/boards.hpp"
 

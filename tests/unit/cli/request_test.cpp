@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "cli/board_request.hpp"
+#include "cli/ask/board_request.hpp"
 #include "cli/commands/pin.hpp"
 #include "tests/unit/cli/boards.hpp"
 

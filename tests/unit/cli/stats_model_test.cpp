@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/stats_model.hpp"
+#include "cli/events/stats_model.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/target.hpp"
+#include "cli/find/target.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/bridge/bridge.hpp"
+
+#include <utility>
+
+#include "asip/model/names.hpp"
+#include "asip/program/exit_status.hpp"
+#include "asip/protocol/body.hpp"
+
+namespace asip::agent {
+
+using program::log::Level;
+
+namespace {
+
+constexpr Duration kGarbageQuiet = std::chrono::seconds(10);
+
+std::string letters(const session::ServiceTable& services) {
+    std::string text;
+    for (const auto& entry : services.entries())
+        text += (text.empty() ? "" : ",") + entry.name;
+    return text;
+}
+
+}  // namespace
+
+Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
+    : options_(std::move(options)),
+      topics_(options_.topic_root),
+      models_(std::move(models)),
+      random_(std::move(random)),
+      session_(options_.session, random_),
+      safety_(topics_, statistics_),
+      periods_(options_.reports),
+      clock_(random_),
+      control_(topics_, session_, clock_, statistics_, safety_, periods_),
+      context_(topics_, options_.context),
+      labels_(topics_, options_.labels) {
+    if (const auto& reports = options_.reports; reports.on_demand)
+        facts_.on_demand = {static_cast<int>(reports.fastest.count()),
+                            static_cast<int>(reports.resting.count())};
+}
+
+// --- the board's side
+
+void Bridge::link_up(const session::LinkTraits& traits, model::LinkInfo link, Time now, Effects& out) {
+    facts_.link = std::move(link);
+    statistics_.link_opened(now);
+    session::Actions actions;
+    session_.link_up(traits, now, actions);
+    perform(actions, now, out);
+}
+
+void Bridge::link_down(const std::string& why, Time now, Effects& out) {
+    // A port that opens and closes with nothing behind it loses no board.
+    const bool heard = session_.counters().bytes_in > 0;
+    // Nor does one that is lost already.
+    const bool lost = name_claimed_ && !session_.accepts_requests();
+    out.log(heard && !lost ? Level::kWarning : Level::kDebug, "board lost", {{"why", why}});
+    if (announcer_) announcer_->set_state(model::BoardState::kLost, out);
+    safety_.board_gone(out);
+    session::Actions actions;
+    session_.link_down(now, actions);
+    perform(actions, now, out);
+}
+
+void Bridge::not_watched(Time since, Time now) {
+    session_.not_watched(since, now);
+}
+
+void Bridge::receive(std::string_view bytes, Time now, Effects& out) {
+    statistics_.received(bytes);
+    session::Actions actions;
+    session_.receive(bytes, now, actions);
+    perform(actions, now, out);
+    send_safe_lines(now, out);
+    send_periods(now, out);
+}
+
+void Bridge::line_rate_set(bool ok, Time now, Effects& out) {
+    session::Actions actions;
+    session_.line_rate_set(ok, now, actions);
+    perform(actions, now, out);
+}
+
+void Bridge::send_safe_lines(Time now, Effects& out) {
+    if (!safety_.pending()) return;
+    session::Actions actions;
+    safety_.send(session_, now, actions);
+    perform(actions, now, out);
+}
+
+void Bridge::send_periods(Time now, Effects& out) {
+    if (const auto due = periods_.next_deadline(); !due || now < *due) return;
+    session::Actions actions;
+    periods_.tick(session_, now, actions);
+    perform(actions, now, out);
+}
+
+void Bridge::perform(session::Actions& actions, Time now, Effects& out) {
+    for (auto& action : actions) {
+        if (const auto* write = std::get_if<session::Write>(&action)) statistics_.sent(write->bytes);
+        if (std::holds_alternative<session::Write>(action) ||
+            std::holds_alternative<session::SetLineRate>(action)) {
+            out.link.push_back(std::move(action));
+            continue;
+        }
+        std::visit(
+            [&](const auto& known) {
+                using Kind = std::decay_t<decltype(known)>;
+                if constexpr (!std::is_same_v<Kind, session::Write> &&
+                              !std::is_same_v<Kind, session::SetLineRate>)
+                    on_action(known, now, out);
+            },
+            action);
+    }
+}
+
+void Bridge::on_action(const session::BoardLine& line, Time, Effects& out) {
+    client_requests_.on_line(line, session_.identity(), out);
+    if (line.line.is_error()) statistics_.board_error(line.line.error().code);
+    if (name_.empty()) return;
+    note_facts(line.line);
+    publish_or_hold(line.line, line.owner ? control_.sender_of(*line.owner) : std::string(), out);
+}
+
+void Bridge::publish_or_hold(const protocol::ParsedLine& line, const std::string& by, Effects& out) {
+    if (!announcer_->may_publish()) return held_.hold(line, statistics_);
+    context_.on_line(name_, line, session_.identity(), services_, out, by);
+}
+
+void Bridge::start_publishing(Effects& out) {
+    if (!announcer_ || !announcer_->may_publish()) return;
+    if (!std::exchange(name_claimed_, true)) out.name_claimed = true;
+    for (const auto& line : held_.release(out))
+        context_.on_line(name_, line, session_.identity(), services_, out);
+}
+
+void Bridge::on_action(const session::Identified& identified, Time now, Effects& out) {
+    const auto& board = session_.identity();
+    services_ = session::ServiceTable(board, models_);
+    if (identified.changed) facts_.counts.clear();
+    periods_.board_found(services_, now);
+    facts_.periods = current_periods();
+    if (name_.empty()) {
+        name_ = !options_.name.empty()       ? options_.name
+                : !board.stored_name.empty() ? board.stored_name
+                                             : name_from_link(facts_.link);
+        safety_.name_board(name_);
+        load_labels(out);
+        if (!options_.keep_outputs) safety_.stop_services(services_);
+        announcer_ =
+            std::make_unique<Announcer>(topics_,
+                                        AnnouncerOptions{name_, options_.lease_seconds, options_.takeover,
+                                                         options_.started_unix, options_.on_shared_topic},
+                                        random_);
+    } else if (options_.name.empty() && !board.stored_name.empty() && board.stored_name != name_) {
+        out.log(Level::kWarning,
+                "the board at this port calls itself otherwise; restart this agent to use that name",
+                {{"board", name_}, {"stored", board.stored_name}});
+    }
+    out.board_known = true;
+    out.log(Level::kInfo, identified.changed ? "board identified" : "board back",
+            {{"board", name_},
+             {"chip", board.info.chip},
+             {"sketch", board.info.sketch},
+             {"services", letters(services_)},
+             {"baud", std::to_string(session_.baud())}});
+    describe_again();
+    port_.identified(traits(), out);
+    announcer_->set_updating(port_.updating());
+    announcer_->set_state(model::BoardState::kOnline, out);
+}
+
+void Bridge::on_action(const session::BoardReset& reset, Time, Effects& out) {
+    safety_.board_restarted(out);
+    out.log(Level::kWarning, "board restarted by itself", {{"why", reset.why}});
+}
+
+void Bridge::on_action(const session::BecameSilent&, Time, Effects& out) {
+    out.log(Level::kWarning, "board silent", {{"board", name_}});
+    if (announcer_) announcer_->set_state(model::BoardState::kLost, out);
+    safety_.board_gone(out);
+    out.reopen_link = facts_.link.kind == "tcp";
+}
+
+void Bridge::on_action(const session::NoAnswer& none, Time, Effects& out) {
+    const std::string why =
+        none.heard_banner
+            ? " said that it is an ASIP board, and answers no question: does it restart again and again (its "
+              "power), is its sketch busy for seconds, or does the line lose what is sent to it?"
+        : none.heard_bytes ? " sends bytes, but they are not ASIP at 57600 baud or any rate that a board "
+                             "steps up to: is it another device, or a sketch without ASIP?"
+                           : " does not answer: is an ASIP sketch loaded (asip firmware: AsipHello), and "
+                             "is it the right port?";
+    // A board that was here may come back; a port where none ever was is more likely the wrong one.
+    if (name_.empty()) {
+        out.fatal = Fatal{program::kExitBoard, facts_.link.path + why};
+    } else {
+        out.log(Level::kWarning, facts_.link.path + why + " Asking on");
+    }
+}
+
+void Bridge::on_action(const session::LineRateChanged& change, Time, Effects& out) {
+    facts_.link.baud = static_cast<int>(change.baud);
+    out.log(Level::kInfo, "line rate", {{"baud", std::to_string(change.baud)}, {"why", change.why}});
+}
+
+void Bridge::on_action(const session::Garbage& garbage, Time now, Effects& out) {
+    client_requests_.on_garbage(out);
+    if (garbage_quiet_until_ && now < *garbage_quiet_until_) return;
+    garbage_quiet_until_ = now + kGarbageQuiet;
+    out.log(Level::kWarning, "garbage from the board",
+            {{"reason", garbage.reason},
+             {"sample", garbage.sample},
+             {"count", std::to_string(session_.counters().garbage)}});
+}
+
+void Bridge::on_action(const session::Finished& end, Time now, Effects& out) {
+    safety_.on_finished(end, now, out);
+    periods_.on_finished(end, now, out);
+    control_.on_finished(end, now, out);
+    client_requests_.on_finished(end, session_.identity(), out);
+    note_settings();
+}
+
+// Modes and periods that a request changed belong into the description.
+void Bridge::note_settings() {
+    auto periods = current_periods();
+    if (session_.identity().pin_modes == described_modes_ && periods == facts_.periods) return;
+    facts_.periods = std::move(periods);
+    describe_again();
+}
+
+std::map<char, int> Bridge::current_periods() const {
+    std::map<char, int> periods;
+    for (const auto& entry : services_.entries()) {
+        // Of reports on demand the description says only that: it would change with each subscriber.
+        if (periods_.controls(entry.letter)) continue;
+        if (const auto period = session_.period(entry.letter))
+            periods[entry.letter] = static_cast<int>(*period);
+    }
+    return periods;
+}
+
+// What a description has besides what the board itself reports: how many elements a service has, and its
+// period.
+void Bridge::note_facts(const protocol::ParsedLine& line) {
+    if (!line.is_event()) return;
+    const auto event = line.event();
+    if (event.service == 'I' || event.service == '#') return;
+    const auto* service = services_.find(event.service);
+    if (!service || !service->model) return;
+    const auto* event_model = service->model->event(event.tag);
+    if (!event_model || event_model->shape != model::EventShape::kPerElement) return;
+    const auto body = protocol::parse_body(event.body);
+    if (!body) return;
+    const int count = static_cast<int>(body->items.size());
+    const auto known = facts_.counts.find(event.service);
+    if (known != facts_.counts.end() && known->second == count) return;
+    facts_.counts[event.service] = count;
+    describe_again();
+}
+
+void Bridge::describe_again() {
+    facts_.link.baud = static_cast<int>(session_.baud());
+    described_modes_ = session_.identity().pin_modes;
+    if (announcer_) announcer_->describe(agent::describe(session_.identity(), services_, models_, facts_));
+}
+
+// --- time
+
+void Bridge::publish_statistics(const mqtt::Counters& bus, Time now, Effects& out) {
+    if (!announcer_ || !announcer_->may_publish()) return;
+    mqtt::Message message;
+    message.topic = topics_.stats(name_);
+    message.payload = statistics_.document({session_, bus, name_, announcer_->session(),
+                                            control_.forgotten_answers(), safety_.holds().size(), periods_},
+                                           now);
+    out.publish.push_back({std::move(message), mqtt::Priority::kContext});
+}
+
+void Bridge::tick(Time now, Effects& out) {
+    session::Actions actions;
+    session_.tick(now, actions);
+    perform(actions, now, out);
+    safety_.tick(now, out);
+    send_safe_lines(now, out);
+    send_periods(now, out);
+    tick_port(now, out);
+    if (announcer_) announcer_->tick(now, out);
+    start_publishing(out);
+}
+
+std::optional<Time> Bridge::next_deadline() const {
+    auto deadline = session_.next_deadline();
+    for (const auto& other : {safety_.next_deadline(), port_.next_deadline(), periods_.next_deadline(),
+                              announcer_ ? announcer_->next_deadline() : std::nullopt})
+        if (other && (!deadline || *other < *deadline)) deadline = other;
+    return deadline;
+}
+
+bool Bridge::release_holds(Time now, Effects& out) {
+    const bool pending = safety_.release_all();
+    send_safe_lines(now, out);
+    return pending && session_.accepts_requests();
+}
+
+void Bridge::goodbye(Time now, Effects& out) {
+    session::Actions actions;
+    session_.link_down(now, actions);
+    perform(actions, now, out);
+    if (announcer_) announcer_->goodbye(out);
+}
+
+}  // namespace asip::agent

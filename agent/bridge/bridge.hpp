@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "agent/bridge/effects.hpp"
+#include "agent/clients/client_requests.hpp"
+#include "agent/command/control.hpp"
+#include "agent/counts/statistics.hpp"
+#include "agent/describe/describe.hpp"
+#include "agent/describe/label_book.hpp"
+#include "agent/port/port_lease.hpp"
+#include "agent/reports/context.hpp"
+#include "agent/reports/held_values.hpp"
+#include "agent/reports/report_periods.hpp"
+#include "agent/safety/safety.hpp"
+#include "asip/member/announcer.hpp"
+#include "asip/model/model_set.hpp"
+#include "asip/session/board_session.hpp"
+#include "asip/session/service_table.hpp"
+
+namespace asip::agent {
+
+using member::Announcer;
+using member::AnnouncerOptions;
+
+struct BridgeOptions {
+    std::string topic_root = "asip";
+    std::string name;  ///< empty: the one stored on the board, else from the link
+    int lease_seconds = model::kDefaultLeaseSeconds;
+    bool takeover = false;
+    std::uint64_t started_unix = 0;
+    bool on_shared_topic = true;  ///< see AnnouncerOptions
+    bool keep_outputs = false;    ///< do not stop the board's services when it is found first
+    model::Labels labels;         ///< of the configuration: they cannot be changed over the bus
+    /// Labels of a board as they were kept; where none are, empty ones.
+    std::function<Expected<model::Labels>(const std::string& board)> load_labels;
+    session::SessionOptions session;
+    /// `context.client_side`: `/in` and `/out` of raw lines are named as the client sees them. Requests come
+    /// on `/out`, lines of the board go to `/in`. On `/in` only requests that want an answer are executed:
+    /// those of programs that do not know.
+    ContextOptions context;
+    ReportOptions reports;
+};
+
+/// Everything between a board's bytes and the bus's messages: the session, the announcer, the control and the
+/// context bus. Pure: given what happened and when, it returns what to do. Once the board is known for the
+/// first time, name() is valid and the caller connects to the broker with will() and subscriptions().
+class Bridge {
+  public:
+    Bridge(BridgeOptions options, model::ModelSet models, Random random);
+
+    // --- the board's side
+    void link_up(const session::LinkTraits& traits, model::LinkInfo link, Time now, Effects& out);
+    void link_down(const std::string& why, Time now, Effects& out);
+    void receive(std::string_view bytes, Time now, Effects& out);
+    /// As BoardSession::not_watched().
+    void not_watched(Time since, Time now);
+    void line_rate_set(bool ok, Time now, Effects& out);
+
+    // --- the bus's side
+    /// `expires`: what this broker retains.
+    void bus_connected(Time now, const std::string& client_id, bool expires, Effects& out);
+    /// The broker granted every subscription that commands come by.
+    void bus_subscribed(Time now, Effects& out);
+    /// Also what is not needed for commands.
+    void bus_all_subscribed(Time now);
+    void bus_disconnected();
+    /// The broker knows its users, and may have rules for them. Once the board is known.
+    void leave_shared_topic() { announcer_->leave_shared_topic(); }
+    /// How a message came that was not handled at once.
+    struct Arrival {
+        std::optional<Time> at{};  ///< none: now
+        bool stopped = false;      ///< a stop came behind it: it is refused
+        std::size_t waiting = 0;   ///< for a stop: commands before it that were not handled yet
+    };
+    void bus_message(const mqtt::Message& message, Time now, Effects& out) {
+        bus_message(message, {}, now, out);
+    }
+    void bus_message(const mqtt::Message& message, const Arrival& arrival, Time now, Effects& out);
+
+    /// What became of the line of a point-to-point client.
+    enum class ClientResult {
+        kAccepted,
+        kRefused,  ///< an error line for that client is among the effects
+        kLater,    ///< too many lines of this client wait for the board; to be given again
+    };
+    /// `client`: any number below kBusClient; lines of one client keep their order. `sent`: when that may
+    /// have been, where it was long ago.
+    ClientResult client_line(session::ClientId client, std::string_view line, std::optional<Time> sent,
+                             Time now, Effects& out);
+    /// So many lines of a client wait at the most: enough to keep a board busy, and few enough for a slow one
+    /// to come to the last of them in time.
+    static constexpr std::size_t kMaxClientLines = 16;
+
+    /// Whether the name has become ours.
+    bool name_claimed() const { return name_claimed_; }
+    /// Whether the name is ours, and the bus is there.
+    bool may_publish() const { return announcer_ && announcer_->may_publish(); }
+    /// Publishes what was counted, where the bus is there. To be called periodically.
+    void publish_statistics(const mqtt::Counters& bus, Time now, Effects& out);
+
+    /// What became of Effects::keep_labels.
+    void labels_kept(const Expected<std::filesystem::path>& result, Effects& out);
+
+    void tick(Time now, Effects& out);
+    std::optional<Time> next_deadline() const;
+    /// Undoes what is held, before the goodbye. True: that is not confirmed yet; tick() goes on.
+    bool release_holds(Time now, Effects& out);
+    /// Whether the board has confirmed all that makes it safe.
+    bool is_safe() const { return !safety_.pending(); }
+    /// Ends every open command, publishes `offline`. Nothing is to be called afterwards.
+    void goodbye(Time now, Effects& out);
+
+    /// Empty until the board was identified.
+    const std::string& name() const { return name_; }
+    mqtt::Message will() const { return announcer_->will(); }
+    std::vector<member::Announcer::Subscription> subscriptions() const;
+    /// To be added once the name is claimed: until then another agent may be meant.
+    std::vector<std::string> control_subscriptions() const;
+    const session::BoardSession& session() const { return session_; }
+
+  private:
+    bool is_request(bus::TopicKind kind, const mqtt::Message& message) const;
+    bool take_port_request(const mqtt::Message& message, Time arrival, Time now, Effects& out);
+    bool take_label_request(const mqtt::Message& message, Effects& out);
+    void load_labels(Effects& out);
+    void show_labels();
+    void tick_port(Time now, Effects& out);
+    void let_go_of_port(Time now, Effects& out);
+    BoardTraits traits() const;
+    void perform(session::Actions& actions, Time now, Effects& out);
+    void send_safe_lines(Time now, Effects& out);
+    void send_periods(Time now, Effects& out);
+    void on_action(const session::BoardLine& line, Time now, Effects& out);
+    void on_action(const session::Identified& identified, Time now, Effects& out);
+    void on_action(const session::BoardReset& reset, Time now, Effects& out);
+    void on_action(const session::BecameSilent& silent, Time now, Effects& out);
+    void on_action(const session::NoAnswer& none, Time now, Effects& out);
+    void on_action(const session::LineRateChanged& change, Time now, Effects& out);
+    void on_action(const session::Garbage& garbage, Time now, Effects& out);
+    void on_action(const session::Finished& end, Time now, Effects& out);
+    void describe_again();
+    void note_facts(const protocol::ParsedLine& line);
+    void note_settings();
+    void publish_or_hold(const protocol::ParsedLine& line, const std::string& by, Effects& out);
+    void start_publishing(Effects& out);
+    std::map<char, int> current_periods() const;
+
+    BridgeOptions options_;
+    bus::Topics topics_;
+    model::ModelSet models_;
+    Random random_;
+    session::BoardSession session_;
+    Statistics statistics_;
+    Safety safety_;
+    ReportPeriods periods_;
+    bus::AgentClock clock_;
+    Control control_;
+    ClientRequests client_requests_;
+    Context context_;
+    PortLease port_;
+    LabelBook labels_;
+    std::unique_ptr<Announcer> announcer_;  // once there is a name
+    session::ServiceTable services_;
+    BoardFacts facts_;
+    std::vector<protocol::PinMode> described_modes_;
+    std::string name_;
+    bool name_claimed_ = false;
+    HeldValues held_;
+    std::optional<Time> garbage_quiet_until_;
+};
+
+}  // namespace asip::agent

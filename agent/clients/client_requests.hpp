@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <string_view>
+#include <unordered_map>
+
+#include "agent/bridge/effects.hpp"
+#include "asip/session/board_session.hpp"
+
+namespace asip::agent {
+
+/// What point-to-point clients asked of the board, and what each of them gets. To a client the answer to a
+/// question proves what it sent before. So it comes behind all that would refute that: where a line of the
+/// client may not have been executed, and where a line of the board was damaged meanwhile, it gets an error
+/// that belongs to no request, `~#,C,10{BAD_CHECKSUM}`.
+class ClientRequests {
+  public:
+    /// For a line of `client`.
+    session::RequestOptions options(session::ClientId client, std::string_view line,
+                                    const session::Identity& board) const;
+    void sent(session::RequestId id, session::ClientId client) { open_[id] = client; }
+
+    /// A line for all clients, or for the one that it answers.
+    void on_line(const session::BoardLine& line, const session::Identity& board, Effects& out) const;
+    void on_garbage(Effects& out) const;
+    void on_finished(const session::Finished& end, const session::Identity& board, Effects& out);
+
+  private:
+    std::unordered_map<session::RequestId, session::ClientId> open_;  // bounded by the session's queue
+};
+
+}  // namespace asip::agent

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <deque>
+#include <functional>
+#include <list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "agent/clients/client_framing.hpp"
+#include "agent/counts/board_log.hpp"
+#include "asip/expected.hpp"
+#include "asip/link/tcp_stream.hpp"
+#include "asip/session/action.hpp"
+#include "asip/time.hpp"
+
+namespace asip::agent {
+
+/// Offers the board to point-to-point clients over TCP. A client that sends faster than the board executes is
+/// read more slowly; one that does not read is dropped once kMaxUnsentBytes wait for it. Where kMaxClients
+/// are connected, a new one takes the place of the one that sent nothing for longest, if that is
+/// kMayBeDropped. One that ends its sending, as `nc -N` does, still gets the answers to what it sent: it is
+/// closed when nothing came for it for kQuietAfterEnd, or kLongestAfterEnd later in any case.
+class PointToPoint {
+  public:
+    static constexpr std::size_t kMaxUnsentBytes = 64 * 1024;
+    static constexpr std::size_t kMaxClients = 64;
+    static constexpr Duration kMayBeDropped = std::chrono::seconds(10);
+    static constexpr Duration kQuietAfterEnd = std::chrono::seconds(2);
+    static constexpr Duration kLongestAfterEnd = std::chrono::seconds(10);
+
+    /// A line of a client. False: not now; it is given again at the next resume().
+    /// `sent`: when it may have been sent, where that is long ago.
+    using LineHandler =
+        std::function<bool(session::ClientId client, std::string_view line, std::optional<Time> sent)>;
+    /// When that may have been sent that is read now, where it is long ago.
+    using ReadsOld = std::function<std::optional<Time>()>;
+
+    /// `silence`: a client that sent nothing for so long is taken to want plain lines.
+    PointToPoint(boost::asio::io_context& io, BoardLog& log, Duration silence, ReadsOld reads_old,
+                 LineHandler on_line);
+
+    Expected<std::uint16_t, link::StreamError> listen(const link::TcpAddress& address,
+                                                      ClientFraming::Kind framing);
+    /// To all clients, or to one.
+    void send(std::string_view line, std::optional<session::ClientId> to);
+    /// Room may have become free: gives the lines that could not be accepted once more.
+    void resume();
+    void close();
+
+  private:
+    struct Client {
+        session::ClientId id;
+        std::unique_ptr<link::ByteStream> stream;
+        ClientFraming framing;
+        Time connected;
+        Time heard;
+        bool gone = false;  // erased at the next turn of the loop: its handlers may still be running
+        struct Line {
+            std::string text;
+            std::optional<Time> sent;
+        };
+        std::optional<Time> reads_since = std::nullopt;  // what it sent, until all that waited is read
+        std::deque<Line> waiting{};  // lines that could not be accepted yet; reading is paused meanwhile
+        std::optional<Time> ended = std::nullopt;  // it sends no more
+        Time served = {};                          // the last line of it was taken, or for it alone was sent
+    };
+    /// When a client that sends no more is closed.
+    static Time end_of(const Client& client);
+    void accepted(std::unique_ptr<link::ByteStream> stream, ClientFraming::Kind framing);
+    bool make_room();
+    void received(Client& client, std::string_view bytes);
+    void give(Client& client);
+    std::size_t living() const;
+    void drop(Client& client, const char* why);
+    void watch_silence();
+    void input_ended(Client& client);
+    void close_ended();
+
+    boost::asio::io_context& io_;
+    BoardLog& log_;
+    Duration silence_;
+    ReadsOld reads_old_;
+    LineHandler on_line_;
+    boost::asio::steady_timer silence_timer_;
+    boost::asio::steady_timer ended_timer_;
+    std::vector<std::unique_ptr<link::TcpListener>> listeners_;
+    std::list<Client> clients_;
+    bool giving_ = false;
+    session::ClientId next_id_ = 1;
+    std::uint64_t refused_ = 0;
+    std::optional<Time> refusal_logged_;
+};
+
+}  // namespace asip::agent

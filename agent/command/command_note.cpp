@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/command/command_note.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "asip/bus/items.hpp"
+#include "asip/model/json.hpp"
+
+namespace asip::agent {
+
+namespace {
+constexpr std::size_t kMaxNoteText = 128;
+}
+
+void note_command(const bus::Topics& topics, std::string_view board, const CommandNote& note, Effects& out) {
+    if (note.by.empty()) return;
+    bus::HistoryItem item;
+    item.what = note.what;
+    item.service = note.service;
+    item.request = note.request.substr(0, kMaxNoteText);
+    item.by = note.by;
+    item.status = note.proven || !note.outcome.succeeded() ? bus::to_string(note.outcome.status) : "sent";
+    const auto& why = note.outcome.reason.empty() ? note.outcome.error : note.outcome.reason;
+    item.reason = why.substr(0, kMaxNoteText);
+    mqtt::Message message;
+    message.topic = topics.commands(board);
+    message.payload = model::dump_json(bus::to_json(item));
+    out.notes.push_back(std::move(message));
+}
+
+}  // namespace asip::agent

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/command/error_report.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "asip/model/json.hpp"
+#include "asip/model/names.hpp"
+
+namespace asip::agent {
+
+namespace {
+constexpr std::size_t kMaxRequestShown = 128;
+}
+
+std::string service_named(const session::ServiceTable& services, char letter) {
+    if (const auto* service = services.find(letter)) return service->name;
+    std::string name(1, letter);
+    return model::valid_name(name) && letter != 'I' ? name : "io";
+}
+
+void publish_error(const bus::Topics& topics, std::string_view board, std::string_view service,
+                   const nlohmann::json& value, Effects& out) {
+    mqtt::Message message;
+    message.topic = topics.service_error(board, service);
+    message.payload = model::dump_json(value);
+    out.publish.push_back({std::move(message), mqtt::Priority::kContext});
+}
+
+void report_failure(const bus::Topics& topics, std::string_view board, const Failure& failure, Effects& out) {
+    nlohmann::json value{{"request", std::string(failure.request.substr(0, kMaxRequestShown))},
+                         {"reason", std::string(failure.reason)},
+                         {"error", std::string(failure.error)}};
+    if (!failure.by.empty()) value["by"] = std::string(failure.by);
+    publish_error(topics, board, failure.service, value, out);
+}
+
+}  // namespace asip::agent

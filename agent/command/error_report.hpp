@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+
+#include "agent/bridge/effects.hpp"
+#include "asip/bus/topics.hpp"
+#include "asip/session/service_table.hpp"
+
+namespace asip::agent {
+
+/// Name on the bus of the service that `letter` stands for: its model's, else the letter. What belongs to no
+/// service (`#`) belongs to `io`, the core's.
+std::string service_named(const session::ServiceTable& services, char letter);
+
+/// `{"request":...}` on the service's error topic. As context: of a flood the oldest give way.
+void publish_error(const bus::Topics& topics, std::string_view board, std::string_view service,
+                   const nlohmann::json& value, Effects& out);
+
+/// A command that was not executed.
+struct Failure {
+    std::string_view service;
+    std::string_view request;  ///< of a long one the beginning is reported
+    std::string_view reason;
+    std::string_view error;
+    std::string_view by;  ///< who sent it; empty: not known
+};
+/// Reports it to whoever listens, as the one who sent it wants no answer:
+/// `{"request":"W,0,90","reason":"queue-full","error":"...","by":"anna"}`.
+void report_failure(const bus::Topics& topics, std::string_view board, const Failure& failure, Effects& out);
+
+}  // namespace asip::agent

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "agent/counts/histogram.hpp"
+#include "agent/reports/report_periods.hpp"
+#include "asip/bus/reply.hpp"
+#include "asip/mqtt/client.hpp"
+#include "asip/session/board_session.hpp"
+#include "asip/time.hpp"
+
+namespace asip::agent {
+
+/// What an agent counts from its start on, and the document that it publishes of it (docs/service-bus.md,
+/// "Statistics"). Its size is bounded, whatever boards and clients do.
+class Statistics {
+  public:
+    /// Numbers that others count.
+    struct Sources {
+        const session::BoardSession& session;
+        mqtt::Counters bus;
+        std::string board;
+        std::string agent_session;
+        std::uint64_t forgotten_answers = 0;
+        std::size_t holds = 0;  ///< in force now
+        const ReportPeriods& periods;
+    };
+
+    void link_opened(Time now);
+    void received(std::string_view bytes) { bytes_in_ += bytes.size(); }
+    void sent(std::string_view bytes);
+    void board_error(int code);
+    void value_superseded() { ++superseded_; }
+    void hold_expired() { ++expired_holds_; }
+    void stopped() { ++stops_; }
+    /// The one answer to a command of the bus. `proven`: whoever sent it wanted an answer.
+    void answered(const bus::Reply& reply, bool proven, Duration took);
+
+    /// JSON text. Quantiles are of the time since the document before.
+    std::string document(const Sources& sources, Time now);
+
+  private:
+    std::uint64_t links_ = 0;
+    std::uint64_t bytes_in_ = 0;
+    std::uint64_t bytes_out_ = 0;
+    std::uint64_t lines_out_ = 0;
+    std::uint64_t superseded_ = 0;
+    std::uint64_t expired_holds_ = 0;
+    std::uint64_t stops_ = 0;
+    std::uint64_t documents_ = 0;
+    std::map<int, std::uint64_t> errors_;            // by code; those beyond kMaxCodes under -1
+    std::map<std::string, std::uint64_t> outcomes_;  // "ok", "refused/queue-full"
+    Histogram round_trips_;
+    Histogram recent_round_trips_;  // since the last document
+    std::optional<Time> started_;
+    std::optional<Time> last_;
+};
+
+}  // namespace asip::agent

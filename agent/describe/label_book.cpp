@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/describe/label_book.hpp"
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "agent/command/command_note.hpp"
+#include "asip/bus/label_request.hpp"
+#include "asip/model/description.hpp"
+#include "asip/model/json.hpp"
+#include "asip/text/nearest.hpp"
+#include "asip/text/printable.hpp"
+
+namespace asip::agent {
+
+using program::log::Level;
+
+namespace {
+
+template <class Fixed, class Changes>
+auto first_fixed(const Fixed& fixed, const Changes& changes) {
+    auto it = changes.begin();
+    while (it != changes.end() && !fixed.contains(it->first))
+        ++it;
+    return it;
+}
+
+std::string fixed_fault(const std::string& what) {
+    return what + " is set in the configuration of the board's agent (--label): change it there";
+}
+
+}  // namespace
+
+void LabelBook::load(Expected<model::Labels> kept) {
+    fault_ = kept ? std::string() : text::printable(kept.error(), model::kMaxFaultBytes / 4 - 1);
+    kept_ = kept ? std::move(*kept) : model::Labels();
+    join();
+}
+
+void LabelBook::join() {
+    current_ = fixed_;
+    // More than the bounds nobody would read: those of the configuration come first.
+    for (const auto& label : kept_.labels)
+        if (current_.labels.size() < model::kMaxLabels) current_.labels.insert(label);
+    const auto names = [this] { return current_.services.size() + current_.pins.size(); };
+    for (const auto& service : kept_.services)
+        if (names() < model::kMaxFriendlyNames) current_.services.insert(service);
+    for (const auto& pin : kept_.pins)
+        if (names() < model::kMaxFriendlyNames) current_.pins.insert(pin);
+}
+
+std::string LabelBook::why_not(const model::LabelChange& change, const Parts& parts) const {
+    if (const auto it = first_fixed(fixed_.labels, change.labels); it != change.labels.end())
+        return fixed_fault("the label " + it->first);
+    if (const auto it = first_fixed(fixed_.services, change.services); it != change.services.end())
+        return fixed_fault("the name of " + it->first);
+    if (const auto it = first_fixed(fixed_.pins, change.pins); it != change.pins.end())
+        return fixed_fault("the name of pin " + std::to_string(it->first));
+    std::vector<std::string> services;
+    for (const auto& entry : parts.services.entries())
+        services.push_back(entry.name);
+    for (const auto& [name, value] : change.services)
+        if (value && !services.empty() && std::find(services.begin(), services.end(), name) == services.end())
+            return "the board has no service " + name + text::did_you_mean(name, services);
+    for (const auto& [pin, value] : change.pins)
+        if (value && parts.pins != 0 && static_cast<std::size_t>(pin) >= parts.pins)
+            return "the board has pins 0 to " + std::to_string(parts.pins - 1);
+    return {};
+}
+
+void LabelBook::request(const std::string& board, const bus::RequestEnvelope& envelope, const Parts& parts,
+                        Effects& out) {
+    auto change = bus::read_label_request(envelope.object);
+    Request request{board, envelope.shown(), change.value_or(model::LabelChange()), envelope.reply};
+    auto why = change ? why_not(*change, parts) : change.error();
+    if (!why.empty())
+        return answer(request, bus::Reply::refused(std::string(bus::kRefusedInvalid), std::move(why)), out);
+    if (waiting_.size() >= kMaxWaiting)
+        return answer(request,
+                      bus::Reply::refused(std::string(bus::kRefusedQueueFull),
+                                          "the agent is still writing what was asked for before"),
+                      out);
+    waiting_.push_back(std::move(request));
+    if (!begun_) begin_next(out);
+}
+
+void LabelBook::begin_next(Effects& out) {
+    while (!waiting_.empty()) {
+        const auto& change = waiting_.front().change;
+        auto next = model::changed(kept_, change);
+        // With those of the configuration they must still fit.
+        if (next)
+            if (const auto all = model::changed(current_, change); !all) next = fail(all.error());
+        if (!next) {
+            finish(bus::Reply::refused(std::string(bus::kRefusedInvalid), next.error()), out);
+        } else if (*next == kept_ && !fault_.empty() && !change.empty()) {
+            finish(bus::Reply::refused(std::string(bus::kRefusedNotKept), fault_), out);
+        } else if (*next == kept_) {
+            finish(bus::Reply::ok(std::string(bus::kProofKept), answer_json()), out);
+        } else {
+            begun_ = *next;
+            out.keep_labels = LabelsToKeep{std::move(*next), !fault_.empty()};
+            return;
+        }
+    }
+}
+
+void LabelBook::kept(const Expected<std::filesystem::path>& result, Effects& out) {
+    if (!begun_) return;
+    auto written = *std::exchange(begun_, std::nullopt);
+    if (result) {
+        kept_ = std::move(written);
+        fault_.clear();
+        join();
+        if (!result->empty())
+            out.log(Level::kWarning, "labels that cannot be read were put aside",
+                    {{"file", result->string()}});
+        finish(bus::Reply::ok(std::string(bus::kProofKept), answer_json(*result)), out);
+    } else {
+        out.log(Level::kError, "labels could not be kept", {{"why", result.error()}});
+        finish(bus::Reply::refused(std::string(bus::kRefusedNotKept), result.error()), out);
+    }
+    begin_next(out);
+}
+
+void LabelBook::finish(bus::Reply reply, Effects& out) {
+    answer(waiting_.front(), std::move(reply), out);
+    waiting_.pop_front();
+}
+
+void LabelBook::answer(const Request& request, bus::Reply reply, Effects& out) const {
+    if (!reply.succeeded() && !request.reply.wanted())
+        out.log(Level::kWarning, "labels refused", {{"why", reply.error}, {"by", request.reply.by}});
+    if (auto message = bus::reply_message(request.reply, reply))
+        out.publish.push_back({std::move(*message), mqtt::Priority::kReply});
+    if (!request.change.empty())
+        note_command(topics_, request.board, {"command", {}, request.text, request.reply.by, reply}, out);
+}
+
+std::string LabelBook::answer_json(const std::filesystem::path& set_aside) const {
+    auto object = nlohmann::json::object();
+    model::put_labels(object, current_);
+    if (!fault_.empty()) object["labels_fault"] = fault_;
+    if (!set_aside.empty()) object["set_aside"] = set_aside.string();
+    return model::dump_json(object);
+}
+
+}  // namespace asip::agent

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <deque>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "agent/bridge/effects.hpp"
+#include "asip/bus/reply.hpp"
+#include "asip/bus/request_envelope.hpp"
+#include "asip/bus/topics.hpp"
+#include "asip/expected.hpp"
+#include "asip/model/labels.hpp"
+#include "asip/session/service_table.hpp"
+
+namespace asip::agent {
+
+/// The labels and friendly names of the board: those of the configuration, and those that were set over the
+/// bus, which are kept. Pure: says in the effects what to write. One request after the other: each is
+/// answered when what it asked for is on the disk, and counts from then on.
+class LabelBook {
+  public:
+    /// How many requests may wait for the disk.
+    static constexpr std::size_t kMaxWaiting = 64;
+
+    LabelBook(const bus::Topics& topics, model::Labels fixed) : topics_(topics), fixed_(std::move(fixed)) {}
+
+    /// What was kept of this board. A fault: it is told in the description and in each answer, until labels
+    /// are set anew.
+    void load(Expected<model::Labels> kept);
+
+    /// The board, as far as names can be given to its parts. Nothing is known: each name is taken.
+    struct Parts {
+        const session::ServiceTable& services;
+        std::size_t pins = 0;
+    };
+    void request(const std::string& board, const bus::RequestEnvelope& envelope, const Parts& parts,
+                 Effects& out);
+    /// What became of Effects::keep_labels: where that was put which could not be read; empty: there was
+    /// none.
+    void kept(const Expected<std::filesystem::path>& result, Effects& out);
+
+    /// All that holds now.
+    const model::Labels& current() const { return current_; }
+    /// Why labels that were kept are not among them; empty: all are.
+    const std::string& fault() const { return fault_; }
+
+  private:
+    struct Request {
+        std::string board;
+        std::string text;
+        model::LabelChange change;
+        bus::ReplyTo reply;
+    };
+    std::string why_not(const model::LabelChange& change, const Parts& parts) const;
+    void begin_next(Effects& out);
+    void finish(bus::Reply reply, Effects& out);
+    void answer(const Request& request, bus::Reply reply, Effects& out) const;
+    std::string answer_json(const std::filesystem::path& set_aside = {}) const;
+    void join();
+
+    bus::Topics topics_;
+    model::Labels fixed_;
+    model::Labels kept_;
+    model::Labels current_;
+    std::string fault_;
+    std::optional<model::Labels> begun_;  // being written for the first of waiting_
+    std::deque<Request> waiting_;
+};
+
+}  // namespace asip::agent

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/port/port_lease.hpp"
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "asip/model/json.hpp"
+
+namespace asip::agent {
+
+using program::log::Level;
+
+namespace {
+
+bool agree(const std::string& a, const std::string& b) {
+    return a.empty() || b.empty() || a == b;
+}
+
+nlohmann::json traits_json(const BoardTraits& traits) {
+    nlohmann::json object = nlohmann::json::object();
+    if (!traits.chip.empty()) object["chip"] = traits.chip;
+    if (!traits.sketch.empty()) object["sketch"] = traits.sketch;
+    if (!traits.stored_name.empty()) object["name"] = traits.stored_name;
+    return object;
+}
+
+}  // namespace
+
+bool may_be_same_board(const BoardTraits& a, const BoardTraits& b) {
+    return agree(a.chip, b.chip) && agree(a.stored_name, b.stored_name);
+}
+
+void PortLease::answer(const bus::ReplyTo& to, bus::Reply reply, Effects& out) const {
+    if (auto message = bus::reply_message(to, std::move(reply)))
+        out.publish.push_back({std::move(*message), mqtt::Priority::kReply});
+}
+
+void PortLease::request(const bus::PortRequest& request, const bus::ReplyTo& reply, const Board& board,
+                        Time now, text::WallTime wall, Effects& out) {
+    if (request.what == bus::PortRequest::What::kRelease)
+        return release(request, reply, board, now, wall, out);
+    if (phase_ != Phase::kReleased)
+        return answer(reply,
+                      bus::Reply::refused(std::string(bus::kRefusedNotReleased),
+                                          phase_ == Phase::kOurs ? "the port is the agent's already"
+                                                                 : "the port is being taken back"),
+                      out);
+    take_reply_ = reply;
+    take_back(now, out);
+}
+
+void PortLease::release(const bus::PortRequest& request, const bus::ReplyTo& reply, const Board& board,
+                        Time now, text::WallTime wall, Effects& out) {
+    const bool prolongs = is_away() && !reply.by.empty() && reply.by == by_;
+    if (phase_ != Phase::kOurs && !prolongs)
+        return answer(reply,
+                      bus::Reply::refused(std::string(bus::kRefusedReleased),
+                                          "the port is released to " + (by_.empty() ? "somebody" : by_) +
+                                              " until " + until_text()),
+                      out);
+    until_ = now + request.time;
+    until_wall_ = wall + request.time;
+    if (prolongs) {
+        deadline_ = until_;
+        return answer(reply, bus::Reply::ok("released", granted()), out);
+    }
+    by_ = reply.by;
+    before_ = board;
+    release_reply_ = reply;
+    phase_ = Phase::kMakingSafe;
+    deadline_ = now + (board.ready ? kMakeSafe : Duration::zero());
+}
+
+std::string PortLease::granted() const {
+    nlohmann::json object = traits_json(before_.traits);
+    object["kind"] = before_.link.kind;
+    object["path"] = before_.link.path;
+    object["host"] = before_.host;
+    object["until"] = until_text();
+    return model::dump_json(object);
+}
+
+void PortLease::let_go(Effects& out) {
+    if (phase_ != Phase::kMakingSafe) return;
+    phase_ = Phase::kReleased;
+    deadline_ = until_;
+    out.port = Effects::Port::kLetGo;
+    out.log(Level::kInfo, "port released", {{"to", by_}, {"until", until_text()}});
+    answer(release_reply_, bus::Reply::ok("released", granted()), out);
+}
+
+void PortLease::take_back(Time now, Effects& out) {
+    phase_ = Phase::kTakingBack;
+    deadline_ = now + kAnswerTime;
+    out.port = Effects::Port::kTakeBack;
+}
+
+void PortLease::identified(const BoardTraits& traits, Effects& out) {
+    if (phase_ != Phase::kTakingBack) return;
+    phase_ = Phase::kOurs;
+    const bool same = may_be_same_board(before_.traits, traits);
+    out.log(same ? Level::kInfo : Level::kWarning,
+            same ? "port taken back" : "port taken back; another board answers there",
+            {{"sketch", traits.sketch}, {"was", before_.traits.sketch}});
+    nlohmann::json object{
+        {"same", same}, {"before", traits_json(before_.traits)}, {"after", traits_json(traits)}};
+    answer(std::exchange(take_reply_, {}), bus::Reply::ok("answer", model::dump_json(object)), out);
+    by_.clear();
+}
+
+bool PortLease::tick(Time now, Effects& out) {
+    if (phase_ == Phase::kOurs || now < deadline_) return false;
+    if (phase_ == Phase::kMakingSafe) {
+        let_go(out);
+        return false;
+    }
+    if (phase_ == Phase::kReleased) {
+        out.log(Level::kWarning, "the port was not given back in time; taking it", {{"from", by_}});
+        take_back(now, out);
+        return false;
+    }
+    phase_ = Phase::kOurs;
+    by_.clear();
+    out.log(Level::kError, "port taken back, but no board answers there; was the sketch loaded completely?");
+    answer(std::exchange(take_reply_, {}), bus::Reply::timeout(), out);
+    return true;
+}
+
+std::optional<Time> PortLease::next_deadline() const {
+    return phase_ == Phase::kOurs ? std::nullopt : std::optional(deadline_);
+}
+
+std::string PortLease::updating() const {
+    if (!is_away()) return {};
+    return model::dump_json({{"by", by_}, {"until", until_text()}});
+}
+
+}  // namespace asip::agent

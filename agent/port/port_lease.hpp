@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <optional>
+#include <string>
+
+#include "agent/bridge/effects.hpp"
+#include "asip/bus/port_request.hpp"
+#include "asip/bus/reply.hpp"
+#include "asip/model/description.hpp"
+#include "asip/text/wall_time.hpp"
+#include "asip/time.hpp"
+
+namespace asip::agent {
+
+/// What a board was before its port was let go of, and what answers there afterwards.
+struct BoardTraits {
+    std::string chip;
+    std::string sketch;
+    std::string stored_name;
+    friend bool operator==(const BoardTraits&, const BoardTraits&) = default;
+};
+
+/// Whether both may be one board: chip and stored name are equal where both are known. The sketch may differ.
+bool may_be_same_board(const BoardTraits& a, const BoardTraits& b);
+
+/// Who has the board's port: this agent, or somebody it let go of it for, until a time. Pure: says in the
+/// effects what to do with the port. Times are of this program's clock; none of it needs the bus.
+class PortLease {
+  public:
+    /// While the board is made safe, at most so long.
+    static constexpr Duration kMakeSafe = std::chrono::milliseconds(500);
+    /// A board that does not answer within this time after its port was taken back is lost: a boot loader, a
+    /// restart by DTR, and the asking.
+    static constexpr Duration kAnswerTime = std::chrono::seconds(20);
+
+    enum class Phase {
+        kOurs,
+        kMakingSafe,  ///< asked for; what is held is undone first
+        kReleased,    ///< not ours: state `updating`
+        kTakingBack,  ///< opened again, the board has not answered yet
+    };
+    Phase phase() const { return phase_; }
+    /// Whether the port is somebody else's.
+    bool is_away() const { return phase_ == Phase::kReleased; }
+
+    /// A request, taken out of its envelope. `link`: of the board; `host`: this machine's name.
+    struct Board {
+        BoardTraits traits;
+        model::LinkInfo link;
+        std::string host;
+        bool ready = false;  ///< it answers now
+    };
+    void request(const bus::PortRequest& request, const bus::ReplyTo& reply, const Board& board, Time now,
+                 text::WallTime wall, Effects& out);
+    /// The board is safe, or cannot be made so in time: the port is let go of.
+    void let_go(Effects& out);
+    /// Once the board at the port was identified.
+    void identified(const BoardTraits& traits, Effects& out);
+
+    /// When the time is over the port is taken back. True: the board was given back and does not answer.
+    bool tick(Time now, Effects& out);
+    std::optional<Time> next_deadline() const;
+
+    /// For the description while it is released: `{"by":"...","until":"..."}`; empty: it is ours.
+    std::string updating() const;
+
+  private:
+    void answer(const bus::ReplyTo& to, bus::Reply reply, Effects& out) const;
+    void release(const bus::PortRequest& request, const bus::ReplyTo& reply, const Board& board, Time now,
+                 text::WallTime wall, Effects& out);
+    void take_back(Time now, Effects& out);
+    std::string granted() const;
+    std::string until_text() const { return text::iso_time(until_wall_); }
+
+    Phase phase_ = Phase::kOurs;
+    Time deadline_{};  // of the phase
+    Time until_{};
+    text::WallTime until_wall_{};
+    std::string by_;
+    Board before_;
+    bus::ReplyTo release_reply_;
+    bus::ReplyTo take_reply_;
+};
+
+}  // namespace asip::agent

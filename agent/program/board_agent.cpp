@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/program/board_agent.hpp"
+
+#include <boost/asio/post.hpp>
+#include <utility>
+
+#include "asip/program/exit_status.hpp"
+#include "asip/program/log.hpp"
+
+namespace asip::agent {
+
+namespace log = program::log;
+
+namespace {
+
+constexpr Duration kGoodbye = std::chrono::milliseconds(700);
+// Longer than a boot loader and two rounds of asking at the start rate.
+constexpr Duration kSilentAtStart = std::chrono::milliseconds(3500);
+// What is held is undone before the goodbye; a board that does not answer is not waited for longer.
+constexpr Duration kMakeSafe = std::chrono::milliseconds(500);
+constexpr Duration kLookAgain = std::chrono::milliseconds(5);
+
+link::StreamTarget stream_target(const AgentOptions& options) {
+    if (options.serial.empty()) return *link::parse_tcp_address(options.tcp);
+    const auto dtr =
+        options.reset == ResetPolicy::kAlways ? link::DtrAtOpen::kPulse : link::DtrAtOpen::kLeave;
+    return link::SerialTarget{options.serial, options.baud, dtr};
+}
+
+std::optional<std::pair<std::string, std::string>> called(bool several, const AgentOptions& options) {
+    if (!several) return std::nullopt;
+    if (!options.bridge.name.empty()) return std::pair{"board", options.bridge.name};
+    return std::pair{"port", options.serial.empty() ? options.tcp : options.serial};
+}
+
+BridgeOptions bridge_options(BridgeOptions options, const LabelFiles& files) {
+    options.load_labels = [&files](const std::string& board) { return files.load(board); };
+    return options;
+}
+
+}  // namespace
+
+BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers)
+    : options_(std::move(options)),
+      topics_(options_.bridge.topic_root),
+      label_files_(options_.state_folder),
+      host_(host),
+      handlers_(std::move(handlers)),
+      io_(host.io),
+      log_(called(host.several, options_),
+           [this] {
+               if (!stopping_) publish_log();
+           }),
+      bridge_(bridge_options(options_.bridge, label_files_), options_.models, system_random()),
+      link_(io_, stream_target(options_),
+            {[this](const link::StreamOpened& opened) { link_opened(opened); },
+             [this](const link::StreamError& error) { link_lost(error); },
+             [this](std::string_view bytes) {
+                 board_heard();
+                 with_bridge([&](Time now, Effects& out) { bridge_.receive(bytes, now, out); });
+             },
+             [this](const link::StreamError& error) {
+                 link_failed(error, !std::exchange(link_tried_, true));
+             }}),
+      clients_(
+          io_, log_, options_.listen_silence,
+          [this] {
+              note_running();
+              return reads_since_;
+          },
+          [this](session::ClientId client, std::string_view line, std::optional<Time> sent) {
+              auto result = Bridge::ClientResult::kAccepted;
+              with_bridge([&](Time now, Effects& out) {
+                  result = bridge_.client_line(client, line, sent, now, out);
+                  if (result == Bridge::ClientResult::kRefused)
+                      log_.debug("client's line refused", {{"line", line}});
+              });
+              return result != Bridge::ClientResult::kLater;
+          }),
+      timer_(io_),
+      reset_timer_(io_),
+      counters_timer_(io_),
+      statistics_timer_(io_),
+      safe_timer_(io_),
+      check_timer_(io_),
+      notes_(io_, [this](mqtt::Message note) {
+          if (bus_) bus_->publish(std::move(note), mqtt::Priority::kReply);
+      }) {}
+
+void BoardAgent::start() {
+    for (const auto& [address, framing] : options_.listen) {
+        const auto port = clients_.listen(address, framing);
+        if (!port) {
+            log_.error("cannot listen for clients", {{"why", port.error().text}});
+            return finish(program::kExitFailure);
+        }
+        log_.info("listening for clients", {{"port", *port}});
+    }
+    link_.start();
+    report_counters();
+    // Agents that start together do not publish together.
+    if (options_.statistics > Duration{})
+        publish_statistics(std::chrono::duration_cast<Duration>(options_.statistics *
+                                                                (.5 + random_unit(system_random()) / 2)));
+}
+
+void BoardAgent::note_online() {
+    using State = session::BoardSession::State;
+    const bool now = bridge_.may_publish() && bridge_.session().state() == State::kReady;
+    if (std::exchange(online_, now) != now) handlers_.on_changed();
+}
+
+void BoardAgent::perform(Effects& effects) {
+    for (const auto& notice : effects.notices) {
+        std::vector<log::Field> fields;
+        if (!bridge_.name().empty()) fields.emplace_back("board", bridge_.name());
+        for (const auto& [name, value] : notice.fields)
+            if (!value.empty() && name != "board") fields.emplace_back(name, value);
+        log_.write(notice.level, notice.text, fields);
+    }
+    for (auto& action : effects.link) {
+        if (const auto* write = std::get_if<session::Write>(&action)) {
+            link_.write(write->bytes);
+        } else if (const auto* rate = std::get_if<session::SetLineRate>(&action)) {
+            link_.set_rate(rate->baud, [this](bool ok) {
+                with_bridge([&](Time now, Effects& out) { bridge_.line_rate_set(ok, now, out); });
+            });
+        }
+    }
+    if (effects.board_known) {
+        log_.board_is(bridge_.name());
+        board_ever_known_ = true;
+        reset_timer_.cancel();
+        if (!bus_) connect_bus();
+    }
+    if (bus_ && effects.name_claimed) subscribe_to_commands();
+    if (bus_)
+        for (auto& publication : effects.publish)
+            bus_->publish(std::move(publication.message), publication.priority);
+    if (bus_) notes_.add(std::move(effects.notes));
+    for (const auto& [line, client] : effects.lines)
+        clients_.send(line, client);
+    if (effects.name_claimed) publish_log();
+    if (effects.keep_labels) keep_labels(std::move(*effects.keep_labels));
+    if (effects.reopen_link) link_.reopen("the board does not answer");
+    if (effects.port == Effects::Port::kLetGo) {
+        reset_timer_.cancel();
+        link_.stop();
+    }
+    if (effects.port == Effects::Port::kTakeBack) link_.start();
+    if (effects.fatal) {
+        if (!stop_asked_) log_.error(effects.fatal->text, {});
+        end_once_safe([this, status = effects.fatal->status] { finish(status); });
+    }
+}
+
+void BoardAgent::keep_labels(LabelsToKeep keep) {
+    boost::asio::post(host_.disk, [this, alive = std::weak_ptr(alive_), &io = io_, files = label_files_,
+                                   board = bridge_.name(), keep = std::move(keep)] {
+        boost::asio::post(io, [this, alive, result = files.save(board, keep)] {
+            if (!alive.expired()) with_bridge([&](Time, Effects& out) { bridge_.labels_kept(result, out); });
+        });
+    });
+}
+
+void BoardAgent::arm_timer() {
+    const auto deadline = bridge_.next_deadline();
+    if (!deadline) {
+        armed_for_.reset();
+        timer_.cancel();
+        return;
+    }
+    // Deadlines move later with every line that arrives; the timer is then left to fire early once.
+    if (armed_for_ && *armed_for_ <= *deadline) return;
+    armed_for_ = *deadline;
+    timer_.expires_at(*deadline);
+    timer_.async_wait([this](boost::system::error_code error) {
+        if (error || stopping_) return;
+        note_running();
+        armed_for_.reset();
+        with_bridge([&](Time now, Effects& out) {
+            if (const auto due = bridge_.next_deadline(); due && *due <= now) bridge_.tick(now, out);
+        });
+    });
+}
+
+void BoardAgent::link_opened(const link::StreamOpened& opened) {
+    link_tried_ = true;
+    model::LinkInfo info{options_.serial.empty() ? "tcp" : "serial", opened.name,
+                         static_cast<int>(opened.baud)};
+    with_bridge([&](Time now, Effects& out) {
+        bridge_.link_up({opened.baud, opened.restarting}, std::move(info), now, out);
+    });
+    if (!opened.restarting && options_.reset == ResetPolicy::kIfSilent) board_silent_at_start();
+}
+
+void BoardAgent::link_failed(const link::StreamError& error, bool first) {
+    using Kind = link::StreamError::Kind;
+    const bool waiting_helps =
+        error.kind == Kind::kNotThere || error.kind == Kind::kUnreachable || error.kind == Kind::kClosed;
+    if (first && !waiting_helps) {
+        log_.error(error.text, {});
+        return finish(program::kExitBoard);
+    }
+    if (outage_.failed(error.kind, Clock::now()))
+        log_.warning("board not reachable; waiting for it", {{"why", error.text}});
+}
+
+void BoardAgent::link_lost(const link::StreamError& error) {
+    reset_timer_.cancel();
+    // Opened and closed without a byte from the board: the same as not opened.
+    if (bridge_.session().counters().bytes_in == 0) link_failed(error, false);
+    with_bridge([&](Time now, Effects& out) { bridge_.link_down(error.text, now, out); });
+}
+
+void BoardAgent::board_heard() {
+    if (!stopping_ && outage_.heard()) log_.info("board reachable again", {});
+}
+
+void BoardAgent::board_silent_at_start() {
+    reset_timer_.expires_after(kSilentAtStart);
+    reset_timer_.async_wait([this](boost::system::error_code error) {
+        if (error || stopping_ || bridge_.session().state() == session::BoardSession::State::kReady) return;
+        if (link_.restart_board()) log_.info("board silent; restarting it by DTR", {});
+    });
+}
+
+void BoardAgent::stop() {
+    if (stopping_ || stop_asked_) return;
+    log_.info("stopping", {});
+    end_once_safe([this] {
+        Effects effects;
+        bridge_.goodbye(Clock::now(), effects);
+        effects.link.clear();
+        perform(effects);
+        finish(program::kExitOk);
+    });
+}
+
+void BoardAgent::end_once_safe(std::function<void()> end) {
+    if (stopping_ || std::exchange(stop_asked_, true)) return;
+    with_bridge([&](Time now, Effects& out) { bridge_.release_holds(now, out); });
+    wait_until_safe(Clock::now() + kMakeSafe, std::move(end));
+}
+
+void BoardAgent::wait_until_safe(Time limit, std::function<void()> end) {
+    if (stopping_) return;
+    if (bridge_.is_safe() || !bridge_.session().accepts_requests() || Clock::now() >= limit) return end();
+    safe_timer_.expires_after(kLookAgain);
+    safe_timer_.async_wait([this, limit, end = std::move(end)](boost::system::error_code error) mutable {
+        if (!error) wait_until_safe(limit, std::move(end));
+    });
+}
+
+void BoardAgent::finish(int status) {
+    if (std::exchange(stopping_, true)) return;
+    online_ = false;
+    timer_.cancel();
+    reset_timer_.cancel();
+    counters_timer_.cancel();
+    statistics_timer_.cancel();
+    safe_timer_.cancel();
+    check_timer_.cancel();
+    clients_.close();
+    link_.stop();
+    // What was in the loop's queue already runs before that.
+    auto ended = [this, status] {
+        boost::asio::post(io_, [on_ended = handlers_.on_ended, status] { on_ended(status); });
+    };
+    if (!bus_) return ended();
+    notes_.publish_all();
+    bus_->stop(kGoodbye, std::move(ended));
+}
+
+}  // namespace asip::agent

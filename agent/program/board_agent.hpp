@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "agent/bridge/bridge.hpp"
+#include "agent/clients/point_to_point.hpp"
+#include "agent/command/continuations.hpp"
+#include "agent/command/held_on_the_way.hpp"
+#include "agent/command/held_up.hpp"
+#include "agent/command/inbox.hpp"
+#include "agent/command/notes.hpp"
+#include "agent/counts/board_log.hpp"
+#include "agent/describe/label_files.hpp"
+#include "agent/port/outage.hpp"
+#include "agent/program/options.hpp"
+#include "asip/link/kept_stream.hpp"
+#include "asip/mqtt/client.hpp"
+#include "asip/mqtt/outage.hpp"
+
+namespace asip::agent {
+
+/// The agent of one board: owns the bridge and what carries it, and performs what the bridge asks for. One
+/// thread: all calls and handlers on the io_context.
+class BoardAgent {
+  public:
+    /// What all boards of the process share.
+    struct Host {
+        boost::asio::io_context& io;
+        boost::asio::thread_pool& disk;  ///< a slow one must not hold up the boards
+        bool several = false;            ///< each line of the log says which board it is about
+    };
+    struct Handlers {
+        /// It has ended, with the exit status of a process that serves one board. The agent may be destroyed.
+        std::function<void(int status)> on_ended;
+        /// online() has changed.
+        std::function<void()> on_changed;
+    };
+
+    BoardAgent(const Host& host, AgentOptions options, Handlers handlers);
+    ~BoardAgent() = default;
+    BoardAgent(const BoardAgent&) = delete;
+    BoardAgent& operator=(const BoardAgent&) = delete;
+
+    void start();
+    /// Undoes what is held, says goodbye and ends, within 1.5 s.
+    void stop();
+
+    /// Whether the board answers and is on the bus.
+    bool online() const { return online_; }
+
+  private:
+    template <class Call>
+    void with_bridge(Call&& call);
+    void perform(Effects& effects);
+    void connect_bus();
+    void subscribe_to_commands();
+    Expected<void> use_credentials(const std::string& file);
+    bool look_for_credentials();
+    void arm_timer();
+    /// This process runs now. Call it before anything is done: what waited while it could not is not new.
+    void note_running();
+    void end_once_safe(std::function<void()> end);
+    void wait_until_safe(Time limit, std::function<void()> end);
+    void finish(int status);
+    void link_opened(const link::StreamOpened& opened);
+    void link_lost(const link::StreamError& error);
+    void link_failed(const link::StreamError& error, bool first);
+    void board_heard();
+    mqtt::Client::Handlers bus_handlers();
+    void bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected);
+    void board_silent_at_start();
+    void report_counters();
+    void publish_statistics(Duration after);
+    void publish_log();
+    void note_online();
+    void keep_labels(LabelsToKeep keep);
+    void message_received(const mqtt::Message& message);
+    void check_the_way();
+    void handle_oldest();
+    void schedule_turn();
+    void turn();
+    void note_published(const std::string& topic);
+    void log_rejections();
+    void announcing_denied();
+
+    AgentOptions options_;
+    const bus::Topics topics_;
+    LabelFiles label_files_;
+    const Host host_;
+    const Handlers handlers_;
+    boost::asio::io_context& io_;
+    BoardLog log_;
+    Bridge bridge_;
+    link::KeptStream link_;
+    PointToPoint clients_;
+    std::unique_ptr<mqtt::Client> bus_;
+    boost::asio::steady_timer timer_;
+    boost::asio::steady_timer reset_timer_;
+    boost::asio::steady_timer counters_timer_;
+    boost::asio::steady_timer statistics_timer_;
+    boost::asio::steady_timer safe_timer_;
+    boost::asio::steady_timer check_timer_;
+    Notes notes_;
+    Inbox inbox_;
+    HeldUp held_up_;
+    std::optional<Time> reads_since_;  // what sockets hold may have been sent since then
+    HeldOnTheWay on_the_way_;
+    std::size_t arrived_ = 0;  // commands in this turn of the loop
+    bool turn_scheduled_ = false;
+    Outage outage_;
+    std::optional<Time> armed_for_;
+    std::uint64_t logged_dropped_ = 0;
+    std::uint64_t logged_refused_ = 0;
+    mqtt::Counters counted_before_;        // this connection
+    std::size_t packet_limit_ = 0;         // of its broker, in bytes
+    bool announcement_published_ = false;  // over this connection
+    bool rejection_logged_ = false;        // of this connection
+    bool denial_logged_ = false;           // since the last announcement that was taken
+    mqtt::Outage bus_outage_;
+    bool board_ever_known_ = false;
+    bool link_tried_ = false;
+    bool missing_credentials_logged_ = false;
+    bool stop_asked_ = false;
+    bool stopping_ = false;
+    bool online_ = false;
+    std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
+};
+
+template <class Call>
+void BoardAgent::with_bridge(Call&& call) {
+    if (stopping_) return;
+    note_running();
+    Effects effects;
+    call(Clock::now(), effects);
+    perform(effects);
+    if (stopping_) return;
+    clients_.resume();
+    arm_timer();
+    note_online();
+}
+
+}  // namespace asip::agent

@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is between the bridge and the broker: messages in their order, and what is reported of the connection.
+#include <boost/asio/post.hpp>
+#include <filesystem>
+
+#include "agent/program/board_agent.hpp"
+#include "asip/mqtt/cut_off.hpp"
+#include "asip/program/exit_status.hpp"
+#include "asip/program/log.hpp"
+
+namespace asip::agent {
+
+namespace log = program::log;
+
+namespace {
+
+// So many commands are handled in one turn of the loop.
+constexpr std::size_t kAtOnce = 8;
+constexpr auto kCountersEvery = std::chrono::seconds(10);
+
+}  // namespace
+
+void BoardAgent::connect_bus() {
+    const auto own = program::credentials_in_dir(options_.broker, bridge_.name());
+    if (const auto used = own.empty() ? Expected<void>() : use_credentials(own); !used) {
+        log_.error(used.error(), {});
+        return finish(program::kExitUsage);
+    }
+    mqtt::Options options = options_.mqtt;
+    options.packet_log = log::enabled(log::Level::kTrace);
+    options.will = bridge_.will();
+    // 10,000 commands at once get as many answers at once; twice this many of them may wait.
+    options.max_queued_messages = 16 * 1024;
+    bus_ = std::make_unique<mqtt::Client>(io_, std::move(options), bus_handlers());
+    for (auto& [filter, how] : bridge_.subscriptions())
+        bus_->subscribe(std::move(filter), how);
+    if (bridge_.name_claimed()) subscribe_to_commands();
+    bus_->start();
+}
+
+void BoardAgent::subscribe_to_commands() {
+    for (const auto& filter : bridge_.control_subscriptions())
+        bus_->subscribe(filter, {.qos = 1, .no_local = true, .required = true});
+}
+
+Expected<void> BoardAgent::use_credentials(const std::string& file) {
+    auto broker = options_.broker;
+    const auto board = program::take_credentials(broker, file);
+    if (!board) return fail(board.error());
+    if (*board != bridge_.name()) return fail(file + " is not for board " + bridge_.name());
+    if (broker.topic_root != options_.bridge.topic_root)
+        return fail(file + " is for topic root " + broker.topic_root + ": give that by --topic-root");
+    auto mqtt = program::mqtt_options(broker, "asip-agent");
+    if (!mqtt) return fail(mqtt.error());
+    options_.broker = std::move(broker);
+    options_.mqtt = std::move(*mqtt);
+    bridge_.leave_shared_topic();
+    log_.info("credentials found", {{"file", file}});
+    return {};
+}
+
+/// Whether they are there now, or may come: this machine has a folder of them, and its broker is a secured
+/// one.
+bool BoardAgent::look_for_credentials() {
+    namespace fs = std::filesystem;
+    const fs::path folder = options_.broker.credentials_dir;
+    if (folder.empty() || !options_.broker.credentials.empty()) return false;
+    if (!program::credentials_in_dir(options_.broker, bridge_.name()).empty()) {
+        boost::asio::post(io_, [this] {
+            if (stopping_) return;
+            bus_.reset();
+            connect_bus();
+        });
+        return true;
+    }
+    std::error_code error;
+    if (fs::directory_iterator(folder, error) == fs::directory_iterator() || error) return false;
+    if (!std::exchange(missing_credentials_logged_, true)) {
+        log_.warning("there are no credentials for board " + bridge_.name() +
+                         " on this machine; waiting for them: sudo asipctl secure add board " +
+                         bridge_.name() + " --here",
+                     {{"folder", folder.string()}});
+    }
+    return true;
+}
+
+mqtt::Client::Handlers BoardAgent::bus_handlers() {
+    mqtt::Client::Handlers handlers;
+    handlers.on_connected = [this](const mqtt::Connected& connected) {
+        bus_outage_.over();
+        announcement_published_ = rejection_logged_ = false;
+        counted_before_ = bus_->counters();
+        packet_limit_ = connected.max_packet_bytes;
+        log_.info("broker connected",
+                  {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
+        bus_->discard_queued(mqtt::Priority::kAnnouncement);
+        with_bridge([&](Time now, Effects& out) {
+            bridge_.bus_connected(now, connected.client_id, connected.v5, out);
+        });
+    };
+    handlers.on_subscribed = [this] {
+        with_bridge([&](Time now, Effects& out) { bridge_.bus_subscribed(now, out); });
+    };
+    handlers.on_all_subscribed = [this] {
+        with_bridge([&](Time now, Effects&) { bridge_.bus_all_subscribed(now); });
+    };
+    handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
+        bridge_.bus_disconnected();
+        on_the_way_ = {};
+        note_online();
+        bus_failed(failure, true);
+        if (failure.after_sending >= mqtt::CutOff::kTimes) announcing_denied();
+    };
+    handlers.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) {
+        bus_failed(failure, false);
+    };
+    handlers.on_message = [this](const mqtt::Message& message) { message_received(message); };
+    handlers.on_published = [this](const std::string& topic) { note_published(topic); };
+    handlers.on_subscribe_refused = [this](const std::string& filter, const std::string& reason) {
+        log_.error("the broker refuses a subscription; asking again", {{"topic", filter}, {"why", reason}});
+    };
+    handlers.on_debug = [this](const std::string& line) {
+        log_.trace(line);
+        log_rejections();  // each has its line
+    };
+    return handlers;
+}
+
+void BoardAgent::message_received(const mqtt::Message& message) {
+    if (stopping_) return;
+    note_running();
+    const Time arrived = Clock::now();
+    const Time came = on_the_way_.arrival(arrived);
+    const auto topic = topics_.parse(message.topic);
+    if (!topic) return;
+    if (topic->kind == bus::TopicKind::kStop) {
+        with_bridge([&](Time now, Effects& out) {
+            bridge_.bus_message(message, {.waiting = inbox_.waiting()}, now, out);
+        });
+        if (!message.retain) inbox_.stop();
+        return;
+    }
+    // A renewal has no queue to wait in.
+    const bool request = topic->kind == bus::TopicKind::kBoardIn ||
+                         topic->kind == bus::TopicKind::kBoardOut ||
+                         topic->kind == bus::TopicKind::kServiceIn;
+    const bool command = request && message.payload.find("\"renew\"") == std::string::npos;
+    if (request && on_the_way_.commanded(arrived, message.qos > 0)) check_the_way();
+    if (command) ++arrived_, schedule_turn();
+    if (!command || (inbox_.empty() && arrived_ <= kAtOnce)) {
+        with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, {.at = came}, now, out); });
+        return;
+    }
+    inbox_.push(message, came);
+    if (inbox_.full()) handle_oldest();
+}
+
+void BoardAgent::note_running() {
+    const Time now = Clock::now();
+    const auto since = held_up_.runs(now, armed_for_, continuations());
+    if (!since) return;
+    bridge_.not_watched(*since, now);
+    if (!reads_since_) {
+        reads_since_ = since;
+        // Each socket that had something then is read in this turn of the loop or in the next one.
+        boost::asio::post(io_, [this, alive = std::weak_ptr(alive_)] {
+            if (alive.expired()) return;
+            boost::asio::post(io_, [this, alive] {
+                if (!alive.expired()) reads_since_.reset();
+            });
+        });
+    }
+    if (!bus_) return;
+    on_the_way_.held_up(now, *since);
+    check_the_way();
+}
+
+void BoardAgent::check_the_way() {
+    const auto due = on_the_way_.next_check();
+    if (!due || stopping_) return;
+    const Time now = Clock::now();
+    if (now < *due) {
+        check_timer_.expires_at(*due);
+        check_timer_.async_wait([this](boost::system::error_code error) {
+            if (error || stopping_) return;
+            note_running();
+            check_the_way();
+        });
+        return;
+    }
+    const bool sent = bus_->check([this] {
+        note_running();
+        if (on_the_way_.answered(Clock::now()))
+            log_.debug("the broker answered late; commands may have been held on their way", {});
+        check_the_way();
+    });
+    if (sent)
+        on_the_way_.sent(now);
+    else
+        on_the_way_ = {};
+}
+
+void BoardAgent::handle_oldest() {
+    const auto entry = inbox_.pop();
+    with_bridge([&](Time now, Effects& out) {
+        bridge_.bus_message(entry.message, {.at = entry.arrived, .stopped = entry.stopped}, now, out);
+    });
+}
+
+void BoardAgent::schedule_turn() {
+    if (std::exchange(turn_scheduled_, true)) return;
+    boost::asio::post(io_, [this] { turn(); });
+}
+
+// While messages arrive they are only read: a stop may be among them.
+void BoardAgent::turn() {
+    turn_scheduled_ = false;
+    const bool reading = std::exchange(arrived_, 0u) > 0;
+    for (std::size_t i = 0; !reading && i < kAtOnce && !inbox_.empty() && !stopping_; ++i)
+        handle_oldest();
+    if (!inbox_.empty() && !stopping_) schedule_turn();
+}
+
+void BoardAgent::bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected) {
+    if (stopping_) return;
+    const bool may_change = !was_connected && look_for_credentials();
+    if (failure.hopeless && !may_change) {
+        log_.error(failure.text, {{"broker", failure.broker.describe()}});
+        return finish(program::kExitBroker);
+    }
+    // Each attempt may fail the same way; once is enough for a person, the rest is for debugging.
+    const auto level =
+        was_connected || bus_outage_.is_news(failure) ? log::Level::kWarning : log::Level::kDebug;
+    log_.write(level, was_connected ? "broker lost; connecting again" : "broker not reachable; trying on",
+               {{"broker", failure.broker.describe()}, {"why", failure.text}});
+}
+
+void BoardAgent::report_counters() {
+    counters_timer_.expires_after(kCountersEvery);
+    counters_timer_.async_wait([this](boost::system::error_code error) {
+        if (error || stopping_) return;
+        if (bus_) {
+            const auto counters = bus_->counters();
+            if (std::exchange(logged_dropped_, counters.dropped_context) != counters.dropped_context) {
+                log_.warning("the broker is slower than the board; oldest values dropped",
+                             {{"dropped", counters.dropped_context}});
+            }
+            if (std::exchange(logged_refused_, counters.refused) != counters.refused) {
+                log_.warning("the broker is slower than commands come; answers dropped",
+                             {{"dropped", counters.refused}});
+            }
+        }
+        report_counters();
+    });
+}
+
+void BoardAgent::publish_statistics(Duration after) {
+    statistics_timer_.expires_after(after);
+    statistics_timer_.async_wait([this](boost::system::error_code error) {
+        if (error || stopping_) return;
+        if (bus_)
+            with_bridge(
+                [&](Time now, Effects& out) { bridge_.publish_statistics(bus_->counters(), now, out); });
+        publish_statistics(options_.statistics);
+    });
+}
+
+void BoardAgent::publish_log() {
+    if (!bus_ || !bridge_.may_publish()) return;
+    for (auto& line : log_.take()) {
+        mqtt::Message message;
+        message.topic = topics_.log(bridge_.name());
+        message.payload = std::move(line);
+        bus_->publish(std::move(message), mqtt::Priority::kContext);
+    }
+}
+
+void BoardAgent::note_published(const std::string& topic) {
+    const auto known = topics_.parse(topic);
+    if (!known || known->kind != bus::TopicKind::kDescription) return;
+    denial_logged_ = false;
+    // What is to be read later goes behind what commands and catalogues wait for.
+    if (!std::exchange(announcement_published_, true)) publish_log();
+}
+
+void BoardAgent::log_rejections() {
+    if (!bus_ || rejection_logged_) return;
+    const auto counted = bus_->counters();
+    const auto refused = counted.rejected - counted_before_.rejected;
+    const bool too_large = counted.too_large > counted_before_.too_large;
+    if (refused == 0 && !too_large) return;
+    rejection_logged_ = true;
+    if (too_large) {
+        log_.error(
+            "a message of this agent is larger than the broker takes; raise its limit (Mosquitto: "
+            "max_packet_size)",
+            {{"board", bridge_.name()}, {"broker's limit", packet_limit_}});
+        return;
+    }
+    if (!announcement_published_) return announcing_denied();
+    log_.warning(
+        "the broker refuses some of what this agent publishes; look at its access control. Answers are "
+        "written to the topics that requests name: on a secured bus " +
+            options_.bridge.topic_root + "/reply/USER/" + bridge_.name() + "/...",
+        {{"board", bridge_.name()}, {"refused", refused}});
+}
+
+/// Once until an announcement is taken: a broker may take long to be set right.
+void BoardAgent::announcing_denied() {
+    if (announcement_published_ || std::exchange(denial_logged_, true)) return;
+    const std::string& root = options_.bridge.topic_root;
+    const std::string& board = bridge_.name();
+    const std::string& user = options_.mqtt.user;
+    log_.error(
+        "the broker's access control denied announcing board " + board + "; nobody will find it. " +
+            (user.empty() ? "A connection without user" : "User " + user) + " must be allowed to write " +
+            root + "/servicebus/$probe, " + root + "/servicebus/" + board + "/# and " + root + "/" + board +
+            "/#. On a secured bus a board's user is called like the board: ask whoever keeps the broker for "
+            "credentials (asipctl secure add board " +
+            board + ")" + (user.empty() ? "" : ", or call the board " + user + " (--name " + user + ")"),
+        {{"user", user}, {"broker", options_.mqtt.brokers.front().describe()}});
+}
+
+}  // namespace asip::agent

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "agent/program/board_agent.hpp"
+#include "agent/program/plan.hpp"
+#include "asip/mqtt/backoff.hpp"
+#include "asip/program/stop_signal.hpp"
+
+namespace asip::agent {
+
+/// The program: an agent for each board of the plan, in one event loop. One board of a command line: the
+/// program ends with it, and SIGHUP changes nothing. Boards of a file: each is started again when it ends,
+/// later each time (2 s to 1 min), and SIGHUP reads the file anew.
+class Supervisor {
+  public:
+    /// `read_again`: the plan of the same file as it is now.
+    Supervisor(Plan plan, std::function<Expected<Plan>()> read_again);
+    ~Supervisor();
+
+    /// Until a signal, or the end of the only board. Returns the exit status.
+    int run();
+
+  private:
+    struct Board;
+    void start_all();
+    void start(Board& board, Duration after);
+    void serve(Board& board);
+    void ended(Board& board, int status);
+    void start_again(Board& board, int status);
+    void remove(Board& board);
+    void stop();
+    void wait_for_reload();
+    void reload();
+    void nothing_to_reload();
+    void apply(Plan plan);
+    void report_soon();
+    std::string status_text() const;
+
+    boost::asio::io_context io_{1};
+    boost::asio::thread_pool disk_{1};
+    const bool several_;
+    const std::function<Expected<Plan>()> read_again_;
+    const bool has_terminal_;
+    Random random_;
+    std::vector<std::shared_ptr<Board>> boards_;
+    program::StopSignal stop_signal_;
+    boost::asio::signal_set reload_signal_;
+    boost::asio::steady_timer report_timer_;
+    bool report_waits_ = false;
+    bool stopping_ = false;
+    int status_ = 0;
+};
+
+}  // namespace asip::agent

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "agent/bridge/effects.hpp"
+#include "agent/counts/statistics.hpp"
+#include "asip/protocol/parsed_line.hpp"
+
+namespace asip::agent {
+
+/// What the board reports while there is no bus: the newest value of each kind, at most kMaxKinds. What it
+/// replaces would be stale when the bus is back.
+class HeldValues {
+  public:
+    static constexpr std::size_t kMaxKinds = 64;
+
+    /// A value that it replaces, or that has no place, is counted in `statistics`.
+    void hold(const protocol::ParsedLine& line, Statistics& statistics);
+    /// What was held, and nothing is held any more. Logs how many values were superseded.
+    std::vector<protocol::ParsedLine> release(Effects& out);
+
+  private:
+    std::map<std::string, protocol::ParsedLine> newest_;
+    std::uint64_t superseded_ = 0;
+};
+
+}  // namespace asip::agent

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+#include "agent/bridge/effects.hpp"
+#include "agent/reports/demands.hpp"
+#include "asip/session/board_session.hpp"
+#include "asip/session/service_table.hpp"
+#include "asip/time.hpp"
+
+namespace asip::agent {
+
+struct ReportOptions {
+    bool on_demand = false;  ///< false: periods are left to whoever sets them
+    /// Demands do not bring a service below this; at least 1 ms.
+    std::chrono::milliseconds fastest{20};
+    std::chrono::milliseconds resting{0};  ///< where nobody demands; 0: no reports
+};
+
+/// The period in ms that serves `hz` values a second: `hz` at most, but not below `fastest` nor above
+/// `slowest`. 0 where `hz` is 0.
+unsigned period_for(double hz, unsigned fastest, unsigned slowest);
+
+/// Sets the periods of a board's services to what is demanded of them, and to the resting one a moment after
+/// the last demand ended. Services whose model has no command `report` with tag `A` and a period in ms are
+/// left alone. A period that somebody sets by a command holds as a demand without end: the service reports at
+/// least so often, until another is set; 0 ends it. Pure.
+class ReportPeriods {
+  public:
+    /// Between two changes of one service.
+    static constexpr Duration kBetweenChanges = std::chrono::seconds(1);
+    /// Between two looks at the demands, however many come.
+    static constexpr Duration kBetweenLooks = std::chrono::milliseconds(50);
+    /// Of the session's queue; no other client has it.
+    static constexpr session::ClientId kClient = ~session::ClientId{0};
+
+    explicit ReportPeriods(ReportOptions options) : options_(options) {}
+
+    bool on_demand() const { return options_.on_demand; }
+    const ReportOptions& options() const { return options_; }
+
+    // --- the bus
+    /// A payload that anyone may have published; retained ones are refused.
+    void demand(std::string_view demander, std::string_view payload, bool retained, Time now);
+
+    // --- commands
+    /// A request of anybody was queued.
+    void queued(session::RequestId id, std::string_view line);
+    /// Of a request of anybody, and of our own.
+    void on_finished(const session::Finished& end, Time now, Effects& out);
+
+    // --- the board
+    /// It was identified: whatever it reports now, all periods are to be set.
+    void board_found(const session::ServiceTable& services, Time now);
+
+    /// Sends what is due.
+    void tick(session::BoardSession& session, Time now, session::Actions& actions);
+    std::optional<Time> next_deadline() const;
+
+    /// Whether the periods of this service are ours to set.
+    bool controls(char letter) const { return services_.contains(letter); }
+    /// By the names of services, in ms; without those that are not known.
+    std::map<std::string, unsigned> periods() const;
+    std::size_t demanders() const { return demands_.size(); }
+    std::uint64_t rejected() const { return rejected_; }  ///< demands that could not be used
+    std::uint64_t changes() const { return changes_; }    ///< periods that were set
+
+  private:
+    struct Service {
+        char letter = 0;
+        std::string name;
+        unsigned fastest = 1, slowest = 65535;  // by the model
+        std::optional<unsigned> set;            // on the board; none: not known
+        session::RequestId request = 0;         // under way
+        unsigned asked = 0;                     // by it
+        Time not_before{};
+        std::optional<unsigned> failed;  // the last one that could not be set
+        Time again{};                    // not before is that one tried again
+        Duration patience{};
+    };
+    struct Foreign {
+        char letter = 0;  // '#': the board restarts
+        unsigned period = 0;
+    };
+
+    unsigned wanted(const Service& service) const;
+    Service* find(char letter);
+    void foreign_ended(const Foreign& request, const session::Finished& end);
+    void own_ended(Service& service, const session::Finished& end, Time now, Effects& out);
+    void look_again(Time when);
+
+    ReportOptions options_;
+    Demands demands_;
+    std::map<char, Service> services_;
+    std::map<char, unsigned> commanded_;                       // periods that somebody set
+    std::unordered_map<session::RequestId, Foreign> foreign_;  // bounded by the session's queue
+    std::optional<Time> look_at_;
+    std::optional<Time> looked_at_;
+    std::uint64_t rejected_ = 0;
+    std::uint64_t changes_ = 0;
+};
+
+}  // namespace asip::agent

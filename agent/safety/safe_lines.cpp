@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/safety/safe_lines.hpp"
+
+namespace asip::agent {
+
+namespace {
+
+// Of one attempt. The board answers within milliseconds; after a second something was lost.
+constexpr Duration kAttempt = std::chrono::seconds(1);
+
+}  // namespace
+
+void SafeLines::send(session::BoardSession& session, Time now, session::Actions& actions) {
+    if (!session.accepts_requests()) return;
+    for (auto& [line, state] : pending_) {
+        if (state.request != 0) continue;
+        const auto id = session.submit(line, {.deadline = now + kAttempt, .urgent = true}, now, actions);
+        if (!id) return;
+        state.request = *id;
+        requests_.emplace(*id, line);
+    }
+}
+
+bool SafeLines::on_finished(const session::Finished& end, std::vector<Done>& done) {
+    using session::Ending;
+    const auto request = requests_.find(end.id);
+    if (request == requests_.end()) return false;
+    const std::string line = std::move(request->second);
+    requests_.erase(request);
+    const auto pending = pending_.find(line);
+    if (pending == pending_.end()) return true;
+    pending->second.request = 0;
+    const bool refused = end.ending == Ending::kBoardError;
+    const bool executed =
+        end.ending == Ending::kExecuted || end.ending == Ending::kUnproven || end.ending == Ending::kNoValue;
+    if (!refused && !executed) return true;
+    pending_.erase(pending);
+    done.push_back({line, executed, end.code, end.text});
+    return true;
+}
+
+void SafeLines::clear() {
+    pending_.clear();
+    requests_.clear();
+}
+
+}  // namespace asip::agent

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/safety/safety.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "agent/command/command_note.hpp"
+#include "agent/command/error_report.hpp"
+#include "asip/bus/request_envelope.hpp"
+#include "asip/model/command_encoder.hpp"
+#include "asip/model/json.hpp"
+#include "asip/protocol/error_code.hpp"
+
+namespace asip::agent {
+
+using program::log::Level;
+
+namespace {
+
+// Of a stop that has nothing to undo: only an answer of the board shows that it is there.
+constexpr const char* kQuestion = "#,?";
+
+std::string milliseconds(Duration time) {
+    return std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(time).count()) + " ms";
+}
+
+// On a service's topic a request stands without its service.
+std::string_view without_service(std::string_view line) {
+    return line.size() > 2 ? line.substr(2) : line;
+}
+
+}  // namespace
+
+std::string safe_form_of(const session::ServiceTable& services, std::string_view line) {
+    if (line.size() < 3) return {};
+    const auto* service = services.find(line[0]);
+    if (service == nullptr || !service->model) return {};
+    const auto* command = service->model->command_with_tag(line[2]);
+    if (command == nullptr || !command->safe) return {};
+    const auto encoded = model::encode_text_command(*service->model, without_service(line));
+    return encoded ? encoded->safe : std::string();
+}
+
+// --- commands
+
+void Safety::queued(session::RequestId id, std::string_view line, const std::string& safe,
+                    const session::ServiceTable& services) {
+    if (safe.empty()) {
+        if (holds_.holds(line)) requests_.emplace(id, line);
+        return;
+    }
+    requests_.emplace(id, safe);
+    const auto* service = services.find(safe[0]);
+    if (service != nullptr && service->model && service->model->safe.empty()) outputs_.queued(safe);
+}
+
+void Safety::on_finished(const session::Finished& end, Time now, Effects& out) {
+    if (const auto request = requests_.find(end.id); request != requests_.end()) {
+        holds_.on_finished(end, request->second);
+        outputs_.on_finished(end, request->second);
+        requests_.erase(request);
+    }
+    std::vector<SafeLines::Done> lines;
+    lines_.on_finished(end, lines);
+    for (const auto& line : lines)
+        done(line, now, out);
+}
+
+void Safety::done(const SafeLines::Done& line, Time now, Effects& out) {
+    if (const auto hold = expired_.find(line.line); hold != expired_.end()) {
+        report(hold->second,
+               "not renewed within " + milliseconds(hold->second.length) + "; " + line.line +
+                   (line.executed ? " was executed" : " was refused by the board: " + line.text),
+               out);
+        expired_.erase(hold);
+    }
+    for (Stop& stop : stops_) {
+        if (stop.open.erase(line.line) == 0) continue;
+        if (line.executed) {
+            if (line.line != kQuestion) stop.executed.push_back(line.line);
+        } else if (!stop.error) {
+            stop.error = line;
+        }
+        if (stop.open.empty()) answer(stop, true, now, out);
+    }
+    std::erase_if(stops_, [](const Stop& stop) { return stop.open.empty(); });
+}
+
+void Safety::report(const Holds::Hold& hold, const std::string& text, Effects& out) {
+    out.log(Level::kWarning, "held command undone", {{"command", hold.line}, {"why", text}, {"by", hold.by}});
+    report_failure(topics_, board_, {hold.service, without_service(hold.line), "not-renewed", text, hold.by},
+                   out);
+    bus::Reply outcome = bus::Reply::timeout();
+    outcome.error = text;
+    note_command(topics_, board_, {"undone", hold.service, without_service(hold.line), hold.by, outcome},
+                 out);
+}
+
+// --- the board
+
+void Safety::board_restarted(Effects& out) {
+    for (const auto& hold : holds_.take_all())
+        report(hold, "the board restarted; nothing is held any more", out);
+    for (const auto& [safe, hold] : expired_)
+        report(hold, "not renewed within " + milliseconds(hold.length) + "; the board restarted", out);
+    expired_.clear();
+    outputs_.board_restarted();
+}
+
+void Safety::board_gone(Effects& out) {
+    for (const auto& hold : holds_.take_all()) {
+        lines_.add(hold.safe);
+        report(hold, "the board is not there; " + hold.safe + " is sent as soon as it is back", out);
+    }
+}
+
+void Safety::stop_services(const session::ServiceTable& services) {
+    for (const auto& service : services.entries())
+        if (service.model)
+            for (const auto& line : service.model->safe)
+                lines_.add(line);
+}
+
+// --- the bus
+
+void Safety::on_stop(const mqtt::Message& message, std::size_t waiting, const session::ServiceTable& services,
+                     session::BoardSession& session, Time now, session::Actions& actions, Effects& out) {
+    const auto envelope = bus::open_envelope(message);
+    Stop stop;
+    stop.reply = envelope ? envelope->reply : envelope.error().reply;
+    stop.arrived = now;
+    stop.deadline = now + (envelope && envelope->deadline ? *envelope->deadline : session::kDefaultDeadline);
+    if (message.retain) {
+        const auto refused = bus::Reply::refused(
+            std::string(bus::kRefusedRetained),
+            "a stored stop was not executed; clear it by publishing an empty retained message on " +
+                message.topic);
+        if (auto reply = bus::reply_message(stop.reply, refused))
+            out.publish.push_back({std::move(*reply), mqtt::Priority::kUrgent});
+        return;
+    }
+    statistics_.stopped();
+    if (stops_.empty())
+        out.log(Level::kWarning, "stopped by a message", {{"topic", message.topic}, {"by", stop.reply.by}});
+    std::vector<std::string> lines = outputs_.lines();
+    for (const auto& hold : holds_.take_all())
+        lines.push_back(hold.safe);
+    for (const auto& service : services.entries())
+        if (service.model) lines.insert(lines.end(), service.model->safe.begin(), service.model->safe.end());
+    if (lines.empty()) lines.emplace_back(kQuestion);
+    for (const auto& line : lines)
+        lines_.add(line);
+    lines_.send(session, now, actions);
+    stop.refused = waiting + session.cancel_waiting(actions);
+    stop.open.insert(lines.begin(), lines.end());
+    if (stops_.size() >= kMaxStops) return answer(stop, false, now, out);
+    stops_.push_back(std::move(stop));
+}
+
+void Safety::answer(const Stop& stop, bool in_time, Time now, Effects& out) {
+    bus::Reply reply = bus::Reply::ok("fence");
+    if (!in_time) {
+        reply = bus::Reply::timeout("board-not-there");
+        reply.error = "the board did not confirm it; it is stopped as soon as it answers";
+    } else if (stop.error) {
+        reply = bus::Reply::board_error(stop.error->code, stop.error->line + ": " + stop.error->text);
+    }
+    reply.answer = model::dump_json({{"executed", stop.executed}, {"refused", stop.refused}});
+    statistics_.answered(reply, stop.reply.wanted(), now - stop.arrived);
+    if (auto message = bus::reply_message(stop.reply, reply))
+        out.publish.push_back({std::move(*message), mqtt::Priority::kUrgent});
+    note_command(topics_, board_, {"stop", {}, {}, stop.reply.by, reply}, out);
+}
+
+bool Safety::release_all() {
+    for (const auto& hold : holds_.take_all())
+        lines_.add(hold.safe);
+    return pending();
+}
+
+// --- time
+
+void Safety::tick(Time now, Effects& out) {
+    for (auto& hold : holds_.take_expired(now)) {
+        statistics_.hold_expired();
+        lines_.add(hold.safe);
+        expired_.insert_or_assign(hold.safe, std::move(hold));
+    }
+    for (const Stop& stop : stops_)
+        if (now >= stop.deadline) answer(stop, false, now, out);
+    std::erase_if(stops_, [&](const Stop& stop) { return now >= stop.deadline; });
+}
+
+std::optional<Time> Safety::next_deadline() const {
+    auto first = holds_.next_deadline();
+    for (const Stop& stop : stops_)
+        if (!first || stop.deadline < *first) first = stop.deadline;
+    return first;
+}
+
+}  // namespace asip::agent

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/ask/board_request.hpp"
+
+#include <pwd.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "asip/model/command_encoder.hpp"
+#include "asip/model/json.hpp"
+#include "asip/protocol/request.hpp"
+#include "cli/text/width.hpp"
+#include "cli/text/words.hpp"
+
+namespace asip::cli {
+namespace {
+
+std::string joined(std::span<const std::string> words) {
+    std::string text;
+    for (const auto& word : words)
+        text += (text.empty() ? "" : ",") + word;
+    return text;
+}
+
+Expected<model::EncodedCommand> encode(const model::ServiceModel& model, std::span<const std::string> words) {
+    if (words.size() == 1 && words.front().starts_with("{")) {
+        const auto document = model::parse_json(words.front());
+        if (!document) return fail(document.error());
+        return model::encode_json_command(model, *document);
+    }
+    return model::encode_word_command(model, words);
+}
+
+std::string how_to_use(const model::ServiceModel& model, const std::string& word) {
+    const auto* command = model.command(word);
+    return command != nullptr ? "; usage: " + command->name + " " + model::usage(*command) : "";
+}
+
+std::string all_commands(const model::ServiceModel& model) {
+    std::vector<std::string> names;
+    for (const auto& command : model.commands)
+        names.push_back(command.name);
+    return names.empty() ? " It takes none" : " There are " + listed(names);
+}
+
+}  // namespace
+
+Outcome<BoardCommand> make_command(const Context& context, const KnownBoard& board,
+                                   const model::ServiceInfo& service, std::span<const std::string> words) {
+    const auto topic = context.topics.service_in(board.item.board, service.name);
+    const auto target = board.item.board + "/" + service.name;
+    const auto where = target + ": ";
+    const auto model = bus::model_of(service, context.models());
+    if (words.empty()) {
+        return failure(program::kExitUsage, where + "which command?" + (model ? all_commands(*model) : ""));
+    }
+    if (!model) {
+        const auto text = joined(words);
+        if (text.empty() || text.find_first_of("\r\n") != std::string::npos) {
+            return failure(program::kExitUsage, where + "a tag and its parameters, as in: W 0 90");
+        }
+        return BoardCommand{topic, text, service.name + "," + text, target, {}};
+    }
+    auto encoded = encode(*model, words);
+    if (!encoded)
+        return failure(program::kExitUsage, where + encoded.error() + how_to_use(*model, words.front()));
+    // Without its service, as the service's own topic wants it.
+    return BoardCommand{topic, encoded->line.substr(std::min<std::size_t>(2, encoded->line.size())),
+                        encoded->line, target, encoded->safe};
+}
+
+Outcome<BoardCommand> make_raw_command(const Context& context, const std::string& board,
+                                       const std::string& line) {
+    const auto request = protocol::parse_request(line);
+    if (!request) {
+        return failure(program::kExitUsage,
+                       "'" + line + "': " + request.error() + "; a request looks like S,W,0,90");
+    }
+    return BoardCommand{context.topics.board_in(board), line, line, board, {}};
+}
+
+Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const BoardCommand& command) {
+    std::optional<Expected<bus::Reply>> reply;
+    const auto request = session.command(
+        command.topic, command.payload,
+        [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); });
+    session.run_until([&reply] { return reply.has_value(); }, Clock::now() + context.timeout);
+    if (session.stopped()) return interrupted();
+    if (!reply) {
+        return tl::unexpected(session.unanswered("no answer to " + command.line + " on " + command.topic +
+                                                 " within " + std::to_string(context.timeout.count()) +
+                                                 " ms; is the board's agent running? Try: asipctl doctor"));
+    }
+    if (!*reply) return failure(program::kExitNoAnswer, "the answer cannot be read: " + reply->error());
+    return std::move(**reply);
+}
+
+std::string who_asks(const Context& context) {
+    if (!context.mqtt.user.empty()) return context.mqtt.user;
+    const auto* login = ::getpwuid(::getuid());
+    return login != nullptr ? login->pw_name : "uid " + std::to_string(::getuid());
+}
+
+int exit_status(const bus::Reply& reply) {
+    switch (reply.status) {
+        case bus::Reply::Status::kOk:
+            return program::kExitOk;
+        case bus::Reply::Status::kTimeout:
+            return program::kExitNoAnswer;
+        default:
+            return program::kExitFailure;
+    }
+}
+
+std::string answer_text(const bus::Reply& reply) {
+    if (reply.answer.empty()) return "ok";
+    const auto document = model::parse_json(reply.answer);
+    return document && document->is_string() ? for_terminal(document->get<std::string>()) : reply.answer;
+}
+
+std::string explain(const bus::Reply& reply) {
+    switch (reply.status) {
+        case bus::Reply::Status::kOk:
+            return {};
+        case bus::Reply::Status::kError:
+            return "the board answered error " + std::to_string(reply.code) + ", " + reply.error;
+        case bus::Reply::Status::kTimeout:
+            return "the board did not answer its agent in time";
+        case bus::Reply::Status::kRefused:
+            break;
+    }
+    return "refused (" + reply.reason + ")" + (reply.error.empty() ? "" : ": " + reply.error);
+}
+
+Failure failure_of(const bus::Reply& reply, const std::string& where) {
+    return {exit_status(reply), where + explain(reply), reply.reason, reply.code};
+}
+
+bus::Reply refused_by_broker(const std::string& topic) {
+    return bus::Reply::refused("denied", "the broker's access rules deny writing to " + topic);
+}
+
+bus::Reply refused_as_lost(const std::string& so) {
+    return bus::Reply::refused(std::string(bus::kRefusedBoardNotThere),
+                               "it is lost: its agent died or lost the network; " + so);
+}
+
+Outcome<KnownBoard> find_living_board(BoardSource& source, const std::string& name) {
+    auto board = source.board(name);
+    if (!board) return board;
+    if (board->item.state == "offline") {
+        return failure(program::kExitFailure,
+                       name + " is offline: its agent has ended; start asip-agent again");
+    }
+    if (board->item.state == "lost") {
+        return failure(program::kExitFailure,
+                       name + " is lost: its agent died or lost the network; see asipctl show " + name);
+    }
+    return board;
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+
+#include "asip/bus/reply.hpp"
+#include "cli/ask/board_source.hpp"
+#include "cli/ask/bus_session.hpp"
+#include "cli/find/target.hpp"
+
+namespace asip::cli {
+
+/// A command ready to be published: checked, with nothing about its answer yet.
+struct BoardCommand {
+    std::string topic;
+    std::string payload;
+    std::string line;    ///< the whole request, for people
+    std::string target;  ///< BOARD or BOARD/SERVICE
+    std::string safe{};  ///< the request that undoes it; empty: none is known
+};
+
+/// `words` as typed (a name and its arguments, or one JSON object) against the service's model. A service
+/// without a model takes a tag and its parameters. Fails with kExitUsage, the reason and how the command is
+/// used.
+Outcome<BoardCommand> make_command(const Context& context, const KnownBoard& board,
+                                   const model::ServiceInfo& service, std::span<const std::string> words);
+/// A request line for the board itself.
+Outcome<BoardCommand> make_raw_command(const Context& context, const std::string& board,
+                                       const std::string& line);
+
+/// Sends and waits for the one final answer. Fails with kExitNoAnswer when none comes in time.
+Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const BoardCommand& command);
+
+/// Who runs asipctl, for requests that say by whom they are: the user of the broker, else the login name.
+std::string who_asks(const Context& context);
+
+/// What an answer means for the exit status: 0, 1 (refused by the agent or the board) or 4 (the board was
+/// silent).
+int exit_status(const bus::Reply& reply);
+/// What is printed for a success: `ok`, or what the board answered (a raw line as it came, JSON otherwise).
+std::string answer_text(const bus::Reply& reply);
+/// Why it failed, for a person; empty for a success.
+std::string explain(const bus::Reply& reply);
+/// The same as a failure of the command; `where` stands before it: `desk: `.
+Failure failure_of(const bus::Reply& reply, const std::string& where);
+
+/// Why a board has no answer to show: nobody gave one.
+inline constexpr std::string_view kNoAnswer = "no-answer";
+
+/// Answers for a board that was not asked: the broker denies writing to its topic; it is lost, and `so` (for
+/// a person: `nothing was sent`).
+bus::Reply refused_by_broker(const std::string& topic);
+bus::Reply refused_as_lost(const std::string& so);
+
+/// Finds a board that is there to be commanded: known, and neither "offline" nor "lost".
+Outcome<KnownBoard> find_living_board(BoardSource& source, const std::string& name);
+
+}  // namespace asip::cli

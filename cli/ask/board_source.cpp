@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/ask/board_source.hpp"
+
+#include <algorithm>
+
+#include "asip/model/names.hpp"
+#include "asip/text/nearest.hpp"
+#include "asip/text/printable.hpp"
+
+namespace asip::cli {
+namespace {
+
+/// Of all pages of one answer. Ten times what the largest catalogues need: a registry that goes on behind
+/// them would go on for ever.
+constexpr std::size_t kMaxPagesBytes = std::size_t{1} << 30;
+constexpr std::size_t kMaxPages = 100'000;
+constexpr std::size_t kMaxRefusalBytes = 1000;
+
+bool holds_nothing(const bus::Answer& page) {
+    return page.boards.empty() && page.services.empty() && (!page.brief || page.brief->empty());
+}
+
+/// Names are printed as they are, and become parts of topics.
+void leave_out_invalid_names(bus::Answer& answer) {
+    const auto invalid = [](const auto& item) { return !model::valid_name(item.board); };
+    std::erase_if(answer.boards, invalid);
+    if (answer.brief) std::erase_if(answer.brief->rows(), invalid);
+    std::erase_if(answer.services, [&invalid](const bus::ServiceItem& service) {
+        return invalid(service) || !model::valid_name(service.name);
+    });
+    for (auto& board : answer.boards)
+        std::erase_if(board.services, [](const auto& service) { return !model::valid_name(service.name); });
+}
+
+Expected<bus::Answer> read_answer(std::string_view payload, std::string* lines) {
+    if (lines == nullptr) return bus::parse_answer(payload);
+    auto read = bus::parse_answer_lines(payload);
+    if (!read) return tl::unexpected(read.error());
+    *lines += read->lines;
+    return std::move(read->answer);
+}
+
+}  // namespace
+
+std::vector<std::string> KnownBoard::service_names() const {
+    std::vector<std::string> result;
+    for (const auto& service : item.services)
+        result.push_back(service.name);
+    return result;
+}
+
+std::string KnownBoard::why_no_description() const {
+    return description_fault.empty() ? "publishes no description"
+                                     : "publishes a description that is not valid: " + description_fault;
+}
+
+BoardSource::BoardSource(const Context& context, BusSession& session)
+    : context_(context), session_(session), catalogue_(context.topics) {
+    if (context.from_bus) return;
+    subscriptions_.push_back(
+        session_.subscribe(context.topics.registry_state("+"), [this](const mqtt::Message& message) {
+            const auto ref = context_.topics.parse(message.topic);
+            if (ref && message.payload == "online") online_registries_.emplace_back(ref->board);
+        }));
+}
+
+Outcome<bus::Answer> BoardSource::ask(const bus::Query& query, std::string* lines) {
+    const auto topic =
+        registry_.empty() ? context_.topics.any_registry_query() : context_.topics.registry_query(registry_);
+    std::optional<Expected<bus::Answer>> answer;
+    const auto request = session_.ask(topic, bus::encode(bus::RegistryRequest{query, {}, {}}),
+                                      [this, &answer, lines](const mqtt::Message& message) {
+                                          if (answer) return;
+                                          answered_bytes_ += message.payload.size();
+                                          answer = read_answer(message.payload, lines);
+                                      });
+    const auto asked = Clock::now();
+    const auto answered = [&answer] { return answer.has_value(); };
+    const bool soon =
+        session_.run_until(answered, asked + std::min<Duration>(kAnswerPatience, context_.timeout));
+    const auto mark = soon || !registry_.empty() ? BusSession::Mark{} : session_.mark_retained();
+    const auto none_there = [&] {
+        const auto waited = Clock::now() - mark.passed_at().value_or(asked);
+        return registry_.empty() && online_registries_.empty() &&
+               waited >= (mark.passed() ? kRetainedPatience : kMarkPatience);
+    };
+    const auto deadline = Clock::now() + context_.timeout;
+    session_.run_until([&] { return answer || none_there(); }, deadline);
+    if (session_.stopped()) return interrupted();
+    if (!answer)
+        return tl::unexpected(
+            session_.unanswered(online_registries_.empty() ? "no registry" : "registry silent"));
+    if (!*answer)
+        return failure(program::kExitNoAnswer, "registry answers what cannot be read: " + answer->error());
+    if (!(*answer)->refused.empty())
+        return failure(program::kExitFailure, (*answer)->error.substr(0, kMaxRefusalBytes));
+    registry_ = (*answer)->registry;
+    leave_out_invalid_names(**answer);
+    return std::move(**answer);
+}
+
+Outcome<bus::Answer> BoardSource::ask_all_pages(bus::Query query, std::string* lines) {
+    query.limit = bus::Query::kMaxPage;
+    const auto patience = Clock::now() + context_.timeout;
+    auto all = ask(query, lines);
+    while (all && all->settling && Clock::now() < patience && !session_.stopped()) {
+        session_.run_for(std::chrono::milliseconds(100));
+        if (lines != nullptr) lines->clear();
+        all = ask(query, lines);
+    }
+    if (!all) return all;
+    answered_bytes_ = 0;
+    for (std::size_t pages = 1; !all->cursor.empty(); ++pages) {
+        query.cursor = all->cursor;
+        const auto lines_before = lines != nullptr ? lines->size() : 0;
+        auto page = ask(query, lines);
+        if (!page) return page;
+        const bool empty = holds_nothing(*page) && (lines == nullptr || lines->size() == lines_before);
+        if (pages > kMaxPages || goes_on_for_ever(*page, query.cursor, empty)) return without_end();
+        std::move(page->boards.begin(), page->boards.end(), std::back_inserter(all->boards));
+        if (all->brief && page->brief) {
+            for (const auto& row : page->brief->rows())
+                all->brief->add(row);
+        }
+        std::move(page->services.begin(), page->services.end(), std::back_inserter(all->services));
+        all->cursor = page->cursor;
+    }
+    return all;
+}
+
+bool BoardSource::goes_on_for_ever(const bus::Answer& page, const std::string& cursor, bool empty) const {
+    return !page.cursor.empty() && (empty || page.cursor == cursor || answered_bytes_ > kMaxPagesBytes);
+}
+
+tl::unexpected<Failure> BoardSource::without_end() const {
+    return failure(program::kExitFailure,
+                   "the answer of registry " + registry_ + " has no end; asipctl --from-bus does without it");
+}
+
+void BoardSource::without_registry(const std::string& why) {
+    no_registry_ = true;
+    context_.note(
+        why == "no registry"
+            ? "no registry answers; reading the bus itself (start asip-registry, or give --from-bus)"
+            : why + "; reading the bus itself");
+}
+
+std::string BoardSource::find_registry() {
+    if (!asks_registry()) return {};
+    bus::Query query;
+    query.limit = 1;
+    const auto answer = ask(query);
+    if (!answer && !session_.stopped() && !session_.lost()) without_registry(answer.error().text);
+    return registry_;
+}
+
+Outcome<std::vector<bus::BoardItem>> BoardSource::boards(bus::Query query) {
+    query.find = bus::Find::kBoards;
+    if (asks_registry()) {
+        auto answer = ask_all_pages(query);
+        if (answer) return std::move(answer->boards);
+        if (answer.error().status != program::kExitNoAnswer) return tl::unexpected(answer.error());
+        without_registry(answer.error().text);
+    }
+    read_bus(true);
+    if (const auto heard = session_.heard_all(); !heard) return tl::unexpected(heard.error());
+    auto all = catalogue_.boards(Clock::now());
+    std::erase_if(all, [&](const bus::BoardItem& board) {
+        return !bus::board_matches(query, board, catalogue_.description(board.board), context_.models());
+    });
+    if (!query.full) {
+        for (auto& board : all)
+            board.description.clear();
+    }
+    return all;
+}
+
+Outcome<std::vector<KnownBoard>> BoardSource::known_boards(bus::Query query) {
+    query.full = true;
+    auto items = boards(std::move(query));
+    if (!items) return tl::unexpected(items.error());
+    std::vector<KnownBoard> result;
+    result.reserve(items->size());
+    for (auto& item : *items)
+        result.push_back(known(std::move(item)));
+    return result;
+}
+
+Outcome<bus::BriefRows> BoardSource::brief_boards(bus::Query query) {
+    std::vector<bus::BoardItem> items;
+    if (asks_registry()) {
+        query.find = bus::Find::kBoards;
+        query.brief = true;
+        auto answer = ask_all_pages(query);
+        if (answer && answer->brief) return std::move(*answer->brief);
+        if (answer) {
+            items = std::move(answer->boards);  // a registry that knows no brief queries
+        } else if (answer.error().status != program::kExitNoAnswer) {
+            return tl::unexpected(answer.error());
+        } else {
+            without_registry(answer.error().text);
+        }
+    }
+    if (!asks_registry()) {
+        auto found = boards(query);
+        if (!found) return tl::unexpected(found.error());
+        items = std::move(*found);
+    }
+    return bus::brief_of(items);
+}
+
+Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {
+    if (asks_registry()) {
+        query.find = bus::Find::kServices;
+        auto answer = ask_all_pages(query);
+        if (answer) return std::move(answer->services);
+        if (answer.error().status != program::kExitNoAnswer) return tl::unexpected(answer.error());
+        without_registry(answer.error().text);
+    }
+    auto all = boards(query);
+    if (!all) return tl::unexpected(all.error());
+    std::vector<bus::ServiceItem> result;
+    for (auto& board : *all) {
+        const auto* description = catalogue_.description(board.board);
+        for (auto& service : board.services) {
+            if (bus::service_matches(query, service, description, context_.models()))
+                result.push_back(std::move(service));
+        }
+    }
+    return result;
+}
+
+Outcome<std::string> BoardSource::json_lines(bus::Query query) {
+    if (asks_registry()) {
+        std::string lines;
+        const auto answer = ask_all_pages(query, &lines);
+        if (answer) return text::escape_json(std::move(lines));
+        if (answer.error().status != program::kExitNoAnswer) return tl::unexpected(answer.error());
+        without_registry(answer.error().text);
+    }
+    std::string lines;
+    const auto append = [&lines](const auto& items) {
+        for (const auto& item : items) {
+            bus::append_json(lines, item);
+            lines += '\n';
+        }
+    };
+    if (query.find == bus::Find::kServices) {
+        const auto found = services(std::move(query));
+        if (!found) return tl::unexpected(found.error());
+        append(*found);
+    } else {
+        const auto found = boards(std::move(query));
+        if (!found) return tl::unexpected(found.error());
+        append(*found);
+    }
+    return text::escape_json(std::move(lines));
+}
+
+Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, std::size_t count,
+                                                            text::WallTime since) {
+    query.find = bus::Find::kHistory;
+    const auto older = [since](const bus::HistoryItem& change) { return change.at < since; };
+    std::vector<bus::HistoryItem> all;
+    answered_bytes_ = 0;
+    do {
+        query.limit = std::min(count - all.size(), bus::Query::kMaxPage);
+        auto page = ask(query);
+        if (!page && page.error().status == program::kExitNoAnswer) {
+            return failure(program::kExitNoAnswer,
+                           "no registry answers; only asip-registry --history FILE keeps a history");
+        }
+        if (!page) return tl::unexpected(page.error());
+        if (goes_on_for_ever(*page, query.cursor, page->history.empty())) return without_end();
+        std::move(page->history.begin(), page->history.end(), std::back_inserter(all));
+        query.cursor = page->cursor;
+    } while (!query.cursor.empty() && all.size() < count && !older(all.back()));
+    std::erase_if(all, older);
+    return all;
+}
+
+void BoardSource::take(const mqtt::Message& message) {
+    const auto board = catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
+    const auto* description = catalogue_.description(board);
+    if (!announced_ || message.retain || description == nullptr ||
+        message.topic != context_.topics.description(board))
+        return;
+    announced_(board, description->session);
+}
+
+void BoardSource::listen(const std::string& filter) {
+    if (!listened_.insert(filter).second) return;
+    subscriptions_.push_back(
+        session_.subscribe(filter, [this](const mqtt::Message& message) { take(message); }));
+}
+
+void BoardSource::read_bus(bool probe) {
+    if (!bus_subscribed_) {
+        bus_subscribed_ = true;
+        listen(context_.topics.board_names());
+        listen(context_.topics.board_names() + "/+/+");
+        listen(context_.topics.service_names("+"));
+        session_.wait_retained();
+    }
+    if (!probe || session_.stopped()) return;
+    session_.publish(context_.topics.probe(), "");
+    session_.run_for(kProbeWindow);
+}
+
+std::optional<KnownBoard> BoardSource::retained_board(const std::string& name) {
+    listen(context_.topics.description(name));
+    listen(context_.topics.state(name));
+    const auto here = [&] {
+        return catalogue_.description(name) != nullptr && !catalogue_.board(name, {})->reported.empty();
+    };
+    session_.wait_retained(here);
+    if (catalogue_.description(name) == nullptr) return std::nullopt;
+    return known(*catalogue_.board(name, Clock::now()));
+}
+
+Outcome<KnownBoard> BoardSource::board(const std::string& name) {
+    if (auto retained = retained_board(name)) return std::move(*retained);
+    if (asks_registry() && !online_registries_.empty()) return board_in_full(name);
+    listen(context_.topics.service_names(name));
+    session_.publish(context_.topics.probe(), name);
+    session_.run_until([&] { return catalogue_.description(name) != nullptr; }, Clock::now() + kProbeWindow);
+    if (auto item = catalogue_.board(name, Clock::now())) return known(std::move(*item));
+    return unknown(name);
+}
+
+Outcome<KnownBoard> BoardSource::board_in_full(const std::string& name) {
+    if (!asks_registry()) return board(name);
+    bus::Query query;
+    query.board = name;
+    query.full = true;
+    auto answer = ask(query);
+    if (!answer) {
+        if (answer.error().status != program::kExitNoAnswer) return tl::unexpected(answer.error());
+        without_registry(answer.error().text);
+        return board(name);
+    }
+    if (answer->boards.empty()) return unknown(name);
+    return known(std::move(answer->boards.front()));
+}
+
+KnownBoard BoardSource::known(bus::BoardItem item) const {
+    KnownBoard result{std::move(item), std::nullopt};
+    if (result.item.description.empty()) {
+        const auto& refused = catalogue_.refused();
+        const auto fault = refused.find(context_.topics.description(result.item.board));
+        if (fault != refused.end()) result.description_fault = fault->second;
+        return result;
+    }
+    if (auto description = model::parse_description(result.item.description)) {
+        result.description = std::move(*description);
+    } else {
+        result.description_fault = description.error();
+    }
+    return result;
+}
+
+std::vector<std::string> BoardSource::names() {
+    std::vector<std::string> result;
+    if (asks_registry()) {
+        bus::Query query;
+        if (auto answer = ask_all_pages(query)) {
+            for (auto& board : answer->boards)
+                result.push_back(std::move(board.board));
+            return result;
+        }
+        no_registry_ = true;
+    }
+    read_bus(false);
+    return catalogue_.names();
+}
+
+Outcome<KnownBoard> BoardSource::unknown(const std::string& name) {
+    auto failed = no_such_board(name, names());
+    if (session_.stopped()) return interrupted();
+    return tl::unexpected(session_.unanswered(std::move(failed.text)));
+}
+
+Failure no_such_board(const std::string& name, const std::vector<std::string>& all) {
+    const bool pattern = name.find_first_of("*?") != std::string::npos;
+    const auto near = pattern ? std::string() : text::did_you_mean(name, all);
+    auto text = pattern ? "no board is like " + name : "no board '" + name + "' on this bus" + near;
+    if (all.empty()) {
+        text += "; there is no board at all: is its asip-agent running?";
+    } else if (near.empty()) {
+        text += "; see asipctl list";
+    }
+    return {program::kExitNoAnswer, std::move(text)};
+}
+
+}  // namespace asip::cli

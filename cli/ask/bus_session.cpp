@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/ask/bus_session.hpp"
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "asip/mqtt/failure.hpp"
+#include "asip/program/stop_signal.hpp"
+#include "asip/random.hpp"
+
+namespace asip::cli {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+/// Every broker that lives has done it by then.
+constexpr auto kTimeToAcknowledge = 1s;
+
+}  // namespace
+
+struct BusSession::State {
+    explicit State(const Context& its_context)
+        : context(its_context),
+          name(random_hex(system_random(), 12)),
+          requester(name, bus::ReplyTopics(context.topics, context.mqtt.user, name)),
+          demander(context.topics, context.mqtt.user, name, system_random()),
+          signal(io, [this](int) { stopped = true; }),
+          client(io, context.mqtt, handlers()),
+          router([this](const std::string& filter) { client.unsubscribe(filter); }) {
+        for (const auto& broker : context.mqtt.brokers)
+            brokers.insert(broker.describe());
+    }
+
+    mqtt::Client::Handlers handlers() {
+        mqtt::Client::Handlers result;
+        result.on_connected = [this](const mqtt::Connected&) { connected_again(); };
+        result.on_disconnected = [this](const mqtt::ConnectionFailure& why) {
+            demander.disconnected();
+            why_lost = why.text;
+            // Of a message that is not acknowledged brokers do not tell that they denied it: Mosquitto 2.0.11
+            // closes the connection. One end may be that of the broker itself.
+            const bool denying = why.after_sending > 1 && !last_topic.empty();
+            if (why.after_sending > 0 && !last_topic.empty()) cut_off_by = last_topic;
+            if (!connection_changed) return;
+            connection_changed(false, denying ? mqtt::cut_off_text(context.mqtt.user, last_topic) : why.text);
+        };
+        result.on_connect_failed = [this](const mqtt::ConnectionFailure& why) {
+            failed[why.broker.describe()] = why;
+        };
+        result.on_message = [this](const mqtt::Message& message) { dispatch(message); };
+        result.on_published = [this](const std::string&) { ++acknowledged; };
+        result.on_publish_denied = [this](const std::string& topic, const std::string& reason) {
+            if (!denied.insert(topic).second) return;
+            context.note(mqtt::denied_text(context.mqtt.user, topic, reason));
+        };
+        result.on_subscribe_refused = [this](const std::string& filter, const std::string& reason) {
+            if (!tells_refusals) return;
+            const auto& user = context.mqtt.user;
+            context.note("the broker does not let " + (user.empty() ? "users without a name" : user) +
+                         " read " + filter + " (" + reason + "): what comes there is missing");
+        };
+        return result;
+    }
+
+    void connected_again() {
+        demander.connected(Clock::now());
+        why_lost.reset();
+        const bool first = !std::exchange(was_connected, true);
+        if (!first && connection_changed) connection_changed(true, {});
+    }
+
+    /// Each broker of the list is out of reach or has refused: waiting for another attempt is useless.
+    bool no_broker_left() const {
+        return failed.size() == brokers.size() &&
+               std::all_of(failed.begin(), failed.end(), [](const auto& one) {
+                   const auto& why = one.second;
+                   return why.fatal() || why.kind == mqtt::ConnectionFailure::Kind::kUnreachable;
+               });
+    }
+
+    std::string why_not_connected() const {
+        std::string text;
+        for (const auto& [broker, why] : failed)
+            text += (text.empty() ? "" : "; ") + why.text;
+        return text;
+    }
+
+    void dispatch(const mqtt::Message& message) {
+        if (requester.take(message)) return;
+        demander.take(message, Clock::now());
+        router.dispatch(message);
+        if (message.retain) retained_at = Clock::now();
+    }
+
+    Request ask(mqtt::Message message, OnMessage on_reply) {
+        auto request = requester.ask(message, client.v5(), std::move(on_reply));
+        last_topic = message.topic;
+        client.publish(std::move(message), mqtt::Priority::kReply);
+        return request;
+    }
+
+    void publish_demands(std::vector<mqtt::Message> demands) {
+        for (auto& demand : demands)
+            client.publish(std::move(demand), mqtt::Priority::kReply);
+    }
+
+    const Context& context;
+    std::string name;
+    bus::Requester requester;
+    bus::Demander demander;
+    boost::asio::io_context io{1};
+    bool stopped = false;
+    bool was_connected = false;
+    bool leaving = false;
+    bool left = false;
+    std::size_t acknowledged = 0;
+    std::set<std::string> brokers;
+    std::map<std::string, mqtt::ConnectionFailure> failed;  // the last failure of each broker
+    bool tells_refusals = false;
+    std::set<std::string> denied;
+    std::string last_topic;                 // that was published on
+    std::optional<std::string> cut_off_by;  // right behind a message on this topic the connection was closed
+    std::optional<std::string> why_lost;    // while there is no connection, and was one
+    std::function<void(bool, const std::string&)> connection_changed =
+        [this](bool connected, const std::string& why) { context.note(connected ? "connected again" : why); };
+    std::size_t marks = 0;
+    Time retained_at{};  // when something retained last came
+    bool started = false;
+    program::StopSignal signal;
+    mqtt::Client client;
+    mqtt::Router router;  // ends before the client that it unsubscribes from
+};
+
+BusSession::BusSession(const Context& context) : state_(std::make_unique<State>(context)) {
+    state_->client.subscribe(state_->requester.replies().filter(),
+                             {.qos = 0, .no_local = false, .retained = false});
+}
+
+BusSession::~BusSession() {
+    if (state_->leaving) return;
+    leave();
+    while (state_->leaving && !state_->left && state_->io.run_one_for(400ms) != 0) {
+    }
+}
+
+void BusSession::leave() {
+    if (!state_->was_connected || std::exchange(state_->leaving, true)) return;
+    state_->publish_demands(state_->demander.leave());
+    state_->client.stop(300ms, [state = state_.get()] { state->left = true; });
+    state_->io.poll();
+}
+
+BusSession::Subscription BusSession::subscribe(const std::string& filter, OnMessage on_message,
+                                               mqtt::SubscribeOptions options) {
+    auto subscription = state_->router.add(filter, std::move(on_message));
+    state_->client.subscribe(filter, options);
+    return subscription;
+}
+
+Outcome<void> BusSession::connect() {
+    if (!std::exchange(state_->started, true)) state_->client.start();
+    run_until([this] { return state_->was_connected || state_->no_broker_left(); },
+              Clock::now() + state_->context.mqtt.connect_timeout);
+    if (state_->was_connected) return {};
+    if (state_->stopped) return interrupted();
+    if (!state_->failed.empty()) return failure(program::kExitBroker, state_->why_not_connected());
+    return failure(program::kExitBroker,
+                   "the broker does not answer; is --broker right? Try: asipctl doctor");
+}
+
+bool BusSession::v5() const {
+    return state_->client.v5();
+}
+
+void BusSession::publish(const std::string& topic, const std::string& payload, int qos, bool retain) {
+    mqtt::Message message;
+    message.topic = topic;
+    message.payload = payload;
+    message.qos = qos;
+    message.retain = retain;
+    state_->last_topic = topic;
+    state_->client.publish(std::move(message), mqtt::Priority::kReply);
+}
+
+BusSession::Request BusSession::ask(const std::string& topic, const std::string& payload, OnMessage on_reply,
+                                    int qos) {
+    mqtt::Message message;
+    message.topic = topic;
+    message.payload = payload;
+    message.qos = qos;
+    return state_->ask(std::move(message), std::move(on_reply));
+}
+
+BusSession::Request BusSession::command(const std::string& topic, const std::string& payload,
+                                        OnMessage on_reply) {
+    mqtt::Message message;
+    message.topic = topic;
+    message.payload = payload;
+    message.qos = 1;
+    message.expire_after(state_->context.timeout);
+    return state_->ask(std::move(message), std::move(on_reply));
+}
+
+bus::Demander::Want BusSession::want(const std::string& board, const std::string& service, double hz) {
+    return state_->demander.want(board, service.empty() ? "*" : service, hz);
+}
+
+BusSession::Demand BusSession::demand(const std::string& board, const std::string& service, double hz) {
+    const bool pattern = board.find_first_of("*?") != std::string::npos;
+    return {subscribe(state_->context.topics.description(pattern ? "+" : board), [](const mqtt::Message&) {}),
+            want(board, service, hz)};
+}
+
+BusSession::Mark BusSession::mark_retained() {
+    const auto topic = state_->requester.replies().below("mark" + std::to_string(++state_->marks)).own();
+    Mark mark;
+    mark.at_ = std::make_shared<std::optional<Time>>();
+    mark.subscription_ = subscribe(topic, [at = mark.at_](const mqtt::Message&) {
+        if (!*at) *at = Clock::now();
+    });
+    publish(topic, "mark");
+    return mark;
+}
+
+void BusSession::wait_retained(const std::function<bool()>& enough, Duration patience) {
+    const auto began = Clock::now();
+    const auto mark = mark_retained();
+    const auto over = [&] {
+        const auto last = std::max(state_->retained_at, mark.passed_at().value_or(began));
+        return Clock::now() - last >= (mark.passed() ? Duration(kRetainedPatience) : patience);
+    };
+    run_until([&] { return enough() || over(); }, Time::max());
+}
+
+bool BusSession::run_until(const std::function<bool()>& done, Time deadline) {
+    while (!done()) {
+        if (state_->context.output_ended()) state_->stopped = true;
+        if (state_->stopped) return false;
+        const auto left = deadline - Clock::now();
+        if (left <= Duration::zero()) return false;
+        state_->publish_demands(state_->demander.due(Clock::now()));
+        // `done` may wait for time to pass, too.
+        state_->io.run_one_for(std::min<Duration>(left, 20ms));
+    }
+    return true;
+}
+
+bool BusSession::run_to_end(const std::function<bool()>& done, Duration patience) {
+    const auto deadline = Clock::now() + patience;
+    while (!done()) {
+        const auto left = deadline - Clock::now();
+        if (left <= Duration::zero()) return false;
+        state_->io.run_one_for(std::min<Duration>(left, 20ms));
+    }
+    return true;
+}
+
+std::size_t BusSession::acknowledged() const {
+    return state_->acknowledged;
+}
+
+bool BusSession::stopped() const {
+    return state_->stopped;
+}
+
+void BusSession::on_connection_change(std::function<void(bool, const std::string&)> handler) {
+    state_->connection_changed = std::move(handler);
+}
+
+bool BusSession::lost() const {
+    return state_->why_lost.has_value();
+}
+
+Outcome<void> BusSession::heard_all() const {
+    if (stopped()) return interrupted();
+    if (lost()) return tl::unexpected(unanswered({}));
+    return {};
+}
+
+Failure BusSession::unanswered(std::string text) const {
+    if (lost()) return {program::kExitBroker, *state_->why_lost + ", and was not back in time"};
+    if (state_->context.timeout >= kTimeToAcknowledge && state_->client.counters().unacknowledged != 0)
+        return {program::kExitBroker,
+                "the broker does not acknowledge what it is sent; does it stand still?"};
+    // It came back without an answer: a broker that only restarted is the rarer reason.
+    if (state_->cut_off_by) text += "; " + mqtt::cut_off_text(state_->context.mqtt.user, *state_->cut_off_by);
+    return {program::kExitNoAnswer, std::move(text)};
+}
+
+bool BusSession::denied(const std::string& topic) const {
+    return state_->denied.contains(topic);
+}
+
+void BusSession::tell_refused_subscriptions() {
+    state_->tells_refusals = true;
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/ask/group_command.hpp"
+
+#include <list>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "asip/model/json.hpp"
+#include "cli/ask/board_request.hpp"
+#include "cli/ask/side_by_side.hpp"
+#include "cli/find/chosen_boards.hpp"
+#include "cli/text/table.hpp"
+
+namespace asip::cli {
+namespace {
+
+class GroupSender {
+  public:
+    GroupSender(const GroupCommand& group, Context& context, BusSession& session, BoardSource& source)
+        : group_(group), context_(context), session_(session), source_(source) {}
+
+    int run() {
+        if (const auto prepared = prepare(); !prepared) return context_.fail_with(prepared.error());
+        if (group_.no_wait) {
+            for (const auto& member : members_)
+                if (!member.reply) session_.publish(member.command.topic, member.command.payload, 1);
+            return report_unsent();
+        }
+        send_all();
+        return report();
+    }
+
+  private:
+    struct Member {
+        std::string board;
+        BoardCommand command;
+        std::optional<bus::Reply> reply{};
+        BusSession::Request request{};
+    };
+
+    Outcome<BoardCommand> command_for(const KnownBoard& board) const {
+        if (!group_.raw.empty()) return make_raw_command(context_, board.item.board, group_.raw);
+        const auto service = find_service(board, group_.target.service);
+        if (!service) return tl::unexpected(service.error());
+        return make_command(context_, board, *service, group_.words);
+    }
+
+    Outcome<void> prepare() {
+        const auto boards = choose_boards(source_, group_.target, group_.labels);
+        if (!boards) return tl::unexpected(boards.error());
+        std::string offline;
+        for (const auto& board : *boards) {
+            const auto& name = board.item.board;
+            if (board.item.state == "offline") {
+                offline += (offline.empty() ? "" : ", ") + name;
+                continue;
+            }
+            auto command = command_for(board);
+            if (!command) return tl::unexpected(command.error());
+            auto& member = members_.emplace_back(Member{name, std::move(*command)});
+            if (board.item.state == "lost") member.reply = refused_as_lost("nothing was sent");
+        }
+        if (!offline.empty()) context_.note("offline, left out: " + offline);
+        if (members_.empty()) return failure(program::kExitNoAnswer, "none of these boards is there");
+        return {};
+    }
+
+    Time send(Member& member) {
+        member.request = session_.command(member.command.topic, member.command.payload,
+                                          [&member](const mqtt::Message& message) {
+                                              auto reply = bus::parse_reply(message.payload);
+                                              if (!member.reply && reply) member.reply = std::move(*reply);
+                                          });
+        return Clock::now() + context_.timeout;
+    }
+
+    void send_all() {
+        std::list<Member*> there;
+        for (auto& member : members_)
+            if (!member.reply) there.push_back(&member);
+        ask_side_by_side(
+            session_, std::move(there), group_.in_flight, [this](Member& member) { return send(member); },
+            [this](const Member& member) { return member.reply || session_.denied(member.command.topic); });
+    }
+
+    Failure unanswered() const {
+        return session_.unanswered("no answer within " + std::to_string(context_.timeout.count()) + " ms");
+    }
+
+    bus::Reply reply_of(const Member& member) const {
+        if (member.reply) return *member.reply;
+        if (session_.denied(member.command.topic)) return refused_by_broker(member.command.topic);
+        auto reply = bus::Reply::timeout(std::string(kNoAnswer));
+        reply.error = session_.stopped() ? "interrupted" : unanswered().text;
+        return reply;
+    }
+
+    int report_unsent() const {
+        int status = program::kExitOk;
+        for (const auto& member : members_) {
+            if (!member.reply) continue;
+            context_.note(member.board + ": " + member.reply->error);
+            status = program::kExitFailure;
+        }
+        return status;
+    }
+
+    int report() {
+        int status = program::kExitOk;
+        std::size_t executed = 0;
+        RecordPrinter records(group_.output, RecordPrinter::Count::kList, context_.out);
+        Table table({{"BOARD"}, {"RESULT"}, {"ANSWER", false, 10}});
+        for (const auto& member : members_) {
+            const auto reply = reply_of(member);
+            const bool ok = reply.succeeded();
+            if (ok) ++executed;
+            if (!ok && status == program::kExitOk)
+                status = reply.reason == kNoAnswer ? unanswered().status : exit_status(reply);
+            if (!group_.output.for_people()) {
+                auto record = *model::parse_json(bus::to_json_text(reply));
+                record["board"] = member.board;
+                record["target"] = member.command.target;
+                record["line"] = member.command.line;
+                records.print(record);
+                continue;
+            }
+            const auto why = reply.error.empty() || reply.code != 0 ? explain(reply) : reply.error;
+            table.add({member.board,
+                       Cell(std::string(bus::to_string(reply.status)), ok ? Colour::kGreen : Colour::kRed),
+                       ok ? (reply.answer.empty() ? "" : answer_text(reply)) : why});
+        }
+        records.finish();
+        if (group_.output.for_people())
+            context_.out << table.render(context_.width, context_.colour) << std::flush;
+        if (status != program::kExitOk)
+            context_.note(std::to_string(executed) + " of " + std::to_string(members_.size()) +
+                          " boards executed it");
+        return status;
+    }
+
+    const GroupCommand& group_;
+    Context& context_;
+    BusSession& session_;
+    BoardSource& source_;
+    std::list<Member> members_;
+};
+
+}  // namespace
+
+int send_to_group(const GroupCommand& group, Context& context, BusSession& session, BoardSource& source) {
+    if (group.target.service.find_first_of("*?") != std::string::npos)
+        return context.fail_with(
+            {program::kExitUsage, "'" + group.target.service + "': name one service of the boards"});
+    if (group.target.service.empty() && group.raw.empty())
+        return context.fail_with({program::kExitUsage, "which service? Write " + group.target.board +
+                                                           "/SERVICE COMMAND ..., or --raw LINE"});
+    return GroupSender(group, context, session, source).run();
+}
+
+}  // namespace asip::cli

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/ask/held_command.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "asip/bus/request_envelope.hpp"
+#include "asip/model/json.hpp"
+
+namespace asip::cli {
+namespace {
+
+/// At Ctrl-C, for the answer of the board.
+constexpr std::chrono::seconds kLastPatience{2};
+
+class HeldCommand {
+  public:
+    HeldCommand(Context& context, BusSession& session, const BoardCommand& command,
+                std::chrono::milliseconds hold, const OutputOptions& output)
+        : context_(context),
+          session_(session),
+          command_(command),
+          hold_(hold),
+          output_(output),
+          records_(output, RecordPrinter::Count::kStream, context.out) {}
+
+    int run(std::optional<std::chrono::milliseconds> during) {
+        BoardCommand held = command_;
+        held.payload = model::dump_json({{"raw", command_.payload}, {"hold_ms", hold_.count()}});
+        const auto reply = ask_board(context_, session_, held);
+        if (!reply && session_.stopped()) return undo();  // it may be executed all the same
+        if (!reply) return context_.fail_with(reply.error());
+        print(command_.line, *reply);
+        if (!reply->succeeded())
+            return context_.fail_with({exit_status(*reply), command_.line + ": " + explain(*reply)});
+        const Time end = during ? Clock::now() + *during : Time::max();
+        // Two of three may get lost.
+        const auto between = std::max<Duration>(hold_ / 3, std::chrono::milliseconds(10));
+        while (!session_.stopped() && !refused_ && Clock::now() < end) {
+            session_.run_until([this] { return refused_.has_value(); },
+                               std::min(end, Clock::now() + between));
+            if (!session_.stopped() && !refused_) renew();
+        }
+        if (refused_)
+            return context_.fail_with({program::kExitFailure, command_.line + ": " + explain(*refused_)});
+        return undo();
+    }
+
+  private:
+    void renew() {
+        renewal_ = session_.ask(command_.topic, R"({"renew":true})", [this](const mqtt::Message& message) {
+            const auto reply = bus::parse_reply(message.payload);
+            if (reply && !reply->succeeded()) refused_ = *reply;
+        });
+    }
+
+    int undo() {
+        BoardCommand undoing = command_;
+        undoing.payload = command_.safe.substr(std::min<std::size_t>(2, command_.safe.size()));
+        undoing.line = command_.safe;
+        const auto reply =
+            session_.stopped() ? ask_at_the_end(undoing) : ask_board(context_, session_, undoing);
+        if (!reply) return context_.fail_with(reply.error());
+        print(undoing.line, *reply);
+        if (reply->succeeded()) return program::kExitOk;
+        return context_.fail_with({exit_status(*reply), undoing.line + ": " + explain(*reply)});
+    }
+
+    Outcome<bus::Reply> ask_at_the_end(const BoardCommand& undoing) {
+        std::optional<bus::Reply> reply;
+        const auto request =
+            session_.command(undoing.topic, undoing.payload, [&reply](const mqtt::Message& message) {
+                if (const auto parsed = bus::parse_reply(message.payload)) reply = *parsed;
+            });
+        if (session_.run_to_end([&reply] { return reply.has_value(); }, kLastPatience)) return *reply;
+        auto failed = session_.unanswered("no answer");
+        failed.text = undoing.line + " is not confirmed (" + failed.text +
+                      "); were it lost, the agent would undo the command within " +
+                      std::to_string(hold_.count()) + " ms";
+        return tl::unexpected(std::move(failed));
+    }
+
+    void print(const std::string& line, const bus::Reply& reply) {
+        if (output_.for_people()) {
+            if (reply.succeeded()) context_.out << line << ": " << answer_text(reply) << '\n' << std::flush;
+            return;
+        }
+        auto record = *model::parse_json(bus::to_json_text(reply));
+        record["target"] = command_.target;
+        record["line"] = line;
+        records_.print(record);
+    }
+
+    Context& context_;
+    BusSession& session_;
+    const BoardCommand& command_;
+    std::chrono::milliseconds hold_;
+    const OutputOptions& output_;
+    RecordPrinter records_;
+    BusSession::Request renewal_;
+    std::optional<bus::Reply> refused_;
+};
+
+}  // namespace
+
+int hold_command(Context& context, BusSession& session, const BoardCommand& command,
+                 std::chrono::milliseconds hold, std::optional<std::chrono::milliseconds> during,
+                 const OutputOptions& output) {
+    if (command.safe.empty())
+        return context.fail_with({program::kExitUsage, command.target + ": nothing undoes " + command.line +
+                                                           ", so it cannot be held; see asipctl explain"});
+    if (hold < bus::kMinHold || hold > bus::kMaxHold)
+        return context.fail_with({program::kExitUsage, "--hold takes 50ms to 60s"});
+    return HeldCommand(context, session, command, hold, output).run(during);
+}
+
+}  // namespace asip::cli

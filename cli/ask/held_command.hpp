@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <chrono>
+#include <optional>
+
+#include "cli/ask/board_request.hpp"
+#include "cli/output.hpp"
+
+namespace asip::cli {
+
+/// Sends a command that its board's agent undoes when it is not renewed for `hold`, and renews it until the
+/// user ends it or `during` is over; then undoes it. The exit status.
+int hold_command(Context& context, BusSession& session, const BoardCommand& command,
+                 std::chrono::milliseconds hold, std::optional<std::chrono::milliseconds> during,
+                 const OutputOptions& output);
+
+}  // namespace asip::cli

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <set>
+#include <string>
+#include <vector>
+
+#include "asip/bus/topics.hpp"
+#include "cli/ask/bus_session.hpp"
+#include "cli/context.hpp"
+
+namespace asip::cli {
+
+/// A message that the broker keeps.
+struct Retained {
+    std::string topic;
+    std::string payload;
+};
+
+/// Reads what the broker has retained for `filters`: fails where the broker is lost, or the user ends it.
+Outcome<std::vector<Retained>> read_retained(const Context& context, BusSession& session,
+                                             const std::vector<std::string>& filters);
+
+/// Empties retained topics; returns once the broker has taken it all, or fails as BusSession::unanswered.
+Outcome<void> clear_retained(const Context& context, BusSession& session,
+                             const std::vector<std::string>& topics);
+
+/// Something retained that is no longer needed, and why.
+struct Lingering {
+    enum class Kind {
+        kGoneBoard,     ///< of a board that is "offline" or "lost", or whose lease ran out
+        kCommand,       ///< would be executed again at each reconnection of a careless client
+        kOrphan,        ///< a value of a board that is not announced
+        kInvalidName,   ///< announced under a name that is not valid
+        kUnreadable,    ///< a description that cannot be parsed or describes another board, an unknown state
+        kGoneRegistry,  ///< of a registry that is not online
+    };
+    Kind kind = Kind::kGoneBoard;
+    std::string topic;
+    std::string board;  ///< empty where none is concerned
+    std::string why;    ///< for a person
+};
+
+/// What of `all` is no longer needed. Pure. Sorted by topic.
+std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vector<Retained>& all);
+
+/// The boards of which a state or a description is retained.
+std::set<std::string> announced_boards(const bus::Topics& topics, const std::vector<Retained>& all);
+
+/// Every retained topic of one board.
+std::vector<std::string> topics_of_board(const bus::Topics& topics, const std::vector<Retained>& all,
+                                         const std::string& board);
+
+/// Whether the board is alive according to what is retained: online (or asleep, or being updated), and
+/// described where descriptions end with their lease.
+bool seems_alive(const bus::Topics& topics, const std::vector<Retained>& all, const std::string& board);
+
+}  // namespace asip::cli

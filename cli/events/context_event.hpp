@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <chrono>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/bus/topics.hpp"
+#include "asip/model/description.hpp"
+#include "cli/find/target.hpp"
+
+namespace asip::cli {
+
+/// One message of the context bus, as `asipctl subscribe` prints it.
+struct ContextEvent {
+    enum class Kind { kValue, kError, kRaw };
+    Kind kind = Kind::kValue;
+    std::string board;
+    std::string service;  ///< empty for raw lines
+    std::string topic;
+    std::string payload;
+    bool retained = false;
+    std::chrono::system_clock::time_point time{};
+    std::optional<std::chrono::duration<double>> age;  ///< since the event before it of the same service
+
+    std::string where() const { return service.empty() ? board : board + "/" + service; }
+};
+
+/// Nothing for a topic that is not of the context bus.
+std::optional<ContextEvent> context_event(const bus::Topics& topics, const std::string& topic,
+                                          std::string payload);
+
+/// Filters that bring what `targets` ask for (raw lines, or decoded values and errors), none covered by
+/// another.
+std::vector<std::string> context_filters(const bus::Topics& topics, const std::vector<Target>& targets,
+                                         bool raw);
+
+/// Filters for the descriptions that attribute events to services where the topic alone does not: raw lines
+/// of one service, and a service given by its letter.
+std::vector<std::string> description_filters(const bus::Topics& topics, const std::vector<Target>& targets,
+                                             bool raw);
+
+/// Whether one of `targets` asks for the event. A raw line is of the service whose letter it begins with
+/// (`@D,`); `description` is the board's, null where it is not known: then a letter stands for itself.
+bool is_wanted(const ContextEvent& event, const std::vector<Target>& targets,
+               const model::Description* description);
+
+/// `uno1/distance  TEXT`, with time and age where asked for.
+std::string event_text(const ContextEvent& event, const std::string& text, bool with_time, bool with_age,
+                       bool colour);
+/// What stands above such lines: `SERVICE  VALUE`.
+std::string event_header(bool with_time, bool with_age, bool colour);
+/// Members time, board, service; event, error or line; and age (seconds) where known.
+nlohmann::json event_json(const ContextEvent& event);
+/// Names that a template may use: of ContextEvent, and `data`, which is the payload.
+std::vector<std::string> event_fields();
+/// The value of one; `data.distance.0` leads into the payload. Empty where there is none.
+std::string event_value(const ContextEvent& event, std::string_view name);
+
+}  // namespace asip::cli

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/flash/port_holder.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "asip/bus/reply.hpp"
+#include "asip/model/json.hpp"
+#include "cli/ask/board_request.hpp"
+#include "cli/output.hpp"
+
+namespace asip::cli {
+namespace {
+
+// The agent itself waits up to 20 s for the board.
+constexpr std::chrono::milliseconds kBoardPatience{26'000};
+
+nlohmann::json document_of(const std::string& text) {
+    auto document = model::parse_json(text);
+    return document && document->is_object() ? std::move(*document) : nlohmann::json::object();
+}
+
+}  // namespace
+
+Outcome<KnownBoard> find_board_with_agent(BoardSource& source, const std::string& name) {
+    auto board = source.board(name);
+    if (board && board->item.state == "offline")
+        return failure(program::kExitFailure,
+                       name + " is offline: its agent has ended, and nobody has its port");
+    return board;
+}
+
+PortHolder::PortHolder(const Context& context, BusSession& session, std::string board)
+    : context_(context),
+      session_(session),
+      board_(std::move(board)),
+      by_((who_asks(context) + " by " + context.mqtt.client_id).substr(0, 64)) {}
+
+Outcome<std::string> PortHolder::ask(const bus::PortRequest& request, std::chrono::milliseconds patience) {
+    std::optional<Expected<bus::Reply>> reply;
+    const auto topic = context_.topics.board_in(board_);
+    const auto text = bus::encode(request, by_);
+    const auto take = [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); };
+    // A port is not released when nobody waits for it any more; it is taken back however late that comes.
+    const auto asked = request.what == bus::PortRequest::What::kRelease ? session_.command(topic, text, take)
+                                                                        : session_.ask(topic, text, take, 1);
+    session_.run_until([&reply] { return reply.has_value(); }, Clock::now() + patience);
+    if (session_.stopped()) return interrupted();
+    if (!reply || !*reply)
+        return tl::unexpected(session_.unanswered("the agent of " + board_ +
+                                                  " does not answer; is it running? Try: asipctl doctor"));
+    const auto& answer = **reply;
+    if (answer.succeeded()) return answer.answer;
+    if (answer.reason == bus::kRefusedInvalid)
+        return failure(program::kExitFailure, "the agent of " + board_ +
+                                                  " cannot release its port; is it of an "
+                                                  "earlier version? (" +
+                                                  answer.error + ")");
+    return tl::unexpected(failure_of(answer, board_ + ": "));
+}
+
+Outcome<ReleasedPort> PortHolder::release(std::chrono::seconds time) {
+    const auto answer = ask({bus::PortRequest::What::kRelease, time}, context_.timeout);
+    if (!answer) return tl::unexpected(answer.error());
+    const auto document = document_of(*answer);
+    return ReleasedPort{value_at(document, "kind"), value_at(document, "path"),
+                        value_at(document, "host"), value_at(document, "until"),
+                        value_at(document, "chip"), value_at(document, "sketch")};
+}
+
+void PortHolder::prolong(std::chrono::seconds time) {
+    session_.publish(context_.topics.board_in(board_),
+                     bus::encode({bus::PortRequest::What::kRelease, time}, by_), 1);
+}
+
+Outcome<TakenPort> PortHolder::give_back() {
+    const auto answer = ask({bus::PortRequest::What::kTake, {}}, std::max(context_.timeout, kBoardPatience));
+    if (!answer) return tl::unexpected(answer.error());
+    const auto document = document_of(*answer);
+    return TakenPort{document.value("same", nlohmann::json()) == true, value_at(document, "before.sketch"),
+                     value_at(document, "after.sketch"), value_at(document, "after.chip")};
+}
+
+void PortHolder::give_back_unseen() {
+    session_.publish(context_.topics.board_in(board_), bus::encode({bus::PortRequest::What::kTake, {}}, by_),
+                     1);
+}
+
+}  // namespace asip::cli

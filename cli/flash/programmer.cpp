@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/flash/programmer.hpp"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/file.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <utility>
+
+extern char** environ;
+
+namespace asip::cli {
+namespace {
+
+/// What the boot loaders of Arduino boards are spoken to by.
+struct ChipProgramming {
+    std::string_view chip;
+    std::string_view part;
+    std::string_view method;
+    std::size_t baud;
+};
+constexpr std::array kChipProgramming{
+    ChipProgramming{"ATmega328P", "m328p", "arduino", 115'200},
+    ChipProgramming{"ATmega168", "m168", "arduino", 19'200},
+    ChipProgramming{"ATmega1280", "m1280", "arduino", 57'600},
+    ChipProgramming{"ATmega2560", "m2560", "wiring", 115'200},
+};
+
+/// `i` for Intel .hex, `e` for .elf, by the first byte; 0 for anything else.
+char image_format(const std::string& file) {
+    const int first = std::ifstream(file, std::ios::binary).get();
+    return first == ':' ? 'i' : first == 0x7f ? 'e' : '\0';
+}
+
+}  // namespace
+
+Expected<std::vector<std::string>> avrdude_call(const Programming& what) {
+    const char format = image_format(what.image);
+    if (format == '\0') return fail(what.image + " cannot be read, or is neither a .hex nor an .elf file");
+    Programming complete = what;
+    for (const auto& known : kChipProgramming) {
+        if (known.chip != what.chip) continue;
+        if (what.part.empty()) complete.part = known.part;
+        if (what.method.empty()) complete.method = known.method;
+        if (what.baud == 0) complete.baud = known.baud;
+    }
+    if (complete.part.empty() || complete.method.empty() || complete.baud == 0)
+        return fail(
+            "no boot loader is known for the chip \"" + what.chip +
+            "\"; give --part, --programmer and --baud, or use asipctl release and a tool of your own");
+    // -D: boot loaders cannot erase the chip, and need not.
+    return std::vector<std::string>{complete.avrdude,
+                                    "-q",
+                                    "-D",
+                                    "-p",
+                                    complete.part,
+                                    "-c",
+                                    complete.method,
+                                    "-P",
+                                    complete.path,
+                                    "-b",
+                                    std::to_string(complete.baud),
+                                    "-U",
+                                    "flash:w:" + complete.image + ":" + format};
+}
+
+std::vector<std::string> simulator_call(const std::string& board, const std::string& image,
+                                        const std::string& socket) {
+    // Beside this program where it is there, as in a build folder; else in PATH.
+    std::error_code error;
+    const auto here = std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "asip-sim";
+    std::vector<std::string> call{std::filesystem::exists(here, error) ? here.string() : "asip-sim", "ctl"};
+    if (!socket.empty()) call.insert(call.end(), {"--socket", socket});
+    call.insert(call.end(), {"load", board, std::filesystem::absolute(image, error).string()});
+    return call;
+}
+
+bool is_simulated_port(const std::string& path) {
+    std::error_code error;
+    return std::filesystem::canonical(path, error).string().starts_with("/dev/pts/");
+}
+
+Expected<RunningProgram> RunningProgram::start(const std::vector<std::string>& call) {
+    std::vector<char*> arguments;
+    for (const auto& word : call)
+        arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
+    pid_t pid = 0;
+    const int problem = posix_spawnp(&pid, arguments[0], &actions, nullptr, arguments.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (problem != 0) return fail(call.front() + " cannot be started: " + std::strerror(problem));
+    return RunningProgram(pid);
+}
+
+namespace {
+
+int exit_status(int status) {
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+}  // namespace
+
+std::optional<int> RunningProgram::ended() {
+    int status = 0;
+    if (waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
+    return exit_status(status);
+}
+
+int RunningProgram::wait() {
+    int status = 0;
+    while (waitpid(pid_, &status, 0) < 0) {
+        if (errno != EINTR) return -1;
+    }
+    return exit_status(status);
+}
+
+Expected<PortLock> PortLock::take(const std::string& path) {
+    // Not closed on exec: the programmer keeps the lock when this program is killed.
+    const int descriptor = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
+    if (descriptor < 0) return fail(path + " cannot be opened: " + std::strerror(errno));
+    PortLock lock(descriptor);
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) return fail(path + " is in use by another program");
+    return lock;
+}
+
+PortLock::PortLock(PortLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+PortLock::~PortLock() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+}  // namespace asip::cli
