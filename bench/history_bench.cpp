@@ -76,9 +76,8 @@ bool measure_file(registry::History& history) {
         }));
     // No row is of a board that never had this state: each page looks at as many rows as it may.
     for (const auto* pattern : {"*7*", "board?", "*", "board99*"})
-        none.push_back(milliseconds_of([&] {
-            (void)history.find(query_of(pattern, {"updating", "sleeping"}));
-        }));
+        none.push_back(
+            milliseconds_of([&] { (void)history.find(query_of(pattern, {"updating", "sleeping"})); }));
     const auto time = bench::summary(last);
     bench::row("history: last 100 of a board, median", time.p50, "ms", 5, 2);
     bench::row("history: last 100 of a board, 99 of 100 within", time.p99, "ms", 5, 5);

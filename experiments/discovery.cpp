@@ -171,7 +171,7 @@ std::vector<Results> discovery(const Setup& setup) {
                   kNotRecorded},
         .pictures = {}};
     Bars bars{"Discovery, median, ms", {}};
-    const auto add = [&](const char* name, double Found::*value) {
+    const auto add = [&](const char* name, double Found::* value) {
         std::vector<double> samples;
         for (const auto& one : found)
             samples.push_back(one.*value);

@@ -25,20 +25,17 @@ std::vector<double> round_trips(const Way& way, int rounds) {
     std::optional<Time> seen;
     const auto watch = board.on_digital(kIn, [&](bool) { seen = Clock::now(); });
     finish(io, board.set_pin_mode(kIn, PinMode::kInput));
-    run_until(
-        io, [] { return false; }, 100ms);
+    run_until(io, [] { return false; }, 100ms);
     std::vector<double> samples;
     for (int round = 0; round < rounds; ++round) {
         seen.reset();
         const auto began = Clock::now();
         finish(io, board.digital_write(kOut, round % 2 == 0));
-        if (!run_until(
-                io, [&] { return seen.has_value(); }, 2s))
+        if (!run_until(io, [&] { return seen.has_value(); }, 2s))
             throw std::runtime_error("the board reported no change of pin 2");
         samples.push_back(std::chrono::duration<double, std::milli>(*seen - began).count());
         // Not in step with anything of the board.
-        run_until(
-            io, [] { return false; }, 4ms + std::chrono::milliseconds(round % 7));
+        run_until(io, [] { return false; }, 4ms + std::chrono::milliseconds(round % 7));
     }
     return samples;
 }

@@ -84,8 +84,7 @@ T finish(boost::asio::io_context& io, client::Awaitable<T> call) {
     std::optional<client::Result<T>> result;
     boost::asio::co_spawn(io, std::move(call),
                           [&](std::exception_ptr, client::Result<T> ended) { result = std::move(ended); });
-    run_until(
-        io, [&] { return result.has_value(); }, std::chrono::seconds(30));
+    run_until(io, [&] { return result.has_value(); }, std::chrono::seconds(30));
     if (!result) throw std::runtime_error("no answer in 30 s");
     if (!*result) throw std::runtime_error(to_string(result->error()));
     if constexpr (!std::is_void_v<T>) return std::move(**result);

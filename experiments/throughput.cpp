@@ -49,8 +49,7 @@ class Copier {
         edges_seen_ = edges_copied_ = 0;
         wave_ended_ = false;
         simulator_.command("burst wave " + number(hertz, 1) + " " + std::to_string(pulses));
-        if (!run_until(
-                io_, [&] { return wave_ended_.load(); }, 30s))
+        if (!run_until(io_, [&] { return wave_ended_.load(); }, 30s))
             throw std::runtime_error("the square wave did not end");
         settle();
         return edges_seen_ == 2 * pulses && (!copying || edges_copied_ == 2 * pulses);
@@ -65,8 +64,7 @@ class Copier {
     void settle() {
         for (int before = -1; before != edges_seen_ + edges_copied_;) {
             before = edges_seen_ + edges_copied_;
-            run_until(
-                io_, [] { return false; }, 60ms);
+            run_until(io_, [] { return false; }, 60ms);
         }
     }
 

@@ -40,8 +40,7 @@ std::vector<std::string> without_blanks(const std::vector<std::string>& words) {
 Expected<void> check_patterns(const char* option, const std::vector<std::string>& patterns) {
     for (const auto& pattern : patterns) {
         auto name = pattern;
-        std::replace_if(
-            name.begin(), name.end(), [](char c) { return c == '*' || c == '?'; }, 'x');
+        std::replace_if(name.begin(), name.end(), [](char c) { return c == '*' || c == '?'; }, 'x');
         if (!model::valid_name(name))
             return fail(std::string(option) + ": no name is like \"" + text::printable(pattern) +
                         "\": 1 to 64 of A-Z a-z 0-9 . _ -, and * and ? as in a shell");

@@ -17,7 +17,7 @@ extern "C" void on_continuation(int) {
 }  // namespace
 
 void count_continuations() {
-    struct sigaction action {};
+    struct sigaction action{};
     action.sa_handler = on_continuation;
     action.sa_flags = SA_RESTART;
     sigaction(SIGCONT, &action, nullptr);

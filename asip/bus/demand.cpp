@@ -30,8 +30,7 @@ void read_services(text::JsonReader& reader, Demand& demand) {
 }  // namespace
 
 bool can_be_demanded(std::string service) {
-    std::replace_if(
-        service.begin(), service.end(), [](char c) { return c == '*' || c == '?'; }, 'x');
+    std::replace_if(service.begin(), service.end(), [](char c) { return c == '*' || c == '?'; }, 'x');
     return model::valid_name(service);
 }
 

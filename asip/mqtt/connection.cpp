@@ -104,7 +104,7 @@ void Connection::arm() {
 
 // A wait on an earlier duplicate that was over before that one closed says nothing about this one. It would
 // begin a second wait beside the first, and each packet would be looked for twice from then on.
-void Connection::wait_for(asio::posix::stream_descriptor::wait_type what, bool Connection::*armed) {
+void Connection::wait_for(asio::posix::stream_descriptor::wait_type what, bool Connection::* armed) {
     this->*armed = true;
     socket_.async_wait(
         what, [self = shared_from_this(), armed, of = duplicates_](const boost::system::error_code& error) {

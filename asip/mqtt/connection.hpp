@@ -90,7 +90,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     void watch();
     bool duplicate_socket();
     void arm();
-    void wait_for(boost::asio::posix::stream_descriptor::wait_type what, bool Connection::*armed);
+    void wait_for(boost::asio::posix::stream_descriptor::wait_type what, bool Connection::* armed);
     void serve();
     void read_all();
     int write_out();             ///< what is queued; while serving, only once all has been read

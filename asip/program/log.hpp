@@ -33,9 +33,8 @@ struct Field {
     Field(std::string_view field_name, const char* text) : name(field_name), value(text) {}
     Field(std::string_view field_name, bool truth) : name(field_name), value(truth ? "true" : "false") {}
     template <class Number>
-    requires(std::integral<Number> || std::floating_point<Number>)
-        Field(std::string_view field_name, Number number)
-        : name(field_name), value(std::to_string(number)) {}
+        requires(std::integral<Number> || std::floating_point<Number>)
+    Field(std::string_view field_name, Number number) : name(field_name), value(std::to_string(number)) {}
 };
 using Fields = std::initializer_list<Field>;
 

@@ -49,7 +49,7 @@ struct StopSignal::State : std::enable_shared_from_this<State> {
 };
 
 bool ignored(int signal) {
-    struct sigaction action {};
+    struct sigaction action{};
     return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 

@@ -24,7 +24,7 @@ std::vector<fs::path> entries(const fs::path& folder) {
 }
 
 std::string group_of(const fs::path& file) {
-    struct stat status {};
+    struct stat status{};
     if (::stat(file.c_str(), &status) != 0) return {};
     const auto* group = ::getgrgid(status.st_gid);
     return group == nullptr ? std::to_string(status.st_gid) : group->gr_name;

@@ -66,7 +66,7 @@ Outcome<int> own_folder(const fs::path& path, mode_t mode, int flags, const pass
     if (::mkdir(path.c_str(), mode) != 0 && errno != EEXIST)
         return tl::unexpected(cannot("make the folder", path));
     File folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | flags));
-    struct stat status {};
+    struct stat status{};
     if (folder.number() < 0 || ::fstat(folder.number(), &status) != 0)
         return tl::unexpected(cannot("open the folder", path));
     if (status.st_uid != ::geteuid() && (also_of == nullptr || status.st_uid != also_of->pw_uid)) {
@@ -108,7 +108,7 @@ void remove_unfinished(const fs::path& folder) {
 
 /// Whether those who should, and nobody else, can read the file.
 bool has_mode(const fs::path& file, mode_t mode) {
-    struct stat status {};
+    struct stat status{};
     return ::lstat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode) && (status.st_mode & 0777) == mode;
 }
 

@@ -47,8 +47,7 @@ Failure failed_to(const std::string& what, const fs::path& path) {
 
 /// For root and the group of the folder. Whole or not at all.
 Outcome<bool> write_for_group(const fs::path& file, const std::string& text) {
-    struct stat folder {
-    }, present{};
+    struct stat folder{}, present{};
     if (::stat(kFolder, &folder) != 0) return tl::unexpected(failed_to("look at", kFolder));
     const bool kept = ::lstat(file.c_str(), &present) == 0 && S_ISREG(present.st_mode) &&
                       (present.st_mode & 0777) == 0640 && present.st_gid == folder.st_gid;
@@ -200,7 +199,7 @@ Outcome<void> restart_services(bool broker, const Names& changed, SecureReport& 
 
 void become_default(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report) {
     const auto home = program::environment_variable("HOME").value_or("");
-    struct stat status {};
+    struct stat status{};
     // The home of somebody else, after `su`, is theirs to write.
     if (home.empty() || ::stat(home.c_str(), &status) != 0 || status.st_uid != ::geteuid()) return;
     auto buses = NamedBuses::of_user(program::environment_variable);

@@ -21,7 +21,7 @@ class LockedFile {
   public:
     explicit LockedFile(const fs::path& path)
         : descriptor_(open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600)) {
-        struct stat info {};
+        struct stat info{};
         ok_ = descriptor_ >= 0 && fstat(descriptor_, &info) == 0 && S_ISREG(info.st_mode) &&
               flock(descriptor_, LOCK_EX) == 0;
     }

@@ -116,7 +116,7 @@ class Server::Impl : public std::enable_shared_from_this<Impl> {
         Protocol::endpoint endpoint;
         if (local) {
             const auto path = address.substr(kUnix.size());
-            struct stat found {};
+            struct stat found{};
             if (stat(path.c_str(), &found) == 0 && S_ISSOCK(found.st_mode)) unlink(path.c_str());
             endpoint = asio::local::stream_protocol::endpoint(path);
             unix_paths_.push_back(path);

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMaxLineBytes = 1024;
 
 bool is_file(int descriptor) {
-    struct stat status {};
+    struct stat status{};
     return ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
 }
 

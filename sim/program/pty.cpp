@@ -107,8 +107,8 @@ bool is_left_over(const std::filesystem::path& link, const std::string& target) 
     std::error_code error;
     const auto to = std::filesystem::read_symlink(link, error).string();
     if (to == target) return true;
-    struct stat port {};
-    struct stat made {};
+    struct stat port{};
+    struct stat made{};
     if (error || !to.starts_with(kTerminals) || ::lstat(link.c_str(), &made) != 0) return false;
     if (::stat(to.c_str(), &port) != 0) return errno == ENOENT;
     return S_ISCHR(port.st_mode) && earlier(made.st_mtim, port.st_ctim);

@@ -7,7 +7,7 @@
 namespace asip::sim {
 
 std::uint32_t tty_speed(int descriptor) {
-    struct termios2 settings {};
+    struct termios2 settings{};
     return ioctl(descriptor, TCGETS2, &settings) == 0 ? settings.c_ospeed : 0;
 }
 

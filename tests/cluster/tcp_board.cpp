@@ -78,16 +78,16 @@ void TcpBoard::accept() {
 }
 
 void TcpBoard::read() {
-    connection_->socket.async_read_some(asio::buffer(connection_->buffer), [this, connection = connection_](
-                                                                               const boost::system::
-                                                                                   error_code& error,
-                                                                               std::size_t count) {
-        if (error || connection != connection_) return;
-        const auto said = board_.hear({connection->buffer.data(), count}, board_.baud, asip::Clock::now());
-        executed();
-        say(said);
-        if (connection == connection_) read();
-    });
+    connection_->socket.async_read_some(
+        asio::buffer(connection_->buffer),
+        [this, connection = connection_](const boost::system::error_code& error, std::size_t count) {
+            if (error || connection != connection_) return;
+            const auto said =
+                board_.hear({connection->buffer.data(), count}, board_.baud, asip::Clock::now());
+            executed();
+            say(said);
+            if (connection == connection_) read();
+        });
 }
 
 void TcpBoard::executed() {

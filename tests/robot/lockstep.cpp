@@ -27,7 +27,7 @@ Path mqtt_path() {
     return {"mqtt", 1ms, 2ms, 0};
 }
 
-double Driven::mean(double sim::world::Lap::*value) const {
+double Driven::mean(double sim::world::Lap::* value) const {
     const std::size_t first = laps.size() > 1 ? 1 : 0;
     double sum = 0;
     for (std::size_t i = first; i < laps.size(); ++i)

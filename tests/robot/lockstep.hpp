@@ -52,7 +52,7 @@ struct Driven {
     double rms_mm() const { return mean(&sim::world::Lap::rms_mm); }
 
   private:
-    double mean(double sim::world::Lap::*value) const;
+    double mean(double sim::world::Lap::* value) const;
 };
 
 /// The whole loop in one process and in simulated time: the world, an Uno with the image of AsipMirto, the

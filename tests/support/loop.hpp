@@ -22,8 +22,7 @@ bool run_until(boost::asio::io_context& io, Condition condition,
 
 /// Runs the loop for a while, to see that something does not happen.
 inline void run_for(boost::asio::io_context& io, std::chrono::milliseconds time) {
-    run_until(
-        io, [] { return false; }, time);
+    run_until(io, [] { return false; }, time);
 }
 
 }  // namespace asip::test

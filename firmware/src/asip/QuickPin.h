@@ -13,12 +13,8 @@ class QuickPin {
     explicit QuickPin(uint8_t pin)
         : input_(portInputRegister(digitalPinToPort(pin))), mask_(digitalPinToBitMask(pin)) {}
 
-    bool isConnected() const {
-        return mask_ != 0;
-    }
-    bool isHigh() const {
-        return *input_ & mask_;
-    }
+    bool isConnected() const { return mask_ != 0; }
+    bool isHigh() const { return *input_ & mask_; }
 
   private:
     volatile uint8_t* input_;
@@ -27,12 +23,8 @@ class QuickPin {
     constexpr QuickPin() : pin_(kNone) {}
     explicit QuickPin(uint8_t pin) : pin_(pin) {}
 
-    bool isConnected() const {
-        return pin_ != kNone;
-    }
-    bool isHigh() const {
-        return digitalRead(pin_) == HIGH;
-    }
+    bool isConnected() const { return pin_ != kNone; }
+    bool isHigh() const { return digitalRead(pin_) == HIGH; }
 
   private:
     static constexpr uint8_t kNone = 255;

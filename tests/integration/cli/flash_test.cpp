@@ -117,9 +117,8 @@ TEST_F(FlashTest, Released_PortIsFreeAndCommandsAreRefused) {
     EXPECT_THAT(sent.errors, HasSubstr("board-not-there"));
     // Announced within a second.
     const auto until = "until " + record["until"].get<std::string>();
-    EXPECT_TRUE(wait_until([&] {
-        return asipctl({"show", "desk"}).output.find(until) != std::string::npos;
-    }));
+    EXPECT_TRUE(
+        wait_until([&] { return asipctl({"show", "desk"}).output.find(until) != std::string::npos; }));
     const auto back = asipctl({"release", "desk", "--back"});
     EXPECT_EQ(back.output, "AsipHello\n") << back.errors;
     EXPECT_FALSE(is_free());
@@ -217,9 +216,8 @@ TEST_F(FlashTest, RegistryKilledWhileTheProgrammerRuns_TheBoardIsFlashedAndBack)
     EXPECT_EQ(flashing.wait_exit(), 0) << flashing.errors();
     EXPECT_EQ(flashing.output(), "desk: AsipServices, was AsipHello\n");
     EXPECT_TRUE(wait_state("online"));
-    EXPECT_TRUE(wait_until([this] {
-        return asipctl({"list", "-o", "name", "--state", "online"}).output == "desk\n";
-    }));
+    EXPECT_TRUE(wait_until(
+        [this] { return asipctl({"list", "-o", "name", "--state", "online"}).output == "desk\n"; }));
 }
 
 TEST_F(FlashTest, AgentKilledWhileReleased_IsLostAndBackWhenItStartsAgain) {

@@ -86,9 +86,8 @@ TEST_P(RealBoardTest, PinsInWords_AreSetAndRead) {
     EXPECT_EQ(asipctl({"pin", "desk", "2", "pullup"}).status, 0);
     EXPECT_EQ(asipctl({"pin", "desk", "2"}).output, "2 input-pullup high\n");
     sim_.write_input("press desk/button\n");
-    EXPECT_TRUE(wait_until([this] {
-        return asipctl({"pin", "desk", "D2"}).output == "2 input-pullup low\n";
-    }));
+    EXPECT_TRUE(
+        wait_until([this] { return asipctl({"pin", "desk", "D2"}).output == "2 input-pullup low\n"; }));
     EXPECT_THAT(asipctl({"pin", "desk", "A0"}).output, MatchesRegex("14 analog [0-9]+\n"));
     const auto taken = asipctl({"pin", "desk", "9", "high"});
     EXPECT_EQ(taken.status, 1);

@@ -213,9 +213,8 @@ TEST_F(RecordTest, Replayed_BoardIsAMemberOfTheBus) {
     ASSERT_TRUE(probe_.wait_for("asip/registry/r1/$state", "online"));
     ChildProcess replay(program({"replay", path, "--speed", "0.5", "--loop"}), environment());
     ASSERT_TRUE(replay.wait_for_errors("replaying 1 board")) << replay.errors();
-    EXPECT_TRUE(wait_until([&] {
-        return asipctl({"list", "--state", "online", "-o", "name"}).output == "uno1\n";
-    }));
+    EXPECT_TRUE(
+        wait_until([&] { return asipctl({"list", "--state", "online", "-o", "name"}).output == "uno1\n"; }));
     EXPECT_THAT(asipctl({"show", "uno1"}).output, HasSubstr("replay walk.jsonl"));
     // As recorded, it is lost now and then: then nobody is asked.
     EXPECT_TRUE(wait_until([&] {

@@ -125,9 +125,8 @@ TEST_F(ValuesTest, EventsSince_BeginWithWhatWasKeptAndContinue) {
                           environment());
     ASSERT_TRUE(registry.wait_for_errors("catalogue is complete"));
     announce("old", "lost");
-    ASSERT_TRUE(wait_until([&] {
-        return asipctl({"history", "old"}).output.find("lost") != std::string::npos;
-    }));
+    ASSERT_TRUE(
+        wait_until([&] { return asipctl({"history", "old"}).output.find("lost") != std::string::npos; }));
     ChildProcess events(program({"events", "--since", "1h", "--format", "{board} {what} {state}"}),
                         environment());
     ASSERT_TRUE(events.wait_for_output("^old added")) << events.errors();

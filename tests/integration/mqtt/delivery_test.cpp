@@ -132,8 +132,7 @@ struct UnacknowledgedTest : DeliveryTest {
         return made;
     }
     void run_beside(std::chrono::milliseconds time) {
-        until_beside(
-            bus, [] { return false; }, time, first, second);
+        until_beside(bus, [] { return false; }, time, first, second);
     }
     void publish(int count) {
         for (int i = 0; i < count; ++i)

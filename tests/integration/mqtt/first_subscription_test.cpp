@@ -85,8 +85,7 @@ TEST_F(FirstSubscriptionTest, ClosedMeanwhile_TheNextIsAskedForOneByAnotherIdent
     const auto before = bus.client->client_id();
     second.close_subscriber();
     ASSERT_TRUE(until(bus, [&] { return first.subscriptions + second.subscriptions > 4; }));
-    EXPECT_FALSE(until(
-        bus, [&] { return first.subscriptions + second.subscriptions > 5; }, 300ms));
+    EXPECT_FALSE(until(bus, [&] { return first.subscriptions + second.subscriptions > 5; }, 300ms));
     EXPECT_NE(bus.client->client_id(), before);
 }
 
@@ -136,8 +135,7 @@ TEST_F(FirstSubscriptionTest, LeftBroker_HasMoreTimeNext) {
     ASSERT_TRUE(asks_the_second(bus));
     EXPECT_EQ(keepalive_in(first.connect_packet), 5);
     EXPECT_EQ(keepalive_in(second.connect_packet), 8);
-    EXPECT_FALSE(until(
-        bus, [&] { return !bus.failures.empty(); }, 7s));
+    EXPECT_FALSE(until(bus, [&] { return !bus.failures.empty(); }, 7s));
     EXPECT_TRUE(until(bus, [&] { return !bus.failures.empty(); }));
 }
 
@@ -152,8 +150,7 @@ TEST_F(FirstSubscriptionTest, OneBrokerAlone_HasNoMoreTimeThanOthers) {
     bus.client->start();
     ASSERT_TRUE(asked(bus, 4, 0));
     EXPECT_EQ(keepalive_in(first.connect_packet), 5);
-    EXPECT_TRUE(until(
-        bus, [&] { return !bus.failures.empty(); }, 6s));
+    EXPECT_TRUE(until(bus, [&] { return !bus.failures.empty(); }, 6s));
 }
 
 TEST_F(FirstSubscriptionTest, TimeOfMinutes_IsNotDoubled) {
@@ -169,8 +166,7 @@ TEST_F(FirstSubscriptionTest, MessageBeforeTheAnswer_LeavesTheBrokerItsTime) {
     ASSERT_TRUE(asks_the_second(bus));
     second.deliver(false);
     ASSERT_TRUE(until(bus, [&] { return bus.connects.size() == 2; }));
-    EXPECT_FALSE(until(
-        bus, [&] { return bus.losses.size() > 1; }, 3s));
+    EXPECT_FALSE(until(bus, [&] { return bus.losses.size() > 1; }, 3s));
     EXPECT_TRUE(bus.client->connected());
 }
 
@@ -209,8 +205,7 @@ TEST_F(FirstSubscriptionTest, StoppedMeanwhile_SendsWhatIsQueuedAndGoodbye) {
 TEST_F(FirstSubscriptionTest, StoppedLate_SaysGoodbye) {
     Recorder bus(options());
     ASSERT_TRUE(asks_the_second(bus));
-    EXPECT_FALSE(until(
-        bus, [&] { return !bus.failures.empty(); }, 3s));
+    EXPECT_FALSE(until(bus, [&] { return !bus.failures.empty(); }, 3s));
     bool stopped = false;
     bus.client->stop(2s, [&] { stopped = true; });
     ASSERT_TRUE(until(bus, [&] { return stopped; }));

@@ -186,8 +186,7 @@ TEST_F(SubscriptionTest, AnswerToASubscriptionTakesLongerThanAckTimeout_KeepsThe
     bus.client->start();
     ASSERT_TRUE(until(bus, [&] { return bus.client->connected() && broker.subscriptions == 1; }));
     bus.client->publish(make_message("state", "online", 1));
-    until(
-        bus, [&] { return !bus.losses.empty(); }, 3500ms);
+    until(bus, [&] { return !bus.losses.empty(); }, 3500ms);
     EXPECT_TRUE(bus.losses.empty()) << bus.losses[0].text;
     broker.answer_all();
     ASSERT_TRUE(until(bus, [&] { return bus.client->subscribed() && !bus.published.empty(); }));

@@ -58,7 +58,7 @@ class KilledSecure : public SecuredBus {
             const auto name = entry.path().filename().string();
             const bool open = name.starts_with("ca.crt") || name.starts_with("broker.crt") ||
                               name.starts_with("mosquitto.conf");
-            struct stat status {};
+            struct stat status{};
             ASSERT_EQ(::stat(entry.path().c_str(), &status), 0);
             EXPECT_TRUE(open || (status.st_mode & 077) == 0) << entry.path();
         }

@@ -54,7 +54,7 @@ TEST_F(FoundBus, SecretsThatOthersCanRead_AreClosed) {
     ASSERT_EQ(::chmod(file("credentials").c_str(), 0755), 0);
     ASSERT_EQ(secure({"init"}).status, 0);
     const auto mode = [&](const char* name) {
-        struct stat status {};
+        struct stat status{};
         EXPECT_EQ(::stat(file(name).c_str(), &status), 0) << name;
         return status.st_mode & 0777;
     };
@@ -118,7 +118,7 @@ TEST_F(FoundBus, MaskOfTheShell_ChangesNothing) {
                  std::string("umask ") + mask +
                      "; exec '" ASIP_TEST_ASIPCTL "' secure init --host localhost --dir '" + where + "'"});
         ASSERT_EQ(made.status, 0) << made.errors;
-        struct stat status {};
+        struct stat status{};
         ASSERT_EQ(::stat((where + "/ca.key").c_str(), &status), 0);
         EXPECT_EQ(status.st_mode & 0777, 0600U) << mask;
         ASSERT_EQ(::stat((where + "/mosquitto.conf").c_str(), &status), 0);

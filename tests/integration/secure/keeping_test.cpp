@@ -49,14 +49,12 @@ TEST_F(KeptBus, Revoked_CannotComeBackWithItsOldFile) {
     const auto copy = place_.write("copy", run({"cat", credentials("uno1")}).output);
     ASSERT_TRUE(may_connect({"--cafile", copy, "-u", "uno1", "-P", old.password}));
     ASSERT_EQ(secure(Words{"revoke", "uno1"} + reload()).status, 0);
-    EXPECT_TRUE(wait_until([&] {
-        return !may_connect({"--cafile", copy, "-u", "uno1", "-P", old.password});
-    }));
+    EXPECT_TRUE(
+        wait_until([&] { return !may_connect({"--cafile", copy, "-u", "uno1", "-P", old.password}); }));
     ASSERT_EQ(secure(Words{"add", "board", "uno1"} + reload()).status, 0);
     const auto fresh = probe_options("uno1");
-    EXPECT_TRUE(wait_until([&] {
-        return may_connect({"--cafile", copy, "-u", "uno1", "-P", fresh.password});
-    }));
+    EXPECT_TRUE(
+        wait_until([&] { return may_connect({"--cafile", copy, "-u", "uno1", "-P", fresh.password}); }));
     EXPECT_FALSE(may_connect({"--cafile", copy, "-u", "uno1", "-P", old.password}));
 }
 
@@ -79,9 +77,8 @@ TEST_F(KeptBus, RenewedUser_NeedsItsNewFile) {
     ASSERT_EQ(secure(Words{"renew", "uno1"} + reload()).status, 0);
     const auto fresh = probe_options("uno1");
     EXPECT_NE(old.password, fresh.password);
-    EXPECT_TRUE(wait_until([&] {
-        return may_connect({"--cafile", fresh.ca, "-u", "uno1", "-P", fresh.password});
-    }));
+    EXPECT_TRUE(
+        wait_until([&] { return may_connect({"--cafile", fresh.ca, "-u", "uno1", "-P", fresh.password}); }));
     EXPECT_FALSE(may_connect({"--cafile", fresh.ca, "-u", "uno1", "-P", old.password}));
 }
 
@@ -168,7 +165,7 @@ TEST_F(KeptBus, Secrets_AreReadableByTheirOwnerAlone) {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder())) {
         const bool secret = entry.is_regular_file() && entry.path().extension() != ".crt" &&
                             entry.path().filename() != "mosquitto.conf" && entry.path().extension() != ".pid";
-        struct stat status {};
+        struct stat status{};
         ASSERT_EQ(::stat(entry.path().c_str(), &status), 0);
         EXPECT_TRUE(!secret || (status.st_mode & 0777) == 0600) << entry.path();
     }

@@ -31,9 +31,8 @@ class WalkOnSecuredBus : public SecuredBus {
         return run(Words{ASIP_TEST_ASIPCTL} + words + as(user));
     }
     bool listed_for(const std::string& user) const {
-        return wait_until([&] {
-            return asipctl(user, {"list", "--state", "online", "-o", "name"}).output == "uno\n";
-        });
+        return wait_until(
+            [&] { return asipctl(user, {"list", "--state", "online", "-o", "name"}).output == "uno\n"; });
     }
 
     SimulatedBoards boards_{{"asip_uno"}};
@@ -114,9 +113,8 @@ TEST_F(WalkOnSecuredBus, BoardWithoutAgent_IsFoundByItsServicesAndCannotNameAnot
     ASSERT_TRUE(listed_for("bob")) << agent_->errors() << registry_->errors();
     auto board = probe("plain", {"asip/plain/in"});
     board.publish("asip/servicebus/plain", "io");
-    EXPECT_TRUE(wait_until([&] {
-        return asipctl("bob", {"list", "-o", "name"}).output == "plain\nuno\n";
-    })) << registry_->errors();
+    EXPECT_TRUE(wait_until([&] { return asipctl("bob", {"list", "-o", "name"}).output == "plain\nuno\n"; }))
+        << registry_->errors();
     board.publish("asip/servicebus", "forged");
     auto again = probe("plain", {});
     again.publish("asip/servicebus/plain", "io");
@@ -127,9 +125,8 @@ TEST_F(WalkOnSecuredBus, BoardWithoutAgent_IsFoundByItsServicesAndCannotNameAnot
 TEST_F(WalkOnSecuredBus, RevokedOperator_IsToldWhoToAsk) {
     const auto copy = place_.write("copy", run({"cat", credentials("ann")}).output);
     ASSERT_EQ(secure({"revoke", "ann", "--reload-pid", std::to_string(broker_->pid())}).status, 0);
-    ASSERT_TRUE(wait_until([&] {
-        return run({ASIP_TEST_ASIPCTL, "list", "--credentials", copy}).status == 3;
-    }));
+    ASSERT_TRUE(
+        wait_until([&] { return run({ASIP_TEST_ASIPCTL, "list", "--credentials", copy}).status == 3; }));
     EXPECT_THAT(run({ASIP_TEST_ASIPCTL, "list", "--credentials", copy}).errors,
                 HasSubstr("refused user \"ann\"; check user and password, or ask whoever keeps the broker"));
 }

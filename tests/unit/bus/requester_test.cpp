@@ -79,29 +79,26 @@ using Properties = std::vector<std::pair<std::string, std::string>>;
 
 TEST_F(RequesterTest, OnVersion5_CommandTellsWhenItWasSentByTheClockOfTheLastAnswer) {
     const Time began = Time(100s);
-    const auto first = requester.ask(
-        sent = message("asip/uno1/in", "#,?"), true, [](auto&) {}, began);
+    const auto first = requester.ask(sent = message("asip/uno1/in", "#,?"), true, [](auto&) {}, began);
     EXPECT_EQ(sent.user_properties, (Properties{{"clock", ""}}));
     auto answer = message(kReply, "{}", sent.correlation);
     answer.user_properties = {{"by", "me"}, {"clock", "1f3c09aa-700000"}};
     requester.take(answer, began + 10ms);
-    const auto second = requester.ask(
-        sent = message("asip/uno1/servo/in", "W,0,90"), true, [](auto&) {}, began + 1s);
+    const auto second =
+        requester.ask(sent = message("asip/uno1/servo/in", "W,0,90"), true, [](auto&) {}, began + 1s);
     EXPECT_EQ(sent.user_properties, (Properties{{"clock", "1f3c09aa-701001"}}));
     EXPECT_EQ(sent.payload, "W,0,90");
-    const auto other = requester.ask(
-        sent = message("asip/uno2/servo/in", "W,0,90"), true, [](auto&) {}, began + 1s);
+    const auto other =
+        requester.ask(sent = message("asip/uno2/servo/in", "W,0,90"), true, [](auto&) {}, began + 1s);
     EXPECT_EQ(sent.user_properties, (Properties{{"clock", ""}})) << "another board, another agent";
 }
 
 TEST_F(RequesterTest, OnVersion311_ClockTravelsInTheText) {
     const Time began = Time(100s);
-    const auto first = requester.ask(
-        sent = message("asip/uno1/in", "#,?"), false, [](auto&) {}, began);
+    const auto first = requester.ask(sent = message("asip/uno1/in", "#,?"), false, [](auto&) {}, began);
     requester.take(message(kReply, R"({"answer":{"clock":"no"},"clock":"1f3c09aa-700000","id":"me-1"})"),
                    began);
-    const auto second = requester.ask(
-        sent = message("asip/uno1/in", "#,?"), false, [](auto&) {}, began);
+    const auto second = requester.ask(sent = message("asip/uno1/in", "#,?"), false, [](auto&) {}, began);
     EXPECT_EQ(sent.payload,
               R"({"clock":"1f3c09aa-700001","id":"me-2","raw":"#,?","reply_to":"asip/reply/ann/uno1/me"})");
 }

@@ -27,28 +27,21 @@ class CompletionTest : public ::testing::Test {
 
     CommandLine line_{all_verbs()};
     int asked_ = 0;
-    NameSources names_{[this] {
-                           ++asked_;
-                           return Words{"uno2", "uno1", "nano"};
-                       },
-                       [](const std::string& board) {
-                           return board == "uno1" ? Words{"servo", "io"} : Words{};
-                       },
-                       [](const std::string& board, const std::string& service) {
-                           return board == "uno1" && service == "servo" ? Words{"write", "remap"} : Words{};
-                       },
-                       [](const std::string&, const std::string& service) {
-                           return service == "servo" ? Words{"angle"} : Words{};
-                       },
-                       [] {
-                           return Words{"servo", "distance"};
-                       },
-                       [] {
-                           return Words{"cm", "ms"};
-                       },
-                       [] {
-                           return Words{"room=lab", "floor=2"};
-                       }};
+    NameSources names_{
+        [this] {
+            ++asked_;
+            return Words{"uno2", "uno1", "nano"};
+        },
+        [](const std::string& board) { return board == "uno1" ? Words{"servo", "io"} : Words{}; },
+        [](const std::string& board, const std::string& service) {
+            return board == "uno1" && service == "servo" ? Words{"write", "remap"} : Words{};
+        },
+        [](const std::string&, const std::string& service) {
+            return service == "servo" ? Words{"angle"} : Words{};
+        },
+        [] { return Words{"servo", "distance"}; },
+        [] { return Words{"cm", "ms"}; },
+        [] { return Words{"room=lab", "floor=2"}; }};
 };
 
 TEST_F(CompletionTest, FirstWord_IsAVerb) {

@@ -43,7 +43,7 @@ class NamedBusesTest : public ::testing::Test {
 TEST_F(NamedBusesTest, WhatIsAdded_ComesBackAndOnlyItsUserMayReadIt) {
     EXPECT_THAT(buses_.names(), ElementsAre("lab", "shed"));
     EXPECT_EQ(buses_.find("lab")->value("password"), "a b # c");
-    struct stat file {};
+    struct stat file{};
     ASSERT_EQ(::stat(folder_.file("asip/contexts/lab.conf").c_str(), &file), 0);
     EXPECT_EQ(file.st_mode & 0777U, 0600U);
     EXPECT_THAT(buses_.find("lbb").error(), HasSubstr("did you mean \"lab\""));

@@ -235,7 +235,7 @@ TEST(SecureFolderTest, Secrets_AreReadableByTheirOwnerAlone) {
     const auto folder = SecureFolder::create(place.path() / "bus");
     ASSERT_TRUE(folder) << folder.error().text;
     const auto mode = [](const std::filesystem::path& path) {
-        struct stat status {};
+        struct stat status{};
         EXPECT_EQ(::stat(path.c_str(), &status), 0) << path;
         return status.st_mode & 0777;
     };

@@ -36,12 +36,8 @@ class ShellWordsTest : public ::testing::Test {
 
     CommandLine line_{all_verbs()};
     NameSources names_{
-        [] {
-            return Line{"desk", "lamp"};
-        },
-        [](const std::string& board) {
-            return board == "desk" ? Line{"distance", "servo"} : Line{};
-        },
+        [] { return Line{"desk", "lamp"}; },
+        [](const std::string& board) { return board == "desk" ? Line{"distance", "servo"} : Line{}; },
         [](const std::string& board, const std::string& service) {
             return board == "desk" && service == "distance" ? Line{"measure", "report"} : Line{};
         },
@@ -177,7 +173,7 @@ TEST_F(LineHistoryTest, KeepsLines_ForTheUserAlone) {
     EXPECT_TRUE(history_.add(""));
     EXPECT_TRUE(LineHistory(history_.file()).add("servo write 0 90"));
     EXPECT_THAT(history_.lines(), ElementsAre("distance measure", "servo write 0 90"));
-    struct stat info {};
+    struct stat info{};
     ASSERT_EQ(stat(history_.file().c_str(), &info), 0);
     EXPECT_EQ(info.st_mode & 0777U, 0600U);
 }

@@ -70,8 +70,7 @@ TEST_F(CommandsTest, Urgent_ItsAnswerComesPastThoseOfOthers) {
 TEST_F(CommandsTest, AsManyKeptAsMayBe_OnlyWhatIsUrgentIsTaken) {
     for (std::size_t i = 0; i < Commands::kMaxRecords; ++i) {
         Commands::Start one{"s1", std::to_string(i), "anna", "uno1/servo", "asip/uno1/servo/in", "{}"};
-        commands_.start(
-            one, true, at(0ms), [](const CommandRecord&) {}, message_);
+        commands_.start(one, true, at(0ms), [](const CommandRecord&) {}, message_);
     }
     ASSERT_EQ(commands_.size(), Commands::kMaxRecords);
     EXPECT_EQ(send("s1", "one more"), Commands::Started::kTooMany);

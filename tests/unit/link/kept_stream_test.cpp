@@ -119,8 +119,7 @@ TEST_F(KeptStreamTest, RateChangeWaitsForAFullPort_WithoutWakingTheLoop) {
         kept.write(block);
         set = false;
         kept.set_rate(115'200, [&](bool) { set = true; });
-        run_until(
-            io, [&] { return set; }, 1s);
+        run_until(io, [&] { return set; }, 1s);
     }
     ASSERT_FALSE(set) << "a port that nobody reads accepts everything";
     ASSERT_TRUE(downs.empty());

@@ -114,8 +114,7 @@ TEST_F(ChangesTest, AnyPayload_DoesNoHarm) {
 }
 
 TEST_F(ChangesTest, MoreThanAreKept_DropTheOldest) {
-    Changes few(
-        2, [this](const bus::ChangeEvent&) { return std::optional(start); }, 50);
+    Changes few(2, [this](const bus::ChangeEvent&) { return std::optional(start); }, 50);
     for (std::uint64_t seq = 1; seq <= 60; ++seq)
         few.take(0, event(seq), start);
     few.take(1, event(1), start);

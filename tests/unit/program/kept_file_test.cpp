@@ -28,7 +28,7 @@ TEST(KeptFile, MissingFolders_AreMadeForTheOwnerAlone) {
     ASSERT_TRUE(keep_file(file, "one"));
     ASSERT_TRUE(keep_file(file, "two"));
     EXPECT_EQ(text_of(file), "two");
-    struct stat status {};
+    struct stat status{};
     ASSERT_EQ(::stat(file.c_str(), &status), 0);
     EXPECT_EQ(status.st_mode & 0777u, 0600u);
     ASSERT_EQ(::stat((folder.path() / "a").c_str(), &status), 0);

@@ -32,9 +32,8 @@ TEST_F(Log, Text_IsOneLineWithQuotedFields) {
 }
 
 TEST_F(Log, ControlCharactersFromOutside_StayOnTheLine) {
-    const auto line = captured(Level::kInfo, Format::kText, [] {
-        info("line\nbreak", {{"from", "a\r\n2026 info forged"}});
-    });
+    const auto line = captured(Level::kInfo, Format::kText,
+                               [] { info("line\nbreak", {{"from", "a\r\n2026 info forged"}}); });
     EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1);
     EXPECT_THAT(line, testing::HasSubstr("\\x0a"));
 }

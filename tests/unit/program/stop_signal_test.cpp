@@ -76,8 +76,7 @@ TEST(StopSignalDeathTest, HangupThatIsIgnoredOrHandledElsewhere_StaysSo) {
     EXPECT_EXIT(
         {
             boost::asio::io_context io;
-            StopSignal stop(
-                io, [](int) {}, StopSignal::Hangup::kElsewhere);
+            StopSignal stop(io, [](int) {}, StopSignal::Hangup::kElsewhere);
             std::raise(SIGHUP);
         },
         testing::KilledBySignal(SIGHUP), "");

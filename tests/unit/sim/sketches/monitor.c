@@ -58,8 +58,8 @@ static uint16_t echo(uint8_t bit) {
     DDRD |= 1 << 4;
     PORTD |= 1 << 4;
     _delay_us(10);
-    PORTD &= (uint8_t) ~(1 << 4);
-    DDRD &= (uint8_t) ~(1 << 4);
+    PORTD &= (uint8_t)~(1 << 4);
+    DDRD &= (uint8_t)~(1 << 4);
     TCNT1 = 0;
     while (!(PIND & (1 << bit)))
         if (TCNT1 > 60000) return 0;
@@ -78,7 +78,7 @@ static void pulse(uint16_t microseconds) {
     TCNT1 = 0;
     while (TCNT1 < 2 * microseconds)
         ;
-    PORTB &= (uint8_t) ~(1 << 1);
+    PORTB &= (uint8_t)~(1 << 1);
 }
 
 static uint16_t measure(uint8_t channel) {
@@ -115,7 +115,7 @@ ISR(USART_RX_vect) {
 }
 ISR(USART_UDRE_vect) {
     UDR0 = ring[ring_out++ % sizeof ring];
-    if (ring_out == ring_in) UCSR0B &= (uint8_t) ~(1 << UDRIE0);
+    if (ring_out == ring_in) UCSR0B &= (uint8_t)~(1 << UDRIE0);
 }
 static void echo_by_interrupts(void) {
     ring_in = ring_out = 0;
@@ -130,7 +130,7 @@ static void echo_by_interrupts(void) {
         sleep_cpu();
         sleep_disable();
     }
-    UCSR0B &= (uint8_t) ~(1 << RXCIE0);
+    UCSR0B &= (uint8_t)~(1 << RXCIE0);
 }
 #endif
 

@@ -21,7 +21,7 @@ static const uint8_t A0 = 24, A1 = 25, A2 = 26, A3 = 27, A4 = 28, A5 = 29, A6 = 
 #define digitalPinToPCICRbit(pin) ((pin) < 8 ? 1 : (pin) < 16 ? 3 : (pin) < 24 ? 2 : 0)
 #define digitalPinToPCMSK(pin) \
     ((pin) < 8 ? &PCMSK1 : (pin) < 16 ? &PCMSK3 : (pin) < 24 ? &PCMSK2 : (pin) < 32 ? &PCMSK0 : (uint8_t*)0)
-#define digitalPinToPCMSKbit(pin) ((pin)&7)
+#define digitalPinToPCMSKbit(pin) ((pin) & 7)
 
 #ifdef ARDUINO_MAIN
 #define EIGHT(item) item, item, item, item, item, item, item, item
