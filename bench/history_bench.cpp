@@ -93,11 +93,11 @@ bool measure_loop(const std::string& file) {
                            "--history", file, "--history-size", "9000000000"});
     if (!registry.wait_for_errors("catalogue is complete")) return false;
     std::stringstream in, out;
-    cli::Context context{in, out, out};
-    context.mqtt.brokers = {*mqtt::parse_broker(broker.url())};
-    cli::BusSession session(context);
+    cli::Environment environment{in, out, out};
+    environment.mqtt.brokers = {*mqtt::parse_broker(broker.url())};
+    cli::BusSession session(environment);
     if (!session.connect()) return false;
-    const auto topic = context.topics.registry_query("bench");
+    const auto topic = environment.topics.registry_query("bench");
     const auto ask = [&](const bus::Query& query, std::size_t& answers) {
         return session.ask(topic, bus::encode(bus::RegistryRequest{query, {}, {}}),
                            [&answers](const mqtt::Message&) { ++answers; });

@@ -10,28 +10,28 @@
 #include "asip/program/options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/complete.hpp"
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 
 namespace asip::cli {
 namespace {
 
-int run_verb(CommandLine& line, Context& context) {
-    if (const auto applied = line.apply(context); !applied) return context.fail_with(applied.error());
-    if (const auto found = line.find_broker(context); !found) return context.fail_with(found.error());
-    context.width = terminal_width(STDOUT_FILENO);
-    context.colour = use_colour(line.colour(), context.terminal(), program::environment_variable);
-    context.command_line = &line.app();
-    context.help = [&line](const std::string& verb) { return line.help(verb); };
-    return line.run(context);
+int run_verb(CommandLine& line, Environment& environment) {
+    if (const auto applied = line.apply(environment); !applied) return environment.fail_with(applied.error());
+    if (const auto found = line.find_broker(environment); !found) return environment.fail_with(found.error());
+    environment.width = terminal_width(STDOUT_FILENO);
+    environment.colour = use_colour(line.colour(), environment.terminal(), program::environment_variable);
+    environment.command_line = &line.app();
+    environment.help = [&line](const std::string& verb) { return line.help(verb); };
+    return line.run(environment);
 }
 
 /// The data must have arrived: a full disk is a failure. A reader that has seen enough (`| head -1`) is not.
-int status_after_output(const Context& context, int status) {
+int status_after_output(const Environment& environment, int status) {
     errno = 0;
-    context.out.flush();
-    if (context.out || context.reader_gone()) return status;
-    context.err << "asipctl: cannot write the output"
-                << (errno != 0 ? std::string(": ") + std::strerror(errno) : "") << std::endl;
+    environment.out.flush();
+    if (environment.out || environment.reader_gone()) return status;
+    environment.err << "asipctl: cannot write the output"
+                    << (errno != 0 ? std::string(": ") + std::strerror(errno) : "") << std::endl;
     return status == program::kExitOk ? program::kExitFailure : status;
 }
 
@@ -39,16 +39,16 @@ int status_after_output(const Context& context, int status) {
 
 int run_app(int argc, const char* const* argv, std::istream& in, std::ostream& out, std::ostream& err) {
     std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
-    Context context{in, out, err};
-    context.out_descriptor = STDOUT_FILENO;
+    Environment environment{in, out, err};
+    environment.out_descriptor = STDOUT_FILENO;
     if (!arguments.empty() && arguments.front() == "__complete") {
         arguments.erase(arguments.begin());
         CommandLine all(all_verbs());
-        return run_complete(arguments, all, context);
+        return run_complete(arguments, all, environment);
     }
     CommandLine line(all_verbs(), arguments);
     const auto ended = line.parse(std::move(arguments));
-    return status_after_output(context, ended ? *ended : run_verb(line, context));
+    return status_after_output(environment, ended ? *ended : run_verb(line, environment));
 }
 
 }  // namespace asip::cli

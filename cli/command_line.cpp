@@ -107,7 +107,7 @@ void CommandLine::add_common_options() {
                                                       "NO_COLOR is set")),
                     {"auto", "always", "never"})
         ->capture_default_str();
-    app_.add_option("--context", context_, "Bus that asipctl context add has given this name")
+    app_.add_option("--context", profile_, "Bus that asipctl context add has given this name")
         ->type_name("NAME");
     settings_
         .setting(app_.add_flag("--no-mdns", no_mdns_,
@@ -136,7 +136,7 @@ std::vector<std::string> CommandLine::arguments_last(std::vector<std::string> wo
 std::optional<int> CommandLine::parse(std::vector<std::string> arguments) {
     arguments = arguments_last(std::move(arguments));
     typed_ = typed_options(arguments);
-    auto all = with_named_bus(std::move(arguments), program::environment_variable);
+    auto all = with_profile(std::move(arguments), program::environment_variable);
     if (!all) return settings_.usage_error(all.error());
     return settings_.parse(std::move(*all));
 }
@@ -161,20 +161,20 @@ OptionValues CommandLine::typed_options(const std::vector<std::string>& words) c
     return result;
 }
 
-Outcome<void> CommandLine::apply(Context& context) const {
+Outcome<void> CommandLine::apply(Environment& environment) const {
     auto mqtt = program::mqtt_options(broker_, "asipctl");
     if (!mqtt) return failure(program::kExitUsage, mqtt.error());
-    context.mqtt = std::move(*mqtt);
-    context.mqtt.max_packet_bytes = kMaxAnswerBytes;
-    context.topics = bus::Topics(broker_.topic_root);
+    environment.mqtt = std::move(*mqtt);
+    environment.mqtt.max_packet_bytes = kMaxAnswerBytes;
+    environment.topics = bus::Topics(broker_.topic_root);
     const auto timeout = text::parse_duration(timeout_);
     if (!timeout) return failure(program::kExitUsage, "--timeout: " + timeout.error());
-    context.timeout = *timeout;
-    context.mqtt.connect_timeout = std::max(*timeout, kLeastConnectTime);
-    context.from_bus = from_bus_;
-    context.typed_options = typed_;
+    environment.timeout = *timeout;
+    environment.mqtt.connect_timeout = std::max(*timeout, kLeastConnectTime);
+    environment.from_bus = from_bus_;
+    environment.typed_options = typed_;
     if (!services_.empty()) {
-        auto& models = context.own_models.emplace(model::ModelSet::standard());
+        auto& models = environment.own_models.emplace(model::ModelSet::standard());
         if (const auto loaded = models.load_directory(services_); !loaded) {
             return failure(program::kExitUsage, loaded.error());
         }
@@ -182,14 +182,15 @@ Outcome<void> CommandLine::apply(Context& context) const {
     return {};
 }
 
-Outcome<void> CommandLine::find_broker(Context& context) const {
+Outcome<void> CommandLine::find_broker(Environment& environment) const {
     // Credentials are for the broker that they were made for, and never for one that turns up.
     const bool configured = broker_.brokers_given || !broker_.credentials.empty() || !broker_.user.empty() ||
                             !broker_.password_file.empty() || !broker_.cert.empty();
-    if (!uses_bus_ || no_mdns_ || configured || listens_here(context.mqtt.brokers.front().port)) return {};
-    const auto found = search_brokers(std::min<Duration>(kSearch, context.timeout));
+    if (!uses_bus_ || no_mdns_ || configured || listens_here(environment.mqtt.brokers.front().port))
+        return {};
+    const auto found = search_brokers(std::min<Duration>(kSearch, environment.timeout));
     if (found.empty()) {
-        context.note(
+        environment.note(
             "no broker is configured, none is on this machine, and none is announced on this network");
         return {};
     }
@@ -199,10 +200,10 @@ Outcome<void> CommandLine::find_broker(Context& context) const {
     if (found.size() > 1)
         return failure(program::kExitBroker, "several brokers are announced on this network: " + all +
                                                  "; choose one: --broker ADDRESS, or asipctl context add");
-    context.note("no broker is configured: using " + all + ", which is announced on this network");
-    context.mqtt.brokers = {found.front().address};
+    environment.note("no broker is configured: using " + all + ", which is announced on this network");
+    environment.mqtt.brokers = {found.front().address};
     // For what we start ourselves.
-    context.typed_options.emplace_back("broker", found.front().address.describe());
+    environment.typed_options.emplace_back("broker", found.front().address.describe());
     return {};
 }
 

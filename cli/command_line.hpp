@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "asip/program/options.hpp"
-#include "cli/context.hpp"
-#include "cli/find/named_buses.hpp"
+#include "cli/environment.hpp"
+#include "cli/find/profiles.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verb.hpp"
 
@@ -32,16 +32,16 @@ class CommandLine {
     /// The options of every command among `words`, with their values (of flags `true`): they name the bus.
     OptionValues typed_options(const std::vector<std::string>& words) const;
 
-    /// Brings the options of every command into `context`. Fails with kExitUsage.
-    Outcome<void> apply(Context& context) const;
+    /// Brings the options of every command into `environment`. Fails with kExitUsage.
+    Outcome<void> apply(Environment& environment) const;
     /// Where no broker is configured and none is on this machine: takes the one that is announced on the
     /// local network, and says so. Only for verbs that use the bus. Fails with kExitBroker where there are
     /// several.
-    Outcome<void> find_broker(Context& context) const;
+    Outcome<void> find_broker(Environment& environment) const;
     ColourChoice colour() const;
 
     /// Runs the verb that was given.
-    int run(Context& context) const { return chosen_(context); }
+    int run(Environment& environment) const { return chosen_(environment); }
 
     /// What `asipctl VERB --help` prints; with an empty verb, `asipctl --help`. Fails with kExitUsage and the
     /// nearest verb.
@@ -63,7 +63,7 @@ class CommandLine {
     std::string timeout_ = "5s";
     std::string services_;
     std::string colour_ = "auto";
-    std::string context_;
+    std::string profile_;
     bool from_bus_ = false;
     bool no_mdns_ = false;
     bool uses_bus_ = false;

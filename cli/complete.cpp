@@ -170,28 +170,28 @@ std::vector<std::string> for_bash(std::vector<std::string> candidates, const std
     return candidates;
 }
 
-int run_complete(const std::vector<std::string>& arguments, CommandLine& line, Context& context) {
+int run_complete(const std::vector<std::string>& arguments, CommandLine& line, Environment& environment) {
     if (arguments.size() != 2) return program::kExitUsage;
     const auto typed = typed_line(arguments[1]);
     Words options;
     for (const auto& [name, value] : line.typed_options(typed.words))
         options.push_back("--" + name + "=" + value);
     options.insert(options.end(), {"completion", "bash"});
-    if (line.parse(std::move(options)) || !line.apply(context)) return program::kExitOk;
-    context.timeout = std::min(context.timeout, kPatience);
-    BusSession session(context);
+    if (line.parse(std::move(options)) || !line.apply(environment)) return program::kExitOk;
+    environment.timeout = std::min(environment.timeout, kPatience);
+    BusSession session(environment);
     session.on_connection_change({});  // what it says would stand in the line that is typed
-    BoardSource source(context, session);
+    BoardSource source(environment, session);
     std::optional<bool> there;
     const auto connected = [&] {
         if (!there) there = session.connect().has_value();
         return *there;
     };
-    auto found = complete(line.app(), typed.words, typed.start, bus_names(context, source, connected));
+    auto found = complete(line.app(), typed.words, typed.start, bus_names(environment, source, connected));
     if (arguments[0] == "bash") found = for_bash(std::move(found), typed.start);
     for (const auto& candidate : found)
-        context.out << candidate << '\n';
-    context.out << std::flush;
+        environment.out << candidate << '\n';
+    environment.out << std::flush;
     return program::kExitOk;
 }
 

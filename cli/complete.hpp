@@ -42,6 +42,6 @@ std::vector<std::string> for_bash(std::vector<std::string> candidates, const std
 
 /// `asipctl __complete SHELL LINE`, which the scripts call: candidates, one a line. Silent, and kExitOk, when
 /// there is no bus.
-int run_complete(const std::vector<std::string>& arguments, CommandLine& line, Context& context);
+int run_complete(const std::vector<std::string>& arguments, CommandLine& line, Environment& environment);
 
 }  // namespace asip::cli

@@ -29,14 +29,14 @@ Words units_of(const model::ModelSet& models) {
 
 }  // namespace
 
-NameSources bus_names(const Context& context, BoardSource& source, std::function<bool()> connected) {
+NameSources bus_names(const Environment& environment, BoardSource& source, std::function<bool()> connected) {
     const auto board = [&source, connected](const std::string& name) {
         return connected() ? source.retained_board(name) : std::nullopt;
     };
-    const auto model = [&context, board](const std::string& name, const std::string& service) {
+    const auto model = [&environment, board](const std::string& name, const std::string& service) {
         const auto found = board(name);
         const auto info = found ? find_service(*found, service) : failure(program::kExitFailure, {});
-        return info ? bus::model_of(*info, context.models()) : nullptr;
+        return info ? bus::model_of(*info, environment.models()) : nullptr;
     };
     NameSources names;
     names.boards = [&source, connected] { return connected() ? source.names() : Words(); };
@@ -60,8 +60,8 @@ NameSources bus_names(const Context& context, BoardSource& source, std::function
         }
         return result;
     };
-    names.kinds = [&context] { return context.models().names(); };
-    names.units = [&context] { return units_of(context.models()); };
+    names.kinds = [&environment] { return environment.models().names(); };
+    names.units = [&environment] { return units_of(environment.models()); };
     names.labels = [&source, connected] {
         Words result;
         if (!connected()) return result;

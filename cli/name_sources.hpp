@@ -7,8 +7,8 @@
 
 namespace asip::cli {
 
-/// Names from the bus, and from the models that `context` has. Where `connected` does not hold, which is
+/// Names from the bus, and from the models that `environment` has. Where `connected` does not hold, which is
 /// asked before each use of the bus, there are none of it. All three must outlive the result.
-NameSources bus_names(const Context& context, BoardSource& source, std::function<bool()> connected);
+NameSources bus_names(const Environment& environment, BoardSource& source, std::function<bool()> connected);
 
 }  // namespace asip::cli

@@ -8,7 +8,7 @@
 #include "asip/protocol/body.hpp"
 #include "asip/text/nearest.hpp"
 #include "asip/text/printable.hpp"
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 
 namespace asip::cli {
 namespace {

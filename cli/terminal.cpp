@@ -20,10 +20,10 @@ bool knows_escapes(const std::optional<std::string>& term) {
 }
 
 bool use_colour(ColourChoice choice, bool terminal,
-                const std::function<std::optional<std::string>(const std::string&)>& environment) {
+                const std::function<std::optional<std::string>(const std::string&)>& variables) {
     if (choice != ColourChoice::kAuto) return choice == ColourChoice::kAlways;
-    if (!terminal || environment("NO_COLOR").value_or("") != "") return false;
-    return knows_escapes(environment("TERM"));
+    if (!terminal || variables("NO_COLOR").value_or("") != "") return false;
+    return knows_escapes(variables("TERM"));
 }
 
 }  // namespace asip::cli

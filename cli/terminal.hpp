@@ -19,6 +19,6 @@ bool knows_escapes(const std::optional<std::string>& term);
 /// Whether to use colours: as chosen; on kAuto only a terminal that knows_escapes(), and not when NO_COLOR
 /// holds anything.
 bool use_colour(ColourChoice choice, bool terminal,
-                const std::function<std::optional<std::string>(const std::string&)>& environment);
+                const std::function<std::optional<std::string>(const std::string&)>& variables);
 
 }  // namespace asip::cli

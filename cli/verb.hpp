@@ -6,11 +6,11 @@
 
 namespace asip::cli {
 
-struct Context;
+struct Environment;
 class Declaration;
 
 /// What a verb does once its options are read; returns the exit status.
-using Run = std::function<int(Context&)>;
+using Run = std::function<int(Environment&)>;
 
 /// A command of asipctl. `commands/NAME.cpp` defines `Verb NAME_verb()`, and one line in cli/CMakeLists.txt
 /// lists it; help, manual page and completion follow from what `declare` declares.

@@ -121,18 +121,18 @@ void Bridge::on_action(const session::BoardLine& line, Time, Effects& out) {
     if (line.line.is_error()) statistics_.board_error(line.line.error().code);
     if (name_.empty()) return;
     note_facts(line.line);
-    publish_or_hold(line.line, line.owner ? control_.sender_of(*line.owner) : std::string(), out);
+    publish_or_keep(line.line, line.owner ? control_.sender_of(*line.owner) : std::string(), out);
 }
 
-void Bridge::publish_or_hold(const protocol::ParsedLine& line, const std::string& by, Effects& out) {
-    if (!announcer_->may_publish()) return held_.hold(line, statistics_);
+void Bridge::publish_or_keep(const protocol::ParsedLine& line, const std::string& by, Effects& out) {
+    if (!announcer_->may_publish()) return offline_values_.keep(line, statistics_);
     context_.on_line(name_, line, session_.identity(), services_, out, by);
 }
 
 void Bridge::start_publishing(Effects& out) {
     if (!announcer_ || !announcer_->may_publish()) return;
     if (!std::exchange(name_claimed_, true)) out.name_claimed = true;
-    for (const auto& line : held_.release(out))
+    for (const auto& line : offline_values_.take(out))
         context_.on_line(name_, line, session_.identity(), services_, out);
 }
 

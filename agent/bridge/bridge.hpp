@@ -15,9 +15,9 @@
 #include "agent/counts/statistics.hpp"
 #include "agent/describe/describe.hpp"
 #include "agent/describe/label_book.hpp"
-#include "agent/port/port_lease.hpp"
+#include "agent/port/port_loan.hpp"
 #include "agent/reports/context.hpp"
-#include "agent/reports/held_values.hpp"
+#include "agent/reports/offline_values.hpp"
 #include "agent/reports/report_periods.hpp"
 #include "agent/safety/safety.hpp"
 #include "asip/member/announcer.hpp"
@@ -149,7 +149,7 @@ class Bridge {
     void describe_again();
     void note_facts(const protocol::ParsedLine& line);
     void note_settings();
-    void publish_or_hold(const protocol::ParsedLine& line, const std::string& by, Effects& out);
+    void publish_or_keep(const protocol::ParsedLine& line, const std::string& by, Effects& out);
     void start_publishing(Effects& out);
     std::map<char, int> current_periods() const;
 
@@ -165,7 +165,7 @@ class Bridge {
     Control control_;
     ClientRequests client_requests_;
     Context context_;
-    PortLease port_;
+    PortLoan port_;
     LabelBook labels_;
     std::unique_ptr<Announcer> announcer_;  // once there is a name
     session::ServiceTable services_;
@@ -173,7 +173,7 @@ class Bridge {
     std::vector<protocol::PinMode> described_modes_;
     std::string name_;
     bool name_claimed_ = false;
-    HeldValues held_;
+    OfflineValues offline_values_;
     std::optional<Time> garbage_quiet_until_;
 };
 

@@ -29,11 +29,11 @@ bool Bridge::take_port_request(const mqtt::Message& message, Time arrival, Time 
         now >= deadline_of(*envelope, message, arrival, sent_at(clock_.time_of(envelope->sent), arrival)))
         return answer(bus::Reply::timeout());
     const bool ready = session_.accepts_requests();
-    const bool was_ours = port_.phase() == PortLease::Phase::kOurs;
+    const bool was_ours = port_.phase() == PortLoan::Phase::kOurs;
     port_.request(*request, envelope->reply, {traits(), facts_.link, program::host_name(), ready}, now,
                   text::wall_now(), out);
     announcer_->set_updating(port_.updating());
-    if (was_ours && port_.phase() == PortLease::Phase::kMakingSafe) {
+    if (was_ours && port_.phase() == PortLoan::Phase::kMakingSafe) {
         release_holds(now, out);
         tick_port(now, out);
     }
@@ -41,10 +41,10 @@ bool Bridge::take_port_request(const mqtt::Message& message, Time arrival, Time 
 }
 
 void Bridge::tick_port(Time now, Effects& out) {
-    if (port_.phase() == PortLease::Phase::kMakingSafe && is_safe()) return let_go_of_port(now, out);
+    if (port_.phase() == PortLoan::Phase::kMakingSafe && is_safe()) return let_go_of_port(now, out);
     const auto before = port_.phase();
     const bool silent = port_.tick(now, out);
-    if (before == PortLease::Phase::kMakingSafe && port_.is_away()) return let_go_of_port(now, out);
+    if (before == PortLoan::Phase::kMakingSafe && port_.is_away()) return let_go_of_port(now, out);
     if (!announcer_) return;
     announcer_->set_updating(port_.updating());
     if (silent) announcer_->set_state(model::BoardState::kLost, out);

@@ -68,7 +68,7 @@ void PointToPoint::received(Client& client, std::string_view bytes) {
     if (const auto since = reads_old_()) client.reads_since = since;
     for (auto& line : client.framing.decode(bytes))
         client.waiting.push_back({std::move(line), client.reads_since});
-    if (bytes.size() < link::ByteStream::kMostAtOnce) client.reads_since.reset();
+    if (bytes.size() < link::ByteStream::kMaxAtOnce) client.reads_since.reset();
     give(client);
 }
 

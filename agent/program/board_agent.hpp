@@ -11,10 +11,10 @@
 #include "agent/bridge/bridge.hpp"
 #include "agent/clients/point_to_point.hpp"
 #include "agent/command/continuations.hpp"
-#include "agent/command/held_on_the_way.hpp"
-#include "agent/command/held_up.hpp"
+#include "agent/command/delayed_delivery.hpp"
 #include "agent/command/inbox.hpp"
 #include "agent/command/notes.hpp"
+#include "agent/command/process_pauses.hpp"
 #include "agent/counts/board_log.hpp"
 #include "agent/describe/label_files.hpp"
 #include "agent/port/outage.hpp"
@@ -108,9 +108,9 @@ class BoardAgent {
     boost::asio::steady_timer check_timer_;
     Notes notes_;
     Inbox inbox_;
-    HeldUp held_up_;
+    ProcessPauses pauses_;
     std::optional<Time> reads_since_;  // what sockets hold may have been sent since then
-    HeldOnTheWay on_the_way_;
+    DelayedDelivery delivery_;
     std::size_t arrived_ = 0;  // commands in this turn of the loop
     bool turn_scheduled_ = false;
     Outage outage_;

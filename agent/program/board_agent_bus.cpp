@@ -106,7 +106,7 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
     };
     handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
         bridge_.bus_disconnected();
-        on_the_way_ = {};
+        delivery_ = {};
         note_online();
         bus_failed(failure, true);
         if (failure.after_sending >= mqtt::CutOff::kTimes) announcing_denied();
@@ -130,7 +130,7 @@ void BoardAgent::message_received(const mqtt::Message& message) {
     if (stopping_) return;
     note_running();
     const Time arrived = Clock::now();
-    const Time came = on_the_way_.arrival(arrived);
+    const Time came = delivery_.arrival(arrived);
     const auto topic = topics_.parse(message.topic);
     if (!topic) return;
     if (topic->kind == bus::TopicKind::kStop) {
@@ -145,7 +145,7 @@ void BoardAgent::message_received(const mqtt::Message& message) {
                          topic->kind == bus::TopicKind::kBoardOut ||
                          topic->kind == bus::TopicKind::kServiceIn;
     const bool command = request && message.payload.find("\"renew\"") == std::string::npos;
-    if (request && on_the_way_.commanded(arrived, message.qos > 0)) check_the_way();
+    if (request && delivery_.commanded(arrived, message.qos > 0)) check_the_way();
     if (command) ++arrived_, schedule_turn();
     if (!command || (inbox_.empty() && arrived_ <= kAtOnce)) {
         with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, {.at = came}, now, out); });
@@ -157,7 +157,7 @@ void BoardAgent::message_received(const mqtt::Message& message) {
 
 void BoardAgent::note_running() {
     const Time now = Clock::now();
-    const auto since = held_up_.runs(now, armed_for_, continuations());
+    const auto since = pauses_.runs(now, armed_for_, continuations());
     if (!since) return;
     bridge_.not_watched(*since, now);
     if (!reads_since_) {
@@ -171,12 +171,12 @@ void BoardAgent::note_running() {
         });
     }
     if (!bus_) return;
-    on_the_way_.held_up(now, *since);
+    delivery_.process_paused(now, *since);
     check_the_way();
 }
 
 void BoardAgent::check_the_way() {
-    const auto due = on_the_way_.next_check();
+    const auto due = delivery_.next_check();
     if (!due || stopping_) return;
     const Time now = Clock::now();
     if (now < *due) {
@@ -190,14 +190,14 @@ void BoardAgent::check_the_way() {
     }
     const bool sent = bus_->check([this] {
         note_running();
-        if (on_the_way_.answered(Clock::now()))
-            log_.debug("the broker answered late; commands may have been held on their way", {});
+        if (delivery_.answered(Clock::now()))
+            log_.debug("the broker answered late; commands may be delayed", {});
         check_the_way();
     });
     if (sent)
-        on_the_way_.sent(now);
+        delivery_.sent(now);
     else
-        on_the_way_ = {};
+        delivery_ = {};
 }
 
 void BoardAgent::handle_oldest() {

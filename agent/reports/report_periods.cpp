@@ -16,7 +16,7 @@ namespace {
 
 constexpr unsigned kSlowest = 65535;
 constexpr Duration kFirstPatience = std::chrono::seconds(1);
-constexpr Duration kMostPatience = std::chrono::seconds(60);
+constexpr Duration kMaxPatience = std::chrono::seconds(60);
 
 /// The argument of a model's `report`, where that is the request that the protocol has for it.
 const model::Field* period_argument(const model::ServiceModel* model) {
@@ -108,7 +108,7 @@ void ReportPeriods::own_ended(Service& service, const session::Finished& end, Ti
             out.log(Level::kWarning, "the board refuses a period for reports",
                     {{"service", service.name}, {"period", std::to_string(asked)}, {"why", end.text}});
         service.failed = asked;
-        service.patience = std::clamp(service.patience * 2, kFirstPatience, kMostPatience);
+        service.patience = std::clamp(service.patience * 2, kFirstPatience, kMaxPatience);
         service.again = now + service.patience;
     }
     service.not_before = now + kBetweenChanges;

@@ -87,7 +87,8 @@ void Safety::done(const SafeLines::Done& line, Time now, Effects& out) {
 }
 
 void Safety::report(const Holds::Hold& hold, const std::string& text, Effects& out) {
-    out.log(Level::kWarning, "held command undone", {{"command", hold.line}, {"why", text}, {"by", hold.by}});
+    out.log(Level::kWarning, "hold not renewed: command undone",
+            {{"command", hold.line}, {"why", text}, {"by", hold.by}});
     report_failure(topics_, board_, {hold.service, without_service(hold.line), "not-renewed", text, hold.by},
                    out);
     bus::Reply outcome = bus::Reply::timeout();

@@ -27,7 +27,7 @@ struct StreamError {
 class ByteStream {
   public:
     /// No more bytes come at once.
-    static constexpr std::size_t kMostAtOnce = 4096;
+    static constexpr std::size_t kMaxAtOnce = 4096;
 
     struct Handlers {
         /// Bytes as they came, any number at least one; the view is valid during the call only.

@@ -129,7 +129,7 @@ class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
     Socket socket_;
     std::string name_;
     ByteStream::Handlers handlers_;
-    std::array<char, ByteStream::kMostAtOnce> buffer_;
+    std::array<char, ByteStream::kMaxAtOnce> buffer_;
     std::deque<std::string> queue_;
     std::function<void()> sent_;
     std::size_t unsent_ = 0;

@@ -45,12 +45,12 @@ std::string all_commands(const model::ServiceModel& model) {
 
 }  // namespace
 
-Outcome<BoardCommand> make_command(const Context& context, const KnownBoard& board,
+Outcome<BoardCommand> make_command(const Environment& environment, const KnownBoard& board,
                                    const model::ServiceInfo& service, std::span<const std::string> words) {
-    const auto topic = context.topics.service_in(board.item.board, service.name);
+    const auto topic = environment.topics.service_in(board.item.board, service.name);
     const auto target = board.item.board + "/" + service.name;
     const auto where = target + ": ";
-    const auto model = bus::model_of(service, context.models());
+    const auto model = bus::model_of(service, environment.models());
     if (words.empty()) {
         return failure(program::kExitUsage, where + "which command?" + (model ? all_commands(*model) : ""));
     }
@@ -69,34 +69,35 @@ Outcome<BoardCommand> make_command(const Context& context, const KnownBoard& boa
                         encoded->line, target, encoded->safe};
 }
 
-Outcome<BoardCommand> make_raw_command(const Context& context, const std::string& board,
+Outcome<BoardCommand> make_raw_command(const Environment& environment, const std::string& board,
                                        const std::string& line) {
     const auto request = protocol::parse_request(line);
     if (!request) {
         return failure(program::kExitUsage,
                        "'" + line + "': " + request.error() + "; a request looks like S,W,0,90");
     }
-    return BoardCommand{context.topics.board_in(board), line, line, board, {}};
+    return BoardCommand{environment.topics.board_in(board), line, line, board, {}};
 }
 
-Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const BoardCommand& command) {
+Outcome<bus::Reply> ask_board(const Environment& environment, BusSession& session,
+                              const BoardCommand& command) {
     std::optional<Expected<bus::Reply>> reply;
     const auto request = session.command(
         command.topic, command.payload,
         [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); });
-    session.run_until([&reply] { return reply.has_value(); }, Clock::now() + context.timeout);
+    session.run_until([&reply] { return reply.has_value(); }, Clock::now() + environment.timeout);
     if (session.stopped()) return interrupted();
     if (!reply) {
         return tl::unexpected(session.unanswered("no answer to " + command.line + " on " + command.topic +
-                                                 " within " + std::to_string(context.timeout.count()) +
+                                                 " within " + std::to_string(environment.timeout.count()) +
                                                  " ms; is the board's agent running? Try: asipctl doctor"));
     }
     if (!*reply) return failure(program::kExitNoAnswer, "the answer cannot be read: " + reply->error());
     return std::move(**reply);
 }
 
-std::string who_asks(const Context& context) {
-    if (!context.mqtt.user.empty()) return context.mqtt.user;
+std::string who_asks(const Environment& environment) {
+    if (!environment.mqtt.user.empty()) return environment.mqtt.user;
     const auto* login = ::getpwuid(::getuid());
     return login != nullptr ? login->pw_name : "uid " + std::to_string(::getuid());
 }

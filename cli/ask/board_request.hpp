@@ -23,17 +23,18 @@ struct BoardCommand {
 /// `words` as typed (a name and its arguments, or one JSON object) against the service's model. A service
 /// without a model takes a tag and its parameters. Fails with kExitUsage, the reason and how the command is
 /// used.
-Outcome<BoardCommand> make_command(const Context& context, const KnownBoard& board,
+Outcome<BoardCommand> make_command(const Environment& environment, const KnownBoard& board,
                                    const model::ServiceInfo& service, std::span<const std::string> words);
 /// A request line for the board itself.
-Outcome<BoardCommand> make_raw_command(const Context& context, const std::string& board,
+Outcome<BoardCommand> make_raw_command(const Environment& environment, const std::string& board,
                                        const std::string& line);
 
 /// Sends and waits for the one final answer. Fails with kExitNoAnswer when none comes in time.
-Outcome<bus::Reply> ask_board(const Context& context, BusSession& session, const BoardCommand& command);
+Outcome<bus::Reply> ask_board(const Environment& environment, BusSession& session,
+                              const BoardCommand& command);
 
 /// Who runs asipctl, for requests that say by whom they are: the user of the broker, else the login name.
-std::string who_asks(const Context& context);
+std::string who_asks(const Environment& environment);
 
 /// What an answer means for the exit status: 0, 1 (refused by the agent or the board) or 4 (the board was
 /// silent).

@@ -54,19 +54,19 @@ std::string KnownBoard::why_no_description() const {
                                      : "publishes a description that is not valid: " + description_fault;
 }
 
-BoardSource::BoardSource(const Context& context, BusSession& session)
-    : context_(context), session_(session), catalogue_(context.topics) {
-    if (context.from_bus) return;
+BoardSource::BoardSource(const Environment& environment, BusSession& session)
+    : environment_(environment), session_(session), catalogue_(environment.topics) {
+    if (environment.from_bus) return;
     subscriptions_.push_back(
-        session_.subscribe(context.topics.registry_state("+"), [this](const mqtt::Message& message) {
-            const auto ref = context_.topics.parse(message.topic);
+        session_.subscribe(environment.topics.registry_state("+"), [this](const mqtt::Message& message) {
+            const auto ref = environment_.topics.parse(message.topic);
             if (ref && message.payload == "online") online_registries_.emplace_back(ref->board);
         }));
 }
 
 Outcome<bus::Answer> BoardSource::ask(const bus::Query& query, std::string* lines) {
-    const auto topic =
-        registry_.empty() ? context_.topics.any_registry_query() : context_.topics.registry_query(registry_);
+    const auto topic = registry_.empty() ? environment_.topics.any_registry_query()
+                                         : environment_.topics.registry_query(registry_);
     std::optional<Expected<bus::Answer>> answer;
     const auto request = session_.ask(topic, bus::encode(bus::RegistryRequest{query, {}, {}}),
                                       [this, &answer, lines](const mqtt::Message& message) {
@@ -77,14 +77,14 @@ Outcome<bus::Answer> BoardSource::ask(const bus::Query& query, std::string* line
     const auto asked = Clock::now();
     const auto answered = [&answer] { return answer.has_value(); };
     const bool soon =
-        session_.run_until(answered, asked + std::min<Duration>(kAnswerPatience, context_.timeout));
+        session_.run_until(answered, asked + std::min<Duration>(kAnswerPatience, environment_.timeout));
     const auto mark = soon || !registry_.empty() ? BusSession::Mark{} : session_.mark_retained();
     const auto none_there = [&] {
         const auto waited = Clock::now() - mark.passed_at().value_or(asked);
         return registry_.empty() && online_registries_.empty() &&
                waited >= (mark.passed() ? kRetainedPatience : kMarkPatience);
     };
-    const auto deadline = Clock::now() + context_.timeout;
+    const auto deadline = Clock::now() + environment_.timeout;
     session_.run_until([&] { return answer || none_there(); }, deadline);
     if (session_.stopped()) return interrupted();
     if (!answer)
@@ -101,7 +101,7 @@ Outcome<bus::Answer> BoardSource::ask(const bus::Query& query, std::string* line
 
 Outcome<bus::Answer> BoardSource::ask_all_pages(bus::Query query, std::string* lines) {
     query.limit = bus::Query::kMaxPage;
-    const auto patience = Clock::now() + context_.timeout;
+    const auto patience = Clock::now() + environment_.timeout;
     auto all = ask(query, lines);
     while (all && all->settling && Clock::now() < patience && !session_.stopped()) {
         session_.run_for(std::chrono::milliseconds(100));
@@ -139,7 +139,7 @@ tl::unexpected<Failure> BoardSource::without_end() const {
 
 void BoardSource::without_registry(const std::string& why) {
     no_registry_ = true;
-    context_.note(
+    environment_.note(
         why == "no registry"
             ? "no registry answers; reading the bus itself (start asip-registry, or give --from-bus)"
             : why + "; reading the bus itself");
@@ -166,7 +166,7 @@ Outcome<std::vector<bus::BoardItem>> BoardSource::boards(bus::Query query) {
     if (const auto heard = session_.heard_all(); !heard) return tl::unexpected(heard.error());
     auto all = catalogue_.boards(Clock::now());
     std::erase_if(all, [&](const bus::BoardItem& board) {
-        return !bus::board_matches(query, board, catalogue_.description(board.board), context_.models());
+        return !bus::board_matches(query, board, catalogue_.description(board.board), environment_.models());
     });
     if (!query.full) {
         for (auto& board : all)
@@ -223,7 +223,7 @@ Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {
     for (auto& board : *all) {
         const auto* description = catalogue_.description(board.board);
         for (auto& service : board.services) {
-            if (bus::service_matches(query, service, description, context_.models()))
+            if (bus::service_matches(query, service, description, environment_.models()))
                 result.push_back(std::move(service));
         }
     }
@@ -283,7 +283,7 @@ void BoardSource::take(const mqtt::Message& message) {
     const auto board = catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
     const auto* description = catalogue_.description(board);
     if (!announced_ || message.retain || description == nullptr ||
-        message.topic != context_.topics.description(board))
+        message.topic != environment_.topics.description(board))
         return;
     announced_(board, description->session);
 }
@@ -297,19 +297,19 @@ void BoardSource::listen(const std::string& filter) {
 void BoardSource::read_bus(bool probe) {
     if (!bus_subscribed_) {
         bus_subscribed_ = true;
-        listen(context_.topics.board_names());
-        listen(context_.topics.board_names() + "/+/+");
-        listen(context_.topics.service_names("+"));
+        listen(environment_.topics.board_names());
+        listen(environment_.topics.board_names() + "/+/+");
+        listen(environment_.topics.service_names("+"));
         session_.wait_retained();
     }
     if (!probe || session_.stopped()) return;
-    session_.publish(context_.topics.probe(), "");
+    session_.publish(environment_.topics.probe(), "");
     session_.run_for(kProbeWindow);
 }
 
 std::optional<KnownBoard> BoardSource::retained_board(const std::string& name) {
-    listen(context_.topics.description(name));
-    listen(context_.topics.state(name));
+    listen(environment_.topics.description(name));
+    listen(environment_.topics.state(name));
     const auto here = [&] {
         return catalogue_.description(name) != nullptr && !catalogue_.board(name, {})->reported.empty();
     };
@@ -321,8 +321,8 @@ std::optional<KnownBoard> BoardSource::retained_board(const std::string& name) {
 Outcome<KnownBoard> BoardSource::board(const std::string& name) {
     if (auto retained = retained_board(name)) return std::move(*retained);
     if (asks_registry() && !online_registries_.empty()) return board_in_full(name);
-    listen(context_.topics.service_names(name));
-    session_.publish(context_.topics.probe(), name);
+    listen(environment_.topics.service_names(name));
+    session_.publish(environment_.topics.probe(), name);
     session_.run_until([&] { return catalogue_.description(name) != nullptr; }, Clock::now() + kProbeWindow);
     if (auto item = catalogue_.board(name, Clock::now())) return known(std::move(*item));
     return unknown(name);
@@ -347,7 +347,7 @@ KnownBoard BoardSource::known(bus::BoardItem item) const {
     KnownBoard result{std::move(item), std::nullopt};
     if (result.item.description.empty()) {
         const auto& refused = catalogue_.refused();
-        const auto fault = refused.find(context_.topics.description(result.item.board));
+        const auto fault = refused.find(environment_.topics.description(result.item.board));
         if (fault != refused.end()) result.description_fault = fault->second;
         return result;
     }

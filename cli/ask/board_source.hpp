@@ -39,7 +39,7 @@ Failure no_such_board(const std::string& name, const std::vector<std::string>& a
 class BoardSource {
   public:
     /// Make it before session.connect(): then finding a registry costs no round trip of its own.
-    BoardSource(const Context& context, BusSession& session);
+    BoardSource(const Environment& environment, BusSession& session);
 
     /// All that `query` asks for, every page, in the order of their names.
     Outcome<std::vector<bus::BoardItem>> boards(bus::Query query);
@@ -88,14 +88,14 @@ class BoardSource {
     /// Whether more pages are said to follow a `page`, asked for by `cursor`, behind which none can.
     bool goes_on_for_ever(const bus::Answer& page, const std::string& cursor, bool empty) const;
     tl::unexpected<Failure> without_end() const;
-    bool asks_registry() const { return !context_.from_bus && !no_registry_; }
+    bool asks_registry() const { return !environment_.from_bus && !no_registry_; }
     void without_registry(const std::string& why);
     void take(const mqtt::Message& message);
     void listen(const std::string& filter);
     Outcome<KnownBoard> unknown(const std::string& name);
     KnownBoard known(bus::BoardItem item) const;
 
-    const Context& context_;
+    const Environment& environment_;
     BusSession& session_;
     bus::Mirror catalogue_;
     std::vector<std::string> online_registries_;  // by their retained state

@@ -23,15 +23,15 @@ constexpr auto kTimeToAcknowledge = 1s;
 }  // namespace
 
 struct BusSession::State {
-    explicit State(const Context& its_context)
-        : context(its_context),
+    explicit State(const Environment& its_environment)
+        : environment(its_environment),
           name(random_hex(system_random(), 12)),
-          requester(name, bus::ReplyTopics(context.topics, context.mqtt.user, name)),
-          demander(context.topics, context.mqtt.user, name, system_random()),
+          requester(name, bus::ReplyTopics(environment.topics, environment.mqtt.user, name)),
+          demander(environment.topics, environment.mqtt.user, name, system_random()),
           signal(io, [this](int) { stopped = true; }),
-          client(io, context.mqtt, handlers()),
+          client(io, environment.mqtt, handlers()),
           router([this](const std::string& filter) { client.unsubscribe(filter); }) {
-        for (const auto& broker : context.mqtt.brokers)
+        for (const auto& broker : environment.mqtt.brokers)
             brokers.insert(broker.describe());
     }
 
@@ -46,7 +46,8 @@ struct BusSession::State {
             const bool denying = why.after_sending > 1 && !last_topic.empty();
             if (why.after_sending > 0 && !last_topic.empty()) cut_off_by = last_topic;
             if (!connection_changed) return;
-            connection_changed(false, denying ? mqtt::cut_off_text(context.mqtt.user, last_topic) : why.text);
+            connection_changed(false,
+                               denying ? mqtt::cut_off_text(environment.mqtt.user, last_topic) : why.text);
         };
         result.on_connect_failed = [this](const mqtt::ConnectionFailure& why) {
             failed[why.broker.describe()] = why;
@@ -55,13 +56,13 @@ struct BusSession::State {
         result.on_published = [this](const std::string&) { ++acknowledged; };
         result.on_publish_denied = [this](const std::string& topic, const std::string& reason) {
             if (!denied.insert(topic).second) return;
-            context.note(mqtt::denied_text(context.mqtt.user, topic, reason));
+            environment.note(mqtt::denied_text(environment.mqtt.user, topic, reason));
         };
         result.on_subscribe_refused = [this](const std::string& filter, const std::string& reason) {
             if (!tells_refusals) return;
-            const auto& user = context.mqtt.user;
-            context.note("the broker does not let " + (user.empty() ? "users without a name" : user) +
-                         " read " + filter + " (" + reason + "): what comes there is missing");
+            const auto& user = environment.mqtt.user;
+            environment.note("the broker does not let " + (user.empty() ? "users without a name" : user) +
+                             " read " + filter + " (" + reason + "): what comes there is missing");
         };
         return result;
     }
@@ -108,7 +109,7 @@ struct BusSession::State {
             client.publish(std::move(demand), mqtt::Priority::kReply);
     }
 
-    const Context& context;
+    const Environment& environment;
     std::string name;
     bus::Requester requester;
     bus::Demander demander;
@@ -125,8 +126,10 @@ struct BusSession::State {
     std::string last_topic;                 // that was published on
     std::optional<std::string> cut_off_by;  // right behind a message on this topic the connection was closed
     std::optional<std::string> why_lost;    // while there is no connection, and was one
-    std::function<void(bool, const std::string&)> connection_changed =
-        [this](bool connected, const std::string& why) { context.note(connected ? "connected again" : why); };
+    std::function<void(bool, const std::string&)> connection_changed = [this](bool connected,
+                                                                              const std::string& why) {
+        environment.note(connected ? "connected again" : why);
+    };
     std::size_t marks = 0;
     Time retained_at{};  // when something retained last came
     bool started = false;
@@ -135,7 +138,7 @@ struct BusSession::State {
     mqtt::Router router;  // ends before the client that it unsubscribes from
 };
 
-BusSession::BusSession(const Context& context) : state_(std::make_unique<State>(context)) {
+BusSession::BusSession(const Environment& environment) : state_(std::make_unique<State>(environment)) {
     state_->client.subscribe(state_->requester.replies().filter(),
                              {.qos = 0, .no_local = false, .retained = false});
 }
@@ -164,7 +167,7 @@ BusSession::Subscription BusSession::subscribe(const std::string& filter, OnMess
 Outcome<void> BusSession::connect() {
     if (!std::exchange(state_->started, true)) state_->client.start();
     run_until([this] { return state_->was_connected || state_->no_broker_left(); },
-              Clock::now() + state_->context.mqtt.connect_timeout);
+              Clock::now() + state_->environment.mqtt.connect_timeout);
     if (state_->was_connected) return {};
     if (state_->stopped) return interrupted();
     if (!state_->failed.empty()) return failure(program::kExitBroker, state_->why_not_connected());
@@ -201,7 +204,7 @@ BusSession::Request BusSession::command(const std::string& topic, const std::str
     message.topic = topic;
     message.payload = payload;
     message.qos = 1;
-    message.expire_after(state_->context.timeout);
+    message.expire_after(state_->environment.timeout);
     return state_->ask(std::move(message), std::move(on_reply));
 }
 
@@ -211,8 +214,9 @@ bus::Demander::Want BusSession::want(const std::string& board, const std::string
 
 BusSession::Demand BusSession::demand(const std::string& board, const std::string& service, double hz) {
     const bool pattern = board.find_first_of("*?") != std::string::npos;
-    return {subscribe(state_->context.topics.description(pattern ? "+" : board), [](const mqtt::Message&) {}),
-            want(board, service, hz)};
+    return {
+        subscribe(state_->environment.topics.description(pattern ? "+" : board), [](const mqtt::Message&) {}),
+        want(board, service, hz)};
 }
 
 BusSession::Mark BusSession::mark_retained() {
@@ -238,7 +242,7 @@ void BusSession::wait_retained(const std::function<bool()>& enough, Duration pat
 
 bool BusSession::run_until(const std::function<bool()>& done, Time deadline) {
     while (!done()) {
-        if (state_->context.output_ended()) state_->stopped = true;
+        if (state_->environment.output_ended()) state_->stopped = true;
         if (state_->stopped) return false;
         const auto left = deadline - Clock::now();
         if (left <= Duration::zero()) return false;
@@ -283,11 +287,12 @@ Outcome<void> BusSession::heard_all() const {
 
 Failure BusSession::unanswered(std::string text) const {
     if (lost()) return {program::kExitBroker, *state_->why_lost + ", and was not back in time"};
-    if (state_->context.timeout >= kTimeToAcknowledge && state_->client.counters().unacknowledged != 0)
+    if (state_->environment.timeout >= kTimeToAcknowledge && state_->client.counters().unacknowledged != 0)
         return {program::kExitBroker,
                 "the broker does not acknowledge what it is sent; does it stand still?"};
     // It came back without an answer: a broker that only restarted is the rarer reason.
-    if (state_->cut_off_by) text += "; " + mqtt::cut_off_text(state_->context.mqtt.user, *state_->cut_off_by);
+    if (state_->cut_off_by)
+        text += "; " + mqtt::cut_off_text(state_->environment.mqtt.user, *state_->cut_off_by);
     return {program::kExitNoAnswer, std::move(text)};
 }
 

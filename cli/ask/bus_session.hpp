@@ -13,7 +13,7 @@
 #include "asip/mqtt/message.hpp"
 #include "asip/mqtt/router.hpp"
 #include "asip/time.hpp"
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 
 namespace asip::cli {
 
@@ -32,8 +32,8 @@ class BusSession {
     using Subscription = mqtt::Router::Subscription;
     using Request = bus::Requester::Request;
 
-    /// `context` must outlive it.
-    explicit BusSession(const Context& context);
+    /// `environment` must outlive it.
+    explicit BusSession(const Environment& environment);
     ~BusSession();  ///< leaves, if leave() was not called, and waits until the broker has closed
     BusSession(const BusSession&) = delete;
     BusSession& operator=(const BusSession&) = delete;

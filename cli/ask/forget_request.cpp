@@ -10,15 +10,15 @@ namespace {
 constexpr std::string_view kUnknownBoard = "unknown-board";
 
 /// Whether it has forgotten the board; false: it knows no such board.
-Outcome<bool> ask(const Context& context, BusSession& session, const std::string& registry,
+Outcome<bool> ask(const Environment& environment, BusSession& session, const std::string& registry,
                   const std::string& board) {
     std::optional<Expected<bus::Answer>> answer;
     bus::RegistryRequest request;
     request.what = bus::Forget{board, false};
     const auto asked =
-        session.ask(context.topics.registry_query(registry), bus::encode(request),
+        session.ask(environment.topics.registry_query(registry), bus::encode(request),
                     [&answer](const mqtt::Message& message) { answer = bus::parse_answer(message.payload); });
-    session.run_until([&answer] { return answer.has_value(); }, Clock::now() + context.timeout);
+    session.run_until([&answer] { return answer.has_value(); }, Clock::now() + environment.timeout);
     if (session.stopped()) return interrupted();
     if (!answer || !*answer)
         return tl::unexpected(session.unanswered("registry " + registry + " did not answer"));
@@ -30,7 +30,7 @@ Outcome<bool> ask(const Context& context, BusSession& session, const std::string
 
 }  // namespace
 
-AskedToForget ask_to_forget(const Context& context, BusSession& session, BoardSource& source,
+AskedToForget ask_to_forget(const Environment& environment, BusSession& session, BoardSource& source,
                             const std::vector<std::string>& boards) {
     AskedToForget result;
     if (boards.empty()) return result;
@@ -42,9 +42,9 @@ AskedToForget ask_to_forget(const Context& context, BusSession& session, BoardSo
             result.refused.insert(board);
             continue;
         }
-        const auto forgotten = ask(context, session, registry, board);
+        const auto forgotten = ask(environment, session, registry, board);
         if (!forgotten) {
-            result.status = context.fail_with(forgotten.error());
+            result.status = environment.fail_with(forgotten.error());
             result.refused.insert(board);
         } else if (*forgotten) {
             result.forgotten.insert(board);

@@ -6,7 +6,7 @@
 
 #include "cli/ask/board_source.hpp"
 #include "cli/ask/bus_session.hpp"
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 
 namespace asip::cli {
 
@@ -18,7 +18,7 @@ struct AskedToForget {
 };
 
 /// Asks the registry, if there is one, to forget these boards; it may know some of them or none.
-AskedToForget ask_to_forget(const Context& context, BusSession& session, BoardSource& source,
+AskedToForget ask_to_forget(const Environment& environment, BusSession& session, BoardSource& source,
                             const std::vector<std::string>& boards);
 
 }  // namespace asip::cli

@@ -16,11 +16,11 @@ namespace {
 
 class GroupSender {
   public:
-    GroupSender(const GroupCommand& group, Context& context, BusSession& session, BoardSource& source)
-        : group_(group), context_(context), session_(session), source_(source) {}
+    GroupSender(const GroupCommand& group, Environment& environment, BusSession& session, BoardSource& source)
+        : group_(group), environment_(environment), session_(session), source_(source) {}
 
     int run() {
-        if (const auto prepared = prepare(); !prepared) return context_.fail_with(prepared.error());
+        if (const auto prepared = prepare(); !prepared) return environment_.fail_with(prepared.error());
         if (group_.no_wait) {
             for (const auto& member : members_)
                 if (!member.reply) session_.publish(member.command.topic, member.command.payload, 1);
@@ -39,10 +39,10 @@ class GroupSender {
     };
 
     Outcome<BoardCommand> command_for(const KnownBoard& board) const {
-        if (!group_.raw.empty()) return make_raw_command(context_, board.item.board, group_.raw);
+        if (!group_.raw.empty()) return make_raw_command(environment_, board.item.board, group_.raw);
         const auto service = find_service(board, group_.target.service);
         if (!service) return tl::unexpected(service.error());
-        return make_command(context_, board, *service, group_.words);
+        return make_command(environment_, board, *service, group_.words);
     }
 
     Outcome<void> prepare() {
@@ -60,7 +60,7 @@ class GroupSender {
             auto& member = members_.emplace_back(Member{name, std::move(*command)});
             if (board.item.state == "lost") member.reply = refused_as_lost("nothing was sent");
         }
-        if (!offline.empty()) context_.note("offline, left out: " + offline);
+        if (!offline.empty()) environment_.note("offline, left out: " + offline);
         if (members_.empty()) return failure(program::kExitNoAnswer, "none of these boards is there");
         return {};
     }
@@ -71,7 +71,7 @@ class GroupSender {
                                               auto reply = bus::parse_reply(message.payload);
                                               if (!member.reply && reply) member.reply = std::move(*reply);
                                           });
-        return Clock::now() + context_.timeout;
+        return Clock::now() + environment_.timeout;
     }
 
     void send_all() {
@@ -84,7 +84,8 @@ class GroupSender {
     }
 
     Failure unanswered() const {
-        return session_.unanswered("no answer within " + std::to_string(context_.timeout.count()) + " ms");
+        return session_.unanswered("no answer within " + std::to_string(environment_.timeout.count()) +
+                                   " ms");
     }
 
     bus::Reply reply_of(const Member& member) const {
@@ -99,7 +100,7 @@ class GroupSender {
         int status = program::kExitOk;
         for (const auto& member : members_) {
             if (!member.reply) continue;
-            context_.note(member.board + ": " + member.reply->error);
+            environment_.note(member.board + ": " + member.reply->error);
             status = program::kExitFailure;
         }
         return status;
@@ -108,7 +109,7 @@ class GroupSender {
     int report() {
         int status = program::kExitOk;
         std::size_t executed = 0;
-        RecordPrinter records(group_.output, RecordPrinter::Count::kList, context_.out);
+        RecordPrinter records(group_.output, RecordPrinter::Count::kList, environment_.out);
         Table table({{"BOARD"}, {"RESULT"}, {"ANSWER", false, 10}});
         for (const auto& member : members_) {
             const auto reply = reply_of(member);
@@ -131,15 +132,15 @@ class GroupSender {
         }
         records.finish();
         if (group_.output.for_people())
-            context_.out << table.render(context_.width, context_.colour) << std::flush;
+            environment_.out << table.render(environment_.width, environment_.colour) << std::flush;
         if (status != program::kExitOk)
-            context_.note(std::to_string(executed) + " of " + std::to_string(members_.size()) +
-                          " boards executed it");
+            environment_.note(std::to_string(executed) + " of " + std::to_string(members_.size()) +
+                              " boards executed it");
         return status;
     }
 
     const GroupCommand& group_;
-    Context& context_;
+    Environment& environment_;
     BusSession& session_;
     BoardSource& source_;
     std::list<Member> members_;
@@ -147,14 +148,15 @@ class GroupSender {
 
 }  // namespace
 
-int send_to_group(const GroupCommand& group, Context& context, BusSession& session, BoardSource& source) {
+int send_to_group(const GroupCommand& group, Environment& environment, BusSession& session,
+                  BoardSource& source) {
     if (group.target.service.find_first_of("*?") != std::string::npos)
-        return context.fail_with(
+        return environment.fail_with(
             {program::kExitUsage, "'" + group.target.service + "': name one service of the boards"});
     if (group.target.service.empty() && group.raw.empty())
-        return context.fail_with({program::kExitUsage, "which service? Write " + group.target.board +
-                                                           "/SERVICE COMMAND ..., or --raw LINE"});
-    return GroupSender(group, context, session, source).run();
+        return environment.fail_with({program::kExitUsage, "which service? Write " + group.target.board +
+                                                               "/SERVICE COMMAND ..., or --raw LINE"});
+    return GroupSender(group, environment, session, source).run();
 }
 
 }  // namespace asip::cli

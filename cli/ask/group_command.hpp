@@ -25,6 +25,7 @@ struct GroupCommand {
 
 /// Sends it to each board that is chosen and has not said goodbye, and prints what each answered. Nothing is
 /// sent where it is wrong for one of them. kExitOk: each one executed it; else what the first failure means.
-int send_to_group(const GroupCommand& group, Context& context, BusSession& session, BoardSource& source);
+int send_to_group(const GroupCommand& group, Environment& environment, BusSession& session,
+                  BoardSource& source);
 
 }  // namespace asip::cli

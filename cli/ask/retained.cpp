@@ -71,7 +71,7 @@ bool looks_like_command(std::string_view topic) {
 
 }  // namespace
 
-Outcome<std::vector<Retained>> read_retained(const Context& context, BusSession& session,
+Outcome<std::vector<Retained>> read_retained(const Environment& environment, BusSession& session,
                                              const std::vector<std::string>& filters) {
     std::map<std::string, std::string> found;
     std::vector<BusSession::Subscription> subscriptions;
@@ -80,7 +80,7 @@ Outcome<std::vector<Retained>> read_retained(const Context& context, BusSession&
             if (message.retain && !message.payload.empty()) found[message.topic] = message.payload;
         }));
     }
-    session.wait_retained([] { return false; }, context.timeout);
+    session.wait_retained([] { return false; }, environment.timeout);
     if (const auto heard = session.heard_all(); !heard) return tl::unexpected(heard.error());
     std::vector<Retained> result;
     for (auto& [topic, payload] : found)
@@ -88,12 +88,12 @@ Outcome<std::vector<Retained>> read_retained(const Context& context, BusSession&
     return result;
 }
 
-Outcome<void> clear_retained(const Context& context, BusSession& session,
+Outcome<void> clear_retained(const Environment& environment, BusSession& session,
                              const std::vector<std::string>& topics) {
     for (const auto& topic : topics)
         session.publish(topic, "", 1, true);
     const auto mark = session.mark_retained();
-    const auto patience = context.timeout + std::chrono::milliseconds(topics.size());
+    const auto patience = environment.timeout + std::chrono::milliseconds(topics.size());
     if (session.run_until([&mark] { return mark.passed(); }, Clock::now() + patience)) return {};
     return tl::unexpected(
         session.unanswered("the broker did not confirm in time; run it again to see what is left"));

@@ -6,7 +6,7 @@
 
 #include "asip/bus/topics.hpp"
 #include "cli/ask/bus_session.hpp"
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 
 namespace asip::cli {
 
@@ -17,11 +17,11 @@ struct Retained {
 };
 
 /// Reads what the broker has retained for `filters`: fails where the broker is lost, or the user ends it.
-Outcome<std::vector<Retained>> read_retained(const Context& context, BusSession& session,
+Outcome<std::vector<Retained>> read_retained(const Environment& environment, BusSession& session,
                                              const std::vector<std::string>& filters);
 
 /// Empties retained topics; returns once the broker has taken it all, or fails as BusSession::unanswered.
-Outcome<void> clear_retained(const Context& context, BusSession& session,
+Outcome<void> clear_retained(const Environment& environment, BusSession& session,
                              const std::vector<std::string>& topics);
 
 /// Something retained that is no longer needed, and why.

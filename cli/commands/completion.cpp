@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <ostream>
 
-#include "cli/context.hpp"
 #include "cli/declaration.hpp"
+#include "cli/environment.hpp"
 
 namespace asip::cli {
 namespace {
@@ -63,8 +63,8 @@ const char* script_for(const std::string& shell) {
 Run declare_completion(Declaration& verb) {
     auto shell = std::make_shared<std::string>();
     verb.argument("bash|fish|zsh", *shell, "For which shell");
-    return [shell](Context& context) {
-        context.out << script_for(*shell) << std::flush;
+    return [shell](Environment& environment) {
+        environment.out << script_for(*shell) << std::flush;
         return program::kExitOk;
     };
 }

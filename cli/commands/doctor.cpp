@@ -24,17 +24,17 @@ constexpr std::size_t kMaxPingedBoards = 200;
 /// Gathers what the checks judge.
 class Examination {
   public:
-    Examination(Context& context, BusSession& session, BoardSource& source)
-        : context_(context), session_(session), source_(source) {
-        seen_.topics = context.topics;
-        seen_.broker = context.mqtt.brokers.front().describe();
+    Examination(Environment& environment, BusSession& session, BoardSource& source)
+        : environment_(environment), session_(session), source_(source) {
+        seen_.topics = environment.topics;
+        seen_.broker = environment.mqtt.brokers.front().describe();
     }
 
     Outcome<Observations> look() {
         seen_.v5 = session_.v5();
         try_without_user();
         measure_acknowledgement();
-        auto retained = read_retained(context_, session_, {context_.topics.root() + "/#"});
+        auto retained = read_retained(environment_, session_, {environment_.topics.root() + "/#"});
         if (!retained) return tl::unexpected(retained.error());
         seen_.retained = std::move(*retained);
         watch_sessions();
@@ -49,7 +49,7 @@ class Examination {
   private:
     void measure_acknowledgement() {
         const auto client = "doctor-" + std::to_string(Clock::now().time_since_epoch().count());
-        const auto topic = bus::ReplyTopics(context_.topics, context_.mqtt.user, client).own();
+        const auto topic = bus::ReplyTopics(environment_.topics, environment_.mqtt.user, client).own();
         bool back = false;
         // QoS 0 back: an acknowledgement of ours would carry the TCP acknowledgement that Nagle's algorithm
         // waits for.
@@ -69,12 +69,13 @@ class Examination {
     }
 
     void try_without_user() {
-        const auto& brokers = context_.mqtt.brokers;
+        const auto& brokers = environment_.mqtt.brokers;
         seen_.loopback = std::all_of(brokers.begin(), brokers.end(), [](const auto& broker) {
             return broker.host == "localhost" || broker.host == "::1" || broker.host.starts_with("127.");
         });
         const auto stranger = "asip-check-" + random_hex(system_random(), 12);
-        if (const auto open = is_open(context_.mqtt, context_.topics.root(), stranger, context_.timeout))
+        if (const auto open =
+                is_open(environment_.mqtt, environment_.topics.root(), stranger, environment_.timeout))
             seen_.open = *open;
     }
 
@@ -87,12 +88,12 @@ class Examination {
 
     void ask_registry() {
         for (const auto& message : seen_.retained) {
-            const auto ref = context_.topics.parse(message.topic);
+            const auto ref = environment_.topics.parse(message.topic);
             const bool online =
                 ref && ref->kind == bus::TopicKind::kRegistryState && message.payload == "online";
             if (online) seen_.registries.emplace_back(ref->board);
         }
-        if (!seen_.registries.empty() && !context_.from_bus) {
+        if (!seen_.registries.empty() && !environment_.from_bus) {
             if (auto boards = source_.boards({})) seen_.boards = std::move(*boards);
             seen_.registry = source_.registry();
             seen_.now = std::chrono::system_clock::now();
@@ -107,28 +108,28 @@ class Examination {
             if (board.state != "online" || board.names_only || requests.size() >= kMaxPingedBoards) continue;
             auto& result = seen_.pings[board.board];
             requests.push_back(session_.ask(
-                context_.topics.board_in(board.board), std::string(protocol::kAskInfo),
+                environment_.topics.board_in(board.board), std::string(protocol::kAskInfo),
                 [&](const mqtt::Message& message) {
                     if (auto reply = bus::parse_reply(message.payload)) result.reply = std::move(*reply);
                     ++answers_;
                 },
                 1));
         }
-        session_.run_until([&] { return answers_ >= requests.size(); }, Clock::now() + context_.timeout);
+        session_.run_until([&] { return answers_ >= requests.size(); }, Clock::now() + environment_.timeout);
     }
 
-    Context& context_;
+    Environment& environment_;
     BusSession& session_;
     BoardSource& source_;
     Observations seen_;
     std::size_t answers_ = 0;
 };
 
-int print(const Findings& findings, const DoctorOptions& options, Context& context) {
+int print(const Findings& findings, const DoctorOptions& options, Environment& environment) {
     if (options.output.for_people()) {
-        context.out << findings_text(findings, context.colour) << std::flush;
+        environment.out << findings_text(findings, environment.colour) << std::flush;
     } else {
-        RecordPrinter records(options.output, RecordPrinter::Count::kList, context.out);
+        RecordPrinter records(options.output, RecordPrinter::Count::kList, environment.out);
         for (const auto& finding : findings)
             records.print(finding_json(finding));
         records.finish();
@@ -146,27 +147,27 @@ std::string broker_advice(const std::string& broker) {
 }
 
 /// Nothing but this machine can be judged.
-int print_broker_problem(const Failure& problem, const DoctorOptions& options, Context& context) {
+int print_broker_problem(const Failure& problem, const DoctorOptions& options, Environment& environment) {
     Findings findings{
-        {Finding::Level::kProblem, problem.text, broker_advice(context.mqtt.brokers.front().describe())}};
+        {Finding::Level::kProblem, problem.text, broker_advice(environment.mqtt.brokers.front().describe())}};
     auto local = check_machine(look_at_machine());
     std::move(local.begin(), local.end(), std::back_inserter(findings));
-    print(findings, options, context);
+    print(findings, options, environment);
     return problem.status;
 }
 
 }  // namespace
 
-int run_doctor(const DoctorOptions& options, Context& context) {
-    context.mqtt.quick_ack = false;  // what other clients see is to be measured
-    BusSession session(context);
-    BoardSource source(context, session);
+int run_doctor(const DoctorOptions& options, Environment& environment) {
+    environment.mqtt.quick_ack = false;  // what other clients see is to be measured
+    BusSession session(environment);
+    BoardSource source(environment, session);
     if (const auto connected = session.connect(); !connected)
-        return print_broker_problem(connected.error(), options, context);
-    const auto seen = Examination(context, session, source).look();
-    if (seen) return print(check_all(*seen), options, context);
-    return session.stopped() ? context.fail_with(seen.error())
-                             : print_broker_problem(seen.error(), options, context);
+        return print_broker_problem(connected.error(), options, environment);
+    const auto seen = Examination(environment, session, source).look();
+    if (seen) return print(check_all(*seen), options, environment);
+    return session.stopped() ? environment.fail_with(seen.error())
+                             : print_broker_problem(seen.error(), options, environment);
 }
 
 namespace {
@@ -174,7 +175,7 @@ namespace {
 Run declare_doctor(Declaration& verb) {
     auto options = std::make_shared<DoctorOptions>();
     verb.output(options->output, {Output::kText}, {"level", "what", "advice"});
-    return [options](Context& context) { return run_doctor(*options, context); };
+    return [options](Environment& environment) { return run_doctor(*options, environment); };
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
@@ -11,6 +11,6 @@ struct DoctorOptions {
 
 /// `asipctl doctor`: looks at broker, registry, boards and this machine. kExitFailure when something is
 /// wrong, kExitBroker when the broker is.
-int run_doctor(const DoctorOptions& options, Context& context);
+int run_doctor(const DoctorOptions& options, Environment& environment);
 
 }  // namespace asip::cli

@@ -26,7 +26,7 @@ struct EventsOptions {
 };
 
 /// More are not asked of a registry at once; `asipctl history` pages further back.
-constexpr std::size_t kMostChanges = 100'000;
+constexpr std::size_t kMaxChanges = 100'000;
 
 Outcome<text::WallTime> since_time(const std::string& text) {
     if (text.empty()) return text::WallTime{};
@@ -39,32 +39,32 @@ Outcome<text::WallTime> since_time(const std::string& text) {
 class Follower {
   public:
     /// `since`: 1970 for what comes from now on.
-    Follower(const EventsOptions& options, text::WallTime since, Context& context)
+    Follower(const EventsOptions& options, text::WallTime since, Environment& environment)
         : options_(options),
           since_(since),
-          context_(context),
-          session_(context),
-          source_(context, session_),
-          catalogue_(context.topics),
-          records_(options.output, RecordPrinter::Count::kStream, context.out) {}
+          environment_(environment),
+          session_(environment),
+          source_(environment, session_),
+          catalogue_(environment.topics),
+          records_(options.output, RecordPrinter::Count::kStream, environment.out) {}
 
     int run() {
         session_.tell_refused_subscriptions();
         if (const auto connected = session_.connect(); !connected)
-            return context_.fail_with(connected.error());
+            return environment_.fail_with(connected.error());
         const auto registry = source_.find_registry();
         if (session_.stopped()) return program::kExitOk;
         if (registry.empty() && since_ != text::WallTime{})
-            return context_.fail_with({program::kExitNoAnswer,
-                                       "--since needs a registry with a history: "
-                                       "asip-registry --history FILE"});
+            return environment_.fail_with({program::kExitNoAnswer,
+                                           "--since needs a registry with a history: "
+                                           "asip-registry --history FILE"});
         if (registry.empty()) {
             follow_bus();
         } else {
             follow_registry(registry);
             const auto kept = print_kept();
             if (session_.stopped()) return program::kExitOk;
-            if (!kept) return context_.fail_with(kept.error());
+            if (!kept) return environment_.fail_with(kept.error());
         }
         const auto deadline = options_.limit ? Clock::now() + *options_.limit : Time::max();
         while (!session_.stopped() && !enough() && Clock::now() < deadline)
@@ -78,7 +78,7 @@ class Follower {
 
     void follow_registry(const std::string& registry) {
         subscriptions_.push_back(session_.subscribe(
-            context_.topics.registry_events(registry), [this](const mqtt::Message& message) {
+            environment_.topics.registry_events(registry), [this](const mqtt::Message& message) {
                 const auto event = bus::parse_change_event(message.payload);
                 if (!event || event->kind == bus::ChangeEvent::Kind::kReset) return;
                 auto change = change_of(*event);
@@ -96,7 +96,7 @@ class Follower {
         reading_ = true;
         bus::Query query;
         query.board = options_.pattern;
-        auto kept = source_.history(query, kMostChanges, since_);
+        auto kept = source_.history(query, kMaxChanges, since_);
         reading_ = false;
         if (!kept) return tl::unexpected(kept.error());
         std::reverse(kept->begin(), kept->end());
@@ -114,8 +114,8 @@ class Follower {
 
     void follow_bus() {
         const auto take = [this](const mqtt::Message& message) { take_announcement(message); };
-        subscriptions_.push_back(session_.subscribe(context_.topics.board_names() + "/+/+", take));
-        subscriptions_.push_back(session_.subscribe(context_.topics.service_names("+"), take));
+        subscriptions_.push_back(session_.subscribe(environment_.topics.board_names() + "/+/+", take));
+        subscriptions_.push_back(session_.subscribe(environment_.topics.service_names("+"), take));
         retained_.emplace(session_.mark_retained());
     }
 
@@ -147,16 +147,16 @@ class Follower {
             return;
         }
         table_.add(change_row(change));
-        context_.out << (count_ == 1 ? table_.render(context_.width, context_.colour)
-                                     : table_.render_more(context_.width, context_.colour))
-                     << std::flush;
+        environment_.out << (count_ == 1 ? table_.render(environment_.width, environment_.colour)
+                                         : table_.render_more(environment_.width, environment_.colour))
+                         << std::flush;
     }
 
     const EventsOptions& options_;
     text::WallTime since_;
     bool reading_ = false;
     std::vector<bus::HistoryItem> meanwhile_;
-    Context& context_;
+    Environment& environment_;
     BusSession session_;
     BoardSource source_;
     bus::Mirror catalogue_;
@@ -177,11 +177,11 @@ Run declare_events(Declaration& verb) {
     verb.option("--since", "WHEN", options->since,
                 "Begin with what a registry has kept since then: 10m, 12h, or a time in UTC");
     verb.output(options->output, {Output::kTable}, change_fields());
-    return [options](Context& context) {
+    return [options](Environment& environment) {
         const auto valid = check_board_pattern(options->pattern, "events");
-        if (!valid) return context.fail_with(valid.error());
+        if (!valid) return environment.fail_with(valid.error());
         const auto since = since_time(options->since);
-        return since ? Follower(*options, *since, context).run() : context.fail_with(since.error());
+        return since ? Follower(*options, *since, environment).run() : environment.fail_with(since.error());
     };
 }
 

@@ -5,8 +5,8 @@
 #include "asip/model/json.hpp"
 #include "asip/text/nearest.hpp"
 #include "cli/commands/show.hpp"
-#include "cli/context.hpp"
 #include "cli/declaration.hpp"
+#include "cli/environment.hpp"
 #include "cli/text/table.hpp"
 
 namespace asip::cli {
@@ -18,32 +18,32 @@ struct ExplainOptions {
 };
 
 /// How each example looks on both sides: as it is sent to a board, and as JSON.
-std::string examples_text(const model::ServiceModel& model, const Context& context) {
+std::string examples_text(const model::ServiceModel& model, const Environment& environment) {
     Table table({{"EXAMPLE ON THE WIRE"}, {"AS JSON", false, 20}});
     for (const auto& example : model::examples(model)) {
         if (!example.wire.empty()) table.add({example.wire, example.json});
     }
-    return table.empty() ? std::string() : "\n" + table.render(context.width, context.colour);
+    return table.empty() ? std::string() : "\n" + table.render(environment.width, environment.colour);
 }
 
-int run_explain(const ExplainOptions& options, Context& context) {
-    const auto model = context.models().find(options.kind);
+int run_explain(const ExplainOptions& options, Environment& environment) {
+    const auto model = environment.models().find(options.kind);
     if (!model) {
-        return context.fail_with(
+        return environment.fail_with(
             {program::kExitFailure, "there is no kind \"" + options.kind + "\"" +
-                                        text::did_you_mean(options.kind, context.models().names()) +
+                                        text::did_you_mean(options.kind, environment.models().names()) +
                                         "; see asipctl models"});
     }
     if (options.output.for_people()) {
-        context.out << painted(model->name, Colour::kBold, context.colour) << "  " << model->title
-                    << "\nletter " << model->id << ", version " << model->version << '\n'
-                    << model_text(*model, context.width, context.colour) << examples_text(*model, context)
-                    << std::flush;
+        environment.out << painted(model->name, Colour::kBold, environment.colour) << "  " << model->title
+                        << "\nletter " << model->id << ", version " << model->version << '\n'
+                        << model_text(*model, environment.width, environment.colour)
+                        << examples_text(*model, environment) << std::flush;
         return program::kExitOk;
     }
     const auto source = model::parse_json(model->source);
-    if (!source) return context.fail_with({program::kExitFailure, source.error()});
-    RecordPrinter(options.output, RecordPrinter::Count::kOne, context.out).print(*source);
+    if (!source) return environment.fail_with({program::kExitFailure, source.error()});
+    RecordPrinter(options.output, RecordPrinter::Count::kOne, environment.out).print(*source);
     return program::kExitOk;
 }
 
@@ -52,7 +52,7 @@ Run declare_explain(Declaration& verb) {
     verb.argument("KIND", options->kind, "Name of a service model: distance, servo, ...");
     verb.output(options->output, {Output::kText},
                 {"name", "version", "id", "match", "title", "element", "events", "commands"});
-    return [options](Context& context) { return run_explain(*options, context); };
+    return [options](Environment& environment) { return run_explain(*options, environment); };
 }
 
 }  // namespace

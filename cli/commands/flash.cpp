@@ -6,7 +6,7 @@
 
 #include "cli/declaration.hpp"
 #include "cli/find/target.hpp"
-#include "cli/flash/port_holder.hpp"
+#include "cli/flash/lent_port.hpp"
 #include "cli/flash/programmer.hpp"
 #include "cli/record/replay_board.hpp"
 #include "cli/text/width.hpp"
@@ -32,40 +32,40 @@ struct FlashOptions {
 
 class Flasher {
   public:
-    Flasher(const FlashOptions& options, Context& context)
+    Flasher(const FlashOptions& options, Environment& environment)
         : options_(options),
-          context_(context),
-          session_(context),
-          source_(context, session_),
-          port_(context, session_, options.board) {}
+          environment_(environment),
+          session_(environment),
+          source_(environment, session_),
+          port_(environment, session_, options.board) {}
 
     int run() {
         if (const auto connected = session_.connect(); !connected)
-            return context_.fail_with(connected.error());
+            return environment_.fail_with(connected.error());
         const auto call = plan();
         if (!call) return fail(call.error());
         const auto released = port_.release(kLease);
         if (!released) return fail(released.error());
-        context_.note(options_.board + ": port released; starting " + call->front());
+        environment_.note(options_.board + ": port released; starting " + call->front());
         const auto programmed = program(*call, released->path);
         if (session_.stopped()) {
             port_.give_back_unseen();
             return fail({program::kExitFailure, "interrupted; the agent takes the port back"});
         }
         const auto taken = port_.give_back();
-        if (!programmed) context_.note(programmed.error().text);
+        if (!programmed) environment_.note(programmed.error().text);
         if (!taken) return fail(taken.error());
         print(*taken, programmed.has_value());
         if (!programmed) return program::kExitFailure;
         if (taken->same) return program::kExitOk;
-        return context_.fail_with(
+        return environment_.fail_with(
             {program::kExitFailure, "another board answers at the port of " + options_.board + " now"});
     }
 
   private:
     int fail(const Failure& failure) {
-        print_failure(options_.output, RecordPrinter::Count::kOne, options_.board, failure, context_.out);
-        return context_.fail_with(failure);
+        print_failure(options_.output, RecordPrinter::Count::kOne, options_.board, failure, environment_.out);
+        return environment_.fail_with(failure);
     }
 
     /// The call of the programmer. Whatever can be wrong is found before the port is released.
@@ -128,7 +128,7 @@ class Flasher {
 
     void print(const TakenPort& taken, bool programmed) {
         if (!options_.output.for_people()) {
-            RecordPrinter(options_.output, RecordPrinter::Count::kOne, context_.out)
+            RecordPrinter(options_.output, RecordPrinter::Count::kOne, environment_.out)
                 .print({{"board", options_.board},
                         {"programmed", programmed},
                         {"same", taken.same},
@@ -137,26 +137,26 @@ class Flasher {
                         {"chip", taken.chip}});
             return;
         }
-        context_.out << options_.board << ": " << for_terminal(taken.sketch) << ", was "
-                     << for_terminal(taken.sketch_before) << std::endl;
+        environment_.out << options_.board << ": " << for_terminal(taken.sketch) << ", was "
+                         << for_terminal(taken.sketch_before) << std::endl;
     }
 
     const FlashOptions& options_;
-    Context& context_;
+    Environment& environment_;
     BusSession session_;
     BoardSource source_;
-    PortHolder port_;
+    LentPort port_;
 };
 
-int run_flash(const FlashOptions& options, Context& context) {
+int run_flash(const FlashOptions& options, Environment& environment) {
     if (options.board.find_first_of(",*?[") != std::string::npos)
-        return context.fail_with(
+        return environment.fail_with(
             {program::kExitUsage, "flash takes one board; call it once for each, where the board is"});
     const auto target = parse_target(options.board);
-    if (!target) return context.fail_with(target.error());
+    if (!target) return environment.fail_with(target.error());
     if (!target->service.empty())
-        return context.fail_with({program::kExitUsage, "flash takes a board, not a service"});
-    return Flasher(options, context).run();
+        return environment.fail_with({program::kExitUsage, "flash takes a board, not a service"});
+    return Flasher(options, environment).run();
 }
 
 Run declare_flash(Declaration& verb) {
@@ -176,7 +176,7 @@ Run declare_flash(Declaration& verb) {
     verb.output(
         options->output, {Output::kText},
         {"board", "programmed", "same", "sketch", "was", "chip", "status", "error", "reason", "code"});
-    return [options](Context& context) { return run_flash(*options, context); };
+    return [options](Environment& environment) { return run_flash(*options, environment); };
 }
 
 }  // namespace

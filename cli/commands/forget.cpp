@@ -23,23 +23,23 @@ namespace {
 /// One `asipctl forget`.
 class Forgetter {
   public:
-    Forgetter(const ForgetOptions& options, std::vector<Target> targets, Context& context)
+    Forgetter(const ForgetOptions& options, std::vector<Target> targets, Environment& environment)
         : options_(options),
           targets_(std::move(targets)),
-          context_(context),
-          session_(context),
-          source_(context, session_) {}
+          environment_(environment),
+          session_(environment),
+          source_(environment, session_) {}
 
     int run() {
         if (const auto connected = session_.connect(); !connected)
-            return context_.fail_with(connected.error());
-        auto retained = read_retained(context_, session_, filters());
-        if (!retained) return context_.fail_with(retained.error());
+            return environment_.fail_with(connected.error());
+        auto retained = read_retained(environment_, session_, filters());
+        if (!retained) return environment_.fail_with(retained.error());
         retained_ = std::move(*retained);
-        if (const auto chosen = choose(); !chosen) return context_.fail_with(chosen.error());
+        if (const auto chosen = choose(); !chosen) return environment_.fail_with(chosen.error());
         if (!options_.force) leave_living_boards();
         // A board that could not be asked is not gone.
-        if (const auto heard = session_.heard_all(); !heard) return context_.fail_with(heard.error());
+        if (const auto heard = session_.heard_all(); !heard) return environment_.fail_with(heard.error());
         if (!options_.force && !options_.dry_run) ask_registry();
         leave_unknown_boards();
         return options_.dry_run ? show() : clear();
@@ -57,7 +57,7 @@ class Forgetter {
     };
 
     std::vector<std::string> filters() const {
-        const auto& topics = context_.topics;
+        const auto& topics = environment_.topics;
         std::vector<std::string> result;
         for (const auto& target : targets_) {
             if (target.is_pattern()) return {topics.root() + "/#"};
@@ -67,12 +67,12 @@ class Forgetter {
         return result;
     }
 
-    void fail(const std::string& text) { status_ = context_.fail_with({program::kExitFailure, text}); }
+    void fail(const std::string& text) { status_ = environment_.fail_with({program::kExitFailure, text}); }
 
     /// What is retained and what a registry knows.
     Outcome<std::set<std::string>> names_like(const Target& target) {
         std::set<std::string> names;
-        for (const auto& name : announced_boards(context_.topics, retained_))
+        for (const auto& name : announced_boards(environment_.topics, retained_))
             if (target.matches(name, "")) names.insert(name);
         if (source_.find_registry().empty()) return names;
         bus::Query query;
@@ -88,7 +88,7 @@ class Forgetter {
         const auto found = std::find_if(boards_.begin(), boards_.end(),
                                         [&name](const Board& board) { return board.name == name; });
         if (found == boards_.end())
-            boards_.push_back({name, named, topics_of_board(context_.topics, retained_, name)});
+            boards_.push_back({name, named, topics_of_board(environment_.topics, retained_, name)});
         else
             found->named = found->named || named;
     }
@@ -110,7 +110,7 @@ class Forgetter {
 
     /// Whether an agent (or the board itself) still answers, whatever is retained.
     Time ask(Board& board) {
-        const auto& topics = context_.topics;
+        const auto& topics = environment_.topics;
         const auto hear = [&board](const mqtt::Message& message) {
             board.alive = board.alive || !message.retain;
         };
@@ -126,7 +126,7 @@ class Forgetter {
         std::list<Board*> seeming;
         std::string left;
         for (auto& board : boards_) {
-            if (!seems_alive(context_.topics, retained_, board.name)) continue;
+            if (!seems_alive(environment_.topics, retained_, board.name)) continue;
             if (board.named) {
                 seeming.push_back(&board);
                 continue;
@@ -134,7 +134,7 @@ class Forgetter {
             left += (left.empty() ? "" : ", ") + board.name;
             board.alive = true;
         }
-        if (!left.empty()) context_.note("not gone, left alone: " + left);
+        if (!left.empty()) environment_.note("not gone, left alone: " + left);
         ask_side_by_side(
             session_, std::move(seeming), kAskedAtOnce, [this](Board& board) { return ask(board); },
             [](const Board& board) { return board.alive; });
@@ -150,7 +150,7 @@ class Forgetter {
         std::vector<std::string> names;
         for (const auto& board : boards_)
             names.push_back(board.name);
-        const auto asked = ask_to_forget(context_, session_, source_, names);
+        const auto asked = ask_to_forget(environment_, session_, source_, names);
         if (asked.status != program::kExitOk) status_ = asked.status;
         std::erase_if(boards_, [&asked](const Board& board) { return asked.refused.contains(board.name); });
         for (auto& board : boards_)
@@ -174,17 +174,17 @@ class Forgetter {
     }
 
     void print_topics() {
-        RecordPrinter records(options_.output, RecordPrinter::Count::kList, context_.out);
+        RecordPrinter records(options_.output, RecordPrinter::Count::kList, environment_.out);
         for (const auto& board : boards_) {
             for (const auto& topic : board.topics) {
                 if (options_.output.for_people())
-                    context_.out << for_terminal(topic) << '\n';
+                    environment_.out << for_terminal(topic) << '\n';
                 else
                     records.print({{"topic", topic}, {"board", board.name}});
             }
         }
         records.finish();
-        context_.out << std::flush;
+        environment_.out << std::flush;
     }
 
     std::string boards_in_words() const {
@@ -194,19 +194,19 @@ class Forgetter {
     int show() {
         print_topics();
         if (!boards_.empty())
-            context_.note("would forget " + boards_in_words() + ": " +
-                          counted(topics().size(), "retained topic") + " to clear");
+            environment_.note("would forget " + boards_in_words() + ": " +
+                              counted(topics().size(), "retained topic") + " to clear");
         return nothing_done();
     }
 
     int clear() {
         const auto all = topics();
-        if (const auto cleared = clear_retained(context_, session_, all); !cleared)
-            return context_.fail_with(cleared.error());
+        if (const auto cleared = clear_retained(environment_, session_, all); !cleared)
+            return environment_.fail_with(cleared.error());
         print_topics();
         if (!boards_.empty())
-            context_.note("forgot " + boards_in_words() + ": " + counted(all.size(), "retained topic") +
-                          " cleared");
+            environment_.note("forgot " + boards_in_words() + ": " + counted(all.size(), "retained topic") +
+                              " cleared");
         return nothing_done();
     }
 
@@ -216,7 +216,7 @@ class Forgetter {
 
     const ForgetOptions& options_;
     const std::vector<Target> targets_;
-    Context& context_;
+    Environment& environment_;
     BusSession session_;
     BoardSource source_;
     std::vector<Retained> retained_;
@@ -226,17 +226,17 @@ class Forgetter {
 
 }  // namespace
 
-int run_forget(const ForgetOptions& options, Context& context) {
+int run_forget(const ForgetOptions& options, Environment& environment) {
     std::vector<Target> targets;
     for (const auto& board : options.boards) {
         auto target = parse_target(board, true);
-        if (!target) return context.fail_with(target.error());
+        if (!target) return environment.fail_with(target.error());
         if (!target->service.empty())
-            return context.fail_with(
+            return environment.fail_with(
                 {program::kExitUsage, "'" + board + "': forget takes boards, not services"});
         targets.push_back(std::move(*target));
     }
-    return Forgetter(options, std::move(targets), context).run();
+    return Forgetter(options, std::move(targets), environment).run();
 }
 
 namespace {
@@ -248,7 +248,7 @@ Run declare_forget(Declaration& verb) {
     verb.flag("--dry-run", options->dry_run, "Only show what would be cleared");
     verb.flag("--force", options->force, "Also boards that seem alive");
     verb.output(options->output, {Output::kText}, {"topic", "board"});
-    return [options](Context& context) { return run_forget(*options, context); };
+    return [options](Environment& environment) { return run_forget(*options, environment); };
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
@@ -17,6 +17,6 @@ struct ForgetOptions {
 
 /// `asipctl forget`: boards that are gone leave every registry, and their retained topics are emptied.
 /// kExitFailure when one is unknown or alive, or when a pattern means none.
-int run_forget(const ForgetOptions& options, Context& context);
+int run_forget(const ForgetOptions& options, Environment& environment);
 
 }  // namespace asip::cli

@@ -21,7 +21,7 @@ namespace {
 using namespace std::chrono_literals;
 
 /// Of fields, in an error.
-constexpr std::size_t kMostNamed = 32;
+constexpr std::size_t kMaxNamed = 32;
 
 /// BOARD/SERVICE/FIELD taken apart; FIELD may hold more slashes.
 struct FieldTarget {
@@ -45,26 +45,26 @@ Outcome<FieldTarget> parse_field_target(const std::string& text) {
 /// One value of one service, from the board.
 class Getter {
   public:
-    Getter(const GetOptions& options, Context& context, FieldTarget what)
+    Getter(const GetOptions& options, Environment& environment, FieldTarget what)
         : options_(options),
-          context_(context),
+          environment_(environment),
           what_(std::move(what)),
-          session_(context),
-          source_(context, session_),
+          session_(environment),
+          source_(environment, session_),
           records_(options.output, options.watch ? RecordPrinter::Count::kStream : RecordPrinter::Count::kOne,
-                   context.out) {}
+                   environment.out) {}
 
     int run() {
         if (const auto connected = session_.connect(); !connected)
-            return context_.fail_with(connected.error());
-        if (const auto found = find(); !found) return context_.fail_with(found.error());
-        const auto topic = context_.topics.service_out(what_.target.board, service_.name);
+            return environment_.fail_with(connected.error());
+        if (const auto found = find(); !found) return environment_.fail_with(found.error());
+        const auto topic = environment_.topics.service_out(what_.target.board, service_.name);
         const auto reports = session_.subscribe(topic, [this](const mqtt::Message& message) {
             if (!message.retain) take(message.payload, "reported");
         });
         // A watcher sees the present value first, where it can be asked for.
         const auto first = options_.watch ? ask() : get();
-        if (!first) return context_.fail_with(first.error());
+        if (!first) return environment_.fail_with(first.error());
         if (options_.watch) demand();
         while (options_.watch && session_.run_until([] { return false; }, Clock::now() + 1h)) {
         }
@@ -79,7 +79,7 @@ class Getter {
         if (!service) return tl::unexpected(service.error());
         board_ = std::move(*board);
         service_ = std::move(*service);
-        model_ = bus::model_of(service_, context_.models());
+        model_ = bus::model_of(service_, environment_.models());
         if (!model_) return {};
         auto choice = choose_field(*model_, what_.field);
         if (!choice) return failure(program::kExitUsage, where() + ": " + choice.error());
@@ -92,12 +92,12 @@ class Getter {
         const auto asked = ask();
         if (printed_ || !other_fields_.empty()) return asked;
         demand();
-        session_.run_until([this] { return printed_; }, Clock::now() + context_.timeout);
+        session_.run_until([this] { return printed_; }, Clock::now() + environment_.timeout);
         if (printed_) return {};
         if (!asked) return tl::unexpected(asked.error());
         if (!other_fields_.empty()) return without_field();
         return tl::unexpected(session_.unanswered(where() + " reported nothing within " +
-                                                  std::to_string(context_.timeout.count()) + " ms" +
+                                                  std::to_string(environment_.timeout.count()) + " ms" +
                                                   advice()));
     }
 
@@ -105,9 +105,9 @@ class Getter {
         const auto* command = model_ ? asking_command(*model_, *choice_.event) : nullptr;
         if (command == nullptr) return {};
         const std::vector<std::string> words{command->name};
-        const auto request = make_command(context_, board_, service_, words);
+        const auto request = make_command(environment_, board_, service_, words);
         if (!request) return tl::unexpected(request.error());
-        const auto reply = ask_board(context_, session_, *request);
+        const auto reply = ask_board(environment_, session_, *request);
         if (!reply) return tl::unexpected(reply.error());
         // A recorded board cannot be asked, but it reports.
         if (reply->reason == kRefusedRecorded) return {};
@@ -141,7 +141,7 @@ class Getter {
             auto leaves = leaf_values(*choice_.event, (*document)[choice_.event->name]);
             other_fields_.clear();
             for (const auto& leaf : leaves)
-                if (other_fields_.size() < kMostNamed) other_fields_.push_back(leaf.path);
+                if (other_fields_.size() < kMaxNamed) other_fields_.push_back(leaf.path);
             std::erase_if(leaves, [this](const LeafValue& leaf) { return !choice_.takes(leaf.path); });
             if (!leaves.empty()) print(leaves, choice_.event->name, how);
         }
@@ -154,12 +154,12 @@ class Getter {
             return;
         }
         for (const auto& leaf : leaves) {
-            if (leaves.size() > 1) context_.out << leaf.path << ' ';
+            if (leaves.size() > 1) environment_.out << leaf.path << ' ';
             auto bare = leaf;
             if (options_.raw) bare.unit.clear();
-            context_.out << for_terminal(bare.text()) << '\n';
+            environment_.out << for_terminal(bare.text()) << '\n';
         }
-        context_.out << std::flush;
+        environment_.out << std::flush;
     }
 
     nlohmann::json record(const std::vector<LeafValue>& leaves, const std::string& event,
@@ -182,7 +182,7 @@ class Getter {
     std::string where() const { return what_.target.board + "/" + service_.name; }
 
     const GetOptions& options_;
-    Context& context_;
+    Environment& environment_;
     FieldTarget what_;
     BusSession session_;
     BoardSource source_;
@@ -198,10 +198,10 @@ class Getter {
 
 }  // namespace
 
-int run_get(const GetOptions& options, Context& context) {
+int run_get(const GetOptions& options, Environment& environment) {
     auto what = parse_field_target(options.target);
-    if (!what) return context.fail_with(what.error());
-    return Getter(options, context, std::move(*what)).run();
+    if (!what) return environment.fail_with(what.error());
+    return Getter(options, environment, std::move(*what)).run();
 }
 
 namespace {
@@ -215,7 +215,7 @@ Run declare_get(Declaration& verb) {
     verb.flag("--raw", options->raw, "Without the unit");
     verb.output(options->output, {Output::kText},
                 {"board", "service", "event", "value", "unit", "time", "how"});
-    return [options](Context& context) { return run_get(*options, context); };
+    return [options](Environment& environment) { return run_get(*options, environment); };
 }
 
 }  // namespace

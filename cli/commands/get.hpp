@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
@@ -16,6 +16,6 @@ struct GetOptions {
 
 /// `asipctl get`: one value of a service, asked for or reported after the command began; a retained value is
 /// not taken. kExitNoAnswer when none came in time.
-int run_get(const GetOptions& options, Context& context);
+int run_get(const GetOptions& options, Environment& environment);
 
 }  // namespace asip::cli

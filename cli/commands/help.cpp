@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <ostream>
 
-#include "cli/context.hpp"
 #include "cli/declaration.hpp"
+#include "cli/environment.hpp"
 
 namespace asip::cli {
 namespace {
@@ -10,10 +10,10 @@ namespace {
 Run declare_help(Declaration& verb) {
     auto name = std::make_shared<std::string>();
     verb.argument("VERB", *name, "The command; without it, all of them are listed", Declaration::Needed::kNo);
-    return [name](Context& context) {
-        const auto text = context.help(*name);
-        if (!text) return context.fail_with(text.error());
-        context.out << *text << std::flush;
+    return [name](Environment& environment) {
+        const auto text = environment.help(*name);
+        if (!text) return environment.fail_with(text.error());
+        environment.out << *text << std::flush;
         return program::kExitOk;
     };
 }

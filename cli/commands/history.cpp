@@ -20,8 +20,8 @@ struct HistoryOptions {
 };
 
 void print_changes(const std::vector<bus::HistoryItem>& changes, const OutputOptions& output,
-                   Context& context) {
-    RecordPrinter records(output, RecordPrinter::Count::kList, context.out);
+                   Environment& environment) {
+    RecordPrinter records(output, RecordPrinter::Count::kList, environment.out);
     auto table = change_table();
     for (const auto& change : changes) {
         if (output.for_people()) {
@@ -31,34 +31,34 @@ void print_changes(const std::vector<bus::HistoryItem>& changes, const OutputOpt
         }
     }
     if (!output.for_people()) return records.finish();
-    if (table.empty()) return context.note("nothing is known of it");
-    context.out << table.render(context.width, context.colour) << std::flush;
+    if (table.empty()) return environment.note("nothing is known of it");
+    environment.out << table.render(environment.width, environment.colour) << std::flush;
 }
 
-int run_history(const HistoryOptions& options, Context& context) {
+int run_history(const HistoryOptions& options, Environment& environment) {
     if (options.board.empty() != options.all) {
-        return context.fail_with({program::kExitUsage, "name a board, or write --all"});
+        return environment.fail_with({program::kExitUsage, "name a board, or write --all"});
     }
     bus::Query query;
     if (!options.all) {
         const auto valid = check_board_pattern(options.board, "history");
-        if (!valid) return context.fail_with(valid.error());
+        if (!valid) return environment.fail_with(valid.error());
         query.board = options.board;
     }
-    BusSession session(context);
-    BoardSource source(context, session);
-    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+    BusSession session(environment);
+    BoardSource source(environment, session);
+    if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
     auto changes = source.history(query, options.count);
-    if (!changes) return context.fail_with(changes.error());
+    if (!changes) return environment.fail_with(changes.error());
     if (changes->empty() && !options.all) {
         const auto names = source.names();
         const auto is_it = [&](const std::string& name) { return bus::matches_pattern(query.board, name); };
         if (std::none_of(names.begin(), names.end(), is_it))
-            return context.fail_with(no_such_board(query.board, names));
+            return environment.fail_with(no_such_board(query.board, names));
     }
     // A registry gives the newest first.
     std::reverse(changes->begin(), changes->end());
-    print_changes(*changes, options.output, context);
+    print_changes(*changes, options.output, environment);
     return program::kExitOk;
 }
 
@@ -68,7 +68,7 @@ Run declare_history(Declaration& verb) {
     verb.flag("--all", options->all, "Of all boards");
     verb.option("-n,--count", "COUNT", options->count, "The newest so many", 1, 100'000);
     verb.output(options->output, {Output::kTable}, change_fields());
-    return [options](Context& context) { return run_history(*options, context); };
+    return [options](Environment& environment) { return run_history(*options, environment); };
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include "cli/ask/board_request.hpp"
 #include "cli/ask/side_by_side.hpp"
 #include "cli/find/chosen_boards.hpp"
-#include "cli/flash/port_holder.hpp"
+#include "cli/flash/lent_port.hpp"
 #include "cli/text/table.hpp"
 #include "cli/text/width.hpp"
 
@@ -45,20 +45,20 @@ void add_rows(Table& table, const std::string& board, const model::Labels& label
 class Labeller {
   public:
     Labeller(const LabelOptions& options, Target target, bus::LabelSelector selector,
-             model::LabelChange change, Context& context)
+             model::LabelChange change, Environment& environment)
         : options_(options),
           target_(std::move(target)),
           selector_(std::move(selector)),
           change_(std::move(change)),
-          context_(context),
-          session_(context),
-          source_(context, session_) {}
+          environment_(environment),
+          session_(environment),
+          source_(environment, session_) {}
 
     int run() {
         if (const auto connected = session_.connect(); !connected)
-            return context_.fail_with(connected.error());
+            return environment_.fail_with(connected.error());
         auto boards = find();
-        if (!boards) return context_.fail_with(boards.error());
+        if (!boards) return environment_.fail_with(boards.error());
         return change_.empty() ? show(*boards) : change(*boards);
     }
 
@@ -106,7 +106,7 @@ class Labeller {
     }
 
     int show(const std::vector<KnownBoard>& boards) {
-        RecordPrinter records(options_.output, RecordPrinter::Count::kList, context_.out);
+        RecordPrinter records(options_.output, RecordPrinter::Count::kList, environment_.out);
         Table table({{"TARGET"}, {"KEY"}, {"VALUE", false, 10}});
         bool any = false;
         int status = program::kExitOk;
@@ -126,13 +126,14 @@ class Labeller {
             }
         }
         records.finish();
-        if (!table.empty()) context_.out << table.render(context_.width, context_.colour) << std::flush;
-        if (!any) context_.note("no labels; set one: asipctl label BOARD room=lab");
+        if (!table.empty())
+            environment_.out << table.render(environment_.width, environment_.colour) << std::flush;
+        if (!any) environment_.note("no labels; set one: asipctl label BOARD room=lab");
         return status;
     }
 
     void note_fault(const std::string& board, const std::string& fault) const {
-        context_.note(board + ": labels that its agent kept cannot be read: " + for_terminal(fault));
+        environment_.note(board + ": labels that its agent kept cannot be read: " + for_terminal(fault));
     }
 
     static nlohmann::json record(const std::string& board, const model::Labels& labels,
@@ -159,7 +160,7 @@ class Labeller {
         ask_side_by_side(
             session_, std::move(there), kAskedAtOnce, [this](Asked& one) { return ask(one); },
             [this](const Asked& one) {
-                return one.reply || session_.denied(context_.topics.board_in(one.board));
+                return one.reply || session_.denied(environment_.topics.board_in(one.board));
             });
         // Whoever asks for boards next finds them by their new labels.
         session_.run_until(
@@ -176,12 +177,12 @@ class Labeller {
     /// that answers soon or not at all.
     Time ask(Asked& asked) {
         asked.descriptions = session_.subscribe(
-            context_.topics.description(asked.board), [&asked](const mqtt::Message& message) {
+            environment_.topics.description(asked.board), [&asked](const mqtt::Message& message) {
                 if (auto description = model::parse_description(message.payload))
                     asked.announced = std::move(description->labels);
             });
         asked.request = session_.command(
-            context_.topics.board_in(asked.board), bus::encode(change_, who_asks(context_)),
+            environment_.topics.board_in(asked.board), bus::encode(change_, who_asks(environment_)),
             [&asked](const mqtt::Message& message) {
                 auto reply = bus::parse_reply(message.payload);
                 if (asked.reply || !reply) return;
@@ -191,25 +192,26 @@ class Labeller {
                 asked.set_aside = value_at(answer, "set_aside");
                 asked.fault = value_at(answer, "labels_fault");
             });
-        return Clock::now() + (asked.lost ? std::min(context_.timeout, kProbeWindow) : context_.timeout);
+        return Clock::now() +
+               (asked.lost ? std::min(environment_.timeout, kProbeWindow) : environment_.timeout);
     }
 
     int report() {
         int status = program::kExitOk;
-        RecordPrinter records(options_.output, RecordPrinter::Count::kList, context_.out);
+        RecordPrinter records(options_.output, RecordPrinter::Count::kList, environment_.out);
         Table table({{"TARGET"}, {"KEY"}, {"VALUE", false, 10}});
         for (const auto& asked : asked_) {
             const auto reply = reply_of(asked);
             const auto labels = shown(asked.now);
             if (!reply.succeeded()) {
-                context_.note(asked.board + ": " + why_not(asked, reply));
+                environment_.note(asked.board + ": " + why_not(asked, reply));
                 if (status == program::kExitOk)
                     status = reply.reason == kNoAnswer ? session_.unanswered({}).status : exit_status(reply);
             }
             if (!asked.set_aside.empty())
-                context_.note(asked.board +
-                              ": labels that its agent kept could not be read; the file is now " +
-                              for_terminal(asked.set_aside));
+                environment_.note(asked.board +
+                                  ": labels that its agent kept could not be read; the file is now " +
+                                  for_terminal(asked.set_aside));
             if (options_.output.for_people()) {
                 add_rows(table, asked.board, labels);
                 continue;
@@ -222,13 +224,14 @@ class Labeller {
             records.print(object);
         }
         records.finish();
-        if (!table.empty()) context_.out << table.render(context_.width, context_.colour) << std::flush;
+        if (!table.empty())
+            environment_.out << table.render(environment_.width, environment_.colour) << std::flush;
         return status;
     }
 
     bus::Reply reply_of(const Asked& asked) const {
         if (asked.reply) return *asked.reply;
-        if (const auto topic = context_.topics.board_in(asked.board); session_.denied(topic))
+        if (const auto topic = environment_.topics.board_in(asked.board); session_.denied(topic))
             return refused_by_broker(topic);
         if (asked.lost) return refused_as_lost("nothing was kept");
         return bus::Reply::timeout(std::string(kNoAnswer));
@@ -237,7 +240,7 @@ class Labeller {
     std::string why_not(const Asked& asked, const bus::Reply& reply) const {
         if (!asked.reply && reply.status == bus::Reply::Status::kTimeout)
             return session_
-                .unanswered("nobody answered within " + std::to_string(context_.timeout.count()) +
+                .unanswered("nobody answered within " + std::to_string(environment_.timeout.count()) +
                             " ms; is the board's agent running? Try: asipctl doctor")
                 .text;
         return reply.error.empty() ? explain(reply) : reply.error;
@@ -247,7 +250,7 @@ class Labeller {
     const Target target_;
     const bus::LabelSelector selector_;
     const model::LabelChange change_;
-    Context& context_;
+    Environment& environment_;
     BusSession session_;
     BoardSource source_;
     std::list<Asked> asked_;
@@ -262,23 +265,23 @@ void find_target(LabelOptions& options) {
     if (options.target.empty()) options.target = "*";
 }
 
-int run_label(LabelOptions options, Context& context) {
+int run_label(LabelOptions options, Environment& environment) {
     const auto selector = parse_selector(options.selector);
-    if (!selector) return context.fail_with(selector.error());
+    if (!selector) return environment.fail_with(selector.error());
     find_target(options);
     if (options.target.find('=') != std::string::npos)
-        return context.fail_with({program::kExitUsage, "which board? Write asipctl label BOARD " +
-                                                           options.target +
-                                                           ", or choose boards by -l SELECTOR"});
+        return environment.fail_with({program::kExitUsage, "which board? Write asipctl label BOARD " +
+                                                               options.target +
+                                                               ", or choose boards by -l SELECTOR"});
     const auto target = parse_target(options.target, true);
-    if (!target) return context.fail_with(target.error());
+    if (!target) return environment.fail_with(target.error());
     if (!options.words.empty() && target->service.find_first_of("*?") != std::string::npos)
-        return context.fail_with({program::kExitUsage, "'" + target->service + "': name one service"});
+        return environment.fail_with({program::kExitUsage, "'" + target->service + "': name one service"});
     model::LabelChange change;
     for (const auto& word : options.words)
         if (const auto added = model::add_assignment(change, word, target->service); !added)
-            return context.fail_with({program::kExitUsage, added.error()});
-    return Labeller(options, *target, *selector, change, context).run();
+            return environment.fail_with({program::kExitUsage, added.error()});
+    return Labeller(options, *target, *selector, change, environment).run();
 }
 
 Run declare_label(Declaration& verb) {
@@ -293,7 +296,7 @@ Run declare_label(Declaration& verb) {
     declare_selector(verb, options->selector);
     verb.output(options->output, {Output::kTable},
                 {"board", "labels", "names", "labels_fault", "set_aside", "status", "error", "reason"});
-    return [options](Context& context) { return run_label(*options, context); };
+    return [options](Environment& environment) { return run_label(*options, environment); };
 }
 
 }  // namespace

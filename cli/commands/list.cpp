@@ -21,8 +21,8 @@ std::string ago_text(double age) {
 }
 
 template <class Item>
-void print_records(const std::vector<Item>& items, const OutputOptions& output, Context& context) {
-    RecordPrinter records(output, RecordPrinter::Count::kList, context.out);
+void print_records(const std::vector<Item>& items, const OutputOptions& output, Environment& environment) {
+    RecordPrinter records(output, RecordPrinter::Count::kList, environment.out);
     for (const auto& item : items)
         records.print(bus::to_json(item));
     records.finish();
@@ -81,32 +81,32 @@ void sort_items(std::vector<Item>& items, const std::string& by, bool reverse) {
 
 template <class Item, class Text>
 int print_list(Outcome<std::vector<Item>> found, const ListOptions& options,
-               const std::optional<Where>& where, Context& context, BusSession& session, const char* nothing,
-               Text text) {
+               const std::optional<Where>& where, Environment& environment, BusSession& session,
+               const char* nothing, Text text) {
     const auto& output = options.output;
-    if (!found) return context.fail_with(found.error());
+    if (!found) return environment.fail_with(found.error());
     session.leave();
     std::erase_if(*found, [&where](const Item& item) { return !where_holds(where, item); });
     // They come sorted by name.
     if (options.sort != "name" || options.reverse) sort_list(*found, options.sort, options.reverse);
     if (!output.for_people()) {
-        print_records(*found, output, context);
+        print_records(*found, output, environment);
         return program::kExitOk;
     }
-    if (found->empty() && output.form != Output::kName) context.note(nothing);
-    context.out << text(*found, output.form, context.width, context.colour) << std::flush;
+    if (found->empty() && output.form != Output::kName) environment.note(nothing);
+    environment.out << text(*found, output.form, environment.width, environment.colour) << std::flush;
     return program::kExitOk;
 }
 
 /// The same of rows that hold what a table shows, and no more.
-int print_brief(Outcome<bus::BriefRows> found, const ListOptions& options, Context& context,
+int print_brief(Outcome<bus::BriefRows> found, const ListOptions& options, Environment& environment,
                 BusSession& session, const char* nothing) {
     const auto form = options.output.form;
-    if (!found) return context.fail_with(found.error());
+    if (!found) return environment.fail_with(found.error());
     session.leave();
     if (options.sort != "name" || options.reverse) sort_list(*found, options.sort, options.reverse);
-    if (found->empty() && form != Output::kName) context.note(nothing);
-    context.out << brief_text(*found, form, context.width, context.colour) << std::flush;
+    if (found->empty() && form != Output::kName) environment.note(nothing);
+    environment.out << brief_text(*found, form, environment.width, environment.colour) << std::flush;
     return program::kExitOk;
 }
 
@@ -116,27 +116,28 @@ bool passes_on(const ListOptions& options, const std::optional<Where>& where) {
            options.sort == "name" && !options.reverse;
 }
 
-int pass_on(const ListOptions& options, Context& context, BusSession& session, BoardSource& source) {
+int pass_on(const ListOptions& options, Environment& environment, BusSession& session, BoardSource& source) {
     auto query = options.query;
     query.find = options.services() ? bus::Find::kServices : bus::Find::kBoards;
     const auto lines = source.json_lines(std::move(query));
-    if (!lines) return context.fail_with(lines.error());
+    if (!lines) return environment.fail_with(lines.error());
     session.leave();
-    context.out << *lines << std::flush;
+    environment.out << *lines << std::flush;
     return program::kExitOk;
 }
 
-int show_all(const ListOptions& options, const std::optional<Where>& where, Context& context,
+int show_all(const ListOptions& options, const std::optional<Where>& where, Environment& environment,
              BusSession& session, BoardSource& source) {
     const auto& output = options.output;
-    if (passes_on(options, where)) return pass_on(options, context, session, source);
+    if (passes_on(options, where)) return pass_on(options, environment, session, source);
     if (options.services())
-        return print_list(source.services(options.query), options, where, context, session,
+        return print_list(source.services(options.query), options, where, environment, session,
                           "no service matches", services_text);
     constexpr auto* kNone = "no board matches";
     if (where || output.form == Output::kWide || !output.for_people())
-        return print_list(source.boards(options.query), options, where, context, session, kNone, boards_text);
-    return print_brief(source.brief_boards(options.query), options, context, session, kNone);
+        return print_list(source.boards(options.query), options, where, environment, session, kNone,
+                          boards_text);
+    return print_brief(source.brief_boards(options.query), options, environment, session, kNone);
 }
 
 const std::vector<std::string> kListFields{
@@ -290,18 +291,18 @@ bool where_holds(const std::optional<Where>& where, const bus::BoardItem& board)
     return where->holds(record);
 }
 
-int run_list(const ListOptions& given, Context& context) {
+int run_list(const ListOptions& given, Environment& environment) {
     const auto where = parse_where(given);
-    if (!where) return context.fail_with(where.error());
+    if (!where) return environment.fail_with(where.error());
     auto selector = parse_selector(given.selector);
-    if (!selector) return context.fail_with(selector.error());
+    if (!selector) return environment.fail_with(selector.error());
     ListOptions options = given;
     options.query.labels = std::move(*selector);
-    if (options.watch) return run_watch(options, context);
-    BusSession session(context);
-    BoardSource source(context, session);
-    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
-    return show_all(options, *where, context, session, source);
+    if (options.watch) return run_watch(options, environment);
+    BusSession session(environment);
+    BoardSource source(environment, session);
+    if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
+    return show_all(options, *where, environment, session, source);
 }
 
 namespace {
@@ -325,7 +326,7 @@ Run declare_list(Declaration& verb) {
     verb.flag("-r,--reverse", options->reverse, "Sort the other way round");
     verb.flag("-w,--watch", options->watch, "Continue and show what changes, until Ctrl-C");
     verb.output(options->output, {Output::kTable, Output::kWide, Output::kName}, kListFields);
-    return [options](Context& context) { return run_list(*options, context); };
+    return [options](Environment& environment) { return run_list(*options, environment); };
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 #include "asip/bus/items.hpp"
 #include "asip/bus/query.hpp"
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/find/chosen_boards.hpp"
 #include "cli/output.hpp"
 #include "cli/text/table.hpp"
@@ -35,7 +35,7 @@ bool where_holds(const std::optional<Where>& where, const bus::BoardItem& board)
 bool where_holds(const std::optional<Where>& where, const bus::ServiceItem& service);
 
 /// `asipctl list`: boards or services, once or until Ctrl-C.
-int run_list(const ListOptions& options, Context& context);
+int run_list(const ListOptions& options, Environment& environment);
 
 /// The columns of one kind of list, and a row of it.
 Table board_table(bool wide);

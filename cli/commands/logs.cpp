@@ -23,13 +23,13 @@ Colour colour_of(const std::string& level) {
 
 class LogPrinter {
   public:
-    LogPrinter(const LogsOptions& options, Context& context)
+    LogPrinter(const LogsOptions& options, Environment& environment)
         : options_(options),
-          context_(context),
-          records_(options.output, RecordPrinter::Count::kStream, context.out) {}
+          environment_(environment),
+          records_(options.output, RecordPrinter::Count::kStream, environment.out) {}
 
     void take(const mqtt::Message& message) {
-        const auto line = log_line(context_.topics, message);
+        const auto line = log_line(environment_.topics, message);
         if (!line || enough() || !bus::matches_pattern(options_.pattern, line->board)) return;
         ++count_;
         const auto time = text::iso_time(text::wall_now());
@@ -40,37 +40,37 @@ class LogPrinter {
                                    {"level", line->level},
                                    {"text", line->text}});
         const auto where = line->board + (line->source == "board" ? "" : "/" + line->source);
-        context_.out << time << "  " << where << "  "
-                     << painted(for_terminal(line->text), colour_of(line->level), context_.colour)
-                     << std::endl;
+        environment_.out << time << "  " << where << "  "
+                         << painted(for_terminal(line->text), colour_of(line->level), environment_.colour)
+                         << std::endl;
     }
     bool enough() const { return options_.count != 0 && count_ >= options_.count; }
     std::size_t count() const { return count_; }
 
   private:
     const LogsOptions& options_;
-    Context& context_;
+    Environment& environment_;
     RecordPrinter records_;
     std::size_t count_ = 0;
 };
 
 }  // namespace
 
-int run_logs(const LogsOptions& options, Context& context) {
+int run_logs(const LogsOptions& options, Environment& environment) {
     if (const auto valid = check_board_pattern(options.pattern, "logs"); !valid)
-        return context.fail_with(valid.error());
-    BusSession session(context);
+        return environment.fail_with(valid.error());
+    BusSession session(environment);
     session.tell_refused_subscriptions();
-    LogPrinter printer(options, context);
+    LogPrinter printer(options, environment);
     const auto take = [&printer](const mqtt::Message& message) { printer.take(message); };
     // Levels of a topic know no patterns but "+".
     const bool one = options.pattern.find_first_of("*?") == std::string::npos;
     const std::string board = one ? options.pattern : "+";
     std::vector<BusSession::Subscription> subscriptions;
-    for (const auto& filter : {context.topics.board_out(board), context.topics.service_error(board, "+"),
-                               context.topics.log(board)})
+    for (const auto& filter : {environment.topics.board_out(board),
+                               environment.topics.service_error(board, "+"), environment.topics.log(board)})
         subscriptions.push_back(session.subscribe(filter, take, {.retained = false}));
-    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+    if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
     const auto end = options.limit ? Clock::now() + *options.limit : Time::max();
     while (!session.stopped() && !printer.enough() && Clock::now() < end)
         session.run_until([&] { return printer.enough(); },
@@ -88,7 +88,7 @@ Run declare_logs(Declaration& verb) {
     verb.option("-n,--count", "COUNT", options->count, "End after so many lines; 0: no limit");
     verb.option("-W,--for", options->limit, "End after this time; status 4 when less than -n came");
     verb.output(options->output, {Output::kText}, {"time", "board", "source", "level", "text"});
-    return [options](Context& context) { return run_logs(*options, context); };
+    return [options](Environment& environment) { return run_logs(*options, environment); };
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
@@ -18,6 +18,6 @@ struct LogsOptions {
 };
 
 /// `asipctl logs`: what boards print for people, errors, and what their agents report, as it comes.
-int run_logs(const LogsOptions& options, Context& context);
+int run_logs(const LogsOptions& options, Environment& environment);
 
 }  // namespace asip::cli

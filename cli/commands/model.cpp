@@ -7,8 +7,8 @@
 #include "asip/model/example_check.hpp"
 #include "asip/model/reference_page.hpp"
 #include "asip/text/file_text.hpp"
-#include "cli/context.hpp"
 #include "cli/declaration.hpp"
+#include "cli/environment.hpp"
 #include "cli/generate/clashes.hpp"
 #include "cli/generate/generate.hpp"
 #include "cli/generate/layout.hpp"
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using generate::GeneratedFile;
 using model::ServiceModel;
 
-constexpr std::size_t kMostElements = 100;
+constexpr std::size_t kMaxElements = 100;
 
 struct ModelOptions {
     std::string action;
@@ -44,7 +44,7 @@ Outcome<void> write_generated(const fs::path& path, const std::string& text) {
 
 /// All or none: nothing is written where a file would be written over that must not.
 Outcome<void> write_all(const std::vector<GeneratedFile>& files, const fs::path& folder,
-                        const ModelOptions& options, Context& context) {
+                        const ModelOptions& options, Environment& environment) {
     std::error_code fault;
     fs::create_directories(folder, fault);
     if (fault) return failure(program::kExitFailure, folder.string() + ": " + fault.message());
@@ -64,22 +64,22 @@ Outcome<void> write_all(const std::vector<GeneratedFile>& files, const fs::path&
         const bool kept = file.own_code && fs::exists(path, fault);
         if (!kept && text::file_text(path) != file.text)
             if (const auto written = write_generated(path, file.text); !written) return written;
-        context.out << path.lexically_normal().string() << (kept ? " (kept as it is)" : "") << '\n';
+        environment.out << path.lexically_normal().string() << (kept ? " (kept as it is)" : "") << '\n';
     }
-    context.out << std::flush;
+    environment.out << std::flush;
     return {};
 }
 
-Outcome<void> check_model(const ServiceModel& model, const ModelOptions& options, Context& context) {
+Outcome<void> check_model(const ServiceModel& model, const ModelOptions& options, Environment& environment) {
     const auto examples = model::examples(model);
     std::vector<std::string> faults;
     for (const auto& example : examples)
         if (const auto checked = check_example(model, example); !checked) faults.push_back(checked.error());
     const auto wrong_examples = faults.size();
-    auto clashes = generate::find_clashes(model, context.models());
+    auto clashes = generate::find_clashes(model, environment.models());
     faults.insert(faults.end(), clashes.faults.begin(), clashes.faults.end());
-    context.out << model.ref() << ", letter " << model.id << ": " << examples.size() - wrong_examples
-                << " of " << examples.size() << " examples are true\n";
+    environment.out << model.ref() << ", letter " << model.id << ": " << examples.size() - wrong_examples
+                    << " of " << examples.size() << " examples are true\n";
     auto notes = missing_examples(model);
     notes.insert(notes.end(), clashes.notes.begin(), clashes.notes.end());
     const auto made = [&](const char* what, const generate::Files& files) {
@@ -89,8 +89,8 @@ Outcome<void> check_model(const ServiceModel& model, const ModelOptions& options
     made("Python client", generate::python_client(model));
     made("C++ client", generate::cpp_client(model));
     for (const auto& note : notes)
-        context.out << "note: " << note << '\n';
-    context.out << std::flush;
+        environment.out << "note: " << note << '\n';
+    environment.out << std::flush;
     std::string all;
     for (const auto& fault : faults)
         all += (all.empty() ? "" : "\n") + options.file + ": " + fault;
@@ -98,7 +98,8 @@ Outcome<void> check_model(const ServiceModel& model, const ModelOptions& options
     return {};
 }
 
-Outcome<void> make_firmware(const ServiceModel& model, const ModelOptions& options, Context& context) {
+Outcome<void> make_firmware(const ServiceModel& model, const ModelOptions& options,
+                            Environment& environment) {
     const fs::path folder = options.output.empty() ? generate::sketch_name(model) : options.output;
     const auto name = fs::absolute(folder / "sketch").parent_path().filename().string();
     constexpr const char* kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_";
@@ -107,10 +108,10 @@ Outcome<void> make_firmware(const ServiceModel& model, const ModelOptions& optio
                        "\"" + name + "\" cannot be the name of a sketch: up to 32 letters, digits and _");
     const auto files = generate::firmware(model, name, elements_of(options, model));
     if (!files) return failure(program::kExitFailure, options.file + ": " + files.error());
-    return write_all(*files, folder, options, context);
+    return write_all(*files, folder, options, environment);
 }
 
-Outcome<void> make_part(const ServiceModel& model, const ModelOptions& options, Context& context) {
+Outcome<void> make_part(const ServiceModel& model, const ModelOptions& options, Environment& environment) {
     const auto image = options.image.empty() ? generate::sketch_name(model) + ".elf"
                                              : fs::absolute(options.image).lexically_normal().string();
     auto files = generate::simulated_part(model, image, elements_of(options, model));
@@ -118,39 +119,39 @@ Outcome<void> make_part(const ServiceModel& model, const ModelOptions& options, 
     const fs::path output(options.output);
     if (!options.output.empty()) files->front().name = output.filename().string();
     return write_all(*files, options.output.empty() || !output.has_parent_path() ? "." : output.parent_path(),
-                     options, context);
+                     options, environment);
 }
 
-Outcome<void> make_client(const ServiceModel& model, const ModelOptions& options, Context& context) {
+Outcome<void> make_client(const ServiceModel& model, const ModelOptions& options, Environment& environment) {
     const auto files =
         options.action == "python" ? generate::python_client(model) : generate::cpp_client(model);
     if (!files) return failure(program::kExitFailure, options.file + ": " + files.error());
-    return write_all(*files, options.output.empty() ? "." : options.output, options, context);
+    return write_all(*files, options.output.empty() ? "." : options.output, options, environment);
 }
 
-Outcome<void> make_docs(const ServiceModel& model, const ModelOptions& options, Context& context) {
+Outcome<void> make_docs(const ServiceModel& model, const ModelOptions& options, Environment& environment) {
     const auto page = model::reference_page(model);
     if (options.output.empty()) {
-        context.out << page << std::flush;
+        environment.out << page << std::flush;
         return {};
     }
     const fs::path output(options.output);
     return write_all({{output.filename().string(), page}},
-                     output.has_parent_path() ? output.parent_path() : fs::path("."), options, context);
+                     output.has_parent_path() ? output.parent_path() : fs::path("."), options, environment);
 }
 
-int run_model(const ModelOptions& options, Context& context) {
-    if (options.elements && (*options.elements < 1 || *options.elements > kMostElements))
-        return context.fail_with({program::kExitUsage, "--elements: a number from 1 to 100"});
+int run_model(const ModelOptions& options, Environment& environment) {
+    if (options.elements && (*options.elements < 1 || *options.elements > kMaxElements))
+        return environment.fail_with({program::kExitUsage, "--elements: a number from 1 to 100"});
     const auto model = model::load_service_model(options.file);
-    if (!model) return context.fail_with({program::kExitFailure, model.error()});
+    if (!model) return environment.fail_with({program::kExitFailure, model.error()});
     const auto action = options.action == "check"      ? check_model
                         : options.action == "firmware" ? make_firmware
                         : options.action == "part"     ? make_part
                         : options.action == "docs"     ? make_docs
                                                        : make_client;
-    const auto done = action(*model, options, context);
-    return done ? program::kExitOk : context.fail_with(done.error());
+    const auto done = action(*model, options, environment);
+    return done ? program::kExitOk : environment.fail_with(done.error());
 }
 
 Run declare_model(Declaration& verb) {
@@ -164,7 +165,7 @@ Run declare_model(Declaration& verb) {
     verb.option("--image", "FILE", options->image, "Firmware image that the simulated board runs");
     verb.flag("--force", options->force,
               "Write over files that are there, but not over the one with your code");
-    return [options](Context& context) { return run_model(*options, context); };
+    return [options](Environment& environment) { return run_model(*options, environment); };
 }
 
 }  // namespace

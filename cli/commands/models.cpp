@@ -2,8 +2,8 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "cli/context.hpp"
 #include "cli/declaration.hpp"
+#include "cli/environment.hpp"
 #include "cli/text/table.hpp"
 #include "cli/text/words.hpp"
 
@@ -24,11 +24,11 @@ std::vector<std::string> command_names(const model::ServiceModel& model) {
     return names;
 }
 
-int run_models(const OutputOptions& output, Context& context) {
+int run_models(const OutputOptions& output, Environment& environment) {
     Table table(
         {{"KIND"}, {"LETTER"}, {"TITLE", false, 10}, {"REPORTS", false, 10}, {"COMMANDS", false, 10}});
-    RecordPrinter records(output, RecordPrinter::Count::kList, context.out);
-    for (const auto& model : context.models().all()) {
+    RecordPrinter records(output, RecordPrinter::Count::kList, environment.out);
+    for (const auto& model : environment.models().all()) {
         const auto events = event_names(*model);
         const auto commands = command_names(*model);
         const std::string letter(1, model->id);
@@ -40,7 +40,7 @@ int run_models(const OutputOptions& output, Context& context) {
                            {"events", events},
                            {"commands", commands}});
         } else if (output.form == Output::kName) {
-            context.out << model->name << '\n';
+            environment.out << model->name << '\n';
         } else {
             table.add({model->name, letter, model->title, listed(events), listed(commands)});
         }
@@ -48,9 +48,9 @@ int run_models(const OutputOptions& output, Context& context) {
     if (!output.for_people()) {
         records.finish();
     } else if (!table.empty()) {
-        context.out << table.render(context.width, context.colour);
+        environment.out << table.render(environment.width, environment.colour);
     }
-    context.out << std::flush;
+    environment.out << std::flush;
     return program::kExitOk;
 }
 
@@ -58,7 +58,7 @@ Run declare_models(Declaration& verb) {
     auto output = std::make_shared<OutputOptions>();
     verb.output(*output, {Output::kTable, Output::kName},
                 {"kind", "version", "letter", "title", "events", "commands"});
-    return [output](Context& context) { return run_models(*output, context); };
+    return [output](Environment& environment) { return run_models(*output, environment); };
 }
 
 }  // namespace

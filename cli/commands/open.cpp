@@ -10,8 +10,8 @@
 #include "asip/program/options.hpp"
 #include "asip/text/printable.hpp"
 #include "cli/ask/http_request.hpp"
-#include "cli/context.hpp"
 #include "cli/declaration.hpp"
+#include "cli/environment.hpp"
 
 namespace asip::cli {
 namespace {
@@ -75,21 +75,22 @@ Outcome<std::string> page_of(const HttpAddress& address, const std::string& boar
     return address.text() + "/?code=" + code + (board.empty() ? std::string() : "#/board/" + board);
 }
 
-int run_open(const OpenOptions& options, Context& context) {
+int run_open(const OpenOptions& options, Environment& environment) {
     if (!options.board.empty() && !model::valid_board_name(options.board))
-        return context.fail_with({program::kExitUsage, model::explain_board_name(options.board)});
+        return environment.fail_with({program::kExitUsage, model::explain_board_name(options.board)});
     auto gateway = options.gateway.empty() ? program::environment_variable("ASIP_GATEWAY").value_or("")
                                            : options.gateway;
     if (gateway.empty()) gateway = "http://127.0.0.1:8080";
     const auto address = parse_http_address(gateway);
-    if (!address) return context.fail_with({program::kExitUsage, "--gateway: " + address.error()});
+    if (!address) return environment.fail_with({program::kExitUsage, "--gateway: " + address.error()});
     const auto token = token_of(options);
-    if (!token) return context.fail_with(token.error());
-    const auto page = page_of(*address, options.board, {*token, context.mqtt.ca_file, context.timeout});
-    if (!page) return context.fail_with(page.error());
-    context.out << *page << std::endl;
-    if (options.print || !context.terminal()) return program::kExitOk;
-    if (!start_browser(*page)) context.note("open this address in a browser, within 30 seconds");
+    if (!token) return environment.fail_with(token.error());
+    const auto page =
+        page_of(*address, options.board, {*token, environment.mqtt.ca_file, environment.timeout});
+    if (!page) return environment.fail_with(page.error());
+    environment.out << *page << std::endl;
+    if (options.print || !environment.terminal()) return program::kExitOk;
+    if (!start_browser(*page)) environment.note("open this address in a browser, within 30 seconds");
     return program::kExitOk;
 }
 
@@ -102,7 +103,7 @@ Run declare_open(Declaration& verb) {
     verb.option("--token-file", "FILE", options->token_file,
                 "File with a token of the gateway; default: $ASIP_TOKEN, else none");
     verb.flag("-p,--print", options->print, "Only print the address");
-    return [options](Context& context) { return run_open(*options, context); };
+    return [options](Environment& environment) { return run_open(*options, environment); };
 }
 
 }  // namespace

@@ -25,8 +25,8 @@ struct Reading {
 /// The pins of one board, through its io service.
 class PinAccess {
   public:
-    PinAccess(Context& context, BusSession& session, KnownBoard board)
-        : context_(context), session_(session), board_(std::move(board)) {}
+    PinAccess(Environment& environment, BusSession& session, KnownBoard board)
+        : environment_(environment), session_(session), board_(std::move(board)) {}
 
     Outcome<std::vector<PinMode>> modes() {
         auto answer = request("p");
@@ -47,9 +47,9 @@ class PinAccess {
 
     Outcome<bus::Reply> request(const std::string& text) {
         const auto& name = board_.item.board;
-        auto reply =
-            ask_board(context_, session_,
-                      {context_.topics.service_in(name, service_), text, "I," + text, name + "/" + service_});
+        auto reply = ask_board(
+            environment_, session_,
+            {environment_.topics.service_in(name, service_), text, "I," + text, name + "/" + service_});
         if (!reply) return reply;
         if (!reply->succeeded()) return tl::unexpected(failure_of(*reply, "I," + text + ": "));
         return reply;
@@ -65,7 +65,7 @@ class PinAccess {
     const KnownBoard& board() const { return board_; }
     /// Values start to arrive; before the requests that cause them.
     void listen() {
-        reports_ = session_.subscribe(context_.topics.service_out(board_.item.board, service_),
+        reports_ = session_.subscribe(environment_.topics.service_out(board_.item.board, service_),
                                       [this](const mqtt::Message& message) {
                                           if (message.retain) return;
                                           auto document = model::parse_json(message.payload);
@@ -93,7 +93,7 @@ class PinAccess {
         if (!set) return tl::unexpected(set.error());
         const auto key = std::to_string(pin);
         session_.run_until([&] { return latest("digital", key).has_value(); },
-                           Clock::now() + context_.timeout);
+                           Clock::now() + environment_.timeout);
         result.value = latest("digital", key);
         if (!result.value)
             return tl::unexpected(session_.unanswered("the board did not report the level of pin " + key));
@@ -112,7 +112,7 @@ class PinAccess {
                                                       std::to_string(pin) + " is");
         const auto key = std::to_string(*channel);
         const auto demand = session_.demand(board_.item.board, service_);
-        const auto patience = std::min<Duration>(context_.timeout, std::chrono::seconds(2));
+        const auto patience = std::min<Duration>(environment_.timeout, std::chrono::seconds(2));
         session_.run_until([&] { return latest("analog", key).has_value(); }, Clock::now() + patience);
         result.value = latest("analog", key);
         if (!result.value) {
@@ -123,7 +123,7 @@ class PinAccess {
         return result;
     }
 
-    Context& context_;
+    Environment& environment_;
     BusSession& session_;
     BusSession::Subscription reports_;
     KnownBoard board_;
@@ -131,29 +131,29 @@ class PinAccess {
     std::map<std::string, nlohmann::json> latest_;
 };
 
-void print(const PinOptions& options, Context& context, int pin, const Reading& reading,
+void print(const PinOptions& options, Environment& environment, int pin, const Reading& reading,
            const std::string& label) {
     const auto mode = protocol::to_text(reading.mode);
     if (!options.output.for_people()) {
         nlohmann::json record{{"board", options.board}, {"pin", pin}, {"mode", mode}};
         if (reading.value) record["value"] = *reading.value;
         if (!label.empty()) record["label"] = label;
-        RecordPrinter(options.output, RecordPrinter::Count::kOne, context.out).print(record);
+        RecordPrinter(options.output, RecordPrinter::Count::kOne, environment.out).print(record);
         return;
     }
-    context.out << pin << ' ' << mode;
+    environment.out << pin << ' ' << mode;
     if (reading.value) {
         if (reading.mode == PinMode::kAnalog) {
-            context.out << ' ' << *reading.value;
+            environment.out << ' ' << *reading.value;
         } else {
-            context.out << (*reading.value == 0 ? " low" : " high");
+            environment.out << (*reading.value == 0 ? " low" : " high");
         }
     }
-    if (!label.empty()) context.out << "  " << for_terminal(label);
-    context.out << std::endl;
+    if (!label.empty()) environment.out << "  " << for_terminal(label);
+    environment.out << std::endl;
 }
 
-Outcome<void> act(const PinOptions& options, Context& context, PinAccess& access) {
+Outcome<void> act(const PinOptions& options, Environment& environment, PinAccess& access) {
     const auto description = access.board().description.value_or(model::Description());
     const auto pin = find_pin(options.pin, description);
     if (!pin) return tl::unexpected(pin.error());
@@ -168,7 +168,7 @@ Outcome<void> act(const PinOptions& options, Context& context, PinAccess& access
     if (options.word.empty()) {
         const auto reading = access.read(*pin, mode);
         if (!reading) return tl::unexpected(reading.error());
-        print(options, context, *pin, *reading, label);
+        print(options, environment, *pin, *reading, label);
         return {};
     }
     const auto action = parse_pin_word(options.word);
@@ -180,12 +180,12 @@ Outcome<void> act(const PinOptions& options, Context& context, PinAccess& access
         }
     }
     const bool level = action->kind == PinAction::Kind::kWrite;
-    print(options, context, *pin, {action->mode, level ? std::optional<int>(action->value) : std::nullopt},
-          label);
+    print(options, environment, *pin,
+          {action->mode, level ? std::optional<int>(action->value) : std::nullopt}, label);
     return {};
 }
 
-Outcome<void> show_pins(const PinOptions& options, Context& context, const KnownBoard& board,
+Outcome<void> show_pins(const PinOptions& options, Environment& environment, const KnownBoard& board,
                         PinAccess& access) {
     if (!board.description)
         return failure(program::kExitFailure, board.item.board + " " + board.why_no_description());
@@ -196,24 +196,25 @@ Outcome<void> show_pins(const PinOptions& options, Context& context, const Known
             description.pins.modes += static_cast<char>('0' + static_cast<int>(mode));
     }
     if (options.output.for_people()) {
-        context.out << pins_text(description, context.width, context.colour) << std::flush;
+        environment.out << pins_text(description, environment.width, environment.colour) << std::flush;
         return {};
     }
-    RecordPrinter records(options.output, RecordPrinter::Count::kList, context.out);
+    RecordPrinter records(options.output, RecordPrinter::Count::kList, environment.out);
     for (const auto& record : pin_records(description))
         records.print(record);
     records.finish();
     return {};
 }
 
-Outcome<void> run_on_board(const PinOptions& options, Context& context, BusSession& session,
+Outcome<void> run_on_board(const PinOptions& options, Environment& environment, BusSession& session,
                            BoardSource& source) {
     auto board = find_living_board(source, options.board);
     if (!board) return tl::unexpected(board.error());
     if (const auto io = find_service(*board, "io"); !io) return tl::unexpected(io.error());
-    PinAccess access(context, session, *board);
+    PinAccess access(environment, session, *board);
     access.listen();
-    return options.pin.empty() ? show_pins(options, context, *board, access) : act(options, context, access);
+    return options.pin.empty() ? show_pins(options, environment, *board, access)
+                               : act(options, environment, access);
 }
 
 }  // namespace
@@ -289,21 +290,21 @@ std::vector<std::string> pin_requests(int pin, const PinAction& action, std::opt
     return result;
 }
 
-int run_pin(const PinOptions& options, Context& context) {
+int run_pin(const PinOptions& options, Environment& environment) {
     const auto target = parse_target(options.board);
-    if (!target) return context.fail_with(target.error());
+    if (!target) return environment.fail_with(target.error());
     if (!options.word.empty()) {
         if (const auto action = parse_pin_word(options.word); !action)
-            return context.fail_with(action.error());
+            return environment.fail_with(action.error());
     }
-    BusSession session(context);
-    BoardSource source(context, session);
-    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
-    const auto done = run_on_board(options, context, session, source);
+    BusSession session(environment);
+    BoardSource source(environment, session);
+    if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
+    const auto done = run_on_board(options, environment, session, source);
     if (done) return program::kExitOk;
     const auto count = options.pin.empty() ? RecordPrinter::Count::kList : RecordPrinter::Count::kOne;
-    print_failure(options.output, count, options.board, done.error(), context.out);
-    return context.fail_with(done.error());
+    print_failure(options.output, count, options.board, done.error(), environment.out);
+    return environment.fail_with(done.error());
 }
 
 namespace {
@@ -318,7 +319,7 @@ Run declare_pin(Declaration& verb) {
     verb.output(options->output, {Output::kText},
                 {"board", "pin", "mode", "value", "owner", "can", "channel", "label", "status", "error",
                  "reason", "code"});
-    return [options](Context& context) { return run_pin(*options, context); };
+    return [options](Environment& environment) { return run_pin(*options, environment); };
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 #include "asip/model/description.hpp"
 #include "asip/protocol/pin.hpp"
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
@@ -20,7 +20,7 @@ struct PinOptions {
 };
 
 /// `asipctl pin`: reads or sets one pin in words.
-int run_pin(const PinOptions& options, Context& context);
+int run_pin(const PinOptions& options, Environment& environment);
 
 /// `13`, `D13`, or `A0` by the board's analog map. Fails with kExitUsage.
 Outcome<int> parse_pin(std::string_view text, const model::PinsInfo& pins);

@@ -16,25 +16,25 @@ namespace {
 
 class Pinger {
   public:
-    Pinger(const PingOptions& options, Context& context)
+    Pinger(const PingOptions& options, Environment& environment)
         : options_(options),
-          context_(context),
-          count_(options.count.value_or(context.terminal() ? 0 : kPingsInScripts)),
-          session_(context),
-          source_(context, session_),
-          records_(options.output, RecordPrinter::Count::kStream, context.out) {
+          environment_(environment),
+          count_(options.count.value_or(environment.terminal() ? 0 : kPingsInScripts)),
+          session_(environment),
+          source_(environment, session_),
+          records_(options.output, RecordPrinter::Count::kStream, environment.out) {
         summary_.board = options.board;
     }
 
     int run() {
         // A device with nothing but the published protocol answers on its context bus.
         const auto lines =
-            session_.subscribe(context_.topics.board_out(options_.board),
+            session_.subscribe(environment_.topics.board_out(options_.board),
                                [this](const mqtt::Message& message) { take_line(message.payload); });
         if (const auto connected = session_.connect(); !connected)
-            return context_.fail_with(connected.error());
+            return environment_.fail_with(connected.error());
         const auto board = find_living_board(source_, options_.board);
-        if (!board) return context_.fail_with(board.error());
+        if (!board) return environment_.fail_with(board.error());
         echo_ = board->description && board->description->firmware.extensions.has(protocol::kEcho);
         by_name_ = !board->description;
         while (!session_.stopped() && !denied_ && (count_ == 0 || summary_.sent < count_)) {
@@ -44,7 +44,7 @@ class Pinger {
             if (!last) session_.run_until([] { return false; }, next);
         }
         if (options_.output.for_people()) {
-            context_.out << summary_.text() << std::flush;
+            environment_.out << summary_.text() << std::flush;
         } else {
             records_.print(summary_.json());
         }
@@ -62,7 +62,7 @@ class Pinger {
         std::optional<bus::Reply> reply;
         returned_.reset();
         const auto begin = Clock::now();
-        const auto topic = context_.topics.board_in(options_.board);
+        const auto topic = environment_.topics.board_in(options_.board);
         // The first one is acknowledged by the broker: it tells whether we may.
         const int qos = summary_.sent == 1 ? 1 : 0;
         const auto request = session_.ask(
@@ -73,7 +73,7 @@ class Pinger {
             },
             qos);
         session_.run_until([&] { return returned_.has_value() || session_.denied(topic); },
-                           begin + context_.timeout);
+                           begin + environment_.timeout);
         denied_ = session_.denied(topic);
         if (session_.stopped() && !returned_) {
             --summary_.sent;
@@ -91,7 +91,7 @@ class Pinger {
         const bool answered = took && (!reply || reply->succeeded());
         std::string problem = took      ? ""
                               : denied_ ? "the broker does not let us ask"
-                                        : "no answer within " + text::duration_text(context_.timeout);
+                                        : "no answer within " + text::duration_text(environment_.timeout);
         if (took && !answered) {
             problem = explain(*reply);
             ++summary_.failed;
@@ -100,8 +100,9 @@ class Pinger {
         if (answered) summary_.milliseconds.add(milliseconds);
         if (options_.quiet) return;
         if (options_.output.for_people()) {
-            context_.out << options_.board << ": seq=" << summary_.sent << ' '
-                         << (answered ? fmt::format("time={:.2f} ms", milliseconds) : problem) << std::endl;
+            environment_.out << options_.board << ": seq=" << summary_.sent << ' '
+                             << (answered ? fmt::format("time={:.2f} ms", milliseconds) : problem)
+                             << std::endl;
             return;
         }
         nlohmann::json object{{"board", options_.board}, {"seq", summary_.sent}};
@@ -111,7 +112,7 @@ class Pinger {
     }
 
     const PingOptions& options_;
-    Context& context_;
+    Environment& environment_;
     std::size_t count_;
     BusSession session_;
     BoardSource source_;
@@ -155,12 +156,12 @@ nlohmann::json PingSummary::json() const {
     return object;
 }
 
-int run_ping(const PingOptions& options, Context& context) {
+int run_ping(const PingOptions& options, Environment& environment) {
     const auto target = parse_target(options.board);
-    if (!target) return context.fail_with(target.error());
+    if (!target) return environment.fail_with(target.error());
     if (!target->service.empty())
-        return context.fail_with({program::kExitUsage, "ping takes a board, not a service"});
-    return Pinger(options, context).run();
+        return environment.fail_with({program::kExitUsage, "ping takes a board, not a service"});
+    return Pinger(options, environment).run();
 }
 
 namespace {
@@ -175,7 +176,7 @@ Run declare_ping(Declaration& verb) {
     verb.flag("-q,--quiet", options->quiet, "Only the summary");
     verb.output(options->output, {Output::kText},
                 {"board", "seq", "ms", "problem", "sent", "answered", "loss_percent"});
-    return [options](Context& context) { return run_ping(*options, context); };
+    return [options](Environment& environment) { return run_ping(*options, environment); };
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/output.hpp"
 #include "cli/text/samples.hpp"
 
@@ -24,7 +24,7 @@ struct PingOptions {
 inline constexpr std::size_t kPingsInScripts = 5;
 
 /// `asipctl ping`: the time a request takes to the board and back. kExitNoAnswer when no answer came at all.
-int run_ping(const PingOptions& options, Context& context);
+int run_ping(const PingOptions& options, Environment& environment);
 
 /// What stands below the lines. Pure.
 struct PingSummary {

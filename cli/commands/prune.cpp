@@ -35,9 +35,10 @@ std::string kind_name(Lingering::Kind kind) {
     return "registries";
 }
 
-void print_lingering(const std::vector<Lingering>& all, const OutputOptions& output, Context& context) {
+void print_lingering(const std::vector<Lingering>& all, const OutputOptions& output,
+                     Environment& environment) {
     Table table({{"TOPIC", false, 20}, {"KIND"}, {"WHY", false, 10}});
-    RecordPrinter records(output, RecordPrinter::Count::kList, context.out);
+    RecordPrinter records(output, RecordPrinter::Count::kList, environment.out);
     for (const auto& one : all) {
         if (!output.for_people()) {
             records.print({{"topic", one.topic},
@@ -45,54 +46,54 @@ void print_lingering(const std::vector<Lingering>& all, const OutputOptions& out
                            {"board", one.board},
                            {"why", one.why}});
         } else if (output.form == Output::kName) {
-            context.out << for_terminal(one.topic) << '\n';
+            environment.out << for_terminal(one.topic) << '\n';
         } else {
             table.add({one.topic, kind_name(one.kind), one.why});
         }
     }
-    if (!table.empty()) context.out << table.render(context.width, context.colour);
+    if (!table.empty()) environment.out << table.render(environment.width, environment.colour);
     if (!output.for_people()) records.finish();
-    context.out << std::flush;
+    environment.out << std::flush;
 }
 
 /// Boards that a registry will not forget (they just came back, for one) are taken out of `lingering`.
-int forget_boards(Context& context, BusSession& session, BoardSource& source,
+int forget_boards(Environment& environment, BusSession& session, BoardSource& source,
                   std::vector<Lingering>& lingering) {
     std::set<std::string> boards;
     for (const auto& one : lingering) {
         if (one.kind == Lingering::Kind::kGoneBoard) boards.insert(one.board);
     }
-    const auto asked = ask_to_forget(context, session, source, {boards.begin(), boards.end()});
+    const auto asked = ask_to_forget(environment, session, source, {boards.begin(), boards.end()});
     std::erase_if(lingering, [&asked](const Lingering& one) { return asked.refused.contains(one.board); });
     return asked.status;
 }
 
 }  // namespace
 
-int run_prune(const PruneOptions& options, Context& context) {
-    BusSession session(context);
-    BoardSource source(context, session);
-    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
-    const auto retained = read_retained(context, session, {context.topics.root() + "/#"});
-    if (!retained) return context.fail_with(retained.error());
-    auto lingering = find_lingering(context.topics, *retained);
+int run_prune(const PruneOptions& options, Environment& environment) {
+    BusSession session(environment);
+    BoardSource source(environment, session);
+    if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
+    const auto retained = read_retained(environment, session, {environment.topics.root() + "/#"});
+    if (!retained) return environment.fail_with(retained.error());
+    auto lingering = find_lingering(environment.topics, *retained);
     std::erase_if(lingering, [&](const Lingering& one) {
         const auto& kinds = options.kinds;
         return !kinds.empty() && std::find(kinds.begin(), kinds.end(), kind_name(one.kind)) == kinds.end();
     });
-    print_lingering(lingering, options.output, context);
+    print_lingering(lingering, options.output, environment);
     if (options.dry_run || lingering.empty()) {
-        context.note(lingering.empty() ? "nothing to clear"
-                                       : "would clear " + counted(lingering.size(), "retained topic"));
+        environment.note(lingering.empty() ? "nothing to clear"
+                                           : "would clear " + counted(lingering.size(), "retained topic"));
         return program::kExitOk;
     }
-    const int status = forget_boards(context, session, source, lingering);
+    const int status = forget_boards(environment, session, source, lingering);
     std::vector<std::string> topics;
     for (const auto& one : lingering)
         topics.push_back(one.topic);
-    if (const auto cleared = clear_retained(context, session, topics); !cleared)
-        return context.fail_with(cleared.error());
-    context.note("cleared " + counted(topics.size(), "retained topic"));
+    if (const auto cleared = clear_retained(environment, session, topics); !cleared)
+        return environment.fail_with(cleared.error());
+    environment.note("cleared " + counted(topics.size(), "retained topic"));
     return status;
 }
 
@@ -106,7 +107,7 @@ Run declare_prune(Declaration& verb) {
         "Only these: boards that are gone, retained commands, values of unknown boards, names that are not "
         "valid, descriptions that cannot be read, registries that are gone");
     verb.output(options->output, {Output::kTable, Output::kName}, {"topic", "kind", "board", "why"});
-    return [options](Context& context) { return run_prune(*options, context); };
+    return [options](Environment& environment) { return run_prune(*options, environment); };
 }
 
 }  // namespace

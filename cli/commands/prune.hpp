@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
@@ -15,6 +15,6 @@ struct PruneOptions {
 };
 
 /// `asipctl prune`: clears everything retained that is no longer needed.
-int run_prune(const PruneOptions& options, Context& context);
+int run_prune(const PruneOptions& options, Environment& environment);
 
 }  // namespace asip::cli

@@ -57,29 +57,29 @@ bool records(const std::vector<Target>& targets, const bus::TopicRef& topic, con
 class Recorder {
   public:
     Recorder(const RecordOptions& options, std::vector<Target> targets, RecordingWriter writer,
-             Context& context)
+             Environment& environment)
         : options_(options),
           targets_(std::move(targets)),
           writer_(std::move(writer)),
-          context_(context),
-          session_(context) {}
+          environment_(environment),
+          session_(environment) {}
 
     int run() {
         session_.tell_refused_subscriptions();
-        for (const auto& filter : recorded_filters(context_.topics, targets_))
+        for (const auto& filter : recorded_filters(environment_.topics, targets_))
             subscriptions_.push_back(
                 session_.subscribe(filter, [this](const mqtt::Message& message) { take(message); }));
         for (const auto& target : targets_)
             if (!options_.no_demand) wants_.push_back(session_.want(target.board, target.service));
         session_.on_connection_change([this](bool connected, const std::string& why) {
-            context_.note(connected ? "connected again; messages between are missing" : why);
+            environment_.note(connected ? "connected again; messages between are missing" : why);
             if (!connected) writer_.text() += gap_line(elapsed(), why);
         });
         writer_.text() += recording_header(text::wall_now());
         begin_ = Clock::now();
         if (const auto connected = session_.connect(); !connected) {
             writer_.discard();
-            return context_.fail_with(connected.error());
+            return environment_.fail_with(connected.error());
         }
         const auto deadline = options_.limit ? Clock::now() + *options_.limit : Time::max();
         const auto ended = [this] {
@@ -91,7 +91,7 @@ class Recorder {
             session_.run_until(ended, std::min(deadline, Clock::now() + 1h));
         if (fault_.empty())
             if (const auto written = writer_.flush(); !written) fault_ = written.error();
-        if (to_output() && context_.reader_gone()) fault_.clear();  // it has read what it wanted
+        if (to_output() && environment_.reader_gone()) fault_.clear();  // it has read what it wanted
         return finish();
     }
 
@@ -104,7 +104,7 @@ class Recorder {
 
     void take(const mqtt::Message& message) {
         if (enough()) return;
-        const auto topic = context_.topics.parse(message.topic);
+        const auto topic = environment_.topics.parse(message.topic);
         if (!topic || !is_recorded(topic->kind) || !records(targets_, *topic, message.payload)) return;
         append_recorded(writer_.text(), *topic, message, elapsed());
         if (!topic->board.empty() && boards_.find(topic->board) == boards_.end())
@@ -116,18 +116,18 @@ class Recorder {
         const double seconds = std::chrono::duration<double>(elapsed()).count();
         const auto tenths = static_cast<long>(seconds * 10);
         if (to_output()) {
-            context_.note(summary(tenths));
+            environment_.note(summary(tenths));
         } else if (!options_.output.for_people()) {
-            RecordPrinter(options_.output, RecordPrinter::Count::kOne, context_.out)
+            RecordPrinter(options_.output, RecordPrinter::Count::kOne, environment_.out)
                 .print({{"file", options_.file},
                         {"messages", messages_},
                         {"boards", boards_.size()},
                         {"bytes", writer_.bytes()},
                         {"seconds", static_cast<double>(tenths) / 10}});
         } else {
-            context_.out << summary(tenths) << std::endl;
+            environment_.out << summary(tenths) << std::endl;
         }
-        if (!fault_.empty()) return context_.fail_with({program::kExitFailure, fault_});
+        if (!fault_.empty()) return environment_.fail_with({program::kExitFailure, fault_});
         const bool too_few =
             options_.limit && !session_.stopped() && messages_ < std::max<std::size_t>(1, options_.count);
         return too_few ? program::kExitNoAnswer : program::kExitOk;
@@ -141,7 +141,7 @@ class Recorder {
     const RecordOptions& options_;
     std::vector<Target> targets_;
     RecordingWriter writer_;
-    Context& context_;
+    Environment& environment_;
     BusSession session_;
     std::vector<BusSession::Subscription> subscriptions_;
     std::vector<bus::Demander::Want> wants_;
@@ -151,21 +151,21 @@ class Recorder {
     std::string fault_;
 };
 
-int run_record(const RecordOptions& options, Context& context) {
+int run_record(const RecordOptions& options, Environment& environment) {
     std::vector<Target> targets;
     for (const auto& text : options.targets) {
         auto target = parse_target(text, true);
-        if (!target) return context.fail_with(target.error());
+        if (!target) return environment.fail_with(target.error());
         targets.push_back(std::move(*target));
     }
     if (targets.empty()) targets.push_back({"*", ""});
     if (options.file == kStandardOutput && !options.output.for_people())
-        return context.fail_with(
+        return environment.fail_with(
             {program::kExitUsage,
              "with \"-\" the recording itself is the output; leave -o and --format away"});
     auto writer = RecordingWriter::create(options.file, options.replace);
-    if (!writer) return context.fail_with(writer.error());
-    return Recorder(options, std::move(targets), std::move(*writer), context).run();
+    if (!writer) return environment.fail_with(writer.error());
+    return Recorder(options, std::move(targets), std::move(*writer), environment).run();
 }
 
 Run declare_record(Declaration& verb) {
@@ -179,7 +179,7 @@ Run declare_record(Declaration& verb) {
     verb.flag("--replace", options->replace, "Write over a file that exists");
     verb.flag("--no-demand", options->no_demand, "Only listen: ask no board to report");
     verb.output(options->output, {Output::kText}, {"file", "messages", "boards", "bytes", "seconds"});
-    return [options](Context& context) { return run_record(*options, context); };
+    return [options](Environment& environment) { return run_record(*options, environment); };
 }
 
 }  // namespace

@@ -64,13 +64,13 @@ void take(SeenRegistries& registries, const bus::Topics& topics, const mqtt::Mes
         registry.stats = std::move(*document);
 }
 
-int run_registries(const OutputOptions& output, Context& context) {
-    BusSession session(context);
+int run_registries(const OutputOptions& output, Environment& environment) {
+    BusSession session(environment);
     SeenRegistries registries;
-    const auto keep = [&](const mqtt::Message& message) { take(registries, context.topics, message); };
-    const auto states = session.subscribe(context.topics.registry_state("+"), keep);
-    const auto stats = session.subscribe(context.topics.registry_stats("+"), keep);
-    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+    const auto keep = [&](const mqtt::Message& message) { take(registries, environment.topics, message); };
+    const auto states = session.subscribe(environment.topics.registry_state("+"), keep);
+    const auto stats = session.subscribe(environment.topics.registry_stats("+"), keep);
+    if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
     session.wait_retained();
     Table table({{"REGISTRY"},
                  {"STATE"},
@@ -83,10 +83,10 @@ int run_registries(const OutputOptions& output, Context& context) {
                  {"EVENTS", true},
                  {"REFUSED", true},
                  {"VERSION"}});
-    RecordPrinter records(output, RecordPrinter::Count::kList, context.out);
+    RecordPrinter records(output, RecordPrinter::Count::kList, environment.out);
     for (const auto& [id, registry] : registries) {
         if (output.form == Output::kName && output.for_people()) {
-            context.out << for_terminal(id) << '\n';
+            environment.out << for_terminal(id) << '\n';
         } else if (output.for_people()) {
             table.add(registry_row(id, registry));
         } else {
@@ -97,10 +97,11 @@ int run_registries(const OutputOptions& output, Context& context) {
         }
     }
     if (!output.for_people()) records.finish();
-    if (!table.empty()) context.out << table.render(context.width, context.colour);
-    context.out << std::flush;
+    if (!table.empty()) environment.out << table.render(environment.width, environment.colour);
+    environment.out << std::flush;
     if (!registries.empty()) return program::kExitOk;
-    return context.fail_with(session.unanswered("no registry has ever run on this bus; start asip-registry"));
+    return environment.fail_with(
+        session.unanswered("no registry has ever run on this bus; start asip-registry"));
 }
 
 Run declare_registries(Declaration& verb) {
@@ -109,7 +110,7 @@ Run declare_registries(Declaration& verb) {
                 {"registry", "state", "version", "epoch", "seq", "at", "uptime", "boards", "services",
                  "conflicts", "messages", "messages_per_second", "renewals", "expired", "refused", "queries",
                  "events", "connections"});
-    return [output](Context& context) { return run_registries(*output, context); };
+    return [output](Environment& environment) { return run_registries(*output, environment); };
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 #include "cli/declaration.hpp"
 #include "cli/find/target.hpp"
-#include "cli/flash/port_holder.hpp"
+#include "cli/flash/lent_port.hpp"
 #include "cli/text/width.hpp"
 
 namespace asip::cli {
@@ -18,11 +18,11 @@ struct ReleaseOptions {
 };
 
 /// The exit status.
-Outcome<int> give_back(const ReleaseOptions& options, Context& context, PortHolder& port) {
+Outcome<int> give_back(const ReleaseOptions& options, Environment& environment, LentPort& port) {
     const auto taken = port.give_back();
     if (!taken) return tl::unexpected(taken.error());
     if (!options.output.for_people()) {
-        RecordPrinter(options.output, RecordPrinter::Count::kOne, context.out)
+        RecordPrinter(options.output, RecordPrinter::Count::kOne, environment.out)
             .print({{"board", options.board},
                     {"state", "online"},
                     {"same", taken->same},
@@ -30,18 +30,18 @@ Outcome<int> give_back(const ReleaseOptions& options, Context& context, PortHold
                     {"was", taken->sketch_before},
                     {"chip", taken->chip}});
     } else {
-        context.out << for_terminal(taken->sketch) << std::endl;
+        environment.out << for_terminal(taken->sketch) << std::endl;
     }
     if (taken->same) return program::kExitOk;
-    return context.fail_with(
+    return environment.fail_with(
         {program::kExitFailure, "another board answers at the port of " + options.board});
 }
 
-Outcome<int> let_go(const ReleaseOptions& options, Context& context, PortHolder& port) {
+Outcome<int> let_go(const ReleaseOptions& options, Environment& environment, LentPort& port) {
     const auto released = port.release(std::chrono::ceil<std::chrono::seconds>(options.time));
     if (!released) return tl::unexpected(released.error());
     if (!options.output.for_people()) {
-        RecordPrinter(options.output, RecordPrinter::Count::kOne, context.out)
+        RecordPrinter(options.output, RecordPrinter::Count::kOne, environment.out)
             .print({{"board", options.board},
                     {"state", "updating"},
                     {"kind", released->kind},
@@ -52,34 +52,35 @@ Outcome<int> let_go(const ReleaseOptions& options, Context& context, PortHolder&
                     {"sketch", released->sketch}});
         return program::kExitOk;
     }
-    context.out << for_terminal(released->path) << std::endl;
-    context.note("free on " + released->host + " until " + released->until + "; earlier: asipctl release " +
-                 options.board + " --back");
+    environment.out << for_terminal(released->path) << std::endl;
+    environment.note("free on " + released->host + " until " + released->until +
+                     "; earlier: asipctl release " + options.board + " --back");
     return program::kExitOk;
 }
 
-Outcome<int> run_on_board(const ReleaseOptions& options, Context& context, BusSession& session,
+Outcome<int> run_on_board(const ReleaseOptions& options, Environment& environment, BusSession& session,
                           BoardSource& source) {
     if (const auto board = find_board_with_agent(source, options.board); !board)
         return tl::unexpected(board.error());
-    PortHolder port(context, session, options.board);
-    return options.back ? give_back(options, context, port) : let_go(options, context, port);
+    LentPort port(environment, session, options.board);
+    return options.back ? give_back(options, environment, port) : let_go(options, environment, port);
 }
 
-int run_release(const ReleaseOptions& options, Context& context) {
+int run_release(const ReleaseOptions& options, Environment& environment) {
     const auto target = parse_target(options.board);
-    if (!target) return context.fail_with(target.error());
+    if (!target) return environment.fail_with(target.error());
     if (!target->service.empty())
-        return context.fail_with({program::kExitUsage, "release takes a board, not a service"});
+        return environment.fail_with({program::kExitUsage, "release takes a board, not a service"});
     if (options.time > std::chrono::hours(1))
-        return context.fail_with({program::kExitUsage, "--for: at most 1h; release it again to prolong it"});
-    BusSession session(context);
-    BoardSource source(context, session);
-    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
-    const auto done = run_on_board(options, context, session, source);
+        return environment.fail_with(
+            {program::kExitUsage, "--for: at most 1h; release it again to prolong it"});
+    BusSession session(environment);
+    BoardSource source(environment, session);
+    if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
+    const auto done = run_on_board(options, environment, session, source);
     if (done) return *done;
-    print_failure(options.output, RecordPrinter::Count::kOne, options.board, done.error(), context.out);
-    return context.fail_with(done.error());
+    print_failure(options.output, RecordPrinter::Count::kOne, options.board, done.error(), environment.out);
+    return environment.fail_with(done.error());
 }
 
 Run declare_release(Declaration& verb) {
@@ -91,7 +92,7 @@ Run declare_release(Declaration& verb) {
     verb.output(options->output, {Output::kText},
                 {"board", "state", "kind", "path", "host", "until", "chip", "sketch", "same", "was", "status",
                  "error", "reason", "code"});
-    return [options](Context& context) { return run_release(*options, context); };
+    return [options](Environment& environment) { return run_release(*options, environment); };
 }
 
 }  // namespace

@@ -79,8 +79,8 @@ Outcome<RecordedBoards> recorded_boards(const ReplayOptions& options) {
 
 /// How the board `name` connects. Fails with kExitUsage.
 Outcome<mqtt::Options> connection_of(const std::string& name, const ReplayOptions& options,
-                                     Context& context) {
-    if (options.credentials_dir.empty()) return context.mqtt;
+                                     Environment& environment) {
+    if (options.credentials_dir.empty()) return environment.mqtt;
     program::BrokerOptions own;
     const auto file = std::filesystem::path(options.credentials_dir) / (name + ".credentials");
     if (std::error_code error; !std::filesystem::exists(file, error))
@@ -92,8 +92,8 @@ Outcome<mqtt::Options> connection_of(const std::string& name, const ReplayOption
         return failure(program::kExitUsage, taken.error());
     auto result = program::mqtt_options(own, "asipctl");
     if (!result) return failure(program::kExitUsage, file.string() + ": " + result.error());
-    result->connect_timeout = context.mqtt.connect_timeout;
-    context.topics = bus::Topics(own.topic_root);
+    result->connect_timeout = environment.mqtt.connect_timeout;
+    environment.topics = bus::Topics(own.topic_root);
     return std::move(*result);
 }
 
@@ -200,23 +200,23 @@ class Player {
 
 class Replayer {
   public:
-    Replayer(const ReplayOptions& options, Context& context)
-        : options_(options), context_(context), signal_(io_, [this](int) { stopped_ = true; }) {}
+    Replayer(const ReplayOptions& options, Environment& environment)
+        : options_(options), environment_(environment), signal_(io_, [this](int) { stopped_ = true; }) {}
 
     int run(const RecordedBoards& boards) {
-        if (const auto made = make_players(boards); !made) return context_.fail_with(made.error());
+        if (const auto made = make_players(boards); !made) return environment_.fail_with(made.error());
         if (!run_until([this] { return all_ready(); }, Clock::now() + kClaimPatience) && fatal_.empty() &&
             !stopped_)
             fail_late("the boards could not be announced within 10 s; may this user write below " +
-                      context_.topics.root() + "/servicebus?");
+                      environment_.topics.root() + "/servicebus?");
         if (fatal_.empty() && !stopped_)
-            context_.note("replaying " + counted(players_.size(), "board") + "; Ctrl-C ends it");
+            environment_.note("replaying " + counted(players_.size(), "board") + "; Ctrl-C ends it");
         do {
             if (!play_once()) break;
         } while (options_.loop && messages_ > 0);
         wait_for_arrival();
         end_all();
-        if (!fatal_.empty()) return context_.fail_with({status_, fatal_});
+        if (!fatal_.empty()) return environment_.fail_with({status_, fatal_});
         report();
         return program::kExitOk;
     }
@@ -226,7 +226,7 @@ class Replayer {
         const auto source = std::filesystem::path(options_.file).filename().string();
         std::map<std::string, mqtt::Options> connections;
         for (const auto& [name, recorded] : boards) {
-            auto connection = connection_of(options_.prefix + name, options_, context_);
+            auto connection = connection_of(options_.prefix + name, options_, environment_);
             if (!connection) return tl::unexpected(connection.error());
             connection->client_id += "-" + std::to_string(connections.size() + 1);
             connections.emplace(name, std::move(*connection));
@@ -237,7 +237,7 @@ class Replayer {
             identity.announcer.started_unix = static_cast<std::uint64_t>(std::time(nullptr));
             identity.announcer.on_shared_topic = connection.user.empty() && connection.cert_file.empty();
             identity.agent = {ASIP_VERSION, program::host_name(), connection.client_id};
-            ReplayBoard board(context_.topics, std::move(identity), recorded, context_.mqtt.random);
+            ReplayBoard board(environment_.topics, std::move(identity), recorded, environment_.mqtt.random);
             players_.emplace(
                 name, std::make_unique<Player>(io_, std::move(connection), std::move(board), events()));
         }
@@ -251,7 +251,7 @@ class Replayer {
 
     bool run_until(const std::function<bool()>& done, Time deadline) {
         while (!done()) {
-            if (context_.output_ended()) stopped_ = true;
+            if (environment_.output_ended()) stopped_ = true;
             const auto left = deadline - Clock::now();
             if (stopped_ || !fatal_.empty() || left <= Duration::zero()) return false;
             io_.run_one_for(std::min<Duration>(left, 10ms));
@@ -312,10 +312,10 @@ class Replayer {
                     if (fatal_.empty()) fatal_ = why;
                 },
                 [this](const std::string& why) {
-                    if (lost_++ == 0) context_.note(why_lost_ = why);
+                    if (lost_++ == 0) environment_.note(why_lost_ = why);
                 },
                 [this] {
-                    if (--lost_ == 0) context_.note("connected again");
+                    if (--lost_ == 0) environment_.note("connected again");
                 }};
     }
 
@@ -332,19 +332,19 @@ class Replayer {
     void report() {
         const double seconds = std::chrono::duration<double>(played_).count();
         if (!options_.output.for_people()) {
-            RecordPrinter(options_.output, RecordPrinter::Count::kOne, context_.out)
+            RecordPrinter(options_.output, RecordPrinter::Count::kOne, environment_.out)
                 .print({{"file", options_.file},
                         {"messages", messages_},
                         {"boards", players_.size()},
                         {"seconds", seconds}});
             return;
         }
-        context_.out << counted(messages_, "message") << " of " << counted(players_.size(), "board")
-                     << std::endl;
+        environment_.out << counted(messages_, "message") << " of " << counted(players_.size(), "board")
+                         << std::endl;
     }
 
     const ReplayOptions& options_;
-    Context& context_;
+    Environment& environment_;
     boost::asio::io_context io_{1};
     bool stopped_ = false;
     std::string fatal_, why_lost_;
@@ -356,19 +356,20 @@ class Replayer {
     std::chrono::microseconds played_{};
 };
 
-int run_replay(const ReplayOptions& options, Context& context) {
+int run_replay(const ReplayOptions& options, Environment& environment) {
     const auto boards = recorded_boards(options);
-    if (!boards) return context.fail_with(boards.error());
+    if (!boards) return environment.fail_with(boards.error());
     // Says what is wrong with the broker, once for all boards.
-    Context first = context;
+    Environment first = environment;
     auto connection = connection_of(options.prefix + boards->begin()->first, options, first);
-    if (!connection) return context.fail_with(connection.error());
+    if (!connection) return environment.fail_with(connection.error());
     first.mqtt = std::move(*connection);
     {
         BusSession session(first);
-        if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+        if (const auto connected = session.connect(); !connected)
+            return environment.fail_with(connected.error());
     }
-    return Replayer(options, context).run(*boards);
+    return Replayer(options, environment).run(*boards);
 }
 
 Run declare_replay(Declaration& verb) {
@@ -382,7 +383,7 @@ Run declare_replay(Declaration& verb) {
                 "On a secured bus: folder with the credentials of each board, NAME.credentials");
     verb.flag("--loop", options->loop, "Begin again at the end, until Ctrl-C");
     verb.output(options->output, {Output::kText}, {"file", "messages", "boards", "seconds"});
-    return [options](Context& context) { return run_replay(*options, context); };
+    return [options](Environment& environment) { return run_replay(*options, environment); };
 }
 
 }  // namespace

@@ -8,22 +8,22 @@
 
 namespace asip::cli {
 
-int run_secure(const SecureOptions& options, Context& context) {
+int run_secure(const SecureOptions& options, Environment& environment) {
     if (options.action == "show") {
-        const auto shown = secure_show(options, context);
-        return shown ? program::kExitOk : context.fail_with(shown.error());
+        const auto shown = secure_show(options, environment);
+        return shown ? program::kExitOk : environment.fail_with(shown.error());
     }
     if (options.action == "check") {
-        const auto checked = secure_check(options, context);
-        return checked ? *checked : context.fail_with(checked.error());
+        const auto checked = secure_check(options, environment);
+        return checked ? *checked : environment.fail_with(checked.error());
     }
-    SecureReport report(options.output, context);
-    const auto done = options.action == "init"     ? secure_init(options, context, report)
+    SecureReport report(options.output, environment);
+    const auto done = options.action == "init"     ? secure_init(options, environment, report)
                       : options.action == "add"    ? secure_add(options, report)
                       : options.action == "revoke" ? secure_revoke(options, report)
                                                    : secure_renew(options, report);
     report.finish();
-    return done ? program::kExitOk : context.fail_with(done.error());
+    return done ? program::kExitOk : environment.fail_with(done.error());
 }
 
 namespace {
@@ -52,7 +52,7 @@ Run declare_secure(Declaration& verb) {
     verb.output(
         options->output, {Output::kText},
         {"action", "what", "file", "command", "name", "role", "since", "until", "may", "should", "is"});
-    return [options](Context& context) { return run_secure(*options, context); };
+    return [options](Environment& environment) { return run_secure(*options, environment); };
 }
 
 }  // namespace

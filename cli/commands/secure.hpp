@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
@@ -24,6 +24,6 @@ struct SecureOptions {
 };
 
 /// `asipctl secure`: makes what a broker needs to let in known programs only, and keeps it.
-int run_secure(const SecureOptions& options, Context& context);
+int run_secure(const SecureOptions& options, Environment& environment);
 
 }  // namespace asip::cli

@@ -10,7 +10,7 @@
 #include "asip/model/json.hpp"
 #include "cli/ask/board_request.hpp"
 #include "cli/ask/group_command.hpp"
-#include "cli/ask/held_command.hpp"
+#include "cli/ask/hold.hpp"
 #include "cli/declaration.hpp"
 
 namespace asip::cli {
@@ -19,27 +19,27 @@ namespace {
 /// One `asipctl send`: finds boards once, sends, and reports answers in the order of the commands.
 class Sender {
   public:
-    Sender(const SendOptions& options, Context& context)
+    Sender(const SendOptions& options, Environment& environment)
         : options_(options),
-          context_(context),
-          session_(context),
-          source_(context, session_),
+          environment_(environment),
+          session_(environment),
+          source_(environment, session_),
           records_(options.output,
                    options.from_input ? RecordPrinter::Count::kStream : RecordPrinter::Count::kOne,
-                   context.out) {}
+                   environment.out) {}
 
     int run(const std::optional<bus::LabelSelector>& labels) {
         if (const auto connected = session_.connect(); !connected)
-            return context_.fail_with(connected.error());
+            return environment_.fail_with(connected.error());
         if (options_.from_input) return run_input();
         if (labels)
             return send_to_group({*parse_target(options_.target, true), *labels, options_.words, options_.raw,
                                   options_.no_wait, options_.in_flight, options_.output},
-                                 context_, session_, source_);
+                                 environment_, session_, source_);
         const auto command = prepare(options_.target, options_.words, options_.raw);
-        if (!command) return context_.fail_with(command.error());
+        if (!command) return environment_.fail_with(command.error());
         if (options_.hold)
-            return hold_command(context_, session_, *command, *options_.hold, options_.during,
+            return hold_command(environment_, session_, *command, *options_.hold, options_.during,
                                 options_.output);
         send(*command, {});
         drain(0);
@@ -57,7 +57,7 @@ class Sender {
 
     int run_input() {
         std::string line;
-        for (std::size_t number = 1; !session_.stopped() && std::getline(context_.in, line); ++number) {
+        for (std::size_t number = 1; !session_.stopped() && std::getline(environment_.in, line); ++number) {
             const auto where = "line " + std::to_string(number) + ": ";
             const auto first = line.find_first_not_of(" \t\r");
             if (first == std::string::npos || line[first] == '#') continue;
@@ -93,16 +93,16 @@ class Sender {
             if (!board) return tl::unexpected(board.error());
             found = boards_.emplace(target->board, std::move(*board)).first;
         }
-        if (!raw.empty()) return make_raw_command(context_, target->board, raw);
+        if (!raw.empty()) return make_raw_command(environment_, target->board, raw);
         if (target->service.empty()) {
             // A board alone takes request lines.
-            if (words.size() == 1) return make_raw_command(context_, target->board, words.front());
+            if (words.size() == 1) return make_raw_command(environment_, target->board, words.front());
             return failure(program::kExitUsage, "which service of " + target->board + "? Write " +
                                                     target->board + "/SERVICE COMMAND ...");
         }
         const auto service = find_service(found->second, target->service);
         if (!service) return tl::unexpected(service.error());
-        return make_command(context_, found->second, *service, words);
+        return make_command(environment_, found->second, *service, words);
     }
 
     void send(const BoardCommand& command, const std::string& where) {
@@ -122,7 +122,7 @@ class Sender {
             auto& oldest = waiting_.front();
             session_.run_until(
                 [&] { return oldest.answer.has_value() || session_.denied(oldest.command.topic); },
-                oldest.sent + context_.timeout);
+                oldest.sent + environment_.timeout);
             report(oldest);
             waiting_.pop_front();
         }
@@ -139,7 +139,7 @@ class Sender {
         if (!done.answer) {
             auto failed =
                 session_.unanswered("no answer to " + done.command.line + " on " + done.command.topic +
-                                    " within " + std::to_string(context_.timeout.count()) + " ms");
+                                    " within " + std::to_string(environment_.timeout.count()) + " ms");
             if (session_.stopped())
                 failed = {program::kExitNoAnswer,
                           "interrupted before " + done.command.line + " was answered"};
@@ -154,7 +154,7 @@ class Sender {
             return;
         }
         if (options_.output.for_people()) {
-            if (reply->succeeded()) context_.out << answer_text(*reply) << '\n' << std::flush;
+            if (reply->succeeded()) environment_.out << answer_text(*reply) << '\n' << std::flush;
         } else {
             print(done, *model::parse_json(bus::to_json_text(*reply)));
         }
@@ -170,12 +170,12 @@ class Sender {
     }
 
     void report_failure(const std::string& where, const Failure& failed) {
-        context_.note(where + failed.text);
+        environment_.note(where + failed.text);
         if (status_ == program::kExitOk) status_ = failed.status;
     }
 
     const SendOptions& options_;
-    Context& context_;
+    Environment& environment_;
     BusSession session_;
     BoardSource source_;
     RecordPrinter records_;
@@ -186,27 +186,28 @@ class Sender {
 
 }  // namespace
 
-int run_send(const SendOptions& options, Context& context) {
+int run_send(const SendOptions& options, Environment& environment) {
     if (options.target.empty() && !options.from_input) {
-        return context.fail_with(
+        return environment.fail_with(
             {program::kExitUsage, "send what to whom? Write BOARD/SERVICE COMMAND [ARG...]"});
     }
     if (!options.raw.empty() && (options.from_input || !options.words.empty())) {
-        return context.fail_with({program::kExitUsage, "--raw goes with a board alone"});
+        return environment.fail_with({program::kExitUsage, "--raw goes with a board alone"});
     }
     const auto target = parse_target(options.target.empty() ? "*" : options.target, true);
-    if (!target) return context.fail_with(target.error());
+    if (!target) return environment.fail_with(target.error());
     const auto labels = parse_selector(options.selector);
-    if (!labels) return context.fail_with(labels.error());
+    if (!labels) return environment.fail_with(labels.error());
     const bool many = !options.from_input && (options.selector || target->is_pattern());
     if (options.from_input && (options.selector || (!options.target.empty() && target->is_pattern())))
-        return context.fail_with({program::kExitUsage, "--stdin goes with one board a line"});
-    if (many && options.hold) return context.fail_with({program::kExitUsage, "--hold goes with one board"});
+        return environment.fail_with({program::kExitUsage, "--stdin goes with one board a line"});
+    if (many && options.hold)
+        return environment.fail_with({program::kExitUsage, "--hold goes with one board"});
     if (options.hold && (options.from_input || options.no_wait || !options.raw.empty()))
-        return context.fail_with({program::kExitUsage, "--hold goes with one command of a service"});
+        return environment.fail_with({program::kExitUsage, "--hold goes with one command of a service"});
     if (options.during && !options.hold)
-        return context.fail_with({program::kExitUsage, "--for goes with --hold"});
-    return Sender(options, context).run(many ? std::optional(*labels) : std::nullopt);
+        return environment.fail_with({program::kExitUsage, "--for goes with --hold"});
+    return Sender(options, environment).run(many ? std::optional(*labels) : std::nullopt);
 }
 
 namespace {
@@ -232,7 +233,7 @@ Run declare_send(Declaration& verb) {
     verb.option("--for", options->during, "With --hold: end after so long");
     verb.output(options->output, {Output::kText},
                 {"board", "target", "line", "status", "proof", "answer", "code", "error", "reason"});
-    return [options](Context& context) { return run_send(*options, context); };
+    return [options](Environment& environment) { return run_send(*options, environment); };
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/find/chosen_boards.hpp"
 #include "cli/output.hpp"
 
@@ -26,6 +26,6 @@ struct SendOptions {
 
 /// `asipctl send`: one command, or those of standard input in order; the status is that of the first that
 /// failed. A target with wildcards, or a selector: the same command to many boards.
-int run_send(const SendOptions& options, Context& context);
+int run_send(const SendOptions& options, Environment& environment);
 
 }  // namespace asip::cli

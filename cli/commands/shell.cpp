@@ -29,17 +29,18 @@ bool read_line(std::istream& in, std::string& line) {
 /// Each line of the input, in order; the status of the first that failed.
 class ScriptShell {
   public:
-    ScriptShell(Context& context, std::string board) : context_(context), board_(std::move(board)) {}
+    ScriptShell(Environment& environment, std::string board)
+        : environment_(environment), board_(std::move(board)) {}
 
     int run() {
         std::string line;
-        for (std::size_t number = 1; !ended_ && !context_.output_ended() && read_line(context_.in, line);
-             ++number) {
+        for (std::size_t number = 1;
+             !ended_ && !environment_.output_ended() && read_line(environment_.in, line); ++number) {
             const auto status = run_line(line);
             if (status && *status == program::kExitOk) continue;
             const int failed = status ? *status : program::kExitUsage;
-            context_.note("line " + std::to_string(number) + ": " +
-                          (status ? "ended with status " + std::to_string(failed) : status.error()));
+            environment_.note("line " + std::to_string(number) + ": " +
+                              (status ? "ended with status " + std::to_string(failed) : status.error()));
             if (first_failed_ == program::kExitOk) first_failed_ = failed;
         }
         return first_failed_;
@@ -55,23 +56,24 @@ class ScriptShell {
         if (ended_ || first == "values") return program::kExitOk;
         if (first == "shell") return fail("this is a shell already");
         if (*words == std::vector<std::string>{"help"}) {
-            context_.out << shell_help(board_) << std::flush;
+            environment_.out << shell_help(board_) << std::flush;
             return program::kExitOk;
         }
-        context_.out.flush();
-        return run_self({arguments_for(context_, expand_words(*context_.command_line, *words, board_))});
+        environment_.out.flush();
+        return run_self(
+            {arguments_for(environment_, expand_words(*environment_.command_line, *words, board_))});
     }
 
-    Context& context_;
+    Environment& environment_;
     std::string board_;
     bool ended_ = false;
     int first_failed_ = program::kExitOk;
 };
 
 /// With a connection of its own: each line makes another one.
-Outcome<void> find_board(Context& context, const std::string& board) {
-    BusSession session(context);
-    BoardSource source(context, session);
+Outcome<void> find_board(Environment& environment, const std::string& board) {
+    BusSession session(environment);
+    BoardSource source(environment, session);
     if (const auto connected = session.connect(); !connected) return tl::unexpected(connected.error());
     if (const auto known = source.board(board); !known) return tl::unexpected(known.error());
     return {};
@@ -79,18 +81,18 @@ Outcome<void> find_board(Context& context, const std::string& board) {
 
 }  // namespace
 
-int run_shell(const ShellOptions& options, Context& context) {
+int run_shell(const ShellOptions& options, Environment& environment) {
     const auto target = parse_target(options.board);
-    if (!target) return context.fail_with(target.error());
+    if (!target) return environment.fail_with(target.error());
     if (!target->service.empty())
-        return context.fail_with(
+        return environment.fail_with(
             {program::kExitUsage, "name the board alone: asipctl shell " + target->board});
-    if (!context.terminal() || isatty(STDIN_FILENO) == 0) {
-        if (const auto known = find_board(context, target->board); !known)
-            return context.fail_with(known.error());
-        return ScriptShell(context, target->board).run();
+    if (!environment.terminal() || isatty(STDIN_FILENO) == 0) {
+        if (const auto known = find_board(environment, target->board); !known)
+            return environment.fail_with(known.error());
+        return ScriptShell(environment, target->board).run();
     }
-    return InteractiveShell(context, target->board, options.values == "on").run();
+    return InteractiveShell(environment, target->board, options.values == "on").run();
 }
 
 namespace {
@@ -99,7 +101,7 @@ Run declare_shell(Declaration& verb) {
     auto options = std::make_shared<ShellOptions>();
     verb.argument("BOARD", options->board, "Which");
     verb.option("--values", "on|off", options->values, "Show the newest reports above the line");
-    return [options](Context& context) { return run_shell(*options, context); };
+    return [options](Environment& environment) { return run_shell(*options, environment); };
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 
 namespace asip::cli {
 
@@ -13,6 +13,6 @@ struct ShellOptions {
 
 /// `asipctl shell`: commands for one board, line by line. Edited on a terminal; else each line of standard
 /// input is a command, and the status is that of the first that failed.
-int run_shell(const ShellOptions& options, Context& context);
+int run_shell(const ShellOptions& options, Environment& environment);
 
 }  // namespace asip::cli

@@ -301,36 +301,37 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
     return text;
 }
 
-int run_show(const ShowOptions& options, Context& context) {
+int run_show(const ShowOptions& options, Environment& environment) {
     const auto target = parse_target(options.target);
-    if (!target) return context.fail_with(target.error());
-    BusSession session(context);
-    BoardSource source(context, session);
-    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+    if (!target) return environment.fail_with(target.error());
+    BusSession session(environment);
+    BoardSource source(environment, session);
+    if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
     auto board = source.board_in_full(target->board);
-    if (!board) return context.fail_with(board.error());
+    if (!board) return environment.fail_with(board.error());
     // Who has its port stands in what its agent announced, not in a registry's answer.
     if (board->item.state == "updating") {
         if (auto retained = source.retained_board(target->board))
             board->item.description = std::move(retained->item.description);
     }
     const bool people = options.output.for_people();
-    RecordPrinter records(options.output, RecordPrinter::Count::kOne, context.out);
+    RecordPrinter records(options.output, RecordPrinter::Count::kOne, environment.out);
     if (target->service.empty()) {
         if (!people) records.print(board_json(*board));
         if (people)
-            context.out << board_text(*board, context.models(), context.width, context.colour) << std::flush;
+            environment.out << board_text(*board, environment.models(), environment.width, environment.colour)
+                            << std::flush;
         return program::kExitOk;
     }
     const auto service = find_service(*board, target->service);
-    if (!service) return context.fail_with(service.error());
-    const auto model = bus::model_of(*service, context.models());
+    if (!service) return environment.fail_with(service.error());
+    const auto model = bus::model_of(*service, environment.models());
     if (!people) records.print(service_json(*board, *service, model.get()));
     const auto label = board->description ? board->description->labels.service(service->name) : std::string();
     if (people)
-        context.out << service_text(target->board, *service, label, model.get(), context.width,
-                                    context.colour)
-                    << std::flush;
+        environment.out << service_text(target->board, *service, label, model.get(), environment.width,
+                                        environment.colour)
+                        << std::flush;
     return program::kExitOk;
 }
 
@@ -344,7 +345,7 @@ Run declare_show(Declaration& verb) {
                  "link",   "agent", "services", "description", "description_fault", "name",
                  "kind",   "title", "count",    "period",      "definition",        "label",
                  "labels", "names"});
-    return [options](Context& context) { return run_show(*options, context); };
+    return [options](Environment& environment) { return run_show(*options, environment); };
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 #include "asip/model/service_model.hpp"
 #include "cli/ask/board_source.hpp"
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
@@ -17,7 +17,7 @@ struct ShowOptions {
 };
 
 /// `asipctl show`: everything known of a board, or of one service of it.
-int run_show(const ShowOptions& options, Context& context);
+int run_show(const ShowOptions& options, Environment& environment);
 
 /// The parts of it, as text. Pure.
 std::string board_text(const KnownBoard& board, const model::ModelSet& models, std::size_t width,

@@ -18,24 +18,27 @@ namespace {
 
 class Stopper {
   public:
-    Stopper(const StopOptions& options, Context& context)
-        : options_(options), context_(context), session_(context), source_(context, session_) {}
+    Stopper(const StopOptions& options, Environment& environment)
+        : options_(options),
+          environment_(environment),
+          session_(environment),
+          source_(environment, session_) {}
 
     int run() {
         if (const auto connected = session_.connect(); !connected)
-            return context_.fail_with(connected.error());
+            return environment_.fail_with(connected.error());
         // Named ones at once: looking them up first would cost time.
         for (const auto& board : options_.boards)
             stop(board);
         if (options_.all)
-            if (const auto found = stop_all(); !found) return context_.fail_with(found.error());
+            if (const auto found = stop_all(); !found) return environment_.fail_with(found.error());
         if (asked_.empty()) {
-            context_.note("there is no board to stop");
+            environment_.note("there is no board to stop");
             return program::kExitOk;
         }
         const auto settled = [this](const Asked& asked) { return asked.reply || denied(asked); };
         session_.run_until([&] { return std::all_of(asked_.begin(), asked_.end(), settled); },
-                           Clock::now() + context_.timeout);
+                           Clock::now() + environment_.timeout);
         return show();
     }
 
@@ -48,7 +51,7 @@ class Stopper {
 
     /// The agent's answer that the board did not confirm is to come before the end of our patience.
     std::string payload() const {
-        const auto deadline = std::clamp<std::int64_t>(context_.timeout.count() * 9 / 10, 50, 60000);
+        const auto deadline = std::clamp<std::int64_t>(environment_.timeout.count() * 9 / 10, 50, 60000);
         return nlohmann::json{{"deadline_ms", deadline}}.dump();
     }
 
@@ -57,7 +60,7 @@ class Stopper {
         if (std::any_of(asked_.begin(), asked_.end(), same)) return;
         auto& asked = asked_.emplace_back(Asked{board, std::nullopt, {}});
         asked.request = session_.ask(
-            context_.topics.stop(board), payload(),
+            environment_.topics.stop(board), payload(),
             [&asked](const mqtt::Message& message) {
                 if (asked.reply) return;
                 const auto reply = bus::parse_reply(message.payload);
@@ -77,12 +80,12 @@ class Stopper {
 
     int show() {
         int status = program::kExitOk;
-        RecordPrinter records(options_.output, RecordPrinter::Count::kList, context_.out);
+        RecordPrinter records(options_.output, RecordPrinter::Count::kList, environment_.out);
         Table table({{"BOARD"}, {"RESULT"}, {"EXECUTED", false, 10}, {"REFUSED", true}});
         for (const auto& asked : asked_) {
             const auto reply = reply_of(asked);
             if (!reply.succeeded()) {
-                context_.note(asked.board + ": " + why_not(reply));
+                environment_.note(asked.board + ": " + why_not(reply));
                 if (status == program::kExitOk)
                     status = reply.reason == kNoAnswer ? session_.unanswered({}).status : exit_status(reply);
             }
@@ -105,29 +108,30 @@ class Stopper {
                  executed.empty() ? "-" : executed, std::to_string(answer.value("refused", 0))});
         }
         records.finish();
-        if (options_.output.for_people()) context_.out << table.render(context_.width, context_.colour);
+        if (options_.output.for_people())
+            environment_.out << table.render(environment_.width, environment_.colour);
         return status;
     }
 
-    bool denied(const Asked& asked) const { return session_.denied(context_.topics.stop(asked.board)); }
+    bool denied(const Asked& asked) const { return session_.denied(environment_.topics.stop(asked.board)); }
 
     bus::Reply reply_of(const Asked& asked) const {
         if (asked.reply) return *asked.reply;
-        return denied(asked) ? refused_by_broker(context_.topics.stop(asked.board))
+        return denied(asked) ? refused_by_broker(environment_.topics.stop(asked.board))
                              : bus::Reply::timeout(std::string(kNoAnswer));
     }
 
     std::string why_not(const bus::Reply& reply) const {
         if (reply.reason == kNoAnswer)
             return session_
-                .unanswered("nobody answered within " + std::to_string(context_.timeout.count()) +
+                .unanswered("nobody answered within " + std::to_string(environment_.timeout.count()) +
                             " ms; is the board's agent running? Try: asipctl doctor")
                 .text;
         return reply.error.empty() ? explain(reply) : reply.error;
     }
 
     const StopOptions& options_;
-    Context& context_;
+    Environment& environment_;
     BusSession session_;
     BoardSource source_;
     std::list<Asked> asked_;
@@ -135,13 +139,13 @@ class Stopper {
 
 }  // namespace
 
-int run_stop(const StopOptions& options, Context& context) {
+int run_stop(const StopOptions& options, Environment& environment) {
     if (options.boards.empty() && !options.all)
-        return context.fail_with({program::kExitUsage, "stop which board? Write its name, or --all"});
+        return environment.fail_with({program::kExitUsage, "stop which board? Write its name, or --all"});
     for (const auto& board : options.boards)
         if (!model::valid_board_name(board))
-            return context.fail_with({program::kExitUsage, model::explain_board_name(board)});
-    return Stopper(options, context).run();
+            return environment.fail_with({program::kExitUsage, model::explain_board_name(board)});
+    return Stopper(options, environment).run();
 }
 
 namespace {
@@ -152,7 +156,7 @@ Run declare_stop(Declaration& verb) {
     verb.flag("--all", options->all, "Every board on the bus");
     verb.output(options->output, {Output::kTable},
                 {"board", "status", "executed", "refused", "error", "reason", "code"});
-    return [options](Context& context) { return run_stop(*options, context); };
+    return [options](Environment& environment) { return run_stop(*options, environment); };
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
@@ -15,6 +15,6 @@ struct StopOptions {
 };
 
 /// `asipctl stop`: stops boards ahead of everything that waits for them, and shows what was done.
-int run_stop(const StopOptions& options, Context& context);
+int run_stop(const StopOptions& options, Environment& environment);
 
 }  // namespace asip::cli

@@ -62,32 +62,32 @@ std::vector<std::string> seen_fields() {
 
 class EventPrinter {
   public:
-    EventPrinter(const SubscribeOptions& options, Context& context)
+    EventPrinter(const SubscribeOptions& options, Environment& environment)
         : options_(options),
-          context_(context),
-          records_(options.output, RecordPrinter::Count::kStream, context.out) {
+          environment_(environment),
+          records_(options.output, RecordPrinter::Count::kStream, environment.out) {
         // Checked when the command line was read.
         if (!options.output.format.empty()) template_ = *LineTemplate::parse(options.output.format);
     }
 
     void print(const SeenEvent& seen) {
         if (template_) {
-            context_.out << template_->fill([&](std::string_view name) { return value_of(seen, name); })
-                         << std::endl;
+            environment_.out << template_->fill([&](std::string_view name) { return value_of(seen, name); })
+                             << std::endl;
         } else if (!options_.output.for_people()) {
             records_.print(record(seen));
         } else {
-            if (context_.terminal() && !std::exchange(headed_, true))
-                context_.out << event_header(options_.time, options_.age, context_.colour) << '\n';
-            context_.out << event_text(seen.event, seen.decoded.text, options_.time, options_.age,
-                                       context_.colour)
-                         << std::endl;
+            if (environment_.terminal() && !std::exchange(headed_, true))
+                environment_.out << event_header(options_.time, options_.age, environment_.colour) << '\n';
+            environment_.out << event_text(seen.event, seen.decoded.text, options_.time, options_.age,
+                                           environment_.colour)
+                             << std::endl;
         }
     }
 
   private:
     const SubscribeOptions& options_;
-    Context& context_;
+    Environment& environment_;
     RecordPrinter records_;
     std::optional<LineTemplate> template_;
     bool headed_ = false;
@@ -97,13 +97,13 @@ class EventPrinter {
 class Subscriber {
   public:
     Subscriber(const SubscribeOptions& options, std::vector<Target> targets, bus::LabelSelector labels,
-               Context& context)
+               Environment& environment)
         : options_(options),
-          context_(context),
+          environment_(environment),
           targets_(std::move(targets)),
           labels_(std::move(labels)),
-          catalogue_(context.topics),
-          printer_(options, context),
+          catalogue_(environment.topics),
+          printer_(options, environment),
           pace_(options.changes, options.max_hz) {}
 
     void subscribe(BusSession& session) {
@@ -120,7 +120,7 @@ class Subscriber {
             for (const auto& target : targets_)
                 demands_.push_back(session.demand(target.board, target.service, wanted_hz()));
         }
-        for (const auto& filter : context_filters(context_.topics, targets_, options_.raw)) {
+        for (const auto& filter : context_filters(environment_.topics, targets_, options_.raw)) {
             subscriptions_.push_back(
                 session.subscribe(filter, [this](const mqtt::Message& message) { take(message); }));
         }
@@ -137,13 +137,13 @@ class Subscriber {
   private:
     /// Of a pattern only where it cannot be done without: they may be thousands.
     std::set<std::string> descriptions() const {
-        const auto needed = description_filters(context_.topics, targets_, options_.raw);
+        const auto needed = description_filters(environment_.topics, targets_, options_.raw);
         std::set<std::string> filters(needed.begin(), needed.end());
         for (const auto& target : targets_) {
             if (!options_.raw && !target.is_pattern())
-                filters.insert(context_.topics.description(target.board));
+                filters.insert(environment_.topics.description(target.board));
             if (!labels_.empty())
-                filters.insert(context_.topics.description(target.is_pattern() ? "+" : target.board));
+                filters.insert(environment_.topics.description(target.is_pattern() ? "+" : target.board));
         }
         return filters;
     }
@@ -169,11 +169,11 @@ class Subscriber {
         if (event.kind != ContextEvent::Kind::kValue) return nullptr;
         if (const auto* description = catalogue_.description(event.board)) {
             for (const auto& service : description->services) {
-                if (service.name == event.service) return bus::model_of(service, context_.models());
+                if (service.name == event.service) return bus::model_of(service, environment_.models());
             }
         }
         // A service is named by its model.
-        return context_.models().find(event.service);
+        return environment_.models().find(event.service);
     }
 
     /// Models are parsed when first asked for, which takes longer than `-o jsonl` may.
@@ -195,7 +195,7 @@ class Subscriber {
 
     void take(const mqtt::Message& message) {
         if (enough()) return;
-        auto event = context_event(context_.topics, message.topic, message.payload);
+        auto event = context_event(environment_.topics, message.topic, message.payload);
         if (!event || !is_wanted(*event, targets_, catalogue_.description(event->board))) return;
         if (!is_chosen(event->board)) return;
         event->retained = message.retain;
@@ -211,7 +211,7 @@ class Subscriber {
     }
 
     const SubscribeOptions& options_;
-    Context& context_;
+    Environment& environment_;
     std::vector<Target> targets_;
     bus::LabelSelector labels_;
     bus::Mirror catalogue_;
@@ -225,53 +225,53 @@ class Subscriber {
 };
 
 /// A name that no board has is reported at once, but one may still come.
-void note_unknown(const std::vector<Target>& targets, const bus::LabelSelector& labels, Context& context,
-                  BoardSource& source) {
+void note_unknown(const std::vector<Target>& targets, const bus::LabelSelector& labels,
+                  Environment& environment, BoardSource& source) {
     for (const auto& target : targets) {
         if (!labels.empty()) {
             const auto boards = choose_boards(source, target, labels);
             if (!boards && boards.error().text == kInterrupted) return;
-            if (!boards) context.note(boards.error().text + "; waiting for one");
+            if (!boards) environment.note(boards.error().text + "; waiting for one");
             continue;
         }
         if (target.is_pattern()) continue;
         const auto board = source.board(target.board);
         if (!board && board.error().text == kInterrupted) return;
         if (!board) {
-            context.note(board.error().text + "; waiting for it");
+            environment.note(board.error().text + "; waiting for it");
             continue;
         }
         if (!target.service.empty() && board->description) {
             if (const auto service = find_service(*board, target.service); !service)
-                context.note(service.error().text);
+                environment.note(service.error().text);
         }
         if (board->item.state != "online")
-            context.note(target.board + " is " + board->item.state + "; waiting for it");
+            environment.note(target.board + " is " + board->item.state + "; waiting for it");
     }
 }
 
 }  // namespace
 
-int run_subscribe(const SubscribeOptions& options, Context& context) {
+int run_subscribe(const SubscribeOptions& options, Environment& environment) {
     if (options.targets.empty() && !options.selector)
-        return context.fail_with(
+        return environment.fail_with(
             {program::kExitUsage,
              "subscribe to what? Write BOARD[/SERVICE]..., or choose boards by -l SELECTOR"});
     const auto targets =
         parse_targets(options.targets.empty() ? std::vector<std::string>{"*"} : options.targets);
-    if (!targets) return context.fail_with(targets.error());
+    if (!targets) return environment.fail_with(targets.error());
     const auto labels = parse_selector(options.selector);
-    if (!labels) return context.fail_with(labels.error());
+    if (!labels) return environment.fail_with(labels.error());
     if (options.raw && !options.field.empty())
-        return context.fail_with({program::kExitUsage, "--field takes decoded values; leave --raw away"});
-    BusSession session(context);
+        return environment.fail_with({program::kExitUsage, "--field takes decoded values; leave --raw away"});
+    BusSession session(environment);
     session.tell_refused_subscriptions();
-    BoardSource source(context, session);
-    Subscriber subscriber(options, *targets, *labels, context);
+    BoardSource source(environment, session);
+    Subscriber subscriber(options, *targets, *labels, environment);
     subscriber.subscribe(session);
     const auto deadline = options.limit ? Clock::now() + *options.limit : Time::max();
-    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
-    note_unknown(*targets, *labels, context, source);
+    if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
+    note_unknown(*targets, *labels, environment, source);
     while (!session.stopped() && !subscriber.enough() && Clock::now() < deadline) {
         const auto ended = [&] {
             subscriber.print_due();
@@ -306,7 +306,7 @@ Run declare_subscribe(Declaration& verb) {
                 0.001, 1000);
     verb.flag("--no-demand", options->no_demand, "Only listen: ask no board to report");
     verb.output(options->output, {Output::kText}, seen_fields());
-    return [options](Context& context) { return run_subscribe(*options, context); };
+    return [options](Environment& environment) { return run_subscribe(*options, environment); };
 }
 
 }  // namespace

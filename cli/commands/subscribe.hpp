@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/find/chosen_boards.hpp"
 #include "cli/output.hpp"
 
@@ -29,6 +29,6 @@ struct SubscribeOptions {
 
 /// `asipctl subscribe`: what boards report, as it comes. kExitNoAnswer when the time is over and fewer than
 /// `count` (at least one) came.
-int run_subscribe(const SubscribeOptions& options, Context& context);
+int run_subscribe(const SubscribeOptions& options, Environment& environment);
 
 }  // namespace asip::cli

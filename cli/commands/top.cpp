@@ -32,8 +32,12 @@ constexpr Duration kFirstDocument = 17s;
 
 class Top {
   public:
-    Top(const TopOptions& options, Context& context)
-        : options_(options), context_(context), session_(context), catalogue_(context.topics), model_(5s) {}
+    Top(const TopOptions& options, Environment& environment)
+        : options_(options),
+          environment_(environment),
+          session_(environment),
+          catalogue_(environment.topics),
+          model_(5s) {}
 
     int run() {
         session_.tell_refused_subscriptions();
@@ -43,16 +47,16 @@ class Top {
   private:
     int run_stats() {
         const auto take = [this](const mqtt::Message& message) {
-            const auto topic = context_.topics.parse(message.topic);
+            const auto topic = environment_.topics.parse(message.topic);
             if (!topic || message.retain || !wanted(std::string(topic->board))) return;
             stats_.take(std::string(topic->board), message.payload, Clock::now());
         };
-        const auto documents = session_.subscribe(context_.topics.stats("+"), take, {.retained = false});
+        const auto documents = session_.subscribe(environment_.topics.stats("+"), take, {.retained = false});
         session_.on_connection_change(
             [this](bool connected, const std::string& why) { lost_ = connected ? "" : why; });
         if (const auto connected = session_.connect(); !connected)
-            return context_.fail_with(connected.error());
-        context_.note("agents publish what they counted every 15 s");
+            return environment_.fail_with(connected.error());
+        environment_.note("agents publish what they counted every 15 s");
         session_.run_until([this] { return !stats_.empty(); }, Clock::now() + kFirstDocument);
         for (std::size_t round = 0; !session_.stopped() && (options_.count == 0 || round < options_.count);
              ++round) {
@@ -60,23 +64,23 @@ class Top {
             show(stats_.records(Clock::now()), stats_.table(Clock::now()));
         }
         if (!stats_.empty() || session_.stopped() || options_.pattern == "*") return program::kExitOk;
-        return context_.fail_with({program::kExitNoAnswer, "no agent published what it counted of " +
-                                                               options_.pattern + "; see asipctl list"});
+        return environment_.fail_with({program::kExitNoAnswer, "no agent published what it counted of " +
+                                                                   options_.pattern + "; see asipctl list"});
     }
 
     int run_services() {
         const auto announce = [this](const mqtt::Message& message) { take_announcement(message); };
-        const auto announcements = session_.subscribe(context_.topics.board_names() + "/+/+", announce);
+        const auto announcements = session_.subscribe(environment_.topics.board_names() + "/+/+", announce);
         const auto report = [this](const mqtt::Message& message) { take_report(message); };
         const auto reports =
-            session_.subscribe(context_.topics.service_out("+", "+"), report, {.retained = false});
+            session_.subscribe(environment_.topics.service_out("+", "+"), report, {.retained = false});
         const auto errors =
-            session_.subscribe(context_.topics.service_error("+", "+"), report, {.retained = false});
+            session_.subscribe(environment_.topics.service_error("+", "+"), report, {.retained = false});
         session_.on_connection_change(
             [this](bool connected, const std::string& why) { lost_ = connected ? "" : why; });
         if (const auto connected = session_.connect(); !connected)
-            return context_.fail_with(connected.error());
-        session_.publish(context_.topics.probe(), "");
+            return environment_.fail_with(connected.error());
+        session_.publish(environment_.topics.probe(), "");
         const auto want = session_.want(options_.pattern, "*", kDemandedHz);
         for (std::size_t round = 0; !session_.stopped() && (options_.count == 0 || round < options_.count);
              ++round) {
@@ -85,7 +89,7 @@ class Top {
             missing_ = which_is_missing();
             show(model_.records(Clock::now()), model_.table(Clock::now()));
         }
-        return missing_ && !session_.stopped() ? context_.fail_with(*missing_) : program::kExitOk;
+        return missing_ && !session_.stopped() ? environment_.fail_with(*missing_) : program::kExitOk;
     }
 
     std::optional<Failure> which_is_missing() const {
@@ -109,7 +113,7 @@ class Top {
     }
 
     void take_report(const mqtt::Message& message) {
-        const auto event = context_event(context_.topics, message.topic, message.payload);
+        const auto event = context_event(environment_.topics, message.topic, message.payload);
         if (!event || !wanted(event->board) || message.retain) return;
         if (event->kind == ContextEvent::Kind::kError) {
             model_.error(event->board, event->service, Clock::now());
@@ -129,7 +133,7 @@ class Top {
                 continue;
             const auto begin = Clock::now();
             const auto name = board.board;
-            pings_[name] = session_.ask(context_.topics.board_in(name), std::string(protocol::kAskInfo),
+            pings_[name] = session_.ask(environment_.topics.board_in(name), std::string(protocol::kAskInfo),
                                         [this, name, begin](const mqtt::Message& message) {
                                             const auto reply = bus::parse_reply(message.payload);
                                             pings_.erase(name);
@@ -142,24 +146,24 @@ class Top {
 
     void show(const std::vector<nlohmann::json>& rows, Table table) {
         if (!options_.output.for_people()) {
-            RecordPrinter records(options_.output, RecordPrinter::Count::kList, context_.out);
+            RecordPrinter records(options_.output, RecordPrinter::Count::kList, environment_.out);
             for (const auto& row : rows)
                 records.print(row);
             records.finish();
             return;
         }
         // Home and clear: the table is drawn over itself.
-        if (redraws_) context_.out << "\033[H\033[J";
-        if (!lost_.empty()) context_.out << lost_ << '\n';
-        if (missing_ && context_.terminal()) context_.out << missing_->text << "; waiting for it\n";
-        context_.out << table.render(context_.width, context_.colour);
-        if (!redraws_) context_.out << '\n';
-        context_.out << std::flush;
+        if (redraws_) environment_.out << "\033[H\033[J";
+        if (!lost_.empty()) environment_.out << lost_ << '\n';
+        if (missing_ && environment_.terminal()) environment_.out << missing_->text << "; waiting for it\n";
+        environment_.out << table.render(environment_.width, environment_.colour);
+        if (!redraws_) environment_.out << '\n';
+        environment_.out << std::flush;
     }
 
     const TopOptions& options_;
-    Context& context_;
-    bool redraws_ = context_.terminal() && knows_escapes(program::environment_variable("TERM"));
+    Environment& environment_;
+    bool redraws_ = environment_.terminal() && knows_escapes(program::environment_variable("TERM"));
     BusSession session_;
     bus::Mirror catalogue_;
     TopModel model_;
@@ -171,10 +175,10 @@ class Top {
 
 }  // namespace
 
-int run_top(const TopOptions& options, Context& context) {
+int run_top(const TopOptions& options, Environment& environment) {
     if (const auto valid = check_board_pattern(options.pattern, "top"); !valid)
-        return context.fail_with(valid.error());
-    return Top(options, context).run();
+        return environment.fail_with(valid.error());
+    return Top(options, environment).run();
 }
 
 namespace {
@@ -192,7 +196,7 @@ Run declare_top(Declaration& verb) {
         options->output, {Output::kTable},
         {"board", "state", "round_trip_ms", "service", "rate", "age", "errors", "last", "uptime", "line",
          "commands", "round_trip", "queue", "holds", "stops", "bus", "number", "interval", "session"});
-    return [options](Context& context) { return run_top(*options, context); };
+    return [options](Environment& environment) { return run_top(*options, environment); };
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
@@ -19,6 +19,6 @@ struct TopOptions {
 };
 
 /// `asipctl top`: a table that is drawn anew each interval; on anything but a terminal, one below the other.
-int run_top(const TopOptions& options, Context& context);
+int run_top(const TopOptions& options, Environment& environment);
 
 }  // namespace asip::cli

@@ -21,31 +21,31 @@ namespace {
 /// Watches one board until what is waited for has come.
 class Waiter {
   public:
-    Waiter(const WaitOptions& options, Context& context, Target target)
+    Waiter(const WaitOptions& options, Environment& environment, Target target)
         : options_(options),
-          context_(context),
+          environment_(environment),
           targets_{std::move(target)},
           for_state_(model::board_state_from_text(options.what).has_value()),
-          session_(context),
-          catalogue_(context.topics) {}
+          session_(environment),
+          catalogue_(environment.topics) {}
 
     int run() {
         watch_announcements();
         retained_ = session_.mark_retained();
         if (!for_state_) watch_events();
         if (const auto connected = session_.connect(); !connected)
-            return context_.fail_with(connected.error());
-        const auto deadline = Clock::now() + context_.timeout;
-        session_.publish(context_.topics.probe(), board());
+            return environment_.fail_with(connected.error());
+        const auto deadline = Clock::now() + environment_.timeout;
+        session_.publish(environment_.topics.probe(), board());
         session_.run_until([this] { return came(); }, deadline);
         // However short it is: what is retained was looked at once.
         session_.run_until([this] { return came() || retained_->passed(); },
                            std::max(deadline, Clock::now() + kMarkPatience));
         if (came()) return print();
-        if (session_.stopped()) return context_.fail_with(interrupted().value());
-        return context_.fail_with(session_.unanswered(targets_.front().text() + ": no " + options_.what +
-                                                      " within " + std::to_string(context_.timeout.count()) +
-                                                      " ms; " + present()));
+        if (session_.stopped()) return environment_.fail_with(interrupted().value());
+        return environment_.fail_with(
+            session_.unanswered(targets_.front().text() + ": no " + options_.what + " within " +
+                                std::to_string(environment_.timeout.count()) + " ms; " + present()));
     }
 
   private:
@@ -55,14 +55,15 @@ class Waiter {
         const auto take = [this](const mqtt::Message& message) {
             catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
         };
-        for (const auto& topic : {context_.topics.state(board()), context_.topics.description(board()),
-                                  context_.topics.service_names(board())})
+        for (const auto& topic :
+             {environment_.topics.state(board()), environment_.topics.description(board()),
+              environment_.topics.service_names(board())})
             subscriptions_.push_back(session_.subscribe(topic, take));
     }
 
     void watch_events() {
         want_ = session_.want(board(), targets_.front().service);
-        for (const auto& filter : context_filters(context_.topics, targets_, false)) {
+        for (const auto& filter : context_filters(environment_.topics, targets_, false)) {
             subscriptions_.push_back(session_.subscribe(filter, [this](const mqtt::Message& message) {
                 if (!message.retain && !event_) take_event(message);
             }));
@@ -70,7 +71,7 @@ class Waiter {
     }
 
     void take_event(const mqtt::Message& message) {
-        auto event = context_event(context_.topics, message.topic, message.payload);
+        auto event = context_event(environment_.topics, message.topic, message.payload);
         if (!event || event->kind != ContextEvent::Kind::kValue) return;
         if (!is_wanted(*event, targets_, catalogue_.description(board()))) return;
         const auto document = model::parse_json(event->payload);
@@ -107,15 +108,16 @@ class Waiter {
                                  : nlohmann::json{{"board", board()},
                                                   {"state", options_.what},
                                                   {"time", text::iso_time(text::wall_now())}};
-            RecordPrinter(options_.output, RecordPrinter::Count::kOne, context_.out).print(record);
+            RecordPrinter(options_.output, RecordPrinter::Count::kOne, environment_.out).print(record);
         } else if (event_) {
-            context_.out << event_text(*event_, event_->payload, false, false, context_.colour) << std::endl;
+            environment_.out << event_text(*event_, event_->payload, false, false, environment_.colour)
+                             << std::endl;
         }
         return program::kExitOk;
     }
 
     const WaitOptions& options_;
-    Context& context_;
+    Environment& environment_;
     std::vector<Target> targets_;
     bool for_state_;
     BusSession session_;
@@ -128,10 +130,10 @@ class Waiter {
 
 }  // namespace
 
-int run_wait(const WaitOptions& options, Context& context) {
+int run_wait(const WaitOptions& options, Environment& environment) {
     auto target = parse_target(options.target);
-    if (!target) return context.fail_with(target.error());
-    return Waiter(options, context, std::move(*target)).run();
+    if (!target) return environment.fail_with(target.error());
+    return Waiter(options, environment, std::move(*target)).run();
 }
 
 namespace {
@@ -142,7 +144,7 @@ Run declare_wait(Declaration& verb) {
     verb.option("--for", "online|offline|lost|sleeping|updating|...", options->what,
                 "A state of the board, or the name of an event");
     verb.output(options->output, {Output::kText}, {"board", "state", "time", "service", "event", "age"});
-    return [options](Context& context) { return run_wait(*options, context); };
+    return [options](Environment& environment) { return run_wait(*options, environment); };
 }
 
 }  // namespace

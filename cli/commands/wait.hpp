@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
@@ -15,6 +15,6 @@ struct WaitOptions {
 
 /// `asipctl wait`: returns kExitOk once the board is in the state (at once when it is already), or once the
 /// event was reported; kExitNoAnswer when it did not come within the context's timeout.
-int run_wait(const WaitOptions& options, Context& context);
+int run_wait(const WaitOptions& options, Environment& environment);
 
 }  // namespace asip::cli

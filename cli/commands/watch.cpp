@@ -20,14 +20,14 @@ using namespace std::chrono_literals;
 /// Follows a registry: pages of a snapshot joined to its change events.
 class RegistryWatch {
   public:
-    RegistryWatch(Context& context, BusSession& session, bus::CatalogueView& view)
-        : context_(context), session_(session), view_(view) {
+    RegistryWatch(Environment& environment, BusSession& session, bus::CatalogueView& view)
+        : environment_(environment), session_(session), view_(view) {
         events_ =
-            session_.subscribe(context.topics.registry_events("+"), [this](const mqtt::Message& message) {
+            session_.subscribe(environment.topics.registry_events("+"), [this](const mqtt::Message& message) {
                 if (const auto event = bus::parse_change_event(message.payload)) view_.event(*event);
             });
         session_.on_connection_change([this](bool connected, const std::string& why) {
-            context_.note(connected ? "connected again" : why);
+            environment_.note(connected ? "connected again" : why);
             if (connected) view_.restart();
             asked_at_.reset();
         });
@@ -39,8 +39,8 @@ class RegistryWatch {
         if (!query || (asked_at_ && Clock::now() - *asked_at_ < 2s)) return;
         if (asked_at_) view_.restart();
         asked_at_ = Clock::now();
-        const auto topic = view_.registry().empty() ? context_.topics.any_registry_query()
-                                                    : context_.topics.registry_query(view_.registry());
+        const auto topic = view_.registry().empty() ? environment_.topics.any_registry_query()
+                                                    : environment_.topics.registry_query(view_.registry());
         request_ = session_.ask(topic, bus::encode(bus::RegistryRequest{*query, {}, {}}),
                                 [this](const mqtt::Message& message) {
                                     const auto answer = bus::parse_answer(message.payload);
@@ -51,7 +51,7 @@ class RegistryWatch {
     }
 
   private:
-    Context& context_;
+    Environment& environment_;
     BusSession& session_;
     bus::CatalogueView& view_;
     BusSession::Subscription events_;
@@ -59,29 +59,30 @@ class RegistryWatch {
     std::optional<Time> asked_at_;
 };
 
-bool wanted(const ListOptions& options, const bus::BoardItem& board, const Context& context) {
+bool wanted(const ListOptions& options, const bus::BoardItem& board, const Environment& environment) {
     // Of services each is judged when it is printed.
     if (!options.services() && !where_holds(*parse_where(options), board)) return false;
     std::optional<model::Description> description;
     if (!board.description.empty()) {
         if (auto parsed = model::parse_description(board.description)) description = std::move(*parsed);
     }
-    return bus::board_matches(options.query, board, description ? &*description : nullptr, context.models());
+    return bus::board_matches(options.query, board, description ? &*description : nullptr,
+                              environment.models());
 }
 
-int watch_registry(const ListOptions& options, Context& context, ChangePrinter& printer) {
-    BusSession session(context);
+int watch_registry(const ListOptions& options, Environment& environment, ChangePrinter& printer) {
+    BusSession session(environment);
     session.tell_refused_subscriptions();
     bus::CatalogueView view(
         [&](const bus::CatalogueView::Change& change) {
             const bool gone = change.kind == bus::ChangeEvent::Kind::kForgotten;
-            if (!gone && !wanted(options, change.board, context)) return;
-            context.out << (gone ? printer.gone(change.board.board) : printer.changed(change.board))
-                        << std::flush;
+            if (!gone && !wanted(options, change.board, environment)) return;
+            environment.out << (gone ? printer.gone(change.board.board) : printer.changed(change.board))
+                            << std::flush;
         },
         options.query.board);
-    RegistryWatch watch(context, session, view);
-    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+    RegistryWatch watch(environment, session, view);
+    if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
     while (!session.stopped()) {
         watch.step();
         session.run_until([&] { return view.needs_snapshot(); }, Clock::now() + 200ms);
@@ -90,28 +91,28 @@ int watch_registry(const ListOptions& options, Context& context, ChangePrinter& 
     return program::kExitOk;
 }
 
-int watch_bus(const ListOptions& options, Context& context, ChangePrinter& printer) {
-    BusSession session(context);
+int watch_bus(const ListOptions& options, Environment& environment, ChangePrinter& printer) {
+    BusSession session(environment);
     session.tell_refused_subscriptions();
-    bus::Mirror catalogue(context.topics);
+    bus::Mirror catalogue(environment.topics);
     std::vector<std::string> changed;
     const auto take = [&](const mqtt::Message& message) {
         auto name = catalogue.apply(message.topic, message.payload, message.retain, Clock::now());
         if (!name.empty()) changed.push_back(std::move(name));
     };
-    const auto announcements = session.subscribe(context.topics.board_names() + "/+/+", take);
-    const auto services = session.subscribe(context.topics.service_names("+"), take);
-    const auto names = session.subscribe(context.topics.board_names(), take);
-    if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
-    session.publish(context.topics.probe(), "");
+    const auto announcements = session.subscribe(environment.topics.board_names() + "/+/+", take);
+    const auto services = session.subscribe(environment.topics.service_names("+"), take);
+    const auto names = session.subscribe(environment.topics.board_names(), take);
+    if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
+    session.publish(environment.topics.probe(), "");
     session.run_for(kRetainedPatience);
     while (!session.stopped()) {
         for (const auto& name : changed) {
             const auto board = catalogue.board(name, Clock::now());
             if (!board) {
-                context.out << printer.gone(name) << std::flush;
-            } else if (wanted(options, *board, context)) {
-                context.out << printer.changed(*board) << std::flush;
+                environment.out << printer.gone(name) << std::flush;
+            } else if (wanted(options, *board, environment)) {
+                environment.out << printer.changed(*board) << std::flush;
             }
         }
         changed.clear();
@@ -123,12 +124,12 @@ int watch_bus(const ListOptions& options, Context& context, ChangePrinter& print
 }
 
 /// Nothing: it is over, with `status`.
-std::optional<std::string> registry_here(Context& context, int& status) {
-    if (context.from_bus) return "";
-    BusSession session(context);
-    BoardSource source(context, session);
+std::optional<std::string> registry_here(Environment& environment, int& status) {
+    if (environment.from_bus) return "";
+    BusSession session(environment);
+    BoardSource source(environment, session);
     if (const auto connected = session.connect(); !connected) {
-        status = context.fail_with(connected.error());
+        status = environment.fail_with(connected.error());
         return std::nullopt;
     }
     auto registry = source.find_registry();
@@ -214,13 +215,13 @@ std::string ChangePrinter::gone(const std::string& board) {
     return options_.output.form == Output::kName ? for_terminal(board) + "\n" : rows(item);
 }
 
-int run_watch(const ListOptions& options, Context& context) {
-    ChangePrinter printer(options, context.width, context.colour);
+int run_watch(const ListOptions& options, Environment& environment) {
+    ChangePrinter printer(options, environment.width, environment.colour);
     int status = program::kExitOk;
-    const auto registry = registry_here(context, status);
+    const auto registry = registry_here(environment, status);
     if (!registry) return status;
-    return registry->empty() ? watch_bus(options, context, printer)
-                             : watch_registry(options, context, printer);
+    return registry->empty() ? watch_bus(options, environment, printer)
+                             : watch_registry(options, environment, printer);
 }
 
 }  // namespace asip::cli

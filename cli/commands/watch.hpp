@@ -9,7 +9,7 @@ namespace asip::cli {
 
 /// `asipctl list -w`: the list, then each board or service that changes, as one more row (or JSON line),
 /// until Ctrl-C.
-int run_watch(const ListOptions& options, Context& context);
+int run_watch(const ListOptions& options, Environment& environment);
 
 /// Decides which rows a watcher sees: what differs from what was shown of the board last. Pure.
 class ChangePrinter {

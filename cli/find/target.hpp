@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cli/ask/board_source.hpp"
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 
 namespace asip::cli {
 

@@ -18,8 +18,8 @@ std::string firmware_type(const Field& field) {
     if (field.type == ValueType::kText) return "const char*";
     if (field.type == ValueType::kNumber) return "float";
     const auto range = whole_range(field);
-    if (range.fits(0, kMostOf16Bits)) return "uint16_t";
-    if (range.fits(-kMostSigned16Bits, kMostSigned16Bits)) return "int16_t";
+    if (range.fits(0, kMaxUnsigned16Bits)) return "uint16_t";
+    if (range.fits(-kMaxSigned16Bits, kMaxSigned16Bits)) return "int16_t";
     return "int32_t";
 }
 

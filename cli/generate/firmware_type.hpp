@@ -8,8 +8,8 @@
 namespace asip::generate {
 
 /// Bounds of what 16 bits hold.
-inline constexpr double kMostOf16Bits = 65535;
-inline constexpr double kMostSigned16Bits = 32767;
+inline constexpr double kMaxUnsigned16Bits = 65535;
+inline constexpr double kMaxSigned16Bits = 32767;
 
 /// The type in which the firmware keeps a value.
 std::string firmware_type(const model::Field& field);

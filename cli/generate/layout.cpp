@@ -21,7 +21,7 @@ using model::Field;
 using model::ServiceModel;
 using model::ValueType;
 
-constexpr std::size_t kMostFromExamples = 16;
+constexpr std::size_t kMaxFromExamples = 16;
 constexpr int kFirstAnalogPin = 14;
 constexpr std::array kAnalogPins{14, 15, 16, 17, 18, 19};
 constexpr std::array kPwmPins{5, 6, 9, 10, 3, 11};
@@ -150,7 +150,7 @@ std::size_t elements_in_examples(const ServiceModel& model) {
         if (example.is_event() && event != nullptr && event->shape == EventShape::kPerElement)
             most = std::max(most, document->begin().value().size());
     }
-    return std::min(most, kMostFromExamples);
+    return std::min(most, kMaxFromExamples);
 }
 
 WholeRange whole_range(const Field& field) {

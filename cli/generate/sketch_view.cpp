@@ -201,7 +201,7 @@ class SketchView {
         json view = {{"name", name}, {"what", comment(model::describe(argument))}};
         const auto low_and_high = whole_range(argument);
         if (is_element) {  // whatever the model allows: no element is below 0
-            const auto most = std::clamp(low_and_high.high, 0.0, kMostOf16Bits);
+            const auto most = std::clamp(low_and_high.high, 0.0, kMaxUnsigned16Bits);
             view["plain"] = {{"type", "uint16_t"}, {"read", fmt::format("number({:.0f})", most)}};
         } else if (argument.type == ValueType::kCount) {
             view["plain"] = {{"type", "uint16_t"}, {"read", "number(65535)"}};

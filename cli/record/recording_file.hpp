@@ -7,7 +7,7 @@
 
 #include "asip/expected.hpp"
 #include "asip/time.hpp"
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/record/recording.hpp"
 
 namespace asip::cli {

@@ -34,7 +34,7 @@ std::string configuration_for(const SecureOptions& options, const SecureFolder& 
     return wanted ? fs::absolute(system / "asip-secured.conf").string() : folder.configuration().string();
 }
 
-Outcome<SecuredBus> ensure_bus(const SecureOptions& options, const Context& context,
+Outcome<SecuredBus> ensure_bus(const SecureOptions& options, const Environment& environment,
                                const SecureFolder& folder) {
     if (folder.initialised()) {
         auto bus = folder.bus();
@@ -46,12 +46,12 @@ Outcome<SecuredBus> ensure_bus(const SecureOptions& options, const Context& cont
         return bus;
     }
     if (auto valid = check_hosts(options.hosts); !valid) return tl::unexpected(valid.error());
-    if (context.topics.root().find('%') != std::string::npos)
+    if (environment.topics.root().find('%') != std::string::npos)
         return failure(program::kExitUsage, "access rules cannot have a topic root with %");
     SecuredBus bus;
     bus.hosts = options.hosts.empty() ? machine_names() : options.hosts;
     bus.port = static_cast<std::uint16_t>(options.port);
-    bus.topic_root = context.topics.root();
+    bus.topic_root = environment.topics.root();
     bus.configuration = configuration_for(options, folder);
     return bus;
 }
@@ -150,9 +150,9 @@ Outcome<void> make_bus(const SecureFolder& folder, SecuredBus& bus, SecureReport
 
 /// The bus, and the services of this machine with it. A run that ended before the broker was started with it
 /// is known by a mark.
-Outcome<void> make_bus_of_machine(const SecureOptions& options, const Context& context,
+Outcome<void> make_bus_of_machine(const SecureOptions& options, const Environment& environment,
                                   const SecureFolder& folder, SecuredBus& bus, SecureReport& report) {
-    const auto boards = boards_of_this_machine(context);
+    const auto boards = boards_of_this_machine(environment);
     const bool interrupted = fs::exists(folder.unfinished());
     if (auto done = folder.write(folder.unfinished(), "", SecureFolder::Readers::kOwner); !done)
         return tl::unexpected(done.error());
@@ -186,16 +186,17 @@ Outcome<void> tell_services(const SecureOptions& options, const SecureFolder& fo
 
 }  // namespace
 
-Outcome<void> secure_init(const SecureOptions& options, const Context& context, SecureReport& report) {
+Outcome<void> secure_init(const SecureOptions& options, const Environment& environment,
+                          SecureReport& report) {
     if (auto right = check_clock(); !right) return right;
     const auto folder = SecureFolder::create(secure_folder(options));
     if (!folder) return tl::unexpected(folder.error());
     const bool fresh = !folder->initialised();
-    auto bus = ensure_bus(options, context, *folder);
+    auto bus = ensure_bus(options, environment, *folder);
     if (!bus) return tl::unexpected(bus.error());
     const bool taken = fresh && !is_system_broker(*folder, *bus) && listens_here(bus->port);
     const auto done = keeps_services(options, *folder, *bus)
-                          ? make_bus_of_machine(options, context, *folder, *bus, report)
+                          ? make_bus_of_machine(options, environment, *folder, *bus, report)
                           : make_bus(*folder, *bus, report);
     if (done) next_after_init(options, *folder, *bus, taken, report);
     return done;

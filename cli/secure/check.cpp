@@ -46,10 +46,10 @@ Outcome<mqtt::Options> options_of(const SecureFolder& folder, const std::string&
 
 class Checker {
   public:
-    Checker(const SecureOptions& options, Context& context)
+    Checker(const SecureOptions& options, Environment& environment)
         : options_(options),
-          context_(context),
-          records_(options.output, RecordPrinter::Count::kList, context.out) {}
+          environment_(environment),
+          records_(options.output, RecordPrinter::Count::kList, environment.out) {}
 
     void row(const Trial& trial, Found found, const std::string& role) {
         const auto wanted = trial.allowed ? Found::kAllowed : Found::kDenied;
@@ -71,12 +71,12 @@ class Checker {
 
     int finish() {
         if (options_.output.for_people()) {
-            context_.out << table_.render(context_.width, context_.colour) << std::flush;
+            environment_.out << table_.render(environment_.width, environment_.colour) << std::flush;
         } else {
             records_.finish();
         }
         if (wrong_ == 0) return program::kExitOk;
-        context_.note(
+        environment_.note(
             "the broker does not do what it should: has it read its files? Reload it: asipctl secure "
             "show names them");
         return program::kExitFailure;
@@ -84,7 +84,7 @@ class Checker {
 
   private:
     const SecureOptions& options_;
-    Context& context_;
+    Environment& environment_;
     RecordPrinter records_;
     Table table_{{{"NAME"}, {"ROLE"}, {"WHAT", false, 12}, {"SHOULD BE"}, {"IS"}}};
     std::size_t wrong_ = 0;
@@ -107,7 +107,7 @@ Outcome<void> check_strangers(Checker& checker, const mqtt::Options& admin, Dura
 
 }  // namespace
 
-Outcome<int> secure_check(const SecureOptions& options, Context& context) {
+Outcome<int> secure_check(const SecureOptions& options, Environment& environment) {
     std::optional<SecuredBus> bus;
     std::optional<mqtt::Options> admin;
     std::vector<std::pair<SecuredUser, Outcome<mqtt::Options>>> users;
@@ -129,15 +129,15 @@ Outcome<int> secure_check(const SecureOptions& options, Context& context) {
         }
     }
     const auto stranger = "asip-check-" + random_hex(system_random(), 12);
-    Checker checker(options, context);
+    Checker checker(options, environment);
     if (options.what.empty()) {
-        if (auto done = check_strangers(checker, *admin, context.timeout); !done)
+        if (auto done = check_strangers(checker, *admin, environment.timeout); !done)
             return tl::unexpected(done.error());
     }
     for (const auto& [user, own] : users) {
         const auto trials = trials_of({user.name, user.role}, bus->topic_root, stranger);
         Outcome<std::vector<Found>> found = std::vector<Found>(trials.size(), Found::kUnknown);
-        if (own) found = try_out(trials, *own, *admin, bus->topic_root, 2 * context.timeout);
+        if (own) found = try_out(trials, *own, *admin, bus->topic_root, 2 * environment.timeout);
         if (!found) return tl::unexpected(found.error());
         for (std::size_t i = 0; i < trials.size(); ++i)
             checker.row(trials[i], (*found)[i], std::string(name_of(user.role)));

@@ -6,6 +6,6 @@ namespace asip::cli {
 
 /// Tries at the running broker what each user (or the one that is named) may do, and prints a table. The
 /// status: kExitFailure when the broker allows something else than it should.
-Outcome<int> secure_check(const SecureOptions& options, Context& context);
+Outcome<int> secure_check(const SecureOptions& options, Environment& environment);
 
 }  // namespace asip::cli

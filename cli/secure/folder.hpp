@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/secure/bus_file.hpp"
 #include "cli/secure/certificate.hpp"
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
@@ -11,8 +11,10 @@ namespace asip::cli {
 /// What `asipctl secure` did, a line each, and below it what to do next.
 class SecureReport {
   public:
-    SecureReport(const OutputOptions& options, Context& context)
-        : options_(options), out_(context.out), records_(options, RecordPrinter::Count::kList, context.out) {}
+    SecureReport(const OutputOptions& options, Environment& environment)
+        : options_(options),
+          out_(environment.out),
+          records_(options, RecordPrinter::Count::kList, environment.out) {}
 
     /// `action`: `made`, `kept`, `changed`, `removed`, `moved`, `gave`, `reloaded`, `restarted` or `warning`.
     void did(const std::string& action, const std::string& what, const std::string& file = {});

@@ -14,7 +14,7 @@
 #include "asip/program/options.hpp"
 #include "asip/text/file_text.hpp"
 #include "cli/ask/board_source.hpp"
-#include "cli/find/named_buses.hpp"
+#include "cli/find/profiles.hpp"
 #include "cli/flash/programmer.hpp"
 #include "cli/secure/reload.hpp"
 #include "cli/secure/users.hpp"
@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFolder = "/etc/asip/credentials";
-constexpr const char* kContext = "secured";
+constexpr const char* kProfile = "secured";
 constexpr std::chrono::milliseconds kLook{2000};
 /// What stands on the bus may be anybody's word, as long as it is open.
 constexpr std::size_t kMaxBoards = 256;
@@ -95,8 +95,8 @@ bool keeps_services(const SecureOptions& options, const SecureFolder& folder, co
            fs::is_directory(kFolder);
 }
 
-Names boards_of_this_machine(const Context& context) {
-    Context own = context;
+Names boards_of_this_machine(const Environment& environment) {
+    Environment own = environment;
     own.from_bus = true;
     own.timeout = kLook;
     own.mqtt.connect_timeout = kLook;
@@ -202,14 +202,14 @@ void become_default(const SecureFolder& folder, const SecuredBus& bus, SecureRep
     struct stat status{};
     // The home of somebody else, after `su`, is theirs to write.
     if (home.empty() || ::stat(home.c_str(), &status) != 0 || status.st_uid != ::geteuid()) return;
-    auto buses = NamedBuses::of_user(program::environment_variable);
-    if (!buses || !buses->current().empty() || buses->find(kContext)) return;
-    const NamedBus made{kContext,
-                        {{"broker", mqtt::BrokerAddress{"localhost", bus.port, true}.describe()},
-                         {"credentials", folder.credentials("admin").string()}}};
-    if (!buses->add(made) || !buses->use(kContext)) return;
+    auto profiles = Profiles::of_user(program::environment_variable);
+    if (!profiles || !profiles->current().empty() || profiles->find(kProfile)) return;
+    const Profile made{kProfile,
+                       {{"broker", mqtt::BrokerAddress{"localhost", bus.port, true}.describe()},
+                        {"credentials", folder.credentials("admin").string()}}};
+    if (!profiles->add(made) || !profiles->use(kProfile)) return;
     report.did("made",
-               std::string("context ") + kContext + ": asipctl, by root, asks this bus as its administrator");
+               std::string("context ") + kProfile + ": asipctl, by root, asks this bus as its administrator");
 }
 
 }  // namespace asip::cli

@@ -17,9 +17,9 @@ using Names = std::vector<std::string>;
 /// Whether this run keeps the bus of this machine's broker for root, and the folder of the services is there.
 bool keeps_services(const SecureOptions& options, const SecureFolder& folder, const SecuredBus& bus);
 
-/// Boards whose agent runs on this machine: what they announce to the broker that `context` names. Empty
+/// Boards whose agent runs on this machine: what they announce to the broker that `environment` names. Empty
 /// where that one does not let us in.
-Names boards_of_this_machine(const Context& context);
+Names boards_of_this_machine(const Environment& environment);
 
 /// Adds users for the services that are installed, and for `boards`. Returns all of them; a board whose name
 /// is in use is reported and left out. `bus` is changed and not yet saved.

@@ -34,7 +34,7 @@ Row row_of(const SecureFolder& folder, const SecuredUser& user) {
             std::string(rights_of(user.role))};
 }
 
-Row broker_row(const SecureFolder& folder, const SecuredBus& bus, Context& context) {
+Row broker_row(const SecureFolder& folder, const SecuredBus& bus, Environment& environment) {
     std::string hosts;
     for (const auto& host : bus.hosts)
         hosts += (hosts.empty() ? "" : " ") + mqtt::BrokerAddress{host, bus.port, true}.describe();
@@ -42,26 +42,27 @@ Row broker_row(const SecureFolder& folder, const SecuredBus& bus, Context& conte
     const auto text = text::file_text(folder.certificate());
     const auto end = text ? end_of(*text) : Expected<CertificateTime>(fail("it cannot be read"));
     if (!end) {
-        context.note(folder.certificate().string() + ": " + end.error() + "; asipctl secure init makes one");
+        environment.note(folder.certificate().string() + ": " + end.error() +
+                         "; asipctl secure init makes one");
         return row;
     }
     row.until = text::iso_time(std::chrono::system_clock::time_point(*end));
     if (*end - std::chrono::system_clock::now() < kSoon)
-        context.note("the broker's certificate ends on " + day_of(row.until) +
-                     "; a new one: asipctl secure renew broker");
+        environment.note("the broker's certificate ends on " + day_of(row.until) +
+                         "; a new one: asipctl secure renew broker");
     return row;
 }
 
 }  // namespace
 
-Outcome<void> secure_show(const SecureOptions& options, Context& context) {
+Outcome<void> secure_show(const SecureOptions& options, Environment& environment) {
     const auto folder = SecureFolder::open(secure_folder(options));
     if (!folder) return tl::unexpected(folder.error());
     const auto bus = folder->bus();
     if (!bus) return tl::unexpected(bus.error());
     std::vector<Row> rows;
     if (options.what.empty()) {
-        rows.push_back(broker_row(*folder, *bus, context));
+        rows.push_back(broker_row(*folder, *bus, environment));
     } else if (auto known = check_known(*bus, options.what); !known) {
         return known;
     }
@@ -69,7 +70,7 @@ Outcome<void> secure_show(const SecureOptions& options, Context& context) {
         if (options.what.empty() || user.name == options.what) rows.push_back(row_of(*folder, user));
     }
     Table table({{"NAME"}, {"ROLE"}, {"SINCE"}, {"UNTIL"}, {"CREDENTIALS HERE"}, {"MAY", false, 20}});
-    RecordPrinter records(options.output, RecordPrinter::Count::kList, context.out);
+    RecordPrinter records(options.output, RecordPrinter::Count::kList, environment.out);
     for (const auto& row : rows) {
         if (options.output.for_people()) {
             table.add({row.name, row.role, day_of(row.since), day_of(row.until),
@@ -87,7 +88,7 @@ Outcome<void> secure_show(const SecureOptions& options, Context& context) {
         }
     }
     if (options.output.for_people()) {
-        context.out << table.render(context.width, context.colour) << std::flush;
+        environment.out << table.render(environment.width, environment.colour) << std::flush;
     } else {
         records.finish();
     }

@@ -5,6 +5,6 @@
 namespace asip::cli {
 
 /// Prints who may do what, and until when the broker's certificate is valid.
-Outcome<void> secure_show(const SecureOptions& options, Context& context);
+Outcome<void> secure_show(const SecureOptions& options, Environment& environment);
 
 }  // namespace asip::cli

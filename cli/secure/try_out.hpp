@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "asip/mqtt/options.hpp"
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 #include "cli/secure/trials.hpp"
 
 namespace asip::cli {

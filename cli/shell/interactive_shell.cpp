@@ -31,25 +31,26 @@ constexpr double kShownHz = 5;
 }  // namespace
 
 struct InteractiveShell::State {
-    State(Context& its_context, std::string its_board, bool show_values)
-        : context(its_context),
+    State(Environment& its_environment, std::string its_board, bool show_values)
+        : environment(its_environment),
           board(std::move(its_board)),
-          session(context),
-          source(context, session),
-          mirror(context.topics),
+          session(environment),
+          source(environment, session),
+          mirror(environment.topics),
           history(LineHistory::file_of_user(program::environment_variable)),
           editor({[this] { return prompt(); }, [this](std::size_t columns) { return status(columns); },
                   [this](const std::string& typed) {
-                      return complete_shell(*context.command_line, typed, board, names());
+                      return complete_shell(*environment.command_line, typed, board, names());
                   },
                   [this](const std::function<bool()>& ready) { return wait(ready); }}) {
         values.show(show_values);
     }
 
     int run() {
-        if (const auto connected = session.connect(); !connected) return context.fail_with(connected.error());
+        if (const auto connected = session.connect(); !connected)
+            return environment.fail_with(connected.error());
         const auto found = source.board(board);
-        if (!found) return context.fail_with(found.error());
+        if (!found) return environment.fail_with(found.error());
         // From here on Ctrl-C is a key, or a signal to what runs.
         for (const int number : {SIGINT, SIGQUIT})
             std::signal(number, SIG_IGN);
@@ -72,11 +73,11 @@ struct InteractiveShell::State {
             mirror.apply(message.topic, message.payload, message.retain, Clock::now());
             look_at_board();
         };
-        for (const auto& filter : {context.topics.description(board), context.topics.state(board)})
+        for (const auto& filter : {environment.topics.description(board), environment.topics.state(board)})
             subscriptions.push_back(session.subscribe(filter, announcement));
         const auto report = [this](const mqtt::Message& message) { take_report(message); };
         for (const auto& filter :
-             {context.topics.service_out(board, "+"), context.topics.service_error(board, "+")})
+             {environment.topics.service_out(board, "+"), environment.topics.service_error(board, "+")})
             subscriptions.push_back(session.subscribe(filter, report));
         demand_what_is_shown();
         session.on_connection_change([this](bool connected, const std::string& why) {
@@ -114,7 +115,7 @@ struct InteractiveShell::State {
     }
 
     void take_report(const mqtt::Message& message) {
-        const auto event = context_event(context.topics, message.topic, message.payload);
+        const auto event = context_event(environment.topics, message.topic, message.payload);
         if (!event) return;
         const auto decoded = decode_event(*event, model(event->service).get(), {});
         if (!decoded) return;
@@ -127,13 +128,13 @@ struct InteractiveShell::State {
         const auto* described = mirror.description(board);
         if (described == nullptr) return nullptr;
         for (const auto& one : described->services) {
-            if (one.name == service) return bus::model_of(one, context.models());
+            if (one.name == service) return bus::model_of(one, environment.models());
         }
         return nullptr;
     }
 
     NameSources names() {
-        auto result = bus_names(context, source, [this] { return online; });
+        auto result = bus_names(environment, source, [this] { return online; });
         const auto others = result;
         result.services = [this, others](const std::string& of) {
             return of == board ? service_names : others.services(of);
@@ -160,11 +161,11 @@ struct InteractiveShell::State {
 
     void take_line(const std::string& line) {
         const auto words = shell_words(line);
-        if (!words) return context.note(words.error());
+        if (!words) return environment.note(words.error());
         if (words->empty()) return;
         editor.remember(line);
         if (line != last_line && !history.add(line) && !std::exchange(history_failed, true))
-            context.note("lines cannot be kept in " + history.file().string());
+            environment.note("lines cannot be kept in " + history.file().string());
         last_line = line;
         take_words(*words);
     }
@@ -176,7 +177,7 @@ struct InteractiveShell::State {
         } else if (first == "values") {
             take_values({words.begin() + 1, words.end()});
         } else if (first == "shell") {
-            context.note("this is a shell already; exit ends it");
+            environment.note("this is a shell already; exit ends it");
         } else {
             run_command(words);
         }
@@ -191,9 +192,9 @@ struct InteractiveShell::State {
         }
         for (const auto& name : wanted) {
             if (std::find(service_names.begin(), service_names.end(), name) != service_names.end()) continue;
-            return context.note(board + " has no service '" + name + "'" +
-                                text::did_you_mean(name, service_names) +
-                                "; write values on, values off or values SERVICE...");
+            return environment.note(board + " has no service '" + name + "'" +
+                                    text::did_you_mean(name, service_names) +
+                                    "; write values on, values off or values SERVICE...");
         }
         values.show(true);
         selected = wanted;
@@ -202,19 +203,19 @@ struct InteractiveShell::State {
     }
 
     void run_command(const std::vector<std::string>& words) {
-        if (words == std::vector<std::string>{"help"}) context.out << shell_help(board) << std::flush;
-        SelfRun run{arguments_for(context, expand_words(*context.command_line, words, board)), true,
+        if (words == std::vector<std::string>{"help"}) environment.out << shell_help(board) << std::flush;
+        SelfRun run{arguments_for(environment, expand_words(*environment.command_line, words, board)), true,
                     [this](const std::function<bool()>& ended_now) {
                         while (!session.stopped() && !session.run_until(ended_now, Clock::now() + 1h)) {
                         }
                     }};
         if (words.size() == 1 && words.front() == "help")
-            run.arguments = arguments_for(context, {"show", board});
-        context.out.flush();
-        if (const auto status = run_self(run); !status) context.note(status.error());
+            run.arguments = arguments_for(environment, {"show", board});
+        environment.out.flush();
+        if (const auto status = run_self(run); !status) environment.note(status.error());
     }
 
-    Context& context;
+    Environment& environment;
     std::string board;
     BusSession session;
     BoardSource source;
@@ -231,17 +232,17 @@ struct InteractiveShell::State {
     bool history_failed = false;
 };
 
-InteractiveShell::InteractiveShell(Context& context, std::string board, bool values)
-    : state_(std::make_unique<State>(context, std::move(board), values)) {}
+InteractiveShell::InteractiveShell(Environment& environment, std::string board, bool values)
+    : state_(std::make_unique<State>(environment, std::move(board), values)) {}
 InteractiveShell::~InteractiveShell() = default;
 
 int InteractiveShell::run() {
     return state_->run();
 }
 
-std::vector<std::string> arguments_for(const Context& context, std::vector<std::string> words) {
+std::vector<std::string> arguments_for(const Environment& environment, std::vector<std::string> words) {
     std::vector<std::string> result;
-    for (const auto& [name, value] : context.typed_options)
+    for (const auto& [name, value] : environment.typed_options)
         result.push_back("--" + name + "=" + value);
     result.insert(result.end(), std::make_move_iterator(words.begin()), std::make_move_iterator(words.end()));
     return result;

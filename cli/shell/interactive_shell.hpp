@@ -3,14 +3,14 @@
 #include <memory>
 #include <string>
 
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 
 namespace asip::cli {
 
 /// The shell on a terminal: follows the board while lines are typed, and runs each as a process of its own.
 class InteractiveShell {
   public:
-    InteractiveShell(Context& context, std::string board, bool values);
+    InteractiveShell(Environment& environment, std::string board, bool values);
     ~InteractiveShell();
 
     /// Until `exit` or Ctrl-D.
@@ -23,7 +23,7 @@ class InteractiveShell {
 
 /// The arguments of asipctl for words that expand_words() gave: after those options that name the bus and
 /// were typed.
-std::vector<std::string> arguments_for(const Context& context, std::vector<std::string> words);
+std::vector<std::string> arguments_for(const Environment& environment, std::vector<std::string> words);
 
 /// What `help` shows in the shell.
 std::string shell_help(const std::string& board);

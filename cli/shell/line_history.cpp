@@ -65,10 +65,10 @@ std::size_t count_lines(const fs::path& file) {
 
 }  // namespace
 
-fs::path LineHistory::file_of_user(const Environment& environment) {
-    if (const auto folder = environment("XDG_STATE_HOME"); folder && folder->starts_with("/"))
+fs::path LineHistory::file_of_user(const Variables& variables) {
+    if (const auto folder = variables("XDG_STATE_HOME"); folder && folder->starts_with("/"))
         return fs::path(*folder) / "asipctl" / "history";
-    if (const auto home = environment("HOME"); home && !home->empty())
+    if (const auto home = variables("HOME"); home && !home->empty())
         return fs::path(*home) / ".local" / "state" / "asipctl" / "history";
     return {};
 }

@@ -21,8 +21,8 @@ class LineHistory {
 
     /// `$XDG_STATE_HOME/asipctl/history`, else `~/.local/state/asipctl/history`; empty where there is
     /// neither.
-    using Environment = std::function<std::optional<std::string>(const std::string&)>;
-    static std::filesystem::path file_of_user(const Environment& environment);
+    using Variables = std::function<std::optional<std::string>(const std::string&)>;
+    static std::filesystem::path file_of_user(const Variables& variables);
 
     const std::filesystem::path& file() const { return file_; }
 

@@ -22,9 +22,9 @@ constexpr milliseconds kHold = 500ms;
 constexpr milliseconds kPromise = 100ms;
 constexpr milliseconds kSlack = 250ms;
 
-class HeldMotor : public testing::Test {
+class HoldOfMotor : public testing::Test {
   protected:
-    HeldMotor() { start_agent(); }
+    HoldOfMotor() { start_agent(); }
 
     void start_agent() {
         agent = std::make_unique<ChildProcess>(std::vector<std::string>{
@@ -73,7 +73,7 @@ class HeldMotor : public testing::Test {
     std::unique_ptr<ChildProcess> agent;
 };
 
-TEST_F(HeldMotor, NobodyRenews_RunsForItsTimeAndNoLonger) {
+TEST_F(HoldOfMotor, NobodyRenews_RunsForItsTimeAndNoLonger) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto asked = std::chrono::steady_clock::now();
     EXPECT_EQ(ask("asip/robot/motors/in", R"({"power":[0,200],"hold_ms":500})")["status"], "ok");
@@ -90,13 +90,13 @@ TEST_F(HeldMotor, NobodyRenews_RunsForItsTimeAndNoLonger) {
     EXPECT_EQ(json::parse(error->payload)["reason"], "not-renewed");
 }
 
-TEST_F(HeldMotor, RenewedByItsSender_RunsOn) {
+TEST_F(HoldOfMotor, RenewedByItsSender_RunsOn) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto sender = hold("1500ms");
     EXPECT_FALSE(stops_within(3s)) << sender->errors();
 }
 
-TEST_F(HeldMotor, SenderEndedByCtrlC_StopsAtOnce) {
+TEST_F(HoldOfMotor, SenderEndedByCtrlC_StopsAtOnce) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto sender = hold();
     sender->signal(SIGINT);
@@ -107,14 +107,14 @@ TEST_F(HeldMotor, SenderEndedByCtrlC_StopsAtOnce) {
     EXPECT_THAT(sender->output(), HasSubstr("M,s,0: ok"));
 }
 
-TEST_F(HeldMotor, SenderKilled_StopsInTime) {
+TEST_F(HoldOfMotor, SenderKilled_StopsInTime) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto sender = hold();
     sender->signal(SIGKILL);
     expect_stop("kill -9 of the sender");
 }
 
-TEST_F(HeldMotor, SenderFrozen_StopsInTime) {
+TEST_F(HoldOfMotor, SenderFrozen_StopsInTime) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto sender = hold();
     sender->signal(SIGSTOP);
@@ -125,7 +125,7 @@ TEST_F(HeldMotor, SenderFrozen_StopsInTime) {
     EXPECT_FALSE(robot.runs());
 }
 
-TEST_F(HeldMotor, RegistryKilled_RunsOnAndStopsWithItsSender) {
+TEST_F(HoldOfMotor, RegistryKilled_RunsOnAndStopsWithItsSender) {
     const auto registry = [this] {
         return std::make_unique<ChildProcess>(std::vector<std::string>{
             ASIP_PROGRAMS "/asip-registry", "--broker", broker.address(), "--id", "r1"});
@@ -147,14 +147,14 @@ TEST_F(HeldMotor, RegistryKilled_RunsOnAndStopsWithItsSender) {
     EXPECT_THAT(listed.dump(), HasSubstr(R"("state":"online")"));
 }
 
-TEST_F(HeldMotor, BrokerKilled_StopsInTime) {
+TEST_F(HoldOfMotor, BrokerKilled_StopsInTime) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto sender = hold();
     broker.kill();
     expect_stop("kill -9 of the broker");
 }
 
-TEST_F(HeldMotor, BrokerFrozen_StopsInTime) {
+TEST_F(HoldOfMotor, BrokerFrozen_StopsInTime) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto sender = hold();
     broker.freeze();
@@ -162,7 +162,7 @@ TEST_F(HeldMotor, BrokerFrozen_StopsInTime) {
     broker.thaw();
 }
 
-TEST_F(HeldMotor, AgentToldToEnd_StopsFirst) {
+TEST_F(HoldOfMotor, AgentToldToEnd_StopsFirst) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto sender = hold("10s");
     agent->signal(SIGTERM);
@@ -170,7 +170,7 @@ TEST_F(HeldMotor, AgentToldToEnd_StopsFirst) {
     EXPECT_EQ(agent->wait_exit(), 0);
 }
 
-TEST_F(HeldMotor, AgentKilled_ItsSuccessorStopsTheMotorBeforeItIsOnline) {
+TEST_F(HoldOfMotor, AgentKilled_ItsSuccessorStopsTheMotorBeforeItIsOnline) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto sender = hold();
     agent->signal(SIGKILL);
@@ -185,7 +185,7 @@ TEST_F(HeldMotor, AgentKilled_ItsSuccessorStopsTheMotorBeforeItIsOnline) {
     EXPECT_FALSE(robot.runs());
 }
 
-TEST_F(HeldMotor, BoardRestarts_RenewalsDoNotSwitchItOnAgain) {
+TEST_F(HoldOfMotor, BoardRestarts_RenewalsDoNotSwitchItOnAgain) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto sender = hold();
     robot.command("reset robot");
@@ -194,7 +194,7 @@ TEST_F(HeldMotor, BoardRestarts_RenewalsDoNotSwitchItOnAgain) {
     EXPECT_FALSE(robot.runs());
 }
 
-TEST_F(HeldMotor, CableOutWhileItRuns_IsReportedAndStoppedWhenItIsIn) {
+TEST_F(HoldOfMotor, CableOutWhileItRuns_IsReportedAndStoppedWhenItIsIn) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto sender = hold();
     probe.clear();
@@ -206,7 +206,7 @@ TEST_F(HeldMotor, CableOutWhileItRuns_IsReportedAndStoppedWhenItIsIn) {
     EXPECT_TRUE(stops_within(kDeadline)) << agent->errors();
 }
 
-TEST_F(HeldMotor, StoppedByAsipctl_StopsAndTheHolderIsTold) {
+TEST_F(HoldOfMotor, StoppedByAsipctl_StopsAndTheHolderIsTold) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto sender = hold();
     const auto stopped =
@@ -220,7 +220,7 @@ TEST_F(HeldMotor, StoppedByAsipctl_StopsAndTheHolderIsTold) {
     EXPECT_THAT(sender->errors(), HasSubstr("not-held"));
 }
 
-TEST_F(HeldMotor, StopUnderTenThousandCommands_StopsTheMotorAtOnceAndEachIsAnswered) {
+TEST_F(HoldOfMotor, StopUnderTenThousandCommands_StopsTheMotorAtOnceAndEachIsAnswered) {
     ASSERT_TRUE(online()) << agent->errors();
     BusProbe flood(broker.port(), {"flood"});
     BusProbe operator_(broker.port(), {"stopped"});

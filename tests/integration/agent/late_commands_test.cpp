@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands that were held on their way to the agent. Real broker, agent and firmware; the simulator says
+// Commands that were delayed on their way to the agent. Real broker, agent and firmware; the simulator says
 // whether the motor's pin changed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ using testing::Not;
 constexpr const char* kMotors = "asip/robot/motors/in";
 constexpr const char* kForward = R"({"power":[0,200],"reply_to":"answers","id":)";
 // More than the usual deadline, and less than the broker's silence that ends the connection.
-constexpr auto kHeld = 6s;
+constexpr auto kDelayed = 6s;
 constexpr auto kSometimes = 1500ms;
 
 class LateCommand : public testing::Test {
@@ -77,7 +77,7 @@ TEST_F(LateCommand, BrokerStoodStill_IsRefused) {
     ASSERT_TRUE(commanded()) << agent->errors();
     broker.freeze();
     send(1);
-    std::this_thread::sleep_for(kHeld);
+    std::this_thread::sleep_for(kDelayed);
     broker.thaw();
     expect_refused(1);
     expect_usable_soon();
@@ -87,7 +87,7 @@ TEST_F(LateCommand, BrokerStoodStillAndReadsManyPieceByPiece_AllAreRefused) {
     ASSERT_TRUE(commanded()) << agent->errors();
     broker.freeze();
     send(60);
-    std::this_thread::sleep_for(kHeld);
+    std::this_thread::sleep_for(kDelayed);
     broker.thaw();
     expect_refused(60);
     expect_usable_soon();
@@ -97,7 +97,7 @@ TEST_F(LateCommand, WayToTheAgentWasCut_IsRefused) {
     ASSERT_TRUE(commanded()) << agent->errors();
     relay.cut();
     send(1);
-    std::this_thread::sleep_for(kHeld);
+    std::this_thread::sleep_for(kDelayed);
     relay.restore();
     expect_refused(1);
     expect_usable_soon();
@@ -107,7 +107,7 @@ TEST_F(LateCommand, MoreThanTheBrokerSendsAtOnce_AllAreRefused) {
     ASSERT_TRUE(commanded()) << agent->errors();
     relay.cut();
     send(60);
-    std::this_thread::sleep_for(kHeld);
+    std::this_thread::sleep_for(kDelayed);
     relay.restore();
     expect_refused(60);
     expect_usable_soon();
@@ -134,7 +134,7 @@ TEST_F(LateCommand, NobodyCommands_BrokerIsAskedNothing) {
 }
 
 /// The agent's broker, and another one with a bridge to it that speaks MQTT 3.1.1: nothing expires on it.
-class HeldBetweenBrokers : public testing::Test {
+class DelayedBetweenBrokers : public testing::Test {
   protected:
     /// A command of a client at the other broker, as an MQTT 3.1.1 client sends it.
     void send(const std::string& id, const std::string& clock, int power) {
@@ -164,14 +164,14 @@ class HeldBetweenBrokers : public testing::Test {
     BusProbe probe{other.port()};
 };
 
-TEST_F(HeldBetweenBrokers, CommandThatTellsWhenItWasSent_IsRefused) {
+TEST_F(DelayedBetweenBrokers, CommandThatTellsWhenItWasSent_IsRefused) {
     ASSERT_TRUE(wait_state(probe, "online", kDeadline, "robot")) << agent.errors();
     send("first", "", 0);
     const auto first = answer_to("first");
     ASSERT_EQ(first["status"], "ok");
     relay.cut();
     send("late", first["clock"], 200);
-    std::this_thread::sleep_for(kHeld);
+    std::this_thread::sleep_for(kDelayed);
     relay.restore();
     const auto late = answer_to("late");
     EXPECT_EQ(late["status"], "refused");

@@ -14,9 +14,9 @@ namespace {
 class SessionTest : public testing::Test {
   protected:
     SessionTest() {
-        context_.mqtt.brokers = {*mqtt::parse_broker(broker_.url())};
-        context_.mqtt.user = "ada";
-        session_.emplace(context_);
+        environment_.mqtt.brokers = {*mqtt::parse_broker(broker_.url())};
+        environment_.mqtt.user = "ada";
+        session_.emplace(environment_);
     }
     bool until(const std::function<bool()>& done) {
         return session_->run_until(done, Clock::now() + time_limit(5s));
@@ -25,7 +25,7 @@ class SessionTest : public testing::Test {
     MosquittoBroker broker_;
     BusProbe probe_{broker_.port()};
     std::stringstream in_, out_, err_;
-    cli::Context context_{in_, out_, err_};
+    cli::Environment environment_{in_, out_, err_};
     std::optional<cli::BusSession> session_;
 };
 

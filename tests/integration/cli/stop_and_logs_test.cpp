@@ -107,7 +107,7 @@ class HoldTest : public BusTest {
     }
 };
 
-TEST_F(HoldTest, HeldCommand_IsRenewedAndUndoneInTheEnd) {
+TEST_F(HoldTest, Hold_IsRenewedAndUndoneInTheEnd) {
     ChildProcess child(program({"send", "uno1/io", "write", "13", "1", "--hold", "300ms", "--for", "1s"}),
                        environment());
     const auto command = wait_payload("hold_ms");

@@ -43,7 +43,7 @@ struct AgeOfCommands : OnlineBridge {
     int ids = 1;
 };
 
-TEST_F(AgeOfCommands, HeldOnItsWayForLongerThanItsDeadline_IsRefused) {
+TEST_F(AgeOfCommands, DelayedForLongerThanItsDeadline_IsRefused) {
     bench.pass(4900ms);
     EXPECT_EQ(ask({{"write", {0, 10}}})["status"], "ok");
     bench.pass(200ms);
@@ -138,7 +138,7 @@ TEST_F(AgeOfCommands, Refusal_TellsTheClockOfNow) {
     EXPECT_EQ(ask({{"write", {0, 10}}})["status"], "ok");
 }
 
-TEST_F(AgeOfCommands, HeldCommand_IsInForceFromWhenItsCommandWasSent) {
+TEST_F(AgeOfCommands, Hold_IsInForceFromWhenItsCommandWasSent) {
     bench.pass(300ms);
     EXPECT_EQ(ask({{"write", {13, 1}}, {"hold_ms", 500}}, "asip/uno1/io/in")["status"], "ok");
     bench.pass(150ms);

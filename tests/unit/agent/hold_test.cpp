@@ -16,7 +16,7 @@ using testing::Not;
 
 constexpr const char* kIo = "asip/uno1/io/in";
 
-struct HeldCommand : OnlineBridge {
+struct HoldTest : OnlineBridge {
     /// The last answer.
     json hear(const json& command, const std::string& client = "me", const char* topic = kIo) {
         auto message = command;
@@ -38,7 +38,7 @@ struct HeldCommand : OnlineBridge {
     const std::vector<std::string>& executed() const { return bench.board.executed; }
 };
 
-TEST_F(HeldCommand, NotRenewed_IsUndoneAtTheEndOfItsTime) {
+TEST_F(HoldTest, NotRenewed_IsUndoneAtTheEndOfItsTime) {
     EXPECT_EQ(hold()["status"], "ok");
     bench.pass(499ms);
     EXPECT_THAT(executed(), ElementsAre("I,d,13,1"));
@@ -52,7 +52,7 @@ TEST_F(HeldCommand, NotRenewed_IsUndoneAtTheEndOfItsTime) {
     EXPECT_EQ(executed().size(), 2u) << "once";
 }
 
-TEST_F(HeldCommand, Renewed_StaysInForceUntilItIsNot) {
+TEST_F(HoldTest, Renewed_StaysInForceUntilItIsNot) {
     hold();
     for (int i = 0; i < 20; ++i) {
         bench.pass(400ms);
@@ -64,7 +64,7 @@ TEST_F(HeldCommand, Renewed_StaysInForceUntilItIsNot) {
     EXPECT_EQ(renew()["reason"], "not-held");
 }
 
-TEST_F(HeldCommand, RenewalWithAnotherTime_HoldsForThat) {
+TEST_F(HoldTest, RenewalWithAnotherTime_HoldsForThat) {
     hold();
     hear({{"renew", "h"}, {"hold_ms", 3000}});
     bench.pass(2900ms);
@@ -73,7 +73,7 @@ TEST_F(HeldCommand, RenewalWithAnotherTime_HoldsForThat) {
     EXPECT_THAT(executed(), Contains("I,d,13,0"));
 }
 
-TEST_F(HeldCommand, RenewalThatWasHeldOnItsWay_HoldsFromWhenItMayHaveCome) {
+TEST_F(HoldTest, RenewalThatWasDelayed_HoldsFromWhenItMayHaveCome) {
     hold();
     hear({{"renew", "h"}, {"hold_ms", 10'000}});
     bench.pass(7s);
@@ -88,7 +88,7 @@ TEST_F(HeldCommand, RenewalThatWasHeldOnItsWay_HoldsFromWhenItMayHaveCome) {
     EXPECT_THAT(executed(), Contains("I,d,13,0"));
 }
 
-TEST_F(HeldCommand, RenewalOfUnknownAge_ShortensNothing) {
+TEST_F(HoldTest, RenewalOfUnknownAge_ShortensNothing) {
     hold();
     bench.pass(400ms);
     renew();
@@ -102,7 +102,7 @@ TEST_F(HeldCommand, RenewalOfUnknownAge_ShortensNothing) {
     EXPECT_THAT(executed(), Contains("I,d,13,0"));
 }
 
-TEST_F(HeldCommand, RenewedByAnotherClient_IsRefusedAndUndone) {
+TEST_F(HoldTest, RenewedByAnotherClient_IsRefusedAndUndone) {
     hold();
     bench.pass(400ms);
     const auto answer = renew("h", "somebody else");
@@ -112,7 +112,7 @@ TEST_F(HeldCommand, RenewedByAnotherClient_IsRefusedAndUndone) {
     EXPECT_THAT(executed(), Contains("I,d,13,0"));
 }
 
-TEST_F(HeldCommand, RenewTrue_RenewsAllOfThisClientAtThisService) {
+TEST_F(HoldTest, RenewTrue_RenewsAllOfThisClientAtThisService) {
     hold(12, "me", "a");
     hold(13, "me", "b");
     hold(11, "other", "c");
@@ -124,7 +124,7 @@ TEST_F(HeldCommand, RenewTrue_RenewsAllOfThisClientAtThisService) {
     EXPECT_EQ(executed().size(), 6u);
 }
 
-TEST_F(HeldCommand, FullQueue_RenewalIsTakenAtOnce) {
+TEST_F(HoldTest, FullQueue_RenewalIsTakenAtOnce) {
     hold();
     bench.board.mute = true;
     for (int i = 0; i < 64; ++i)
@@ -132,7 +132,7 @@ TEST_F(HeldCommand, FullQueue_RenewalIsTakenAtOnce) {
     EXPECT_EQ(renew()["status"], "ok");
 }
 
-TEST_F(HeldCommand, SameCommandHeldAgain_BeginsAnew) {
+TEST_F(HoldTest, SameCommandHeldAgain_BeginsAnew) {
     hold(13, "me", "1");
     bench.pass(400ms);
     hold(13, "me", "2");
@@ -142,7 +142,7 @@ TEST_F(HeldCommand, SameCommandHeldAgain_BeginsAnew) {
     EXPECT_EQ(executed().back(), "I,d,13,0");
 }
 
-TEST_F(HeldCommand, PlainCommandAfterwards_EndsTheHold) {
+TEST_F(HoldTest, PlainCommandAfterwards_EndsTheHold) {
     hold();
     hear({{"write", {13, 1}}, {"id", "plain"}}, "other");
     bench.pass(10s);
@@ -150,14 +150,14 @@ TEST_F(HeldCommand, PlainCommandAfterwards_EndsTheHold) {
     EXPECT_EQ(renew()["reason"], "not-held");
 }
 
-TEST_F(HeldCommand, UndoneByItsSender_IsNotUndoneAgain) {
+TEST_F(HoldTest, UndoneByItsSender_IsNotUndoneAgain) {
     hold();
     hear({{"write", {13, 0}}, {"id", "off"}});
     bench.pass(10s);
     EXPECT_THAT(executed(), ElementsAre("I,d,13,1", "I,d,13,0"));
 }
 
-TEST_F(HeldCommand, UndoneByARawLine_IsNotUndoneAgain) {
+TEST_F(HoldTest, UndoneByARawLine_IsNotUndoneAgain) {
     hold();
     bench.hear("asip/uno1/in", "I,d,13,0");
     bench.client_says("I,d,12,1");
@@ -165,14 +165,14 @@ TEST_F(HeldCommand, UndoneByARawLine_IsNotUndoneAgain) {
     EXPECT_THAT(executed(), ElementsAre("I,d,13,1", "I,d,13,0", "I,d,12,1"));
 }
 
-TEST_F(HeldCommand, AnotherElementCommanded_TheHoldStays) {
+TEST_F(HoldTest, AnotherElementCommanded_TheHoldStays) {
     hold();
     hear({{"write", {12, 1}}, {"id", "plain"}});
     bench.pass(500ms);
     EXPECT_THAT(executed(), ElementsAre("I,d,13,1", "I,d,12,1", "I,d,13,0"));
 }
 
-TEST_F(HeldCommand, HeldCommandOfAnother_TakesItsPlace) {
+TEST_F(HoldTest, HoldOfAnother_TakesItsPlace) {
     hold(13, "me", "1");
     bench.pass(400ms);
     hold(13, "other", "2");
@@ -182,14 +182,14 @@ TEST_F(HeldCommand, HeldCommandOfAnother_TakesItsPlace) {
     EXPECT_EQ(executed().size(), 3u);
 }
 
-TEST_F(HeldCommand, BusGone_IsUndoneAllTheSame) {
+TEST_F(HoldTest, BusGone_IsUndoneAllTheSame) {
     hold();
     bench.bridge.bus_disconnected();
     bench.pass(500ms);
     EXPECT_THAT(executed(), ElementsAre("I,d,13,1", "I,d,13,0"));
 }
 
-TEST_F(HeldCommand, BoardGone_IsReportedAndUndoneAsSoonAsItIsBack) {
+TEST_F(HoldTest, BoardGone_IsReportedAndUndoneAsSoonAsItIsBack) {
     hold();
     bench.unplug();
     EXPECT_THAT(last_error()["error"].get<std::string>(), HasSubstr("the board is not there"));
@@ -203,7 +203,7 @@ TEST_F(HeldCommand, BoardGone_IsReportedAndUndoneAsSoonAsItIsBack) {
     EXPECT_EQ(executed().front(), "I,d,13,0") << "before anything else";
 }
 
-TEST_F(HeldCommand, BoardRestarts_NothingIsHeldAnyMore) {
+TEST_F(HoldTest, BoardRestarts_NothingIsHeldAnyMore) {
     hold();
     bench.say(bench.board.reboot());
     bench.pass(100ms);
@@ -213,7 +213,7 @@ TEST_F(HeldCommand, BoardRestarts_NothingIsHeldAnyMore) {
     EXPECT_THAT(executed(), Not(Contains("I,d,13,0"))) << "pins are inputs again";
 }
 
-TEST_F(HeldCommand, SafeFormLostOnTheLine_IsSentAgain) {
+TEST_F(HoldTest, SafeFormLostOnTheLine_IsSentAgain) {
     hold();
     bench.pass(400ms);
     bench.board.lose_lines = 2;
@@ -221,7 +221,7 @@ TEST_F(HeldCommand, SafeFormLostOnTheLine_IsSentAgain) {
     EXPECT_THAT(executed(), Contains(HasSubstr("I,d,13,0")));
 }
 
-TEST_F(HeldCommand, RefusedByTheBoard_IsNotHeld) {
+TEST_F(HoldTest, RefusedByTheBoard_IsNotHeld) {
     bench.board.replies["I,d,13,1"] = "~I,d,6{WRONG_MODE}";
     EXPECT_EQ(hold()["status"], "error");
     EXPECT_EQ(renew()["reason"], "not-held");
@@ -229,7 +229,7 @@ TEST_F(HeldCommand, RefusedByTheBoard_IsNotHeld) {
     EXPECT_THAT(executed(), Not(Contains("I,d,13,0")));
 }
 
-TEST_F(HeldCommand, StillWaitingAtItsEnd_IsNeverSent) {
+TEST_F(HoldTest, StillWaitingAtItsEnd_IsNeverSent) {
     bench.board.mute = true;
     for (int i = 0; i < 30; ++i)
         bench.hear("asip/uno1/servo/in", R"({"write":[0,1],"reply_to":"me"})");
@@ -248,7 +248,7 @@ TEST_F(HeldCommand, StillWaitingAtItsEnd_IsNeverSent) {
     EXPECT_TRUE(answered);
 }
 
-TEST_F(HeldCommand, WhatCannotBeUndone_IsRefused) {
+TEST_F(HoldTest, WhatCannotBeUndone_IsRefused) {
     const auto servo = hear({{"write", {0, 90}}, {"hold_ms", 500}}, "me", "asip/uno1/servo/in");
     EXPECT_EQ(servo["reason"], "invalid");
     EXPECT_THAT(servo["error"].get<std::string>(), HasSubstr("nothing undoes this command"));
@@ -257,7 +257,7 @@ TEST_F(HeldCommand, WhatCannotBeUndone_IsRefused) {
     EXPECT_THAT(executed(), IsEmpty());
 }
 
-TEST_F(HeldCommand, TimeOutOfRange_IsRefused) {
+TEST_F(HoldTest, TimeOutOfRange_IsRefused) {
     for (const json& time : {json(49), json(60001), json(-1), json(1.5), json("500"), json()}) {
         const auto answer = hear({{"write", {13, 1}}, {"hold_ms", time}});
         EXPECT_EQ(answer["reason"], "invalid") << time;
@@ -265,12 +265,12 @@ TEST_F(HeldCommand, TimeOutOfRange_IsRefused) {
     EXPECT_THAT(executed(), IsEmpty());
 }
 
-TEST_F(HeldCommand, RenewalOfAnythingElse_IsRefused) {
+TEST_F(HoldTest, RenewalOfAnythingElse_IsRefused) {
     for (const json& which : {json(), json(false), json::array(), json("nothing"), json(7)})
         EXPECT_EQ(renew(which)["status"], "refused") << which;
 }
 
-TEST_F(HeldCommand, TooManyHeld_IsRefusedAndTheNextWorks) {
+TEST_F(HoldTest, TooManyHeld_IsRefusedAndTheNextWorks) {
     for (int pin = 0; pin < 64; ++pin)
         EXPECT_EQ(hold(pin, "me", std::to_string(pin))["status"], "ok") << pin;
     EXPECT_EQ(hold(64, "me", "64")["reason"], "invalid");
@@ -279,14 +279,14 @@ TEST_F(HeldCommand, TooManyHeld_IsRefusedAndTheNextWorks) {
     EXPECT_EQ(hold(64, "me", "65")["status"], "ok");
 }
 
-TEST_F(HeldCommand, AgentEnds_IsUndoneFirst) {
+TEST_F(HoldTest, AgentEnds_IsUndoneFirst) {
     hold();
     bench.release_holds();
     EXPECT_THAT(executed(), ElementsAre("I,d,13,1", "I,d,13,0"));
     EXPECT_TRUE(bench.bridge.is_safe());
 }
 
-TEST_F(HeldCommand, Statistics_CountThem) {
+TEST_F(HoldTest, Statistics_CountThem) {
     hold(12, "me", "1");
     hold(13, "me", "2");
     bench.publish_statistics();
@@ -319,7 +319,7 @@ TEST(Holds, PlainCommandExecutedBeforeTheHeldOne_DoesNotEndTheHold) {
     EXPECT_EQ(holds.take_expired(Time{} + 500ms).size(), 1u);
 }
 
-TEST(Holds, HeldCommandInDoubt_IsUndone) {
+TEST(Holds, CommandInDoubt_IsUndone) {
     for (const auto ending : {session::Ending::kDoubt, session::Ending::kTimeout}) {
         Holds holds;
         holds.begin(pin13(7));

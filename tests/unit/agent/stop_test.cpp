@@ -120,7 +120,7 @@ TEST_F(StoppedBoard, CommandNotHandledBeforeTheStop_IsRefused) {
     EXPECT_TRUE(out.link.empty());
 }
 
-TEST_F(StoppedBoard, HeldCommands_AreHeldNoLonger) {
+TEST_F(StoppedBoard, Holds_End) {
     bench.ask("asip/uno1/motors/in", {{"power", {0, 200}}, {"hold_ms", 500}}, "h");
     bench.board.executed.clear();
     stop();

@@ -76,7 +76,7 @@ TEST_F(OnlineBridge, Stop_IsNotedWithWhoStopped) {
     EXPECT_EQ(json::parse(bench.on(kNotes)[0]), note(R"({"what":"stop","by":"anna","status":"ok"})"));
 }
 
-TEST_F(OnlineBridge, HeldCommandThatIsNotRenewed_IsNotedAsUndone) {
+TEST_F(OnlineBridge, HoldThatIsNotRenewed_IsNotedAsUndone) {
     bench.hear("asip/uno1/io/in", R"({"write":[13,1],"hold_ms":500,"by":"anna","id":"7","reply_to":"a"})");
     bench.hear("asip/uno1/io/in", R"({"renew":"7","by":"anna","reply_to":"a"})");
     ASSERT_EQ(bench.on(kNotes).size(), 1u) << "a renewal is none";

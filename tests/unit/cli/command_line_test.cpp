@@ -29,9 +29,9 @@ TEST(CommandLine, DurationsOfEachUnit_AreReadEverywhere) {
         ASSERT_EQ(line.parse({"--timeout", text, "models"}), std::nullopt) << text;
         std::istringstream in;
         std::ostringstream out, err;
-        Context context{in, out, err};
-        ASSERT_TRUE(line.apply(context));
-        EXPECT_EQ(context.timeout, expected) << text;
+        Environment environment{in, out, err};
+        ASSERT_TRUE(line.apply(environment));
+        EXPECT_EQ(environment.timeout, expected) << text;
         EXPECT_EQ(parsed({"subscribe", "uno1", "-W", text}), std::nullopt) << text;
         EXPECT_EQ(parsed({"ping", "uno1", "-i", text}), std::nullopt) << text;
     }

@@ -17,12 +17,12 @@ using ::testing::HasSubstr;
 class RequestTest : public ::testing::Test {
   protected:
     Outcome<BoardCommand> make(const std::string& service, const std::vector<std::string>& words) {
-        return make_command(context_, board_, *find_service(board_, service), words);
+        return make_command(environment_, board_, *find_service(board_, service), words);
     }
 
     std::istringstream in_;
     std::ostringstream out_, err_;
-    Context context_{in_, out_, err_};
+    Environment environment_{in_, out_, err_};
     KnownBoard board_{bus::board_item(*model::parse_description(kUno1), "online"),
                       *model::parse_description(kUno1)};
 };
@@ -65,9 +65,9 @@ TEST_F(RequestTest, ServiceNobodyDescribed_TakesTagAndParameters) {
 }
 
 TEST_F(RequestTest, RawLine_MustBeARequest) {
-    EXPECT_EQ(make_raw_command(context_, "uno1", "S,W,0,90")->topic, "asip/uno1/in");
-    EXPECT_FALSE(make_raw_command(context_, "uno1", "hello"));
-    EXPECT_FALSE(make_raw_command(context_, "uno1", "S,W,0\nS,W,1"));
+    EXPECT_EQ(make_raw_command(environment_, "uno1", "S,W,0,90")->topic, "asip/uno1/in");
+    EXPECT_FALSE(make_raw_command(environment_, "uno1", "hello"));
+    EXPECT_FALSE(make_raw_command(environment_, "uno1", "S,W,0\nS,W,1"));
 }
 
 TEST(ExitStatus, OfEachAnswer_IsAsDocumented) {

@@ -10,7 +10,7 @@ namespace asip::agent {
 
 /// Finds out that the agent did not run for a while: it was stopped and continued (SIGSTOP), or its timer is
 /// late (a suspended machine, no processor time). What is read then may have waited for as long. Pure.
-class HeldUp {
+class ProcessPauses {
   public:
     /// A timer that is later than this was held up.
     static constexpr Duration kLate = std::chrono::milliseconds(500);
@@ -20,8 +20,8 @@ class HeldUp {
     std::optional<Time> runs(Time now, std::optional<Time> due, unsigned continuations = 0) {
         const bool continued = std::exchange(continuations_, continuations) != continuations;
         const auto last = std::exchange(last_, now);
-        const bool held_up = last && (continued || (due && now >= std::max(*due, *last) + kLate));
-        return held_up ? last : std::nullopt;
+        const bool paused = last && (continued || (due && now >= std::max(*due, *last) + kLate));
+        return paused ? last : std::nullopt;
     }
 
   private:

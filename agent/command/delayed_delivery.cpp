@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/command/held_on_the_way.hpp"
+#include "agent/command/delayed_delivery.hpp"
 
 #include <algorithm>
 #include <utility>
 
 namespace asip::agent {
 
-bool HeldOnTheWay::commanded(Time now, bool qos1) {
+bool DelayedDelivery::commanded(Time now, bool qos1) {
     in_use_until_ = now + kInUse;
     if (qos1) ++came_;
     if (due_) return false;
@@ -14,7 +14,7 @@ bool HeldOnTheWay::commanded(Time now, bool qos1) {
     return true;
 }
 
-void HeldOnTheWay::held_up(Time now, Time since) {
+void DelayedDelivery::process_paused(Time now, Time since) {
     if (arrival(since) == since) good_ = since;
     behind_ = true;
     drained_by_ = now + kDraining;
@@ -22,12 +22,12 @@ void HeldOnTheWay::held_up(Time now, Time since) {
     due_ = now;
 }
 
-void HeldOnTheWay::sent(Time now) {
+void DelayedDelivery::sent(Time now) {
     sent_ = now;
     came_ = 0;
 }
 
-bool HeldOnTheWay::answered(Time now) {
+bool DelayedDelivery::answered(Time now) {
     if (!sent_) return false;
     if (std::exchange(worthless_, false)) {
         due_ = now;
@@ -49,14 +49,14 @@ bool HeldOnTheWay::answered(Time now) {
     return late;
 }
 
-Time HeldOnTheWay::arrival(Time now) const {
+Time DelayedDelivery::arrival(Time now) const {
     const bool held = behind_ || (due_ && now > *due_ + limit());
     const bool given_up = sent_ && now >= *due_ + kNoAnswer;
     return held && !given_up ? std::min(good_, now) : now;
 }
 
 // The median, so that neither one stall nor one quick answer counts.
-Duration HeldOnTheWay::limit() const {
+Duration DelayedDelivery::limit() const {
     constexpr std::size_t kEnough = 3;
     if (answers_ < kEnough) return kLate;
     auto known = took_;

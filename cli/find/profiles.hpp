@@ -15,7 +15,7 @@ namespace asip::cli {
 using OptionValues = std::vector<std::pair<std::string, std::string>>;
 
 /// A bus that `asipctl context add` has given a name: how it is reached.
-struct NamedBus {
+struct Profile {
     std::string name;
     OptionValues options;
 
@@ -25,18 +25,18 @@ struct NamedBus {
 
 /// The named buses of a user: one file each, of the form of a configuration file, which only the user may
 /// read; and which of them is used where nothing else is named.
-class NamedBuses {
+class Profiles {
   public:
-    using Environment = std::function<std::optional<std::string>(const std::string&)>;
+    using Variables = std::function<std::optional<std::string>(const std::string&)>;
 
-    explicit NamedBuses(std::filesystem::path folder) : folder_(std::move(folder)) {}
+    explicit Profiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
     /// In `$XDG_CONFIG_HOME/asip`, else `~/.config/asip`; nothing where there is neither.
-    static std::optional<NamedBuses> of_user(const Environment& environment);
+    static std::optional<Profiles> of_user(const Variables& variables);
 
     std::vector<std::string> names() const;
     /// Fails where there is none of this name (with the nearest), or it cannot be read.
-    Expected<NamedBus> find(const std::string& name) const;
-    Expected<void> add(const NamedBus& bus);
+    Expected<Profile> find(const std::string& name) const;
+    Expected<void> add(const Profile& bus);
     Expected<void> remove(const std::string& name);
 
     /// Empty: none.
@@ -57,7 +57,7 @@ class NamedBuses {
 /// ASIP_CONTEXT, else the current one. Whoever names a broker, credentials or a configuration file otherwise
 /// (on the command line, or in the environment where `--context` is not given) uses none of it: a password
 /// goes to no other broker. Fails where a bus is named that there is not.
-Expected<std::vector<std::string>> with_named_bus(std::vector<std::string> arguments,
-                                                  const NamedBuses::Environment& environment);
+Expected<std::vector<std::string>> with_profile(std::vector<std::string> arguments,
+                                                const Profiles::Variables& variables);
 
 }  // namespace asip::cli

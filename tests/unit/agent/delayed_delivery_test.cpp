@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/command/held_on_the_way.hpp"
+#include "agent/command/delayed_delivery.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 constexpr Time kOutset{1h};
 constexpr Duration kSoon = 2ms;
 
-struct HeldOnTheWayTest : testing::Test {
+struct DelayedDeliveryTest : testing::Test {
     void command(unsigned count = 1) {
         for (unsigned i = 0; i < count; ++i)
             way.commanded(now, true);
@@ -30,16 +30,16 @@ struct HeldOnTheWayTest : testing::Test {
     /// Seconds before now that a message may be old.
     Duration age() const { return now - way.arrival(now); }
 
-    HeldOnTheWay way;
+    DelayedDelivery way;
     Time now = kOutset;
 };
 
-TEST_F(HeldOnTheWayTest, NobodyCommands_NoChecks) {
+TEST_F(DelayedDeliveryTest, NobodyCommands_NoChecks) {
     EXPECT_FALSE(way.next_check());
     EXPECT_EQ(age(), 0s);
 }
 
-TEST_F(HeldOnTheWayTest, Commanded_ChecksAtOnceAndEachSecondForAMinute) {
+TEST_F(DelayedDeliveryTest, Commanded_ChecksAtOnceAndEachSecondForAMinute) {
     EXPECT_TRUE(way.commanded(now, true));
     EXPECT_EQ(way.next_check(), now);
     check();
@@ -55,7 +55,7 @@ TEST_F(HeldOnTheWayTest, Commanded_ChecksAtOnceAndEachSecondForAMinute) {
     EXPECT_EQ(way.next_check(), now);
 }
 
-TEST_F(HeldOnTheWayTest, OneAtATime) {
+TEST_F(DelayedDeliveryTest, OneAtATime) {
     command();
     way.sent(now);
     EXPECT_FALSE(way.next_check());
@@ -63,7 +63,7 @@ TEST_F(HeldOnTheWayTest, OneAtATime) {
     EXPECT_FALSE(way.next_check());
 }
 
-TEST_F(HeldOnTheWayTest, AnsweredInTime_CommandsAreNew) {
+TEST_F(DelayedDeliveryTest, AnsweredInTime_CommandsAreNew) {
     command();
     for (int i = 0; i < 20; ++i) {
         check(i % 2 == 0 ? 500ms : 1ms);
@@ -73,7 +73,7 @@ TEST_F(HeldOnTheWayTest, AnsweredInTime_CommandsAreNew) {
     }
 }
 
-TEST_F(HeldOnTheWayTest, NoAnswerInTime_CommandsMayHaveComeSinceTheLastGoodCheck) {
+TEST_F(DelayedDeliveryTest, NoAnswerInTime_CommandsMayHaveComeSinceTheLastGoodCheck) {
     command();
     check_often(2);
     now = way.next_check().value();
@@ -84,12 +84,12 @@ TEST_F(HeldOnTheWayTest, NoAnswerInTime_CommandsMayHaveComeSinceTheLastGoodCheck
     EXPECT_EQ(way.arrival(now), kOutset + 1s);
 }
 
-TEST_F(HeldOnTheWayTest, LateAnswer_CommandsAreOldUntilACheckBehindItIsInTime) {
+TEST_F(DelayedDeliveryTest, LateAnswer_CommandsAreOldUntilACheckBehindItIsInTime) {
     command();
     check_often(2);
     check(7s);
     EXPECT_EQ(way.arrival(now), kOutset + 1s);
-    EXPECT_EQ(way.next_check(), now + HeldOnTheWay::kCatchingUp);
+    EXPECT_EQ(way.next_check(), now + DelayedDelivery::kCatchingUp);
     now = way.next_check().value();
     way.sent(now);
     now += 1ms;
@@ -98,7 +98,7 @@ TEST_F(HeldOnTheWayTest, LateAnswer_CommandsAreOldUntilACheckBehindItIsInTime) {
     EXPECT_EQ(age(), 0s);
 }
 
-TEST_F(HeldOnTheWayTest, LateAgain_IsStillAsOld) {
+TEST_F(DelayedDeliveryTest, LateAgain_IsStillAsOld) {
     command();
     check_often(2);
     check(7s);
@@ -108,7 +108,7 @@ TEST_F(HeldOnTheWayTest, LateAgain_IsStillAsOld) {
     EXPECT_EQ(age(), 0s);
 }
 
-TEST_F(HeldOnTheWayTest, CheckSentLate_IsNoProofOfTheTimeBefore) {
+TEST_F(DelayedDeliveryTest, CheckSentLate_IsNoProofOfTheTimeBefore) {
     command();
     check();
     now = way.next_check().value() + 3s;
@@ -121,7 +121,7 @@ TEST_F(HeldOnTheWayTest, CheckSentLate_IsNoProofOfTheTimeBefore) {
     EXPECT_EQ(age(), 0s);
 }
 
-TEST_F(HeldOnTheWayTest, StalledWhenTheMinuteIsOver_IsSeenToItsEnd) {
+TEST_F(DelayedDeliveryTest, StalledWhenTheMinuteIsOver_IsSeenToItsEnd) {
     command();
     while (*way.next_check() < kOutset + 59s)
         check();
@@ -134,45 +134,45 @@ TEST_F(HeldOnTheWayTest, StalledWhenTheMinuteIsOver_IsSeenToItsEnd) {
     EXPECT_EQ(age(), 0s);
 }
 
-TEST_F(HeldOnTheWayTest, FirstCheckIsLate_CommandsAreNoOlderThanTheFirst) {
+TEST_F(DelayedDeliveryTest, FirstCheckIsLate_CommandsAreNoOlderThanTheFirst) {
     command();
     way.sent(now);
     now += 8s;
     EXPECT_EQ(way.arrival(now), kOutset);
 }
 
-TEST_F(HeldOnTheWayTest, FullWindowBehindALateAnswer_MoreMayWaitAtTheBroker) {
+TEST_F(DelayedDeliveryTest, FullWindowBehindALateAnswer_MoreMayWaitAtTheBroker) {
     command();
     check_often(2);
     check(7s);
     for (int i = 0; i < 3; ++i) {
         now = way.next_check().value();
         way.sent(now);
-        command(HeldOnTheWay::kWindow);
+        command(DelayedDelivery::kWindow);
         way.answered(now += kSoon);
         EXPECT_EQ(way.arrival(now), kOutset + 1s);
     }
     now = way.next_check().value();
     way.sent(now);
-    command(HeldOnTheWay::kWindow - 1);
+    command(DelayedDelivery::kWindow - 1);
     way.answered(now += kSoon);
     EXPECT_EQ(age(), 0s);
 }
 
-TEST_F(HeldOnTheWayTest, AlwaysAFullWindow_IsNewAgainAfterAWhile) {
+TEST_F(DelayedDeliveryTest, AlwaysAFullWindow_IsNewAgainAfterAWhile) {
     command();
     check(7s);
     const Time late = now;
     do {
         now = way.next_check().value();
         way.sent(now);
-        command(5 * HeldOnTheWay::kWindow);
+        command(5 * DelayedDelivery::kWindow);
         way.answered(now += kSoon);
     } while (age() > 0s && now < late + 1min);
-    EXPECT_LE(now, late + HeldOnTheWay::kDraining + 1s);
+    EXPECT_LE(now, late + DelayedDelivery::kDraining + 1s);
 }
 
-TEST_F(HeldOnTheWayTest, FullWindowsWithoutALateAnswer_AreNew) {
+TEST_F(DelayedDeliveryTest, FullWindowsWithoutALateAnswer_AreNew) {
     command();
     way.sent(now);
     command(1000);
@@ -180,7 +180,7 @@ TEST_F(HeldOnTheWayTest, FullWindowsWithoutALateAnswer_AreNew) {
     EXPECT_EQ(age(), 0s);
 }
 
-TEST_F(HeldOnTheWayTest, SlowLink_FourTimesItsUsualAnswerIsLate) {
+TEST_F(DelayedDeliveryTest, SlowLink_FourTimesItsUsualAnswerIsLate) {
     command();
     check(600ms);
     EXPECT_GT(age(), 0s) << "nothing is usual yet";
@@ -193,7 +193,7 @@ TEST_F(HeldOnTheWayTest, SlowLink_FourTimesItsUsualAnswerIsLate) {
     EXPECT_GT(age(), 0s);
 }
 
-TEST_F(HeldOnTheWayTest, OneStallAndOneQuickAnswer_DoNotChangeWhatIsUsual) {
+TEST_F(DelayedDeliveryTest, OneStallAndOneQuickAnswer_DoNotChangeWhatIsUsual) {
     command();
     check(7s);
     check_often(2);
@@ -210,10 +210,10 @@ TEST_F(HeldOnTheWayTest, OneStallAndOneQuickAnswer_DoNotChangeWhatIsUsual) {
     EXPECT_EQ(age(), 0s);
 }
 
-TEST_F(HeldOnTheWayTest, BrokerThatNeverAnswersChecks_IsBelievedAfterAWhile) {
+TEST_F(DelayedDeliveryTest, BrokerThatNeverAnswersChecks_IsBelievedAfterAWhile) {
     command();
     way.sent(now);
-    now += HeldOnTheWay::kNoAnswer - 1s;
+    now += DelayedDelivery::kNoAnswer - 1s;
     EXPECT_GT(age(), 0s);
     now += 1s;
     EXPECT_EQ(age(), 0s);
@@ -222,12 +222,12 @@ TEST_F(HeldOnTheWayTest, BrokerThatNeverAnswersChecks_IsBelievedAfterAWhile) {
     EXPECT_GT(age(), 0s) << "so it was a stall";
 }
 
-TEST_F(HeldOnTheWayTest, AgentHeldUp_CommandsMayHaveComeSinceThenUntilACheckIsAnswered) {
+TEST_F(DelayedDeliveryTest, AgentHeldUp_CommandsMayHaveComeSinceThenUntilACheckIsAnswered) {
     command();
     check_often(2);
     const Time stopped = now;
     now += 600ms;
-    way.held_up(now, stopped);
+    way.process_paused(now, stopped);
     EXPECT_EQ(way.next_check(), now);
     EXPECT_EQ(way.arrival(now), stopped);
     way.sent(now);
@@ -237,14 +237,14 @@ TEST_F(HeldOnTheWayTest, AgentHeldUp_CommandsMayHaveComeSinceThenUntilACheckIsAn
     EXPECT_EQ(age(), 0s);
 }
 
-TEST_F(HeldOnTheWayTest, AgentHeldUpWhileACheckHasNoAnswer_TheNextOneCounts) {
+TEST_F(DelayedDeliveryTest, AgentHeldUpWhileACheckHasNoAnswer_TheNextOneCounts) {
     command();
     check_often(2);
     now = way.next_check().value();
     way.sent(now);
     const Time stopped = now;
     now += 40s;
-    way.held_up(now, stopped);
+    way.process_paused(now, stopped);
     EXPECT_FALSE(way.next_check());
     EXPECT_EQ(way.arrival(now), stopped);
     EXPECT_FALSE(way.answered(now));
@@ -253,37 +253,37 @@ TEST_F(HeldOnTheWayTest, AgentHeldUpWhileACheckHasNoAnswer_TheNextOneCounts) {
     EXPECT_EQ(age(), 0s);
 }
 
-TEST_F(HeldOnTheWayTest, AgentHeldUpThatNobodyCommands_ChecksOnce) {
+TEST_F(DelayedDeliveryTest, AgentHeldUpThatNobodyCommands_ChecksOnce) {
     const Time stopped = now;
     now += 5s;
-    way.held_up(now, stopped);
+    way.process_paused(now, stopped);
     command();
     EXPECT_EQ(way.arrival(now), stopped);
     now += 70s;
-    way.held_up(now, now - 1s);
+    way.process_paused(now, now - 1s);
     check();
     EXPECT_EQ(age(), 0s);
     EXPECT_FALSE(way.next_check());
 }
 
-TEST_F(HeldOnTheWayTest, AgentHeldUpBehindAStall_CommandsAreAsOldAsBefore) {
+TEST_F(DelayedDeliveryTest, AgentHeldUpBehindAStall_CommandsAreAsOldAsBefore) {
     command();
     check_often(2);
     check(7s);
     const Time stopped = now;
     now += 600ms;
-    way.held_up(now, stopped);
+    way.process_paused(now, stopped);
     EXPECT_EQ(way.arrival(now), kOutset + 1s);
     check();
     EXPECT_EQ(age(), 0s);
 }
 
-TEST_F(HeldOnTheWayTest, AgentHeldUpAgainAndAgain_IsAsOldAsTheFirst) {
+TEST_F(DelayedDeliveryTest, AgentHeldUpAgainAndAgain_IsAsOldAsTheFirst) {
     command();
     check_often(2);
     const Time stopped = now;
     for (int i = 0; i < 5; ++i) {
-        way.held_up(now + 600ms, now);
+        way.process_paused(now + 600ms, now);
         now += 600ms;
         EXPECT_EQ(way.arrival(now), stopped);
         if (way.next_check()) way.sent(now);
@@ -293,14 +293,14 @@ TEST_F(HeldOnTheWayTest, AgentHeldUpAgainAndAgain_IsAsOldAsTheFirst) {
     EXPECT_EQ(age(), 0s);
 }
 
-TEST_F(HeldOnTheWayTest, AgentHeldUpAtABrokerThatNeverAnswers_IsBelievedAfterAWhile) {
-    way.held_up(now, now - 1s);
+TEST_F(DelayedDeliveryTest, AgentHeldUpAtABrokerThatNeverAnswers_IsBelievedAfterAWhile) {
+    way.process_paused(now, now - 1s);
     way.sent(now);
-    now += HeldOnTheWay::kNoAnswer;
+    now += DelayedDelivery::kNoAnswer;
     EXPECT_EQ(age(), 0s);
 }
 
-TEST_F(HeldOnTheWayTest, AnswerToNothing_IsIgnored) {
+TEST_F(DelayedDeliveryTest, AnswerToNothing_IsIgnored) {
     way.answered(now);
     command();
     way.answered(now);

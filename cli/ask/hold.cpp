@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/ask/held_command.hpp"
+#include "cli/ask/hold.hpp"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -14,26 +14,26 @@ namespace {
 /// At Ctrl-C, for the answer of the board.
 constexpr std::chrono::seconds kLastPatience{2};
 
-class HeldCommand {
+class Hold {
   public:
-    HeldCommand(Context& context, BusSession& session, const BoardCommand& command,
-                std::chrono::milliseconds hold, const OutputOptions& output)
-        : context_(context),
+    Hold(Environment& environment, BusSession& session, const BoardCommand& command,
+         std::chrono::milliseconds hold, const OutputOptions& output)
+        : environment_(environment),
           session_(session),
           command_(command),
           hold_(hold),
           output_(output),
-          records_(output, RecordPrinter::Count::kStream, context.out) {}
+          records_(output, RecordPrinter::Count::kStream, environment.out) {}
 
     int run(std::optional<std::chrono::milliseconds> during) {
-        BoardCommand held = command_;
-        held.payload = model::dump_json({{"raw", command_.payload}, {"hold_ms", hold_.count()}});
-        const auto reply = ask_board(context_, session_, held);
+        BoardCommand begin = command_;
+        begin.payload = model::dump_json({{"raw", command_.payload}, {"hold_ms", hold_.count()}});
+        const auto reply = ask_board(environment_, session_, begin);
         if (!reply && session_.stopped()) return undo();  // it may be executed all the same
-        if (!reply) return context_.fail_with(reply.error());
+        if (!reply) return environment_.fail_with(reply.error());
         print(command_.line, *reply);
         if (!reply->succeeded())
-            return context_.fail_with({exit_status(*reply), command_.line + ": " + explain(*reply)});
+            return environment_.fail_with({exit_status(*reply), command_.line + ": " + explain(*reply)});
         const Time end = during ? Clock::now() + *during : Time::max();
         // Two of three may get lost.
         const auto between = std::max<Duration>(hold_ / 3, std::chrono::milliseconds(10));
@@ -43,7 +43,7 @@ class HeldCommand {
             if (!session_.stopped() && !refused_) renew();
         }
         if (refused_)
-            return context_.fail_with({program::kExitFailure, command_.line + ": " + explain(*refused_)});
+            return environment_.fail_with({program::kExitFailure, command_.line + ": " + explain(*refused_)});
         return undo();
     }
 
@@ -60,11 +60,11 @@ class HeldCommand {
         undoing.payload = command_.safe.substr(std::min<std::size_t>(2, command_.safe.size()));
         undoing.line = command_.safe;
         const auto reply =
-            session_.stopped() ? ask_at_the_end(undoing) : ask_board(context_, session_, undoing);
-        if (!reply) return context_.fail_with(reply.error());
+            session_.stopped() ? ask_at_the_end(undoing) : ask_board(environment_, session_, undoing);
+        if (!reply) return environment_.fail_with(reply.error());
         print(undoing.line, *reply);
         if (reply->succeeded()) return program::kExitOk;
-        return context_.fail_with({exit_status(*reply), undoing.line + ": " + explain(*reply)});
+        return environment_.fail_with({exit_status(*reply), undoing.line + ": " + explain(*reply)});
     }
 
     Outcome<bus::Reply> ask_at_the_end(const BoardCommand& undoing) {
@@ -83,7 +83,8 @@ class HeldCommand {
 
     void print(const std::string& line, const bus::Reply& reply) {
         if (output_.for_people()) {
-            if (reply.succeeded()) context_.out << line << ": " << answer_text(reply) << '\n' << std::flush;
+            if (reply.succeeded())
+                environment_.out << line << ": " << answer_text(reply) << '\n' << std::flush;
             return;
         }
         auto record = *model::parse_json(bus::to_json_text(reply));
@@ -92,7 +93,7 @@ class HeldCommand {
         records_.print(record);
     }
 
-    Context& context_;
+    Environment& environment_;
     BusSession& session_;
     const BoardCommand& command_;
     std::chrono::milliseconds hold_;
@@ -104,15 +105,16 @@ class HeldCommand {
 
 }  // namespace
 
-int hold_command(Context& context, BusSession& session, const BoardCommand& command,
+int hold_command(Environment& environment, BusSession& session, const BoardCommand& command,
                  std::chrono::milliseconds hold, std::optional<std::chrono::milliseconds> during,
                  const OutputOptions& output) {
     if (command.safe.empty())
-        return context.fail_with({program::kExitUsage, command.target + ": nothing undoes " + command.line +
-                                                           ", so it cannot be held; see asipctl explain"});
+        return environment.fail_with(
+            {program::kExitUsage, command.target + ": nothing undoes " + command.line +
+                                      ", so --hold does not apply; see asipctl explain"});
     if (hold < bus::kMinHold || hold > bus::kMaxHold)
-        return context.fail_with({program::kExitUsage, "--hold takes 50ms to 60s"});
-    return HeldCommand(context, session, command, hold, output).run(during);
+        return environment.fail_with({program::kExitUsage, "--hold takes 50ms to 60s"});
+    return Hold(environment, session, command, hold, output).run(during);
 }
 
 }  // namespace asip::cli

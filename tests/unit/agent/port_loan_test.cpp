@@ -124,7 +124,7 @@ TEST_F(ReleasedPortTest, AnotherBoardAtThePort_IsTold) {
     EXPECT_THAT(bench.notices, Contains(HasSubstr("another board answers")));
 }
 
-TEST_F(ReleasedPortTest, HeldCommand_IsUndoneBeforeThePortIsLetGo) {
+TEST_F(ReleasedPortTest, Hold_IsUndoneBeforeThePortIsLetGo) {
     bench.hear("asip/uno1/io/in", R"({"write":[13,1],"hold_ms":5000,"id":"h","reply_to":"me"})");
     bench.board.executed.clear();
     release();

@@ -6,7 +6,7 @@
 #include "asip/bus/port_request.hpp"
 #include "cli/ask/board_source.hpp"
 #include "cli/ask/bus_session.hpp"
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 
 namespace asip::cli {
 
@@ -33,9 +33,9 @@ struct TakenPort {
 Outcome<KnownBoard> find_board_with_agent(BoardSource& source, const std::string& name);
 
 /// Asks one board's agent for its port, and gives it back.
-class PortHolder {
+class LentPort {
   public:
-    PortHolder(const Context& context, BusSession& session, std::string board);
+    LentPort(const Environment& environment, BusSession& session, std::string board);
 
     /// Fails with kExitFailure (somebody else has it) or kExitNoAnswer. Again: prolongs it.
     Outcome<ReleasedPort> release(std::chrono::seconds time);
@@ -50,7 +50,7 @@ class PortHolder {
   private:
     Outcome<std::string> ask(const bus::PortRequest& request, std::chrono::milliseconds patience);
 
-    const Context& context_;
+    const Environment& environment_;
     BusSession& session_;
     std::string board_;
     std::string by_;

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "agent/command/held_up.hpp"
+#include "agent/command/process_pauses.hpp"
 #include "asip/time.hpp"
 
 namespace asip::agent {
@@ -16,13 +16,13 @@ namespace asip::agent {
 /// checks only while the board is commanded, and after the agent itself was held up: what comes before the
 /// answer to a check that is sent then may have waited meanwhile. Pure; a new connection begins with a new
 /// one, since nothing that was held on the old one comes over it.
-class HeldOnTheWay {
+class DelayedDelivery {
   public:
     static constexpr Duration kEvery = std::chrono::seconds(1);
     /// For so long after a command there are checks.
     static constexpr Duration kInUse = std::chrono::seconds(60);
     /// An answer that takes longer is late, unless the usual one takes more than a quarter of that.
-    static constexpr Duration kLate = HeldUp::kLate;
+    static constexpr Duration kLate = ProcessPauses::kLate;
     static constexpr int kTimesUsual = 4;
     /// After a late answer: the broker reads what its clients sent meanwhile piece by piece.
     static constexpr Duration kCatchingUp = std::chrono::milliseconds(300);
@@ -38,7 +38,7 @@ class HeldOnTheWay {
     /// A command was received. True: checks begin, the first is due now.
     bool commanded(Time now, bool qos1);
     /// The agent did not run since then. A check is due now, or when the one that is sent is answered.
-    void held_up(Time now, Time since);
+    void process_paused(Time now, Time since);
     /// When to send a check; none while one has no answer yet.
     std::optional<Time> next_check() const { return sent_ ? std::nullopt : due_; }
     void sent(Time now);

@@ -25,7 +25,7 @@ bool may_be_same_board(const BoardTraits& a, const BoardTraits& b);
 
 /// Who has the board's port: this agent, or somebody it let go of it for, until a time. Pure: says in the
 /// effects what to do with the port. Times are of this program's clock; none of it needs the bus.
-class PortLease {
+class PortLoan {
   public:
     /// While the board is made safe, at most so long.
     static constexpr Duration kMakeSafe = std::chrono::milliseconds(500);

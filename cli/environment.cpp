@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/context.hpp"
+#include "cli/environment.hpp"
 
 #include <poll.h>
 
@@ -9,22 +9,22 @@
 
 namespace asip::cli {
 
-bool Context::reader_gone() const {
+bool Environment::reader_gone() const {
     if (out_descriptor < 0) return false;
     pollfd watched{out_descriptor, 0, 0};
     return ::poll(&watched, 1, 0) == 1 && (watched.revents & (POLLERR | POLLHUP)) != 0;
 }
 
-bool Context::output_ended() const {
+bool Environment::output_ended() const {
     return !out || reader_gone();
 }
 
-void Context::note(const std::string& text) const {
+void Environment::note(const std::string& text) const {
     out.flush();
     err << "asipctl: " << for_terminal(text) << std::endl;
 }
 
-int Context::fail_with(const Failure& failure) const {
+int Environment::fail_with(const Failure& failure) const {
     if (failure.text != kInterrupted || !reader_gone()) note(failure.text);
     return failure.status;
 }

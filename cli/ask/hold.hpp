@@ -10,7 +10,7 @@ namespace asip::cli {
 
 /// Sends a command that its board's agent undoes when it is not renewed for `hold`, and renews it until the
 /// user ends it or `during` is over; then undoes it. The exit status.
-int hold_command(Context& context, BusSession& session, const BoardCommand& command,
+int hold_command(Environment& environment, BusSession& session, const BoardCommand& command,
                  std::chrono::milliseconds hold, std::optional<std::chrono::milliseconds> during,
                  const OutputOptions& output);
 

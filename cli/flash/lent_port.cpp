@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/flash/port_holder.hpp"
+#include "cli/flash/lent_port.hpp"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -31,15 +31,15 @@ Outcome<KnownBoard> find_board_with_agent(BoardSource& source, const std::string
     return board;
 }
 
-PortHolder::PortHolder(const Context& context, BusSession& session, std::string board)
-    : context_(context),
+LentPort::LentPort(const Environment& environment, BusSession& session, std::string board)
+    : environment_(environment),
       session_(session),
       board_(std::move(board)),
-      by_((who_asks(context) + " by " + context.mqtt.client_id).substr(0, 64)) {}
+      by_((who_asks(environment) + " by " + environment.mqtt.client_id).substr(0, 64)) {}
 
-Outcome<std::string> PortHolder::ask(const bus::PortRequest& request, std::chrono::milliseconds patience) {
+Outcome<std::string> LentPort::ask(const bus::PortRequest& request, std::chrono::milliseconds patience) {
     std::optional<Expected<bus::Reply>> reply;
-    const auto topic = context_.topics.board_in(board_);
+    const auto topic = environment_.topics.board_in(board_);
     const auto text = bus::encode(request, by_);
     const auto take = [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); };
     // A port is not released when nobody waits for it any more; it is taken back however late that comes.
@@ -60,8 +60,8 @@ Outcome<std::string> PortHolder::ask(const bus::PortRequest& request, std::chron
     return tl::unexpected(failure_of(answer, board_ + ": "));
 }
 
-Outcome<ReleasedPort> PortHolder::release(std::chrono::seconds time) {
-    const auto answer = ask({bus::PortRequest::What::kRelease, time}, context_.timeout);
+Outcome<ReleasedPort> LentPort::release(std::chrono::seconds time) {
+    const auto answer = ask({bus::PortRequest::What::kRelease, time}, environment_.timeout);
     if (!answer) return tl::unexpected(answer.error());
     const auto document = document_of(*answer);
     return ReleasedPort{value_at(document, "kind"), value_at(document, "path"),
@@ -69,22 +69,23 @@ Outcome<ReleasedPort> PortHolder::release(std::chrono::seconds time) {
                         value_at(document, "chip"), value_at(document, "sketch")};
 }
 
-void PortHolder::prolong(std::chrono::seconds time) {
-    session_.publish(context_.topics.board_in(board_),
+void LentPort::prolong(std::chrono::seconds time) {
+    session_.publish(environment_.topics.board_in(board_),
                      bus::encode({bus::PortRequest::What::kRelease, time}, by_), 1);
 }
 
-Outcome<TakenPort> PortHolder::give_back() {
-    const auto answer = ask({bus::PortRequest::What::kTake, {}}, std::max(context_.timeout, kBoardPatience));
+Outcome<TakenPort> LentPort::give_back() {
+    const auto answer =
+        ask({bus::PortRequest::What::kTake, {}}, std::max(environment_.timeout, kBoardPatience));
     if (!answer) return tl::unexpected(answer.error());
     const auto document = document_of(*answer);
     return TakenPort{document.value("same", nlohmann::json()) == true, value_at(document, "before.sketch"),
                      value_at(document, "after.sketch"), value_at(document, "after.chip")};
 }
 
-void PortHolder::give_back_unseen() {
-    session_.publish(context_.topics.board_in(board_), bus::encode({bus::PortRequest::What::kTake, {}}, by_),
-                     1);
+void LentPort::give_back_unseen() {
+    session_.publish(environment_.topics.board_in(board_),
+                     bus::encode({bus::PortRequest::What::kTake, {}}, by_), 1);
 }
 
 }  // namespace asip::cli

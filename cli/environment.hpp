@@ -46,7 +46,7 @@ inline tl::unexpected<Failure> interrupted() {
 }
 
 /// Everything a command uses of the world outside its own options.
-struct Context {
+struct Environment {
     std::istream& in;
     std::ostream& out;  ///< data
     std::ostream& err;  ///< diagnostics

@@ -13,14 +13,14 @@ namespace asip::agent {
 
 /// What the board reports while there is no bus: the newest value of each kind, at most kMaxKinds. What it
 /// replaces would be stale when the bus is back.
-class HeldValues {
+class OfflineValues {
   public:
     static constexpr std::size_t kMaxKinds = 64;
 
     /// A value that it replaces, or that has no place, is counted in `statistics`.
-    void hold(const protocol::ParsedLine& line, Statistics& statistics);
-    /// What was held, and nothing is held any more. Logs how many values were superseded.
-    std::vector<protocol::ParsedLine> release(Effects& out);
+    void keep(const protocol::ParsedLine& line, Statistics& statistics);
+    /// Takes out what was kept. Logs how many values were superseded.
+    std::vector<protocol::ParsedLine> take(Effects& out);
 
   private:
     std::map<std::string, protocol::ParsedLine> newest_;

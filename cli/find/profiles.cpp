@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/find/named_buses.hpp"
+#include "cli/find/profiles.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -47,31 +47,31 @@ bool names_a_bus(const std::vector<std::string>& arguments) {
            typed_value(arguments, "config");
 }
 
-bool names_a_bus(const NamedBuses::Environment& environment) {
+bool names_a_bus(const Profiles::Variables& variables) {
     for (const auto* name : {"ASIP_BROKER", "ASIP_CREDENTIALS", "ASIP_CONFIG"}) {
-        if (const auto value = environment(name); value && !value->empty()) return true;
+        if (const auto value = variables(name); value && !value->empty()) return true;
     }
     return false;
 }
 
 }  // namespace
 
-std::string NamedBus::value(const std::string& option) const {
+std::string Profile::value(const std::string& option) const {
     for (const auto& [key, text] : options) {
         if (key == option) return text;
     }
     return {};
 }
 
-std::optional<NamedBuses> NamedBuses::of_user(const Environment& environment) {
-    if (const auto folder = environment("XDG_CONFIG_HOME"); folder && !folder->empty())
-        return NamedBuses(fs::path(*folder) / "asip");
-    if (const auto home = environment("HOME"); home && !home->empty())
-        return NamedBuses(fs::path(*home) / ".config" / "asip");
+std::optional<Profiles> Profiles::of_user(const Variables& variables) {
+    if (const auto folder = variables("XDG_CONFIG_HOME"); folder && !folder->empty())
+        return Profiles(fs::path(*folder) / "asip");
+    if (const auto home = variables("HOME"); home && !home->empty())
+        return Profiles(fs::path(*home) / ".config" / "asip");
     return std::nullopt;
 }
 
-std::vector<std::string> NamedBuses::names() const {
+std::vector<std::string> Profiles::names() const {
     std::vector<std::string> result;
     std::error_code error;
     for (const auto& entry : fs::directory_iterator(folder_ / "contexts", error)) {
@@ -81,20 +81,20 @@ std::vector<std::string> NamedBuses::names() const {
     return result;
 }
 
-Expected<NamedBus> NamedBuses::find(const std::string& name) const {
+Expected<Profile> Profiles::find(const std::string& name) const {
     std::error_code error;
     if (!model::valid_name(name) || !fs::exists(file_of(name), error))
         return fail("there is no context \"" + name + "\"" + text::did_you_mean(name, names()) +
                     "; see asipctl context list");
     const auto file = program::read_config_file(file_of(name).string(), "asipctl");
     if (!file) return fail(file.error());
-    NamedBus bus{name, {}};
+    Profile bus{name, {}};
     for (const auto& line : file->lines)
         bus.options.emplace_back(line.name, line.value);
     return bus;
 }
 
-Expected<void> NamedBuses::add(const NamedBus& bus) {
+Expected<void> Profiles::add(const Profile& bus) {
     if (!model::valid_name(bus.name))
         return fail("a context is named by 1 to 64 of A-Z a-z 0-9 . _ -, not \"" + bus.name + "\"");
     std::string text = "# Made by asipctl context add.\n";
@@ -106,7 +106,7 @@ Expected<void> NamedBuses::add(const NamedBus& bus) {
     return write_private(file_of(bus.name), text);
 }
 
-Expected<void> NamedBuses::remove(const std::string& name) {
+Expected<void> Profiles::remove(const std::string& name) {
     if (const auto bus = find(name); !bus) return fail(bus.error());
     std::error_code error;
     fs::remove(file_of(name), error);
@@ -114,14 +114,14 @@ Expected<void> NamedBuses::remove(const std::string& name) {
     return current() == name ? use({}) : Expected<void>();
 }
 
-std::string NamedBuses::current() const {
+std::string Profiles::current() const {
     std::string name;
     std::ifstream file(current_file());
     std::getline(file, name);
     return model::valid_name(name) ? name : std::string();
 }
 
-Expected<void> NamedBuses::use(const std::string& name) {
+Expected<void> Profiles::use(const std::string& name) {
     if (!name.empty()) {
         if (const auto bus = find(name); !bus) return fail(bus.error());
         return write_private(current_file(), name + "\n");
@@ -131,17 +131,17 @@ Expected<void> NamedBuses::use(const std::string& name) {
     return error ? Expected<void>(fail(current_file().string() + ": " + error.message())) : Expected<void>();
 }
 
-Expected<std::vector<std::string>> with_named_bus(std::vector<std::string> arguments,
-                                                  const NamedBuses::Environment& environment) {
+Expected<std::vector<std::string>> with_profile(std::vector<std::string> arguments,
+                                                const Profiles::Variables& variables) {
     const auto typed = typed_value(arguments, "context");
     if (names_a_bus(arguments)) {
         if (typed)
             return fail("--context names a broker already; leave --broker, --credentials and --config away");
         return arguments;
     }
-    if (!typed && names_a_bus(environment)) return arguments;
-    const auto buses = NamedBuses::of_user(environment);
-    const auto from_environment = environment("ASIP_CONTEXT").value_or("");
+    if (!typed && names_a_bus(variables)) return arguments;
+    const auto buses = Profiles::of_user(variables);
+    const auto from_environment = variables("ASIP_CONTEXT").value_or("");
     const bool asked_for = typed || !from_environment.empty();
     const auto name = typed                       ? *typed
                       : !from_environment.empty() ? from_environment

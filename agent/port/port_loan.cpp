@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/port/port_lease.hpp"
+#include "agent/port/port_loan.hpp"
 
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -30,13 +30,13 @@ bool may_be_same_board(const BoardTraits& a, const BoardTraits& b) {
     return agree(a.chip, b.chip) && agree(a.stored_name, b.stored_name);
 }
 
-void PortLease::answer(const bus::ReplyTo& to, bus::Reply reply, Effects& out) const {
+void PortLoan::answer(const bus::ReplyTo& to, bus::Reply reply, Effects& out) const {
     if (auto message = bus::reply_message(to, std::move(reply)))
         out.publish.push_back({std::move(*message), mqtt::Priority::kReply});
 }
 
-void PortLease::request(const bus::PortRequest& request, const bus::ReplyTo& reply, const Board& board,
-                        Time now, text::WallTime wall, Effects& out) {
+void PortLoan::request(const bus::PortRequest& request, const bus::ReplyTo& reply, const Board& board,
+                       Time now, text::WallTime wall, Effects& out) {
     if (request.what == bus::PortRequest::What::kRelease)
         return release(request, reply, board, now, wall, out);
     if (phase_ != Phase::kReleased)
@@ -49,8 +49,8 @@ void PortLease::request(const bus::PortRequest& request, const bus::ReplyTo& rep
     take_back(now, out);
 }
 
-void PortLease::release(const bus::PortRequest& request, const bus::ReplyTo& reply, const Board& board,
-                        Time now, text::WallTime wall, Effects& out) {
+void PortLoan::release(const bus::PortRequest& request, const bus::ReplyTo& reply, const Board& board,
+                       Time now, text::WallTime wall, Effects& out) {
     const bool prolongs = is_away() && !reply.by.empty() && reply.by == by_;
     if (phase_ != Phase::kOurs && !prolongs)
         return answer(reply,
@@ -71,7 +71,7 @@ void PortLease::release(const bus::PortRequest& request, const bus::ReplyTo& rep
     deadline_ = now + (board.ready ? kMakeSafe : Duration::zero());
 }
 
-std::string PortLease::granted() const {
+std::string PortLoan::granted() const {
     nlohmann::json object = traits_json(before_.traits);
     object["kind"] = before_.link.kind;
     object["path"] = before_.link.path;
@@ -80,7 +80,7 @@ std::string PortLease::granted() const {
     return model::dump_json(object);
 }
 
-void PortLease::let_go(Effects& out) {
+void PortLoan::let_go(Effects& out) {
     if (phase_ != Phase::kMakingSafe) return;
     phase_ = Phase::kReleased;
     deadline_ = until_;
@@ -89,13 +89,13 @@ void PortLease::let_go(Effects& out) {
     answer(release_reply_, bus::Reply::ok("released", granted()), out);
 }
 
-void PortLease::take_back(Time now, Effects& out) {
+void PortLoan::take_back(Time now, Effects& out) {
     phase_ = Phase::kTakingBack;
     deadline_ = now + kAnswerTime;
     out.port = Effects::Port::kTakeBack;
 }
 
-void PortLease::identified(const BoardTraits& traits, Effects& out) {
+void PortLoan::identified(const BoardTraits& traits, Effects& out) {
     if (phase_ != Phase::kTakingBack) return;
     phase_ = Phase::kOurs;
     const bool same = may_be_same_board(before_.traits, traits);
@@ -108,7 +108,7 @@ void PortLease::identified(const BoardTraits& traits, Effects& out) {
     by_.clear();
 }
 
-bool PortLease::tick(Time now, Effects& out) {
+bool PortLoan::tick(Time now, Effects& out) {
     if (phase_ == Phase::kOurs || now < deadline_) return false;
     if (phase_ == Phase::kMakingSafe) {
         let_go(out);
@@ -126,11 +126,11 @@ bool PortLease::tick(Time now, Effects& out) {
     return true;
 }
 
-std::optional<Time> PortLease::next_deadline() const {
+std::optional<Time> PortLoan::next_deadline() const {
     return phase_ == Phase::kOurs ? std::nullopt : std::optional(deadline_);
 }
 
-std::string PortLease::updating() const {
+std::string PortLoan::updating() const {
     if (!is_away()) return {};
     return model::dump_json({{"by", by_}, {"until", until_text()}});
 }

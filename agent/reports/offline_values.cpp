@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/reports/held_values.hpp"
+#include "agent/reports/offline_values.hpp"
 
 #include <utility>
 
@@ -7,7 +7,7 @@ namespace asip::agent {
 
 using program::log::Level;
 
-void HeldValues::hold(const protocol::ParsedLine& line, Statistics& statistics) {
+void OfflineValues::keep(const protocol::ParsedLine& line, Statistics& statistics) {
     if (!line.is_event()) return;
     const auto event = line.event();
     std::string kind{event.service, event.tag};
@@ -22,7 +22,7 @@ void HeldValues::hold(const protocol::ParsedLine& line, Statistics& statistics) 
     if (!full) newest_[std::move(kind)] = line;
 }
 
-std::vector<protocol::ParsedLine> HeldValues::release(Effects& out) {
+std::vector<protocol::ParsedLine> OfflineValues::take(Effects& out) {
     std::vector<protocol::ParsedLine> lines;
     for (auto& [kind, line] : std::exchange(newest_, {}))
         lines.push_back(std::move(line));

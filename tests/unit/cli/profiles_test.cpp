@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/find/named_buses.hpp"
+#include "cli/find/profiles.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,30 +17,30 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Words = std::vector<std::string>;
 
-class NamedBusesTest : public ::testing::Test {
+class ProfilesTest : public ::testing::Test {
   protected:
-    NamedBusesTest() {
+    ProfilesTest() {
         EXPECT_TRUE(
             buses_.add({"lab", {{"broker", "mqtts://lab"}, {"user", "ann"}, {"password", "a b # c"}}}));
         EXPECT_TRUE(buses_.add({"shed", {{"broker", "shed:1884"}}}));
     }
-    NamedBuses::Environment environment() const {
+    Profiles::Variables variables() const {
         return [this](const std::string& name) {
             const auto found = variables_.find(name);
             return found == variables_.end() ? std::nullopt : std::optional(found->second);
         };
     }
     Words with(const Words& arguments) const {
-        const auto all = with_named_bus(arguments, environment());
+        const auto all = with_profile(arguments, variables());
         return all ? *all : Words{"error: " + all.error()};
     }
 
     test::TempDir folder_;
     std::map<std::string, std::string> variables_{{"XDG_CONFIG_HOME", folder_.path().string()}};
-    NamedBuses buses_ = *NamedBuses::of_user(environment());
+    Profiles buses_ = *Profiles::of_user(variables());
 };
 
-TEST_F(NamedBusesTest, WhatIsAdded_ComesBackAndOnlyItsUserMayReadIt) {
+TEST_F(ProfilesTest, WhatIsAdded_ComesBackAndOnlyItsUserMayReadIt) {
     EXPECT_THAT(buses_.names(), ElementsAre("lab", "shed"));
     EXPECT_EQ(buses_.find("lab")->value("password"), "a b # c");
     struct stat file{};
@@ -52,7 +52,7 @@ TEST_F(NamedBusesTest, WhatIsAdded_ComesBackAndOnlyItsUserMayReadIt) {
     EXPECT_FALSE(buses_.add({"x", {{"user", "a\nbroker=evil"}}}));
 }
 
-TEST_F(NamedBusesTest, CurrentOne_IsUsedWhereNothingElseIsNamed) {
+TEST_F(ProfilesTest, CurrentOne_IsUsedWhereNothingElseIsNamed) {
     EXPECT_THAT(with({"list"}), ElementsAre("list"));
     ASSERT_TRUE(buses_.use("shed"));
     EXPECT_THAT(with({"list"}), ElementsAre("--broker=shed:1884", "list"));
@@ -70,7 +70,7 @@ TEST_F(NamedBusesTest, CurrentOne_IsUsedWhereNothingElseIsNamed) {
     EXPECT_EQ(buses_.current(), "");
 }
 
-TEST_F(NamedBusesTest, BrokerThatIsNamedOtherwise_GetsNothingOfIt) {
+TEST_F(ProfilesTest, BrokerThatIsNamedOtherwise_GetsNothingOfIt) {
     ASSERT_TRUE(buses_.use("lab"));
     for (const Words& words : {Words{"list", "--broker", "other"}, Words{"--broker=other", "list"},
                                Words{"list", "--credentials", "f"}, Words{"--config", "f", "list"}})
@@ -82,7 +82,7 @@ TEST_F(NamedBusesTest, BrokerThatIsNamedOtherwise_GetsNothingOfIt) {
         << "what is typed counts first";
 }
 
-TEST_F(NamedBusesTest, OneThatIsGone_IsAnErrorOnlyWhereItWasAskedFor) {
+TEST_F(ProfilesTest, OneThatIsGone_IsAnErrorOnlyWhereItWasAskedFor) {
     ASSERT_TRUE(buses_.use("shed"));
     ASSERT_TRUE(buses_.remove("shed"));
     EXPECT_EQ(buses_.current(), "");
@@ -92,7 +92,7 @@ TEST_F(NamedBusesTest, OneThatIsGone_IsAnErrorOnlyWhereItWasAskedFor) {
     EXPECT_THAT(with({"--context", "shed"}).front(), HasSubstr("there is no context"));
     variables_.clear();
     EXPECT_THAT(with({"list"}), ElementsAre("list"));
-    EXPECT_FALSE(NamedBuses::of_user(environment()));
+    EXPECT_FALSE(Profiles::of_user(variables()));
 }
 
 }  // namespace
