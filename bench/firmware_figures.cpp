@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "figures.hpp"
+#include "tests/integration/firmware/figures.hpp"
 
 int main() try {
     bool good = true;

@@ -5,6 +5,16 @@ set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 
+# Where ccache is installed, what was compiled once is not compiled again: not in another clone or branch either.
+find_program(ASIP_CCACHE ccache)
+mark_as_advanced(ASIP_CCACHE)
+if(ASIP_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  foreach(language C CXX)
+    set(CMAKE_${language}_COMPILER_LAUNCHER
+      ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${ASIP_CCACHE})
+  endforeach()
+endif()
+
 # The flags of a build type of ours, unless somebody set them. FORCE, because project() has put an empty value into the
 # cache by now.
 function(asip_build_type name flags)
