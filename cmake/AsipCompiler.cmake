@@ -67,6 +67,9 @@ if(ASIP_SANITIZE)
   # At fixed addresses: what the sanitizers note of each line is a million pointers, which each start of a program would
   # have to relocate.
   add_compile_options(-fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all -fno-omit-frame-pointer -fno-pie)
-  # lld takes a fifth of the processor time that the default linker takes for programs of this size.
-  add_link_options(-fsanitize=address,undefined -no-pie -fuse-ld=lld-16)
+  # The deprecated get_temporary_buffer is used by stable_sort of libstdc++ 12 itself.
+  add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-Wno-deprecated-declarations>)
+  # lld, of the same version as clang, takes a fifth of the processor time that the default linker takes for programs of this size.
+  string(REGEX MATCH "^[0-9]+" lld "${CMAKE_CXX_COMPILER_VERSION}")
+  add_link_options(-fsanitize=address,undefined -no-pie -fuse-ld=lld-${lld})
 endif()

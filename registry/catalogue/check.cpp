@@ -68,16 +68,16 @@ std::string Catalogue::Impl::check() const {
         all_[state].list().for_each([&](std::uint32_t slot) { listed.push_back(slot); });
         if (all_[state].settled() && listed != by_state[state]) return "boards by state listed wrong";
     }
-    for (const auto& [name, kind] : kinds_.all()) {
+    for (const auto& [name, of_kind] : kinds_.all()) {
+        const Kind* const kind = of_kind.get();
         for (std::size_t state = 0; state < kStates; ++state) {
             std::vector<std::uint32_t> expected;
             std::size_t count = 0;
             for (const std::uint32_t slot : by_state[state]) {
                 const ServicesPart* part = board(slot).services;
                 if (part == nullptr) continue;
-                const auto here =
-                    std::count_if(part->services.begin(), part->services.end(),
-                                  [&kind = kind](const Service& s) { return s.kind == kind.get(); });
+                const auto here = std::count_if(part->services.begin(), part->services.end(),
+                                                [kind](const Service& s) { return s.kind == kind; });
                 if (here > 0) expected.push_back(slot);
                 count += static_cast<std::size_t>(here);
             }
