@@ -79,7 +79,7 @@ Words offered(const CLI::App& app, const std::string& type, const std::string& s
     if (type == "COMMAND") return commands(arguments, names);
     if (type == "KIND") return names.kinds();
     if (type == "UNIT") return names.units();
-    if (type == "SELECTOR" || type == "KEY=VALUE") return names.labels();
+    if (type == "SELECTOR" || type == "LABEL") return names.labels();
     if (type == "VERB") return verbs(app);
     if (type == "FILE") return {kOfferFiles};
     if (type == "DIR") return {kOfferFolders};

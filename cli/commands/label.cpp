@@ -289,8 +289,8 @@ Run declare_label(Declaration& verb) {
     verb.argument("BOARD[/SERVICE]", options->target,
                   "Which; with * and ? as in a shell. Without it, or with -l alone: every board",
                   Declaration::Needed::kNo);
-    verb.arguments("KEY=VALUE", options->words,
-                   "What to set: a label, pin.13=NAME, or name=NAME of a service; KEY- removes it. Without "
+    verb.arguments("LABEL", options->words,
+                   "What to set: KEY=VALUE, pin.13=NAME, or name=NAME of a service; KEY- removes it. Without "
                    "any: what there is",
                    Declaration::Needed::kNo);
     declare_selector(verb, options->selector);

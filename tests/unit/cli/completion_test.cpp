@@ -156,7 +156,7 @@ TEST(Verbs, EachType_IsOneThatCompletionKnows) {
                                          "FIELD",
                                          "WHEN",
                                          "SELECTOR",
-                                         "KEY=VALUE",
+                                         "LABEL",
                                          ""};
     const auto check = [&known](const CLI::App& app) {
         for (const auto* option : app.get_options()) {
