@@ -7,12 +7,13 @@ find_package(nlohmann_json 3.9 REQUIRED)
 find_package(tl-expected REQUIRED)
 find_package(fmt REQUIRED)
 find_package(GTest REQUIRED)
-find_package(Boost 1.74 REQUIRED) # headers: Asio, Beast
+find_package(Boost 1.74 REQUIRED CONFIG) # headers: Asio, Beast
 find_package(ZLIB REQUIRED)
 
+# Each target that includes Asio links this one. No definition here changes what Asio's functions are: a program that links
+# the installed library may have sources that include Asio without it.
 add_library(asip_asio INTERFACE)
 target_link_libraries(asip_asio INTERFACE Boost::headers Threads::Threads)
-target_compile_definitions(asip_asio INTERFACE BOOST_ASIO_NO_DEPRECATED)
 target_compile_options(asip_asio INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fcoroutines>)
 # Boost 1.74 looks for what clang offered before C++20 had coroutines.
 target_compile_definitions(asip_asio INTERFACE

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#ifdef BOOST_ASIO_NO_DEPRECATED
+#error \
+    "BOOST_ASIO_NO_DEPRECATED changes what functions of Asio return, and the ASIP library is compiled without it"
+#endif
 #include <utility>  // Boost 1.74's awaitable.hpp uses std::exchange without it
 
 #include <boost/asio/awaitable.hpp>

@@ -20,4 +20,10 @@ execute_process(COMMAND "${place}/build/blink" /dev/asip-no-such-port RESULT_VAR
 if(NOT status EQUAL 1 OR NOT errors MATCHES "asip-no-such-port is not there")
   message(FATAL_ERROR "the installed blink ended with ${status}: ${errors}")
 endif()
+
+# Two definitions of a function of Asio in one program would end it by a signal.
+execute_process(COMMAND "${place}/build/beside" RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "a program that has Asio of its own beside the library ended with ${status}: ${output}")
+endif()
 file(REMOVE_RECURSE "${place}")
