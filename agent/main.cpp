@@ -3,6 +3,6 @@
 #include "asip/program/open_files.hpp"
 
 int main(int argc, char** argv) {
-    asip::program::occupy_standard_files();
+    asip::program::prepare_process();
     return asip::agent::run_program(argc, argv);
 }

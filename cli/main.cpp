@@ -5,7 +5,7 @@
 #include "cli/app.hpp"
 
 int main(int argc, char** argv) {
-    asip::program::occupy_standard_files();
+    asip::program::prepare_process();
     std::ios::sync_with_stdio(false);
     return asip::cli::run_app(argc, argv, std::cin, std::cout, std::cerr);
 }

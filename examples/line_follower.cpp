@@ -13,6 +13,7 @@
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <csignal>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -115,6 +116,7 @@ int main(int argc, char** argv) {
     if (const int status = read_settings(app, settings, argc, argv); status >= 0) {
         return status;
     }
+    std::signal(SIGPIPE, SIG_IGN);  // a broker that goes is an error of a call
     boost::asio::io_context io;
     Board board;
     bool stopping = false;

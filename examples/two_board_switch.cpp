@@ -11,6 +11,7 @@
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -70,6 +71,7 @@ int main(int argc, char** argv) {
     }
     const Wiring wiring{argv[1], argv[2], argc > 3 ? std::atoi(argv[3]) : 2,
                         argc > 4 ? std::atoi(argv[4]) : 13};
+    std::signal(SIGPIPE, SIG_IGN);  // a broker that goes is an error of a call
     boost::asio::io_context io;
     int status = 0;
     boost::asio::co_spawn(io, run_switch(io, wiring), [&](std::exception_ptr, const Result<void>& ended) {

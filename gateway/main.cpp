@@ -8,7 +8,7 @@
 #include "gateway/options.hpp"
 
 int main(int argc, char** argv) {
-    asip::program::occupy_standard_files();
+    asip::program::prepare_process();
     try {
         auto line = asip::gateway::read_options(argc, argv);
         if (!line) return line.error();

@@ -8,7 +8,7 @@
 #include "load/options.hpp"
 
 int main(int argc, char** argv) {
-    asip::program::occupy_standard_files();
+    asip::program::prepare_process();
     try {
         auto options = asip::load::read_options(argc, argv);
         if (!options) return options.error();

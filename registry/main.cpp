@@ -8,7 +8,7 @@
 #include "registry/options.hpp"
 
 int main(int argc, char** argv) {
-    asip::program::occupy_standard_files();
+    asip::program::prepare_process();
     try {
         auto options = asip::registry::read_options(argc, argv);
         if (!options) return options.error();

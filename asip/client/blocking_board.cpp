@@ -7,6 +7,7 @@
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/use_future.hpp>
+#include <csignal>
 #include <future>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -16,6 +17,19 @@ namespace asip::client {
 
 using Json = nlohmann::json;
 namespace asio = boost::asio;
+
+namespace {
+
+/// TLS writes to a broker that has gone as to a file: the kernel would end the application, which may not
+/// have decided about SIGPIPE. This thread alone does not take it.
+void ignore_broken_pipes() {
+    sigset_t pipes;
+    sigemptyset(&pipes);
+    sigaddset(&pipes, SIGPIPE);
+    pthread_sigmask(SIG_BLOCK, &pipes, nullptr);
+}
+
+}  // namespace
 
 /// The loop, its thread, and what lives on that thread. Callers reach it by coroutines only, so that nothing
 /// is shared.
@@ -54,6 +68,7 @@ class BlockingBoard::Runner {
     std::promise<void> ended_;
     // Last: it runs as soon as it is made.
     std::thread thread_{[this] {
+        ignore_broken_pipes();
         io_.run();
         ended_.set_value();
     }};

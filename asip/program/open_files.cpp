@@ -5,9 +5,12 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
+
 namespace asip::program {
 
-void occupy_standard_files() {
+void prepare_process() {
+    std::signal(SIGPIPE, SIG_IGN);
     for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
         if (fcntl(file, F_GETFD) != -1) continue;
         // The lowest number that is free is this one.

@@ -163,8 +163,7 @@ int run_boards(const Options& options) {
 }  // namespace asip::sim
 
 int main(int argc, char** argv) {
-    asip::program::occupy_standard_files();
-    std::signal(SIGPIPE, SIG_IGN);
+    asip::program::prepare_process();
     const auto options = asip::sim::read_options(argc, argv);
     if (!options) return options.error();
     return options->command.empty() ? asip::sim::run_boards(*options) : asip::sim::run_control(*options);
