@@ -292,6 +292,10 @@ ConnectionEnd Connection::why_closed(int error) const {
         return {refused_by(broker_, connack_code_, options_), v5_ && is_version_refusal(connack_code_)};
     }
     const bool connecting = phase_ == Phase::kConnecting;
+    // Of a refusal in the words of 3.1.1 libmosquitto 2.0.21 tells no code.
+    if (connecting && v5_ && error == MOSQ_ERR_MALFORMED_PACKET) {
+        return {refused_by(broker_, MQTT_RC_UNSUPPORTED_PROTOCOL_VERSION, options_), true};
+    }
     if (error == MOSQ_ERR_TLS || error == MOSQ_ERR_TLS_HANDSHAKE || (connecting && !tls_detail_.empty())) {
         return {tls_failed(broker_, tls_ && !tls_->refusal().empty() ? tls_->refusal() : tls_detail_,
                            tls_ && tls_->may_pass())};
