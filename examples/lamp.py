@@ -15,7 +15,8 @@ USER, PASSWORD, CA = (os.environ.get(name) for name in ("ASIP_USER", "ASIP_PASSW
 
 NAME = f"lamp-{uuid.uuid4()}"
 REPLIES = f"asip/reply/{USER}/{BOARD}/{NAME}" if USER else f"asip/reply/{NAME}"
-client = mqtt.Client(client_id=NAME, protocol=mqtt.MQTTv5)
+callbacks = {"callback_api_version": mqtt.CallbackAPIVersion.VERSION2} if hasattr(mqtt, "CallbackAPIVersion") else {}  # paho-mqtt 2
+client = mqtt.Client(client_id=NAME, protocol=mqtt.MQTTv5, **callbacks)
 if USER:
     client.username_pw_set(USER, PASSWORD)
 if CA:

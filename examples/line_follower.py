@@ -22,7 +22,8 @@ parser.add_argument("--period", type=int, default=50, help="milliseconds between
 parser.add_argument("--cutoff", type=int, default=50, help="sensor values below it are floor")
 options = parser.parse_args()
 
-client = mqtt.Client(client_id=f"line-follower-{uuid.uuid4()}", protocol=mqtt.MQTTv5)
+callbacks = {"callback_api_version": mqtt.CallbackAPIVersion.VERSION2} if hasattr(mqtt, "CallbackAPIVersion") else {}  # paho-mqtt 2
+client = mqtt.Client(client_id=f"line-follower-{uuid.uuid4()}", protocol=mqtt.MQTTv5, **callbacks)
 error = total = 0.0
 
 
