@@ -82,7 +82,7 @@ std::string cut_off_text(const std::string& user, const std::string& topic, cons
 
 std::string advice_on_topic(std::string_view topic) {
     if (topic.find_first_of(". ") == std::string_view::npos) return {};
-    return " Some brokers (NATS) refuse topics with a dot or a space, such as " + std::string(topic) +
+    return " Some brokers (NATS before 2.10) refuse topics with a dot or a space, such as " + std::string(topic) +
            ": try a name without.";
 }
 

@@ -61,7 +61,8 @@ class Tables:
         for row in rows(text, "option"):
             told = codes(row[1]) or re.findall(r"^[\d,]+$", row[1])
             for option, default in zip(re.findall(r"--[a-z-]+", row[0]), told):
-                there = re.search(rf"{option} [^=\n]*?=(\S+)", page)
+                # TEXT=7d by CLI11 2.1, TEXT [7d] by 2.4; before it there may be a range.
+                there = re.search(rf"{option} [^=\n\[]*(?:\[[^\]\n]* - [^\]\n]*\])?(?:=| ?\[)([^\s\]]+)", page)
                 self.expect(there and there[1] == default.replace(",", ""), f"docs/asip-registry.md: {option} has the default {there and there[1]}, not {default}")
 
     def messages(self):

@@ -26,7 +26,8 @@ std::string make_ca(const TempDir& folder, const std::string& name) {
     const auto key = folder.file(name + ".key");
     make_key(key);
     must_succeed({"openssl", "req", "-x509", "-new", "-key", key, "-days", "2", "-subj", "/CN=" + name,
-                  "-addext", "basicConstraints=critical,CA:TRUE", "-out", folder.file(name + ".crt")});
+                  "-addext", "basicConstraints=critical,CA:TRUE", "-addext",
+                  "keyUsage=critical,keyCertSign,cRLSign", "-out", folder.file(name + ".crt")});
     return folder.file(name + ".crt");
 }
 

@@ -26,6 +26,15 @@ class NatsServer {
             throw std::runtime_error("nats-server does not start: " + process_->errors());
     }
     std::uint16_t port() const { return port_; }
+    /// From 2.10 on: nats-server: v2.10.27
+    static bool takes_dots() {
+        const auto version = run({"/usr/sbin/nats-server", "--version"}, {}, 30s).output;
+        int major = 0;
+        int minor = 0;
+        if (std::sscanf(version.c_str(), "nats-server: v%d.%d", &major, &minor) != 2)
+            throw std::runtime_error("nats-server: what version is \"" + version + "\"?");
+        return std::pair(major, minor) >= std::pair(2, 10);
+    }
     std::string url() const { return "mqtt://127.0.0.1:" + std::to_string(port_); }
 
   private:
@@ -67,6 +76,7 @@ TEST(AgentNats, CommandedForAWhile_NoCommandIsTakenForOld) {
 
 TEST(AgentNats, SubscriptionThatIsRefused_IsToldAtOnceInWords) {
     NatsServer nats;
+    if (nats.takes_dots()) GTEST_SKIP() << "NATS takes names with dots from 2.10 on";
     for (const std::string verb : {"subscribe", "logs"}) {
         ChildProcess listener({ASIP_PROGRAMS "/asipctl", "--broker", nats.url(), verb, "lamp.1"});
         EXPECT_TRUE(
@@ -81,6 +91,7 @@ TEST(AgentNats, SubscriptionThatIsRefused_IsToldAtOnceInWords) {
 
 TEST(AgentNats, NameWithADot_IsRefusedInWords) {
     NatsServer nats;
+    if (nats.takes_dots()) GTEST_SKIP() << "NATS takes names with dots from 2.10 on";
     FakePort port;
     auto command = agent_command(nats.url(), port.path());
     std::replace(command.begin(), command.end(), std::string("uno1"), std::string("lamp.1"));
