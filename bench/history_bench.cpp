@@ -46,7 +46,7 @@ void fill(registry::History& history, std::size_t rows) {
                               "lease"};
         items.push_back(std::move(item));
         if (items.size() < kAtOnce && i + 1 < rows) continue;
-        history.write(items);
+        history.write(items, {});
         items.clear();
     }
 }

@@ -24,11 +24,7 @@ Application::Application(RegistryOptions options) : options_(std::move(options))
     if (!options_.history.empty()) {
         history_ = std::make_unique<HistoryKeeper>(
             io_, History::Options{options_.history, options_.history_age, options_.history_bytes},
-            [this](const std::string& reason) {
-                // A full disk must not end the catalogue, too.
-                log::error("history cannot be written; it is given up until the next start",
-                           {{"file", options_.history}, {"why", reason}});
-            });
+            history_handlers(), boot_id(), now());
     }
     registry_ = std::make_unique<Registry>(options_, units_of_models(options_.services), system_random(),
                                            port(), history_.get(), now());
@@ -37,6 +33,23 @@ Application::Application(RegistryOptions options) : options_(std::move(options))
 }
 
 Application::~Application() = default;
+
+// A full disk must not end the catalogue, too.
+HistoryKeeper::Handlers Application::history_handlers() {
+    HistoryKeeper::Handlers result;
+    result.failed = [this](const std::string& reason) {
+        log::error("history cannot be kept; it is tried again, and changes wait",
+                   {{"file", options_.history}, {"why", reason}});
+    };
+    result.works_again = [this](std::size_t lost) {
+        log::warning("history is kept again", {{"file", options_.history}, {"changes lost", lost}});
+    };
+    result.begun_anew = [this](const std::string& aside, const std::string& damage) {
+        log::error("history file is damaged; it was put aside and a new one begun",
+                   {{"file", options_.history}, {"put aside as", aside}, {"why", damage}});
+    };
+    return result;
+}
 
 Port Application::port() {
     Port port;

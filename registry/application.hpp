@@ -16,7 +16,7 @@ namespace asip::registry {
 /// The program: a registry with its connection, its clock and its history file.
 class Application {
   public:
-    /// Throws std::runtime_error where a service model or the history file cannot be used.
+    /// Throws std::runtime_error where a service model cannot be used.
     explicit Application(RegistryOptions options);
     ~Application();
 
@@ -26,6 +26,7 @@ class Application {
 
   private:
     Port port();
+    HistoryKeeper::Handlers history_handlers();
     mqtt::Options mqtt_options() const;
     mqtt::Client::Handlers handlers();
     void connect_failed(const mqtt::ConnectionFailure& failure);

@@ -301,7 +301,10 @@ void Registry::publish(const bus::ChangeEvent& event) {
 }
 
 void Registry::publish_statistics() {
-    if (history_ != nullptr) statistics_.counts.history_dropped = history_->dropped_rows();
+    if (history_ != nullptr) {
+        statistics_.counts.history_dropped = history_->dropped_rows();
+        statistics_.counts.history_fault = history_->fault();
+    }
     mqtt::Message message;
     message.topic = topics_.registry_stats(id_);
     message.payload = statistics_.document(catalogue_, feed_.epoch(), feed_.seq(), now_);

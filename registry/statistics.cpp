@@ -73,6 +73,7 @@ std::string Statistics::document(const Catalogue& catalogue, const std::string& 
                   {"connections", counts.connections}};
     if (counts.denied > 0) document["denied"] = counts.denied;
     if (counts.history_dropped > 0) document["history_dropped"] = counts.history_dropped;
+    if (!counts.history_fault.empty()) document["history_fault"] = counts.history_fault.substr(0, 200);
     return model::dump_json(document);
 }
 

@@ -249,7 +249,8 @@ std::vector<Event> Catalogue::Impl::expire(Time now) {
         for (const std::uint32_t slot : due_) {
             Board& b = board(slot);
             if (!is_alive_word(b.effective)) {
-                release(slot, events);
+                const Time due = forgotten_at(b, now);
+                due > now ? wheel_.set(slot, due, now) : release(slot, events);
                 continue;
             }
             ++stats_.expired;

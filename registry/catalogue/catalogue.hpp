@@ -120,9 +120,10 @@ class Catalogue {
   public:
     /// What is known of a board from before this catalogue was made.
     struct Remembered {
-        Time first_seen;
-        model::BoardState state;
-        Time since;  ///< when it came into `state`
+        std::optional<text::WallTime> first_seen;  ///< nothing: this catalogue knows it
+        model::BoardState state = model::BoardState::kLost;
+        std::optional<text::WallTime> since;  ///< when it came into `state`; nothing: as above
+        Duration age{};  ///< for how long it has been in `state`, at the least, whatever the clocks said
     };
 
     struct Options {
@@ -131,7 +132,7 @@ class Catalogue {
         Duration grace = std::chrono::seconds(10);
         std::size_t max_boards = 1'000'000;
         UnitsOf units_of = {};  ///< units that the fields of a standard model ("distance@1") have
-        /// Asked when a board is added: where it is known already, its times continue.
+        /// Asked when a board is added, shown or to be forgotten: where it is known, its times continue.
         std::function<std::optional<Remembered>(std::string_view board)> remembered = {};
         /// random in programs, so that strangers cannot choose names that collide
         std::uint64_t hash_seed = 1;

@@ -95,6 +95,7 @@ class Catalogue::Impl {
     void emit(Events& events, Event::Kind kind, const Board& b, Event::Reason reason = Event::Reason::kNone,
               model::BoardState was = model::BoardState::kLost);
     void listen(Board& b, bool wanted, Events& events);
+    Time forgotten_at(Board& b, Time now) const;
     std::uint32_t make(std::string_view name, Time now);
     void release(std::uint32_t slot, Events& events);
     bool alive(const Board& b, Time now) const { return is_alive_word(b.reported) && now < b.deadline; }

@@ -88,6 +88,10 @@ bus::BoardItem Catalogue::Impl::board_item(const Board& b, Instant now, bool ful
     item.lease = b.lease_seconds;
     item.first_seen = wall(b.first_seen, now);
     item.since = wall(b.since, now);
+    if (const auto known = remembered(b.name)) {
+        if (known->first_seen) item.first_seen = *known->first_seen;
+        if (known->since && known->state == b.effective) item.since = *known->since;
+    }
     if (b.last_heard != Time{}) item.last_seen = wall(b.last_heard, now);
     item.age = age_of(b, now);
     if (b.firmware != nullptr) {

@@ -22,6 +22,8 @@ Guesses Catalogue::Impl::guesses_for(const Board* b) const {
 
 namespace {
 
+constexpr Duration kAskedAgain = std::chrono::hours(24) + std::chrono::minutes(1);
+
 // The part for a member's text: that of the guess it matched, one known already, or a new one.
 template <class Part, class Read>
 bool part_for(std::string_view text, Part* own, Part* last, PartPool<Part>& pool, const Read& read,
@@ -172,16 +174,24 @@ void Catalogue::Impl::update_state(std::uint32_t slot, Time now, Event::Reason r
         all_[index_of(was)].remove(slot);
         b.effective = is;
         b.since = now;
-        if (const auto known = remembered(b.name); known && known->state == is) b.since = known->since;
         all_[index_of(is)].add(slot);
         index(b, slot, true);
         if (!added) emit(events, Event::Kind::kState, b, reason, was);
         if (!living && b.conflict() != nullptr) resolve(b, events);
     }
-    Time due = living ? b.deadline : std::max(b.since, b.last_heard) + options_.forget_after;
+    Time due = living ? b.deadline : forgotten_at(b, now);
     // A board that was remembered may be long due: what the broker retains of it is heard first.
     if (!living && options_.remembered) due = std::max(due, now + options_.grace);
     wheel_.set(slot, due, now);
+}
+
+// Of a board that is remembered the answer may change with what becomes known of the clocks, so it is asked
+// for again at the latest a day later.
+Time Catalogue::Impl::forgotten_at(Board& b, Time now) const {
+    if (const auto known = remembered(b.name); known && known->state == b.effective)
+        b.since = std::min(b.since, now - known->age);
+    const Time due = std::max(b.since, b.last_heard) + options_.forget_after;
+    return options_.remembered ? std::min(due, now + kAskedAgain) : due;
 }
 
 void Catalogue::Impl::emit(Events& events, Event::Kind kind, const Board& b, Event::Reason reason,
@@ -216,8 +226,7 @@ std::uint32_t Catalogue::Impl::make(std::string_view name, Time now) {
     b.in_use = true;
     b.first_seen = b.since = now;
     if (const auto known = remembered(name)) {
-        b.first_seen = known->first_seen;
-        if (known->state == b.effective) b.since = known->since;
+        if (known->state == b.effective) b.since = now - known->age;
     }
     b.deadline = now;
     b.lease_seconds = static_cast<std::uint32_t>(

@@ -42,22 +42,37 @@ constexpr const char* kUpgradeFrom1 =
     "PRAGMA user_version=2;"
     "COMMIT";
 
+// Version 2 measured ages by the time of day. What it kept is as old as the file's new time.
+constexpr const char* kUpgradeFrom2 =
+    "BEGIN;"
+    "ALTER TABLE changes ADD COLUMN kept INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE boards ADD COLUMN first_kept INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE boards ADD COLUMN since_kept INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE boards ADD COLUMN last_kept INTEGER NOT NULL DEFAULT 0;"
+    "CREATE TABLE clock(id INTEGER PRIMARY KEY, kept INTEGER NOT NULL, wall INTEGER NOT NULL, "
+    "proven INTEGER NOT NULL, boot TEXT NOT NULL, monotonic INTEGER NOT NULL);"
+    "PRAGMA user_version=3;"
+    "COMMIT";
+
 constexpr const char* kWriteBoard =
-    "INSERT INTO boards(name,first,last,state,since) VALUES(?1,?2,?2,?3,?2) ON CONFLICT(name) DO UPDATE SET "
+    "INSERT INTO boards(name,first,last,state,since,first_kept,last_kept,since_kept) "
+    "VALUES(?1,?2,?2,?3,?2,?4,?4,?4) ON CONFLICT(name) DO UPDATE SET "
     "first=CASE state WHEN '' THEN ?2 ELSE first END, since=CASE state WHEN ?3 THEN since ELSE ?2 END, "
-    "last=?2, state=?3";
+    "first_kept=CASE state WHEN '' THEN ?4 ELSE first_kept END, "
+    "since_kept=CASE state WHEN ?3 THEN since_kept ELSE ?4 END, last=?2, last_kept=?4, state=?3";
 
 }  // namespace
 
+HistoryFault::HistoryFault(sqlite3* database, int code)
+    : std::runtime_error(sqlite3_errmsg(database)),
+      damaged((code & 0xff) == SQLITE_CORRUPT || (code & 0xff) == SQLITE_NOTADB) {}
+
 History::History(Options options) : options_(std::move(options)) {
-    if (sqlite3_open(options_.path.c_str(), &database_) != SQLITE_OK) fail_to_open();
-    sqlite3_busy_timeout(database_, 1000);
-    if (sqlite3_exec(database_, kSchema, nullptr, nullptr, nullptr) != SQLITE_OK) fail_to_open();
-    for (const auto& [version, upgrade] : {std::pair(0, kUpgradeFrom0), std::pair(1, kUpgradeFrom1)}) {
-        if (pragma("PRAGMA user_version") == version &&
-            sqlite3_exec(database_, upgrade, nullptr, nullptr, nullptr) != SQLITE_OK) {
-            fail_to_open();
-        }
+    try {
+        open();
+    } catch (const HistoryFault&) {
+        sqlite3_close_v2(database_);
+        throw;
     }
 }
 
@@ -65,29 +80,26 @@ History::~History() {
     sqlite3_close_v2(database_);
 }
 
-void History::fail_to_open() {
-    const std::string reason = database_ != nullptr ? sqlite3_errmsg(database_) : "out of memory";
-    sqlite3_close_v2(database_);
-    throw std::runtime_error("cannot keep history in " + options_.path + ": " + reason);
+void History::open() {
+    const int result = sqlite3_open(options_.path.c_str(), &database_);
+    if (database_ == nullptr) throw HistoryFault("out of memory");
+    if (result != SQLITE_OK) throw HistoryFault(database_, result);
+    sqlite3_busy_timeout(database_, 1000);
+    execute(kSchema);
+    for (const auto& [version, upgrade] :
+         {std::pair(0, kUpgradeFrom0), std::pair(1, kUpgradeFrom1), std::pair(2, kUpgradeFrom2)}) {
+        if (pragma("PRAGMA user_version") == version) execute(upgrade);
+    }
 }
 
-void History::write(const std::vector<bus::HistoryItem>& items) {
-    if (items.empty()) return;
-    Statement change(
-        database_,
-        "INSERT INTO changes(at,board,what,state,was,reason,sender,service,request,status,count) "
-        "VALUES(?,?,?,?,?,?,?,?,?,?,?)");
-    Statement board(database_, kWriteBoard);
+template <class Write>
+void History::in_transaction(const Write& write) {
+    int moved = 0;
+    sqlite3_file_control(database_, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+    if (moved != 0) throw HistoryFault("the file was moved or deleted");
     execute("BEGIN");
     try {
-        for (const auto& item : items) {
-            const std::int64_t at = item.at.time_since_epoch().count();
-            change.reset().bind(at).bind(item.board).bind(item.what).bind(item.state).bind(item.was);
-            change.bind(item.reason).bind(item.by).bind(item.service).bind(item.request).bind(item.status);
-            change.bind(item.count).step();
-            if (item.is_command()) continue;  // changes nothing of the board
-            board.reset().bind(item.board).bind(at).bind(item.state).step();
-        }
+        write();
         execute("COMMIT");
     } catch (const std::exception&) {
         sqlite3_exec(database_, "ROLLBACK", nullptr, nullptr, nullptr);
@@ -95,18 +107,64 @@ void History::write(const std::vector<bus::HistoryItem>& items) {
     }
 }
 
-void History::trim(text::WallTime now) {
+void History::write(const std::vector<bus::HistoryItem>& items, const KeptTime::Mark& mark) {
+    in_transaction([&] {
+        write_changes(items, mark.kept.count());
+        write_mark(mark);
+    });
+}
+
+void History::write_changes(const std::vector<bus::HistoryItem>& items, std::int64_t kept) {
+    if (items.empty()) return;
+    Statement change(
+        database_,
+        "INSERT INTO changes(at,board,what,state,was,reason,sender,service,request,status,count,kept) "
+        "VALUES(?,?,?,?,?,?,?,?,?,?,?,?)");
+    Statement board(database_, kWriteBoard);
+    for (const auto& item : items) {
+        const std::int64_t at = item.at.time_since_epoch().count();
+        change.reset().bind(at).bind(item.board).bind(item.what).bind(item.state).bind(item.was);
+        change.bind(item.reason).bind(item.by).bind(item.service).bind(item.request).bind(item.status);
+        change.bind(item.count).bind(kept).step();
+        if (item.is_command()) continue;  // changes nothing of the board
+        board.reset().bind(item.board).bind(at).bind(item.state).bind(kept).step();
+    }
+}
+
+void History::write_mark(const KeptTime::Mark& mark) {
+    Statement(database_,
+              "INSERT OR REPLACE INTO clock(id,kept,wall,proven,boot,monotonic) VALUES(0,?,?,?,?,?)")
+        .bind(mark.kept.count())
+        .bind(mark.wall.time_since_epoch().count())
+        .bind(mark.proven ? 1 : 0)
+        .bind(mark.boot)
+        .bind(mark.monotonic.count())
+        .step();
+}
+
+void History::try_writing() {
+    in_transaction([&] { execute("PRAGMA user_version=3"); });
+}
+
+std::optional<KeptTime::Mark> History::mark() {
+    Statement row(database_, "SELECT kept,wall,proven,boot,monotonic FROM clock WHERE id=0");
+    if (!row.step()) return std::nullopt;
+    return KeptTime::Mark{std::chrono::milliseconds(row.integer(0)),
+                          text::WallTime(std::chrono::milliseconds(row.integer(1))), row.integer(2) != 0,
+                          row.text(3), std::chrono::milliseconds(row.integer(4))};
+}
+
+void History::trim(KeptTime::Milliseconds now) {
     const std::int64_t oldest =
-        now.time_since_epoch().count() -
-        std::chrono::duration_cast<std::chrono::milliseconds>(options_.max_age).count();
+        (now - std::chrono::duration_cast<std::chrono::milliseconds>(options_.max_age)).count();
     // By number: there is no index of times, and numbers grow with them.
     Statement(
         database_,
-        "DELETE FROM changes WHERE id<coalesce((SELECT id FROM changes WHERE at>=? ORDER BY id LIMIT 1),"
+        "DELETE FROM changes WHERE id<coalesce((SELECT id FROM changes WHERE kept>=? ORDER BY id LIMIT 1),"
         "(SELECT max(id)+1 FROM changes))")
         .bind(oldest)
         .step();
-    Statement(database_, "DELETE FROM boards WHERE last<? AND state IN ('','lost','offline')")
+    Statement(database_, "DELETE FROM boards WHERE last_kept<? AND state IN ('','lost','offline')")
         .bind(oldest)
         .step();
     // A tenth at a time, until what is left fits: pages given back can be used again at once.
@@ -121,20 +179,37 @@ JournalBoards History::boards() {
         return text::WallTime(std::chrono::milliseconds(milliseconds));
     };
     JournalBoards boards;
-    Statement rows(database_, "SELECT name,first,since,state FROM boards WHERE state<>'' ORDER BY name");
+    Statement rows(
+        database_,
+        "SELECT name,first,since,state,first_kept,since_kept FROM boards WHERE state<>'' ORDER BY name");
     while (rows.step()) {
         const auto state = model::board_state_from_text(rows.text(3));
         if (!state) continue;
         boards.emplace_hint(boards.end(), rows.text(0),
-                            JournalBoard{wall(rows.integer(1)), wall(rows.integer(2)), *state});
+                            JournalBoard{wall(rows.integer(1)), wall(rows.integer(2)), *state,
+                                         std::chrono::milliseconds(rows.integer(4)),
+                                         std::chrono::milliseconds(rows.integer(5))});
     }
     return boards;
 }
 
+void History::write_boards(const JournalBoards& boards) {
+    in_transaction([&] {
+        Statement row(
+            database_,
+            "INSERT OR REPLACE INTO boards(name,first,last,state,since,first_kept,last_kept,since_kept) "
+            "VALUES(?1,?2,?3,?4,?3,?5,?6,?6)");
+        for (const auto& [name, board] : boards) {
+            row.reset().bind(name).bind(board.first.time_since_epoch().count());
+            row.bind(board.since.time_since_epoch().count()).bind(model::to_text(board.state));
+            row.bind(board.first_kept.count()).bind(board.since_kept.count()).step();
+        }
+    });
+}
+
 void History::execute(const char* sql) {
-    if (sqlite3_exec(database_, sql, nullptr, nullptr, nullptr) != SQLITE_OK) {
-        throw std::runtime_error(sqlite3_errmsg(database_));
-    }
+    const int result = sqlite3_exec(database_, sql, nullptr, nullptr, nullptr);
+    if (result != SQLITE_OK) throw HistoryFault(database_, result);
 }
 
 std::int64_t History::pragma(const char* sql) {

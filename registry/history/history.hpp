@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "asip/bus/answer.hpp"
@@ -12,8 +12,8 @@
 #include "asip/text/wall_time.hpp"
 #include "asip/time.hpp"
 #include "registry/history/journal.hpp"
-
-struct sqlite3;
+#include "registry/history/kept_time.hpp"
+#include "registry/history/statement.hpp"
 
 namespace asip::registry {
 
@@ -31,17 +31,24 @@ class History {
     /// Rows that one query looks at. A page ends there, with a cursor, however few of them matched.
     static constexpr std::size_t kMaxRowsPerQuery = 20'000;
 
-    /// Opens or makes the file; a file of an earlier version is brought up to date. Throws std::runtime_error
-    /// that names the file and what is wrong with it.
+    /// Opens or makes the file; a file of an earlier version is brought up to date. This and every function
+    /// throw HistoryFault where the file cannot be used.
     explicit History(Options options);
     ~History();
     History(const History&) = delete;
     History& operator=(const History&) = delete;
 
-    /// In one transaction, in this order. Throws std::runtime_error where the file cannot be written.
-    void write(const std::vector<bus::HistoryItem>& items);
-    /// Drops what is older than `max_age` at `now`, then the oldest until the file fits. Throws as write().
-    void trim(text::WallTime now);
+    /// In one transaction, in this order, as of the time of the mark. Fails where another file has taken the
+    /// place of this one, too.
+    void write(const std::vector<bus::HistoryItem>& items, const KeptTime::Mark& mark);
+    /// Drops what is older than `max_age` at `now`, then the oldest until the file fits.
+    void trim(KeptTime::Milliseconds now);
+    /// Fails where write() would.
+    void try_writing();
+    /// The last one written.
+    std::optional<KeptTime::Mark> mark();
+    /// Boards that a former file knew.
+    void write_boards(const JournalBoards& boards);
 
     /// Changes of the boards that `query.board` matches, newest first; `query.state` limits them to changes
     /// into these states. A page may hold fewer than `query.limit` items, or none, and still have a cursor:
@@ -52,8 +59,12 @@ class History {
     JournalBoards boards();
 
   private:
-    [[noreturn]] void fail_to_open();
+    void open();
     void execute(const char* sql);
+    void write_changes(const std::vector<bus::HistoryItem>& items, std::int64_t kept);
+    void write_mark(const KeptTime::Mark& mark);
+    template <class Write>
+    void in_transaction(const Write& write);
     std::int64_t pragma(const char* sql);
     std::size_t used_bytes();
 

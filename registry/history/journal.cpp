@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "asip/bus/change_event.hpp"
 #include "asip/bus/request_envelope.hpp"
@@ -58,28 +59,29 @@ const JournalBoard* Journal::find(std::string_view board) const {
     return found == known_.end() ? nullptr : &found->second;
 }
 
-void Journal::added(std::string_view board, model::BoardState state, std::string_view reason,
-                    text::WallTime at, Rows& rows) {
+void Journal::added(std::string_view board, model::BoardState state, std::string_view reason, Stamp at,
+                    Rows& rows) {
     const auto found = known_.find(board);
     if (found != known_.end()) return came_into(found->first, found->second, state, reason, at, rows);
-    known_.emplace(board, JournalBoard{at, at, state});
-    rows.push_back(row(board, at, "added"));
+    known_.emplace(board, JournalBoard{at.wall, at.wall, state, at.kept, at.kept});
+    rows.push_back(row(board, at.wall, "added"));
     rows.back().state = model::to_text(state);
     rows.back().reason = reason;
 }
 
 void Journal::came_into(const std::string& board, JournalBoard& known, model::BoardState state,
-                        std::string_view reason, text::WallTime at, Rows& rows) {
+                        std::string_view reason, Stamp at, Rows& rows) {
     if (known.state == state) return;
-    rows.push_back(row(board, at, "state"));
+    rows.push_back(row(board, at.wall, "state"));
     rows.back().was = model::to_text(known.state);
     rows.back().state = model::to_text(state);
     rows.back().reason = reason;
     known.state = state;
-    known.since = at;
+    known.since = at.wall;
+    known.since_kept = at.kept;
 }
 
-void Journal::change(const Event& event, text::WallTime at, Rows& rows) {
+void Journal::change(const Event& event, Stamp at, Rows& rows) {
     const std::string_view reason = to_text(event.reason);
     switch (event.kind) {
         case Event::Kind::kAdded:
@@ -88,7 +90,7 @@ void Journal::change(const Event& event, text::WallTime at, Rows& rows) {
             return;
         case Event::Kind::kForgotten:
             known_.erase(event.board);
-            rows.push_back(row(event.board, at, "forgotten"));
+            rows.push_back(row(event.board, at.wall, "forgotten"));
             return;
         case Event::Kind::kDescription:
             if (reading_) return;
@@ -96,7 +98,7 @@ void Journal::change(const Event& event, text::WallTime at, Rows& rows) {
         case Event::Kind::kConflict:
         case Event::Kind::kResolved:
             rows.push_back(
-                row(event.board, at, bus::to_string(static_cast<bus::ChangeEvent::Kind>(event.kind))));
+                row(event.board, at.wall, bus::to_string(static_cast<bus::ChangeEvent::Kind>(event.kind))));
             rows.back().state = model::to_text(event.state);
             return;
         default:
@@ -122,18 +124,52 @@ void Journal::command(std::string_view board, std::string_view payload, text::Wa
     same->count = std::max(same->count, 1) + 1;
 }
 
-void Journal::complete(const Catalogue& catalogue, text::WallTime at, Rows& rows) {
+void Journal::complete(const Catalogue& catalogue, Stamp at, Rows& rows) {
     reading_ = false;
     catalogue.for_each([&](std::string_view board, model::BoardState state) {
         added(board, state, to_text(Event::Reason::kRetained), at, rows);
     });
 }
 
-void Journal::end_absent(const Catalogue& catalogue, text::WallTime at, Rows& rows) {
+void Journal::end_absent(const Catalogue& catalogue, Stamp at, Rows& rows) {
     for (auto& [board, known] : known_) {
         if (!is_alive(known.state) || catalogue.knows(board)) continue;
         came_into(board, known, model::BoardState::kLost, to_text(Event::Reason::kLease), at, rows);
     }
+}
+
+void Journal::load(JournalBoards known, std::chrono::milliseconds shift, Rows& rows) {
+    // The state that the file has of a board, as the rows go on from it; nothing: it was forgotten.
+    std::map<std::string, std::string, std::less<>> states;
+    for (const auto& [board, of_file] : known)
+        states.emplace(board, model::to_text(of_file.state));
+    Rows changes;
+    for (bus::HistoryItem& item : rows) {
+        if (const auto before = states.find(item.board); !item.is_command() && before != states.end()) {
+            const std::string was = std::exchange(before->second, item.state);
+            if (item.what == "forgotten") states.erase(before);
+            if (item.what == "added" && was == item.state) continue;
+            if (item.what == "added") item.what = "state", item.was = was;
+        } else if (!item.is_command() && item.what != "forgotten") {
+            states.emplace(item.board, item.state);
+        }
+        changes.push_back(std::move(item));
+    }
+    rows = std::move(changes);
+    std::erase_if(known, [&states](const auto& board) { return !states.contains(board.first); });
+    for (auto& [board, now] : known_) {
+        now.first_kept += shift;
+        now.since_kept += shift;
+        const auto of_file = known.find(board);
+        if (of_file == known.end()) continue;
+        if (now.state == of_file->second.state) {
+            now = of_file->second;
+        } else {
+            now.first = of_file->second.first;
+            now.first_kept = of_file->second.first_kept;
+        }
+    }
+    known_.merge(known);
 }
 
 }  // namespace asip::registry

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registry/history/keeper.hpp"
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
-#include <exception>
+#include <iterator>
+#include <utility>
 
 namespace asip::registry {
 namespace {
@@ -11,12 +13,9 @@ namespace asio = boost::asio;
 
 constexpr Duration kWriteInterval = std::chrono::seconds(1);
 constexpr Duration kTrimInterval = std::chrono::minutes(1);
+constexpr Duration kMarkInterval = std::chrono::hours(1);  // a card in a small computer wears out
 // Boards that take part by names only renew a lease of 60 s.
 constexpr Duration kAbsentAfter = std::chrono::seconds(90);
-
-Time monotonic(text::WallTime wall, Instant now) {
-    return now.time - std::chrono::duration_cast<Duration>(now.wall - wall);
-}
 
 bus::Answer refused_page(std::string reason, std::string error) {
     bus::Answer answer;
@@ -25,36 +24,124 @@ bus::Answer refused_page(std::string reason, std::string error) {
     return answer;
 }
 
+bus::Answer no_history(const std::string& fault) {
+    return refused_page("no-history", "the history cannot be used now, and is tried again: " + fault);
+}
+
+std::size_t bytes_of(const bus::HistoryItem& item) {
+    std::size_t bytes = sizeof(item);
+    for (const std::string* text : {&item.board, &item.what, &item.state, &item.was, &item.reason, &item.by,
+                                    &item.service, &item.request, &item.status}) {
+        if (text->size() > 15) bytes += text->capacity() + 1;  // the others are kept within the item
+    }
+    return bytes;
+}
+
 }  // namespace
 
-HistoryKeeper::HistoryKeeper(asio::io_context& io, History::Options options, Failed failed)
+HistoryKeeper::HistoryKeeper(asio::io_context& io, History::Options options, Handlers handlers,
+                             std::string boot, Instant now)
     : io_(io),
-      failed_(std::move(failed)),
-      history_(std::make_unique<History>(std::move(options))),
-      journal_(history_->boards()) {}
+      handlers_(std::move(handlers)),
+      store_(std::make_unique<HistoryStore>(std::move(options))),
+      now_(now),
+      kept_(std::move(boot), now),
+      began_(kept_.at(now.time)),
+      journal_({}) {
+    take(store_->run([](History&, const auto*) {}));
+}
 
 HistoryKeeper::~HistoryKeeper() {
+    if (!fault_.empty() && loaded_) {  // it may have passed by now
+        asio::post(thread_, [this] { store_->retry(); });
+        fault_.clear();
+    }
     write_waiting();
+    if (loaded_ && fault_.empty()) {
+        run([mark = kept_.mark(now_)](History& history, const auto*) { history.write({}, mark); },
+            [](const auto&) {});
+    }
     thread_.join();
 }
 
-template <class Work, class Done>
-void HistoryKeeper::run(Work work, Done done) {
-    asio::post(thread_, [this, work = std::move(work), done = std::move(done)]() mutable {
-        try {
-            asio::post(io_, [result = work(*history_), done = std::move(done)]() mutable {
-                done(std::move(result));
-            });
-        } catch (const std::exception& error) {
-            asio::post(io_, [this, reason = std::string(error.what())] { fail(reason); });
-        }
+void HistoryKeeper::run(HistoryStore::Use use, Done done) {
+    asio::post(thread_, [this, use = std::move(use), done = std::move(done)]() mutable {
+        asio::post(io_, [outcome = store_->run(use), done = std::move(done)] { done(outcome); });
     });
+}
+
+// True: the file is in order.
+bool HistoryKeeper::take(const HistoryStore::Outcome& outcome) {
+    if (outcome.opened) load(*outcome.opened);
+    if (!outcome.fault.empty()) fail(outcome.fault);
+    return outcome.fault.empty();
+}
+
+void HistoryKeeper::load(const HistoryStore::Opened& opened) {
+    if (!opened.aside.empty() && handlers_.begun_anew) handlers_.begun_anew(opened.aside, opened.damage);
+    if (loaded_) {
+        if (opened.made) restore_boards();
+        return;
+    }
+    loaded_ = true;
+    const auto before = kept_.at(now_.time);
+    kept_.load(opened.mark, now_);
+    const auto shift = kept_.at(now_.time) - before;
+    began_ += shift;
+    journal_.load(opened.boards, shift, waiting_);
+    counted_rows_ = waiting_bytes_ = 0;
+    limit_waiting();
+}
+
+void HistoryKeeper::fail(const std::string& reason) {
+    const bool first = retry_ == kFirstRetry;
+    if (first) dropped_before_ = dropped_rows_;
+    ++attempt_;
+    for (auto batch = writing_.rbegin(); batch != writing_.rend(); ++batch) {
+        waiting_.insert(waiting_.begin(), std::move_iterator(batch->rows->begin()),
+                        std::move_iterator(batch->rows->end()));
+        counted_rows_ += batch->rows->size();
+        waiting_bytes_ += batch->bytes;
+    }
+    writing_.clear();
+    limit_waiting();
+    fault_ = reason;
+    next_try_ = now_.time + retry_;
+    retry_ = std::min(2 * retry_, kMaxRetry);
+    if (first && handlers_.failed) handlers_.failed(reason);
+}
+
+void HistoryKeeper::try_again() {
+    trying_ = true;
+    asio::post(thread_, [this] { store_->retry(); });
+    run([](History& history, const auto*) { history.try_writing(); },
+        [this](const auto& outcome) {
+            trying_ = false;
+            if (!take(outcome)) return;
+            fault_.clear();
+            // What was known of boards may be newer than what the file was given.
+            if (dropped_rows_ != dropped_before_) restore_boards();
+            write_waiting();
+            if (writing_.empty()) recovered();
+        });
+}
+
+void HistoryKeeper::recovered() {
+    if (retry_ == kFirstRetry) return;
+    retry_ = kFirstRetry;
+    const auto lost = dropped_rows_ - std::exchange(dropped_before_, dropped_rows_);
+    if (handlers_.works_again) handlers_.works_again(lost);
 }
 
 std::optional<Catalogue::Remembered> HistoryKeeper::remembered(std::string_view board, Instant now) const {
     const JournalBoard* known = journal_.find(board);
     if (known == nullptr) return std::nullopt;
-    return Catalogue::Remembered{monotonic(known->first, now), known->state, monotonic(known->since, now)};
+    Catalogue::Remembered result;
+    result.state = known->state;
+    result.age = kept_.at(now.time) - known->since_kept;
+    if (known->first_kept < began_) result.first_seen = known->first;
+    if (known->since_kept < began_) result.since = known->since;
+    return result;
 }
 
 void HistoryKeeper::begin_reading() {
@@ -63,76 +150,108 @@ void HistoryKeeper::begin_reading() {
 }
 
 void HistoryKeeper::complete(const Catalogue& catalogue, Instant now) {
-    journal_.complete(catalogue, now.wall, waiting_);
+    now_ = now;
+    journal_.complete(catalogue, stamp(), waiting_);
     limit_waiting();
     absent_after_ = now.time + kAbsentAfter;
 }
 
 void HistoryKeeper::change(const Event& event, Instant now) {
-    journal_.change(event, now.wall, waiting_);
+    now_ = now;
+    journal_.change(event, stamp(), waiting_);
     limit_waiting();
 }
 
 void HistoryKeeper::command(std::string_view board, std::string_view payload, Instant now) {
+    now_ = now;
     journal_.command(board, payload, now.wall, waiting_);
     limit_waiting();
 }
 
 void HistoryKeeper::limit_waiting() {
-    const std::size_t room = kMaxUnwrittenRows - std::min(kMaxUnwrittenRows, unwritten_rows_);
-    if (!usable_ || waiting_.size() <= room) return;
-    dropped_rows_ += waiting_.size() - room;
-    waiting_.resize(room);
+    std::size_t rows = waiting_.size();
+    std::size_t bytes = 0;
+    for (const Batch& batch : writing_) {
+        rows += batch.rows->size();
+        bytes += batch.bytes;
+    }
+    for (; counted_rows_ < waiting_.size(); ++counted_rows_)
+        waiting_bytes_ += bytes_of(waiting_[counted_rows_]);
+    for (; !waiting_.empty() && (rows > kMaxUnwrittenRows || bytes + waiting_bytes_ > kMaxUnwrittenBytes);
+         --rows, --counted_rows_, ++dropped_rows_) {
+        waiting_bytes_ -= std::min(waiting_bytes_, bytes_of(waiting_.back()));
+        waiting_.pop_back();
+    }
 }
 
 void HistoryKeeper::tick(const Catalogue& catalogue, Instant now) {
-    if (absent_after_ && now.time >= *absent_after_) {
+    now_ = now;
+    kept_.tick(now);
+    if (loaded_ && absent_after_ && now.time >= *absent_after_) {
         absent_after_.reset();
-        journal_.end_absent(catalogue, now.wall, waiting_);
+        journal_.end_absent(catalogue, stamp(), waiting_);
+        limit_waiting();
+    }
+    if (!fault_.empty()) {
+        if (!trying_ && now.time >= next_try_) try_again();
+        return;
     }
     if (now.time >= next_write_) {
         write_waiting();
         next_write_ = now.time + kWriteInterval;
     }
-    if (usable_ && now.time >= next_trim_) {
-        run([wall = now.wall](History& history) { return history.trim(wall), true; }, [](bool) {});
+    if (now.time >= next_trim_) {
+        run([kept = kept_.at(now.time)](History& history, const auto*) { history.trim(kept); },
+            [this, attempt = attempt_](const auto& outcome) {
+                if (attempt == attempt_) take(outcome);
+            });
         next_trim_ = now.time + kTrimInterval;
     }
 }
 
 void HistoryKeeper::write_waiting() {
-    Journal::Rows rows = std::move(waiting_);
-    waiting_.clear();
-    if (rows.empty() || !usable_) return;
-    const std::size_t count = rows.size();
-    unwritten_rows_ += count;
-    run([rows = std::move(rows)](History& history) { return history.write(rows), true; },
-        [this, count](bool) { unwritten_rows_ -= count; });
+    if (!fault_.empty() || !loaded_ || (waiting_.empty() && now_.time < next_mark_)) return;
+    next_mark_ = now_.time + kMarkInterval;
+    auto rows = std::make_shared<Journal::Rows>(std::exchange(waiting_, {}));
+    counted_rows_ = 0;
+    writing_.push_back({rows, std::exchange(waiting_bytes_, 0)});
+    run([rows, mark = kept_.mark(now_)](History& history, const auto*) { history.write(*rows, mark); },
+        [this, attempt = attempt_](const auto& outcome) { written(attempt, outcome); });
+}
+
+void HistoryKeeper::written(std::uint64_t attempt, const HistoryStore::Outcome& outcome) {
+    if (attempt != attempt_ || !take(outcome)) return;
+    writing_.pop_front();
+    if (writing_.empty()) recovered();
+}
+
+// A new file, or one that missed changes, knows the boards again.
+void HistoryKeeper::restore_boards() {
+    run([boards = journal_.boards()](History& history, const auto*) { history.write_boards(boards); },
+        [this, attempt = attempt_](const auto& outcome) {
+            if (attempt == attempt_) take(outcome);
+        });
 }
 
 void HistoryKeeper::find(bus::Query query, Found found) {
-    if (!usable_) {
-        return found(
-            refused_page("no-history", "the history cannot be written and was given up; see the log"));
-    }
+    if (!fault_.empty()) return found(no_history(fault_));
     if (waiting_queries_ == kMaxWaitingQueries) {
         return found(
             refused_page("too-many", "too many queries of the history wait already; ask again later"));
     }
     write_waiting();
     ++waiting_queries_;
-    run([query = std::move(query)](History& history) { return history.find(query); },
-        [this, found = std::move(found)](Expected<bus::Answer> answer) {
+    auto answer = std::make_shared<Expected<bus::Answer>>(asip::fail(""));
+    run([query = std::move(query), answer](History& history, const auto*) { *answer = history.find(query); },
+        [this, answer, found = std::move(found), attempt = attempt_](const auto& outcome) {
             --waiting_queries_;
-            found(answer ? std::move(*answer) : refused_page("invalid", answer.error()));
+            if (!outcome.fault.empty()) {
+                if (attempt == attempt_) take(outcome);
+                return found(no_history(outcome.fault));
+            }
+            if (outcome.opened) take(outcome);
+            found(*answer ? std::move(**answer) : refused_page("invalid", answer->error()));
         });
-}
-
-void HistoryKeeper::fail(const std::string& reason) {
-    if (!usable_) return;
-    usable_ = false;
-    waiting_.clear();
-    failed_(reason);
 }
 
 }  // namespace asip::registry

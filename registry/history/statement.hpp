@@ -10,15 +10,21 @@
 
 namespace asip::registry {
 
+/// What SQLite says when it cannot. `damaged`: of the file's content, which no later attempt mends.
+struct HistoryFault : std::runtime_error {
+    HistoryFault(sqlite3* database, int code);
+    explicit HistoryFault(const std::string& reason) : std::runtime_error(reason) {}
+    bool damaged = false;
+};
+
 /// A prepared SQLite statement: parameters are bound in order, rows read in order. Each call throws
-/// std::runtime_error with SQLite's reason where it fails.
+/// HistoryFault where it fails.
 class Statement {
   public:
     Statement(sqlite3* database, const std::string& sql) {
         sqlite3_stmt* statement = nullptr;
-        if (sqlite3_prepare_v2(database, sql.c_str(), -1, &statement, nullptr) != SQLITE_OK) {
-            throw std::runtime_error(sqlite3_errmsg(database));
-        }
+        const int result = sqlite3_prepare_v2(database, sql.c_str(), -1, &statement, nullptr);
+        if (result != SQLITE_OK) throw HistoryFault(database, result);
         statement_.reset(statement);
     }
     Statement& reset() {
@@ -40,7 +46,7 @@ class Statement {
         const int result = sqlite3_step(statement_.get());
         if (result == SQLITE_ROW) return true;
         if (result == SQLITE_DONE) return false;
-        throw std::runtime_error(sqlite3_errmsg(sqlite3_db_handle(statement_.get())));
+        throw HistoryFault(sqlite3_db_handle(statement_.get()), result);
     }
     std::int64_t integer(int column) const { return sqlite3_column_int64(statement_.get(), column); }
     std::string text(int column) const {

@@ -66,7 +66,11 @@ mqtt::Message bus_message(const std::string& topic, const std::string& payload, 
 class RegistryRun {
   public:
     RegistryRun(const std::string& history_file, Duration start, RegistryOptions with = options())
-        : keeper_(io_, {.path = history_file}, [](const std::string& why) { ADD_FAILURE() << why; }),
+        : keeper_(io_, {.path = history_file},
+                  {.failed = [](const std::string& why) { ADD_FAILURE() << why; },
+                   .works_again = {},
+                   .begun_anew = {}},
+                  "boot", moment(start)),
           registry(with, {}, counting(), connection.port(), &keeper_, moment(start)) {
         registry.connected(0, false, moment(start));
     }
