@@ -1,228 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A whole bus for the tests of the web page: broker, registry, simulated boards, agents, gateway and a browser. All of it
-on loopback, on ports that were free, and gone when the test ends."""
+"""A bus (tests/support/bus.py) and a browser for the tests of the web page."""
 
-import contextlib
-import ctypes
 import json
-import os
 import pathlib
-import random
 import shutil
-import signal
-import socket
-import subprocess
+import sys
 import tempfile
-import threading
-import time
 import unittest
-import urllib.error
 import urllib.request
 
-import paho.mqtt.client as mqtt
 import websocket
 from selenium import webdriver
-from selenium.common.exceptions import StaleElementReferenceException, WebDriverException
+from selenium.common.exceptions import StaleElementReferenceException
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-BUILD = pathlib.Path(os.environ["ASIP_BUILD"])
-BIN = BUILD / "bin"
-IMAGES = BUILD / "firmware" / "images"
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import bus  # noqa: E402
+from bus import BIN, BUILD, DESK, IMAGES, LAMP, ROOT, Bus, can_connect, commands_heard, eventually, free_port, program_path, publish_boards  # noqa: E402,F401
+
+bus.NOT_YET += (StaleElementReferenceException,)  # elements that changed while they were read
 SCREENSHOTS = BUILD / "screenshots"
 
 CHROMIUM_OPTIONS = """--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking
     --disable-component-update --disable-sync --disable-dev-shm-usage --hide-scrollbars""".split()
-
-DESK = {
-    "name": "desk", "board": "uno", "image": str(IMAGES / "asip_uno_services.elf"), "link": "desk.port",
-    "parts": [
-        {"kind": "button", "name": "button", "pin": 2},
-        {"kind": "led", "name": "led", "pin": 13},
-        {"kind": "ultrasonic", "name": "distance", "trigger": 7, "echo": 7, "distance": 42},
-        {"kind": "servo", "name": "servo", "pin": 9},
-    ],
-}
-LAMP = {"name": "lamp", "board": "uno", "image": str(IMAGES / "asip_uno.elf"), "link": "lamp.port",
-        "parts": [{"kind": "led", "name": "lamp", "pin": 13}]}
-
-
-def free_port():
-    """None of those that the kernel may give to somebody's connection before it is used."""
-    while True:
-        with socket.socket() as s, contextlib.suppress(OSError):
-            s.bind(("127.0.0.1", random.randrange(10000, 32768)))
-            return s.getsockname()[1]
-
-
-def eventually(condition, what, seconds=20):
-    """The first true value of `condition`; elements that changed while they were read count as not yet."""
-    end = time.monotonic() + seconds
-    while True:
-        try:
-            value = condition()
-        except (StaleElementReferenceException, urllib.error.URLError, ConnectionError):
-            value = None
-        if value:
-            return value
-        if time.monotonic() > end:
-            raise AssertionError(f"{what}: not within {seconds} s")
-        time.sleep(0.08)
-
-
-def die_with_parent():
-    ctypes.CDLL(None).prctl(1, signal.SIGKILL)
-
-
-class Bus:
-    def __init__(self, boards=(DESK, LAMP), simulator_options=()):
-        self.work = pathlib.Path(tempfile.mkdtemp(prefix="asip-browser-"))
-        self.programs = {}
-        self.broker_port = free_port()
-        self.http_port = free_port()
-        self.url = f"http://127.0.0.1:{self.http_port}"
-        self.boards = boards
-        self.simulator_options = simulator_options
-        try:
-            self.start_all()
-        except BaseException:
-            print(self.logs())
-            self.close()
-            raise
-
-    def start_all(self):
-        self.start_broker()
-        self.start("registry", "asip-registry", "--id", "first", "--history", str(self.work / "history.db"))
-        self.start_gateway()
-        if not self.boards:
-            return
-        files = []
-        for board in self.boards:
-            file = self.work / f"{board['name']}.json"
-            file.write_text(json.dumps(board))
-            files.append(str(file))
-        self.start("sim", "asip-sim", "--socket", str(self.work / "sim.sock"), *self.simulator_options, *files)
-        for board in self.boards:
-            self.start_agent(board["name"])
-        eventually(lambda: all(self.state(board["name"]) == "online" for board in self.boards), "all boards online", 60)
-
-    def start_broker(self):
-        config = self.work / "mosquitto.conf"
-        config.write_text(f"listener {self.broker_port} 127.0.0.1\nallow_anonymous true\nset_tcp_nodelay true\n"
-                          "max_queued_messages 100000\n")
-        program = shutil.which("mosquitto", path=os.environ["PATH"] + ":/usr/sbin:/usr/local/sbin")
-        self.start("broker", program, "-c", str(config))
-        eventually(lambda: can_connect(self.broker_port), "the broker's port")
-
-    def start_gateway(self):
-        self.start("gateway", "asip-gateway", "--http", f"127.0.0.1:{self.http_port}")
-        eventually(lambda: self.get("/readyz"), "the gateway")
-
-    def start_agent(self, board):
-        port = self.work / f"{board}.port"
-        eventually(port.exists, f"the port of {board}")
-        # At its first rate a simulated board keeps up with its line even where the machine is busy.
-        self.start(f"agent-{board}", "asip-agent", "--serial", str(port), "--name", board, "--lease", "6", "--no-step-up",
-                   "--patience", "60")
-
-    def start(self, name, program, *arguments):
-        path = program if os.path.isabs(program) else str(program_path(program))
-        environment = {key: value for key, value in os.environ.items() if not key.startswith("ASIP_")}
-        environment["ASIP_BROKER"] = f"127.0.0.1:{self.broker_port}"
-        log = open(self.work / f"{name}.log", "ab")
-        self.programs[name] = subprocess.Popen([path, *arguments], stdin=subprocess.DEVNULL, stdout=log, stderr=log,
-                                               env=environment, preexec_fn=die_with_parent)
-        log.close()
-
-    def end(self, name, how=signal.SIGTERM):
-        program = self.programs.pop(name)
-        program.send_signal(how)
-        try:
-            program.wait(5)
-        except subprocess.TimeoutExpired:
-            program.kill()
-            program.wait()
-
-    def sim(self, *words):
-        return subprocess.run([str(BIN / "asip-sim"), "ctl", "--socket", str(self.work / "sim.sock"), *words], check=True,
-                              capture_output=True, text=True, timeout=60).stdout
-
-    def part(self, name):
-        for line in self.sim("list").splitlines():
-            words = line.split()
-            if words[0] == name:
-                return " ".join(words[2:])
-        raise AssertionError(f"no part {name}")
-
-    def get(self, path):
-        with urllib.request.urlopen(self.url + path, timeout=30) as answer:
-            return json.load(answer)
-
-    def state(self, board):
-        try:
-            return self.get(f"/api/boards/{board}")["state"]
-        except urllib.error.HTTPError:
-            return None
-
-    def logs(self):
-        ended = {name: program.poll() for name, program in self.programs.items() if program.poll() is not None}
-        return f"programs that ended by themselves, with their status: {ended}\n" + "".join(f"--- {path.stem}\n{path.read_text(errors='replace')[-1500:]}" for path in sorted(self.work.glob("*.log")))
-
-    def close(self):
-        for name in reversed(list(self.programs)):
-            self.end(name)
-        shutil.rmtree(self.work, ignore_errors=True)
-
-
-def program_path(name):
-    other = pathlib.Path(os.environ.get("ASIP_TEST_PROGRAMS", BIN), name)
-    return other if other.exists() else BIN / name
-
-
-def publish_boards(bus, count):
-    """Announces so many boards, as their agents would, and waits until the gateway knows them all."""
-    client = mqtt.Client(protocol=mqtt.MQTTv5)
-    client.max_queued_messages_set(0)
-    client.max_inflight_messages_set(1000)
-    client.connect("127.0.0.1", bus.broker_port)
-    client.loop_start()
-    services = [{"name": name, "id": letter, "model": f"{name}@1"} for name, letter in (("io", "I"), ("distance", "D"), ("servo", "S"))]
-    for i in range(count):
-        name = f"board{i}"
-        document = {"board": name, "session": "5f3a9c01", "seq": 1, "lease": 600,
-                    "firmware": {"protocol": "0.4", "chip": "ATmega328P", "sketch": "AsipServices"}, "services": services}
-        client.publish(f"asip/servicebus/{name}/$description", json.dumps(document), qos=1)
-        last = client.publish(f"asip/servicebus/{name}/$state", "online", qos=1)
-    last.wait_for_publish(60)
-    client.disconnect()
-    client.loop_stop()
-    eventually(lambda: bus.get("/api/status")["mirror"]["boards"] >= count, "all boards in the gateway", 60)
-
-
-@contextlib.contextmanager
-def commands_heard(bus):
-    """A list of what is sent to boards meanwhile, as text."""
-    heard = []
-    granted = threading.Event()
-    client = mqtt.Client()
-    client.on_message = lambda _client, _data, message: heard.append(message.payload.decode(errors="replace"))
-    client.on_subscribe = lambda *_: granted.set()
-    client.connect("127.0.0.1", bus.broker_port)
-    client.subscribe([("asip/+/in", 0), ("asip/+/+/in", 0), ("asip/+/$stop", 0)])
-    client.loop_start()
-    try:
-        if not granted.wait(20):
-            raise AssertionError("no subscription to commands")
-        yield heard
-    finally:
-        client.disconnect()
-        client.loop_stop()
-
-
-def can_connect(port):
-    with socket.create_connection(("127.0.0.1", port), timeout=1):
-        return True
 
 
 class Browser:

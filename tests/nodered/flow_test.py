@@ -7,7 +7,7 @@ import re
 import subprocess
 import unittest
 
-from rig import BUILD, DESK, ROOT, Bus, eventually, free_port
+from bus import BUILD, DESK, ROOT, Bus, eventually, free_port
 
 NODE_RED = BUILD / "node-red" / "node_modules" / "node-red" / "red.js"
 SETTINGS = """module.exports = {{ uiPort: {port}, uiHost: "127.0.0.1", flowFile: "flow.json", credentialSecret: false,

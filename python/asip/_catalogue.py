@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The boards that this program looks at: their state, why, and since when (docs/service-bus.md, "Liveness"). Pure.
+
+The agent that holds a board's name says its state, in the description and on `$state`; the broker says `lost` on its behalf.
+This module adds one judgement only: the lease is over. A renewed description changes no state.
+"""
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+from . import _model
+
+THERE = ("online", "sleeping", "updating")
+STATES = (*THERE, "offline", "lost")
+DEFAULT_LEASE = 60.0
+# Agents publish `$state` with this expiry, in seconds: what is left of it says how old a retained one is.
+_STATE_EXPIRY = 3_000_000_000
+_WORDS = {"unplugged": "cable unplugged", "silent": "the board does not answer", "agent-gone": "its agent ended or lost the broker",
+          "expired": "nothing renewed its lease", "released": "another program has its port", "stopped": "its agent was stopped",
+          "conflict": "two agents claim its name"}
+_REASON_OF_WORD = {"lost": "agent-gone", "offline": "stopped", "updating": "released"}
+
+
+@dataclasses.dataclass
+class Entry:
+    """What is known of one board. Times are of the monotonic clock."""
+
+    name: str
+    state: str = "unknown"
+    reason: str = ""
+    since: float | None = None
+    said: str = "unknown"
+    session: str = ""
+    seq: int = -1
+    lease: float = DEFAULT_LEASE
+    deadline: float | None = None
+    description: dict[str, Any] = dataclasses.field(default_factory=dict)
+    says_state: bool = False
+
+    def words(self, now: float) -> str:
+        """`lost 3 min ago: cable unplugged`"""
+        ago = "" if self.since is None or now - self.since < 1 else f" {_duration(now - self.since)} ago"
+        why = _WORDS.get(self.reason, self.reason)
+        return f"{self.state}{ago}" + (f": {why}" if why and self.state != "online" else "")
+
+
+def _duration(seconds: float) -> str:
+    for size, unit in ((86400, "d"), (3600, "h"), (60, "min")):
+        if seconds >= size:
+            return f"{int(seconds // size)} {unit}"
+    return f"{int(seconds)} s"
+
+
+class Catalogue:
+    """Feed it messages and time; it returns the names of boards whose state or description changed."""
+
+    def __init__(self) -> None:
+        self.boards: dict[str, Entry] = {}
+
+    def names(self) -> list[str]:
+        return [name for name, entry in self.boards.items() if entry.state != "unknown"]
+
+    def on_state(self, board: str, payload: bytes, retained: bool, expiry: int | None, now: float) -> bool:
+        word = payload.decode("utf-8", "replace").rstrip("\r\n")
+        if not word:
+            return self.boards.pop(board, None) is not None
+        if word not in STATES:
+            return False
+        entry = self.boards.setdefault(board, Entry(board))
+        there = word in THERE
+        if entry.says_state and (there or entry.said not in THERE):
+            return False  # the description says it, with the reason; only the broker's word for a board that was there is news
+        since = now if not retained and word != entry.said else entry.since
+        if retained and expiry is not None and expiry <= _STATE_EXPIRY:
+            since = now - (_STATE_EXPIRY - expiry)
+        entry.said, entry.reason, entry.since = word, _REASON_OF_WORD.get(word, ""), since
+        if there and not retained:
+            entry.deadline = now + entry.lease
+        return self._judge(entry, now)
+
+    def on_description(self, board: str, document: dict[str, Any] | None, retained: bool, expiry: int | None, now: float) -> bool:
+        if document is None or document.get("board") != board or not isinstance(document.get("services"), list):
+            return False
+        session, seq = str(document.get("session", "")), document.get("seq", 0)
+        if not isinstance(seq, int):
+            return False
+        entry = self.boards.setdefault(board, Entry(board))
+        if entry.session == session and seq < entry.seq or entry.session > session and retained:
+            return False
+        news = entry.session != session or seq > entry.seq
+        lease = document.get("lease", DEFAULT_LEASE)
+        entry.lease = float(lease) if isinstance(lease, (int, float)) and 1 <= lease <= 86_400 else DEFAULT_LEASE
+        left = entry.lease if not retained or expiry is None else min(float(expiry), entry.lease)
+        entry.deadline = now + left
+        if news:
+            entry.session, entry.seq, entry.description = session, seq, document
+            self._take_state(entry, document.get("state"), entry.lease - left, now)
+        return self._judge(entry, now) or news
+
+    @staticmethod
+    def _take_state(entry: Entry, said: Any, older: float, now: float) -> None:
+        entry.says_state = isinstance(said, dict) and said.get("is") in STATES
+        if not entry.says_state:
+            if entry.said == "unknown":
+                entry.said = "online"
+            return
+        age = said.get("age")
+        since = now - older - (float(age) if isinstance(age, (int, float)) else 0.0)
+        if entry.said != said["is"] or entry.since is None or abs(entry.since - since) > 5:
+            entry.since = since
+        entry.said, entry.reason = said["is"], str(said.get("reason", ""))
+
+    def on_listed(self, item: dict[str, Any], now: float) -> None:
+        """A board as a registry lists it."""
+        name = item.get("board")
+        if not isinstance(name, str) or item.get("state") not in STATES:
+            return
+        entry = self.boards.setdefault(name, Entry(name))
+        document = item.get("description")
+        if isinstance(document, dict) and (entry.session != document.get("session") or entry.seq <= document.get("seq", 0)):
+            self.on_description(name, document, True, None, now)
+        entry.state = entry.said = item["state"]
+        entry.reason = str(item.get("reason", ""))
+        if not entry.description:
+            entry.description = {"board": name, "services": item.get("services", []), "labels": item.get("labels", {})}
+
+    def expire(self, now: float) -> list[str]:
+        """Boards whose lease is over since the last call."""
+        return [entry.name for entry in self.boards.values() if entry.deadline is not None and self._judge(entry, now)]
+
+    def next_expiry(self) -> float | None:
+        return min((entry.deadline for entry in self.boards.values() if entry.deadline is not None and entry.state in THERE), default=None)
+
+    def _judge(self, entry: Entry, now: float) -> bool:
+        state, reason = entry.said, entry.reason
+        if state in THERE and entry.deadline is not None and now >= entry.deadline:
+            state, reason = "lost", "expired"
+            entry.said, entry.reason, entry.since = state, reason, entry.deadline
+            entry.says_state = False
+        changed = state != entry.state
+        entry.state = state
+        return changed
+
+    def unknown(self, board: str) -> str:
+        """A sentence for a board that does not show itself, with the nearest name."""
+        names = self.names()
+        return f'there is no board "{board}"' + (_model.near(board, names, '"') or (f"; there are {', '.join(sorted(names)[:8])}" if names else ""))

@@ -1,0 +1,327 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Threads around a session: paho's own (one a connection) and `asip-clock`, which connects, keeps time and sends what is due.
+
+Lock order: `_sending` before `_lock`. paho's thread takes `_lock` alone, for moments; nothing calls paho while it holds `_lock`.
+What paho's thread finds to send is sent by `asip-clock`.
+"""
+from __future__ import annotations
+
+import atexit
+import collections
+import logging
+import os
+import random
+import threading
+import time
+import uuid
+import weakref
+from concurrent.futures import InvalidStateError
+from typing import Any, Callable
+
+from . import _wait, errors
+from ._callbacks import Dispatcher
+from ._paho import Link
+from ._session import Action, Call, Drop, Hold, Publish, Resolve, Session, Subscribe, Tell, Unsubscribe
+from ._topics import Topics
+from .settings import Settings
+
+log = logging.getLogger("asip")
+CONNECT_SECONDS = 5.0
+MAX_BACKOFF = 5.0
+_all: "weakref.WeakSet[Engine]" = weakref.WeakSet()
+
+
+class Engine:
+    """Owns the connection and the session of one bus. All methods may be called from any thread."""
+
+    def __init__(self, settings: Settings, by: str | None = None, link: Callable[..., Any] = Link):
+        self.settings = settings
+        self._new_link = link
+        self.client = f"python-{uuid.uuid4().hex[:12]}"
+        self.session = Session(Topics(settings.root, settings.user, self.client), self.client, by)
+        self.dispatcher = Dispatcher()
+        self.changed = threading.Condition(threading.RLock())  # told after each change of a board, and at the end
+        self.forked = False
+        self.closed = False
+        self._listeners: "weakref.WeakSet[threading.Condition]" = weakref.WeakSet()
+        self._chores: "collections.deque[Callable[[], None]]" = collections.deque()
+        self._lock = threading.RLock()
+        self._sending = threading.RLock()
+        self._link: Link | None = None
+        self._late: "collections.deque[Action]" = collections.deque()
+        self._late_links: "collections.deque[Link]" = collections.deque()
+        self._wake = threading.Event()
+        self._v5 = True
+        self._next = 0
+        self._link_began = 0.0
+        self._failures = 0
+        self._not_before = 0.0
+        self._replace: str | None = None
+        self.session.watch_boards(self._board_changed)
+        _all.add(self)
+        self._thread = threading.Thread(target=self._run, name="asip-clock", daemon=True)
+        self._thread.start()
+
+    # For callers --------------------------------------------------------------------------------------------------------
+
+    def check_open(self) -> None:
+        if self.forked:
+            raise errors.Closed("this bus was opened before the process forked; connect in the child")
+        if self.closed:
+            raise errors.Closed("this bus is closed")
+
+    def ask(self, begin: Callable[[Session, float], tuple[Call, list[Action]]]) -> Call:
+        """Begins a call. Its future ends within its time limit, whatever happens."""
+        self.check_open()
+        with self._sending:
+            with self._lock:
+                call, actions = begin(self.session, time.monotonic())
+            self._perform(actions)
+        self._wake.set()
+        return call
+
+    def do(self, change: Callable[[Session, float], list[Action]]) -> None:
+        """Changes the session (subscriptions, watches) and sends what that needs."""
+        self.check_open()
+        with self._sending:
+            with self._lock:
+                actions = change(self.session, time.monotonic())
+            self._perform(actions)
+        self._wake.set()
+
+    def peek(self, look: Callable[[Session], Any]) -> Any:
+        """What `look` says of the session at this moment."""
+        with self._lock:
+            return look(self.session)
+
+    def listen(self, condition: threading.Condition) -> None:
+        """`condition` is told after each change of a board, and at the end."""
+        with self._lock:
+            self._listeners.add(condition)
+
+    def later(self, chore: Callable[[], None]) -> None:
+        """`asip-clock` runs it soon. May be called anywhere, also while garbage is collected."""
+        self._chores.append(chore)
+        self._wake.set()
+
+    def _notify(self) -> None:
+        with self._lock:
+            listeners = list(self._listeners)
+        for condition in (self.changed, *listeners):
+            with condition:
+                condition.notify_all()
+
+    def keep_hold(self, hold: Hold) -> None:
+        with self._lock:
+            self.session.keep_hold(hold)
+        self._wake.set()
+
+    def end_hold(self, id: str) -> None:
+        with self._lock:
+            self.session.end_hold(id)
+
+    def feed_hold(self, id: str, now: float) -> None:
+        with self._lock:
+            self.session.feed(id, now)
+
+    def listed(self, item: dict[str, Any]) -> None:
+        """A board as a registry lists it."""
+        with self._lock:
+            self.session.catalogue.on_listed(item, time.monotonic())
+
+    def stop(self, board: str, seconds: float) -> Call:
+        return self.ask(lambda session, now: session.stop(now, board, seconds))
+
+    def wait_connected(self, seconds: float) -> None:
+        """Until a broker serves us; Disconnected, with the reason, after `seconds`."""
+        with self.changed:
+            _wait.until(self.changed, lambda: self.session.ready or self.closed, seconds)
+        self.check_open()
+        if not self.session.ready:
+            raise errors.Disconnected(f"no broker within {seconds:g} s: {self.session.trouble} "
+                                      f"({', '.join(f'{one.host}:{one.port}' for one in self.settings.brokers)}, from {self.settings.source})")
+
+    def close(self, why: str = "the bus was closed") -> None:
+        """Ends calls and demands, and the connection, within a second or two. May be called twice, and from a callback."""
+        if self.forked:
+            return
+        with self._sending:
+            with self._lock:
+                if self.closed:
+                    return
+                actions = self.session.close(why)
+                self.closed = True
+            self._perform(actions)
+            link, self._link = self._link, None
+        self.dispatcher.close()
+        self._wake.set()
+        if link is not None:
+            link.close()
+        self._notify()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(1.0)
+
+    # What happens -------------------------------------------------------------------------------------------------------
+
+    def _board_changed(self, _name: str) -> None:
+        self._notify()
+
+    def _perform(self, actions: list[Action]) -> None:
+        """With `_sending` held, by a caller's thread or `asip-clock`."""
+        for action in actions:
+            link = self._link
+            if isinstance(action, Publish):
+                if link is not None:
+                    link.publish(action.topic, action.payload, action.qos, action.expiry)
+            elif isinstance(action, Subscribe):
+                if link is not None:
+                    link.subscribe(action.topic, action.qos)
+            elif isinstance(action, Unsubscribe):
+                if link is not None:
+                    link.unsubscribe(action.topic)
+            elif isinstance(action, Drop):
+                self._replace = action.why
+            else:
+                _tell(action)
+
+    def _happened(self, link: Link, event: Callable[[float], list[Action]]) -> None:
+        """In paho's thread: a message, or the beginning of a connection."""
+        with self._lock:
+            if link is not self._link or self.closed:
+                return
+            was_ready = self.session.ready
+            actions = event(time.monotonic())
+            ready = self.session.ready
+            sends = [action for action in actions if not isinstance(action, (Resolve, Tell))]
+            self._late.extend(sends)
+        for action in actions:
+            _tell(action)
+        if sends:
+            self._wake.set()
+        if ready and not was_ready:
+            self._failures = 0
+            self._notify()
+
+    def _went_down(self, link: Link, why: str, version: bool) -> None:
+        with self._lock:
+            if link is not self._link:
+                return
+            if version and self._v5:
+                self._v5 = False
+                self._not_before = 0.0
+            else:
+                self._back_off()
+            actions = self.session.disconnected(time.monotonic(), why)
+            self._link = None
+            self._late.clear()
+        for action in actions:
+            _tell(action)
+        log.info("asip: %s", why)
+        # paho's thread cannot end itself: the clock's does.
+        self._late_links.append(link)
+        self._wake.set()
+
+    def _back_off(self) -> None:
+        self._failures += 1
+        self._next += 1
+        rounds = self._failures // len(self.settings.brokers)
+        self._not_before = time.monotonic() + (0 if self._failures < len(self.settings.brokers) else
+                                               min(MAX_BACKOFF, 0.2 * 2 ** min(rounds, 6)) * random.uniform(0.5, 1.0))
+
+    # The clock ----------------------------------------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        _wait.forbid()
+        while not self.closed:
+            due = self._turn()
+            self._wake.wait(max(0.0, due - time.monotonic()))
+            self._wake.clear()
+        while self._late_links:
+            self._late_links.popleft().close()
+
+    def _turn(self) -> float:
+        while self._chores:
+            self._chores.popleft()()
+        while self._late_links:
+            self._late_links.popleft().close()
+        with self._sending:
+            with self._lock:
+                now = time.monotonic()
+                late = [*self._late]
+                self._late.clear()
+                actions, due = self.session.tick(now)
+            self._perform(late + actions)
+        if self._replace is not None:
+            why, self._replace = self._replace, None
+            self._give_up(why)
+        if self._link is None and not self.closed:
+            if time.monotonic() >= self._not_before:
+                self._connect()
+            due = min(due, self._not_before) if self._link is None else due
+        elif not self.session.ready and time.monotonic() > self._link_began + CONNECT_SECONDS + 6:
+            self._give_up("the broker does not answer")
+        return due
+
+    def _connect(self) -> None:
+        broker = self.settings.brokers[self._next % len(self.settings.brokers)]
+        with self._lock:
+            v5 = self._v5
+        # The identifier on the wire is published nowhere: nobody can take the connection over.
+        client_id = f"asip-python-{uuid.uuid4().hex}"
+        try:
+            link: Link = self._new_link(broker, self.settings, client_id, v5, lambda is_v5: self._happened(link, lambda now: self._up(now, is_v5)),
+                        lambda why, version: self._went_down(link, why, version),
+                        lambda topic, payload, retained, expiry: self._happened(
+                            link, lambda now: self.session.message(topic, payload, retained, expiry, now)))
+            with self._lock:
+                self._link = link
+                self._link_began = time.monotonic()
+            link.start()
+        except Exception as fault:  # noqa: BLE001: sockets, TLS and paho raise many kinds
+            with self._lock:
+                self._link = None
+                self._back_off()
+                self.session.trouble = f"{broker.host}:{broker.port}: {fault}"
+
+    def _up(self, now: float, v5: bool) -> list[Action]:
+        return self.session.connected(now, v5)
+
+    def _give_up(self, why: str) -> None:
+        with self._lock:
+            link, self._link = self._link, None
+            self._back_off()
+            actions = self.session.disconnected(time.monotonic(), why)
+        for action in actions:
+            _tell(action)
+        log.warning("asip: %s", why)
+        if link is not None:
+            link.close()
+
+
+def _tell(action: Action) -> None:
+    """Futures and sinks: neither blocks."""
+    if isinstance(action, Resolve):
+        try:
+            if action.error is not None:
+                action.future.set_exception(action.error)
+            else:
+                action.future.set_result(action.result)
+        except InvalidStateError:
+            pass  # cancelled meanwhile
+    elif isinstance(action, Tell):
+        action.sink(*action.args)
+
+
+def _close_all() -> None:
+    for engine in list(_all):
+        engine.close("Python ends")
+
+
+def _forked() -> None:
+    for engine in list(_all):
+        engine.forked = True
+
+
+atexit.register(_close_all)
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forked)

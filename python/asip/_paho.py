@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The only module that imports paho-mqtt: one connection to one broker, with paho-mqtt 1.6 and 2.x.
+
+Each connection is a `mqtt.Client` of its own, and paho never reconnects: it would deliver a command of a broken connection
+seconds later. Callbacks run in paho's thread; they must not block.
+"""
+from __future__ import annotations
+
+import contextlib
+import socket
+import ssl
+from typing import Any, Callable
+
+import paho.mqtt.client as mqtt
+from paho.mqtt.packettypes import PacketTypes
+from paho.mqtt.properties import Properties
+
+from .settings import Broker, Settings
+
+KEEPALIVE_SECONDS = 10
+# MQTT 5 limits what a broker may have under way to us: without it one of QoS 1 messages beyond that waits unseen.
+_MAX_PACKET_BYTES = 2 << 20
+_QUICKACK = getattr(socket, "TCP_QUICKACK", None)
+
+
+class Refused(Exception):
+    """The broker refused the connection. `version`: it does not speak MQTT 5."""
+
+    def __init__(self, text: str, version: bool = False):
+        super().__init__(text)
+        self.version = version
+
+
+class Link:
+    """One connection, from its first packet to its end.
+
+    `on_up(v5)`, `on_down(why, version)`, `on_message(topic, payload, retained, expiry)`: in paho's thread. `on_down` comes at most
+    once, also where the connection was never up.
+    """
+
+    def __init__(self, broker: Broker, settings: Settings, client_id: str, v5: bool, on_up: Callable[[bool], None],
+                 on_down: Callable[[str, bool], None], on_message: Callable[[str, bytes, bool, "int | None"], None]):
+        self._v5 = v5
+        self._on_up, self._on_down, self._on_message = on_up, on_down, on_message
+        self._down = False
+        extra: dict[str, Any] = {}
+        if hasattr(mqtt, "CallbackAPIVersion"):
+            extra["callback_api_version"] = mqtt.CallbackAPIVersion.VERSION2
+        self._client: Any = mqtt.Client(client_id=client_id, protocol=mqtt.MQTTv5 if v5 else mqtt.MQTTv311, reconnect_on_failure=False, **extra)
+        client = self._client
+        client.on_connect = self._connected
+        client.on_disconnect = self._disconnected
+        client.on_message = self._received
+        client.on_publish = lambda *_: self._acknowledge_at_once()
+        client.on_socket_open = self._opened
+        client.max_queued_messages_set(0)
+        client.max_inflight_messages_set(1000)
+        if settings.user is not None:
+            client.username_pw_set(settings.user, settings.password)
+        if broker.tls:
+            context = ssl.create_default_context(cafile=settings.ca, cadata=settings.ca_text)
+            if settings.certificate:
+                context.load_cert_chain(settings.certificate, settings.key)
+            client.tls_set_context(context)
+        self._broker = broker
+
+    def start(self) -> None:
+        """Connects; OSError or ValueError where there is no way to the broker."""
+        options: dict[str, Any] = {}
+        if self._v5:
+            properties = self._properties(PacketTypes.CONNECT)
+            properties.MaximumPacketSize = _MAX_PACKET_BYTES
+            options = {"clean_start": True, "properties": properties}
+        self._client.connect(self._broker.host, self._broker.port, KEEPALIVE_SECONDS, **options)
+        self._client.loop_start()
+
+    def publish(self, topic: str, payload: bytes, qos: int, expiry: int | None) -> None:
+        properties = None
+        if self._v5 and expiry is not None:
+            properties = self._properties(PacketTypes.PUBLISH)
+            properties.MessageExpiryInterval = expiry
+        client = self._client
+        if client is not None:
+            client.publish(topic, payload, qos, False, properties)
+
+    def subscribe(self, topic: str, qos: int) -> None:
+        client = self._client
+        if client is not None:
+            client.subscribe(topic, qos)
+
+    def unsubscribe(self, topic: str) -> None:
+        client = self._client
+        if client is not None:
+            client.unsubscribe(topic)
+
+    def close(self) -> None:
+        """Says goodbye to the broker, and ends paho's thread within a second. Not from paho's thread."""
+        self._down = True
+        client, self._client = self._client, None
+        if client is None:
+            return
+        with contextlib.suppress(Exception):
+            client.disconnect()
+        with contextlib.suppress(Exception):
+            client.loop_stop()
+        # paho closes its inner sockets when nothing refers to the client any more.
+        for name in ("on_connect", "on_disconnect", "on_message", "on_publish", "on_socket_open"):
+            setattr(client, name, None)
+        del self._on_up, self._on_down, self._on_message
+
+    @staticmethod
+    def _properties(packet: int) -> Any:
+        return Properties(packet)
+
+    def _opened(self, _client: Any, _data: Any, sock: Any) -> None:
+        with contextlib.suppress(OSError, AttributeError):
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+    def _acknowledge_at_once(self) -> None:
+        """Without it Linux acknowledges up to 40 ms late, and a broker without TCP_NODELAY waits for that."""
+        client = self._client
+        sock = client.socket() if client is not None else None
+        if _QUICKACK is not None and sock is not None:
+            with contextlib.suppress(OSError, AttributeError, ValueError):
+                sock.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
+
+    def _connected(self, _client: Any, _data: Any, _flags: Any, reason: Any, *_: Any) -> None:
+        if reason == 0:
+            self._on_up(self._v5)
+            return
+        text = str(reason)
+        number = getattr(reason, "value", reason)
+        version = self._v5 and number in (1, 132) or "protocol version" in text.lower()
+        self._ended(f"the broker refuses us: {text}", bool(version))
+
+    def _disconnected(self, _client: Any, _data: Any, *rest: Any) -> None:
+        # (reason, properties) with 1.6, (flags, reason, properties) with 2.x
+        reason = rest[1] if len(rest) >= 3 else rest[0] if rest else ""
+        self._ended(f"the connection to {self._broker.host}:{self._broker.port} ended ({reason})", False)
+
+    def _ended(self, why: str, version: bool) -> None:
+        if not self._down:
+            self._down = True
+            self._on_down(why, version)
+
+    def _received(self, _client: Any, _data: Any, message: Any) -> None:
+        self._acknowledge_at_once()
+        expiry = getattr(getattr(message, "properties", None), "MessageExpiryInterval", None)
+        try:
+            topic = message.topic
+        except UnicodeDecodeError:
+            return
+        self._on_message(topic, bytes(message.payload), bool(message.retain), expiry)

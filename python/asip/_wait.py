@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The one place where a caller's thread waits."""
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from concurrent.futures import Future, TimeoutError as FutureTimeout
+from typing import Any
+
+# On Windows a thread that waits without a limit does not see Ctrl-C before Python 3.14, so it wakes up now and then.
+_SLICE = 0.1 if sys.platform == "win32" else 3600.0
+_forbidden = threading.local()
+
+
+def forbid() -> None:
+    """The calling thread carries messages: it must never wait for one."""
+    _forbidden.here = True
+
+
+def result(future: "Future[Any]") -> Any:
+    """Waits until `future` ends; its owner limits how long that takes."""
+    if getattr(_forbidden, "here", False):
+        raise RuntimeError("a thread that carries messages waits for a message: this is a fault of the package")
+    while True:
+        try:
+            return future.result(_SLICE)
+        except FutureTimeout:
+            if future.done():
+                raise
+
+
+def until(condition: threading.Condition, true: Any, seconds: float | None) -> bool:
+    """Waits, with `condition` held, until `true()` or until the time is over; whether it is true."""
+    end = None if seconds is None else time.monotonic() + seconds
+    while not true():
+        left = _SLICE if end is None else min(_SLICE, end - time.monotonic())
+        if left <= 0:
+            return False
+        condition.wait(left)
+    return True

@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One board: its state, its services as attributes, its pins."""
+from __future__ import annotations
+
+import html
+import json
+import time
+from importlib import resources
+from typing import TYPE_CHECKING, Any, Iterator, Mapping
+
+from . import _model, _wait, errors
+from ._catalogue import THERE, Entry
+from ._topics import valid_name
+from .pin import Pin
+from .service import Service, class_of
+
+if TYPE_CHECKING:
+    from . import _standard
+    from ._engine import Engine
+    from .bus import Bus
+
+_standard_models: dict[str, _model.Model] = {}
+
+
+def standard_model(name: str) -> _model.Model | None:
+    """The model of a standard service (`servo`), from the package's own files; None where there is none."""
+    if name not in _standard_models:
+        file = resources.files(__package__) / "models" / f"{name}.json"
+        if not valid_name(name) or name == "schema" or not file.is_file():
+            return None
+        _standard_models[name] = _model.Model(json.loads(file.read_text(encoding="utf-8")))
+    return _standard_models[name]
+
+
+def _model_of(described: dict[str, Any]) -> _model.Model | None:
+    model = described.get("model")
+    try:
+        if isinstance(model, dict):
+            return _model.Model(model)
+        if isinstance(model, str):
+            name, _, version = model.partition("@")
+            known = standard_model(name)
+            return known if known and str(known.version) == version else None
+    except _model.ModelError:
+        pass
+    return None
+
+
+class Board:
+    """A board on the bus. Services are attributes, `board.servo`, or `board["servo"]`.
+
+    Get one by `bus.board("desk")`. Its state is followed from then on.
+    """
+
+    if TYPE_CHECKING:  # the standard services, for editors and type checkers
+        acceleration: _standard.Acceleration
+        bump: _standard.Bump
+        distance: _standard.Distance
+        encoders: _standard.Encoders
+        gyroscope: _standard.Gyroscope
+        heading: _standard.Heading
+        humidity: _standard.Humidity
+        io: _standard.Io
+        lcd: _standard.Lcd
+        motors: _standard.Motors
+        neopixels: _standard.Neopixels
+        pixels: _standard.Pixels
+        pressure: _standard.Pressure
+        reflectance: _standard.Reflectance
+        servo: _standard.Servo
+        tone: _standard.Tone
+
+    def __init__(self, bus: "Bus", name: str):
+        self.name = name
+        self.bus = bus
+        self._engine: Engine = bus._engine
+        self._followed = False
+        self._services: dict[str, Service] = {}
+        self._described: tuple[str, int] = ("", -2)
+        self._pins: dict[int, Pin] = {}
+
+    # State --------------------------------------------------------------------------------------------------------------
+
+    def _entry(self) -> Entry | None:
+        entry: Entry | None = self._engine.peek(lambda session: session.catalogue.boards.get(self.name))
+        return entry
+
+    def _follow(self) -> None:
+        if not self._followed:
+            self._followed = True
+            self._engine.do(lambda session, now: session.look_at(self.name))
+
+    @property
+    def state(self) -> str:
+        """`online`, `sleeping`, `updating`, `offline`, `lost`, or `unknown` while nothing was heard of it."""
+        entry = self._entry()
+        return entry.state if entry else "unknown"
+
+    @property
+    def reason(self) -> str:
+        """Why it is in its state: `unplugged`, `silent`, `agent-gone`, `expired`, `released`, `stopped`, `conflict`, or empty."""
+        entry = self._entry()
+        return entry.reason if entry else ""
+
+    @property
+    def status(self) -> str:
+        """State, since when and why, for people: `lost 3 min ago: cable unplugged`."""
+        entry = self._entry()
+        return entry.words(time.monotonic()) if entry else "unknown"
+
+    @property
+    def online(self) -> bool:
+        return self.state == "online"
+
+    @property
+    def description(self) -> dict[str, Any]:
+        """The board's `$description` as its agent published it last; empty where none came."""
+        entry = self._entry()
+        return dict(entry.description) if entry else {}
+
+    @property
+    def labels(self) -> dict[str, str]:
+        return dict(self.description.get("labels") or {})
+
+    def _is_gone(self) -> bool:
+        return self.state not in (*THERE, "unknown")
+
+    def _must_be_there(self) -> None:
+        self._engine.check_open()
+        if self._is_gone():
+            raise errors.NotThere(f"{self.name} is {self.status}", board=self.name, reason="board-not-there")
+
+    def wait_for(self, state: str = "online", *, timeout: float | None = 60) -> None:
+        """Waits until the board is in this state; NotThere after `timeout` seconds (None: no limit)."""
+        self._follow()
+        changed = self._engine.changed
+        with changed:
+            _wait.until(changed, lambda: self.state == state or self._engine.closed, timeout)
+        self._engine.check_open()
+        if self.state != state:
+            raise errors.NotThere(f"{self.name} was not {state} within {timeout:g} s; it is {self.status}", board=self.name,
+                                  reason="board-not-there")
+
+    # Services -----------------------------------------------------------------------------------------------------------
+
+    @property
+    def services(self) -> Mapping[str, Service]:
+        """Services by name."""
+        entry = self._entry()
+        if entry is not None and (entry.session, entry.seq) != self._described:
+            self._described = (entry.session, entry.seq)
+            self._read_services(entry.description)
+        return self._services
+
+    def _read_services(self, description: dict[str, Any]) -> None:
+        kept = {}
+        for described in description.get("services") or []:
+            if isinstance(described, str):
+                described = {"name": described}
+            name = described.get("name") if isinstance(described, dict) else None
+            if not isinstance(name, str) or not valid_name(name):
+                continue
+            made = class_of(_model_of(described))
+            old = self._services.get(name)
+            kept[name] = old if type(old) is made else made(self, name, str(described.get("title", "")))
+        self._services = kept
+
+    def __getitem__(self, name: str) -> Service:
+        """The service of this name; KeyError (NotThere) names the nearest one."""
+        services = self.services
+        found = services.get(name) or next((one for own, one in services.items() if _model.identifier(own) == name), None)
+        if found is None:
+            raise errors.NotThere(f"{self.name} has no service {name!r}" + (_model.near(name, services) or (
+                f"; it has {', '.join(services)}" if services else "; it has none")), board=self.name, service=name)
+        return found
+
+    def __iter__(self) -> Iterator[Service]:
+        return iter(list(self.services.values()))
+
+    # What a board can be asked beside its services -------------------------------------------------------------------------
+
+    def raw(self, line: str, *, timeout: float | None = None) -> Any:
+        """Sends an ASIP request line, `S,W,0,90`. Returns the board's answer, None where the line asks for none."""
+        return self._ask({"raw": line}, "raw", timeout).get("answer")
+
+    def label(self, **labels: str | None) -> None:
+        """Sets labels, which the board's agent keeps; None removes one: `board.label(room="lab", shelf=None)`."""
+        self._ask({"labels": labels}, "label", timeout=None)
+
+    def name_pins(self, names: Mapping[int, str | None]) -> None:
+        """Gives pins friendly names: `board.name_pins({13: "status lamp"})`. None removes one."""
+        self._ask({"names": {"pins": {str(number): name for number, name in names.items()}}}, "name", timeout=None)
+
+    def _ask(self, members: dict[str, Any], what: str, timeout: float | None) -> dict[str, Any]:
+        seconds = self._timeout(timeout)
+        call = self._engine.ask(lambda session, now: session.command(now, self.name, None, what, members, seconds))
+        answer: dict[str, Any] = _wait.result(call.future)
+        return answer
+
+    def stop(self, *, timeout: float | None = None) -> None:
+        """Makes the board safe: what waits is refused, and every service's safe form is executed ahead of it."""
+        seconds = self._timeout(timeout)
+        _wait.result(self._engine.stop(self.name, seconds).future)
+
+    def pin(self, which: int | str) -> Pin:
+        """A pin by its number, or by the friendly name that people gave it."""
+        if isinstance(which, str):
+            names = (self.description.get("names") or {}).get("pins") or {}
+            number = next((int(key) for key, name in names.items() if name == which and key.isdigit()), None)
+            if number is None:
+                raise errors.Invalid(f"{self.name} has no pin named {which!r}" + _model.near(which, names.values()), board=self.name)
+            which = number
+        if which not in self._pins:
+            self._pins[which] = Pin(self, which)
+        return self._pins[which]
+
+    def _timeout(self, given: float | None) -> float:
+        seconds = self.bus.timeout if given is None else given
+        if not 0 < seconds <= 60:
+            raise errors.Invalid(f"timeout: {seconds} s is not within 0.05 to 60", board=self.name)
+        return max(0.05, seconds)
+
+    # For people ---------------------------------------------------------------------------------------------------------
+
+    def __repr__(self) -> str:
+        return f"<asip board {self.name}: {self.status}>"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(f"<tr><td>{html.escape(one.name)}</td><td>{html.escape(one.title)}</td></tr>" for one in self)
+        return f"<b>{html.escape(self.name)}</b>: {html.escape(self.status)}<table><tr><th>service</th><th></th></tr>{rows}</table>"
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *(_model.identifier(name) for name in self.services)})
+
+    if not TYPE_CHECKING:
+        def __getattr__(self, name: str) -> Any:
+            if name.startswith("_"):
+                raise AttributeError(name)
+            try:
+                return self[name]
+            except errors.NotThere as fault:
+                raise AttributeError(str(fault)) from None

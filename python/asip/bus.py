@@ -1,0 +1,255 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A connection to a bus."""
+from __future__ import annotations
+
+import getpass
+import html
+import signal
+import threading
+import time
+import weakref
+from typing import Any, Callable, Iterable, TypeVar, overload
+
+from . import _wait, errors
+from ._callbacks import takes
+from ._engine import Engine
+from ._topics import valid_board
+from .board import Board
+from .service import Watch
+from .settings import Settings, find
+
+B = TypeVar("B", bound=Board)
+_REGISTRY_SECONDS = 1.0
+
+
+class Bus:
+    """A bus, connected: use it with `with`, or call `close()`. All methods may be called from any thread.
+
+    `timeout` is the limit in seconds of each call that is given none.
+    """
+
+    def __init__(self, settings: Settings, *, timeout: float = 5.0, by: str | None = None, link: Any = None):
+        self.timeout = timeout
+        self._engine = Engine(settings, by, link) if link else Engine(settings, by)
+        self._boards: dict[str, Board] = {}
+        self._ended = threading.Event()
+        self._end = weakref.finalize(self, self._engine.later, self._engine.close)
+        self._end.atexit = False
+
+    @property
+    def settings(self) -> Settings:
+        """Where the bus is, and where that was read."""
+        return self._engine.settings
+
+    @property
+    def connected(self) -> bool:
+        return bool(self._engine.session.ready)
+
+    @property
+    def on_error(self) -> Callable[[BaseException], None] | None:
+        """Called with each exception that a function given to `on_...` raises; it is logged in any case."""
+        return self._engine.dispatcher.on_error
+
+    @on_error.setter
+    def on_error(self, function: Callable[[BaseException], None] | None) -> None:
+        self._engine.dispatcher.on_error = function
+
+    # Boards -------------------------------------------------------------------------------------------------------------
+
+    @overload
+    def board(self, name: str, kind: type[B], *, timeout: float | None = ...) -> B: ...
+    @overload
+    def board(self, name: str, *, timeout: float | None = ...) -> Board: ...
+
+    def board(self, name: str, kind: type[Any] = Board, *, timeout: float | None = None) -> Any:
+        """The board of this name, when it is online. NotThere where it is not within `timeout`, with the reason or the nearest
+        name. `kind`: a subclass of Board, as `asipctl model python` makes them."""
+        if not valid_board(name):
+            raise errors.Invalid(f"{name!r} cannot be the name of a board: 1 to 64 of A-Z a-z 0-9 . _ -", board=name)
+        seconds = self.timeout if timeout is None else timeout
+        end = time.monotonic() + seconds
+        self._engine.wait_connected(seconds)
+        board = self._of(name, kind)
+        board._follow()
+        changed = self._engine.changed
+        with changed:
+            _wait.until(changed, lambda: board.online and board.description or self._engine.closed, max(0.0, end - time.monotonic()))
+        self._engine.check_open()
+        if not board.online or not board.description:
+            if board.state == "unknown":
+                self._know_all(_REGISTRY_SECONDS)
+                raise errors.NotThere(self._engine.peek(lambda session: session.catalogue.unknown(name)), board=name, reason="board-not-there")
+            why = board.status if not board.online else "online, but its agent published no description"
+            raise errors.NotThere(f"{name} is {why}", board=name, reason="board-not-there")
+        return board
+
+    def _of(self, name: str, kind: type[Any] = Board) -> Any:
+        if not isinstance(self._boards.get(name), kind):
+            self._boards[name] = kind(self, name)
+        return self._boards[name]
+
+    def boards(self, pattern: str = "*", *, labels: str | None = None, timeout: float | None = None) -> list[Board]:
+        """The boards that there are, by name; `pattern` with `*` and `?`, `labels` a selector such as `room=lab,!old`. A registry is
+        asked; where there is none, what the broker keeps. A board's state is that of this moment, until `bus.board()` follows it."""
+        seconds = self.timeout if timeout is None else timeout
+        self._engine.wait_connected(seconds)
+        names = self._ask_registry(pattern, labels, seconds)
+        if names is None:
+            if labels is not None:
+                raise errors.NotThere("labels are chosen by a registry, and none answered", reason="no-registry")
+            self._know_all(seconds)
+            names = self._engine.peek(lambda session: _matching(session.catalogue.names(), pattern))
+        return [self._of(name) for name in sorted(names)]
+
+    def _ask_registry(self, pattern: str, labels: str | None, seconds: float) -> list[str] | None:
+        query: dict[str, Any] = {"find": "boards", "full": True, "limit": 500}
+        query.update({"board": pattern} if pattern != "*" else {}, **({"labels": labels} if labels is not None else {}))
+        names: list[str] = []
+        while True:
+            try:
+                answer = self.query(query, timeout=min(seconds, _REGISTRY_SECONDS) if not names else seconds)
+            except errors.NotThere:
+                return None
+            for item in answer.get("items", []):
+                if isinstance(item, dict):
+                    self._engine.listed(item)
+                    names.append(str(item.get("board")))
+            if not answer.get("cursor"):
+                return names
+            query["cursor"] = answer["cursor"]
+
+    def _know_all(self, seconds: float) -> None:
+        """Reads what the broker keeps of all boards; a probe makes those answer whose agent lives."""
+        engine = self._engine
+        engine.do(lambda session, now: session.look_at("+"))
+        try:
+            end = time.monotonic() + min(seconds, 1.2)
+            known = -1
+            while time.monotonic() < end:
+                count = engine.peek(lambda session: len(session.catalogue.names()))
+                if count == known and count > 0:
+                    break
+                known = count
+                with engine.changed:
+                    engine.changed.wait(0.25)
+        finally:
+            engine.do(lambda session, now: session.look_away("+"))
+
+    def watch(self, function: Callable[..., Any]) -> Watch:
+        """Calls `function(board, state)` after each change of a board's state, in the thread `asip-callbacks`. It begins with the
+        boards that there are. `board` is a Board."""
+        count, engine = takes(function, 2), self._engine
+        seen: dict[str, str] = {}
+        this = weakref.ref(self)
+
+        def changed(name: str) -> None:
+            bus = this()
+            if bus is None:
+                return
+            entry = engine.session.catalogue.boards.get(name)
+            state = entry.state if entry else "forgotten"
+            if seen.get(name) != state and state != "unknown":
+                seen[name] = state
+                engine.dispatcher.put(function, (bus._of(name), state)[:count])
+        engine.check_open()
+        engine.peek(lambda session: session.watch_boards(changed))
+        engine.do(lambda session, now: session.look_at("+"))
+
+        def cancel() -> None:
+            engine.peek(lambda session: session.unwatch_boards(changed))
+            if not engine.closed and not engine.forked:
+                engine.do(lambda session, now: session.look_away("+"))
+        return Watch(cancel)
+
+    # All boards at once -------------------------------------------------------------------------------------------------
+
+    def stop(self, boards: Iterable[str] | None = None, *, timeout: float | None = None) -> None:
+        """Makes boards safe, all of them where none are named. It asks every board before it raises: the error names each that
+        did not confirm."""
+        seconds = self.timeout if timeout is None else timeout
+        names = list(boards) if boards is not None else [one.name for one in self.boards() if one.state in ("online", "sleeping")]
+        calls = [self._engine.stop(name, seconds) for name in names]
+        failed = []
+        for name, call in zip(names, calls):
+            try:
+                _wait.result(call.future)
+            except errors.Error as fault:
+                failed.append(f"{name} ({fault})")
+        if failed:
+            raise errors.Unproven(f"not stopped for certain: {'; '.join(failed)}", command="stop")
+
+    def query(self, query: dict[str, Any], *, timeout: float | None = None) -> dict[str, Any]:
+        """Asks a registry (docs/service-bus.md, "The registry") and returns its answer. NotThere where none answers."""
+        seconds = self.timeout if timeout is None else timeout
+        answer: dict[str, Any] = _wait.result(self._engine.ask(lambda session, now: session.query(now, dict(query), seconds)).future)
+        return answer
+
+    def run(self, seconds: float | None = None) -> None:
+        """Waits, while callbacks go on, until Ctrl-C, a SIGTERM, `close()` in another thread, or for `seconds`."""
+        end = None if seconds is None else time.monotonic() + seconds
+        before = None
+        if threading.current_thread() is threading.main_thread():
+            before = signal.signal(signal.SIGTERM, lambda *_: self._ended.set())
+        try:
+            while not self._ended.is_set() and not self._engine.closed:
+                left = 0.2 if end is None else min(0.2, end - time.monotonic())
+                if left <= 0:
+                    return
+                self._ended.wait(left)
+        except KeyboardInterrupt:
+            pass
+        finally:
+            if before is not None:
+                signal.signal(signal.SIGTERM, before)
+
+    def close(self) -> None:
+        """Ends the connection within a second or two. What waits ends by Closed, what was sent by Unproven."""
+        self._end.detach()
+        self._ended.set()
+        self._engine.close()
+
+    def __enter__(self) -> "Bus":
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        where = ", ".join(f"{one.host}:{one.port}" for one in self.settings.brokers)
+        return f"<asip bus {where}: {'connected' if self.connected else self._engine.session.trouble or 'not connected'}>"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(f"<tr><td>{html.escape(one.name)}</td><td>{html.escape(one.status)}</td><td>{html.escape(' '.join(one.services))}</td></tr>"
+                       for one in self.boards())
+        return f"<table><tr><th>board</th><th>state</th><th>services</th></tr>{rows}</table>"
+
+
+def _matching(names: Iterable[str], pattern: str) -> list[str]:
+    import fnmatch
+    return [name for name in names if fnmatch.fnmatchcase(name, pattern.replace("[", "[[]"))]
+
+
+def connect(broker: str | None = None, *, credentials: str | None = None, user: str | None = None, password: str | None = None,
+            ca: str | None = None, root: str | None = None, timeout: float = 5.0, by: str | None = None) -> Bus:
+    """Connects to a bus, and waits at most `timeout` seconds for it: Disconnected says why there is none.
+
+    broker: `HOST`, `HOST:PORT`, `mqtts://HOST`, or several with commas. Without it: ASIP_BROKER and the like, a bus chosen by
+        `asipctl context use`, else 127.0.0.1 (asip.settings).
+    credentials: a file made by `asipctl secure`, with all of it.
+    by: the name that boards' histories show for what this program does; the login name where none is given.
+    """
+    settings = find(broker, credentials=credentials, user=user, password=password, ca=ca, root=root)
+    bus = Bus(settings, timeout=timeout, by=by or _login_name())
+    try:
+        bus._engine.wait_connected(timeout)
+    except BaseException:
+        bus.close()
+        raise
+    return bus
+
+
+def _login_name() -> str | None:
+    try:
+        return getpass.getuser()[:64]
+    except Exception:  # noqa: BLE001: an account without a name
+        return None

@@ -1,0 +1,354 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One service of a board: its commands as methods, its values, and holds."""
+from __future__ import annotations
+
+import threading
+import time
+from concurrent.futures import Future
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping, Sequence
+
+from . import _model, _wait, errors
+from ._callbacks import takes
+from ._session import Call, Hold
+from .stream import Reading, Stream
+
+if TYPE_CHECKING:
+    from .board import Board
+
+# Names that stay ours where a model has a command of the same name: service.command("read") reaches that one.
+_OWN = ("name", "title", "board", "model", "unit", "updated", "command", "read", "stream", "on_value", "hold", "begin")
+_MEASURE_AFTER_SECONDS = 0.3  # where the service reported nothing by then, and can be asked
+
+
+class Watch:
+    """What `on_value` returns: `cancel()` ends it. The bus keeps it alive until then."""
+
+    def __init__(self, cancel: Callable[[], None]):
+        self._cancel: Callable[[], None] | None = cancel
+
+    def cancel(self) -> None:
+        cancel, self._cancel = self._cancel, None
+        if cancel is not None:
+            cancel()
+
+
+class Service:
+    """A service of a board. Commands are methods: they return when the board has executed the command, or raise.
+
+    Every command takes `timeout=` in seconds (0.05 to 60; without it that of the bus, 5).
+    """
+
+    model: _model.Model | None = None
+
+    def __init__(self, board: "Board", name: str, title: str = ""):
+        self.name = name
+        self.board = board
+        self.title = title
+        self.updated: float | None = None
+        """When the newest value came, in seconds as `time.time()`; None: none has come yet."""
+
+    # Commands -----------------------------------------------------------------------------------------------------------
+
+    def command(self, name: str, *args: Any, timeout: float | None = None, **named: Any) -> Any:
+        """Sends the command `name`, as the model calls it (`stop-all`). Returns the board's answer where the model says that
+        it gives one, else None. Raises Invalid, BoardError, Refused, NotThere, Unproven or Disconnected."""
+        command, call = self._begin(name, args, named, timeout)
+        return self._answer(command, _wait.result(call.future))
+
+    def begin(self, name: str, *args: Any, timeout: float | None = None, **named: Any) -> "Future[Any]":
+        """As command(), without waiting: a `concurrent.futures.Future`."""
+        command, call = self._begin(name, args, named, timeout)
+        done: "Future[Any]" = Future()
+
+        def finish(answered: "Future[Any]") -> None:
+            if done.done():
+                return
+            fault = answered.exception()
+            if fault is not None:
+                done.set_exception(fault)
+            else:
+                done.set_result(self._answer(command, answered.result()))
+        call.future.add_done_callback(finish)
+        return done
+
+    def _begin(self, name: str, args: tuple[Any, ...], named: dict[str, Any], timeout: float | None,
+               hold: float | None = None) -> tuple[_model.Command, Call]:
+        model = self._need_model(name)
+        try:
+            command = model.command(name)
+            values = command.values(args, named)
+        except _model.ModelError as fault:
+            raise errors.Invalid(f"{self.board.name}/{self.name}: {fault}", board=self.board.name, service=self.name, command=name,
+                                 reason="invalid") from None
+        return command, self._send(command, values, timeout, hold)
+
+    def _send(self, command: _model.Command, values: list[Any], timeout: float | None, hold: float | None = None) -> Call:
+        engine = self.board._engine
+        seconds = self.board._timeout(timeout)
+        return engine.ask(lambda session, now: session.command(now, self.board.name, self.name, command.name,
+                                                               {command.name: values}, seconds, hold))
+
+    def _answer(self, command: _model.Command, answer: dict[str, Any]) -> Any:
+        value = answer.get("answer")
+        event = self.model.answer_of(command) if self.model else None
+        if event is not None and isinstance(value, dict) and event.name in value:
+            return value[event.name]
+        return value
+
+    def _need_model(self, what: str) -> _model.Model:
+        if self.model is None:
+            raise errors.Invalid(f"{self.board.name}/{self.name} has no model that says what {what!r} is; send its lines by board.raw()",
+                                 board=self.board.name, service=self.name, command=what)
+        return self.model
+
+    # Values -------------------------------------------------------------------------------------------------------------
+
+    @property
+    def unit(self) -> str:
+        """The unit of the service's first event, `cm`; empty where there is none."""
+        events = list(self.model.events.values()) if self.model else []
+        return events[0].unit if events else ""
+
+    def read(self, event: str | None = None, *, timeout: float | None = None) -> Any:
+        """The newest value as plain Python, `[42, 0]`: waits for a report, and asks the board where it reports nothing.
+
+        `event` names one of several kinds of value (`digital`, `analog` of the pins). Raises Unproven where no value came in
+        time, NotThere where the board is away.
+        """
+        found, seconds = self._event(event), self.board._timeout(timeout)
+        end = time.monotonic() + seconds
+        self.board._must_be_there()
+        with self.stream(event=event, hz=10, timeout=seconds) as values:
+            asker = self._asker(found)
+            if asker is not None:
+                first = values.wait(min(seconds, _MEASURE_AFTER_SECONDS))
+                if first is not None:
+                    return first.value
+                return self.command(asker.name, timeout=max(0.05, end - time.monotonic()))
+            reading = values.wait(seconds)
+        if reading is None:
+            hint = "; it reports at the period that its command `report` sets" if self.model and "report" in self.model.commands else ""
+            raise errors.Unproven(f"{self.board.name}/{self.name}: no value within {seconds:g} s{hint}", board=self.board.name,
+                                  service=self.name, reason="no-value")
+        return reading.value
+
+    def _event(self, name: str | None) -> _model.Event:
+        try:
+            return self._need_model(name or "read").event(name)
+        except _model.ModelError as fault:
+            raise errors.Invalid(f"{self.board.name}/{self.name}: {fault}", board=self.board.name, service=self.name) from None
+
+    def _asker(self, event: _model.Event) -> _model.Command | None:
+        """The command without arguments by which the board is asked for this event."""
+        for command in self.model.commands.values() if self.model else ():
+            if command.answer == event.tag and not command.args:
+                return command
+        return None
+
+    def stream(self, *, hz: float = 10, event: str | None = None, keep: int = 1, lost: str = "raise", details: bool = False,
+               timeout: float | None = None) -> Stream:
+        """Values as they come: `for value in desk.distance.stream(hz=10):`.
+
+        hz: values a second that are enough, of a board that reports on demand.
+        keep: how many values wait for the loop; a slow loop gets the newest ones, `stream.dropped` counts the others.
+        lost: "raise" ends the loop by NotThere when the board is lost, "wait" goes on when it is back.
+        details: gives Reading(value, unit, at) in place of plain values.
+        timeout: the longest time between two values in seconds; then Unproven. None: no limit.
+        """
+        if lost not in ("raise", "wait"):
+            raise errors.Invalid(f'lost={lost!r}: "raise" or "wait"')
+        return Stream(self, self._event(event), hz=hz, keep=keep, wait_for_board=lost == "wait", details=details, timeout=timeout)
+
+    def on_value(self, function: Callable[..., Any], *, hz: float = 10, event: str | None = None) -> Watch:
+        """Calls `function(value)` for each report, in the thread `asip-callbacks`, one at a time; it may send commands. While
+        it takes long the newest value waits. Returns a Watch; `cancel()` ends it."""
+        found, count, engine = self._event(event), takes(function, 1), self.board._engine
+        key = object()
+
+        def sink(payload: dict[str, Any], _now: float) -> None:
+            if found.name in payload:
+                self.updated = time.time()
+                engine.dispatcher.put(function, (payload[found.name],)[:count], key)
+        return self._watched(sink, hz)
+
+    def _watched(self, sink: Callable[..., None], hz: float) -> Watch:
+        engine, board, name = self.board._engine, self.board.name, self.name
+        self.board._follow()
+        engine.do(lambda session, now: session.watch(now, board, name, sink, hz))
+
+        def cancel() -> None:
+            if not engine.closed and not engine.forked:
+                engine.do(lambda session, now: session.unwatch(now, board, name, sink))
+        return Watch(cancel)
+
+    # Hold ---------------------------------------------------------------------------------------------------------------
+
+    def hold(self, *, seconds: float = 0.5, feed: float | None = None, timeout: float | None = None,
+             **commands: Sequence[Any]) -> "Held":
+        """A dead man's switch: `with desk.motors.hold(power=[[0, 60], [1, 60]]):`
+
+        Each command is in force while the block runs, and undone by its model's safe form when it ends; by the board's agent,
+        within `seconds`, when this program or its connection dies. A command's value is one list of arguments or a list of
+        those. With `feed=1.0` it is renewed only while the block calls `feed()` or `set()` of what it got at least once a
+        second: then a loop that hangs stops the motor, too.
+        """
+        if not 0.05 <= seconds <= 60:
+            raise errors.Invalid(f"hold: {seconds} s is not within 0.05 to 60")
+        return Held(self, seconds, feed, timeout, commands)
+
+    def __getitem__(self, index: int) -> "Element":
+        return Element(self, index)
+
+    def __iter__(self) -> Iterator[Any]:
+        raise TypeError(f"{self.board.name}/{self.name} is no list; its values are service.read() and service.stream()")
+
+    def __repr__(self) -> str:
+        return f"<asip service {self.board.name}/{self.name}>"
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *(self.model.attributes if self.model else ())})
+
+    if not TYPE_CHECKING:
+        def __getattr__(self, name: str) -> Any:
+            if name.startswith("_") or self.model is None:
+                raise AttributeError(name)
+            try:
+                self.model.command(name)
+            except _model.ModelError as fault:
+                raise AttributeError(f"{self.board.name}/{self.name}: {fault}") from None
+            raise AttributeError(name)
+
+
+class Element:
+    """One element of a service: `desk.distance[0].read()`."""
+
+    def __init__(self, service: Service, index: int):
+        self._service, self._index = service, index
+
+    def read(self, event: str | None = None, *, timeout: float | None = None) -> Any:
+        """The newest value of this element. Raises Invalid where the service has fewer."""
+        value = self._service.read(event, timeout=timeout)
+        try:
+            return value[self._index] if not isinstance(value, dict) else value[str(self._index)]
+        except (IndexError, KeyError, TypeError):
+            raise errors.Invalid(f"{self._service.board.name}/{self._service.name} has no element {self._index} in {value!r}",
+                                 board=self._service.board.name, service=self._service.name) from None
+
+
+class Held:
+    """What `hold()` returns, for `with`. `lost` is a sentence when the hold ended before the block did."""
+
+    def __init__(self, service: Service, seconds: float, feed: float | None, timeout: float | None, commands: Mapping[str, Sequence[Any]]):
+        self.lost: str | None = None
+        self._service, self._seconds, self._feed, self._timeout, self._commands = service, seconds, feed, timeout, commands
+        self._holds: dict[str, tuple[_model.Command, list[Any]]] = {}  # by the id of the hold
+        self._mutex = threading.Lock()
+
+    def __enter__(self) -> "Held":
+        try:
+            self.set(**self._commands)
+        except BaseException:
+            self._undo()
+            raise
+        return self
+
+    def set(self, **commands: Sequence[Any]) -> None:
+        """Gives these commands in place of those for the same elements, held as before. Returns when they were executed."""
+        service, engine = self._service, self._service.board._engine
+        model = service._need_model("hold")
+        begun = []
+        for name, given in commands.items():
+            for args in _argument_lists(given):
+                command, call = service._begin(name, args, {}, self._timeout, self._seconds)
+                safe = model.safe_form(command, call.members[command.name])
+                if safe is None:
+                    raise errors.Invalid(f"{service.board.name}/{service.name}: nothing undoes {command.name}, so it cannot be held",
+                                         board=service.board.name, service=service.name, command=command.name)
+                now = time.monotonic()
+                with self._mutex:
+                    for id, other in [*self._holds.items()]:
+                        if other == safe:
+                            engine.end_hold(id)
+                            del self._holds[id]
+                    self._holds[call.id] = safe
+                engine.keep_hold(Hold(service.board.name, call.topic, call.id, self._seconds, now + self._seconds / 3, self._feed, now, self._ended))
+                begun.append(call)
+        for call in begun:
+            _wait.result(call.future)
+        self.feed()
+
+    def feed(self) -> None:
+        """Says that the program is alive, where the hold has `feed=`."""
+        now = time.monotonic()
+        for id in list(self._holds):
+            self._service.board._engine.feed_hold(id, now)
+
+    def _ended(self, why: str) -> None:
+        self.lost = self.lost or why
+
+    def _undo(self) -> None:
+        engine = self._service.board._engine
+        with self._mutex:
+            holds, self._holds = self._holds, {}
+        calls = []
+        for id, (command, values) in holds.items():
+            engine.end_hold(id)
+            if not engine.closed and not engine.forked:
+                calls.append(self._service._send(command, values, min(1.0, self._service.board._timeout(None))))
+        for call in calls:
+            _wait.result(call.future)
+
+    def __exit__(self, kind: Any, error: Any, _trace: Any) -> None:
+        try:
+            self._undo()
+        except errors.Error:
+            if kind is None:
+                raise  # else the error of the block counts; the agent undoes it in any case
+        if kind is None and self.lost:
+            raise errors.Refused(f"{self._service.board.name}/{self._service.name}: the hold ended before the block did: {self.lost}",
+                                 board=self._service.board.name, service=self._service.name, reason="not-held")
+
+
+def _argument_lists(given: Any) -> list[tuple[Any, ...]]:
+    if not isinstance(given, (list, tuple)):
+        return [(given,)]
+    if given and all(isinstance(one, (list, tuple)) for one in given):
+        return [tuple(one) for one in given]
+    return [tuple(given)]
+
+
+_classes: dict[str, type[Service]] = {}
+
+
+def class_of(model: _model.Model | None) -> type[Service]:
+    """The class of services of this model: Service with a method for each command."""
+    if model is None:
+        return Service
+    key = repr(model.document)
+    if key not in _classes:
+        members: dict[str, Any] = {"model": model, "__doc__": f"{model.title} ({model.name}@{model.version}).", "__module__": __name__}
+        for attribute, command in model.attributes.items():
+            if attribute not in _OWN:
+                members[attribute] = _method(attribute, command)
+        if len(_classes) >= 4096:
+            _classes.clear()
+        _classes[key] = type(identifier_of_class(model.name), (Service,), members)
+    return _classes[key]
+
+
+def identifier_of_class(name: str) -> str:
+    return "".join(part[:1].upper() + part[1:] for part in _model.identifier(name).split("_"))
+
+
+def _method(attribute: str, command: _model.Command) -> Callable[..., Any]:
+    def method(self: Service, *args: Any, timeout: float | None = None, **named: Any) -> Any:
+        return self.command(command.name, *args, timeout=timeout, **named)
+    method.__name__ = attribute
+    method.__qualname__ = f"Service.{attribute}"
+    method.__doc__ = command.doc
+    method.__signature__ = command.signature  # type: ignore[attr-defined]
+    method.asip_command = command.name  # type: ignore[attr-defined]
+    return method
+
+
+__all__ = ["Service", "Held", "Watch", "Element", "Reading"]

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where the bus is: what was given, else the environment, else a bus that `asipctl context use` has chosen, else 127.0.0.1.
+
+The environment's variables are those of asipctl: ASIP_BROKER, ASIP_USER, ASIP_PASSWORD or ASIP_PASSWORD_FILE, ASIP_CA,
+ASIP_TOPIC_ROOT, or all of it in the file of ASIP_CREDENTIALS (made by `asipctl secure`).
+"""
+from __future__ import annotations
+
+import dataclasses
+import os
+import pathlib
+import urllib.parse
+from typing import Any, Mapping
+
+_SCHEMES = {"": None, "mqtt": False, "tcp": False, "mqtts": True, "ssl": True}
+
+
+@dataclasses.dataclass(frozen=True)
+class Broker:
+    """`tls` None: TLS is used where a certificate authority is given."""
+
+    host: str
+    port: int
+    tls: bool | None = None
+
+    @staticmethod
+    def parse(text: str) -> "Broker":
+        """`HOST`, `HOST:PORT`, `mqtt://HOST:PORT` or `mqtts://HOST`. Raises ValueError, without any password in its text."""
+        scheme, _, rest = text.strip().rpartition("://")
+        shown = f"{scheme}://...@{rest.rsplit('@', 1)[1]}" if "@" in rest else text
+        if scheme not in _SCHEMES:
+            raise ValueError(f'broker "{shown}": only mqtt:// and mqtts:// are supported')
+        if "@" in rest:
+            raise ValueError(f'broker "{shown}": give user and password as user= and password= (ASIP_USER, ASIP_PASSWORD_FILE)')
+        if rest.count(":") > 1 and not rest.startswith("["):
+            raise ValueError(f'broker "{shown}": an IPv6 address stands in brackets, [{rest}]')
+        try:
+            parts = urllib.parse.urlsplit("//" + rest.rstrip("/"))
+            port = parts.port
+        except ValueError as fault:
+            raise ValueError(f'broker "{shown}": {fault}') from None
+        if not parts.hostname or parts.path:
+            raise ValueError(f'broker "{shown}" is not HOST, HOST:PORT or mqtt://HOST:PORT')
+        tls = _SCHEMES[scheme]
+        return Broker(parts.hostname, port or (8883 if tls else 1883), tls)
+
+
+@dataclasses.dataclass(frozen=True)
+class Settings:
+    """How the bus is reached. `source` says where that was read, for error texts."""
+
+    brokers: tuple[Broker, ...] = (Broker("127.0.0.1", 1883),)
+    user: str | None = None
+    password: str | None = None
+    ca: str | None = None
+    ca_text: str | None = None
+    certificate: str | None = None
+    key: str | None = None
+    root: str = "asip"
+    source: str = "the default"
+
+    def with_tls_decided(self) -> "Settings":
+        secure = self.ca is not None or self.ca_text is not None
+        return dataclasses.replace(self, brokers=tuple(dataclasses.replace(one, tls=secure if one.tls is None else one.tls) for one in self.brokers))
+
+
+def _lines(path: pathlib.Path) -> tuple[dict[str, str], str]:
+    """Lines `NAME = VALUE`, and the text of all certificates. Quotes around a value are taken off."""
+    text = path.read_text(encoding="utf-8-sig")
+    found: dict[str, str] = {}
+    inside = False
+    for number, raw in enumerate(text.splitlines(), 1):
+        line = raw.strip()
+        if inside or line.startswith("-----BEGIN "):
+            inside = not line.startswith("-----END ")
+        elif line and line[0] not in "#;[":
+            name, equals, value = line.partition("=")
+            if not equals:
+                raise ValueError(f"{path}:{number}: expected NAME = VALUE")
+            found[name.strip()] = value.strip().strip('"')
+    return found, text if "-----BEGIN CERTIFICATE-----" in text else ""
+
+
+def _of_credentials(path: str) -> Settings:
+    values, certificates = _lines(pathlib.Path(path))
+    for name in ("broker", "user", "password"):
+        if not values.get(name):
+            raise ValueError(f"{path}: the line {name} = ... is missing")
+    return Settings(_brokers(values["broker"]), values["user"], values["password"], None, certificates or None,
+                    root=values.get("topic-root") or "asip", source=path)
+
+
+def _brokers(text: str) -> tuple[Broker, ...]:
+    made = tuple(Broker.parse(one) for one in text.split(",") if one.strip())
+    if not made:
+        raise ValueError("the list of brokers is empty")
+    return made
+
+
+def _first_line(path: str) -> str:
+    with open(path, encoding="utf-8") as file:
+        return file.readline().rstrip("\r\n")
+
+
+def _of_options(values: Mapping[str, str], source: str) -> Settings:
+    """`values`: names of asipctl's options without the dashes."""
+    if values.get("credentials"):
+        return _of_credentials(values["credentials"])
+    password = values.get("password") or (_first_line(values["password-file"]) if values.get("password-file") else None)
+    return Settings(_brokers(values.get("broker") or "127.0.0.1"), values.get("user") or None, password, values.get("ca") or None,
+                    certificate=values.get("cert") or None, key=values.get("key") or None, root=values.get("topic-root") or "asip", source=source)
+
+
+def _profile(environment: Mapping[str, str]) -> Settings | None:
+    """The bus that `asipctl context use` has chosen, or the one that ASIP_CONTEXT names."""
+    base = environment.get("XDG_CONFIG_HOME") or (os.path.join(environment["HOME"], ".config") if environment.get("HOME") else None)
+    if base is None:
+        return None
+    folder = pathlib.Path(base) / "asip"
+    name = environment.get("ASIP_CONTEXT") or ""
+    if not name:
+        try:
+            name = (folder / "context").read_text(encoding="utf-8").strip()
+        except OSError:
+            return None
+    file = folder / "contexts" / f"{name}.conf"
+    if not name or "/" in name:
+        return None
+    if not file.exists():
+        raise ValueError(f'there is no context "{name}"; see asipctl context list')
+    return _of_options(_lines(file)[0], f"the context {name} of asipctl")
+
+
+def find(broker: str | None = None, *, credentials: str | None = None, user: str | None = None, password: str | None = None,
+         ca: str | None = None, root: str | None = None, environment: Mapping[str, str] = os.environ) -> Settings:
+    """The settings of `asip.connect()`. With a `broker` nothing is taken from the environment: a password goes to no other
+    broker. Raises ValueError or OSError, naming the file."""
+    if credentials is not None:
+        made = _of_credentials(credentials)
+    elif broker is not None:
+        made = Settings(_brokers(broker), source="connect()")
+    else:
+        given = {name: environment.get("ASIP_" + name.upper().replace("-", "_"), "")
+                 for name in ("broker", "user", "password", "password-file", "ca", "cert", "key", "topic-root", "credentials")}
+        chosen = None if given["broker"] or given["credentials"] else _profile(environment)
+        made = chosen or _of_options(given, "the environment" if given["broker"] else "the default")
+    changes: dict[str, Any] = {name: value for name, value in (("user", user), ("password", password), ("ca", ca), ("root", root)) if value is not None}
+    return dataclasses.replace(made, **changes).with_tls_decided()

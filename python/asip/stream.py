@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Values of a service as an iterator."""
+from __future__ import annotations
+
+import collections
+import dataclasses
+import threading
+import time
+import weakref
+from typing import TYPE_CHECKING, Any, Callable, Iterator
+
+from . import _model, _wait, errors
+
+if TYPE_CHECKING:
+    from .service import Service
+
+
+@dataclasses.dataclass(frozen=True)
+class Reading:
+    """One value: plain Python, its unit, and when it came, in seconds as `time.time()`."""
+
+    value: Any
+    unit: str
+    at: float
+
+
+class Stream(Iterator[Any]):
+    """The iterator that `service.stream()` returns. It begins to listen at once, and ends with `close()`, with the end of a
+    `with` block, or when nothing refers to it any more. `dropped` counts values that newer ones replaced."""
+
+    def __init__(self, service: "Service", event: _model.Event, *, hz: float, keep: int, wait_for_board: bool, details: bool,
+                 timeout: float | None):
+        self.dropped = 0
+        self._service, self._event, self._details, self._timeout = service, event, details, timeout
+        self._wait_for_board = wait_for_board
+        self._waiting: "collections.deque[Reading]" = collections.deque()
+        self._keep = max(1, keep)
+        self._changed = threading.Condition()
+        self._closed = False
+        self._news: Callable[[], object] | None = None
+        engine, this = service.board._engine, weakref.ref(self)
+
+        def sink(payload: dict[str, Any], _now: float) -> None:
+            stream = this()
+            if stream is not None and event.name in payload:
+                stream._take(payload[event.name])
+        self._watch = service._watched(sink, hz)
+        engine.listen(self._changed)
+        # Garbage may be collected in any thread: the clock's ends what nothing refers to any more.
+        self._end = weakref.finalize(self, engine.later, self._watch.cancel)
+        self._end.atexit = False
+
+    def _take(self, value: Any) -> None:
+        at = time.time()
+        self._service.updated = at
+        with self._changed:
+            if len(self._waiting) >= self._keep:
+                self._waiting.popleft()
+                self.dropped += 1
+            self._waiting.append(Reading(value, self._event.unit, at))
+            self._changed.notify()
+        if self._news is not None:
+            self._news()
+
+    def on_news(self, function: Callable[[], object]) -> None:
+        """`function`, which must not block, is called for each value that comes."""
+        self._news = function
+
+    def wait(self, seconds: float | None) -> Reading | None:
+        """The next value; None where none came within `seconds`. Raises NotThere, Closed."""
+        board = self._service.board
+        with self._changed:
+            _wait.until(self._changed, lambda: self._waiting or self._closed or board._engine.closed or self._gone(), seconds)
+            if self._waiting:
+                return self._waiting.popleft()
+        board._engine.check_open()
+        if self._gone():
+            board._must_be_there()
+        return None
+
+    def _gone(self) -> bool:
+        return not self._wait_for_board and self._service.board._is_gone()
+
+    def __next__(self) -> Any:
+        if self._closed:
+            raise StopIteration
+        try:
+            reading = self.wait(self._timeout)
+        except BaseException:
+            self.close()
+            raise
+        if reading is None:
+            if self._closed:
+                raise StopIteration
+            self.close()
+            raise errors.Unproven(f"{self._service.board.name}/{self._service.name}: no value within {self._timeout:g} s",
+                                  board=self._service.board.name, service=self._service.name, reason="no-value")
+        return reading if self._details else reading.value
+
+    def close(self) -> None:
+        if not self._closed:
+            self._closed = True
+            self._end.detach()
+            self._watch.cancel()
+            with self._changed:
+                self._changed.notify_all()
+
+    def __enter__(self) -> "Stream":
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+
+__all__ = ["Reading", "Stream"]

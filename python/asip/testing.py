@@ -1,0 +1,283 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A bus in memory and boards made of service models, so that programs are tested without a broker and without hardware.
+
+    from asip import testing
+
+    def test_lamp():
+        with testing.MemoryBus(desk=["io", "distance"]) as memory:
+            my_program(memory.connect())             # an asip.Bus like any other
+            memory.desk.report("distance", [42, 0])
+            assert memory.desk.commands[-1] == ("io", "write", [13, 1])
+"""
+from __future__ import annotations
+
+import json
+import queue
+import threading
+import time
+from typing import Any, Callable, Iterable, Mapping, Sequence
+
+from . import _model
+from .board import standard_model
+from .bus import Bus
+from .settings import Settings
+
+Answer = Mapping[str, Any]
+
+
+class FakeBoard:
+    """A board of a MemoryBus. It executes each command that its models allow, and remembers it.
+
+    `commands` is the list of (service, command, arguments) in the order of their arrival. `levels` holds what pins were set to.
+    """
+
+    def __init__(self, memory: "MemoryBus", name: str, services: Iterable["str | dict[str, Any]"]):
+        self.name = name
+        self.commands: list[tuple[str, str, list[Any]]] = []
+        self.unanswered = 0  # requests that came while the board was silent
+        self.levels: dict[int, int] = {}
+        self.modes: dict[int, int] = {}
+        self.state = "online"
+        self._memory = memory
+        self._seq = 0
+        self._models: dict[str, _model.Model] = {}
+        for service in services:
+            model = _model.Model(service) if isinstance(service, dict) else standard_model(service)
+            if model is None:
+                raise ValueError(f"there is no standard service {service!r}; give its model as a dict")
+            self._models[model.name] = model
+        self._inputs: dict[int, int] = {}
+        self._fault: Callable[[str, str], Answer | None] = lambda service, command: None
+        self._silent = False
+        self._values: dict[tuple[str, str], Any] = {}
+
+    def report(self, service: str, value: Any, event: str | None = None) -> None:
+        """Publishes a value as the board's agent would; later `read()` calls that ask the board get it, too."""
+        name = self._models[service].event(event).name
+        self._values[service, name] = value
+        self._memory._publish(f"{self.name}/{service}/out", {name: value})
+
+    def press(self, pin: int, level: int = 1) -> None:
+        """Changes the level of an input pin."""
+        self._inputs[pin] = level
+        self._memory._publish(f"{self.name}/io/out", {"digital": {str(pin): level}})
+
+    def fail(self, code: int, text: str = "INVALID_DEVICE_NUMBER", command: str | None = None) -> None:
+        """From now on the board refuses commands (or the one that is named) with this error."""
+        self._fault = lambda _service, name: {"status": "error", "code": code, "error": text} if command in (None, name) else None
+
+    def refuse(self, reason: str = "queue-full", text: str = "the queue is full") -> None:
+        """From now on the agent refuses commands with this reason."""
+        self._fault = lambda *_: {"status": "refused", "reason": reason, "error": text}
+
+    def doubt(self) -> None:
+        """From now on commands are executed, but not proven."""
+        self._fault = lambda *_: {"status": "timeout", "reason": "doubt"}
+
+    def silence(self) -> None:
+        """From now on nothing is answered."""
+        self._silent = True
+
+    def work(self) -> None:
+        """Ends what fail(), refuse(), doubt() and silence() began."""
+        self._fault, self._silent = lambda *_: None, False
+
+    def lose(self, reason: str = "unplugged") -> None:
+        """The board's cable is pulled."""
+        self._say("lost", reason)
+
+    def back(self) -> None:
+        self._say("online", "")
+
+    def _say(self, state: str, reason: str) -> None:
+        self.state = state
+        self._seq += 1
+        self._announce(reason)
+
+    def _announce(self, reason: str = "") -> None:
+        described = [{"name": name, "id": model.letter, "title": model.title, "model": model.document} for name, model in self._models.items()]
+        self._memory._publish(f"servicebus/{self.name}/$description", {
+            "board": self.name, "session": "00000000000000aa", "seq": self._seq, "lease": 86400, "services": described,
+            "state": {"is": self.state, "reason": reason, "age": 0}}, retained=True)
+        self._memory._publish(f"servicebus/{self.name}/$state", self.state, retained=True)
+
+    def _asked(self, service: str | None, request: dict[str, Any]) -> Answer | None:
+        if self._silent:
+            self.unanswered += 1
+            return None
+        if self.state != "online":
+            return {"status": "refused", "reason": "board-not-there", "error": f"the board is {self.state}"}
+        if "renew" in request:
+            return {"status": "ok", "proof": "renewed"}
+        if service is None:
+            return {"status": "ok", "proof": "fence"}
+        model = self._models.get(service)
+        names = [name for name in request if model and name in model.commands]
+        if model is None or not names:
+            return {"status": "refused", "reason": "invalid", "error": f"no command in {json.dumps(request)}"}
+        command = model.commands[names[0]]
+        try:
+            values = command.values(tuple(request[command.name]), {})
+        except _model.ModelError as fault:
+            return {"status": "refused", "reason": "invalid", "error": str(fault)}
+        faulty = self._fault(service, command.name)
+        if faulty is not None and faulty["status"] != "timeout":
+            return faulty
+        self.commands.append((service, command.name, values))
+        if model.name == "io" and command.name == "write":
+            self.levels[values[0]] = values[1]
+        if model.name == "io" and command.name == "mode":
+            self.modes[values[0]] = values[1]
+            if values[1] in (1, 2):
+                self._memory._publish(f"{self.name}/io/out", {"digital": {str(values[0]): self._inputs.get(values[0], 0)}})
+        event = model.answer_of(command)
+        if faulty is None and event is not None:
+            if (service, event.name) not in self._values:
+                return {"status": "timeout", "reason": "no-value"}
+            return {"status": "ok", "proof": "answer", "answer": {event.name: self._values[service, event.name]}}
+        return faulty or {"status": "ok", "proof": "fence"}
+
+
+class MemoryBus:
+    """A bus without a broker. Each keyword is a board: its name, and its services (names of standard ones, or models)."""
+
+    def __init__(self, **boards: Sequence["str | dict[str, Any]"]):
+        self._lock = threading.RLock()
+        self._retained: dict[str, bytes] = {}
+        self._links: list[_MemoryLink] = []
+        self._buses: list[Bus] = []
+        self.boards = {name: FakeBoard(self, name, services) for name, services in boards.items()}
+        for board in self.boards.values():
+            board._announce()
+
+    def connect(self, *, timeout: float = 1.0, by: str | None = None) -> Bus:
+        """A bus of this memory; the MemoryBus closes it."""
+        bus = Bus(Settings(source="asip.testing"), timeout=timeout, by=by, link=lambda *args: _MemoryLink(self, *args))
+        self._buses.append(bus)
+        bus._engine.wait_connected(timeout)
+        return bus
+
+    def cut(self) -> None:
+        """Breaks every connection, as a broker that is restarted does. Programs come back by themselves."""
+        with self._lock:
+            links = list(self._links)
+        for link in links:
+            link.end("the connection was cut")
+
+    def close(self) -> None:
+        for bus in self._buses:
+            bus.close()
+
+    def __enter__(self) -> "MemoryBus":
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    def __getattr__(self, name: str) -> FakeBoard:
+        try:
+            board: FakeBoard = self.__dict__["boards"][name]
+            return board
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def _publish(self, topic: str, content: Any, retained: bool = False) -> None:
+        payload = content.encode() if isinstance(content, str) else json.dumps(content).encode()
+        topic = "asip/" + topic
+        with self._lock:
+            if retained:
+                self._retained[topic] = payload
+            links = list(self._links)
+        for link in links:
+            link.offer(topic, payload, False)
+
+    def _received(self, topic: str, payload: bytes) -> None:
+        levels = topic.split("/")[1:]
+        if levels[0] == "reply":
+            self._publish("/".join(levels), payload.decode())
+            return
+        board = self.boards.get(levels[0])
+        if board is None or levels[-1] not in ("in", "$stop"):
+            return
+        request = json.loads(payload)
+        with self._lock:
+            answer = {"status": "ok", "proof": "fence"} if levels[-1] == "$stop" else board._asked(levels[1] if len(levels) == 3 else None, request)
+        if levels[-1] == "$stop":
+            board.commands.append(("", "stop", []))
+        if answer is not None and "reply_to" in request:
+            self._publish(request["reply_to"].split("/", 1)[1], {**answer, "id": request["id"]})
+
+
+class _MemoryLink:
+    """What asip._paho.Link is for a broker."""
+
+    def __init__(self, memory: MemoryBus, _broker: Any, _settings: Any, _client_id: str, _v5: bool, on_up: Callable[[bool], None],
+                 on_down: Callable[[str, bool], None], on_message: Callable[[str, bytes, bool, "int | None"], None]):
+        self._memory, self._on_up, self._on_down, self._on_message = memory, on_up, on_down, on_message
+        self._filters: set[str] = set()
+        self._work: "queue.Queue[Callable[[], None] | None]" = queue.Queue()
+        self._thread = threading.Thread(target=self._run, name="asip-link", daemon=True)
+
+    def start(self) -> None:
+        with self._memory._lock:
+            self._memory._links.append(self)
+        self._work.put(lambda: self._on_up(True))
+        self._thread.start()
+
+    def publish(self, topic: str, payload: bytes, _qos: int, _expiry: int | None) -> None:
+        self._work.put(lambda: self._memory._received(topic, payload))
+
+    def subscribe(self, topic: str, _qos: int) -> None:
+        self._filters.add(topic)
+        with self._memory._lock:
+            kept = [(name, payload) for name, payload in self._memory._retained.items() if _matches(topic, name)]
+        for name, payload in kept:
+            self._work.put(lambda name=name, payload=payload: self._on_message(name, payload, True, None))  # type: ignore[misc]
+
+    def unsubscribe(self, topic: str) -> None:
+        self._filters.discard(topic)
+
+    def offer(self, topic: str, payload: bytes, retained: bool) -> None:
+        if any(_matches(one, topic) for one in list(self._filters)):
+            self._work.put(lambda: self._on_message(topic, payload, retained, None))
+
+    def end(self, why: str) -> None:
+        self._leave()
+        self._on_down(why, False)
+
+    def close(self) -> None:
+        self._leave()
+        self._work.put(None)
+        if self._thread.is_alive() and threading.current_thread() is not self._thread:
+            self._thread.join(1.0)
+
+    def _leave(self) -> None:
+        with self._memory._lock:
+            if self in self._memory._links:
+                self._memory._links.remove(self)
+
+    def _run(self) -> None:
+        while True:
+            work = self._work.get()
+            if work is None:
+                return
+            work()
+
+
+def _matches(pattern: str, topic: str) -> bool:
+    wanted, given = pattern.split("/"), topic.split("/")
+    return len(wanted) == len(given) and all(one in ("+", other) for one, other in zip(wanted, given))
+
+
+def eventually(condition: Callable[[], Any], seconds: float = 5.0) -> Any:
+    """The first true value of `condition`; AssertionError where there is none within `seconds`."""
+    end = time.monotonic() + seconds
+    while True:
+        value = condition()
+        if value or time.monotonic() > end:
+            assert value, f"not true within {seconds:g} s"
+            return value
+        time.sleep(0.01)
+
+
+__all__ = ["FakeBoard", "MemoryBus", "eventually"]

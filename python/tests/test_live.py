@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The package with a real broker, registry, agents and real firmware in the simulator: what dies, and what is true then.
+
+ASIP_BUILD is the build folder."""
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import threading
+import time
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parents[1] / "tests" / "support"))
+from bus import Bus as RealBus  # noqa: E402
+from bus import eventually  # noqa: E402
+
+import asip  # noqa: E402
+
+HOLDER = """
+import asip, os, signal, sys, time
+how = sys.argv[1]
+bus = asip.connect(timeout=20)
+desk = bus.board("desk", timeout=20)
+desk.pin(13).mode("output", timeout=20)
+with desk.io.hold(write=[13, 1], seconds=0.5, feed=1.0 if how == "hang" else None) as hold:
+    print("held", flush=True)
+    if how == "exit": os._exit(3)
+    if how == "raise": raise RuntimeError("the block fails")
+    if how == "hang": time.sleep(60)
+    while True:
+        hold.feed(); time.sleep(0.05)
+"""
+
+
+class Live(unittest.TestCase):
+    """One bus for all tests of a class."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.real = RealBus()
+        cls.addClassCleanup(cls.real.close)
+
+    def setUp(self):
+        self.bus = asip.connect(self.address, timeout=20)
+        self.bus.timeout = 5
+        self.addCleanup(self.bus.close)
+        self.desk = self.bus.board("desk", timeout=20)
+
+    @property
+    def address(self):
+        return f"127.0.0.1:{self.real.broker_port}"
+
+    def part(self, name):
+        return self.real.part(f"desk/{name}")
+
+    def program(self, text, *arguments):
+        environment = {**os.environ, "ASIP_BROKER": self.address, "PYTHONPATH": str(HERE.parent)}
+        child = subprocess.Popen([sys.executable, "-c", text, *arguments], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(lambda: (child.kill(), child.communicate()))
+        return child
+
+
+class Board(Live):
+    def test_what_the_board_does_is_what_the_call_says(self):
+        self.desk.servo.write(0, 90)
+        eventually(lambda: self.part("servo") in ("89", "90", "91"), "the servo at 90 degrees")
+        with self.assertRaises(asip.BoardError) as raised:
+            self.desk.servo.write(9, 90)
+        self.assertEqual(raised.exception.code, 7)
+        self.assertEqual(self.desk.distance.read(timeout=20), [42, 0])
+        self.desk.pin(13).on()
+        self.assertEqual(self.part("led"), "on")
+        self.desk.pin(13).off()
+        self.assertIn("ATmega328P", self.desk.raw("#,?"))
+
+    def test_boards_with_and_without_a_registry(self):
+        names = ["desk", "lamp"]
+        self.assertEqual([one.name for one in self.bus.boards()], names)
+        self.assertEqual([one.name for one in self.bus.boards("la*")], ["lamp"])
+        self.real.end("registry")
+        try:
+            self.assertEqual([one.name for one in self.bus.boards()], names)
+        finally:
+            self.real.start("registry", "asip-registry", "--id", "first", "--history", str(self.real.work / "history.db"))
+        eventually(lambda: self.answers(), "the registry's return", 20)
+
+    def answers(self):
+        try:
+            return self.bus.query({"find": "boards"}, timeout=1)["total"] == 2
+        except asip.NotThere:
+            return False
+
+    def test_labels_choose_boards(self):
+        self.desk.label(room="lab")
+        eventually(lambda: [one.name for one in self.bus.boards(labels="room=lab")] == ["desk"], "the label in the registry")
+        self.desk.name_pins({13: "status lamp"})
+        eventually(lambda: self.desk.description.get("names"), "the name in the description")
+        self.desk.pin("status lamp").on()
+        self.assertEqual(self.part("led"), "on")
+
+    def test_thousand_streams(self):
+        streams = [self.desk.distance.stream() for _ in range(1000)]
+        self.desk.distance.report(100)
+        self.addCleanup(lambda: self.desk.distance.report(0) if not self.bus._engine.closed else None)
+        for stream in streams:
+            self.assertEqual(next(stream), [42, 0])
+        for stream in streams:
+            stream.close()
+
+    def test_button_of_one_board_lights_the_lamp_of_the_other(self):
+        lamp = self.bus.board("lamp", timeout=20)
+        self.desk.pin(2).on_change(lambda level: lamp.pin(13).write(not level))
+        self.real.sim("press", "desk/button")
+        eventually(lambda: self.real.part("lamp/lamp") == "on", "the lamp")
+        self.real.sim("release", "desk/button")
+        eventually(lambda: self.real.part("lamp/lamp") == "off", "the lamp out")
+
+
+class Deaths(Live):
+    def led_goes_off(self, seconds=10):
+        eventually(lambda: self.part("led") == "off", "the LED switched off", seconds)
+
+    def held(self, how):
+        child = self.program(HOLDER, how)
+        self.assertEqual(child.stdout.readline(), "held\n", child.poll() is not None and child.stderr.read())
+        return child
+
+    def test_each_death_of_the_program_ends_its_hold(self):
+        for how, kill in (("exit", None), ("raise", None), ("hang", None), ("loop", signal.SIGKILL), ("loop", signal.SIGINT), ("loop", signal.SIGTERM),
+                          ("loop", signal.SIGSTOP)):
+            with self.subTest(how=how, kill=kill):
+                child = self.held(how)
+                if kill is not None:
+                    eventually(lambda: self.part("led") == "on", "the LED on")
+                    time.sleep(0.8)  # longer than one hold: it was renewed
+                    self.assertEqual(self.part("led"), "on")
+                    child.send_signal(kill)
+                self.led_goes_off()
+                if kill == signal.SIGSTOP:
+                    child.send_signal(signal.SIGCONT)
+                    time.sleep(1)
+                    self.assertEqual(self.part("led"), "off")  # nothing switches it on again
+                child.kill()
+                child.wait()
+
+    def test_agent_killed_under_a_call(self):
+        futures = [self.desk.servo.begin("write", 0, angle) for angle in range(60)]
+        self.real.end("agent-desk", signal.SIGKILL)
+        ends = set()
+        for future in futures:
+            try:
+                future.result(10)
+                ends.add("ok")
+            except asip.Error as error:
+                ends.add(type(error).__name__)
+        self.assertLessEqual(ends, {"ok", "Unproven", "NotThere"})
+        self.desk.wait_for("lost", timeout=20)
+        with self.assertRaises(asip.NotThere):
+            self.desk.servo.write(0, 1)
+        with self.assertRaises(asip.NotThere):
+            next(self.desk.distance.stream())
+        self.real.start_agent("desk")
+        self.desk.wait_for("online", timeout=60)
+        self.desk.servo.write(0, 90, timeout=20)
+
+    def test_broker_killed_under_a_call_and_back(self):
+        stream = self.desk.distance.stream(lost="wait", timeout=60)
+        self.desk.servo.write(0, 10)
+        eventually(lambda: self.part("servo") == "10", "the servo at 10 degrees")
+        self.real.programs["broker"].send_signal(signal.SIGSTOP)
+        future = self.desk.servo.begin("write", 0, 170)
+        time.sleep(0.1)
+        self.real.end("broker", signal.SIGKILL)
+        with self.assertRaises(asip.Unproven):
+            future.result(10)
+        with self.assertRaises(asip.Disconnected):
+            self.desk.servo.write(0, 20, timeout=0.5)
+        self.real.start_broker()
+        eventually(lambda: self.bus.connected, "the connection", 20)
+        self.desk.wait_for("online", timeout=60)
+        self.desk.distance.report(100, timeout=20)
+        self.assertEqual(next(stream), [42, 0])
+        self.desk.distance.report(0)
+        self.assertEqual(self.part("servo"), "10")  # the command of the broken connection never came
+
+    def test_ctrl_c_in_each_call_that_waits(self):
+        texts = {
+            "read": "bus.board('desk').pin(5).wait_for(False)", "stream": "next(bus.board('desk').distance.stream())",
+            "board": "bus.board('desk'); print('now', flush=True); bus.board('nowhere', timeout=30)", "run": "bus.run()",
+            "wait": "bus.board('desk').wait_for('lost')"}
+        for name, text in texts.items():
+            with self.subTest(name):
+                child = self.program(f"import asip, sys\nbus = asip.connect(timeout=20)\nbus.board('desk', timeout=20)\nprint('now', flush=True)\n{text}\n")
+                self.assertEqual(child.stdout.readline(), "now\n")
+                time.sleep(0.5)
+                child.send_signal(signal.SIGINT)
+                began = time.monotonic()
+                child.wait(10)
+                self.assertLess(time.monotonic() - began, 5)
+                self.assertEqual(child.returncode, 0 if name == "run" else -signal.SIGINT)
+
+    def test_callback_that_sleeps_delays_no_answer(self):
+        self.desk.distance.report(100, timeout=20)
+        busy = threading.Event()
+        self.desk.distance.on_value(lambda: busy.wait(10))
+        time.sleep(0.5)
+        began = time.monotonic()
+        self.desk.servo.write(0, 45, timeout=20)
+        self.assertLess(time.monotonic() - began, 5)
+        busy.set()
+        self.desk.distance.report(0)
+
+    def test_connections_leave_no_descriptor(self):
+        for _ in range(3):
+            asip.connect(self.address, timeout=20).close()
+        before = len(os.listdir("/proc/self/fd"))
+        for _ in range(30):
+            asip.connect(self.address, timeout=20).close()
+        eventually(lambda: len(os.listdir("/proc/self/fd")) <= before, "descriptors")
+
+    def test_no_broker_is_told_with_its_address(self):
+        with self.assertRaises(asip.Disconnected) as raised:
+            asip.connect("127.0.0.1:1", timeout=0.5)
+        self.assertIn("127.0.0.1:1", str(raised.exception))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Wheel and source archive: built, installed in a fresh virtual environment, used from there."""
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+import venv
+
+HERE = pathlib.Path(__file__).resolve().parent
+USE = ("import asip, pathlib, sys; from asip import testing; from asip.board import standard_model; memory = testing.MemoryBus(desk=['servo']);"
+       "memory.connect().board('desk').servo.write(0, 90); memory.close(); print(asip.__version__, pathlib.Path(asip.__file__).parent)")
+
+
+class Package(unittest.TestCase):
+    def test_wheel_and_source_archive_install_and_work(self):
+        with tempfile.TemporaryDirectory() as folder:
+            source = pathlib.Path(folder, "source")
+            shutil.copytree(HERE.parent, source, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info", "build"))
+            build = "import setuptools.build_meta as b, sys; print(b.build_wheel(sys.argv[1])); print(b.build_sdist(sys.argv[1]))"
+            subprocess.run([sys.executable, "-c", build, folder], cwd=source, check=True, capture_output=True)
+            for archive in [*pathlib.Path(folder).glob("*.whl"), *pathlib.Path(folder).glob("*.tar.gz")]:
+                with self.subTest(archive.name):
+                    place = pathlib.Path(folder, archive.suffix[1:])
+                    venv.create(place, system_site_packages=True, with_pip=True)
+                    subprocess.run([place / "bin" / "pip", "install", "-q", "--no-index", "--no-deps", "--no-build-isolation", "--ignore-installed", archive],
+                                   check=True, capture_output=True)
+                    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+                    done = subprocess.run([place / "bin" / "python", "-c", USE], cwd=folder, env=environment, check=True, capture_output=True, text=True)
+                    self.assertIn(str(place), done.stdout)
+                    self.assertTrue(list(place.rglob("asip/py.typed")))
+
+    def test_version_is_that_of_the_project(self):
+        project = (HERE.parents[1] / "CMakeLists.txt").read_text()
+        text = (HERE.parent / "asip" / "_version.py").read_text()
+        self.assertIn(f"project(asip VERSION {text.split(chr(34))[1]} ", project)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,370 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What needs neither broker nor thread: models, errors, topics, clocks, settings, the catalogue and the session."""
+import copy
+import json
+import pathlib
+import pickle
+import tempfile
+import unittest
+
+from asip import _catalogue, _clock, _envelope, _model, _topics, errors, settings
+from asip._session import DEMAND_LEASE, Drop, Hold, Publish, Resolve, Session, Subscribe, Tell, Unsubscribe
+from asip.board import standard_model
+
+MODELS = sorted(file.stem for file in (pathlib.Path(_model.__file__).parent / "models").glob("*.json") if file.stem != "schema")
+
+
+class Models(unittest.TestCase):
+    def test_examples_of_each_standard_model_are_checked_in_the_agents_words(self):
+        tried = 0
+        for name in MODELS:
+            model = standard_model(name)
+            for example in model.document["examples"]:
+                if example.get("wire", "").startswith("@") or '"0:' in json.dumps(example):  # events; items as text
+                    continue
+                (command, value), = example["json"].items()
+                args, named = ((), value) if isinstance(value, dict) else ((), {}) if value is None or value is True else (
+                    (value,), {}) if not isinstance(value, list) else (tuple(value), {})
+                known = model.commands.get(command)
+                if known and len(known.args) == 1 and known.args[0].type == "list" and isinstance(value, list):
+                    args = (value,)
+                with self.subTest(model=name, example=example):
+                    tried += 1
+                    if "error" in example:
+                        with self.assertRaises(_model.ModelError) as raised:
+                            model.command(command).values(args, named)
+                        self.assertEqual(str(raised.exception), example["error"])
+                    else:
+                        self.assertEqual(model.command(command).line(args, named), example["wire"])
+        self.assertGreater(tried, 80)
+
+    def test_names_that_python_cannot_have(self):
+        self.assertEqual(_model.identifier("stop-all"), "stop_all")
+        self.assertEqual(_model.identifier("class"), "class_")
+        self.assertEqual(_model.identifier("2nd"), "_2nd")
+
+    def test_keyword_given_twice_or_unknown(self):
+        write = standard_model("servo").command("write")
+        self.assertEqual(write.values((0,), {"angle": 90}), [0, 90])
+        for args, named in [((0, 1), {"angle": 2}), ((0,), {"servo": 1}), ((), {"angel": 1})]:
+            with self.assertRaises(_model.ModelError):
+                write.values(args, named)
+
+    def test_safe_form(self):
+        motors, io = standard_model("motors"), standard_model("io")
+        self.assertEqual(motors.safe_form(motors.command("power"), [1, 60]), (motors.command("stop"), [1]))
+        self.assertEqual(motors.safe_form(motors.command("drive"), [1, 60]), (motors.command("drive"), [0, 0]))
+        self.assertEqual(io.safe_form(io.command("write"), [13, 1]), (io.command("write"), [13, 0]))
+        servo = standard_model("servo")
+        self.assertIsNone(servo.safe_form(servo.command("write"), [0, 1]))
+
+    def test_what_is_no_model(self):
+        for document in ({}, {"name": "x", "commands": 3}, {"name": "x", "events": {"e": {}}}, {"name": "x", "version": "y"}):
+            with self.assertRaises(_model.ModelError):
+                _model.Model(document)
+
+
+class Errors(unittest.TestCase):
+    def test_each_answer_has_its_class_and_says_whether_it_was_sent(self):
+        table = [
+            ({"status": "error", "code": 7, "error": "INVALID_DEVICE_NUMBER"}, errors.BoardError, RuntimeError, True),
+            ({"status": "refused", "reason": "queue-full"}, errors.Refused, RuntimeError, False),
+            ({"status": "refused", "reason": "board-not-there"}, errors.NotThere, LookupError, False),
+            ({"status": "refused", "reason": "invalid", "error": "angle"}, errors.Invalid, ValueError, False),
+            ({"status": "timeout"}, errors.Unproven, TimeoutError, None),
+            ({"status": "timeout", "reason": "doubt"}, errors.Unproven, TimeoutError, None),
+            ({"status": "what"}, errors.Unproven, TimeoutError, None),
+            ({}, errors.Unproven, TimeoutError, None),
+        ]
+        for answer, kind, builtin, sent in table:
+            with self.subTest(answer=answer):
+                error = errors.from_answer(answer, board="desk", service="servo", command="write")
+                self.assertIs(type(error), kind)
+                self.assertIsInstance(error, (builtin, errors.Error))
+                self.assertIs(error.sent, sent)
+                self.assertIn("desk/servo write", str(error))
+        self.assertIsNone(errors.from_answer({"status": "ok"}, board="desk"))
+
+    def test_each_survives_a_copy_and_a_pickle(self):
+        for kind in (errors.Invalid, errors.Refused, errors.NotThere, errors.Unproven, errors.Disconnected, errors.Closed):
+            error = kind("text", board="desk", reason="why")
+            for other in (pickle.loads(pickle.dumps(error)), copy.copy(error)):
+                self.assertEqual((type(other), str(other), other.board, other.reason), (kind, "text", "desk", "why"))
+        error = pickle.loads(pickle.dumps(errors.BoardError("text", code=7)))
+        self.assertEqual(error.code, 7)
+
+
+class Clocks(unittest.TestCase):
+    def test_the_shortest_way_counts_and_a_new_start_begins_anew(self):
+        clocks = _clock.Clocks()
+        self.assertEqual(clocks.reading("desk", 1.0), "")
+        clocks.note("desk", "aa-5000", 10.0, 10.4)
+        self.assertEqual(clocks.reading("desk", 11.0), "aa-6001")
+        clocks.note("desk", "aa-6200", 11.1, 11.2)  # 5.1 s behind ours at the most: less far ahead than known
+        self.assertEqual(clocks.reading("desk", 12.0), "aa-7001")
+        clocks.note("desk", "bb-10", 20.0, 20.1)
+        self.assertTrue(clocks.reading("desk", 20.1).startswith("bb-"))
+
+    def test_what_is_no_reading_is_ignored(self):
+        clocks = _clock.Clocks()
+        for reading in (None, 7, "", "aa", "-5", "aa-", "aa-x", "aa-" + "9" * 100, "aa-\u0661"):
+            clocks.note("desk", reading, 1.0, 1.1)
+        self.assertEqual(clocks.reading("desk", 2.0), "")
+
+
+class Where(unittest.TestCase):
+    def test_brokers(self):
+        self.assertEqual(settings.Broker.parse("pi"), settings.Broker("pi", 1883, None))
+        self.assertEqual(settings.Broker.parse("mqtts://pi"), settings.Broker("pi", 8883, True))
+        self.assertEqual(settings.Broker.parse("[2001:db8::1]:99"), settings.Broker("2001:db8::1", 99, None))
+
+    def test_mistakes_are_named_without_the_password(self):
+        for text, hint in (("http://x", "only mqtt://"), ("mqtt://ann:secret@pi", "password="), ("2001:db8::1", "brackets"), ("pi:x", "pi:x")):
+            with self.assertRaises(ValueError) as raised:
+                settings.Broker.parse(text)
+            self.assertIn(hint, str(raised.exception))
+            self.assertNotIn("secret", str(raised.exception))
+
+    def test_order_connect_environment_profile_default(self):
+        with tempfile.TemporaryDirectory() as home:
+            folder = pathlib.Path(home, "asip")
+            (folder / "contexts").mkdir(parents=True)
+            (folder / "contexts" / "lab.conf").write_text('broker = "lab:99"\nuser = "ann"\n')
+            (folder / "context").write_text("lab\n")
+            base = {"XDG_CONFIG_HOME": home}
+            self.assertEqual(settings.find(environment=base).brokers[0].host, "lab")
+            self.assertEqual(settings.find(environment={**base, "ASIP_BROKER": "b1,b2"}).brokers[1].host, "b2")
+            self.assertEqual(settings.find("given", environment={**base, "ASIP_USER": "u"}).user, None)
+            self.assertEqual(settings.find(environment={}).brokers[0].host, "127.0.0.1")
+            with self.assertRaises(ValueError):
+                settings.find(environment={**base, "ASIP_CONTEXT": "lob"})
+
+    def test_credentials(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".credentials") as file:
+            file.write("\ufeffbroker = pi:8883\nuser = ann\npassword = a=b\ntopic-root = lab\n-----BEGIN CERTIFICATE-----\nx=y\n-----END CERTIFICATE-----\n")
+            file.flush()
+            found = settings.find(credentials=file.name)
+            self.assertEqual((found.user, found.password, found.root, found.brokers[0].tls), ("ann", "a=b", "lab", True))
+        with self.assertRaises(OSError):
+            settings.find(credentials="/nowhere")
+
+
+def described(board="desk", session="0000000001000000", seq=1, **more):
+    return {"board": board, "session": session, "seq": seq, "lease": 60, "services": [{"name": "io"}], **more}
+
+
+class Presence(unittest.TestCase):
+    def setUp(self):
+        self.catalogue = _catalogue.Catalogue()
+
+    def state(self, word, now, retained=False, expiry=None):
+        return self.catalogue.on_state("desk", word.encode(), retained, expiry, now)
+
+    def describe(self, now, retained=False, expiry=None, **more):
+        return self.catalogue.on_description("desk", described(**more), retained, expiry, now)
+
+    @property
+    def entry(self):
+        return self.catalogue.boards["desk"]
+
+    def test_lost_stays_lost_over_many_renewals(self):
+        self.describe(0, state={"is": "online", "age": 1})
+        self.describe(5, seq=2, state={"is": "lost", "reason": "unplugged", "age": 0})
+        for turn in range(10):
+            self.describe(25 + 20 * turn, seq=3 + turn, state={"is": "lost", "reason": "unplugged", "age": 20 + 20 * turn})
+            self.assertEqual((self.entry.state, self.entry.reason), ("lost", "unplugged"))
+        self.assertAlmostEqual(self.entry.since, 5, delta=1)
+        self.assertEqual(self.entry.words(300), "lost 4 min ago: cable unplugged")
+        self.describe(300, seq=20, state={"is": "online", "age": 0})
+        self.assertEqual(self.entry.state, "online")
+
+    def test_older_descriptions_change_nothing(self):
+        self.describe(0, seq=5, state={"is": "lost", "reason": "silent", "age": 0})
+        self.assertFalse(self.describe(1, seq=4, state={"is": "online", "age": 0}))
+        self.assertFalse(self.describe(1, retained=True, session="0000000000000001", seq=9, state={"is": "online", "age": 0}))
+        self.assertEqual(self.entry.state, "lost")
+
+    def test_will_of_a_board_that_was_there(self):
+        self.describe(0, state={"is": "online", "age": 0})
+        self.assertTrue(self.state("lost", 3))
+        self.assertEqual((self.entry.state, self.entry.reason), ("lost", "agent-gone"))
+
+    def test_lease_that_runs_out_and_an_agent_that_comes_back(self):
+        self.describe(0, state={"is": "online", "age": 0})
+        self.assertEqual(self.catalogue.expire(59), [])
+        self.assertEqual(self.catalogue.expire(60), ["desk"])
+        self.assertEqual((self.entry.state, self.entry.reason), ("lost", "expired"))
+        self.describe(70, seq=2, state={"is": "online", "age": 70})
+        self.assertEqual(self.entry.state, "online")
+
+    def test_agents_without_the_member_state_and_names_with_a_line_end(self):
+        self.describe(0)
+        self.assertTrue(self.state("online\r\n", 0) or self.entry.state == "online")
+        self.state("lost\n", 1)
+        self.assertEqual(self.entry.state, "lost")
+        self.state("online", 2)
+        self.assertEqual(self.entry.state, "online")
+
+    def test_damaged_documents(self):
+        for document in (None, {}, {"board": "desk"}, described(board="other"), {**described(), "seq": "x"}, {**described(), "services": 3}):
+            self.assertFalse(self.catalogue.on_description("desk", document, False, None, 0))
+        self.assertFalse(self.state("sideways", 0))
+
+
+class Conversation(unittest.TestCase):
+    """The session: calls, messages and time in, actions out."""
+
+    def setUp(self):
+        self.topics = _topics.Topics("asip", "ann", "c1")
+        self.session = Session(self.topics, "c1", "anna")
+
+    def ready(self, now=0.0):
+        actions = self.session.connected(now, True)
+        self.assertEqual(actions[0], Subscribe("asip/reply/ann/+/c1", 1))
+        self.assertEqual(actions[-1], Publish("asip/reply/ann/$self/c1", b"hello", 1))
+        return self.session.message(self.topics.own(), b"hello", False, None, now)
+
+    def command(self, now=0.0, timeout=5.0, **more):
+        return self.session.command(now, "desk", "servo", "write", {"write": [0, 90]}, timeout, **more)
+
+    def answer(self, call, now, topic=None, **answer):
+        return self.session.message(topic or self.topics.reply("desk"), json.dumps({"id": call.id, **answer}).encode(), False, None, now)
+
+    def test_command_and_answer(self):
+        self.ready()
+        call, (publish,) = self.command()
+        request = json.loads(publish.payload)
+        self.assertEqual(publish.topic, "asip/desk/servo/in")
+        self.assertEqual(request, {"write": [0, 90], "reply_to": "asip/reply/ann/desk/c1", "id": call.id, "deadline_ms": 5000, "clock": "", "by": "anna"})
+        (done,) = self.answer(call, 0.1, status="ok", proof="fence", clock="aa-100")
+        self.assertEqual((done.future, done.error), (call.future, None))
+        self.assertEqual(self.answer(call, 0.2, status="ok"), [])  # twice
+        _, (publish,) = self.command(now=1.0)
+        self.assertEqual(json.loads(publish.payload)["clock"], "aa-1101")
+
+    def test_answers_of_others_prove_nothing(self):
+        self.ready()
+        call, _ = self.command()
+        self.assertEqual(self.answer(call, 0.1, topic=self.topics.reply("lamp"), status="ok"), [])
+        self.assertEqual(self.session.message(self.topics.reply("desk"), b"{", False, None, 0.1), [])
+        self.assertEqual(self.session.message(self.topics.reply("desk"), b'{"id":7}', False, None, 0.1), [])
+        (done,) = self.answer(call, 0.2, status="error", code=7, error="INVALID_DEVICE_NUMBER")
+        self.assertIsInstance(done.error, errors.BoardError)
+
+    def test_nothing_is_sent_before_the_way_back_is_proven(self):
+        call, actions = self.command()
+        self.assertEqual(actions, [])
+        self.session.connected(1.0, True)
+        sent = self.session.message(self.topics.own(), b"hello", False, None, 1.1)
+        self.assertEqual(json.loads(sent[0].payload)["deadline_ms"], 3900)  # what is left of its time
+
+    def test_way_back_that_does_not_work_drops_the_connection(self):
+        self.session.connected(0.0, True)
+        actions, _ = self.session.tick(5.1)
+        self.assertIsInstance(actions[0], Drop)
+        self.assertIn("access rules", actions[0].why)
+
+    def test_never_sent_is_disconnected_and_broken_after_sending_is_unproven(self):
+        call, _ = self.command()
+        (done,), _ = self.session.tick(5.0)
+        self.assertIsInstance(done.error, errors.Disconnected)
+        self.assertIs(done.error.sent, False)
+        self.ready(6.0)
+        call, _ = self.command(6.0)
+        (done,) = self.session.disconnected(6.5, "cut")
+        self.assertIsInstance(done.error, errors.Unproven)
+        self.assertIsNone(done.error.sent)
+        self.assertEqual(self.ready(7.0), [])  # it is not sent again
+
+    def test_no_answer_is_unproven_after_the_deadline_that_the_agent_knows(self):
+        self.ready()
+        call, _ = self.command(timeout=1.0)
+        self.assertEqual(self.session.tick(1.2)[0], [])
+        (done,), _ = self.session.tick(1.6)
+        self.assertIsInstance(done.error, errors.Unproven)
+
+    def test_lost_board_is_refused_here(self):
+        self.ready()
+        self.session.message("asip/servicebus/desk/$state", b"lost", True, None, 0)
+        _, (done,) = self.command()
+        self.assertIsInstance(done.error, errors.NotThere)
+        self.assertIn("nothing was sent", str(done.error))
+
+    def test_demand_is_told_repeated_and_ended(self):
+        self.ready()
+        sink = lambda *_: None  # noqa: E731
+        actions = self.session.watch(0, "desk", "distance", sink, 20)
+        self.assertEqual(actions, [Subscribe("asip/desk/distance/out", 0)])  # it is not known yet whether the board wants to be told
+        told = self.session.message("asip/servicebus/desk/$description", json.dumps(described(on_demand={"fastest": 20})).encode(), False, None, 1)
+        self.assertEqual(json.loads(told[0].payload), {"services": {"distance": 20}, "lease": DEMAND_LEASE})
+        self.assertEqual(self.session.tick(3)[0], [])
+        again, _ = self.session.tick(6.1)
+        self.assertEqual(again[0].topic, "asip/servicebus/desk/$demand/ann/c1")
+        ended = self.session.unwatch(7, "desk", "distance", sink)
+        self.assertEqual(ended[0], Unsubscribe("asip/desk/distance/out"))
+        self.assertEqual(json.loads(ended[1].payload)["services"], {})
+        self.assertEqual(self.session.tick(40)[0], [])
+
+    def test_values_go_to_each_who_watches_and_damaged_ones_to_none(self):
+        self.ready()
+        seen = []
+        sink = lambda *args: seen.append(args)  # noqa: E731
+        self.session.watch(0, "desk", "distance", sink, 1)
+        self.assertEqual(self.session.message("asip/desk/distance/out", b'{"distance":[1]}', False, None, 1), [Tell(sink, ({"distance": [1]}, 1))])
+        for payload in (b"[1]", b"{", b"\xff", b"[" * 100_000):
+            self.assertEqual(self.session.message("asip/desk/distance/out", payload, False, None, 1), [])
+
+    def test_hold_is_renewed_in_time_while_it_is_fed(self):
+        self.ready()
+        lost = []
+        self.session.keep_hold(Hold("desk", "asip/desk/motors/in", "h1", 0.6, 0.2, feed=1.0, fed=0.0, lost=lambda *args: lost.append(args)))
+        (renewal,), due = self.session.tick(0.2)
+        self.assertEqual(json.loads(renewal.payload)["renew"], "h1")
+        self.assertAlmostEqual(due, 0.4)
+        self.assertEqual(self.session.tick(1.3)[0], [])  # nobody feeds it any more
+        self.session.feed("h1", 1.4)
+        self.assertEqual(len(self.session.tick(1.6)[0]), 1)
+        told = self.session.message(self.topics.reply("desk"), b'{"id":"h1/renewal","status":"refused","reason":"not-held"}', False, None, 2)
+        self.assertIsInstance(told[0], Tell)
+        self.assertEqual(self.session.tick(9)[0], [])
+
+    def test_hold_of_a_broken_connection_is_told_and_not_renewed_over_the_next(self):
+        self.ready()
+        sink = lambda *_: None  # noqa: E731
+        self.session.keep_hold(Hold("desk", "asip/desk/motors/in", "h1", 0.6, 0.2, lost=sink))
+        self.assertEqual(self.session.disconnected(0.3, "cut"), [Tell(sink, ("the connection to the broker broke",))])
+        self.ready(0.4)
+        self.assertEqual(self.session.tick(2)[0], [])
+
+    def test_query_and_silent_registry(self):
+        self.ready()
+        call, (publish,) = self.session.query(0, {"find": "boards"}, 1.0)
+        self.assertNotIn("deadline_ms", json.loads(publish.payload))
+        (done,) = self.session.message(self.topics.reply("registry"), json.dumps({"id": call.id, "items": []}).encode(), False, None, 0.1)
+        self.assertEqual(done.result["items"], [])
+        call, _ = self.session.query(0, {"find": "boards"}, 1.0)
+        (done,), _ = self.session.tick(1.6)
+        self.assertIsInstance(done.error, errors.NotThere)
+
+    def test_too_long_request_is_refused_here(self):
+        self.ready()
+        _, (done,) = self.session.command(0, "desk", None, "raw", {"raw": "x" * 20_000}, 5.0)
+        self.assertIsInstance(done.error, errors.Invalid)
+
+    def test_close_ends_everything(self):
+        self.ready()
+        self.command()
+        ends = [action for action in self.session.close() if isinstance(action, Resolve)]
+        self.assertIsInstance(ends[0].error, errors.Unproven)
+
+    def test_topics_and_names(self):
+        self.assertTrue(_topics.valid_name("a.b-c_9"))
+        for name in ("", ".", "..", "a/b", "a b", "é", "x" * 65):
+            self.assertFalse(_topics.valid_name(name))
+        self.assertFalse(_topics.valid_board("servicebus"))
+        self.assertEqual(_topics.user_level("a/b"), "$nobody")
+        self.assertIsNone(_envelope.read_object(b"[]"))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: Apache-2.0
+# mypy --strict finds nothing here.
+import asip
+
+with asip.connect() as bus:
+    desk = bus.board("desk")
+    desk.servo.write(0, angle=90)
+    desk.io.mode(13, "output")
+    desk.pin(13).on(timeout=1.0)
+    for value in desk.distance.stream(hz=5):
+        print(value)
