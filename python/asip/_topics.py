@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 _NAME = re.compile(r"[A-Za-z0-9._-]{1,64}\Z")
-_RESERVED = ("servicebus", "registry", "reply")
+_RESERVED = ("servicebus", "registry")
 
 
 def valid_name(name: str) -> bool:
