@@ -13,8 +13,8 @@ namespace asip {
 /// that holds one says what an empty one means.
 using Random = std::function<std::uint64_t()>;
 
-/// Randomness of a running program, seeded by the operating system. Not for secrets: tokens and keys must
-/// come from elsewhere. Copies share one engine; use them in one thread.
+/// Randomness of a running program, seeded by the operating system. Not for secrets: see secret_hex(). Copies
+/// share one engine; use them in one thread.
 inline Random system_random() {
     std::random_device device;
     const std::uint64_t seed = (std::uint64_t{device()} << 32) ^ device();
@@ -32,6 +32,15 @@ inline std::string random_hex(const Random& random, int digits) {
     for (int i = 0; i < digits; ++i)
         text += "0123456789abcdef"[random() >> 60];
     return text;
+}
+
+/// The same from the operating system's own generator: nobody can tell them from others that were seen.
+inline std::string secret_hex(int digits) {
+    return random_hex(
+        [device = std::make_shared<std::random_device>()] {
+            return (std::uint64_t{(*device)()} << 32) ^ (*device)();
+        },
+        digits);
 }
 
 }  // namespace asip

@@ -66,7 +66,7 @@ std::vector<Announcer::Subscription> Announcer::subscriptions(const bus::Topics&
                                                               const std::string& board) {
     return {{topics.state(board), {.qos = 1}},
             {topics.description(board), {.qos = 1, .no_local = true, .retained = false}},
-            {topics.probe(), {.qos = 1, .no_local = true}}};
+            {topics.probe(), {.qos = 0, .no_local = true}}};
 }
 
 void Announcer::describe(model::Description description) {

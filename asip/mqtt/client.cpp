@@ -17,10 +17,9 @@ Options completed(Options options) {
     return options;
 }
 
-std::string own_topic(const Options& options) {
-    const bool checks = options.brokers.size() > 1 && options.check_delivery > Duration::zero();
-    if (!checks || options.own_topics.empty()) return {};
-    auto topic = options.own_topics + "/" + options.client_id;
+std::string own_topic(const Options& options, const char* below = "") {
+    if (options.check_delivery == Duration::zero() || options.own_topics.empty()) return {};
+    auto topic = options.own_topics + "/" + options.client_id + below;
     return can_be_topic(topic) ? topic : std::string();
 }
 
@@ -36,9 +35,12 @@ Client::Impl::Impl(asio::io_context& io, Options options, Handlers handlers)
       usable_qos_(options_.qos),
       keepalive_(options_.keepalive),
       client_id_(options_.client_id),
-      identifier_(client_id_),
-      own_topic_(own_topic(options_)),
+      own_identifier_(client_id_ + "-" + secret_hex(16)),
+      identifier_(own_identifier_),
+      own_topic_(options_.brokers.size() > 1 ? own_topic(options_) : std::string()),
+      still_topic_(own_topic(options_, "/$qos1")),
       delivery_(options_.check_delivery),
+      stand_still_(options_.check_standstill),
       outbox_({options_.max_queued_messages, options_.max_queued_bytes}),
       stop_timer_(io) {}
 

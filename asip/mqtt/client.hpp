@@ -54,7 +54,7 @@ std::string_view name_of(ConnectionFailure::Kind kind);
 struct Connected {
     BrokerAddress broker;
     bool v5 = false;                   ///< false: 3.1.1, and properties are not carried
-    std::string client_id;             ///< ours, or as assigned by the broker
+    std::string client_id;             ///< the name of this client: Options::client_id
     std::size_t max_packet_bytes = 0;  ///< the broker's limit; 0: it named none
 };
 
@@ -166,8 +166,7 @@ class Client {
     bool subscribed() const;
     /// Whether the present connection is MQTT 5; false while there is none.
     bool v5() const;
-    /// Of this connection or attempt: as in the options, or made up by the client; something is appended for
-    /// another broker of the list, and where a broker has trouble with it.
+    /// The name of this client: as in the options, or made up.
     const std::string& client_id() const;
     Counters counters() const;
 

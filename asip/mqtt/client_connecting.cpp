@@ -55,7 +55,9 @@ void Client::Impl::connect_next_address() {
     connection_->open();
 }
 
-void Client::Impl::connection_up(const Connected& connected) {
+void Client::Impl::connection_up(const Connected& accepted) {
+    auto connected = accepted;
+    connected.client_id = client_id_;
     was_up_ = true;
     up_since_ = last_subscribing_ = Clock::now();
     ++counters_.connects;
@@ -65,6 +67,8 @@ void Client::Impl::connection_up(const Connected& connected) {
     subscriptions_.restart(!tried_v5_ && brokers_.size() > 1);
     delivery_.restart(up_since_);
     own_subscription_.reset();
+    stand_still_.restart(up_since_);
+    stand_still_subscription_.reset();
     first_subscription_.reset();
     without_acknowledgements_ = false;
     if (!asks_for_one_first() || !try_first_subscription(connected)) begin(connected);
@@ -144,7 +148,7 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
     }
     // It is our will's. The same broker is asked again at once, with a lower one.
     if (end.failure.code == MQTT_RC_QOS_NOT_SUPPORTED && usable_qos_.broker_allows(0)) return attempt();
-    if (refuses_identifier(end.failure.code)) identifier_ = client_id_;
+    if (refuses_identifier(end.failure.code)) identifier_ = own_identifier_;
     ++counters_.failures;
     const auto next = brokers_.failed(end, tried_v5_, options_.random);
     retry_after(next.wait);
@@ -158,7 +162,7 @@ bool Client::Impl::qos_failed(Duration waited) {
 }
 
 void Client::Impl::change_identifier() {
-    identifier_ = client_id_ + "-" + random_hex(options_.random, 4);
+    identifier_ = own_identifier_ + "-" + random_hex(options_.random, 4);
 }
 
 // RabbitMQ keeps the queue of an identifier at the node where it was first connected, and gives it to whoever
@@ -187,6 +191,7 @@ void Client::Impl::tick(Time now) {
     fail_if_stalled(now);
     if (connected() && !silent()) send_subscriptions();
     if (connected() && checks_delivery()) check_delivery(now);
+    if (connected() && connection_->v5() && !still_topic_.empty()) check_stand_still(now);
 }
 
 void Client::Impl::check_delivery(Time now) {
@@ -208,6 +213,29 @@ void Client::Impl::check_delivery(Time now) {
     message.topic = own_topic_;
     message.payload = own_payload_ = std::to_string(++own_messages_);
     if (connection_->publish(message, id) == MOSQ_ERR_SUCCESS) delivery_.sent(now);
+}
+
+void Client::Impl::check_stand_still(Time now) {
+    if (connection_->has_unread()) return stand_still_.behind(now);
+    if (stand_still_.found(now))
+        return connection_->fail(
+            {Kind::kStalled, brokers_.current(), 0,
+             brokers_.current().describe() +
+                 " delivers nothing any more that has QoS 1; was a message too large for "
+                 "us? Its limit (max_packet_size) must be clearly below " +
+                 std::to_string(options_.max_packet_bytes) + " bytes"});
+    const auto qos = stand_still_.due(now);
+    if (!qos || !connection_->ready_to_write() || usable_qos_.of(1) == 0 || !window_open({.qos = *qos}))
+        return;
+    int id = 0;
+    if (!stand_still_subscription_ &&
+        connection_->subscribe(still_topic_, {.qos = 1, .retained = false}, id) == MOSQ_ERR_SUCCESS)
+        stand_still_subscription_ = {id, now};
+    if (!stand_still_subscription_ || !stand_still_subscription_->granted) return;
+    Message message;
+    message.topic = still_topic_;
+    message.qos = *qos;
+    if (connection_->publish(message, id) == MOSQ_ERR_SUCCESS) stand_still_.sent(now);
 }
 
 std::optional<Time> Client::Impl::subscribing_since() const {

@@ -15,6 +15,7 @@
 #include "asip/mqtt/delivery.hpp"
 #include "asip/mqtt/host_lookup.hpp"
 #include "asip/mqtt/outbox.hpp"
+#include "asip/mqtt/stand_still.hpp"
 #include "asip/mqtt/usable_qos.hpp"
 
 namespace asip::mqtt {
@@ -41,7 +42,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     bool connected() const { return up() && !trial_; }
     bool subscribed() const { return connected() && subscriptions_.usable(); }
     bool v5() const { return connected() && connection_->v5(); }
-    const std::string& client_id() const { return options_.client_id; }
+    const std::string& client_id() const { return client_id_; }
     Counters counters() const;
 
   private:
@@ -84,6 +85,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     void do_without_what_is_withheld(Time now);
     bool checks_delivery() const { return !own_topic_.empty(); }
     void check_delivery(Time now);
+    void check_stand_still(Time now);
     bool qos_failed(Duration waited);
     void change_identifier();
     std::string identifier() const;
@@ -137,8 +139,9 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     /// The broker delivers and does not acknowledge: QoS 0 is used until it does.
     bool without_acknowledgements_ = false;
     const std::chrono::seconds keepalive_;  // the one that was asked for; see keepalive()
-    const std::string client_id_;           // likewise; see identifier()
-    std::string identifier_;                // what is used in its place
+    const std::string client_id_;           // the name, which others know
+    const std::string own_identifier_;      // with what nobody knows behind it
+    std::string identifier_;                // what is used in its place; see identifier()
 
     Subscriptions subscriptions_;
     /// When the broker was last busy with a subscription: granted or refused it, or delivered what it
@@ -147,12 +150,15 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     Time last_behind_{};  // when bytes of the broker were not read yet
     std::optional<Check> check_;
     std::string own_topic_;    // empty: delivery is not checked
+    std::string still_topic_;  // empty: nobody looks whether QoS 1 stands still
     std::string own_payload_;  // of the last message on it
     std::uint64_t own_messages_ = 0;
     /// None yet on this connection. It is asked for last, when nobody waits for the broker any more: of all
     /// who come from a node that died, at the same moment.
     std::optional<OwnSubscription> own_subscription_;
     Delivery delivery_;
+    StandStill stand_still_;
+    std::optional<OwnSubscription> stand_still_subscription_;
     Outbox outbox_;
     std::map<int, Unacknowledged> unacknowledged_;
     Counters counters_;

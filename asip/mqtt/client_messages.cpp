@@ -38,6 +38,9 @@ bool can_be_topic(const std::string& text) {
 
 void Client::Impl::message_received(Message message) {
     if (trial_) begin(*trial_);  // 3.1.1 allows it before the answer
+    if (message.topic == still_topic_ && !still_topic_.empty())
+        return stand_still_.came(message.qos, Clock::now());
+    if (message.qos > 0) stand_still_.heard(Clock::now());
     if (checks_delivery()) {
         const bool own = message.topic == own_topic_;
         if (own && message.payload == own_payload_) return delivery_.came(Clock::now());
@@ -101,6 +104,10 @@ void Client::Impl::subscribe_answered(int id, const std::vector<int>& granted) {
     if (own_subscription_ && own_subscription_->id == id) {
         own_subscription_->answered = true;
         own_subscription_->granted = code < kFirstErrorCode;
+        return;
+    }
+    if (stand_still_subscription_ && stand_still_subscription_->id == id) {
+        stand_still_subscription_->granted = code == 1;
         return;
     }
     const bool usable_before = subscriptions_.usable();

@@ -45,7 +45,7 @@ void Connection::on_connect(int code, const mosquitto_property* properties) {
     phase_ = Phase::kUp;
     // Until here it explains why TLS failed.
     if (!options_.packet_log) mosquitto_log_callback_set(mosquitto_.get(), nullptr);
-    Connected connected{broker_, v5_, options_.client_id, 0};
+    Connected connected{broker_, v5_, {}, 0};
     std::uint32_t limit = 0;
     if (mosquitto_property_read_int32(properties, MQTT_PROP_MAXIMUM_PACKET_SIZE, &limit, false) != nullptr) {
         connected.max_packet_bytes = limit;

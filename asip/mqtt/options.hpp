@@ -38,11 +38,15 @@ enum class Version {
 
 /// How a client connects, and its bounds. Only `brokers` is checked by no default: it must not be empty.
 struct Options {
+    static constexpr std::uint32_t kMaxPacketBytes = 2u << 20;
+
     std::vector<BrokerAddress> brokers{BrokerAddress{}};  ///< at least one; tried in turn
-    /// Unique per process: a broker throws out the older of two connections with the same id. Empty: made up.
-    /// A broker that closes the connection twice, each time right after it was sent messages, or with which
-    /// QoS 1 turned out to be of no use, and whoever comes after one that was left with a subscription
-    /// unanswered, sees it with four hexadecimal digits behind it.
+    /// The name of this client, unique for each process; empty: made up. The name is published, in reply
+    /// topics for example. Brokers throw out the older of two connections with the same identifier. The
+    /// identifier that a broker sees is therefore the name with 64 random bits behind it, which nobody
+    /// publishes. Four more hexadecimal digits follow for a broker that closes the connection twice, each
+    /// time right after it was sent messages, for a broker with which QoS 1 turned out to be of no use, and
+    /// for a broker that is tried after a subscription stayed unanswered.
     std::string client_id;
     std::string user;
     std::string password;
@@ -74,20 +78,26 @@ struct Options {
     /// connection is dropped and the next broker tried. Zero: left to the keep-alive.
     Duration unreceived_timeout = std::chrono::seconds(5);
     /// Larger packets than this are not delivered to us (MQTT 5; on 3.1.1 only the broker's own limit holds).
-    /// It bounds our memory against anyone who may publish. 0: no limit.
-    std::uint32_t max_packet_bytes = 1u << 20;
+    /// It bounds our memory against anyone who may publish. It must be clearly above the limit of the broker,
+    /// 1 MiB in our configurations: Mosquitto takes a message that is too large for a subscriber, and never
+    /// frees the place that this message has among the 20 of QoS 1 that may be on their way to the
+    /// subscriber. 0: no limit.
+    std::uint32_t max_packet_bytes = kMaxPacketBytes;
     /// Where there are several brokers: how often this client sends itself a message, and so notices that one
     /// of them delivers nothing any more (see Delivery). Zero: never.
     Duration check_delivery = std::chrono::seconds(3);
-    /// The topics that it does so on: `own_topics`/CLIENT_ID, which it may write and read and nobody else
-    /// uses. Empty: never.
+    /// How often this client looks whether the broker still delivers what has QoS 1 (MQTT 5, see StandStill),
+    /// also where there is one broker. Never where check_delivery is zero.
+    Duration check_standstill = std::chrono::seconds(60);
+    /// The topics on which both are looked for: `own_topics`/CLIENT_ID and below, which this client may write
+    /// and read and no other client uses. Empty: never.
     std::string own_topics;
     /// Waiting time between attempts, see Backoff.
     Duration retry_first = std::chrono::milliseconds(100);
     Duration retry_max = std::chrono::seconds(2);
 
-    /// Bounds of what waits to be sent, in topics and payloads. Beyond them the oldest context values are
-    /// dropped; announcements and replies may fill twice as much before they are refused.
+    /// Bounds of what waits to be sent, in messages and in Message::bytes(). Beyond them the oldest context
+    /// values are dropped; announcements and replies may fill twice as much before they are refused.
     std::size_t max_queued_messages = 4096;
     std::size_t max_queued_bytes = 4u << 20;
 
@@ -96,6 +106,9 @@ struct Options {
 
     /// libmosquitto's own log goes to Handlers::on_debug, too. It costs some 1,500 instructions a packet.
     bool packet_log = false;
+
+    /// Whether the broker knows who we are, and may have rules for us.
+    bool has_user() const { return !user.empty() || !cert_file.empty(); }
 
     std::optional<Message> will;  ///< published by the broker when the connection is lost
     Random random;                ///< empty: system_random()

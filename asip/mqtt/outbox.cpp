@@ -6,10 +6,6 @@
 namespace asip::mqtt {
 namespace {
 
-std::size_t weight(const Message& message) {
-    return message.topic.size() + message.payload.size();
-}
-
 /// So many times as full as the queue may be.
 std::size_t bound_of(Priority priority) {
     switch (priority) {
@@ -28,14 +24,14 @@ std::size_t bound_of(Priority priority) {
 
 void Outbox::insert(Queue& queue, Queue::iterator before, Entry entry) {
     ++size_;
-    bytes_ += weight(entry.message);
+    bytes_ += entry.message.bytes();
     const auto place = queue.insert(before, std::move(entry));
     if (place->message.retain) retained_[place->message.topic] = {&queue, place};
 }
 
 Outbox::Entry Outbox::take(Queue& queue, Queue::iterator entry) {
     --size_;
-    bytes_ -= weight(entry->message);
+    bytes_ -= entry->message.bytes();
     if (entry->message.retain) retained_.erase(entry->message.topic);
     auto taken = std::move(*entry);
     queue.erase(entry);
@@ -48,7 +44,7 @@ void Outbox::erase(Queue& queue, Queue::iterator entry) {
 
 /// At the back, what is renewed faster than the queue empties would never leave.
 bool Outbox::replaced(Entry& older, Message& message, Priority priority) {
-    const auto bytes = bytes_ - weight(older.message) + weight(message);
+    const auto bytes = bytes_ - older.message.bytes() + message.bytes();
     const bool renewed = message.expiry_seconds && older.message.expiry_seconds;
     if (!renewed || older.priority != priority || bytes > max_.bytes) return false;
     bytes_ = bytes;
@@ -75,7 +71,7 @@ bool Outbox::push(Message message, Priority priority, Time now) {
             erase(*place.queue, place.entry);
         }
     }
-    const auto added = weight(message);
+    const auto added = message.bytes();
     auto& context = queue(Priority::kContext);
     const auto fits = [&](std::size_t times) {
         return size_ + 1 <= max_.messages * times && bytes_ + added <= max_.bytes * times;

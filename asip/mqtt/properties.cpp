@@ -3,6 +3,7 @@
 
 #include <mqtt_protocol.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 namespace asip::mqtt {
@@ -14,14 +15,23 @@ std::string take(char* text) {
     return copy;
 }
 
+void keep(std::string name, std::string value, Message& message) {
+    auto& kept = message.user_properties;
+    const bool known =
+        std::find(kUserProperties.begin(), kUserProperties.end(), name) != kUserProperties.end();
+    const bool there =
+        std::any_of(kept.begin(), kept.end(), [&](const auto& each) { return each.first == name; });
+    if (known && !there && value.size() <= kMaxUserPropertyBytes)
+        kept.emplace_back(std::move(name), std::move(value));
+}
+
 void read_user_properties(const mosquitto_property* list, Message& message) {
     char* name = nullptr;
     char* value = nullptr;
     bool skip_first = false;
     while ((list = mosquitto_property_read_string_pair(list, MQTT_PROP_USER_PROPERTY, &name, &value,
                                                        skip_first)) != nullptr) {
-        auto owned_name = take(name);
-        message.user_properties.emplace_back(std::move(owned_name), take(value));
+        keep(take(name), take(value), message);
         name = value = nullptr;
         skip_first = true;
     }

@@ -37,7 +37,10 @@ struct BusSession::State {
 
     mqtt::Client::Handlers handlers() {
         mqtt::Client::Handlers result;
-        result.on_connected = [this](const mqtt::Connected&) { connected_again(); };
+        result.on_connected = [this](const mqtt::Connected& connected) {
+            max_packet_bytes = connected.max_packet_bytes;
+            connected_again();
+        };
         result.on_disconnected = [this](const mqtt::ConnectionFailure& why) {
             demander.disconnected();
             why_lost = why.text;
@@ -115,6 +118,7 @@ struct BusSession::State {
     bus::Demander demander;
     boost::asio::io_context io{1};
     bool stopped = false;
+    std::size_t max_packet_bytes = 0;
     bool was_connected = false;
     bool leaving = false;
     bool left = false;
@@ -173,6 +177,10 @@ Outcome<void> BusSession::connect() {
     if (!state_->failed.empty()) return failure(program::kExitBroker, state_->why_not_connected());
     return failure(program::kExitBroker,
                    "the broker does not answer; is --broker right? Try: asipctl doctor");
+}
+
+std::size_t BusSession::max_packet_bytes() const {
+    return state_->max_packet_bytes;
 }
 
 bool BusSession::v5() const {

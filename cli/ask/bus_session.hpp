@@ -46,6 +46,8 @@ class BusSession {
     /// Waits for the connection. Fails with kExitBroker and what to check; refused credentials fail at once.
     Outcome<void> connect();
     bool v5() const;
+    /// The broker's limit (MQTT 5); 0: it named none.
+    std::size_t max_packet_bytes() const;
 
     /// Sends DISCONNECT: all that was asked is answered, and nothing that was published must still arrive.
     void leave();

@@ -32,6 +32,7 @@ class Examination {
 
     Outcome<Observations> look() {
         seen_.v5 = session_.v5();
+        seen_.max_packet_bytes = session_.max_packet_bytes();
         try_without_user();
         measure_acknowledgement();
         auto retained = read_retained(environment_, session_, {environment_.topics.root() + "/#"});

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "asip/mqtt/options.hpp"
 #include "asip/text/duration.hpp"
 #include "asip/text/wall_time.hpp"
 #include "cli/text/table.hpp"
@@ -73,6 +74,22 @@ Finding ping_finding(const std::string& board, const PingResult& ping) {
         "an agent without its board: plug it in again; its log: journalctl -u asip-agent@" + board);
 }
 
+/// Mosquitto delivers a message in a packet that may be larger than the one in which it came: the topic
+/// stands in it, up to 64 KiB, where the sender used an alias for it.
+Findings check_limit(const Observations& seen) {
+    constexpr std::size_t kOurs = mqtt::Options::kMaxPacketBytes;
+    constexpr std::size_t kMax = kOurs - (kOurs >> 4);
+    if (!seen.v5 || (seen.max_packet_bytes != 0 && seen.max_packet_bytes <= kMax)) return {};
+    const auto what =
+        (seen.max_packet_bytes == 0
+             ? std::string("the broker takes messages of any size")
+             : fmt::format("the broker takes messages up to {} bytes", seen.max_packet_bytes)) +
+        fmt::format(", and our programs up to {}: a few larger ones make a program deaf for a minute", kOurs);
+    const std::string advice =
+        "Mosquitto: add the line  max_packet_size 1048576  to its configuration and restart it";
+    return {seen.open == true ? note(what, advice) : problem(what, advice)};
+}
+
 }  // namespace
 
 Findings check_broker(const Observations& seen) {
@@ -83,6 +100,8 @@ Findings check_broker(const Observations& seen) {
         result.push_back(note("the broker speaks MQTT 3.1.1 only: descriptions do not expire by themselves",
                               "run asip-registry, which clears them, or a broker with MQTT 5"));
     }
+    for (auto& finding : check_limit(seen))
+        result.push_back(std::move(finding));
     if (seen.open == true) {
         const std::string what =
             "the bus is open: whoever reaches the broker may read everything and command "

@@ -36,6 +36,7 @@ struct Observations {
     bus::Topics topics{};
     std::string broker{};
     bool v5 = true;
+    std::size_t max_packet_bytes = 0;  ///< the limit of the broker; 0: it named none
     /// Whether the broker lets anybody command boards; nothing: not known.
     std::optional<bool> open{};
     bool loopback = false;  ///< the broker's address is one of this machine alone

@@ -129,10 +129,15 @@ std::string broker_configuration(const BrokerPlaces& places) {
     if (!places.pid_file.empty()) text += "pid_file " + places.pid_file + "\n";
     text +=
         "autosave_interval 30\n"
-        "max_queued_messages 0\n"
+        "# A number above all that waits, and not 0: with 0 Mosquitto closes the connection of a program "
+        "whose "
+        "QoS 1\n# message the rules deny.\n"
+        "max_queued_messages 10000000\n"
         "max_queued_bytes 268435456\n"
         "# Pages of a registry's answers are the largest messages. A program that sends more is "
-        "disconnected.\n"
+        "disconnected. Programs\n# take 2 MiB: the limit here must stay clearly below that, or else a "
+        "message "
+        "that is too large for a program stays\n# in its way for ever.\n"
         "max_packet_size 1048576\n";
     return text;
 }

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <regex>
 #include <thread>
 
 #include "tests/integration/mqtt/recorder.hpp"
@@ -44,6 +45,25 @@ TEST(Client, HostGivenByName_IsLookedUpAndConnects) {
     Recorder bus(options);
     EXPECT_TRUE(bus.connect());
     EXPECT_TRUE(bus.failures.empty());
+}
+
+TEST(Client, UserPropertiesThatNobodyKnows_AreDroppedWhenRead) {
+    MosquittoBroker broker;
+    Recorder bus(options_for(broker));
+    bus.client->subscribe("in");
+    ASSERT_TRUE(bus.connect());
+    auto message = make_message("in", "on");
+    for (int i = 0; i < 1000; ++i)
+        message.user_properties.emplace_back("junk", std::string(100, 'x'));
+    message.user_properties.emplace_back("by", "ann");
+    message.user_properties.emplace_back("by", "bob");
+    message.user_properties.emplace_back("clock", std::string(300, 'x'));
+    message.user_properties.emplace_back("clock", "1f3c09aa-1");
+    bus.client->publish(message);
+    ASSERT_TRUE(bus.received("in", "on"));
+    EXPECT_THAT(bus.messages[0].user_properties,
+                testing::ElementsAre(testing::Pair("by", "ann"), testing::Pair("clock", "1f3c09aa-1")));
+    EXPECT_LT(bus.messages[0].bytes(), 300u);
 }
 
 TEST(Client, PropertiesOnVersion5_ArriveAndReturn) {
@@ -305,6 +325,34 @@ TEST(Client, BrokerOfTheListDies_MovesToTheOther) {
     EXPECT_EQ(bus.connects[1].broker.port, second.port());
 }
 
+std::string identifier_of(const std::string& name, const MosquittoBroker& broker) {
+    const auto log = broker.log();
+    std::smatch found;
+    return std::regex_search(log, found, std::regex(" as (" + name + "-[0-9a-f]{16}[-0-9a-f]*) "))
+               ? found.str(1)
+               : std::string();
+}
+
+TEST(Client, NameThatIsPublished_IsNotTheIdentifierThatTheBrokerKnows) {
+    MosquittoBroker broker;
+    auto options = options_for(broker);
+    options.client_id = "lamp";
+    Recorder bus(options);
+    ASSERT_TRUE(bus.connect());
+    EXPECT_EQ(bus.connects[0].client_id, "lamp");
+    BusProbe::Options other;
+    other.client_id = bus.client->client_id();
+    BusProbe probe(broker.port(), {"x"}, other);
+    bus.client->publish(make_message("x", "still here", 1));
+    EXPECT_TRUE(bus.until([&] { return probe.count("x") == 1; }));
+    EXPECT_TRUE(bus.losses.empty());
+    const auto before = identifier_of("lamp", broker);
+    Recorder again(options);
+    ASSERT_TRUE(again.connect());
+    EXPECT_NE(broker.log().rfind(" as lamp-"), broker.log().find(before) - 4);
+    EXPECT_TRUE(bus.losses.empty());
+}
+
 TEST(Client, NextBrokerOfTheListWithout5_IsGivenAnotherIdentifier) {
     MosquittoBroker first, second;
     auto options = options_for(first);
@@ -313,11 +361,12 @@ TEST(Client, NextBrokerOfTheListWithout5_IsGivenAnotherIdentifier) {
     options.client_id = "lamp";
     Recorder bus(options);
     ASSERT_TRUE(bus.connect());
-    EXPECT_EQ(bus.client->client_id(), "lamp");
+    const auto identifier = identifier_of("lamp", first);
+    EXPECT_THAT(identifier, testing::MatchesRegex("lamp-[0-9a-f]{16}"));
     first.kill();
     ASSERT_TRUE(bus.until([&] { return bus.connects.size() == 2; }));
-    EXPECT_TRUE(wait_until([&] { return second.log().find(" as lamp-1 ") != std::string::npos; }));
-    EXPECT_EQ(bus.client->client_id(), "lamp-1");
+    EXPECT_TRUE(wait_until([&] { return identifier_of("lamp", second) == identifier + "-1"; }));
+    EXPECT_EQ(bus.client->client_id(), "lamp");
 }
 
 TEST(Client, ReadsMoreSlowlyThanTheBrokerSends_DoesNotBlameTheBroker) {

@@ -8,6 +8,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 #include <memory>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -29,13 +30,14 @@ class ScriptedBroker {
     void refuse_subscriptions(int count) { refusals_ = count; }
     /// Each time, whatever is asked for this filter.
     void refuse_filter(std::string filter) { refused_filter_ = std::move(filter); }
-    /// CONNECT with any other client identifier is refused.
-    void let_in_only(std::string client_id) { let_in_ = std::move(client_id); }
+    /// CONNECT with the identifier of any other name is refused.
+    void let_in_only(std::string name) { let_in_ = std::move(name); }
     /// Whoever subscribes is closed.
     void close_subscribers() { closes_subscribers_ = true; }
     void answer_nothing_after_connect() { silent_ = true; }
-    /// Whoever publishes with this client identifier is closed, as by a node that has its queue elsewhere.
-    void close_publisher(std::string client_id) { closed_ = std::move(client_id); }
+    /// Whoever publishes with the identifier of this name is closed, as by a node that has its queue
+    /// elsewhere.
+    void close_publisher(std::string name) { closed_ = std::move(name); }
     /// From now on, as a node of NATS that cannot store anything: a QoS 1 PUBLISH has no answer and its
     /// connection is closed after this time; a QoS 1 SUBSCRIBE is refused after it.
     void store_nothing(std::chrono::milliseconds time) { gives_up_after_ = time; }
@@ -73,6 +75,13 @@ class ScriptedBroker {
     int disconnects = 0;
     int acknowledgements = 0;  ///< PUBACKs that came
     std::string connect_packet{};
+    /// The identifier of a client of this name in the last CONNECT; empty: there is none.
+    std::string identifier(const std::string& name) const {
+        std::smatch found;
+        return std::regex_search(connect_packet, found, std::regex(name + "-[0-9a-f]{16}(-[0-9a-f]+)*"))
+                   ? found.str()
+                   : std::string();
+    }
     std::vector<int> subscribed_qos{};
     std::vector<int> published_qos{};
 
@@ -85,6 +94,9 @@ class ScriptedBroker {
         std::string received;
         bool v5 = true;
     };
+
+    /// Whether the last CONNECT had the identifier of a client of this name, with nothing behind it.
+    bool is_named(const std::string& name) const { return identifier(name).size() == name.size() + 17; }
 
     void accept() {
         acceptor_.async_accept([this](const boost::system::error_code& error, Socket socket) {
@@ -124,7 +136,7 @@ class ScriptedBroker {
             ++connects;
             connect_packet = packet;
             peer->v5 = packet[8] == 5;
-            const bool refused = !packet.ends_with(let_in_);
+            const bool refused = !let_in_.empty() && !is_named(let_in_);
             send(*peer, peer->v5 ? std::string("\x20\x03\x00", 3) + (refused ? '\x85' : '\0') + '\0'
                                  : std::string("\x20\x02\x00", 3) + (refused ? '\x02' : '\0'));
         } else if (type == 0x80) {
@@ -152,7 +164,7 @@ class ScriptedBroker {
             send(*peer, packet);
         } else if (type == 0x30 && gives_up_after_.count() > 0 && published_qos.back() > 0) {
             later(peer, [peer] { peer->socket.close(); });
-        } else if (type == 0x30 && !closed_.empty() && connect_packet.ends_with(closed_)) {
+        } else if (type == 0x30 && !closed_.empty() && is_named(closed_)) {
             peer->socket.close();
         } else if (type == 0x30 && (packet[0] & 0x06) != 0) {
             const std::size_t topic = static_cast<unsigned char>(packet[3]);

@@ -98,14 +98,17 @@ TEST_F(SubscriptionTest, ClosedTwiceRightAfterSending_ComesBackUnderAnotherIdent
     made.retry_first = 5ms;
     made.brokers.push_back({"127.0.0.1", 1, false});  // nobody is there
     Recorder bus(made);
-    bus.at_connect = [&] { bus.client->publish(make_message("asip/lamp", "on", 1)); };
+    std::vector<std::string> identifiers;
+    bus.at_connect = [&] {
+        identifiers.push_back(broker.identifier("asip-lamp"));
+        bus.client->publish(make_message("asip/lamp", "on", 1));
+    };
     bus.client->start();
     ASSERT_TRUE(until(bus, [&] { return !bus.published.empty(); }));
-    std::vector<std::string> identifiers;
-    for (const auto& connected : bus.connects)
-        identifiers.push_back(connected.client_id);
-    EXPECT_THAT(identifiers,
-                ElementsAre("asip-lamp", "asip-lamp", testing::MatchesRegex("asip-lamp-[0-9a-f]{4}")));
+    ASSERT_EQ(identifiers.size(), 3U);
+    EXPECT_THAT(identifiers, ElementsAre(testing::MatchesRegex("asip-lamp-[0-9a-f]{16}"), identifiers[0],
+                                         testing::MatchesRegex(identifiers[0] + "-[0-9a-f]{4}")));
+    EXPECT_EQ(bus.connects[2].client_id, "asip-lamp");
     EXPECT_TRUE(bus.failures.empty()) << "the broker that closed it is where another identifier is tried";
 }
 
@@ -122,7 +125,7 @@ TEST_F(SubscriptionTest, ClosedWithoutAnAcknowledgementForLong_ComesBackWithQos0
     ASSERT_TRUE(until(bus, [&] { return !bus.published.empty(); }));
     EXPECT_THAT(broker.published_qos, ElementsAre(1, 0)) << "sent again";
     ASSERT_EQ(bus.connects.size(), 2U);
-    EXPECT_THAT(bus.connects[1].client_id, testing::MatchesRegex("asip-lamp-[0-9a-f]{4}"));
+    EXPECT_THAT(broker.identifier("asip-lamp"), testing::MatchesRegex("asip-lamp-[0-9a-f]{16}-[0-9a-f]{4}"));
     constexpr char kWillQos = 0x18, kFlags = 9;
     EXPECT_EQ(broker.connect_packet[kFlags] & kWillQos, 0);
     bus.client->subscribe("in", {.qos = 1});

@@ -73,6 +73,7 @@ TEST(TopicsOfBoard, NameThatBeginsAnother_TakesOnlyItsOwn) {
 Observations healthy() {
     Observations seen;
     seen.broker = "mqtt://127.0.0.1:1883";
+    seen.max_packet_bytes = 1u << 20;
     seen.acknowledged = 200us;
     seen.registry = "r1";
     seen.retained = {{"asip/servicebus/uno1/$state", "online"}, {"asip/servicebus/uno1/$description", kUno1}};
@@ -119,6 +120,28 @@ TEST(Doctor, OpenBus_IsANoteOnThisMachineAndAProblemElsewhere) {
     seen.open = false;
     EXPECT_THAT(problems(check_broker(seen)), IsEmpty());
     EXPECT_THAT(check_broker(seen)[1].what, HasSubstr("known users only"));
+}
+
+TEST(Doctor, LimitOfTheBrokerThatIsNotBelowOurs_IsReportedWithTheLineToAdd) {
+    auto seen = healthy();
+    for (const std::size_t limit : {0u, 2u << 20, (2u << 20) - 100'000u, 268'435'455u}) {
+        seen.max_packet_bytes = limit;
+        seen.open = false;
+        EXPECT_THAT(problems(check_broker(seen)), ElementsAre(HasSubstr("up to 2097152"))) << limit;
+        EXPECT_TRUE(has_problem(check_broker(seen))) << limit;
+        EXPECT_THAT(check_broker(seen)[1].advice, HasSubstr("max_packet_size 1048576"));
+        seen.open = true;
+        seen.loopback = true;
+        EXPECT_FALSE(has_problem(check_broker(seen))) << "whoever reaches it may do worse";
+    }
+    for (const std::size_t limit : {300u, 1u << 20, (2u << 20) - 200'000u}) {
+        seen.open = false;
+        seen.max_packet_bytes = limit;
+        EXPECT_THAT(problems(check_broker(seen)), IsEmpty()) << limit;
+    }
+    seen.max_packet_bytes = 0;
+    seen.v5 = false;
+    EXPECT_EQ(check_broker(seen).size(), 4U) << "MQTT 3.1.1 knows no limit";
 }
 
 TEST(Doctor, OurOwnMessageDoesNotComeBack_PointsAtAccessRules) {
