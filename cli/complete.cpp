@@ -2,10 +2,14 @@
 #include "cli/complete.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <cstring>
 #include <ostream>
 #include <set>
+#include <utility>
 
 #include "asip/program/command_words.hpp"
+#include "asip/text/printable.hpp"
 #include "cli/ask/board_source.hpp"
 #include "cli/find/target.hpp"
 #include "cli/name_sources.hpp"
@@ -119,6 +123,17 @@ Words option_names(const CLI::App* app) {
     return names;
 }
 
+std::string with_backslashes(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool harmless = byte >= 0x80 || std::isalnum(byte) || std::strchr("._-/=:,+@%", c) != nullptr;
+        if (!harmless) result += '\\';
+        result += c;
+    }
+    return result;
+}
+
 }  // namespace
 
 std::vector<std::string> complete(const CLI::App& app, const std::vector<std::string>& words,
@@ -161,18 +176,74 @@ TypedLine typed_line(const std::string& line) {
     return result;
 }
 
-std::vector<std::string> for_bash(std::vector<std::string> candidates, const std::string& start) {
-    const auto last = start.find_last_of("=:");
-    if (last == std::string::npos) return candidates;
-    for (auto& candidate : candidates) {
-        if (!candidate.starts_with(":")) candidate.erase(0, std::min(last + 1, candidate.size()));
+ShellLine typed_shell_line(const std::string& line) {
+    ShellLine result;
+    auto& words = result.words;
+    bool inside = false;
+    const auto word = [&]() -> std::string& {
+        if (!std::exchange(inside, true)) words.emplace_back();
+        return words.back();
+    };
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        const char c = line[i];
+        const bool last = i + 1 == line.size();
+        const auto escapes = [&](const char* of) {
+            return c == '\\' && !last && std::strchr(of, line[i + 1]);
+        };
+        if (result.quote != '\0') {
+            if (c == result.quote) {
+                result.quote = '\0';
+            } else {
+                word() += result.quote == '"' && escapes("\"\\$`") ? line[++i] : c;
+            }
+        } else if (c == ' ' || c == '\t' || c == '\n') {
+            inside = false;
+        } else if (c == '\'' || c == '"') {
+            result.quote = c;
+            result.unquoted = word().size();
+        } else if (c == '\\') {
+            if (!last) word() += line[++i];
+        } else {
+            word() += c;
+        }
     }
+    if (inside && words.size() > 1) {
+        result.start = std::move(words.back());
+        words.pop_back();
+    }
+    if (!words.empty()) words.erase(words.begin());
+    return result;
+}
+
+std::vector<std::string> without_unshowable(std::vector<std::string> candidates) {
+    std::erase_if(candidates, [](const std::string& one) { return !text::is_showable(one); });
     return candidates;
+}
+
+std::vector<std::string> for_bash(std::vector<std::string> candidates, const ShellLine& typed) {
+    const bool quoted = typed.quote != '\0';
+    const auto last = typed.start.find_last_of("=:");
+    const auto replaced_from = quoted ? typed.unquoted : last == std::string::npos ? 0 : last + 1;
+    const char* const breaks = typed.quote == '\'' ? "'" : "\"\\$`!";
+    Words result;
+    for (const auto& candidate : candidates) {
+        if (candidate == kOfferFiles || candidate == kOfferFolders) {
+            result.push_back(candidate);
+            continue;
+        }
+        const auto part = candidate.substr(std::min(replaced_from, candidate.size()));
+        if (!quoted) {
+            result.push_back(with_backslashes(part));
+        } else if (part.find_first_of(breaks) == std::string::npos) {
+            result.push_back(part);
+        }
+    }
+    return result;
 }
 
 int run_complete(const std::vector<std::string>& arguments, CommandLine& line, Environment& environment) {
     if (arguments.size() != 2) return program::kExitUsage;
-    const auto typed = typed_line(arguments[1]);
+    const auto typed = typed_shell_line(arguments[1]);
     Words options;
     for (const auto& [name, value] : line.typed_options(typed.words))
         options.push_back("--" + name + "=" + value);
@@ -187,8 +258,9 @@ int run_complete(const std::vector<std::string>& arguments, CommandLine& line, E
         if (!there) there = session.connect().has_value();
         return *there;
     };
-    auto found = complete(line.app(), typed.words, typed.start, bus_names(environment, source, connected));
-    if (arguments[0] == "bash") found = for_bash(std::move(found), typed.start);
+    auto found = without_unshowable(
+        complete(line.app(), typed.words, typed.start, bus_names(environment, source, connected)));
+    if (arguments[0] == "bash") found = for_bash(std::move(found), typed);
     for (const auto& candidate : found)
         environment.out << candidate << '\n';
     environment.out << std::flush;

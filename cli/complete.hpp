@@ -37,8 +37,21 @@ struct TypedLine {
 };
 TypedLine typed_line(const std::string& line);
 
-/// Bash replaces only what follows the last `=` or `:` of the word; its candidates are those parts.
-std::vector<std::string> for_bash(std::vector<std::string> candidates, const std::string& start);
+/// The same in a line of bash, zsh or fish, where a backslash takes its meaning from what follows it.
+struct ShellLine : TypedLine {
+    char quote = '\0';         ///< that is still open
+    std::size_t unquoted = 0;  ///< so many bytes of `start` stand in front of that quote
+};
+ShellLine typed_shell_line(const std::string& line);
+
+/// The candidates that can stand in a line of a shell and be shown by it: without control characters.
+std::vector<std::string> without_unshowable(std::vector<std::string> candidates);
+
+/// As bash is to insert them: it executes what it finds in a candidate. So each character that may mean
+/// something to it has a backslash in front; behind an open quote, where a backslash does not help,
+/// candidates with such characters are left out. Bash replaces only what follows that quote, or else the last
+/// `=` or `:` of the word; the candidates are those parts.
+std::vector<std::string> for_bash(std::vector<std::string> candidates, const ShellLine& typed);
 
 /// `asipctl __complete SHELL LINE`, which the scripts call: candidates, one a line. Silent, and kExitOk, when
 /// there is no bus.

@@ -10,8 +10,12 @@ namespace {
 constexpr const char* kBashScript =
     R"script(# Completion of asipctl for bash:  source <(asipctl completion bash)
 _asipctl() {
-    local IFS=$'\n' program=${1/#\~/$HOME}
-    COMPREPLY=($("$program" __complete bash "${COMP_LINE:0:COMP_POINT}" 2>/dev/null))
+    local program=${1/#\~/$HOME} found
+    COMPREPLY=()
+    # Each line as it is: bash expands words that are not read.
+    while IFS= read -r found; do
+        COMPREPLY+=("$found")
+    done < <("$program" __complete bash "${COMP_LINE:0:COMP_POINT}" 2>/dev/null)
     case ${COMPREPLY[0]} in
         :files) COMPREPLY=(); compopt -o default 2>/dev/null ;;
         :folders) COMPREPLY=(); compopt -o dirnames 2>/dev/null ;;

@@ -115,10 +115,53 @@ TEST(TypedLine, WordsQuotesAndTheCursor_AreUnderstood) {
     EXPECT_THAT(typed_line("").words, IsEmpty());
 }
 
+TEST(TypedShellLine, BackslashesAndQuotes_AreUnderstood) {
+    const auto typed = typed_shell_line(R"(asipctl label uno room=Dining\ r)");
+    EXPECT_THAT(typed.words, ElementsAre("label", "uno"));
+    EXPECT_EQ(typed.start, "room=Dining r");
+    EXPECT_EQ(typed.quote, '\0');
+    const auto single = typed_shell_line("asipctl list -l room='$(x) \\");
+    EXPECT_EQ(single.start, "room=$(x) \\");
+    EXPECT_EQ(single.quote, '\'');
+    EXPECT_EQ(single.unquoted, 5U);
+    const auto twice = typed_shell_line(R"(asipctl list -l "a\$b\c"'d)");
+    EXPECT_EQ(twice.start, R"(a$b\cd)");
+    EXPECT_EQ(twice.quote, '\'');
+    EXPECT_EQ(twice.unquoted, 5U);
+    EXPECT_THAT(typed_shell_line("asipctl list ").words, ElementsAre("list"));
+    EXPECT_EQ(typed_shell_line("asipctl list ").start, "");
+    EXPECT_THAT(typed_shell_line("asipctl").words, IsEmpty());
+    EXPECT_THAT(typed_shell_line("").words, IsEmpty());
+    EXPECT_EQ(typed_shell_line("asipctl x\\").start, "x");
+}
+
+Words in_bash(Words candidates, const std::string& line) {
+    return for_bash(std::move(candidates), typed_shell_line("asipctl " + line));
+}
+
 TEST(ForBash, OnlyWhatBashReplaces_IsPrinted) {
-    EXPECT_THAT(for_bash({"--state=lost"}, "--state=l"), ElementsAre("lost"));
-    EXPECT_THAT(for_bash({"uno1"}, "u"), ElementsAre("uno1"));
-    EXPECT_THAT(for_bash({kOfferFiles}, "--ca=/etc"), ElementsAre(kOfferFiles));
+    EXPECT_THAT(in_bash({"--state=lost"}, "list --state=l"), ElementsAre("lost"));
+    EXPECT_THAT(in_bash({"uno1"}, "u"), ElementsAre("uno1"));
+    EXPECT_THAT(in_bash({kOfferFiles}, "--ca=/etc"), ElementsAre(kOfferFiles));
+    EXPECT_THAT(in_bash({"room=Dining room"}, "list -l room='Di"), ElementsAre("Dining room"));
+    EXPECT_THAT(in_bash({"room=Dining room"}, "list -l 'room=Di"), ElementsAre("room=Dining room"));
+}
+
+TEST(ForBash, WhatBashWouldObey_HasABackslashOrIsLeftOut) {
+    EXPECT_THAT(in_bash({"room=$(touch /tmp/x)"}, "list -l ro"), ElementsAre(R"(room=\$\(touch\ /tmp/x\))"));
+    EXPECT_THAT(in_bash({"a`b", "a\"b", "a'b", "a\\b", "a!b", "a;b", "a&b", "a|b", "a>b", "a*b", "~a", "#a",
+                         "a{b,c}"},
+                        ""),
+                ElementsAre("a\\`b", "a\\\"b", "a\\'b", "a\\\\b", "a\\!b", "a\\;b", "a\\&b", "a\\|b", "a\\>b",
+                            "a\\*b", "\\~a", "\\#a", "a\\{b,c\\}"));
+    EXPECT_THAT(in_bash({"a$b", "a'b", "a b"}, "list '"), ElementsAre("a$b", "a b"));
+    EXPECT_THAT(in_bash({"a$b", "a`b", "a!b", "a\"b", "a\\b", "a'b"}, "list \""), ElementsAre("a'b"));
+    EXPECT_THAT(in_bash({"K\u00fcche"}, ""), ElementsAre("K\u00fcche"));
+}
+
+TEST(WithoutUnshowable, ControlCharacters_AreOfferedToNoShell) {
+    EXPECT_THAT(without_unshowable({"a\nb", "a\tb", "a\x1b[2J", "a\x7f", "a\u009b", "ok"}),
+                ElementsAre("ok"));
 }
 
 /// A new verb cannot be forgotten: whatever it declares is either offered or known to be free.

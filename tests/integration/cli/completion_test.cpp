@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+// Names and values from the bus in the real shells of people who press Tab and Enter: nothing of them is
+// executed, and the command gets the value as it is.
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "tests/integration/cli/bus_fixture.hpp"
+#include "tests/support/temp_dir.hpp"
+#include "tests/support/terminal.hpp"
+
+namespace asip::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// CANARY is the name of a file that nobody makes.
+const std::vector<std::string> kHostile{"$(touch CANARY)",
+                                        "`touch CANARY`",
+                                        "${x:=$(touch CANARY)}",
+                                        "$((a[$(touch CANARY)]))",
+                                        ";touch CANARY;",
+                                        "a;touch CANARY",
+                                        "a&touch CANARY&",
+                                        "a|touch CANARY",
+                                        "a||touch CANARY",
+                                        "a&&touch CANARY",
+                                        "a>CANARY",
+                                        ">CANARY",
+                                        ">>CANARY",
+                                        "<(touch CANARY)",
+                                        "=(touch CANARY)",
+                                        "';touch CANARY;'",
+                                        "\";touch CANARY;\"",
+                                        "'$(touch CANARY)'",
+                                        "\"$(touch CANARY)\"",
+                                        "\\$(touch CANARY)",
+                                        "\\\\$(touch CANARY)",
+                                        "a\\",
+                                        "a\\\\",
+                                        "(touch CANARY)",
+                                        "a(touch CANARY)b",
+                                        "{touch,CANARY}",
+                                        "$HOME",
+                                        "$PATH$IFS",
+                                        "*",
+                                        "?[a-z]*",
+                                        "/etc/*",
+                                        "~root",
+                                        "#no comment",
+                                        "!!",
+                                        "!touch",
+                                        "^a^b",
+                                        "%1",
+                                        "--help",
+                                        "-x y",
+                                        "a b c",
+                                        "\"",
+                                        "'",
+                                        "''",
+                                        "a'b\"c`d$e\\f!g",
+                                        "K\u00fcche (S\u00fcd)",
+                                        ":files",
+                                        "a=b:c=d",
+                                        "a,b",
+                                        "$'\\x41'",
+                                        "==ls"};
+
+struct Shell {
+    const char* name;
+    std::vector<std::string> command;
+    const char* begin;  ///< typed first
+};
+
+void PrintTo(const Shell& shell, std::ostream* out) {
+    *out << shell.name;
+}
+
+class HostileCompletion : public BusTest, public testing::WithParamInterface<Shell> {
+  protected:
+    HostileCompletion() {
+        fs::create_directory(folder_.file("bin"));
+        const auto asipctl =
+            folder_.write("bin/asipctl", "#!/bin/sh\ncase $1 in __complete|completion) exec '" ASIP_PROGRAMS
+                                         "/asipctl' \"$@\" ;; esac\nprintf '%s\\n' \"$@\" >'" +
+                                             folder_.file("got.new") + "'\nmv '" + folder_.file("got.new") +
+                                             "' '" + folder_.file("got") + "'\n");
+        fs::permissions(asipctl, fs::perms::owner_all);
+        announce_hostile();
+    }
+
+    std::string hostile(std::size_t number) const {
+        auto text = kHostile[number];
+        for (auto at = text.find("CANARY"); at != std::string::npos; at = text.find("CANARY"))
+            text.replace(at, 6, "canary");
+        return text;
+    }
+    /// `k7-` and a number, so that Tab has one answer.
+    static std::string key(std::size_t number) { return "k" + std::to_string(number) + "-"; }
+
+    void announce_hostile() {
+        constexpr std::size_t kLabelsOfABoard = 16;
+        for (std::size_t from = 0; from < kHostile.size(); from += kLabelsOfABoard) {
+            nlohmann::json labels;
+            for (auto i = from; i < std::min(from + kLabelsOfABoard, kHostile.size()); ++i)
+                labels[key(i) + "v"] = hostile(i);
+            auto description = nlohmann::json::parse(cli::kUno1);
+            const auto board = "board" + std::to_string(from);
+            description["board"] = board;
+            description["labels"] = labels;
+            probe_.publish("asip/servicebus/" + board + "/$description", description.dump(), true);
+            probe_.publish("asip/servicebus/" + board + "/$state", "online", true);
+        }
+        ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
+    }
+
+    std::map<std::string, std::string> shell_environment() const {
+        fs::create_directory(folder_.file("home"));
+        return {{"PATH", folder_.file("bin") + ":" + std::getenv("PATH")},
+                {"HOME", folder_.file("home")},
+                {"ZDOTDIR", folder_.file("home")},
+                {"ASIP_BROKER", broker_.address()}};
+    }
+    void begin(TerminalProcess& terminal) const {
+        ASSERT_TRUE(terminal.shows("[$#%>] ?$")) << "a prompt";
+        for (const auto& line : {"cd '" + folder_.file("home") + "'", std::string(GetParam().begin),
+                                 std::string("asipctl sure")})
+            terminal.type(line + "\r");
+        ASSERT_TRUE(wait_until([&] { return got() == "sure\n"; })) << terminal.screen().text();
+    }
+
+    std::string got() const {
+        std::ifstream file(folder_.file("got"));
+        return {std::istreambuf_iterator<char>(file), {}};
+    }
+    /// Presses Tab behind `typed`, and Enter when the line is complete. What the command got, one word a
+    /// line.
+    std::string press_tab_and_enter(TerminalProcess& terminal, const std::string& typed) {
+        fs::remove(folder_.file("got"));
+        terminal.type(typed + "\t");
+        // The mark is typed behind what the shell inserts, whatever that is.
+        terminal.type(" mark\r");
+        if (!wait_until([&] { return fs::exists(folder_.file("got")); }, time_limit(5s))) return "nothing";
+        return got();
+    }
+
+    TempDir folder_;
+};
+
+TEST_P(HostileCompletion, ValueOfALabel_IsInsertedAsItIsAndNothingOfItIsExecuted) {
+    TerminalProcess terminal(GetParam().command, shell_environment());
+    begin(terminal);
+    for (std::size_t i = 0; i < kHostile.size(); ++i) {
+        const auto value = hostile(i);
+        const auto whole = key(i) + "v=" + value;
+        const auto words = press_tab_and_enter(terminal, "asipctl list -l " + key(i));
+        EXPECT_EQ(words, "list\n-l\n" + whole + "\nmark\n") << value << "\n" << terminal.screen().text();
+        if (HasFailure()) terminal.type("\x03\r");
+        EXPECT_FALSE(fs::exists(folder_.file("home/canary"))) << value;
+        ASSERT_FALSE(HasFailure()) << terminal.screen().text();
+    }
+    EXPECT_TRUE(fs::is_empty(folder_.file("home")) || !fs::exists(folder_.file("home/canary")));
+}
+
+TEST_P(HostileCompletion, BehindAnOpenQuote_NothingIsExecuted) {
+    TerminalProcess terminal(GetParam().command, shell_environment());
+    begin(terminal);
+    for (std::size_t i = 0; i < kHostile.size(); ++i) {
+        for (const char* quote : {"'", "\""}) {
+            terminal.type("asipctl list -l " + std::string(quote) + key(i) + "\t");
+            terminal.type("\r");
+            terminal.type("\x03");
+        }
+    }
+    fs::remove(folder_.file("got"));
+    terminal.type("\x03\rasipctl sure\r");
+    ASSERT_TRUE(wait_until([&] { return got() == "sure\n"; })) << terminal.screen().text();
+    EXPECT_FALSE(fs::exists(folder_.file("home/canary")));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Shells, HostileCompletion,
+    testing::Values(
+        Shell{"bash", {"/usr/bin/bash", "--norc", "--noprofile", "-i"}, "source <(asipctl completion bash)"},
+        Shell{"zsh",
+              {"/usr/bin/zsh", "-f", "-i"},
+              "autoload -U compinit; compinit -u -D; source <(asipctl completion zsh)"},
+        Shell{"fish", {"/usr/bin/fish", "--no-config", "-i"}, "asipctl completion fish | source"}),
+    [](const testing::TestParamInfo<Shell>& shell) { return std::string(shell.param.name); });
+
+}  // namespace
+}  // namespace asip::test
