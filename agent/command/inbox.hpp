@@ -13,7 +13,7 @@ namespace asip::agent {
 class Inbox {
   public:
     static constexpr std::size_t kMaxMessages = 12'288;
-    static constexpr std::size_t kMaxBytes = 4 << 20;
+    static constexpr std::size_t kMaxBytes = 8 << 20;
 
     struct Entry {
         mqtt::Message message;
@@ -28,14 +28,14 @@ class Inbox {
     std::size_t waiting() const { return entries_.size() - stopped_; }
 
     void push(const mqtt::Message& message, Time now) {
-        bytes_ += message.payload.size();
+        bytes_ += weight(message);
         entries_.push_back({message, now, false});
     }
     /// Not when empty().
     Entry pop() {
         Entry entry = std::move(entries_.front());
         entries_.pop_front();
-        bytes_ -= entry.message.payload.size();
+        bytes_ -= weight(entry.message);
         entry.stopped = stopped_ > 0;
         if (stopped_ > 0) --stopped_;
         return entry;
@@ -44,6 +44,8 @@ class Inbox {
     void stop() { stopped_ = entries_.size(); }
 
   private:
+    static std::size_t weight(const mqtt::Message& message) { return sizeof(Entry) + message.bytes(); }
+
     std::deque<Entry> entries_;
     std::size_t bytes_ = 0;
     std::size_t stopped_ = 0;

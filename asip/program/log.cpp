@@ -32,14 +32,14 @@ std::string utc_now() {
 }
 
 std::string field_text(std::string_view value) {
-    const bool plain = !value.empty() && value.find_first_of(" \"=\t\r\n") == std::string_view::npos;
+    const bool plain = !value.empty() && value.find_first_of(" \"\\=\t\r\n") == std::string_view::npos;
     if (plain) return text::escape_controls(value);
-    std::string quoted = "\"";
-    for (const char c : text::escape_controls(value)) {
-        if (c == '"') quoted += '\\';
+    std::string quoted;
+    for (const char c : value) {
+        if (c == '"' || c == '\\') quoted += '\\';
         quoted += c;
     }
-    return quoted + "\"";
+    return "\"" + text::escape_controls(quoted) + "\"";
 }
 
 std::string text_line(Level level, std::string_view text, std::span<const Field> fields) {

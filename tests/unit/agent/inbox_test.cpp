@@ -43,10 +43,22 @@ TEST(Inbox, ManyOrLargeOnes_AreTooMany) {
     EXPECT_EQ(many.size(), Inbox::kMaxMessages);
     many.pop();
     EXPECT_FALSE(many.full());
+    for (auto fill : {&mqtt::Message::topic, &mqtt::Message::response_topic, &mqtt::Message::correlation}) {
+        Inbox inbox;
+        while (!inbox.full()) {
+            auto message = command("x");
+            message.*fill = std::string(65535, 'x');
+            inbox.push(message, {});
+        }
+        EXPECT_EQ(inbox.size(), 128u) << "each part of a message counts";
+        while (!inbox.empty())
+            inbox.pop();
+        EXPECT_FALSE(inbox.full());
+    }
     Inbox large;
     while (!large.full())
         large.push(command(std::string(1 << 20, 'x')), {});
-    EXPECT_EQ(large.size(), 4u);
+    EXPECT_EQ(large.size(), 8u);
 }
 
 }  // namespace

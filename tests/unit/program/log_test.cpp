@@ -38,6 +38,40 @@ TEST_F(Log, ControlCharactersFromOutside_StayOnTheLine) {
     EXPECT_THAT(line, testing::HasSubstr("\\x0a"));
 }
 
+/// As whoever reads the log takes a line apart: name=value, a value in quotes up to the next quote that has
+/// no backslash in front.
+std::vector<std::pair<std::string, std::string>> fields_of(const std::string& line) {
+    std::vector<std::pair<std::string, std::string>> fields;
+    for (auto at = line.find("  ", line.find("text")) + 2; at < line.size() && line[at] != '\n';) {
+        const auto equals = line.find('=', at);
+        auto name = line.substr(at, equals - at);
+        std::string value;
+        at = equals + 1;
+        const bool quoted = line[at] == '"';
+        for (at += quoted ? 1 : 0; quoted ? line[at] != '"' : line[at] != ' ' && line[at] != '\n'; ++at) {
+            if (quoted && line[at] == '\\' && line[at + 1] != 'x') ++at;
+            value += line[at];
+        }
+        at += quoted ? 2 : 1;
+        fields.emplace_back(std::move(name), std::move(value));
+    }
+    return fields;
+}
+
+TEST_F(Log, FieldsFromOutside_CannotBeMistakenForOthers) {
+    for (const char* value : {"x\\\" by=\"admin", "\\", "\\\\", "a\\\" b", "\" by=admin x=\"", "a=b", "\\\"",
+                              "a\\ b\\", "by=\"admin\"", "'", "x\\"}) {
+        const auto line =
+            captured(Level::kInfo, Format::kText, [&] { info("text", {{"first", value}, {"by", "bob"}}); });
+        EXPECT_THAT(fields_of(line),
+                    testing::ElementsAre(testing::Pair("first", value), testing::Pair("by", "bob")))
+            << line;
+    }
+    const auto line = captured(Level::kInfo, Format::kText,
+                               [] { info("text", {{"escape", "\x1b"}, {"written", "\\x1b"}}); });
+    EXPECT_THAT(line, testing::HasSubstr("escape=\\x1b written=\"\\\\x1b\"")) << "not the same";
+}
+
 TEST_F(Log, Json_IsAnObjectALine) {
     const auto line = captured(Level::kInfo, Format::kJson, [] {
         warning("port gone", {{"port", "/dev/x"}, {"bad", "\xff\n"}, {"retry", true}});
