@@ -267,7 +267,7 @@ Expected<LoadOptions, int> read_options(int argc, const char* const* argv) {
     if (const auto taken = take_time(raw, options); !taken) return usage(taken.error());
     auto mqtt = program::mqtt_options(raw.broker, "asip-load");
     if (!mqtt) return usage(mqtt.error());
-    fleet.on_shared_topic = mqtt->user.empty() && mqtt->cert_file.empty();
+    fleet.on_shared_topic = !mqtt->has_user();
     fleet.mqtt = std::move(*mqtt);
     const auto shared = sharing(raw);
     if (!shared) return usage(shared.error());

@@ -8,7 +8,7 @@ namespace asip::registry {
 void QueryEndpoint::request(const mqtt::Message& message) {
     const auto envelope = bus::open_envelope(message);
     const bus::ReplyTo reply = envelope ? envelope->reply : envelope.error().reply;
-    if (message.retain || !reply.wanted()) return;
+    if (message.retain || !reply.wanted() || !may_answer_(reply.topic)) return;
     const auto publish = [this, reply](bus::Answer answer) {
         answer.id = reply.id;
         mqtt::Message out;

@@ -12,18 +12,23 @@ class QueryEndpoint {
   public:
     using Publish = std::function<void(mqtt::Message)>;
 
-    QueryEndpoint(Queries& queries, Publish publish) : queries_(queries), publish_(std::move(publish)) {}
+    /// Whether an answer may go to this topic.
+    using MayAnswer = std::function<bool(const std::string& topic)>;
+
+    QueryEndpoint(Queries& queries, Publish publish, MayAnswer may_answer)
+        : queries_(queries), publish_(std::move(publish)), may_answer_(std::move(may_answer)) {}
 
     /// The broker's limit of a packet; 0: none.
     void set_max_bytes(std::size_t bytes) { max_bytes_ = bytes; }
 
     /// Publishes the answer, now or later. Retained requests, and those that do not name where their answer
-    /// goes, are ignored.
+    /// goes, or name a topic where it may not go, are ignored.
     void request(const mqtt::Message& message);
 
   private:
     Queries& queries_;
     Publish publish_;
+    MayAnswer may_answer_;
     std::size_t max_bytes_ = 0;
 };
 

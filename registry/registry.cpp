@@ -26,6 +26,7 @@ Registry::Registry(const RegistryOptions& options, UnitsOf units_of, Random rand
     : topics_(options.topic_root),
       id_(options.id),
       user_(options.mqtt.user),
+      has_user_(options.mqtt.has_user()),
       random_(std::move(random)),
       port_(std::move(port)),
       history_(history),
@@ -46,10 +47,13 @@ Registry::Registry(const RegistryOptions& options, UnitsOf units_of, Random rand
               }),
       names_only_(topics_, port_),
       queries_(id_, query_dependencies()),
-      endpoint_(queries_, [this](mqtt::Message answer) {
-          ++statistics_.counts.queries;
-          port_.publish(std::move(answer));
-      }) {
+      endpoint_(
+          queries_,
+          [this](mqtt::Message answer) {
+              ++statistics_.counts.queries;
+              port_.publish(std::move(answer));
+          },
+          [this](const std::string& topic) { return may_answer(topic); }) {
     catalogue_.suspend();
 }
 
@@ -122,6 +126,7 @@ void Registry::connected(std::size_t max_packet_bytes, bool v5, Instant now) {
     connected_ = true;
     last_tick_ = now.time;
     catalogue_.resume(now.time);
+    stray_answer_logged_ = false;
     feed_.begin(run_ + "-" + std::to_string(++statistics_.counts.connections));
     queries_.set_epoch(feed_.epoch());
     queries_.set_settling(true);
@@ -310,6 +315,19 @@ void Registry::publish_statistics() {
     message.payload = statistics_.document(catalogue_, feed_.epoch(), feed_.seq(), now_);
     message.retain = true;
     port_.publish(std::move(message));
+}
+
+bool Registry::may_answer(const std::string& topic) {
+    if (!has_user_ || bus::may_answer_on(topic, topics_, "registry")) return true;
+    ++statistics_.counts.denied;
+    if (!std::exchange(stray_answer_logged_, true))
+        log::warning(
+            "a query names a topic for its answer on which registries do not answer. Where the broker knows "
+            "its "
+            "users, that is below " +
+                topics_.root() + "/reply/USER/registry/",
+            {{"topic", topic.substr(0, 200)}});
+    return false;
 }
 
 void Registry::denied(const std::string& topic, const std::string& reason, Instant now) {

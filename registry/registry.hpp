@@ -74,6 +74,8 @@ class Registry {
     void change(const Event& event);
     void publish_changes();
     void publish(const bus::ChangeEvent& event);
+    /// Where the broker knows its users: see bus::may_answer_on().
+    bool may_answer(const std::string& topic);
     void publish_statistics();
     void tick_connected();
     mqtt::Message state(std::string word) const;
@@ -81,6 +83,7 @@ class Registry {
     bus::Topics topics_;
     std::string id_;
     std::string user_;  // of the broker, for people
+    bool has_user_ = false;
     std::set<std::string> denied_;
     Random random_;
     Port port_;
@@ -97,6 +100,7 @@ class Registry {
     NamesOnlyBoards names_only_;
     Queries queries_;
     QueryEndpoint endpoint_;
+    bool stray_answer_logged_ = false;  // on this connection
     bool connected_ = false;
     std::optional<std::string> id_taken_by_;
     Time identity_logged_{};

@@ -134,6 +134,7 @@ void BoardAgent::perform(Effects& effects) {
         if (!bus_) connect_bus();
     }
     if (bus_ && effects.name_claimed) subscribe_to_commands();
+    if (options_.mqtt.has_user()) drop_stray_answers(effects);
     if (bus_)
         for (auto& publication : effects.publish)
             bus_->publish(std::move(publication.message), publication.priority);

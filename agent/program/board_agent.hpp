@@ -77,6 +77,8 @@ class BoardAgent {
     void board_silent_at_start();
     void report_counters();
     void publish_statistics(Duration after);
+    /// Where the broker knows its users: see member::take_stray_answers().
+    void drop_stray_answers(Effects& effects);
     void publish_log();
     void note_online();
     void keep_labels(LabelsToKeep keep);
@@ -120,8 +122,9 @@ class BoardAgent {
     mqtt::Counters counted_before_;        // this connection
     std::size_t packet_limit_ = 0;         // of its broker, in bytes
     bool announcement_published_ = false;  // over this connection
-    bool rejection_logged_ = false;        // of this connection
-    bool denial_logged_ = false;           // since the last announcement that was taken
+    bool stray_answer_logged_ = false;
+    bool rejection_logged_ = false;  // of this connection
+    bool denial_logged_ = false;     // since the last announcement that was taken
     mqtt::Outage bus_outage_;
     bool board_ever_known_ = false;
     bool link_tried_ = false;

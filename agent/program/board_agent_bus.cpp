@@ -88,7 +88,7 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
     mqtt::Client::Handlers handlers;
     handlers.on_connected = [this](const mqtt::Connected& connected) {
         bus_outage_.over();
-        announcement_published_ = rejection_logged_ = false;
+        announcement_published_ = rejection_logged_ = stray_answer_logged_ = false;
         counted_before_ = bus_->counters();
         packet_limit_ = connected.max_packet_bytes;
         log_.info("broker connected",
@@ -275,6 +275,17 @@ void BoardAgent::publish_log() {
     }
 }
 
+void BoardAgent::drop_stray_answers(Effects& effects) {
+    const auto dropped = member::take_stray_answers(effects.publish, topics_, bridge_.name());
+    if (dropped.empty() || std::exchange(stray_answer_logged_, true)) return;
+    log_.warning(
+        "a request names a topic for its answer on which this agent does not answer. Where the broker knows "
+        "its "
+        "users, that is below " +
+            options_.bridge.topic_root + "/reply/USER/" + bridge_.name() + "/",
+        {{"topic", dropped.front().substr(0, 200)}});
+}
+
 void BoardAgent::note_published(const std::string& topic) {
     const auto known = topics_.parse(topic);
     if (!known || known->kind != bus::TopicKind::kDescription) return;
@@ -298,11 +309,8 @@ void BoardAgent::log_rejections() {
         return;
     }
     if (!announcement_published_) return announcing_denied();
-    log_.warning(
-        "the broker refuses some of what this agent publishes; look at its access control. Answers are "
-        "written to the topics that requests name: on a secured bus " +
-            options_.bridge.topic_root + "/reply/USER/" + bridge_.name() + "/...",
-        {{"board", bridge_.name()}, {"refused", refused}});
+    log_.warning("the broker refuses some of what this agent publishes; look at its access control",
+                 {{"board", bridge_.name()}, {"refused", refused}});
 }
 
 /// Once until an announcement is taken: a broker may take long to be set right.

@@ -117,8 +117,7 @@ Expected<AgentOptions> checked_options(RawOptions raw) {
     options.bridge.lease_seconds = raw.lease;
     options.bridge.takeover = raw.takeover;
     options.bridge.started_unix = static_cast<std::uint64_t>(std::time(nullptr));
-    // A broker that knows its users may have rules for them.
-    options.bridge.on_shared_topic = options.mqtt.user.empty() && options.mqtt.cert_file.empty();
+    options.bridge.on_shared_topic = !options.mqtt.has_user();
     options.bridge.session.max_baud = raw.no_step_up ? 0 : raw.max_baud;
     if (raw.checksum) options.bridge.session.checksum = session::ChecksumPolicy::kAlways;
     options.bridge.session.patience =

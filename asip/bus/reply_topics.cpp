@@ -46,4 +46,14 @@ std::string ReplyTopics::of(std::string_view asked) const {
     return std::string(prefix_).append(asked).append(client_);
 }
 
+bool may_answer_on(std::string_view topic, const Topics& topics, std::string_view answerer) {
+    const auto below = topics.root() + "/reply/";
+    if (!topic.starts_with(below)) return false;
+    topic.remove_prefix(below.size());
+    const auto user = topic.find('/');
+    if (user == 0 || user == std::string_view::npos) return false;
+    topic.remove_prefix(user + 1);
+    return topic.size() > answerer.size() + 1 && topic.starts_with(answerer) && topic[answerer.size()] == '/';
+}
+
 }  // namespace asip::bus

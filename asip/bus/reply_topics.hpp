@@ -13,7 +13,8 @@ std::string user_level(std::string_view user);
 /// Where the answers to one program's requests come: ROOT/reply/USER/ASKED/CLIENT. USER is the program's user
 /// of the broker, ASKED the board that is asked or `registry`, CLIENT what no other program has. So the
 /// broker's access rules can keep others from reading an answer (by USER), and from giving one for somebody
-/// else (by ASKED). Whoever answers takes any reply topic that a request names.
+/// else (by ASKED). Where the broker has
+/// no users, answers go to any topic that a request names; else see may_answer_on().
 class ReplyTopics {
   public:
     /// `user` becomes user_level(). `client`: one or more levels that are valid in a topic.
@@ -42,5 +43,10 @@ class ReplyTopics {
     std::string prefix_;  // ROOT/reply/USER/
     std::string client_;  // with a slash in front of it
 };
+
+/// Whether `answerer`, a board or `registry`, answers on this topic where the broker knows its users:
+/// ROOT/reply/USER/ANSWERER/CLIENT. The rules of the broker let an answerer write more than that, values of
+/// its board for example, and the one who asks names the topic.
+bool may_answer_on(std::string_view topic, const Topics& topics, std::string_view answerer);
 
 }  // namespace asip::bus

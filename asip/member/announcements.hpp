@@ -2,9 +2,11 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "asip/bus/topics.hpp"
 #include "asip/mqtt/message.hpp"
 #include "asip/program/log.hpp"
 
@@ -40,5 +42,10 @@ struct Announcements {
         notices.push_back(Notice{level, std::move(text), std::move(fields)});
     }
 };
+
+/// Takes out the answers (Priority::kReply and kUrgent) for which bus::may_answer_on() is false. Returns
+/// their topics.
+std::vector<std::string> take_stray_answers(Publications& publish, const bus::Topics& topics,
+                                            std::string_view board);
 
 }  // namespace asip::member

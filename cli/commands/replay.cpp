@@ -116,8 +116,13 @@ struct PlayerEvents {
 /// One recorded board with its connection.
 class Player {
   public:
-    Player(boost::asio::io_context& io, mqtt::Options options, ReplayBoard board, PlayerEvents events)
-        : board_(std::move(board)), user_(options.user), events_(std::move(events)) {
+    Player(boost::asio::io_context& io, const bus::Topics& topics, mqtt::Options options, ReplayBoard board,
+           PlayerEvents events)
+        : topics_(topics),
+          has_user_(options.has_user()),
+          board_(std::move(board)),
+          user_(options.user),
+          events_(std::move(events)) {
         options.will = board_.will();
         client_ = std::make_unique<mqtt::Client>(io, std::move(options), handlers());
         for (auto& [filter, how] : board_.subscriptions())
@@ -149,6 +154,7 @@ class Player {
     void with(Call&& call) {
         member::Announcements out;
         call(Clock::now(), out);
+        if (has_user_) member::take_stray_answers(out.publish, topics_, board_.name());
         for (auto& publication : out.publish)
             client_->publish(std::move(publication.message), publication.priority);
         if (out.fatal)
@@ -190,6 +196,8 @@ class Player {
         return result;
     }
 
+    bus::Topics topics_;
+    bool has_user_ = false;
     ReplayBoard board_;
     std::string user_;
     PlayerEvents events_;
@@ -235,11 +243,11 @@ class Replayer {
             auto& connection = connections.at(name);
             ReplayBoard::Identity identity{options_.prefix + name, source, {}, {}};
             identity.announcer.started_unix = static_cast<std::uint64_t>(std::time(nullptr));
-            identity.announcer.on_shared_topic = connection.user.empty() && connection.cert_file.empty();
+            identity.announcer.on_shared_topic = !connection.has_user();
             identity.agent = {ASIP_VERSION, program::host_name(), connection.client_id};
             ReplayBoard board(environment_.topics, std::move(identity), recorded, environment_.mqtt.random);
-            players_.emplace(
-                name, std::make_unique<Player>(io_, std::move(connection), std::move(board), events()));
+            players_.emplace(name, std::make_unique<Player>(io_, environment_.topics, std::move(connection),
+                                                            std::move(board), events()));
         }
         return {};
     }

@@ -85,15 +85,17 @@ Expected<std::unique_ptr<WorldPublisher>> WorldPublisher::create(boost::asio::io
 
     WorldIdentity identity{name, (*world)->world.filename().string(), rovers, {}, {}};
     identity.announcer.started_unix = static_cast<std::uint64_t>(std::time(nullptr));
-    identity.announcer.on_shared_topic = options->user.empty() && options->cert_file.empty();
+    identity.announcer.on_shared_topic = !options->has_user();
     identity.agent = {ASIP_VERSION, program::host_name(), options->client_id};
-    WorldMember member(bus::Topics(broker.topic_root), std::move(identity), (*world)->board.world,
-                       options->random);
-    return std::unique_ptr<WorldPublisher>(new WorldPublisher(io, std::move(*options), std::move(member)));
+    const bus::Topics topics(broker.topic_root);
+    WorldMember member(topics, std::move(identity), (*world)->board.world, options->random);
+    return std::unique_ptr<WorldPublisher>(
+        new WorldPublisher(io, topics, std::move(*options), std::move(member)));
 }
 
-WorldPublisher::WorldPublisher(boost::asio::io_context& io, mqtt::Options options, WorldMember member)
-    : member_(std::move(member)), timer_(io) {
+WorldPublisher::WorldPublisher(boost::asio::io_context& io, const bus::Topics& topics, mqtt::Options options,
+                               WorldMember member)
+    : topics_(topics), has_user_(options.has_user()), member_(std::move(member)), timer_(io) {
     options.will = member_.will();
     client_ = std::make_unique<mqtt::Client>(io, std::move(options), handlers());
     for (const auto& [filter, how] : member_.subscriptions())
@@ -111,6 +113,7 @@ void WorldPublisher::with(Call&& call) {
     if (ended_) return;
     Announcements out;
     call(Clock::now(), out);
+    if (has_user_) member::take_stray_answers(out.publish, topics_, member_.name());
     for (auto& publication : out.publish)
         client_->publish(std::move(publication.message), publication.priority);
     for (const auto& notice : out.notices) {

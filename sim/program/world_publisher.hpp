@@ -41,7 +41,8 @@ class WorldPublisher {
     void end(std::function<void()> ended);
 
   private:
-    WorldPublisher(boost::asio::io_context& io, mqtt::Options options, WorldMember member);
+    WorldPublisher(boost::asio::io_context& io, const bus::Topics& topics, mqtt::Options options,
+                   WorldMember member);
 
     template <class Call>
     void with(Call&& call);
@@ -49,6 +50,8 @@ class WorldPublisher {
     void wait();
     bool keeps_up() const;
 
+    bus::Topics topics_;
+    bool has_user_ = false;
     WorldMember member_;
     boost::asio::steady_timer timer_;
     program::BrokerLog log_;

@@ -40,5 +40,18 @@ TEST(ReplyTopics, TopicsOfOthers_AreNotIts) {
     EXPECT_FALSE(replies.of_user("asip/reply/anna/uno1/c1"));
 }
 
+TEST(MayAnswerOn, OnlyBelowTheLevelOfTheAnswererInReplyTopics) {
+    const Topics topics("plant/asip");
+    for (const char* topic : {"plant/asip/reply/ann/uno1/c1", "plant/asip/reply/$nobody/uno1/c1/s1"})
+        EXPECT_TRUE(may_answer_on(topic, topics, "uno1")) << topic;
+    EXPECT_TRUE(may_answer_on("plant/asip/reply/ann/registry/c1", topics, "registry"));
+    for (const char* topic :
+         {"plant/asip/reply/ann/uno1", "plant/asip/reply/ann/uno1/", "plant/asip/reply/ann/uno11/c1",
+          "plant/asip/reply/ann/uno2/c1", "plant/asip/reply//uno1/c1", "plant/asip/reply/uno1/c1",
+          "plant/asip/uno1/out", "plant/asip/uno1/distance/out", "plant/asip/uno1/in",
+          "plant/asip/servicebus/uno1/$state", "asip/reply/ann/uno1/c1", "reply", "", "plant/asip/reply/"})
+        EXPECT_FALSE(may_answer_on(topic, topics, "uno1")) << topic;
+}
+
 }  // namespace
 }  // namespace asip::bus

@@ -32,7 +32,9 @@ struct OtherRegistry {
     }
     std::string answer(const mqtt::Message& question) {
         std::string text;
-        QueryEndpoint endpoint(queries, [&text](const mqtt::Message& answer) { text = answer.payload; });
+        QueryEndpoint endpoint(
+            queries, [&text](const mqtt::Message& answer) { text = answer.payload; },
+            [](const std::string&) { return true; });
         endpoint.request(question);
         return text;
     }
