@@ -104,7 +104,7 @@ void Chip::count_interrupt_entries() {
 avr_uart_t* Chip::uart(char name) {
     for (auto* io = avr_->io_port; io != nullptr; io = io->next) {
         if (std::strcmp(io->kind, "uart") != 0) continue;
-        auto* port = reinterpret_cast<avr_uart_t*>(io);
+        auto* port = static_cast<avr_uart_t*>(static_cast<void*>(io));  // begins with the avr_io_t
         if (port->name == name) return port;
     }
     return nullptr;
@@ -117,7 +117,7 @@ bool Chip::alive() const {
 void Chip::cancel_unknown_timers() {
     for (auto* io = avr_->io_port; io != nullptr; io = io->next) {
         if (std::strcmp(io->kind, "timer") != 0) continue;
-        auto* timer = reinterpret_cast<avr_timer_t*>(io);
+        auto* timer = static_cast<avr_timer_t*>(static_cast<void*>(io));
         if (timer->mode.kind != avr_timer_wgm_none) continue;
         for (auto* slot = avr_->cycle_timers.timer; slot != nullptr;) {
             auto* next = slot->next;

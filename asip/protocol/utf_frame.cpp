@@ -7,7 +7,8 @@ namespace asip::protocol {
 
 Expected<std::string> encode_utf_frame(std::string_view text) {
     if (text.size() > 0xffff) return fail("text is longer than a frame's 65535 bytes");
-    const bool plain = std::all_of(text.begin(), text.end(), [](char c) { return c > 0; });
+    const bool plain =
+        std::all_of(text.begin(), text.end(), [](unsigned char c) { return c > 0 && c < 0x80; });
     if (!plain) return fail("text holds NUL or bytes beyond ASCII");
     std::string frame;
     frame.reserve(text.size() + 2);

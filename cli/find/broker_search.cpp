@@ -15,6 +15,7 @@
 #include <cctype>
 #include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 #include <optional>
 
@@ -134,7 +135,9 @@ std::vector<in_addr> own_addresses() {
     for (const auto* one = all; one != nullptr; one = one->ifa_next) {
         if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
         if ((one->ifa_flags & IFF_UP) == 0 || (one->ifa_flags & IFF_MULTICAST) == 0) continue;
-        result.push_back(reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr);
+        sockaddr_in address{};
+        std::memcpy(&address, one->ifa_addr, sizeof address);
+        result.push_back(address.sin_addr);
     }
     freeifaddrs(all);
     return result;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <boost/asio/ip/address.hpp>
 #include <cctype>
+#include <ctime>
 #include <memory>
 
 #include "cli/secure/secrets.hpp"
@@ -73,16 +74,22 @@ bool set_serial(X509* certificate) {
     return number && BN_to_ASN1_INTEGER(number.get(), X509_get_serialNumber(certificate)) != nullptr;
 }
 
+/// By days: time_t ends in 2038 where it has 32 bits.
+bool set_time(ASN1_TIME* time, CertificateTime moment) {
+    const auto day = std::chrono::floor<std::chrono::days>(moment);
+    std::time_t epoch = 0;
+    return X509_time_adj_ex(time, static_cast<int>(day.time_since_epoch().count()),
+                            static_cast<long>((moment - day).count()), &epoch) != nullptr;
+}
+
 /// Everything but extensions and signature.
 Certificate begin(EVP_PKEY* key, const std::string& name, CertificateTime now, CertificateTime end) {
     Certificate made(X509_new());
     if (!made) return nullptr;
-    const auto from = std::chrono::system_clock::to_time_t(now - 24h);
-    const auto until = std::chrono::system_clock::to_time_t(end);
     auto* const subject = X509_get_subject_name(made.get());
     const bool done = X509_set_version(made.get(), 2) == 1 && set_serial(made.get()) &&
-                      ASN1_TIME_set(X509_getm_notBefore(made.get()), from) != nullptr &&
-                      ASN1_TIME_set(X509_getm_notAfter(made.get()), until) != nullptr &&
+                      set_time(X509_getm_notBefore(made.get()), now - 24h) &&
+                      set_time(X509_getm_notAfter(made.get()), end) &&
                       X509_NAME_add_entry_by_txt(subject, "CN", MBSTRING_UTF8,
                                                  reinterpret_cast<const unsigned char*>(name.data()),
                                                  static_cast<int>(name.size()), -1, 0) == 1 &&
@@ -170,7 +177,9 @@ Expected<CertificateTime> end_of(const std::string& certificate) {
     std::tm time{};
     if (ASN1_TIME_to_tm(X509_get0_notAfter(read.get()), &time) != 1)
         return openssl_failed("a certificate without an end");
-    return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::from_time_t(timegm(&time)));
+    using namespace std::chrono;
+    const sys_days day = year(time.tm_year + 1900) / (time.tm_mon + 1) / time.tm_mday;
+    return day + hours(time.tm_hour) + minutes(time.tm_min) + seconds(time.tm_sec);
 }
 
 std::string explain_certificate(const CertificateAndKey& broker, const std::string& authority,

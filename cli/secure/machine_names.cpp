@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <memory>
 
 #include "asip/program/options.hpp"
@@ -21,13 +22,16 @@ bool is_of_containers(const std::string& interface) {
                        [&](const char* prefix) { return interface.starts_with(prefix); });
 }
 
+/// Of an address in the memory of all its kinds, as getifaddrs gives them.
 std::string text_of(const sockaddr& address) {
     std::array<char, INET6_ADDRSTRLEN> text{};
     if (address.sa_family == AF_INET) {
-        const auto& v4 = reinterpret_cast<const sockaddr_in&>(address);
+        sockaddr_in v4{};
+        std::memcpy(&v4, &address, sizeof v4);
         ::inet_ntop(AF_INET, &v4.sin_addr, text.data(), text.size());
     } else if (address.sa_family == AF_INET6) {
-        const auto& v6 = reinterpret_cast<const sockaddr_in6&>(address);
+        sockaddr_in6 v6{};
+        std::memcpy(&v6, &address, sizeof v6);
         if (!IN6_IS_ADDR_LINKLOCAL(&v6.sin6_addr))
             ::inet_ntop(AF_INET6, &v6.sin6_addr, text.data(), text.size());
     }

@@ -60,7 +60,8 @@ Report report_of(std::string_view payload) {
     if (!parsed) return {model::dump_json(json(std::string(payload))), {}, false};
     Report report{model::dump_json(*parsed), {}, false};
     if (!parsed->is_object() || parsed->size() != 1) return report;
-    if (const auto& event = parsed->begin().key(); event.size() <= kMaxEventBytes) report.event = event;
+    const auto first = parsed->begin();
+    if (const auto& event = first.key(); event.size() <= kMaxEventBytes) report.event = event;
     report.part = !report.event.empty() && parsed->front().is_object();
     return report;
 }

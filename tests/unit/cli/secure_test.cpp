@@ -211,6 +211,17 @@ TEST_F(SecureCertificate, Ends_InTenAndTwentyYears) {
     EXPECT_LT(X509_cmp_current_time(X509_get0_notBefore(read(made->certificate).get())), 0);
 }
 
+TEST_F(SecureCertificate, MadeAfter2038_EndsInTenAndTwentyYears) {
+    using namespace std::chrono;
+    const CertificateTime now = sys_days(2039y / 3 / 1) + 12h + 34min + 56s;
+    const auto authority = make_authority(now);
+    ASSERT_TRUE(authority);
+    const auto made = make_broker_certificate(*authority, {"pi.local"}, now);
+    ASSERT_TRUE(made) << made.error();
+    EXPECT_EQ(end_of(made->certificate), now + years(10));
+    EXPECT_EQ(end_of(authority->certificate), now + years(20));
+}
+
 TEST_F(SecureCertificate, TwoAuthorities_ShareNothing) {
     const auto other = make_authority(now_);
     ASSERT_TRUE(other);
