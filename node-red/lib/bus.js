@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// One connection to the bus, kept up. Each connection is a client of its own: mqtt.js would deliver a command of a broken
+// connection seconds later.
+'use strict';
+
+const { randomBytes } = require('node:crypto');
+const { EventEmitter } = require('node:events');
+const { AsipError, Clocks, errorOf, makeRequest, makeTopics, readObject } = require('./protocol');
+const { Boards, isThere, words } = require('./boards');
+const { addressOf } = require('./bus-address');
+
+const LEASE_SECONDS = 15; // of a demand
+const GRACE_SECONDS = 0.5; // for an answer behind the deadline that the agent knows
+const HELLO_SECONDS = 5;
+const MAX_OPEN = 4096;
+
+const now = () => performance.now() / 1000;
+
+// Events: `connected`, `disconnected` (why), `board` (the board that changed).
+class Bus extends EventEmitter {
+  // options: brokers (with commas), user, password, ca, root, by; connect: mqtt.connect, for tests.
+  constructor(options, connect = require('mqtt').connect) {
+    super();
+    this.setMaxListeners(0);
+    this.options = options;
+    this.connectTo = connect;
+    this.addresses = String(options.brokers || '127.0.0.1').split(',').filter((one) => one.trim()).map((one) => addressOf(one, Boolean(options.ca)));
+    this.client = `node-red-${randomBytes(6).toString('hex')}`;
+    this.topics = makeTopics(options.root || 'asip', options.user, this.client);
+    this.boards = new Boards();
+    this.clocks = new Clocks();
+    this.ready = false;
+    this.open = new Map();
+    this.values = new Map(); // topic -> Set of functions
+    this.newest = new Map(); // topic -> payload
+    this.demands = new Map(); // board -> Map(function -> [service, hz])
+    this.count = 0;
+    this.place = 0;
+    this.version = 5;
+    this.failures = 0;
+  }
+
+  start() {
+    this.closed = false;
+    this.timer = setInterval(() => this.tick(), 1000);
+    this.begin();
+  }
+
+  begin() {
+    if (this.closed) return;
+    const link = this.connectTo(this.addresses[this.place % this.addresses.length], {
+      clientId: `asip-node-red-${randomBytes(8).toString('hex')}`, // published nowhere
+      protocolVersion: this.version, clean: true, reconnectPeriod: 0, connectTimeout: 5000, keepalive: 10, queueQoSZero: false, resubscribe: false,
+      username: this.options.user || undefined, password: this.options.password || undefined, ca: this.options.ca,
+      ...(this.version === 5 ? { properties: { maximumPacketSize: 2 << 20 } } : {}),
+    });
+    this.link = link;
+    let refused = '';
+    link.on('connect', () => {
+      link.stream?.setNoDelay?.(true);
+      link.subscribe([this.topics.replies(), this.topics.state('+'), this.topics.description('+')], { qos: 1 });
+      for (const topic of this.values.keys()) link.subscribe(topic, { qos: 0 });
+      link.publish(this.topics.own(), 'hello', { qos: 1 });
+      this.hello = setTimeout(() => this.drop(link, 'the broker keeps answers from this user: see its access rules'), HELLO_SECONDS * 1000);
+    });
+    link.on('message', (topic, payload, packet) => this.onMessage(topic, payload, packet));
+    link.on('error', (error) => {
+      refused = error.message;
+      if (this.version === 5 && (error.code === 1 || error.code === 132 || /protocol version/i.test(error.message))) this.version = 4;
+      link.end(true);
+    });
+    link.on('close', () => this.onClose(link, refused || 'the connection to the broker ended'));
+  }
+
+  drop(link, why) {
+    this.why = why;
+    link.end(true);
+  }
+
+  onClose(link, why) {
+    if (link !== this.link) return;
+    clearTimeout(this.hello);
+    this.link = null;
+    this.ready = false;
+    this.failures += 1;
+    this.place += 1;
+    for (const call of this.open.values()) {
+      call.end(new AsipError('Unproven', `${call.where}: the connection to the broker broke before the answer came; it may or may not have been executed`,
+        { sent: null, reason: 'disconnected', board: call.board, service: call.service }));
+    }
+    this.emit('disconnected', this.why || why);
+    this.why = undefined;
+    if (this.closed) return;
+    const wait = this.failures < this.addresses.length ? 0 : Math.min(5000, 200 * 2 ** Math.min(this.failures, 6)) * (0.5 + Math.random() / 2);
+    this.retry = setTimeout(() => this.begin(), wait);
+  }
+
+  // Ends what waits; calls done() within a second.
+  close(done = () => {}) {
+    this.closed = true;
+    clearInterval(this.timer);
+    clearTimeout(this.retry);
+    clearTimeout(this.hello);
+    const link = this.link;
+    if (!link) return done();
+    if (this.ready) for (const board of this.demands.keys()) this.publish(this.topics.demand(board), { services: {}, lease: LEASE_SECONDS }, LEASE_SECONDS, 0);
+    const kill = setTimeout(() => { link.end(true); done(); }, 800);
+    link.end(false, {}, () => { clearTimeout(kill); done(); });
+    return undefined;
+  }
+
+  publish(topic, content, seconds, qos = 1) {
+    const properties = this.version === 5 ? { messageExpiryInterval: Math.max(1, Math.ceil(seconds)) } : undefined;
+    this.link.publish(topic, JSON.stringify(content), { qos, properties }, () => {});
+  }
+
+  // Asks `board` and resolves to its answer when it is proven; rejects with an AsipError. `service` null: the board itself.
+  command(board, service, members, { timeout = 5, hold, by = this.options.by } = {}) {
+    const where = service ? `${board}/${service}` : board;
+    const names = { board, service };
+    if (!this.ready) return Promise.reject(new AsipError('Disconnected', `${where}: not connected to a broker; nothing was sent`, names));
+    const known = this.boards.get(board);
+    if (known && known.state !== 'unknown' && !isThere(known)) {
+      return Promise.reject(new AsipError('NotThere', `${where}: ${board} is ${words(known)}; nothing was sent`, { ...names, reason: 'board-not-there' }));
+    }
+    if (this.open.size >= MAX_OPEN) return Promise.reject(new AsipError('Refused', `${where}: ${MAX_OPEN} commands wait already`, { ...names, reason: 'queue-full' }));
+    const id = `${this.client}-${this.count += 1}`;
+    const asked = now();
+    const request = makeRequest(members, { replyTo: this.topics.reply(board), id, timeout, clock: this.clocks.reading(board, asked), by, hold });
+    return new Promise((resolve, reject) => {
+      const call = {
+        board, service, where, asked,
+        end: (error, answer) => {
+          clearTimeout(call.timer);
+          this.open.delete(id);
+          if (error) reject(error); else resolve(answer);
+        },
+      };
+      call.timer = setTimeout(() => call.end(new AsipError('Unproven', `${where}: no answer; it may or may not have been executed`, { ...names, sent: null, reason: 'no-answer' })),
+        (timeout + GRACE_SECONDS) * 1000);
+      this.open.set(id, call);
+      this.publish(service ? this.topics.command(board, service) : this.topics.lines(board), request, timeout);
+    });
+  }
+
+  // Calls `take(payload, retained)` for each report; returns a function that ends it.
+  onValue(board, service, hz, take) {
+    const topic = this.topics.event(board, service);
+    const takers = this.values.get(topic) || new Set();
+    this.values.set(topic, takers.add(take));
+    if (takers.size === 1 && this.link?.connected) this.link.subscribe(topic, { qos: 0 });
+    const demands = this.demands.get(board) || new Map();
+    this.demands.set(board, demands.set(take, [service, hz]));
+    this.demand(board);
+    if (this.newest.has(topic)) setImmediate(() => takers.has(take) && take(this.newest.get(topic), true));
+    return () => {
+      takers.delete(take);
+      demands.delete(take);
+      if (takers.size === 0) {
+        this.values.delete(topic);
+        this.newest.delete(topic);
+        if (this.link?.connected) this.link.unsubscribe(topic);
+      }
+      this.demand(board);
+    };
+  }
+
+  // Says what is wanted of a board that reports on demand.
+  demand(board) {
+    const demands = this.demands.get(board);
+    const known = this.boards.get(board);
+    if (!this.ready || !demands || !known?.description.on_demand) return;
+    const services = {};
+    for (const [service, hz] of demands.values()) services[service] = Math.max(hz, services[service] || 0);
+    this.publish(this.topics.demand(board), { services, lease: LEASE_SECONDS }, LEASE_SECONDS);
+    if (demands.size === 0) this.demands.delete(board);
+  }
+
+  onMessage(topic, payload, packet) {
+    const levels = this.topics.split(topic);
+    if (!levels) return;
+    if (topic === this.topics.own()) this.onReady();
+    else if (levels[0] === 'reply') this.onReply(topic, payload);
+    else if (levels[0] === 'servicebus' && levels.length === 3) {
+      const expiry = packet.properties?.messageExpiryInterval;
+      this.changed(levels[2] === '$state' ? this.boards.onState(levels[1], payload, now())
+        : this.boards.onDescription(levels[1], payload, packet.retain, expiry, now()));
+    } else if (this.values.has(topic)) {
+      const value = readObject(payload);
+      if (!value) return;
+      this.newest.set(topic, value);
+      for (const take of [...this.values.get(topic)]) take(value, false);
+    }
+  }
+
+  onReady() {
+    if (this.ready) return;
+    clearTimeout(this.hello);
+    this.ready = true;
+    this.failures = 0;
+    for (const board of this.demands.keys()) this.demand(board);
+    this.emit('connected');
+  }
+
+  onReply(topic, payload) {
+    const answer = readObject(payload);
+    const call = answer && typeof answer.id === 'string' ? this.open.get(answer.id) : undefined;
+    if (!call || topic !== this.topics.reply(call.board)) return;
+    this.clocks.note(call.board, answer.clock, call.asked, now());
+    call.end(errorOf(answer, call.board, call.service), answer);
+  }
+
+  changed(board) {
+    if (!board) return;
+    if (this.demands.has(board.name)) this.demand(board.name);
+    this.emit('board', board);
+  }
+
+  tick() {
+    for (const board of this.boards.expire(now())) this.changed(board);
+    this.ticks = (this.ticks || 0) + 1;
+    if (this.ticks % (LEASE_SECONDS / 3) === 0) for (const board of this.demands.keys()) this.demand(board);
+  }
+}
+
+module.exports = { Bus };

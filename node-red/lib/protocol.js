@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+// Names, topics, requests, answers and agents' clocks: docs/service-bus.md. Pure; tested with the vectors of tests/vectors/bus.json.
+'use strict';
+
+const NAME = /^[A-Za-z0-9._-]{1,64}$/;
+
+const validName = (name) => NAME.test(name) && name !== '.' && name !== '..';
+const validBoard = (name) => validName(name) && name !== 'servicebus' && name !== 'registry';
+
+// A user of the broker as one level of a topic.
+const userLevel = (user) => (!user || /[\u0000-\u001f\u007f+#/]/.test(user) ? '$nobody' : user);
+
+// All topics of one program. `client` is a name that no other program has.
+function makeTopics(root, user, client) {
+  const reply = (asked) => `${root}/reply/${userLevel(user)}/${asked}/${client}`;
+  return {
+    state: (board) => `${root}/servicebus/${board}/$state`,
+    description: (board) => `${root}/servicebus/${board}/$description`,
+    demand: (board) => `${root}/servicebus/${board}/$demand/${userLevel(user)}/${client}`,
+    probe: () => `${root}/servicebus/$probe`,
+    lines: (board) => `${root}/${board}/in`,
+    command: (board, service) => `${root}/${board}/${service}/in`,
+    stop: (board) => `${root}/${board}/$stop`,
+    event: (board, service) => `${root}/${board}/${service}/out`,
+    fault: (board, service) => `${root}/${board}/${service}/error`,
+    reply,
+    replies: () => reply('+'),
+    own: () => reply('$self'),
+    // The levels below the root; null for another topic.
+    split: (topic) => (topic.startsWith(`${root}/`) ? topic.slice(root.length + 1).split('/') : null),
+  };
+}
+
+const milliseconds = (seconds) => Math.min(60000, Math.max(50, Math.round(seconds * 1000)));
+
+// A request as an object: everything stands in the JSON, because bridges of MQTT 3.1.1 drop properties of MQTT 5.
+function makeRequest(members, { replyTo, id, timeout, clock, by, hold }) {
+  const request = { ...members, reply_to: replyTo, id };
+  if (timeout !== undefined) request.deadline_ms = milliseconds(timeout);
+  if (hold !== undefined) request.hold_ms = milliseconds(hold);
+  if (clock !== undefined) request.clock = clock;
+  if (by !== undefined) request.by = by;
+  return request;
+}
+
+// Why a command was not executed for certain. `sent`: false, the board has not seen it; true, it refused it; null, nobody knows.
+class AsipError extends Error {
+  constructor(kind, text, { sent = false, reason, code, board, service } = {}) {
+    super(text);
+    this.name = this.kind = kind; // BoardError, Refused, NotThere, Invalid, Unproven, Disconnected
+    Object.assign(this, { sent, reason, code, board, service });
+  }
+}
+
+const UNPROVEN = {
+  doubt: 'something on the line to the board was lost or damaged',
+  partly: 'some of its lines were sent and others were not',
+  'no-value': 'executed, but the value that was asked for did not come',
+};
+
+// The error that a final answer stands for; null where its status is "ok".
+function errorOf(answer, board, service) {
+  const where = service ? `${board}/${service}` : board;
+  const { status, reason } = answer;
+  const names = { board, service, reason };
+  if (status === 'ok') return null;
+  if (status === 'error') {
+    const code = Number.isInteger(answer.code) ? answer.code : 0;
+    return new AsipError('BoardError', `${where}: the board refused it: ${answer.error || 'no reason given'} (error ${code})`, { ...names, sent: true, code });
+  }
+  if (status === 'refused') {
+    const kind = { 'board-not-there': 'NotThere', invalid: 'Invalid' }[reason] || 'Refused';
+    return new AsipError(kind, `${where}: not sent to the board: ${answer.error || reason}`, names);
+  }
+  const why = status === 'timeout' ? UNPROVEN[reason] || 'the board gave no proof in time' : 'the answer cannot be read';
+  return new AsipError('Unproven', `${where}: ${why}; it may or may not have been executed`, { ...names, sent: null });
+}
+
+// What this program knows of the clocks of the agents that it commands. Times are seconds of a monotonic clock.
+class Clocks {
+  constructor() { this.ahead = new Map(); }
+
+  note(board, reading, asked, answered) {
+    const parts = typeof reading === 'string' && reading.length <= 64 ? /^([^-]+)-([0-9]+)$/.exec(reading) : null;
+    if (!parts) return;
+    const known = this.ahead.get(board);
+    const most = (Number(parts[2]) + 1) / 1000 - asked;
+    const least = Number(parts[2]) / 1000 - answered;
+    if (known && known.start === parts[1] && known.most >= least && most >= known.most) return;
+    if (!known && this.ahead.size >= 16384) this.ahead.clear();
+    this.ahead.set(board, { start: parts[1], most });
+  }
+
+  // What the clock shows at `now`, never less than it does; empty: not known.
+  reading(board, now) {
+    const known = this.ahead.get(board);
+    return known ? `${known.start}-${Math.max(0, Math.floor((now + known.most) * 1000 + 1e-6))}` : '';
+  }
+}
+
+// A JSON object of a payload; null for anything else.
+function readObject(payload, limit = 1 << 20) {
+  if (payload.length > limit) return null;
+  try {
+    const value = JSON.parse(payload.toString());
+    return value && typeof value === 'object' && !Array.isArray(value) ? value : null;
+  } catch {
+    return null;
+  }
+}
+
+// Whether a name fits a pattern with * and ?.
+function matches(pattern, name) {
+  const text = pattern.replace(/[.+^${}()|[\]\\]/g, '\\$&').replace(/\*/g, '.*').replace(/\?/g, '.');
+  return new RegExp(`^${text}$`).test(name);
+}
+
+module.exports = { validName, validBoard, makeTopics, makeRequest, AsipError, errorOf, Clocks, readObject, matches };

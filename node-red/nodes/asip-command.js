@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+'use strict';
+
+const { outcome, withBus } = require('../lib/node');
+
+module.exports = (RED) => {
+  RED.nodes.registerType('asip-command', function AsipCommand(config) {
+    RED.nodes.createNode(this, config);
+    const bus = withBus(RED, this, config);
+    let last = Promise.resolve(); // one after the other, so that their order is kept
+    this.on('input', (msg, send, done) => {
+      if (!bus) return done(new Error('no bus is chosen'));
+      let args;
+      try {
+        args = config.args ? RED.util.evaluateNodeProperty(config.args, 'json', this, msg) : msg.payload;
+      } catch (error) {
+        return done(new Error(`the arguments are no JSON: ${error.message}`));
+      }
+      const board = msg.board || config.board;
+      const service = msg.service || config.service;
+      const command = msg.command || config.command;
+      const ends = outcome(this, bus, board, msg, send, done);
+      const hold = Number(config.hold) > 0 ? Number(config.hold) : undefined;
+      ends.began();
+      last = last.then(() => bus.command(board, service, { [command]: args ?? null }, { timeout: Number(config.timeout) || 5, hold }))
+        .then(ends.executed, ends.failed);
+      return undefined;
+    });
+  });
+};

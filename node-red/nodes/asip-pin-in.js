@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+'use strict';
+
+const { whenThere, withBus } = require('../lib/node');
+
+module.exports = (RED) => {
+  RED.nodes.registerType('asip-pin-in', function AsipPinIn(config) {
+    RED.nodes.createNode(this, config);
+    const pin = Number(config.pin);
+    const mode = config.mode || 'input-pullup';
+    const event = mode === 'analog' ? 'analog' : 'digital';
+    let level;
+    withBus(RED, this, config, (bus) => {
+      const noValues = bus.onValue(config.board, 'io', 10, (payload) => {
+        const value = payload[event]?.[pin];
+        if (value === undefined || value === level) return;
+        const first = level === undefined;
+        level = value;
+        if (first && !config.initial) return;
+        const shown = event === 'digital' ? Boolean(value) !== Boolean(config.invert) : value;
+        this.send({ topic: `${config.board}/pin/${pin}`, payload: shown, retained: first });
+      });
+      // The mode is set again each time the board comes back: a board that restarted has forgotten it.
+      const noMode = whenThere(bus, config.board, () => {
+        bus.command(config.board, 'io', { mode: [pin, mode] }).catch((error) => this.error(error.message, {}));
+      });
+      return () => { noValues(); noMode(); };
+    });
+  });
+};

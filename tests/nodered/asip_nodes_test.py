@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The nodes of node-red/ in a real Node-RED, with a real bus and simulated boards."""
+
+import json
+import re
+import shutil
+import signal
+import sys
+import unittest
+import urllib.error
+import urllib.request
+
+from bus import BUILD, ROOT, Bus, eventually, free_port
+
+sys.path.insert(0, str(ROOT / "tests" / "browser"))
+from rig import Browser  # noqa: E402
+
+NODE_RED = BUILD / "node-red" / "node_modules" / "node-red" / "red.js"
+SETTINGS = """module.exports = {{ uiPort: {port}, uiHost: "127.0.0.1", httpAdminRoot: "/admin", flowFile: "flow.json", credentialSecret: false,
+    telemetry: {{ enabled: false }}, logging: {{ console: {{ level: "info" }} }} }};"""
+
+
+def flow(broker_port):
+    def node(id, type, wires=(), **more):
+        return {"id": id, "type": type, "z": "tab", "x": 1, "y": 1, "wires": [[one] if isinstance(one, str) else list(one) for one in wires], **more}
+
+    def debug(name):
+        return node(name, "debug", active=True, console=True, complete="true", tosidebar=False, name=name)
+    return [
+        {"id": "tab", "type": "tab", "label": "asip"},
+        {"id": "bus", "type": "asip-bus", "broker": f"127.0.0.1:{broker_port}", "root": "asip"},
+        node("button", "asip-pin-in", ["lamp"], bus="bus", board="desk", pin="2", mode="input-pullup", invert=True, initial=True),
+        node("lamp", "asip-pin-out", ["", "", ""], bus="bus", board="lamp", pin="13", mode="output", restore=True),
+        node("value", "asip-value", ["saw-value"], bus="bus", board="desk", service="distance", hz=10, initial=True),
+        debug("saw-value"),
+        node("good", "inject", ["turn"], payload="[0,90]", payloadType="json", props=[{"p": "payload"}], repeat="", once=False),
+        node("bad", "inject", ["turn"], payload="[9,90]", payloadType="json", props=[{"p": "payload"}], repeat="", once=False),
+        node("turn", "asip-command", ["saw-executed", "saw-failed", "saw-unknown"], bus="bus", board="desk", service="servo", command="write", timeout=5),
+        node("report", "inject", ["reporting"], payload="100", payloadType="num", props=[{"p": "payload"}], repeat="", once=False),
+        node("reporting", "asip-command", ["", "", ""], bus="bus", board="desk", service="distance", command="report", timeout=5),
+        node("watch", "asip-boards", ["saw-board"], bus="bus", pattern="la*"),
+        node("catch", "catch", ["saw-caught"], scope=None, uncaught=False),
+        *(debug(name) for name in ("saw-executed", "saw-failed", "saw-unknown", "saw-board", "saw-caught")),
+    ]
+
+
+class Nodes(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.bus = Bus()
+        cls.addClassCleanup(cls.bus.close)
+        package = cls.bus.work / "node_modules" / "@asip-bus" / "node-red-asip"
+        shutil.copytree(ROOT / "node-red", package, ignore=shutil.ignore_patterns("node_modules", "tests"))
+        (cls.bus.work / "node_modules" / "mqtt").symlink_to(BUILD / "node-red" / "node_modules" / "mqtt")
+        (cls.bus.work / "package.json").write_text(json.dumps({"name": "flows", "version": "0.0.1", "dependencies": {"@asip-bus/node-red-asip": "*"}}))
+        (cls.bus.work / "flow.json").write_text(json.dumps(flow(cls.bus.broker_port)))
+        cls.port = free_port()
+        (cls.bus.work / "settings.js").write_text(SETTINGS.format(port=cls.port))
+        cls.bus.start("node-red", "/usr/bin/env", "node", str(NODE_RED), "--userDir", str(cls.bus.work), "--settings", str(cls.bus.work / "settings.js"))
+        eventually(lambda: "Started flows" in cls.log(), "Node-RED's start", 120)
+        eventually(lambda: "[asip-bus:bus] connected" in cls.log(), "the connection to the bus", 60)
+
+    def setUp(self):
+        self.addCleanup(lambda: self._outcome.success or print(self.bus.logs()))
+
+    @classmethod
+    def log(cls):
+        return (cls.bus.work / "node-red.log").read_text(errors="replace")
+
+    def admin(self, path, data=None):
+        with urllib.request.urlopen(urllib.request.Request(f"http://127.0.0.1:{self.port}/admin{path}", data=data, method="POST" if data is not None else "GET"), timeout=30) as answer:
+            return answer.read().decode()
+
+    def shown(self, name):
+        return re.findall(rf"\[debug:{name}\].*?\n(\{{.*?\n\}})", self.log(), re.DOTALL)
+
+    def test_button_of_one_board_lights_the_lamp_of_the_other(self):
+        self.bus.sim("press", "desk/button")
+        eventually(lambda: self.bus.part("lamp/lamp") == "on", "the lamp")
+        self.bus.sim("release", "desk/button")
+        eventually(lambda: self.bus.part("lamp/lamp") == "off", "the lamp out")
+
+    def test_command_is_executed_or_refused_in_the_boards_words(self):
+        self.admin("/inject/good", b"")
+        eventually(lambda: self.shown("saw-executed"), "the message of the first output")
+        self.assertIn(self.bus.part("desk/servo"), ("89", "90", "91"))
+        self.admin("/inject/bad", b"")
+        eventually(lambda: self.shown("saw-failed"), "the message of the second output")
+        self.assertIn("code: 7", self.shown("saw-failed")[-1])
+        eventually(lambda: self.shown("saw-caught"), "the message of the Catch node")
+        self.assertEqual(self.shown("saw-unknown"), [])
+
+    def test_value_with_its_unit(self):
+        self.admin("/inject/report", b"")
+        eventually(lambda: self.shown("saw-value"), "a value")
+        self.assertRegex(self.shown("saw-value")[-1], r"payload: \[ 42, 0 \]")
+        self.assertIn("unit: 'cm'", self.shown("saw-value")[-1])
+
+    def test_board_that_is_lost_and_returns(self):
+        eventually(lambda: any("payload: 'joined'" in one for one in self.shown("saw-board")), "the board")
+        self.bus.end("agent-lamp", signal.SIGKILL)
+        eventually(lambda: any("payload: 'lost'" in one and "agent-gone" in one for one in self.shown("saw-board")), "the loss")
+        self.bus.sim("press", "desk/button")
+        self.bus.start_agent("lamp")
+        eventually(lambda: any("payload: 'returned'" in one for one in self.shown("saw-board")), "the return", 60)
+        self.bus.sim("release", "desk/button")
+        self.bus.sim("press", "desk/button")
+        eventually(lambda: self.bus.part("lamp/lamp") == "on", "the lamp after the return")
+        self.bus.sim("release", "desk/button")
+
+    def test_editor_offers_the_boards_and_services_of_the_bus(self):
+        browser = Browser()
+        self.addCleanup(browser.close)
+        browser.driver.get(f"http://127.0.0.1:{self.port}/admin/")
+        eventually(lambda: browser.run("return Boolean(window.RED?.nodes?.node?.('value'))"), "the editor", 60)
+        self.assertEqual(browser.run("return ['value','command','pin-in','pin-out','boards'].filter((one) => !RED.nodes.getType('asip-' + one))"), [])
+        for dialog in ("value", "turn", "button", "lamp", "watch"):
+            browser.run("RED.editor.edit(RED.nodes.node(arguments[0]))", dialog)
+            eventually(lambda: browser.run("return Boolean(document.querySelector('#node-input-bus'))"), f"the dialog of {dialog}")
+            if dialog == "value":
+                offered = "return [...document.querySelectorAll('#%s option')].map((one) => one.value)"
+                eventually(lambda: sorted(browser.run(offered % "asip-boards")) == ["desk", "lamp"], "the boards")
+                eventually(lambda: "servo" in browser.run(offered % "asip-services"), "the services")
+                browser.screenshot("node-red-value")
+            browser.run("document.querySelector('#node-dialog-cancel').click()")
+            eventually(lambda: not browser.run("return Boolean(document.querySelector('#node-input-bus'))"), "the end of the dialog")
+
+    def test_lists_of_the_editor(self):
+        boards = json.loads(self.admin("/asip/bus/boards"))
+        self.assertEqual(sorted(one["name"] for one in boards), ["desk", "lamp"])
+        self.assertIn("servo", [one["name"] for one in json.loads(self.admin("/asip/bus/services?board=desk"))])
+        self.assertEqual(json.loads(self.admin("/asip/bus/services?board=nowhere")), [])
+        with self.assertRaises(urllib.error.HTTPError) as raised:
+            self.admin("/asip/nowhere/boards")
+        self.assertEqual(raised.exception.code, 503)
+
+
+if __name__ == "__main__":
+    unittest.main()
