@@ -3,6 +3,7 @@
 import os
 import pathlib
 import re
+import signal
 import subprocess
 import sys
 import unittest
@@ -10,7 +11,7 @@ import unittest
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
-from bus import Bus  # noqa: E402
+from bus import Bus, eventually  # noqa: E402
 
 
 class Pages(unittest.TestCase):
@@ -29,6 +30,41 @@ class Pages(unittest.TestCase):
                         self.assertIn("[42, 0]", done.stdout)
                     run += 1
         self.assertGreaterEqual(run, 7)
+
+
+class Examples(unittest.TestCase):
+    def setUp(self):
+        self.real = Bus()
+        self.addCleanup(self.real.close)
+
+    def start(self, name, *arguments):
+        environment = {**os.environ, "ASIP_BROKER": f"127.0.0.1:{self.real.broker_port}", "PYTHONPATH": str(HERE.parent)}
+        program = subprocess.Popen([sys.executable, "-u", ROOT / "examples" / name, *arguments], env=environment, stdout=subprocess.PIPE, text=True)
+        self.addCleanup(lambda: (program.kill(), program.communicate()))
+        return program
+
+    def lights(self, part):
+        eventually(lambda: self.real.part(part) == "off", f"{part} is off")
+        self.real.sim("press", "desk/button")
+        eventually(lambda: self.real.part(part) == "on", f"{part} is on")
+        self.real.sim("release", "desk/button")
+        eventually(lambda: self.real.part(part) == "off", f"{part} is off again")
+
+    def test_two_board_switch(self):
+        program = self.start("two_board_switch.py")
+        self.lights("lamp/lamp")
+        self.real.end("agent-desk", signal.SIGKILL)  # the board's cable, as it were
+        self.real.sim("press", "desk/button")
+        self.real.start_agent("desk")
+        eventually(lambda: self.real.part("lamp/lamp") == "on", "the lamp shows the level when the board returns", 60)
+        program.send_signal(signal.SIGTERM)
+        self.assertEqual(program.wait(10), 0)
+
+    def test_lamp(self):
+        program = self.start("lamp.py", "desk")
+        self.assertEqual(program.stdout.readline(), "desk is online\n")
+        self.assertEqual(program.stdout.readline(), "distance [42, 0] cm\n")
+        self.lights("desk/led")
 
 
 if __name__ == "__main__":

@@ -232,7 +232,7 @@ TEST_F(SecuredBus, NobodyWithoutPassword_GetsIn) {
 TEST_F(SecuredBus, PythonWithPlainMqtt_CommandsTheBoardAndTrustsNoOtherAuthority) {
     const auto lamp = [this](const std::string& ca, const std::string& password) {
         return std::make_unique<ChildProcess>(
-            std::vector<std::string>{"/usr/bin/python3", "-u", ASIP_TEST_SOURCE "/examples/lamp.py", "uno",
+            std::vector<std::string>{"/usr/bin/python3", "-u", ASIP_TEST_SOURCE "/examples/plain_mqtt.py", "uno",
                                      "127.0.0.1", std::to_string(broker_.port())},
             std::map<std::string, std::string>{
                 {"ASIP_USER", "operator"}, {"ASIP_PASSWORD", password}, {"ASIP_CA", ca}});
