@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The file VERSION is what programs, packages, images, libraries and the HTTP API say: versions.py ROOT BIN"""
+import os
+import re
+import subprocess
+import sys
+
+ROOT, BIN = sys.argv[1:]
+PROGRAMS = ("asip-agent", "asip-gateway", "asip-load", "asip-registry", "asipctl", "asip-sim")
+# Files that no build may write: each with what stands before the version.
+REPEATED = {
+    "debian/changelog": r"\Aasip \(",
+    "docker/Containerfile": r"^ARG VERSION=",
+    "firmware/library.properties": r"^version=",
+    "firmware/library.json": r'^  "version": "',
+    "python/asip/_version.py": r'^__version__ = "',
+    "CHANGELOG.md": r"^## (?:Unreleased \()?",
+}
+PATTERN = r"(\d+\.\d+\.\d+(?:~[a-z0-9]+)?)"
+
+
+def text(name):
+    with open(os.path.join(ROOT, name)) as file:
+        return file.read()
+
+
+version = text("VERSION").strip()
+said = {}
+for name, before in REPEATED.items():
+    found = re.search(before + PATTERN, text(name), re.M)
+    said[name] = found and found[1]
+for program in PROGRAMS:
+    output = subprocess.run([os.path.join(BIN, program), "--version"], capture_output=True, text=True, timeout=30, check=True).stdout
+    found = re.search(PATTERN, output)
+    said[program] = found and found[1]
+faults = [f"{name}: {found}, but VERSION says {version}" for name, found in said.items() if found != version]
+print("\n".join(faults + [f"{len(said)} places, {len(faults)} faults"]))
+sys.exit(1 if faults else 0)
