@@ -44,11 +44,15 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
     "$<BUILD_INTERFACE:$<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict;-Wno-stringop-overflow;-Wno-array-bounds>>")
 endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "^arm")
+    # GCC notes at each call what GCC 7 changed.
+    target_compile_options(asip_options INTERFACE $<BUILD_INTERFACE:-Wno-psabi>)
+  endif()
   # For all, not for those alone that use coroutines: precompiled headers are compiled with the same language.
   target_compile_options(asip_options INTERFACE $<BUILD_INTERFACE:$<$<COMPILE_LANGUAGE:CXX>:-fcoroutines>>)
-  # The compiler collects its garbage from 1 GiB (in kB) on: before, that was a tenth of its time.
+  # From when on the compiler collects its garbage: that is a tenth of its time otherwise.
   target_compile_options(asip_options INTERFACE
-    "$<BUILD_INTERFACE:$<$<COMPILE_LANGUAGE:CXX>:SHELL:--param ggc-min-heapsize=1048576>>")
+    "$<BUILD_INTERFACE:$<$<COMPILE_LANGUAGE:CXX>:SHELL:--param ggc-min-heapsize=${ASIP_COMPILER_HEAP}>>")
 endif()
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # Several sources are compiled as one: what each keeps to itself looks as if it stood in a header.

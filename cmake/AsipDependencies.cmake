@@ -49,7 +49,7 @@ endfunction()
 # The same for the compiler's own libraries. A program that slept is faster, too: it has fewer pages to find again.
 # Its own addresses, which each start corrects, are then noted in a kilobyte in place of 150.
 include(CheckLinkerFlag)
-check_linker_flag(CXX "LINKER:-z,pack-relative-relocs" ASIP_PACKS_RELOCATIONS)
+check_linker_flag(CXX "LINKER:--fatal-warnings,-z,pack-relative-relocs" ASIP_PACKS_RELOCATIONS)
 function(asip_prefer_static_runtime program)
   if(ASIP_STATIC AND NOT ASIP_SANITIZE)
     target_link_options(${program} PRIVATE -static-libstdc++ -static-libgcc)

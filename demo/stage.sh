@@ -67,7 +67,7 @@ within() { # within SECONDS WHAT COMMAND...: tries until it succeeds
 
 step() { # ASIP_DEMO_PAUSE: seconds before each, for who watches a recording
     sleep "${ASIP_DEMO_PAUSE:-0}"
-    printf '\n\033[1m%s\033[0m\n' "$1"
+    if [ -t 1 ]; then printf '\n\033[1m%s\033[0m\n' "$1"; else printf '\n%s\n' "$1"; fi
 }
 show() { # prints a command as a person would type it, then runs it
     printf '$ %s\n' "$*"
