@@ -14,6 +14,7 @@ REPEATED = {
     "firmware/library.properties": r"^version=",
     "firmware/library.json": r'^  "version": "',
     "python/asip/_version.py": r'^__version__ = "',
+    "node-red/package.json": r'^  "version": "',
     "CHANGELOG.md": r"^## (?:Unreleased \()?",
 }
 PATTERN = r"(\d+\.\d+\.\d+(?:~[a-z0-9]+)?)"
