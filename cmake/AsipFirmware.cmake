@@ -16,7 +16,10 @@ set(asip_avr_c -std=gnu11 -fno-fat-lto-objects ${asip_avr_common})
 set(asip_avr_cxx -std=gnu++11 -fpermissive -fno-exceptions -fno-threadsafe-statics -Wno-error=narrowing
   ${asip_avr_common})
 # The pin macros of the core compare an unsigned pin with 0.
-set(asip_avr_warnings -Wall -Wextra -Wno-type-limits -Werror)
+set(asip_avr_warnings -Wall -Wextra -Wno-type-limits)
+if(ASIP_WERROR)
+  list(APPEND asip_avr_warnings -Werror)
+endif()
 
 set(asip_library_sources
   AsipBump.cpp
