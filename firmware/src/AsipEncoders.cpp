@@ -52,35 +52,36 @@ Error Encoders::processRequest(Request&) {
 
 void Encoders::onPinChange() {
     Wheel* wheel = counting->wheels_;
-    for (uint8_t left = counting->count(); left != 0; --left, ++wheel)
-        if (wheel->first.isConnected()) look(*wheel);
+    uint32_t now = 0;  // one for all: reading the clock takes most of the time of an edge
+    for (uint8_t left = counting->count(); left != 0; --left, ++wheel) {
+        if (!wheel->first.isConnected() || wheel->first.isHigh() == wheel->wasHigh) continue;
+        if (now == 0) now = micros() | 1;
+        countEdge(*wheel, now);
+    }
 }
 
-void Encoders::look(Wheel& wheel) {
-    const bool high = wheel.first.isHigh();
-    if (high == wheel.wasHigh) return;
+void Encoders::countEdge(Wheel& wheel, uint32_t now) {
+    const bool high = !wheel.wasHigh;
     wheel.wasHigh = high;
     if (high != wheel.second.isHigh()) {
         ++wheel.steps;
     } else {
         --wheel.steps;
     }
-    if (!high) return;
-    const uint32_t now = micros() | 1;
-    if (wheel.rose != 0) wheel.cycle = now - wheel.rose;
-    wheel.rose = now;
+    if (wheel.changed != 0) wheel.pulse = now - wheel.changed;
+    wheel.changed = now;
 }
 
 void Encoders::reportValue(uint8_t index) {
     Wheel& wheel = wheels_[index];
     noInterrupts();
     const int32_t steps = wheel.steps;
-    const uint32_t cycle = wheel.cycle;
+    const uint32_t pulse = wheel.pulse;
     wheel.steps = 0;
     interrupts();
-    out.longNumber(cycle);
+    out.longNumber(pulse);
     out.character(':');
-    out.signedLongNumber(steps);
+    out.signedLongNumber(isMirrored(index) ? -steps : steps);
 }
 
 void Encoders::poll() {

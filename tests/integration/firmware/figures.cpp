@@ -144,7 +144,7 @@ double lost_steps() {
         add(milliseconds(1));
     }
     add(milliseconds(100));
-    return static_cast<double>(std::labs(8000 - left) + std::labs(-8000 - right));
+    return static_cast<double>(std::labs(8000 - left) + std::labs(8000 - right));
 }
 
 double latest_report() {
