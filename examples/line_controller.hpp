@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a line follower decides: three reflectance values in, the power of two motors out. No clock, no board.
+// As on the published robot, IR 0 is the right sensor, motor 0 the left one, and motor 1 is mounted the other
+// way round.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -22,7 +24,7 @@ class LineController {
     double error(std::array<int, 3> sensors) {
         for (int& value : sensors)
             if (value < gains_.cutoff) value = 0;
-        const auto [left, middle, right] = sensors;
+        const auto [right, middle, left] = sensors;
         const int sum = left + middle + right;
         if (sum > 0) error_ = (2000.0 * middle + 4000.0 * right) / sum - 2000;
         return error_;

@@ -26,10 +26,10 @@ def motor(percent):
 
 
 def drive(sensors):
-    """Powers for the left and the right motor; the right one is mounted the other way round."""
+    """Powers for the left and the right motor; the right one is mounted the other way round. IR 0 is the right sensor."""
     global error, total
     before = error
-    left, middle, right = (value if value >= options.cutoff else 0 for value in sensors)
+    right, middle, left = (value if value >= options.cutoff else 0 for value in sensors)
     if left + middle + right > 0:
         error = (2000 * middle + 4000 * right) / (left + middle + right) - 2000
     total += error

@@ -25,14 +25,14 @@ struct RoverPins {
     std::vector<int> motors{8, 11, 5, 12, 13, 6};  ///< of each motor: forward, backward, power; left, right
     std::vector<int> encoders{3, 7, 2, 4};
     std::vector<int> bumps{9, 10};                 ///< left, right; low while pressed
-    std::vector<int> reflectance{14, 15, 16, 17};  ///< emitters; left, middle, right
+    std::vector<int> reflectance{14, 17, 16, 15};  ///< emitters; left, middle, right: IR 0 is the right one
     int servo = 18;
     int distance = 19;  ///< an ultrasonic sensor with one pin, turned by the servo
     std::optional<world::Pose> pose;
     double start = 0;  ///< where there is no pose: millimetres along the line
 };
 
-/// The second wheel is mounted the other way round: forwards is backwards for its motor and encoder.
+/// The right wheel is mounted the other way round: forwards is backwards for its motor and encoder.
 constexpr std::array<double, 2> kMounted = {1, -1};
 constexpr double kAmbientMillivolts = 5000;  // without its emitters a sensor sees nothing come back
 constexpr double kStepSeconds = 0.001;

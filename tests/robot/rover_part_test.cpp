@@ -75,10 +75,10 @@ TEST(RoverPart, PowersAsPublished_DriveForwardsWithBothEncodersAgreeing) {
     const auto after = mirto.world->state(0);
     // A turn a second at half of 120 rpm; 32 cycles and 64 steps a turn
     EXPECT_NEAR(after.wheels[0].speed, 128 / 255.0 * 4 * 3.14159, 0.001);
-    EXPECT_NEAR(static_cast<double>(pulse[0]), 1e6 / 32 * 127.5 / 128, 20);
+    EXPECT_NEAR(static_cast<double>(pulse[0]), 1e6 / 64 * 127.5 / 128, 20);
     EXPECT_EQ(pulse[0], pulse[1]);
     EXPECT_NEAR(static_cast<double>(steps[0]), 64 * 128 / 127.5 * 1.02, 3);
-    EXPECT_EQ(steps[1], -steps[0]);
+    EXPECT_EQ(steps[1], steps[0]) << "as ASIP 0.4 counts them";
     EXPECT_GT(after.pose.at.x, before.pose.at.x + 180);
     EXPECT_NEAR(after.pose.at.y, before.pose.at.y, 0.001);
 }
@@ -96,7 +96,7 @@ TEST(RoverPart, Encoders_CountWhatTheWheelsTurnedToTheStep) {
     ASSERT_EQ(std::sscanf(line.c_str(), "@E,e,2,{%*d:%ld,%*d:%ld}", &steps[0], &steps[1]), 2) << line;
     const auto wheels = mirto.world->state(0).wheels;
     EXPECT_NEAR(static_cast<double>(steps[0]), wheels[0].turned / (2 * 3.14159265) * 4000, 1);
-    EXPECT_NEAR(static_cast<double>(steps[1]), -wheels[1].turned / (2 * 3.14159265) * 4000, 1);
+    EXPECT_NEAR(static_cast<double>(steps[1]), wheels[1].turned / (2 * 3.14159265) * 4000, 1);
 }
 
 TEST(RoverPart, Reflectance_IsSeenWhileTheEmittersAreOn) {
@@ -104,14 +104,14 @@ TEST(RoverPart, Reflectance_IsSeenWhileTheEmittersAreOn) {
     mirto.ask("R,A,50");
     const auto line = mirto.event('R');
     int left = 0, middle = 0, right = 0;
-    ASSERT_EQ(std::sscanf(line.c_str(), "@R,e,3,{%d,%d,%d}", &left, &middle, &right), 3) << line;
+    ASSERT_EQ(std::sscanf(line.c_str(), "@R,e,3,{%d,%d,%d}", &right, &middle, &left), 3) << line;
     EXPECT_NEAR(middle, 900, 1);
     EXPECT_EQ(left, right);
     EXPECT_LT(left, 600);
     // The board's own look at a sensor finds the emitters off
     ASSERT_TRUE(mirto.board->part("rover").command("place", "240 10.5 0"));
     const auto aside = mirto.event('R');
-    EXPECT_EQ(std::sscanf(aside.c_str(), "@R,e,3,{%d,%d,%d}", &left, &middle, &right), 3);
+    EXPECT_EQ(std::sscanf(aside.c_str(), "@R,e,3,{%d,%d,%d}", &right, &middle, &left), 3);
     EXPECT_NEAR(left, 25, 1);
     EXPECT_NEAR(right, 900, 1);
     EXPECT_EQ(mirto.board->pin(14), sim::Level::kLow);
