@@ -75,6 +75,7 @@ void Bridge::receive(std::string_view bytes, Time now, Effects& out) {
     perform(actions, now, out);
     send_safe_lines(now, out);
     send_periods(now, out);
+    if (port_.phase() == PortLoan::Phase::kMakingSafe) tick_port(now, out);
 }
 
 void Bridge::line_rate_set(bool ok, Time now, Effects& out) {
@@ -304,6 +305,12 @@ bool Bridge::release_holds(Time now, Effects& out) {
     const bool pending = safety_.release_all();
     send_safe_lines(now, out);
     return pending && session_.accepts_requests();
+}
+
+void Bridge::leave_line(Time now, Effects& out) {
+    session::Actions actions;
+    session_.leave(session::Leave::kOnceQuiet, now, actions);
+    perform(actions, now, out);
 }
 
 void Bridge::goodbye(Time now, Effects& out) {

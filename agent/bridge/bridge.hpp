@@ -115,6 +115,9 @@ class Bridge {
     bool release_holds(Time now, Effects& out);
     /// Whether the board has confirmed all that makes it safe.
     bool is_safe() const { return !safety_.pending(); }
+    /// Gives the line back to the rate at which the next program expects the board; before the goodbye.
+    void leave_line(Time now, Effects& out);
+    bool has_left_line() const { return session_.state() == session::BoardSession::State::kDown; }
     /// Ends every open command, publishes `offline`. Nothing is to be called afterwards.
     void goodbye(Time now, Effects& out);
 

@@ -41,7 +41,10 @@ bool Bridge::take_port_request(const mqtt::Message& message, Time arrival, Time 
 }
 
 void Bridge::tick_port(Time now, Effects& out) {
-    if (port_.phase() == PortLoan::Phase::kMakingSafe && is_safe()) return let_go_of_port(now, out);
+    if (port_.phase() == PortLoan::Phase::kMakingSafe && is_safe()) {
+        leave_line(now, out);
+        if (has_left_line()) return let_go_of_port(now, out);
+    }
     const auto before = port_.phase();
     const bool silent = port_.tick(now, out);
     if (before == PortLoan::Phase::kMakingSafe && port_.is_away()) return let_go_of_port(now, out);

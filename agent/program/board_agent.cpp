@@ -18,6 +18,7 @@ constexpr Duration kGoodbye = std::chrono::milliseconds(700);
 constexpr Duration kSilentAtStart = std::chrono::milliseconds(3500);
 // What is held is undone before the goodbye; a board that does not answer is not waited for longer.
 constexpr Duration kMakeSafe = std::chrono::milliseconds(500);
+constexpr Duration kLeaveLine = std::chrono::milliseconds(400);
 constexpr Duration kLookAgain = std::chrono::milliseconds(5);
 
 link::StreamTarget stream_target(const AgentOptions& options) {
@@ -246,10 +247,22 @@ void BoardAgent::end_once_safe(std::function<void()> end) {
 
 void BoardAgent::wait_until_safe(Time limit, std::function<void()> end) {
     if (stopping_) return;
-    if (bridge_.is_safe() || !bridge_.session().accepts_requests() || Clock::now() >= limit) return end();
+    if (bridge_.is_safe() || !bridge_.session().accepts_requests() || Clock::now() >= limit) {
+        with_bridge([&](Time now, Effects& out) { bridge_.leave_line(now, out); });
+        return wait_until_left(Clock::now() + kLeaveLine, std::move(end));
+    }
     safe_timer_.expires_after(kLookAgain);
     safe_timer_.async_wait([this, limit, end = std::move(end)](boost::system::error_code error) mutable {
         if (!error) wait_until_safe(limit, std::move(end));
+    });
+}
+
+void BoardAgent::wait_until_left(Time limit, std::function<void()> end) {
+    if (stopping_) return;
+    if (bridge_.has_left_line() || Clock::now() >= limit) return end();
+    safe_timer_.expires_after(kLookAgain);
+    safe_timer_.async_wait([this, limit, end = std::move(end)](boost::system::error_code error) mutable {
+        if (!error) wait_until_left(limit, std::move(end));
     });
 }
 

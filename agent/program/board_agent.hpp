@@ -67,6 +67,7 @@ class BoardAgent {
     void note_running();
     void end_once_safe(std::function<void()> end);
     void wait_until_safe(Time limit, std::function<void()> end);
+    void wait_until_left(Time limit, std::function<void()> end);
     void finish(int status);
     void link_opened(const link::StreamOpened& opened);
     void link_lost(const link::StreamError& error);

@@ -184,6 +184,13 @@ void DirectTransport::close() {
     deadline_.cancel();
     calls_.finish_all({Error::Kind::kClosed, 0, "the board was closed"});
     if (link_) {
+        session::Actions actions;
+        session_.leave(session::Leave::kAtOnce, Clock::now(), actions);
+        for (const auto& action : actions) {
+            if (const auto* write = std::get_if<session::Write>(&action)) {
+                link_->write(write->bytes);
+            }
+        }
         link_->stop();
     }
 }

@@ -20,6 +20,9 @@ void BoardSession::link_down(Time now, Actions& out) {
 void BoardSession::receive(std::string_view bytes, Time now, Actions& out) {
     machine_->receive(bytes, now, out);
 }
+void BoardSession::leave(Leave how, Time now, Actions& out) {
+    machine_->leave(how, now, out);
+}
 void BoardSession::tick(Time now, Actions& out) {
     machine_->tick(now, out);
 }

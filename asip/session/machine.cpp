@@ -39,6 +39,7 @@ void Machine::link_up(const LinkTraits& traits, Time now, Actions& out) {
     reports_.clear();
     banner_services_.clear();
     rates_.forget_bad();
+    leaving_.reset();
     restore_ = known_;
     search(traits.restarting ? now + kBootTime : now, now, out);
 }
@@ -134,6 +135,7 @@ void Machine::become_ready(Time now, Actions& out) {
 }
 
 void Machine::board_restarted(std::string why, Time now, Actions& out) {
+    if (leaving_) return has_left();  // nothing is to be given back
     if (!std::holds_alternative<Identifying>(state_)) progress_at_ = now;
     ++counters_.resets;
     out.emplace_back(BoardReset{std::move(why)});
@@ -167,7 +169,7 @@ Expected<RequestId, Refusal> Machine::submit(std::string_view line, const Reques
         line.remove_suffix(1);
     if (!may_be_sent(line)) return Unexpected<Refusal>(Refusal::kInvalid);
     const auto parsed = protocol::parse_request(line);
-    if (!there_) return Unexpected<Refusal>(Refusal::kNoBoard);
+    if (!accepts_requests()) return Unexpected<Refusal>(Refusal::kNoBoard);
     if (line.size() > identity_.extensions.longest_request()) return Unexpected<Refusal>(Refusal::kTooLong);
     if (wanted.urgent ? queue_.waiting().urgent() >= BoardSession::kMaxUrgent : room(wanted.client) == 0)
         return Unexpected<Refusal>(Refusal::kQueueFull);
@@ -249,6 +251,7 @@ void Machine::report(std::vector<RequestEnd>& ended, Actions& out) {
 
 void Machine::tick(Time now, Actions& out) {
     if (std::holds_alternative<Down>(state_)) return;
+    if (leaving_ && leaving_->asked && now >= leaving_->until) return has_left();
     if (const auto gone = gone_at(); gone && now >= *gone) return fall_silent(now, out);
     if (!no_answer_reported_ && now >= progress_at_ + options_.patience) {
         no_answer_reported_ = true;
@@ -264,6 +267,7 @@ void Machine::tick(Time now, Actions& out) {
 std::optional<Time> Machine::next_deadline() const {
     if (std::holds_alternative<Down>(state_)) return std::nullopt;
     Time deadline = queue_.next_deadline(options_.answer_timeout);
+    if (leaving_) deadline = std::min(deadline, leaving_->until);
     if (const auto gone = gone_at()) deadline = std::min(deadline, *gone);
     if (!no_answer_reported_) deadline = std::min(deadline, progress_at_ + options_.patience);
     return std::min(deadline, std::visit([&](const auto& state) { return this->deadline(state); }, state_));

@@ -32,7 +32,8 @@ class Machine {
     Expected<RequestId, Refusal> submit(std::string_view line, const RequestOptions& request, Time now,
                                         Actions& out);
     std::size_t cancel_waiting(Actions& out);
-    bool accepts_requests() const { return there_; }
+    void leave(Leave how, Time now, Actions& out);
+    bool accepts_requests() const { return there_ && !leaving_; }
     std::size_t room(ClientId client) const;
     std::optional<Time> next_deadline() const;
 
@@ -116,6 +117,11 @@ class Machine {
     SelfReports self_reports(const Request& request) const;
     void note_report(const protocol::Event& event, Time now);
 
+    // The end (leaving.cpp)
+    void leave_once_quiet(Time now, Actions& out);
+    void give_back(Time now, Actions& out);
+    void has_left();
+
     void on_event(Down&, const protocol::Event&, std::string_view, Time, Actions&) {}
     void on_error(Down&, const protocol::ErrorReply&, std::string_view, Time, Actions&) {}
     void on_garbage(Down&, Time, Actions&) {}
@@ -178,6 +184,11 @@ class Machine {
     std::optional<Time> found_at_;  // its first interview since it was ready
     Time last_byte_{};
     std::optional<Time> asked_at_;  // the first question since the last byte
+    struct Leaving {
+        Time until;  // of this step
+        bool asked;  // to return to the start rate
+    };
+    std::optional<Leaving> leaving_;
 };
 
 }  // namespace asip::session

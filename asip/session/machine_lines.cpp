@@ -91,7 +91,7 @@ void Machine::on_info(const protocol::Info& info, std::string_view line, Time no
     banner_ = true;
     reports_.clear();
     if (banner) banner_services_ = banner->services;
-    if (there_ && !std::holds_alternative<Searching>(state_))
+    if (leaving_ || (there_ && !std::holds_alternative<Searching>(state_)))
         board_restarted("it sent its banner", now, out);
     else
         identify(now, out);

@@ -18,6 +18,7 @@ constexpr Duration kReportsLast = std::chrono::seconds(1);
 }  // namespace
 
 void Machine::on_event(Ready&, const protocol::Event& event, std::string_view line, Time now, Actions& out) {
+    if (leaving_ && leaving_->asked && event.service == '#' && event.tag == 'B') return has_left();
     if (!is_well_formed(event) || queue_.refutes(event)) {
         note_garbage("not the answer to what was asked", line, out);
         damaged();
@@ -61,7 +62,7 @@ void Machine::on_garbage(Ready& state, Time now, Actions& out) {
         state.garbage_since = now;
         state.garbage = 0;
     }
-    if (++state.garbage < kGarbageLimit) {
+    if (++state.garbage < kGarbageLimit || leaving_) {
         queue_.probe();
         return pump(now, out);
     }
@@ -71,7 +72,7 @@ void Machine::on_garbage(Ready& state, Time now, Actions& out) {
 
 void Machine::on_time(Ready&, Time now, Actions& out) {
     if (queue_.stalled()) damaged();
-    if (queue_.lost_fences() >= kLostFenceLimit) return search(now, now, out);
+    if (!leaving_ && queue_.lost_fences() >= kLostFenceLimit) return search(now, now, out);
     if (now >= last_byte_ + options_.silence) queue_.probe();
     pump(now, out);
 }
@@ -81,6 +82,7 @@ Time Machine::deadline(const Ready&) const {
 }
 
 void Machine::pump(Time now, Actions& out) {
+    if (leaving_) return leave_once_quiet(now, out);
     switch_checksums();
     queue_.set_reporting(!reports_.empty() && now < last_report_ + kReportsLast);
     if ((queue_.will_resynchronise() || queue_.urgent_while_stalled()) && has_checksums() &&

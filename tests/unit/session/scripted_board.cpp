@@ -176,6 +176,13 @@ void Bench::unplug() {
     perform(actions);
 }
 
+void Bench::leave(Leave how) {
+    Actions actions;
+    session.leave(how, now, actions);
+    perform(actions);
+    deliver();
+}
+
 void Bench::say_line(const std::string& line) {
     say(board.framed(line));
 }

@@ -85,6 +85,7 @@ class Bench {
 
     void plug(LinkTraits traits = {57600, false});
     void unplug();
+    void leave(Leave how = Leave::kOnceQuiet);
     /// Until the session is ready, at most for `limit` of its time.
     bool ready_within(Duration limit = 10s);
     void pass(Duration time);
