@@ -7,8 +7,8 @@
 
 namespace asip::agent {
 
-void ClientFraming::assume_lines() {
-    if (kind_ == Kind::kUnknown) kind_ = Kind::kLines;
+void ClientFraming::assume(Kind kind) {
+    if (kind_ == Kind::kUnknown) kind_ = kind;
 }
 
 std::vector<std::string> ClientFraming::decode(std::string_view bytes) {

@@ -19,8 +19,8 @@ class ClientFraming {
     explicit ClientFraming(Kind kind = Kind::kUnknown) : kind_(kind), found_(kind != Kind::kUnknown) {}
 
     Kind kind() const { return kind_; }
-    /// It stayed silent: plain lines, unless it sends a frame after all.
-    void assume_lines();
+    /// It stayed silent: this framing, unless it sends another after all.
+    void assume(Kind kind);
 
     /// Request lines that these bytes complete; a frame may hold several lines.
     std::vector<std::string> decode(std::string_view bytes);

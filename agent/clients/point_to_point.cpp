@@ -25,8 +25,10 @@ PointToPoint::PointToPoint(boost::asio::io_context& io, BoardLog& log, Duration 
 
 Expected<std::uint16_t, link::StreamError> PointToPoint::listen(const link::TcpAddress& address,
                                                                 ClientFraming::Kind framing) {
-    auto listener = link::listen_tcp(io_, address,
-                                     [this, framing](auto stream) { accepted(std::move(stream), framing); });
+    using Kind = ClientFraming::Kind;
+    const auto silent = address.port == kJavaPort ? Kind::kFrames : Kind::kLines;
+    auto listener = link::listen_tcp(
+        io_, address, [this, framing, silent](auto stream) { accepted(std::move(stream), framing, silent); });
     if (!listener) return Unexpected<link::StreamError>(listener.error());
     listeners_.push_back(std::move(*listener));
     return listeners_.back()->port();
@@ -51,12 +53,13 @@ bool PointToPoint::make_room() {
     return false;
 }
 
-void PointToPoint::accepted(std::unique_ptr<link::ByteStream> stream, ClientFraming::Kind framing) {
+void PointToPoint::accepted(std::unique_ptr<link::ByteStream> stream, ClientFraming::Kind framing,
+                            ClientFraming::Kind silent) {
     if (!make_room()) return;
     log_.info("client connected", {{"client", stream->describe()}});
     const Time now = Clock::now();
     const auto client = clients_.insert(
-        clients_.end(), Client{next_id_++, std::move(stream), ClientFraming(framing), now, now});
+        clients_.end(), Client{next_id_++, std::move(stream), ClientFraming(framing), silent, now, now});
     client->stream->start({[this, client](std::string_view bytes) { received(*client, bytes); },
                            [this, client](const link::StreamError&) { drop(*client, "closed"); },
                            [this, client] { input_ended(*client); }});
@@ -118,7 +121,7 @@ void PointToPoint::watch_silence() {
     for (Client& client : clients_) {
         if (client.framing.kind() != ClientFraming::Kind::kUnknown) continue;
         if (now >= client.connected + silence_) {
-            client.framing.assume_lines();
+            client.framing.assume(client.silent);
         } else {
             next = std::min(next, client.connected + silence_);
         }

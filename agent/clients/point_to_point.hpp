@@ -39,7 +39,10 @@ class PointToPoint {
     /// When that may have been sent that is read now, where it is long ago.
     using ReadsOld = std::function<std::optional<Time>()>;
 
-    /// `silence`: a client that sent nothing for so long is taken to want plain lines.
+    /// The port of the published Java programs: the silent ones among their clients want frames.
+    static constexpr std::uint16_t kJavaPort = 6789;
+
+    /// `silence`: a client that sent nothing for so long is taken to want plain lines, on kJavaPort frames.
     PointToPoint(boost::asio::io_context& io, BoardLog& log, Duration silence, ReadsOld reads_old,
                  LineHandler on_line);
 
@@ -56,6 +59,7 @@ class PointToPoint {
         session::ClientId id;
         std::unique_ptr<link::ByteStream> stream;
         ClientFraming framing;
+        ClientFraming::Kind silent;  // what it wants if it sends nothing
         Time connected;
         Time heard;
         bool gone = false;  // erased at the next turn of the loop: its handlers may still be running
@@ -70,7 +74,8 @@ class PointToPoint {
     };
     /// When a client that sends no more is closed.
     static Time end_of(const Client& client);
-    void accepted(std::unique_ptr<link::ByteStream> stream, ClientFraming::Kind framing);
+    void accepted(std::unique_ptr<link::ByteStream> stream, ClientFraming::Kind framing,
+                  ClientFraming::Kind silent);
     bool make_room();
     void received(Client& client, std::string_view bytes);
     void give(Client& client);

@@ -30,7 +30,7 @@ struct AgentOptions {
     std::string serial;                  ///< device; empty: `tcp`
     std::string tcp;                     ///< HOST:PORT; empty: `serial`
     std::vector<ListenAddress> listen;   ///< for point-to-point clients
-    Duration listen_silence = std::chrono::seconds(2);
+    Duration listen_silence = std::chrono::seconds(5);
     Duration statistics = std::chrono::seconds(15);  ///< between two documents; 0: none
     unsigned baud = 57600;
     ResetPolicy reset = ResetPolicy::kIfSilent;

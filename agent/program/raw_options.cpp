@@ -104,7 +104,8 @@ void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw
             ->delimiter(',')
             ->group("Point to point"));
     settings.setting(app.add_option("--listen-silence", raw.listen_silence,
-                                    "A client that sent nothing for so long gets plain lines")
+                                    "A client that sent nothing for so long gets plain lines; on port 6789, of the "
+                                    "published Java programs, frames")
                          ->capture_default_str()
                          ->group("Point to point"));
     settings.add_broker_options(raw.broker);

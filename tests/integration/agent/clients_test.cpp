@@ -228,6 +228,32 @@ TEST_F(AgentOnPort, JavaClientThatConnectsWhileTheBoardReports_GetsNothingButFra
     })) << "a client that stays silent gets lines after a while";
 }
 
+// The published program connects, waits 2.5 s, and then sends its first frame.
+TEST(AgentClients, JavaClientThatIsSilentForLongerThanPublishedOnes_ReadsFramesOnItsPort) {
+    MosquittoBroker broker;
+    FakePort fake;
+    BusProbe probe(broker.port(), {"asip/servicebus/#"});
+    const auto other = free_port();
+    Agent agent(broker, fake.path(), {"--listen", "6789," + std::to_string(other)});
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    Socket java(6789), late(other);
+    ASSERT_TRUE(java.connected() && late.connected());
+    std::this_thread::sleep_for(2500ms);
+    fake.say("@I,a,1,{0:1}\r\n");
+    late.send(std::string("\0\3#,N", 5));
+    ASSERT_TRUE(late.receive("@#,N"));
+    EXPECT_EQ(late.received[0], '\0') << "no line was sent to it before";
+    EXPECT_TRUE(wait_until([&] {
+        fake.say("@I,a,1,{0:3}\r\n");
+        return java.receive("@I,a,1,{0:3}", 50ms);
+    })) << "silent for good, and still served";
+    EXPECT_EQ(java.received[0], '\0');
+    Socket plain(6789);
+    plain.send("#,?\n");
+    EXPECT_TRUE(plain.receive("@#,?,0,4,")) << "lines are recognised there, too";
+    EXPECT_EQ(plain.received[0], '@');
+}
+
 TEST(AgentClients, FramingGivenForAPort_IsUsedFromTheFirstByteOn) {
     MosquittoBroker broker;
     FakePort fake;

@@ -40,10 +40,18 @@ TEST(ClientFraming, NothingHeardYet_NothingIsSent) {
 
 TEST(ClientFraming, SilentClient_GetsLinesUntilItSendsAFrame) {
     ClientFraming framing;
-    framing.assume_lines();
+    framing.assume(ClientFraming::Kind::kLines);
     EXPECT_EQ(framing.encode("@x"), "@x\n");
     EXPECT_THAT(framing.decode(std::string("\0\3#,?", 5)), ElementsAre("#,?"));
     EXPECT_EQ(framing.encode("@x"), std::string("\0\2@x", 4));
+}
+
+TEST(ClientFraming, SilentClientOfTheJavaPort_GetsFramesUntilItSendsALine) {
+    ClientFraming framing;
+    framing.assume(ClientFraming::Kind::kFrames);
+    EXPECT_EQ(framing.encode("@x"), std::string("\0\2@x", 4));
+    EXPECT_THAT(framing.decode("#,?\n"), ElementsAre("#,?"));
+    EXPECT_EQ(framing.encode("@x"), "@x\n");
 }
 
 TEST(ClientFraming, FramingGiven_IsNotGuessed) {
