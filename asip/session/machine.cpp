@@ -40,6 +40,7 @@ void Machine::link_up(const LinkTraits& traits, Time now, Actions& out) {
     banner_services_.clear();
     rates_.forget_bad();
     leaving_.reset();
+    renewals_.clear();
     restore_ = known_;
     search(traits.restarting ? now + kBootTime : now, now, out);
 }
@@ -239,7 +240,10 @@ void Machine::report(std::vector<RequestEnd>& ended, Actions& out) {
                     static_cast<protocol::PinMode>(mode->mode);
         }
         if (end.ending == Ending::kBoardError) settings_.refused(end.request.line);
-        if (end.request.tag() == 'A') note_period(end);
+        if (end.request.tag() == 'A') {
+            note_period(end);
+            note_renewed(end.request.service());
+        }
         if (end.request.id == 0) continue;
         out.emplace_back(Finished{end.request.id, end.ending, end.not_sent, end.code, std::move(end.text),
                                   std::move(end.answer)});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -117,6 +118,20 @@ class Machine {
     SelfReports self_reports(const Request& request) const;
     void note_report(const protocol::Event& event, Time now);
 
+    // What boards of ASIP 0.4 stop by themselves (report_renewal.cpp)
+    struct Renewal {
+        Time asked{};     // when the period was last set
+        Time reported{};  // the last report
+        Duration patience{};
+        bool pending = false;  // it is being set
+    };
+    void note_renewed(char service);
+    void renew_behind(char service, Time now);
+    void renew(char service, Renewal& renewal);
+    Time missing_at(char service, const Renewal& renewal) const;
+    void renew_missing(Time now);
+    Time next_renewal() const;
+
     // The end (leaving.cpp)
     void leave_once_quiet(Time now, Actions& out);
     void give_back(Time now, Actions& out);
@@ -178,6 +193,7 @@ class Machine {
         Time at;
     };
     std::vector<NewPeriod> new_periods_;  // the last one of each service
+    std::map<char, Renewal> renewals_;  // of services whose period was set on a board of ASIP 0.4
     Time last_report_{};
     Time progress_at_{};   // while it is not ready: link_up, the end of its being ready, its last answer
     bool banner_ = false;  // one came since link_up

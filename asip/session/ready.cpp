@@ -74,11 +74,12 @@ void Machine::on_time(Ready&, Time now, Actions& out) {
     if (queue_.stalled()) damaged();
     if (!leaving_ && queue_.lost_fences() >= kLostFenceLimit) return search(now, now, out);
     if (now >= last_byte_ + options_.silence) queue_.probe();
+    renew_missing(now);
     pump(now, out);
 }
 
 Time Machine::deadline(const Ready&) const {
-    return queue_.idle() ? last_byte_ + options_.silence : Time::max();
+    return std::min(queue_.idle() ? last_byte_ + options_.silence : Time::max(), next_renewal());
 }
 
 void Machine::pump(Time now, Actions& out) {
@@ -125,6 +126,7 @@ SelfReports Machine::self_reports(const Request& request) const {
 void Machine::note_report(const protocol::Event& event, Time now) {
     if (event.service == '#') return;
     last_report_ = now;
+    renew_behind(event.service, now);
     const auto known = std::find_if(reports_.begin(), reports_.end(), [&](const Report& report) {
         return report.service == event.service && report.tag == event.tag;
     });
