@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "asip/protocol/request.hpp"
+#include "asip/protocol/request_end.hpp"
 
 namespace asip::agent {
 
@@ -21,7 +22,13 @@ std::vector<std::string> ClientFraming::decode(std::string_view bytes) {
         if (const auto request = protocol::significant(line); !request.empty()) result.emplace_back(request);
     };
     if (kind_ == Kind::kLines) {
-        lines_.push(bytes, take);
+        lines_.push(bytes, [&](std::string_view line) { split(line, result); });
+        while (!extended_) {
+            const auto next = protocol::next_request(lines_.partial());
+            if (next == std::string_view::npos) break;
+            add(lines_.partial().substr(0, next), result);
+            lines_.drop(next);
+        }
         return result;
     }
     frames_.push(bytes, [&](std::string_view frame) {
@@ -29,6 +36,38 @@ std::vector<std::string> ClientFraming::decode(std::string_view bytes) {
         lines_.reset();
         lines_.push(std::string(frame) + "\n", take);
     });
+    return result;
+}
+
+// A line end says that a request is complete; what stands before another request in its line has to look so.
+void ClientFraming::split(std::string_view line, std::vector<std::string>& requests) {
+    for (const std::string_view extension : {"#,E", "#,X", "#,I"})
+        if (line.starts_with(extension)) extended_ = true;
+    while (!extended_) {
+        const auto next = protocol::next_request(line);
+        if (next == std::string_view::npos) break;
+        add(line.substr(0, next), requests);
+        line.remove_prefix(next);
+    }
+    if (const auto request = protocol::significant(line); !request.empty()) requests.emplace_back(request);
+}
+
+void ClientFraming::add(std::string_view request, std::vector<std::string>& requests) {
+    request = protocol::significant(request);
+    if (!request.empty()) (protocol::is_whole_request(request) ? requests : halves_).emplace_back(request);
+}
+
+bool ClientFraming::waits_for_silence() const {
+    return kind_ == Kind::kLines && !extended_ && lines_.partial_bytes() > 0;
+}
+
+std::vector<std::string> ClientFraming::after_silence() {
+    std::vector<std::string> result;
+    if (!waits_for_silence()) return result;
+    const auto request = protocol::significant(lines_.partial());
+    if (!request.empty())
+        (protocol::is_whole_after_silence(request) ? result : halves_).emplace_back(request);
+    lines_.reset();
     return result;
 }
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "asip/protocol/line_reader.hpp"
@@ -22,16 +23,28 @@ class ClientFraming {
     /// It stayed silent: this framing, unless it sends another after all.
     void assume(Kind kind);
 
-    /// Request lines that these bytes complete; a frame may hold several lines.
+    /// Request lines that these bytes complete; a frame may hold several lines. On plain lines a whole request
+    /// also ends where the next one begins, until the client uses an extension.
     std::vector<std::string> decode(std::string_view bytes);
+    /// Nothing came for kRequestSilence: what waits is complete.
+    std::vector<std::string> after_silence();
+    /// Whether something waits that silence would end.
+    bool waits_for_silence() const;
+    /// Halves of requests since the last call, which are not to be executed.
+    std::vector<std::string> take_halves() { return std::exchange(halves_, {}); }
     /// Nothing where the framing is not known yet, or the line cannot be framed.
     std::string encode(std::string_view line) const;
 
   private:
+    void split(std::string_view line, std::vector<std::string>& requests);
+    void add(std::string_view request, std::vector<std::string>& requests);
+
     Kind kind_;
     bool found_;  // given, or seen in what the client sent
     protocol::LineReader lines_;
     protocol::UtfFrameReader frames_;
+    std::vector<std::string> halves_;
+    bool extended_ = false;  // it uses an extension, and so ends its lines
 };
 
 }  // namespace asip::agent

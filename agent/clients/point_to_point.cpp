@@ -3,13 +3,24 @@
 
 #include <algorithm>
 #include <boost/asio/post.hpp>
+#include <cctype>
 #include <utility>
+
+#include "asip/protocol/request_end.hpp"
 
 namespace asip::agent {
 
 namespace {
 
 constexpr Duration kBetweenRefusalLogs = std::chrono::seconds(10);
+constexpr Duration kRunsLate = std::chrono::milliseconds(100);
+
+std::string half_error(std::string_view half) {
+    const auto letter = [&](std::size_t index) {
+        return half.size() > index && std::isalpha(static_cast<unsigned char>(half[index])) ? half[index] : '?';
+    };
+    return std::string{'~', letter(0), ',', letter(2)} + ",2{UNKNOWN_REQUEST}";
+}
 
 }  // namespace
 
@@ -67,11 +78,19 @@ void PointToPoint::accepted(std::unique_ptr<link::ByteStream> stream, ClientFram
 }
 
 void PointToPoint::received(Client& client, std::string_view bytes) {
-    client.heard = Clock::now();
+    client.heard = client.read_until = Clock::now();
     if (const auto since = reads_old_()) client.reads_since = since;
-    for (auto& line : client.framing.decode(bytes))
-        client.waiting.push_back({std::move(line), client.reads_since});
+    take(client, client.framing.decode(bytes));
     if (bytes.size() < link::ByteStream::kMaxAtOnce) client.reads_since.reset();
+}
+
+void PointToPoint::take(Client& client, std::vector<std::string> lines) {
+    for (auto& line : lines)
+        client.waiting.push_back({std::move(line), client.reads_since});
+    for (const auto& half : client.framing.take_halves()) {
+        log_.debug("half a request of a client is not executed", {{"half", half}});
+        send(half_error(half), client.id);
+    }
     give(client);
 }
 
@@ -82,7 +101,13 @@ void PointToPoint::give(Client& client) {
         client.waiting.pop_front();
         client.served = Clock::now();
     }
-    if (!client.gone) client.stream->pause_reading(!client.waiting.empty());
+    if (!client.gone) {
+        if (client.waiting.empty() && client.framing.waits_for_silence()) {
+            client.read_until = Clock::now();
+            watch_silence();
+        }
+        client.stream->pause_reading(!client.waiting.empty());
+    }
     giving_ = false;
 }
 
@@ -115,10 +140,25 @@ void PointToPoint::send(std::string_view line, std::optional<session::ClientId> 
     }
 }
 
+// When what a client sent without line end is complete. While it is read more slowly, and while this process did
+// not run, what it sent may wait to be read.
+std::optional<Time> PointToPoint::end_of_request(Client& client, Time now) {
+    if (!client.framing.waits_for_silence() || !client.waiting.empty()) return std::nullopt;
+    if (now >= client.read_until + protocol::kRequestSilence + kRunsLate) client.read_until = now;
+    return client.read_until + protocol::kRequestSilence;
+}
+
 void PointToPoint::watch_silence() {
     Time next = Time::max();
     const Time now = Clock::now();
     for (Client& client : clients_) {
+        if (client.gone) continue;
+        if (const auto end = end_of_request(client, now)) {
+            if (now < *end)
+                next = std::min(next, *end);
+            else
+                take(client, client.framing.after_silence());
+        }
         if (client.framing.kind() != ClientFraming::Kind::kUnknown) continue;
         if (now >= client.connected + silence_) {
             client.framing.assume(client.silent);

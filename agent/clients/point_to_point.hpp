@@ -70,6 +70,7 @@ class PointToPoint {
         std::optional<Time> reads_since = std::nullopt;  // what it sent, until all that waited is read
         std::deque<Line> waiting{};  // lines that could not be accepted yet; reading is paused meanwhile
         std::optional<Time> ended = std::nullopt;  // it sends no more
+        Time read_until = {};                      // until then nothing was left to be read
         Time served = {};                          // the last line of it was taken, or for it alone was sent
     };
     /// When a client that sends no more is closed.
@@ -78,6 +79,8 @@ class PointToPoint {
                   ClientFraming::Kind silent);
     bool make_room();
     void received(Client& client, std::string_view bytes);
+    void take(Client& client, std::vector<std::string> lines);
+    static std::optional<Time> end_of_request(Client& client, Time now);
     void give(Client& client);
     std::size_t living() const;
     void drop(Client& client, const char* why);

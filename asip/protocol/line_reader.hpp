@@ -32,6 +32,8 @@ class LineReader {
     /// Forgets a partial line, for example when the port was opened again.
     void reset();
 
+    /// Forgets the first bytes of the line that has not ended yet.
+    void drop(std::size_t bytes) { line_.erase(0, bytes); }
     /// Bytes of the line that has not ended yet (0 while an overlong one is being dropped).
     std::size_t partial_bytes() const { return line_.size(); }
     /// The line that has not ended yet; valid until the next call of push() or reset().

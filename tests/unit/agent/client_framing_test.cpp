@@ -54,6 +54,51 @@ TEST(ClientFraming, SilentClientOfTheJavaPort_GetsFramesUntilItSendsALine) {
     EXPECT_EQ(framing.encode("@x"), "@x\n");
 }
 
+TEST(ClientFraming, RequestsWithoutLineEnd_EndWhereTheNextBeginsAndAfterSilence) {
+    ClientFraming framing;
+    EXPECT_THAT(framing.decode("E,A,25E,A,25R,A,25M,m,1,100M,m,0,-10"),
+                ElementsAre("E,A,25", "E,A,25", "R,A,25", "M,m,1,100"));
+    EXPECT_THAT(framing.decode("0"), IsEmpty());
+    EXPECT_TRUE(framing.waits_for_silence());
+    EXPECT_THAT(framing.after_silence(), ElementsAre("M,m,0,-100"));
+    EXPECT_FALSE(framing.waits_for_silence());
+    EXPECT_THAT(framing.decode("D,MI,A,0\nM,m,1,5I,d,13,1\n"), ElementsAre("D,M", "I,A,0", "M,m,1,5", "I,d,13,1"));
+    EXPECT_THAT(framing.take_halves(), IsEmpty());
+}
+
+TEST(ClientFraming, RequestsWithoutLineEndSplitAtEveryPlace_AreTheSame) {
+    const std::string bytes = "R,A,25M,m,1,100M,m,0,-100D,MI,d,13,1\n";
+    for (std::size_t at = 0; at <= bytes.size(); ++at) {
+        ClientFraming framing;
+        auto requests = framing.decode(bytes.substr(0, at));
+        for (auto& request : framing.decode(bytes.substr(at)))
+            requests.push_back(request);
+        EXPECT_THAT(requests, ElementsAre("R,A,25", "M,m,1,100", "M,m,0,-100", "D,M", "I,d,13,1")) << at;
+        EXPECT_THAT(framing.take_halves(), IsEmpty()) << at;
+    }
+}
+
+TEST(ClientFraming, HalfARequest_IsNeverExecutedNorJoinedWithAnother) {
+    const std::string half = "M,m,1,100";
+    for (std::size_t cut = 1; cut < 7; ++cut) {
+        ClientFraming framing;
+        EXPECT_THAT(framing.decode(half.substr(0, cut)), IsEmpty());
+        EXPECT_THAT(framing.after_silence(), IsEmpty()) << cut;
+        EXPECT_THAT(framing.take_halves(), ElementsAre(half.substr(0, cut)));
+        EXPECT_THAT(framing.decode("I,d,13,1\n"), ElementsAre("I,d,13,1")) << cut;
+    }
+    ClientFraming framing;
+    EXPECT_THAT(framing.decode("M,m,1,I,d,13,1\n"), ElementsAre("I,d,13,1"));
+    EXPECT_THAT(framing.take_halves(), ElementsAre("M,m,1,"));
+}
+
+TEST(ClientFraming, ClientThatUsesAnExtension_EndsItsLines) {
+    ClientFraming framing;
+    EXPECT_THAT(framing.decode("#,E,t1\nM,m,1,100M,m,0,50"), ElementsAre("#,E,t1"));
+    EXPECT_FALSE(framing.waits_for_silence());
+    EXPECT_THAT(framing.decode("\n"), ElementsAre("M,m,1,100M,m,0,50")) << "the board refuses it";
+}
+
 TEST(ClientFraming, FramingGiven_IsNotGuessed) {
     ClientFraming framing(ClientFraming::Kind::kFrames);
     EXPECT_EQ(framing.encode("@x"), std::string("\0\2@x", 4));
