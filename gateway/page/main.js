@@ -4,7 +4,8 @@ import "./ui/board.js";
 import "./ui/boards.js";
 import "./ui/shell.js";
 import "./ui/system.js";
-import { h } from "./ui/dom.js";
+import { base, request } from "./net/bus.js";
+import { h, set_text } from "./ui/dom.js";
 import { status } from "./ui/model.js";
 
 const main = document.getElementById("main");
@@ -15,11 +16,28 @@ const screens = [
   [/^bus$/, () => ["Bus", document.createElement("asip-system")]],
 ];
 
-function sign_in() {
-  return ["Sign in", h("div", { class: "sign-in" }, h("h1", { tabindex: "-1" }, "Sign in"),
-    h("p", {}, "This gateway does not know this browser. On the machine that it runs on, type"), h("pre", {}, "asipctl open"),
-    h("p", {}, "and open the address that is printed. It works once, for 30 seconds."))];
+// The token becomes a code that works once, and the code a cookie: the token itself is kept nowhere.
+async function enter(token, answer) {
+  try {
+    const { code } = await request("api/codes", { method: "POST", body: {}, headers: { Authorization: `Bearer ${token}` } });
+    location.assign(new URL(`?code=${code}${location.hash}`, base));
+  } catch (problem) {
+    set_text(answer, problem.status === 401 ? "The gateway does not know this token, or it has expired." : problem.message);
+  }
 }
+
+function sign_in() {
+  const token = h("input", { id: "token", type: "password", autocomplete: "current-password", required: true });
+  const answer = h("output", { class: "answer refused", "aria-live": "polite" });
+  return ["Sign in", h("div", { class: "sign-in" }, h("h1", { tabindex: "-1" }, "Sign in"),
+    h("p", {}, "This gateway shows its boards to those who have a token. A token is made on the gateway's machine, by"),
+    h("pre", {}, "asip-gateway token ROLE NAME --tokens FILE"),
+    h("form", { onsubmit: (event) => { event.preventDefault(); enter(token.value.trim(), answer); } },
+      h("label", { for: "token" }, "Token"), " ", token, " ", h("button", { class: "main" }, "Sign in"), h("p", {}, answer)))];
+}
+
+const link_is_over = () => ["Not valid", h("div", {}, h("h1", { tabindex: "-1" }, "This link is not valid any more"),
+  h("p", {}, "Ask the person from whom you have it for another one."))];
 
 function decoded(text) {
   try {
@@ -30,7 +48,7 @@ function decoded(text) {
 }
 
 function screen_of(path) {
-  if (status.problem?.status === 401) return sign_in();
+  if (status.refused) return status.problem.status === 401 ? sign_in() : link_is_over();
   for (const [pattern, make] of screens) {
     const match = pattern.exec(path);
     if (match) return make(...match.slice(1).map(decoded));
@@ -59,8 +77,8 @@ function show(first = false) {
 addEventListener("hashchange", () => show());
 let signed_out = false;
 status.addEventListener("change", () => {
-  const out = status.problem?.status === 401;
-  if (out !== signed_out) show();
-  signed_out = out;
+  if (status.refused !== signed_out) show();
+  signed_out = status.refused;
+  document.querySelector("nav").hidden = signed_out;
 });
 show(true);

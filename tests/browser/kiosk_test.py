@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page in a frame of another site, by a kiosk's link: no cookie, no token but the one in the address."""
+"""The page for those who may not do everything: a kiosk's link, in a frame of another site, too; a browser without a token; a viewer;
+an operator. Nothing is shown to them that they may not do."""
 
 import functools
 import http.server
 import subprocess
 import threading
 import unittest
+import urllib.error
+import urllib.request
 
 from rig import DESK, PageTest, eventually, free_port, program_path
 
@@ -30,7 +33,7 @@ class Frames(http.server.BaseHTTPRequestHandler):
 
 class Kiosk(PageTest):
     boards = (DESK,)
-    expected_errors = ("frame-ancestors", "Refused to frame")
+    expected_errors = ("frame-ancestors", "Refused to frame", "status of 401", "response code: 401", "status of 404", "response code: 404")
 
     @classmethod
     def setUpClass(cls):
@@ -38,15 +41,52 @@ class Kiosk(PageTest):
         cls.frames, cls.gateway = free_port(), free_port()
         tokens = cls.bus.work / "tokens"
         # localhost is another site than 127.0.0.1, whatever the port.
-        made = subprocess.run([str(program_path("asip-gateway")), "token", "kiosk", "hall", "--tokens", str(tokens),
-                               "--boards", "desk", "--frames", f"http://localhost:{cls.frames}"],
-                              check=True, capture_output=True, text=True, timeout=10)
-        cls.link = f"http://127.0.0.1:{cls.gateway}/kiosk/{made.stdout.strip()}/#/board/desk"
+        cls.tokens = tokens
+        cls.url = f"http://127.0.0.1:{cls.gateway}/"
+        cls.link = f"{cls.url}kiosk/{cls.make('kiosk', 'hall', '--boards', 'desk', '--frames', f'http://localhost:{cls.frames}')}/#/board/desk"
         cls.bus.start("kiosk", "asip-gateway", "--http", f"127.0.0.1:{cls.gateway}", "--tokens", str(tokens))
         server = http.server.ThreadingHTTPServer(("127.0.0.1", cls.frames), functools.partial(Frames, cls.link))
         threading.Thread(target=server.serve_forever, daemon=True).start()
         cls.addClassCleanup(server.server_close)
         cls.addClassCleanup(server.shutdown)
+
+    @classmethod
+    def make(cls, role, name, *more):
+        made = subprocess.run([str(program_path("asip-gateway")), "token", role, name, "--tokens", str(cls.tokens), *more],
+                              check=True, capture_output=True, text=True, timeout=10)
+        return made.stdout.strip()
+
+    def take_out(self, name):
+        lines = [line for line in self.tokens.read_text().splitlines(keepends=True) if line.split()[1] != name]
+        self.tokens.write_text("".join(lines))
+
+    def visible(self, selector):
+        return [each.get_attribute("outerHTML")[:120] for each in self.browser.find(selector) if each.is_displayed()]
+
+    def open_page(self, address):
+        self.browser.driver.get("about:blank")
+        self.browser.driver.get(address)
+
+    def sign_in(self, token):
+        field = self.browser.shown("#token", seconds=40)
+        field.clear()
+        field.send_keys(token)
+        self.browser.button("Sign in").click()
+
+    def show_board(self, address):
+        self.open_page(address)
+        self.browser.shown("asip-board asip-service", seconds=40)
+        eventually(lambda: self.browser.text("asip-link") == "live", "live", 30)
+        eventually(lambda: "Servo" in self.browser.text("main"), "its services")
+        eventually(lambda: self.browser.find(".pin:not(.taken)"), "its pins")
+
+    def shows_nothing_that_acts(self):
+        """Neither a stop nor a form nor what sets a pin, also not for a moment while the page begins."""
+        self.browser.shown(".pin:not(.taken)").click()
+        self.browser.shown(".pin-panel")
+        self.browser.run("document.querySelectorAll('details').forEach((each) => { each.open = true; })")
+        self.assertEqual(self.visible("button.stop, asip-command, asip-service form, .pin-panel button, .pin-panel input"), [])
+        self.assertNotIn("Stop", self.browser.text("body"))
 
     def open_framed(self, host):
         self.browser.driver.get(f"http://{host}:{self.frames}/")
@@ -70,10 +110,78 @@ class Kiosk(PageTest):
         self.open_framed("127.0.0.1")
         self.assertEqual(self.browser.find("asip-board, asip-link"), [])
 
-    def test_LinkByItself_ShowsTheBoard(self):
-        self.browser.driver.get(self.link)
-        self.browser.shown("asip-board", seconds=40)
-        eventually(lambda: self.browser.text("asip-link") == "live", "live", 30)
+    def test_LinkByItself_ShowsTheBoardAndNothingThatActs(self):
+        self.show_board(self.link)
+        self.shows_nothing_that_acts()
+        self.browser.screenshot("kiosk-link")
+
+    def test_BeforeTheGatewayHasSaidWhatIsAllowed_NothingThatActsIsShown(self):
+        driver = self.browser.driver
+        driver.execute_cdp_cmd("Network.enable", {})
+        driver.execute_cdp_cmd("Network.setBlockedURLs", {"urls": ["*/api/status"]})
+        self.addCleanup(driver.execute_cdp_cmd, "Network.setBlockedURLs", {"urls": []})
+        self.open_page(f"{self.bus.url}/#/board/desk")  # where this machine is an admin
+        self.browser.shown("asip-board asip-service", seconds=40)
+        self.shows_nothing_that_acts()
+        driver.execute_cdp_cmd("Network.setBlockedURLs", {"urls": []})
+        self.browser.shown("asip-command form", seconds=40)
+        self.browser.button("Stop all")
+        self.browser.shown(".pin-panel button")
+        driver.get_log("browser")  # what was blocked is logged as an error
+
+    def test_LinkThatWasTakenBack_SaysSo(self):
+        token = self.make("kiosk", "brief", "--boards", "desk")
+        eventually(lambda: urlopen_status(f"{self.url}kiosk/{token}/api/status") == 200, "the token is read")
+        self.show_board(f"{self.url}kiosk/{token}/#/board/desk")
+        self.take_out("brief")
+        eventually(lambda: "This link is not valid any more" in self.browser.text("main"), "the end", 40)
+        self.assertEqual(self.visible("button.stop, nav a"), [])
+
+    def test_BrowserWithoutToken_IsAskedForOneAndShownNothingElse(self):
+        self.browser.driver.delete_all_cookies()
+        self.open_page(self.url)
+        self.browser.shown("#token", seconds=40)
+        self.assertEqual(self.visible("button.stop, nav a"), [])
+        self.assertNotIn("asipctl open", self.browser.text("body"), "it needs a token, too")
+        self.sign_in("nonsense")
+        eventually(lambda: "does not know this token" in self.browser.text("main"), "why not")
+        self.browser.screenshot("sign-in")
+
+    def test_ViewerSignsIn_ReadsAndIsShownNothingThatActs(self):
+        self.browser.driver.delete_all_cookies()
+        token = self.make("viewer", "visitor")
+        eventually(lambda: urlopen_status(f"{self.url}api/status", token) == 200, "the token is read")
+        self.open_page(f"{self.url}#/board/desk")
+        self.sign_in(token)
+        self.browser.shown("asip-board asip-service", seconds=40)
+        eventually(lambda: self.browser.find(".pin:not(.taken)"), "its pins")
+        self.assertNotIn(token, self.browser.driver.current_url)
+        self.shows_nothing_that_acts()
+        self.browser.run("location.hash = '#/bus'")
+        self.browser.button("Sign out").click()
+        self.browser.shown("#token", seconds=40)
+
+    def test_OperatorOfOneBoard_IsShownFormsAndAStopThatSaysWhatItStops(self):
+        self.browser.driver.delete_all_cookies()
+        token = self.make("operator", "worker", "--boards", "desk")
+        eventually(lambda: urlopen_status(f"{self.url}api/status", token) == 200, "the token is read")
+        self.open_page(f"{self.url}#/board/desk")
+        self.sign_in(token)
+        self.browser.shown("asip-command form", seconds=40)
+        self.browser.button("Stop desk")
+        self.browser.button("Stop my boards").click()
+        eventually(lambda: "Stopped in" in self.browser.text("header"), "its answer")
+        self.take_out("worker")
+        self.browser.shown("#token", seconds=40)
+        self.assertEqual(self.visible("button.stop, asip-command"), [])
+
+
+def urlopen_status(address, token=None):
+    request = urllib.request.Request(address, headers={"Authorization": f"Bearer {token}"} if token else {})
+    try:
+        return urllib.request.urlopen(request, timeout=10).status
+    except urllib.error.HTTPError as refused:
+        return refused.code
 
 
 if __name__ == "__main__":

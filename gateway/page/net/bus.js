@@ -119,12 +119,12 @@ export class Problem extends Error {
 }
 
 /// What the gateway answers as JSON; throws a Problem with a sentence for people.
-export async function request(path, { method = "GET", body } = {}) {
+export async function request(path, { method = "GET", body, headers = {} } = {}) {
   let response;
   try {
     response = await fetch(new URL(path, base), {
       method,
-      headers: body === undefined ? {} : { "Content-Type": "application/json" },
+      headers: body === undefined ? headers : { "Content-Type": "application/json", ...headers },
       body: body === undefined ? undefined : JSON.stringify(body),
       signal: AbortSignal.timeout(15_000),
     });

@@ -12,6 +12,8 @@ import { is_floor, is_pose } from "./world.js";
 
 const kReloadMs = 200;
 
+const rights = () => `${status.may_command} ${status.may_forget}`;
+
 class Board extends Part {
   begin(name) {
     this.name = name;
@@ -72,14 +74,15 @@ class Board extends Part {
     const since = row?.since ?? time_of(this.board?.since);
     set_text(this.since, since === undefined ? "" : `since ${moment_text(since)} (${duration_text(Date.now() - since)})`);
     this.classList.toggle("gone", Boolean(state) && !alive(state));
-    if (this.tools_role !== status.role) this.show_tools();
+    if (this.tools_for !== rights()) this.show_tools();
   }
 
   show_tools() {
-    this.tools_role = status.role;
-    const stop = h("asip-stop", { board: this.name });
-    const forget = h("button", { onclick: () => this.forget() }, "Forget this board");
-    this.tools.replaceChildren(...(this.state && alive(this.state) ? [stop] : this.state && status.may_forget ? [forget] : []));
+    this.tools_for = rights();
+    const stop = () => status.may_command && h("asip-stop", { board: this.name });
+    const forget = () => status.may_forget && h("button", { onclick: () => this.forget() }, "Forget this board");
+    const tool = this.state && (alive(this.state) ? stop() : forget());
+    this.tools.replaceChildren(...(tool ? [tool] : []));
   }
 
   async forget() {

@@ -29,12 +29,6 @@ class Command extends Part {
       onsubmit: (event) => { event.preventDefault(); this.send(); } },
       h("div", { class: "title" }, h("span", {}, title), this.output), this.fields.map((field) => this.control(field)), this.actions);
     this.append(this.form);
-    this.listen(status, "change", () => this.allow());
-    this.allow();
-  }
-
-  allow() {
-    for (const control of this.form.querySelectorAll("input, select, button")) control.disabled = !status.may_command;
   }
 
   get held_kind() { return this.command.safe !== undefined; }

@@ -47,14 +47,18 @@ class Status extends EventTarget {
       this.problem = undefined;
     } catch (problem) {
       this.problem = problem;
+      if (this.refused) this.now = undefined; // what it allowed is over
     }
     this.asking = false;
     this.dispatchEvent(new Event("change"));
   }
 
-  get role() { return this.now?.you?.role ?? "operator"; }
-  get may_command() { return this.role !== "viewer"; }
-  get may_forget() { return this.role === "admin"; }
+  /// The gateway answers, and shows this browser nothing: a token is needed (401), or the link is not valid any more (404).
+  get refused() { return this.problem?.status === 401 || this.problem?.status === 404; }
+  get you() { return this.now?.you ?? {}; }
+  /// Only what the gateway says: before that, nothing. What its viewer may not do is not shown.
+  get may_command() { return this.you.command === true; }
+  get may_forget() { return this.you.forget === true; }
 }
 
 const kChannel = "asip-done";

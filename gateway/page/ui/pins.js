@@ -28,9 +28,18 @@ class Pins extends Part {
 
   shown() {
     this.refresh = before_picture(() => this.draw());
-    this.listen(status, "change", this.refresh);
+    this.may_command = status.may_command;
+    this.listen(status, "change", () => this.allow());
     this.while_shown(on_report((what) => this.happened(what)));
     this.build();
+  }
+
+  /// What a pin can be set to is shown to those who may set it.
+  allow() {
+    if (this.may_command === status.may_command) return;
+    this.may_command = status.may_command;
+    if (this.opened !== undefined) this.open_panel();
+    this.refresh();
   }
 
   build() {
@@ -106,7 +115,7 @@ class Pins extends Part {
     this.panel.replaceChildren(h("h3", {}, `Pin ${pin.label} `, h("small", { class: "muted" }, [pin.name, can || "no use known"].filter(Boolean).join(", "))), h("p", {}, this.state_line));
     this.mode_buttons = new Map();
     this.controls = h("div", { class: "pin-controls" });
-    if (pin.owner !== "") return;
+    if (pin.owner !== "" || !this.may_command) return;
     for (const mode of settable_modes(pin)) {
       this.mode_buttons.set(mode, h("button", { onclick: () => this.send("mode", { pin: pin.number, mode }) }, words(mode)));
     }
@@ -120,10 +129,8 @@ class Pins extends Part {
     const owner = { "": "Free", system: "Used by the board itself" }[pin.owner] ?? `Belongs to the service ${pin.owner}`;
     set_text(this.state_line, [owner, mode && pin.owner === "" ? `mode ${words(mode).toLowerCase()}` : "", text && (told ? `last set here: ${text} (others may have changed it)` : `now ${text}`)].filter(Boolean).join(", ") + ".");
     if (pin.owner !== "") return;
-    for (const [each, button] of this.mode_buttons) {
-      button.setAttribute("aria-pressed", String(each === mode));
-      button.disabled = !status.may_command;
-    }
+    for (const [each, button] of this.mode_buttons) button.setAttribute("aria-pressed", String(each === mode));
+    if (!this.may_command) return;
     if (this.controls_for !== mode) {
       this.controls_for = mode;
       this.controls.replaceChildren(...this.controls_of(pin, mode));

@@ -6,6 +6,7 @@ import { duration_text, moment_text, plural, time_of, with_unit, words } from ".
 import { bus, path_of, request } from "../net/bus.js";
 import { before_picture, h, Part, set_text } from "./dom.js";
 import "./command.js";
+import { status } from "./model.js";
 import "./plot.js";
 
 const kMaxEvents = 16;    // different ones; the gateway keeps no more either
@@ -33,6 +34,7 @@ class Service extends Part {
       h("small", { class: "muted" }, this.subtitle())), this.values, this.note, this.plots, this.commands);
     this.refresh = before_picture(() => this.draw());
     this.every(1000, () => this.draw());
+    this.listen(status, "change", () => this.show_commands());
     await this.load_model();
     if (this.isConnected) this.follow();
   }
@@ -65,7 +67,16 @@ class Service extends Part {
     }
     this.element = this.model?.element;
     set_text(this.querySelector("small"), this.subtitle());
-    if (this.isConnected && this.model) this.add_commands();
+    if (this.isConnected) this.show_commands();
+  }
+
+  /// Forms are there for those who may send commands, and go when the right to it ends.
+  show_commands() {
+    const wanted = status.may_command && this.model !== undefined;
+    if (wanted === this.has_commands) return;
+    this.has_commands = wanted;
+    this.commands.replaceChildren();
+    if (wanted) this.add_commands();
   }
 
   add_commands() {
@@ -92,6 +103,7 @@ class Service extends Part {
 
   received(message, past = false) {
     if (message.event === "error") return this.board_error(message);
+    if (message.cut !== undefined) set_text(this.note, `The value of ${moment_text(time_of(message.at))} is too long to be shown: ${plural(message.cut, "byte")}.`);
     if (message.event !== "value" || message.value === null || typeof message.value !== "object") return;
     const at = time_of(message.at) ?? Date.now();
     this.left_out += message.left_out ?? 0;

@@ -45,7 +45,7 @@ class Banner extends Part {
   text() {
     const { state, since, was_open } = bus.link;
     if (state !== "open" && Date.now() - since > (was_open ? kShownAfterMs : kFirstMs)) {
-      if (status.problem?.status === 401) return "";
+      if (status.refused) return "";
       if (!was_open) return "The gateway does not answer. Trying again …";
       return `The connection to the gateway is lost since ${clock_text(since)}. What you see may be old. Trying again …`;
     }
@@ -58,18 +58,22 @@ class Banner extends Part {
   }
 }
 
-/// Stops everything, or the board in its attribute `board`.
+/// Stops everything, or the board in its attribute `board`. Nothing is shown to a viewer that may not stop.
 class Stop extends Part {
   shown() {
     const board = this.getAttribute("board");
     this.stopped = board ?? "*";
     this.path = board ? path_of("boards", board, "stop") : "api/stop";
-    this.label = board ? `Stop ${board}` : "Stop all";
-    this.button = h("button", { class: "stop", title: "Brings every motor, light and output into its safe state, ahead of all commands",
-      onclick: () => this.stop() }, this.label);
+    this.button = h("button", { class: "stop", hidden: true, title: "Brings every motor, light and output into its safe state, ahead of all commands",
+      onclick: () => this.stop() });
     this.answer = h("span", { role: "status", class: "stop-answer" });
     this.append(this.button, this.answer);
-    this.listen(status, "change", () => { this.button.hidden = !status.may_command; });
+    const allow = () => {
+      this.button.hidden = !status.may_command;
+      set_text(this.button, board ? `Stop ${board}` : status.you.limited ? "Stop my boards" : "Stop all");
+    };
+    this.listen(status, "change", allow);
+    allow();
   }
 
   async stop() {

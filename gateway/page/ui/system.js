@@ -2,6 +2,7 @@
 // The bus itself: broker, gateway, registries, and what was lost since when.
 import { alive } from "../core/catalogue.js";
 import { duration_text, moment_text, time_of, words } from "../core/text.js";
+import { request } from "../net/bus.js";
 import { h, Part, set_text, state_mark } from "./dom.js";
 import { boards, status } from "./model.js";
 
@@ -27,15 +28,16 @@ class System extends Part {
   show_cards() {
     const now = status.now;
     if (!now) return;
-    const { broker = {}, mirror = {}, streams = {}, registries = [] } = now;
+    const { broker = {}, mirror = {}, streams = {}, registries = [] } = now; // of a limited token without what is not of its boards
     const cards = [
       card("Broker", broker.connected === false ? ["lost", "not connected"] : ["online", "connected"], [["Address", broker.address], ["Since", since_text(broker.since)]]),
       card("Gateway", mirror.complete === false ? ["updating", "collecting"] : ["online", "complete"],
         [["Version", now.version], ["Learns from", mirror.registry ? `registry ${mirror.registry}` : mirror.source], ["Boards", mirror.boards ?? boards.catalogue.rows.size],
           ["You are", [now.you?.name, now.you?.role].filter(Boolean).join(", ")], ["Open streams", streams.clients], ["Values left out", streams.left_out]]),
+      ...(now.you?.session ? [h("article", { class: "card" }, h("h2", {}, "This browser"), h("button", { onclick: sign_out }, "Sign out"))] : []),
       ...registries.map((each) => card(`Registry ${each.id}`, [each.state, each.state], [["Since", since_text(each.since)], ...facts_of(each.stats)])),
     ];
-    if (registries.length === 0) cards.push(h("article", { class: "card" }, h("h2", {}, "Registries"), h("p", { class: "muted" }, "None is there. Boards work without one; history needs one.")));
+    if (registries.length === 0 && !now.you?.limited) cards.push(h("article", { class: "card" }, h("h2", {}, "Registries"), h("p", { class: "muted" }, "None is there. Boards work without one; history needs one.")));
     // Replaced only where something changed: whoever reads it keeps the place.
     const texts = cards.map((each) => each.textContent).join("|");
     if (texts === this.texts) return;
@@ -52,6 +54,11 @@ class System extends Part {
       h("td", {}, h("a", { href: `#/board/${encodeURIComponent(row.name)}` }, row.name)), h("td", {}, state_mark(row.state)),
       h("td", {}, moment_text(row.since, now)), h("td", {}, row.since === undefined ? "" : duration_text(now - row.since)))));
   }
+}
+
+async function sign_out() {
+  await request("api/session", { method: "DELETE" }).catch(() => undefined);
+  location.reload();
 }
 
 function since_text(value) {
