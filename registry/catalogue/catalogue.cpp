@@ -2,6 +2,7 @@
 #include "registry/catalogue/catalogue.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include "asip/bus/pattern.hpp"
 #include "registry/catalogue/catalogue_impl.hpp"
@@ -94,14 +95,19 @@ Expected<std::vector<Event>, Catalogue::NotForgotten> Catalogue::forget(std::str
     return impl_->forget(board, now);
 }
 
-Expected<bus::Answer> Catalogue::find(const bus::Query& query, Instant now) {
-    return impl_->find(query, now);
+Expected<bus::Answer> Catalogue::find(const bus::Query& query, Instant now, const View* view) {
+    return impl_->find(query, now, view);
 }
 
 std::optional<bus::BoardItem> Catalogue::board(std::string_view name, Instant now) const {
     const std::uint32_t slot = impl_->slot_of(name);
     if (slot == NameTable::kNone) return std::nullopt;
     return impl_->board_item(impl_->board(slot), now, false);
+}
+
+std::vector<std::string> Catalogue::names(const std::string& pattern, const std::string& after,
+                                          std::size_t max) {
+    return impl_->names(pattern, after, max);
 }
 
 std::vector<std::string> Catalogue::forgettable(std::string_view pattern) const {
@@ -153,6 +159,27 @@ std::vector<std::pair<std::string, std::size_t>> Catalogue::services_by_kind() c
         if (count > 0) counts.emplace_back(name, count);
     }
     std::sort(counts.begin(), counts.end());
+    return counts;
+}
+
+std::vector<std::pair<std::string, std::size_t>> Catalogue::services_by_kind(const View& view) const {
+    if (!view.board && !view.service) return services_by_kind();
+    std::map<std::string, std::size_t> counts;
+    for (std::uint32_t slot = 0; slot < impl_->slots_; ++slot) {
+        const Board& b = impl_->board(slot);
+        if (!b.in_use || b.services == nullptr || (view.board && !view.board(b.name))) continue;
+        for (const Service& service : b.services->services)
+            if (!view.service || view.service(b.name, service.name)) ++counts[service.kind->name];
+    }
+    return {counts.begin(), counts.end()};
+}
+
+std::array<std::size_t, kStates> Catalogue::boards_by_state(const View& view) const {
+    if (!view.board) return stats().boards;
+    std::array<std::size_t, kStates> counts{};
+    for_each([&](std::string_view board, model::BoardState state) {
+        if (!view.board || view.board(board)) ++counts[index_of(state)];
+    });
     return counts;
 }
 

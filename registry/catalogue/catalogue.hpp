@@ -96,6 +96,13 @@ struct Instant {
     text::WallTime wall;
 };
 
+/// What an asker may see: boards, and services of these. An empty function lets everything be seen. What is
+/// not seen is as if it were not there: no answer, number or cursor says anything of it.
+struct View {
+    std::function<bool(std::string_view board)> board{};
+    std::function<bool(std::string_view board, std::string_view service)> service{};
+};
+
 /// The live catalogue of boards and services: a function of the messages seen and the time. No socket, clock
 /// or thread inside.
 ///
@@ -165,8 +172,13 @@ class Catalogue {
     /// Boards or services, one page. Fails with a sentence on a cursor or a sort order that is none.
     /// Find::kHistory is not the catalogue's. The answer's seq is set; id, registry and epoch are left to the
     /// caller.
-    Expected<bus::Answer> find(const bus::Query& query, Instant now);
+    /// `view`: whose answer it is; null: of somebody who sees everything. Of a BoardItem its services are
+    /// left to the caller.
+    Expected<bus::Answer> find(const bus::Query& query, Instant now, const View* view = nullptr);
     std::optional<bus::BoardItem> board(std::string_view name, Instant now) const;
+    /// The names behind `after`, in their order, at most `max` of them. `pattern` only says where to begin
+    /// and end: names that do not match it may be among them. So what is looked at in one call is bounded.
+    std::vector<std::string> names(const std::string& pattern, const std::string& after, std::size_t max);
     /// Names of boards that match a pattern and are not alive.
     std::vector<std::string> forgettable(std::string_view pattern) const;
 
@@ -181,6 +193,10 @@ class Catalogue {
     void count_refused(Refusal refusal);
     /// Services now, by kind.
     std::vector<std::pair<std::string, std::size_t>> services_by_kind() const;
+    /// The same of what somebody sees, and boards by state. Where something is hidden it looks at every
+    /// board.
+    std::vector<std::pair<std::string, std::size_t>> services_by_kind(const View& view) const;
+    std::array<std::size_t, kStates> boards_by_state(const View& view) const;
 
     /// Puts what changed in its place in the indices; find() does it, too. Call it now and then when nothing
     /// asks.

@@ -25,7 +25,8 @@ class Catalogue::Impl {
     std::vector<Event> expire(Time now);
     void resume(Time now);
     Expected<std::vector<Event>, NotForgotten> forget(std::string_view name, Time now);
-    Expected<bus::Answer> find(const bus::Query& query, Instant now);
+    Expected<bus::Answer> find(const bus::Query& query, Instant now, const View* view);
+    std::vector<std::string> names(const std::string& pattern, const std::string& after, std::size_t max);
     void settle();
 
     std::uint32_t slot_of(std::string_view name) const;

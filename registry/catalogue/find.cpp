@@ -31,7 +31,7 @@ struct Catalogue::Impl::Page {
         if (service != nullptr) {
             answer.services.push_back(catalogue.service_item(b, *service));
         } else if (answer.brief) {
-            answer.brief->add(catalogue.brief_board(b, now, names_of(b.services)));
+            answer.brief->add(catalogue.brief_board(b, now, names_of(b)));
         } else {
             answer.boards.push_back(catalogue.board_item(b, now, plan.query.full));
         }
@@ -44,13 +44,14 @@ struct Catalogue::Impl::Page {
         return Cursor{last->name, service, last_key}.text();
     }
 
-    /// Boards that are alike share their services.
-    std::string_view names_of(const ServicesPart* services) {
-        if (services == named) return names;
-        named = services;
+    /// Boards that are alike share their services, and what is seen of them where nothing is left out.
+    std::string_view names_of(const Board& b) {
+        if (b.services == named && plan.view == nullptr) return names;
+        named = b.services;
         names.clear();
-        if (services == nullptr) return names;
-        for (const Service& service : services->services) {
+        if (named == nullptr) return names;
+        for (const Service& service : named->services) {
+            if (!plan.sees(b, service)) continue;
             if (!names.empty()) names += ' ';
             names += service.name;
         }
@@ -67,7 +68,7 @@ std::vector<const Service*> matching_services(const QueryPlan& plan, const Board
     std::vector<const Service*> matching;
     if (b.services == nullptr) return matching;
     for (std::size_t i = 0; i < b.services->services.size(); ++i) {
-        if (plan.service_matches(*b.services, i)) matching.push_back(&b.services->services[i]);
+        if (plan.service_matches(b, *b.services, i)) matching.push_back(&b.services->services[i]);
     }
     return matching;
 }
@@ -171,9 +172,9 @@ std::optional<std::size_t> Catalogue::Impl::total_by_index(const QueryPlan& plan
     return total;
 }
 
-Expected<bus::Answer> Catalogue::Impl::find(const bus::Query& query, Instant now) {
+Expected<bus::Answer> Catalogue::Impl::find(const bus::Query& query, Instant now, const View* view) {
     settle();
-    const auto plan = make_query_plan(query, kinds_);
+    const auto plan = make_query_plan(query, kinds_, view);
     if (!plan) return Unexpected<std::string>(plan.error());
     bus::Answer answer;
     answer.seq = seq_;
@@ -190,7 +191,7 @@ Expected<bus::Answer> Catalogue::Impl::find(const bus::Query& query, Instant now
             everything.cursor.clear();
             everything.limit = 1;
             everything.full = everything.brief = false;
-            answer.total = find(everything, now).value().total;
+            answer.total = find(everything, now, view).value().total;
         }
     } else {
         fill_sorted(*plan, page);
@@ -198,6 +199,22 @@ Expected<bus::Answer> Catalogue::Impl::find(const bus::Query& query, Instant now
     }
     if (page.more) answer.cursor = page.cursor();
     return answer;
+}
+
+std::vector<std::string> Catalogue::Impl::names(const std::string& pattern, const std::string& after,
+                                                std::size_t max) {
+    settle();
+    bus::Query query;
+    query.board = pattern;
+    if (!after.empty()) query.cursor = Cursor{after, {}, {}}.text();
+    const auto plan = make_query_plan(query, kinds_, nullptr);
+    std::vector<std::string> result;
+    if (!plan || max == 0) return result;
+    visit_candidates(*plan, [&](std::uint32_t slot) {
+        if (const auto& name = board(slot).name; name != after) result.push_back(name);
+        return result.size() < max;
+    });
+    return result;
 }
 
 }  // namespace asip::registry

@@ -61,9 +61,9 @@ std::string read_states(const std::vector<std::string>& words, QueryPlan& plan) 
 
 }  // namespace
 
-Expected<QueryPlan> make_query_plan(const bus::Query& query, const KindTable& kinds) {
+Expected<QueryPlan> make_query_plan(const bus::Query& query, const KindTable& kinds, const View* view) {
     if (query.find == bus::Find::kHistory) return fail("the catalogue keeps no history");
-    QueryPlan plan{query};
+    QueryPlan plan{query, view};
     if (auto error = read_sort(query.sort, plan); !error.empty()) return fail(error);
     if (auto error = read_states(query.state, plan); !error.empty()) return fail(error);
     plan.without_states = query;
@@ -94,11 +94,13 @@ bool QueryPlan::board_matches(const Board& b) const {
         facts.chip = b.firmware->chip;
         facts.sketch = b.firmware->sketch;
     }
-    return bus::matches_board(without_states, facts);
+    return bus::matches_board(without_states, facts) &&
+           (view == nullptr || !view->board || view->board(b.name));
 }
 
-bool QueryPlan::service_matches(const ServicesPart& part, std::size_t index) const {
+bool QueryPlan::service_matches(const Board& b, const ServicesPart& part, std::size_t index) const {
     const Service& service = part.services[index];
+    if (!sees(b, service)) return false;
     const auto has_unit = [&](const std::string& unit) {
         const bool standard = !service.model.empty() || service.id == '\0';
         const auto& units = service.kind->units;
@@ -112,14 +114,14 @@ bool QueryPlan::service_matches(const ServicesPart& part, std::size_t index) con
 bool QueryPlan::some_service_matches(const Board& b) const {
     if (b.services == nullptr) return false;
     for (std::size_t i = 0; i < b.services->services.size(); ++i) {
-        if (service_matches(*b.services, i)) return true;
+        if (service_matches(b, *b.services, i)) return true;
     }
     return false;
 }
 
 bool QueryPlan::counted_by_index() const {
-    return query.board.empty() && query.service.empty() && query.chip.empty() && query.sketch.empty() &&
-           query.unit.empty() && query.capability.empty() && query.labels.empty() &&
+    return view == nullptr && query.board.empty() && query.service.empty() && query.chip.empty() &&
+           query.sketch.empty() && query.unit.empty() && query.capability.empty() && query.labels.empty() &&
            (query.kind.size() <= 1 || query.find == bus::Find::kServices);
 }
 

@@ -8,6 +8,7 @@
 #include "asip/bus/query.hpp"
 #include "asip/expected.hpp"
 #include "registry/catalogue/board.hpp"
+#include "registry/catalogue/catalogue.hpp"
 
 namespace asip::registry {
 
@@ -24,6 +25,7 @@ struct QueryPlan {
     enum class Sort { kName, kState, kChip, kSketch, kLastSeen };
 
     const bus::Query& query;
+    const View* view = nullptr;               ///< of the asker; null: sees everything
     std::vector<Kind*> kinds{};               ///< those of `query.kind` that exist
     std::vector<model::BoardState> states{};  ///< all of them where the query names none
     bus::Query without_states{};              ///< states are found by an index
@@ -39,13 +41,18 @@ struct QueryPlan {
     }
     bool in_order_of_names() const { return sort == Sort::kName && !descending; }
     bool board_matches(const Board& b) const;
-    bool service_matches(const ServicesPart& part, std::size_t index) const;
+    /// `part`: the services of `b`.
+    bool service_matches(const Board& b, const ServicesPart& part, std::size_t index) const;
+    bool sees(const Board& b, const Service& service) const {
+        return view == nullptr || !view->service || view->service(b.name, service.name);
+    }
     bool some_service_matches(const Board& b) const;
     /// Whether only filters are used that the indices answer by themselves: then their sizes are the total.
     bool counted_by_index() const;
 };
 
-/// Error: a sentence that names the member of the query that is wrong. `kinds` is settled.
-Expected<QueryPlan> make_query_plan(const bus::Query& query, const KindTable& kinds);
+/// Error: a sentence that names the member of the query that is wrong. `kinds` is settled. `view` may be
+/// null.
+Expected<QueryPlan> make_query_plan(const bus::Query& query, const KindTable& kinds, const View* view);
 
 }  // namespace asip::registry
