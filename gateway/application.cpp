@@ -16,6 +16,7 @@ namespace {
 
 namespace log = program::log;
 
+constexpr std::size_t kSocketBytes = 32 * 1024;  // of a WebSocket, beside the message that it reads
 constexpr Duration kSoon = std::chrono::milliseconds(1);
 constexpr Duration kLastWords = std::chrono::milliseconds(10);  // of WebSockets
 constexpr Duration kTick = std::chrono::milliseconds(100);
@@ -48,6 +49,7 @@ Application::Application(ProgramOptions options) : options_(std::move(options)),
     mqtt::Client::Handlers answers;
     answers.on_message = [this](const mqtt::Message& received) { gateway_->message(received); };
     urgent_ = std::make_unique<mqtt::Client>(io_, std::move(urgent), std::move(answers));
+    options_.gateway.socket_bytes = options_.limits.message_bytes + kSocketBytes;
     gateway_ = std::make_unique<Gateway>(options_.gateway, std::move(models), std::move(units_of),
                                          system_random(), random_secret, port());
     read_tokens(true);

@@ -14,10 +14,11 @@ namespace {
 constexpr Duration kRegistryTime = std::chrono::seconds(3);
 constexpr std::size_t kMaxRequestShown = 200;
 constexpr std::size_t kMaxToLog = 64;
+constexpr std::size_t kBytesOfQuestion = 16 * 1024;  // to a registry, with what its answer needs at least
 
 // Who did what. A renewal is a sign of life, many times a second.
 void log_command(const CommandRecord& record) {
-    if (record.request.starts_with("{\"renew\"")) return;
+    if (record.renewal) return;
     const auto& reply = *record.reply;
     program::log::info("command", {{"by", record.by},
                                    {"target", record.target},
@@ -39,6 +40,26 @@ Mirror::Options mirror_options(const GatewayOptions& options, registry::UnitsOf 
 
 }  // namespace
 
+/// Somebody who waits for the next value of a service.
+struct Gateway::Wait final : OpenStream {
+    Wait(Gateway& gateway, const http::Reply& to, Principal principal, std::string client)
+        : OpenStream(std::move(principal), std::move(client)), streams(gateway.streams_), reply(to) {
+        streams.add(*this);
+    }
+    ~Wait() override { streams.remove(*this); }
+    void tick(const Instant&) override {}
+    void revoke() override { revoked = true; }
+
+    Streams& streams;
+    http::Reply reply;
+    Budget::Part part;
+    std::unique_ptr<Feed> feed;
+    std::function<void(bool revoked)> done;
+    Time until{};
+    bool ready = false;
+    bool revoked = false;
+};
+
 Gateway::Gateway(GatewayOptions options, model::ModelSet models, registry::UnitsOf units_of, Random random,
                  Secrets secrets, Port port)
     : options_(std::move(options)),
@@ -50,6 +71,7 @@ Gateway::Gateway(GatewayOptions options, model::ModelSet models, registry::Units
                port_.unsubscribe}),
       commands_(options_.replies()),
       gate_(options_.gate, std::move(secrets)),
+      budget_(options_.client_bytes),
       streams_(options_.streams_per_client),
       command_rates_(options_.commands_per_second),
       requester_(random_hex(random, 8), options_.replies().below("registry")) {
@@ -106,7 +128,7 @@ void Gateway::leave() {
     for (auto& question : questions_)
         if (const auto done = std::exchange(question.done, {})) done(nullptr);
     for (auto& wait : std::exchange(waits_, {}))
-        wait.done();
+        wait->done(false);
 }
 
 void Gateway::message(const mqtt::Message& message) {
@@ -114,7 +136,7 @@ void Gateway::message(const mqtt::Message& message) {
     if (commands_.take(message, now())) return;
     demander_.take(message, now().time);
     mirror_.message(message, now());
-    finish_waits();
+    if (wait_ready_) finish_waits(false);
 }
 
 void Gateway::tick() {
@@ -125,7 +147,8 @@ void Gateway::tick() {
     streams_.tick(present, gate_);
     gate_.logins().expire(present.time);
     command_rates_.expire(present.time);
-    finish_waits();
+    budget_.expire();
+    finish_waits(true);
     for (auto each = questions_.begin(); each != questions_.end();) {
         if (!each->done || each->until <= present.time) {
             const auto done = std::move(each->done);
@@ -139,12 +162,18 @@ void Gateway::tick() {
 
 void Gateway::command(Commands::Start start, Commands::Done done) {
     const auto refused = [&](std::string reason, std::string error) {
-        CommandRecord record{start.id, start.by, start.target, start.payload, now(), {}, false};
+        CommandRecord record{start.id, start.by, start.target, start.payload,
+                             now(),    {},       false,        start.renewal};
         record.reply = bus::Reply::refused(std::move(reason), std::move(error));
         record.reply->id = start.id;
         record.reply->by = start.by;
         done(record);
     };
+    start.part = budget_.part(start.client);
+    if (!start.part.set(Commands::bytes_of(start)) && !start.urgent) {
+        return refused(std::string(bus::kRefusedQueueFull),
+                       "what is kept of your commands would be too much; it is kept for a minute");
+    }
     mqtt::Message message;
     const bool urgent = start.urgent;
     start.answer_first = urgent && port_.urgent_ready();
@@ -164,7 +193,9 @@ void Gateway::command(Commands::Start start, Commands::Done done) {
     }
 }
 
-void Gateway::ask_registry(const std::string& payload, Answered done) {
+bool Gateway::ask_registry(const std::string& payload, const std::string& client, Answered done) {
+    auto part = budget_.part(client);
+    if (!part.set(kBytesOfQuestion)) return false;
     mqtt::Message message;
     message.topic = mirror_.topics().any_registry_query();
     message.payload = payload;
@@ -172,30 +203,41 @@ void Gateway::ask_registry(const std::string& payload, Answered done) {
     auto& question = questions_.emplace_back();
     question.done = std::move(done);
     question.until = now().time + kRegistryTime;
+    question.part = std::move(part);
     question.request = requester_.ask(message, port_.v5(), [&question](const mqtt::Message& received) {
         const auto answer = bus::parse_answer(received.payload);
         if (!answer || !question.done) return;
         std::exchange(question.done, {})(&*answer);
     });
     if (!port_.publish(std::move(message))) question.until = now().time;
+    return true;
 }
 
-void Gateway::wait_for_value(std::unique_ptr<Feed> feed, Duration limit, std::function<void()> done) {
-    auto& wait = waits_.emplace_back(Wait{std::move(feed), std::move(done), now().time + limit});
+void Gateway::wait_for_value(std::unique_ptr<Feed> feed, Duration limit, const http::Reply& reply,
+                             const Principal& principal, const std::string& client,
+                             std::function<void(bool revoked)> done) {
+    auto& wait = waits_.emplace_back(std::make_unique<Wait>(*this, reply, principal, client));
+    wait->feed = std::move(feed);
+    wait->done = std::move(done);
+    wait->until = now().time + limit;
     // Not finished from inside the wake: it comes while the values call their feeds.
-    wait.feed->wake = [&wait] { wait.ready = true; };
+    wait->feed->wake = [this, waiting = wait.get()] { waiting->ready = wait_ready_ = true; };
 }
 
-void Gateway::finish_waits() {
+// `all`: also those that nobody waits for any more, or whose time or right is over.
+void Gateway::finish_waits(bool all) {
+    wait_ready_ = false;
     const auto time = now().time;
     for (auto each = waits_.begin(); each != waits_.end();) {
-        if (!each->ready && each->until > time) {
+        auto& wait = **each;
+        const bool gone = all && wait.reply.gone();
+        if (!wait.ready && !gone && (!all || (!wait.revoked && wait.until > time))) {
             ++each;
             continue;
         }
-        const auto done = std::move(each->done);
+        const auto over = std::move(*each);
         each = waits_.erase(each);
-        done();
+        if (!gone) over->done(over->revoked);
     }
 }
 

@@ -24,18 +24,22 @@
 
 namespace asip::gateway {
 
+/// What a gateway is to do. Limits of a client hold for all its connections together; a client is a token, or
+/// an address where there is none.
 struct GatewayOptions {
     std::string topic_root = "asip";
-    std::string user;       ///< of the broker, in reply topics
-    std::string client;     ///< of this gateway alone, likewise
-    std::string broker;     ///< for people
-    std::string base_path;  ///< of a proxy, "/asip"; empty: none
-    Duration forget_after = std::chrono::hours(7 * 24);
+    std::string user;                                    ///< of the broker, in reply topics
+    std::string client;                                  ///< of this gateway alone, likewise
+    std::string broker;                                  ///< for people
+    std::string base_path;                               ///< of a proxy, "/asip"; empty: none
+    Duration forget_after = std::chrono::hours(7 * 24);  ///< a board that is not alive; as a registry's
     ValueLimits values;
-    Gate::Options gate;
-    double commands_per_second = 50;  ///< of one name; bursts of twice as many
-    std::size_t streams_per_client = 64;
-    std::size_t subscriptions = 256;  ///< of one WebSocket
+    Gate::Options gate;                                ///< who is ours, and what may be done without a token
+    double commands_per_second = 50;                   ///< of one name; bursts of twice as many
+    std::size_t streams_per_client = 64;               ///< waits for a value among them
+    std::size_t subscriptions = 256;                   ///< of one WebSocket
+    std::size_t client_bytes = std::size_t{32} << 20;  ///< all that one client may have kept: Budget
+    std::size_t socket_bytes = 96 * 1024;  ///< what a WebSocket takes of that: its message and buffers
     bool page = true;
     bool metrics = true;
 
@@ -44,9 +48,12 @@ struct GatewayOptions {
 };
 
 /// The gateway without its sockets: requests, messages of the bus and time go in, answers and messages come
-/// out.
+/// out. One thread. It must outlive what it answers with: sources and channels of open connections refer to
+/// it.
 class Gateway {
   public:
+    /// What it needs of its surroundings. All are called on its thread, and must not call back into it before
+    /// they return, but for what `soon` is given.
     struct Port {
         std::function<bool(mqtt::Message)> publish;  ///< false: refused, the queue is full
         /// Whether there is a connection for what is urgent, with its answers subscribed.
@@ -55,8 +62,8 @@ class Gateway {
         std::function<bool(mqtt::Message)> publish_first;
         std::function<void(std::string filter, bool retained)> subscribe;
         std::function<void(const std::string& filter)> unsubscribe;
-        std::function<bool()> v5;
-        std::function<Instant()> now;
+        std::function<bool()> v5;                      ///< the broker speaks MQTT 5
+        std::function<Instant()> now;                  ///< never earlier than before
         std::function<http::ServerCounters()> server;  ///< for metrics
         /// Calls back within a millisecond or two, once what is under way is done.
         std::function<void(std::function<void()>)> soon;
@@ -66,13 +73,17 @@ class Gateway {
             Secrets secrets, Port port);
     ~Gateway();
 
+    /// Serves a request: `reply` is answered before this returns, or later, once. What the client sends can
+    /// do no more than get a status of 400 and above.
     void request(const http::Request& request, const http::Reply& reply);
+    /// The broker has granted mirror().subscriptions(), after the first connection or a later one.
     void subscribed();
     void disconnected();
     /// The program ends: nothing is demanded any more, and nobody waits for an answer.
     void leave();
+    /// Any message of the bus. What is none of the gateway's is passed over.
     void message(const mqtt::Message& message);
-    /// Call ten times a second.
+    /// Call ten times a second: leases, deadlines, waits and rights end by it.
     void tick();
 
     const GatewayOptions& options() const { return options_; }
@@ -81,6 +92,7 @@ class Gateway {
     Commands& commands() { return commands_; }
     Gate& gate() { return gate_; }
     Streams& streams() { return streams_; }
+    Budget& budget() { return budget_; }
     bus::Demander& demander() { return demander_; }
     Rates& command_rates() { return command_rates_; }
     /// Kept since each command needs one; bounded by whoever adds to it.
@@ -92,28 +104,29 @@ class Gateway {
     http::ServerCounters server_counters() const { return port_.server(); }
     const std::string& openapi();
 
-    /// Publishes a command and calls `done` with its answer. A refusal by the gateway itself is an answer,
-    /// too.
+    /// Publishes a command and calls `done` once with its answer: at once, or until its deadline and half a
+    /// second more. A refusal by the gateway itself is an answer, too. The record is valid for the call only.
     void command(Commands::Start start, Commands::Done done);
     /// Asks a registry; `done` is called once, with nothing where none answered within 3 s.
+    /// What waits for it is counted to `client`. False: there is no room for that, and `done` is not called.
     using Answered = std::function<void(const bus::Answer*)>;
-    void ask_registry(const std::string& payload, Answered done);
-    /// Waits for the next value of a service behind `after`: `done` is called once, after at most `limit`.
-    void wait_for_value(std::unique_ptr<Feed> feed, Duration limit, std::function<void()> done);
+    bool ask_registry(const std::string& payload, const std::string& client, Answered done);
+    /// Waits for the next value of a service, at most `limit`. A wait is a stream of its client: it is
+    /// counted as one, and ends when the connection or the right to it does. `done` is called once, with true
+    /// when the right was taken back, and not at all where nobody waits for the reply any more.
+    void wait_for_value(std::unique_ptr<Feed> feed, Duration limit, const http::Reply& reply,
+                        const Principal& principal, const std::string& client,
+                        std::function<void(bool revoked)> done);
 
   private:
     struct Question {
         bus::Requester::Request request;
         Answered done;
         Time until;
+        Budget::Part part;
     };
-    struct Wait {
-        std::unique_ptr<Feed> feed;
-        std::function<void()> done;
-        Time until;
-        bool ready = false;
-    };
-    void finish_waits();
+    struct Wait;
+    void finish_waits(bool all);
     void finished(const CommandRecord& record, Duration time);
     void log_commands();
     void publish_all(std::vector<mqtt::Message> messages);
@@ -125,6 +138,7 @@ class Gateway {
     Mirror mirror_;
     Commands commands_;
     Gate gate_;
+    Budget budget_;
     Streams streams_;
     Rates command_rates_;
     api::BoardTexts board_texts_;
@@ -134,7 +148,8 @@ class Gateway {
     std::vector<const CommandRecord*> to_log_;  // of commands_, which keeps them for a minute
     bus::Requester requester_;
     std::list<Question> questions_;
-    std::list<Wait> waits_;
+    std::list<std::unique_ptr<Wait>> waits_;
+    bool wait_ready_ = false;  // some of them is
     std::string openapi_;
 };
 

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fcntl.h>
+#include <grp.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <iostream>
 
@@ -16,17 +21,56 @@
 namespace asip::gateway {
 namespace {
 
+constexpr const char* kServiceGroup = "asip";  // as the packages make it
+
 int refuse(const std::string& text) {
     std::cerr << "asip-gateway: " << text << "\n";
     return program::kExitUsage;
 }
 
-// Readable by its owner only from its first byte.
-bool append(const std::string& path, const std::string& line) {
-    const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+// Who may read a new file: its owner alone. Made by root it belongs to the group of the service, too, which
+// runs as a user of its own; a file that was there keeps its owner and its rights.
+struct Owner {
+    uid_t user = geteuid();
+    gid_t group = getegid();
+    mode_t mode = 0600;
+};
+
+Owner owner_of(const std::string& path) {
+    struct stat found{};
+    if (stat(path.c_str(), &found) == 0)
+        return {found.st_uid, found.st_gid, static_cast<mode_t>(found.st_mode & 07777)};
+    Owner owner;
+    const group* service = geteuid() == 0 ? getgrnam(kServiceGroup) : nullptr;
+    if (service != nullptr) owner.group = service->gr_gid, owner.mode = 0640;
+    return owner;
+}
+
+bool write_whole(int file, std::string_view text) {
+    while (!text.empty()) {
+        const auto written = write(file, text.data(), text.size());
+        if (written < 0 && errno == EINTR) continue;
+        if (written <= 0) return false;
+        text.remove_prefix(static_cast<std::size_t>(written));
+    }
+    return true;
+}
+
+// Written beside it and renamed: who reads the file meanwhile, finds the old one or the new one, whole. The
+// rights are set before anything is in it.
+bool replace(const std::string& path, const std::string& text) {
+    const auto target = std::filesystem::weakly_canonical(path).string();  // a link stays one
+    const auto owner = owner_of(target);
+    std::string draft = target + ".XXXXXX";
+    const int file = mkostemp(draft.data(), O_CLOEXEC);
     if (file < 0) return false;
-    const bool written = write(file, line.data(), line.size()) == static_cast<ssize_t>(line.size());
-    return close(file) == 0 && written;
+    struct stat made{};
+    const bool same = fstat(file, &made) == 0 && made.st_uid == owner.user && made.st_gid == owner.group;
+    const bool done = (same || fchown(file, owner.user, owner.group) == 0) && fchmod(file, owner.mode) == 0 &&
+                      write_whole(file, text) && fsync(file) == 0;
+    if (close(file) == 0 && done && rename(draft.c_str(), target.c_str()) == 0) return true;
+    unlink(draft.c_str());
+    return false;
 }
 
 // As written in a list: blanks around a name are none of it.
@@ -65,6 +109,9 @@ int make_token(const TokenRequest& request) {
     if (!model::valid_name(request.name))
         return refuse("\"" + text::printable(request.name) +
                       "\" is not a name: 1 to 64 of A-Z a-z 0-9 . _ -");
+    if (Tokens::is_reserved(request.name))
+        return refuse("\"" + request.name +
+                      "\" is what those without a token are called; choose another name");
     rights->name = request.name;
     rights->boards = without_blanks(request.boards);
     rights->services = without_blanks(request.services);
@@ -81,10 +128,13 @@ int make_token(const TokenRequest& request) {
         if (!period) return refuse("--until: " + period.error());
         rights->until = text::wall_now() + *period;
     }
-    std::string before;
-    if (std::filesystem::exists(request.file)) {
-        const auto known = Tokens::read(request.file);
-        if (!known) return refuse(known.error());
+    std::string text;
+    if (std::error_code error; std::filesystem::exists(request.file, error)) {
+        auto read = Tokens::text_of(request.file);
+        if (!read) return refuse(read.error());
+        text = std::move(*read);
+        const auto known = Tokens::parse(text);
+        if (!known) return refuse(request.file + ", " + known.error());
         if (known->named(request.name) != nullptr)
             return refuse("a token is called " + request.name +
                           " already; take its line out of the file first");
@@ -92,7 +142,9 @@ int make_token(const TokenRequest& request) {
     const auto secret = random_secret(32);
     const auto line = token_line(*rights, hash_of(secret));
     if (const auto check = Tokens::parse(line); !check) return refuse(check.error());
-    if (!append(request.file, line + "\n")) return refuse("cannot write " + request.file);
+    if (!text.empty() && text.back() != '\n') text += '\n';
+    if (!replace(request.file, text + line + "\n"))
+        return refuse("cannot write " + request.file + ": " + std::strerror(errno));
     std::cout << secret << "\n";
     std::cerr << "This token is not shown again. "
               << (rights->role == Role::kKiosk ? "The link is http://GATEWAY/kiosk/TOKEN/"

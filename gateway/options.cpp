@@ -58,7 +58,9 @@ void declare_access(CLI::App& app, program::Settings& settings, Raw& raw) {
     add(app.add_option("--allow-origin", raw.origins, "Origins of pages elsewhere that may call the API")
             ->delimiter(','));
     add(app.add_option("--base-path", raw.base_path, "Path below which a proxy serves it, such as /asip"));
-    add(app.add_flag("--trusted-proxy", raw.trusted_proxy, "Connections come from a proxy on this machine"));
+    add(app.add_flag(
+        "--trusted-proxy", raw.trusted_proxy,
+        "Connections from this machine are a proxy's: its clients are who X-Forwarded-For says"));
     add(app.add_option("--http-cert", raw.cert, "TLS: certificate chain, PEM"));
     add(app.add_option("--http-key", raw.key, "TLS: private key, PEM"));
 }
@@ -68,23 +70,43 @@ void declare_limits(CLI::App& app, program::Settings& settings, Raw& raw) {
         settings.setting(option)->capture_default_str()->group("Limits");
     };
     auto& limits = raw.limits;
-    add(app.add_option("--max-header-bytes", limits.request.header_bytes, "Of one request"));
-    add(app.add_option("--max-body-bytes", limits.request.body_bytes, "Of one request"));
-    add(app.add_option("--max-message-bytes", limits.message_bytes, "Of one message of a WebSocket"));
-    add(app.add_option("--max-connections", limits.connections, "Open at once"));
-    add(app.add_option("--max-connections-per-address", limits.connections_per_address, "Open at once"));
-    add(app.add_option("--header-time", raw.header, "For a request's head, from its first byte"));
-    add(app.add_option("--body-time", raw.body, "For a request's body, from the end of its head"));
-    add(app.add_option("--idle-time", raw.idle, "For a connection without request"));
-    add(app.add_option("--max-streams", raw.gateway.streams_per_client,
-                       "Of one token, or address without one"));
-    add(app.add_option("--max-subscriptions", raw.gateway.subscriptions, "Of one WebSocket"));
-    add(app.add_option("--stream-bytes", limits.stream_bytes, "Handed to a slow reader at once")
+    add(app.add_option("--max-header-bytes", limits.request.header_bytes,
+                       "Longest head of a request: its first line and its headers; beyond: 431"));
+    add(app.add_option("--max-body-bytes", limits.request.body_bytes,
+                       "Longest body of a request; beyond: 413"));
+    add(app.add_option("--max-message-bytes", limits.message_bytes,
+                       "Longest message that a client may send over a WebSocket; beyond: it is closed"));
+    add(app.add_option("--max-connections", limits.connections,
+                       "Most connections that are open at once; beyond: 503"));
+    add(app.add_option(
+        "--max-connections-per-address", limits.connections_per_address,
+        "Most connections of one address (of IPv6 one /64) that are open at once; beyond: 503"));
+    add(app.add_option(
+        "--header-time", raw.header,
+        "Longest time in which the head of a request comes, from its first byte; beyond: 408"));
+    add(app.add_option(
+        "--body-time", raw.body,
+        "Longest time in which the body of a request comes, from the end of its head; beyond: 408"));
+    add(app.add_option("--idle-time", raw.idle, "How long a connection stays open between two requests"));
+    add(app.add_option(
+        "--max-streams", raw.gateway.streams_per_client,
+        "Most streams, WebSockets and waits for a value that one client has open at once; beyond: "
+        "429. A client is a token, or an address without one"));
+    add(app.add_option("--max-subscriptions", raw.gateway.subscriptions,
+                       "Most subscriptions over one WebSocket at once"));
+    add(app.add_option("--max-client-bytes", raw.gateway.client_bytes,
+                       "Most memory for all that is kept for one client: its subscriptions, what waits to be "
+                       "read by it, and its commands of the last minute; beyond: 429")
+            ->check(CLI::Range(std::size_t{256} << 10, std::size_t{1} << 40)));
+    add(app.add_option("--stream-bytes", limits.stream_bytes,
+                       "Most bytes of a stream that are handed to its connection at once")
             ->check(CLI::Range(std::size_t{1024}, std::size_t{1} << 20)));
-    add(app.add_option("--commands-per-second", raw.gateway.commands_per_second, "Of one token, or address")
+    add(app.add_option("--commands-per-second", raw.gateway.commands_per_second,
+                       "Most commands of one client a second, twice as many at once; beyond: 429")
             ->check(CLI::Range(0.1, 1e6)));
-    add(app.add_option("--value-bytes", raw.value_bytes, "Recent values that are kept, in all"));
-    add(app.add_option("--value-age", raw.value_age, "Recent values older than this are dropped"));
+    add(app.add_option("--value-bytes", raw.value_bytes,
+                       "Most memory for recent values of all services together; the oldest go first"));
+    add(app.add_option("--value-age", raw.value_age, "How long recent values are kept (90s, 15m, 12h)"));
 }
 
 void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
@@ -161,6 +183,7 @@ Expected<void> check_access(ProgramOptions& options, const std::string& anonymou
         gate.loopback.name = "loopback";
     }
     gate.behind_proxy = behind_proxy;
+    options.limits.behind_proxy = behind_proxy;
     return {};
 }
 
@@ -175,7 +198,9 @@ Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
         app.add_subcommand("token", "Make a token: prints it once, keeps its hash in the file");
     make_token->add_option("role", token.role, "viewer, operator, operator+raw, admin or kiosk")->required();
     make_token->add_option("name", token.name, "Whose it is: for the log and the history")->required();
-    make_token->add_option("--tokens", token.file, "The file")->envname("ASIP_TOKENS")->required();
+    make_token->add_option("--tokens", token.file, "The file of tokens; made where there is none")
+        ->envname("ASIP_TOKENS")
+        ->required();
     make_token->add_option("--until", token.until, "How long it is valid: 12h, 30d");
     make_token->add_option("--boards", token.boards, "Patterns of the boards that it shows")->delimiter(',');
     make_token->add_option("--services", token.services, "Patterns of the services that it shows")

@@ -8,7 +8,8 @@
 
 namespace asip::gateway {
 
-/// How often each of several names does something: `per_second` on average, twice as many at once. Pure.
+/// How often each of several names does something: `per_second` on average, twice as many at once. Names that
+/// have done nothing for a minute are forgotten by expire(). Pure.
 class Rates {
   public:
     explicit Rates(double per_second) : per_second_(per_second) {}

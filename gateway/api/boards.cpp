@@ -11,11 +11,6 @@ namespace {
 
 using nlohmann::json;
 
-std::string etag_of(const Call& call) {
-    const auto& log = call.gateway.mirror().log();
-    return "\"" + log.epoch() + "-" + std::to_string(log.last()) + "\"";
-}
-
 void add_list(json& object, const std::string& name, const std::string& value) {
     auto& list = object[name];
     for (std::size_t at = 0; at <= value.size();) {
@@ -49,38 +44,81 @@ Expected<bus::Query> query_of(const Call& call, const char* find) {
 }
 
 void list(Call& call, const char* find) {
-    const auto query = query_of(call, find);
+    auto query = query_of(call, find);
     if (!query) return send_problem(call, 400, query.error());
+    if (query->full) query->limit = std::min(query->limit, bus::Query::kMaxFullPage);
     const bool by_time = query->sort.ends_with("last_seen");
-    const auto etag = etag_of(call);
+    const auto etag = catalogue_etag(call);
     if (!by_time && not_modified(call, etag)) return;
-    auto answer = call.gateway.mirror().find(*query, call.now());
+    const auto& rights = call.principal.rights;
+    const auto view = view_of(rights);
+    auto answer = call.gateway.mirror().find(*query, call.now(), rights.limited() ? &view : nullptr);
     if (!answer) return send_problem(call, 400, answer.error());
-    limit_to(call.principal.rights, *answer);
+    limit_to(rights, *answer);
     auto response = text_response(bus::encode(*answer));
     if (!by_time) response.headers.emplace_back("ETag", "W/" + etag);
     call.reply.send(std::move(response));
 }
 
-void ask_history(Call& call, const std::string& board) {
-    if (!bus_is_there(call)) return;
-    json query{{"find", "history"}};
-    if (!board.empty()) query["board"] = board;
-    const auto limit = whole_parameter(call, "limit", 100, 1, 1000);
-    if (!limit) return send_problem(call, 400, limit.error());
-    query["limit"] = *limit;
-    if (const auto* cursor = call.request.parameter("cursor")) query["cursor"] = *cursor;
-    auto reply = call.reply;
-    auto rights = call.principal.rights;
-    call.gateway.ask_registry(model::dump_json(query), [reply, rights](const bus::Answer* answer) {
+/// A page of the history that one asker sees. What several patterns let pass the registry cannot say: of its
+/// pages those items are taken that are seen, page after page until there are enough.
+struct HistoryPage : std::enable_shared_from_this<HistoryPage> {
+    static constexpr int kMaxPages = 20;  // then what was found is the answer, and its cursor goes on
+
+    HistoryPage(const Call& call, std::size_t wanted)
+        : gateway(call.gateway),
+          reply(call.reply),
+          rights(call.principal.rights),
+          client(call.client()),
+          limit(wanted) {}
+
+    void ask() {
+        json query{{"find", "history"}, {"limit", limit - page.history.size()}};
+        if (!board.empty()) query["board"] = board;
+        if (!cursor.empty()) query["cursor"] = cursor;
+        const bool asked = gateway.ask_registry(
+            model::dump_json(query), client,
+            [self = shared_from_this()](const bus::Answer* answer) { self->answered(answer); });
+        if (!asked) reply.send(problem(429, "too many questions of yours are under way"));
+    }
+
+    void answered(const bus::Answer* answer) {
         if (answer == nullptr) return reply.send(problem(503, "no registry answers; history is kept by one"));
         if (answer->refused == "no-history") return reply.send(problem(404, answer->error));
         if (!answer->refused.empty()) return reply.send(problem(400, answer->error));
-        bus::Answer shown = *answer;
-        shown.id.clear();
-        limit_to(rights, shown);
-        reply.send(text_response(bus::encode(shown)));
-    });
+        if (reply.gone()) return;
+        auto items = std::move(page.history);
+        std::copy_if(answer->history.begin(), answer->history.end(), std::back_inserter(items),
+                     [&](const auto& item) { return sees(rights, item); });
+        page = *answer;
+        page.id.clear();
+        page.history = std::move(items);
+        cursor = answer->cursor;
+        const bool enough = page.history.size() >= limit || cursor.empty() || ++pages == kMaxPages;
+        if (rights.limited() && !enough) return ask();
+        reply.send(text_response(bus::encode(page)));
+    }
+
+    Gateway& gateway;
+    http::Reply reply;
+    Rights rights;
+    std::string client;
+    std::size_t limit;
+    std::string board;  // empty: all
+    std::string cursor;
+    int pages = 0;
+    bus::Answer page;
+};
+
+void ask_history(Call& call, const std::string& board) {
+    if (!bus_is_there(call)) return;
+    const auto limit = whole_parameter(call, "limit", 100, 1, 1000);
+    if (!limit) return send_problem(call, 400, limit.error());
+    const auto page = std::make_shared<HistoryPage>(call, static_cast<std::size_t>(*limit));
+    const auto& patterns = call.principal.rights.boards;
+    page->board = board.empty() && patterns.size() == 1 ? patterns.front() : board;
+    if (const auto* cursor = call.request.parameter("cursor")) page->cursor = *cursor;
+    page->ask();
 }
 
 }  // namespace
@@ -99,7 +137,7 @@ void get_board(Call& call) {
     query.board = call.board();
     query.full = true;
     if (call.board().find_first_of("*?") != std::string::npos) return void(board_of(call));
-    const auto etag = etag_of(call);
+    const auto etag = catalogue_etag(call);
     if (not_modified(call, etag)) return;
     auto answer = call.gateway.mirror().find(query, call.now());
     if (!answer || answer->boards.empty()) return void(board_of(call));
@@ -122,15 +160,16 @@ void delete_board(Call& call) {
                                 " and would be back with its next announcement; stop its agent first");
     }
     auto reply = call.reply;
-    call.gateway.ask_registry(model::dump_json({{"forget", board->board}}), [reply](
-                                                                                const bus::Answer* answer) {
+    const auto forgotten = [reply](const bus::Answer* answer) {
         if (answer == nullptr)
             return reply.send(problem(503, "no registry answers; it is the registry that forgets boards"));
         if (answer->refused == "alive") return reply.send(problem(409, answer->error));
         if (answer->refused == "unknown-board") return reply.send(problem(404, answer->error));
         if (!answer->refused.empty()) return reply.send(problem(503, answer->error));
         reply.send(json_response({{"forgotten", answer->forgotten}}));
-    });
+    };
+    if (!call.gateway.ask_registry(model::dump_json({{"forget", board->board}}), call.client(), forgotten))
+        send_problem(call, 429, "too many questions of yours are under way");
 }
 
 void get_board_history(Call& call) {

@@ -7,22 +7,28 @@
 #include "asip/model/json.hpp"
 #include "asip/text/nearest.hpp"
 #include "asip/text/printable.hpp"
+#include "gateway/auth/secret.hpp"
 
 namespace asip::gateway::api {
 
 using nlohmann::json;
 
+namespace {
+
+constexpr const char* kOneAsker = "private, no-cache";
+constexpr const char* kVary = "Authorization, Cookie";
+
+}  // namespace
+
 std::string Call::client() const {
-    const bool named =
-        principal.kind == Principal::Kind::kToken || principal.kind == Principal::Kind::kSession;
-    return named ? principal.rights.name : "address " + request.peer.address;
+    return client_of(principal, peer);
 }
 
 http::Response text_response(std::string json_text, int status) {
     http::Response response;
     response.status = status;
     response.body = std::move(json_text);
-    response.headers = {{"Cache-Control", "no-cache"}};
+    response.headers = {{"Cache-Control", kOneAsker}, {"Vary", kVary}};
     return response;
 }
 
@@ -61,6 +67,12 @@ bool bus_is_there(const Call& call) {
     return false;
 }
 
+bool has_room(const Call& call) {
+    if (call.gateway.streams().has_room(call.client())) return true;
+    send_problem(call, 429, "too many streams and waits are open; close one");
+    return false;
+}
+
 std::shared_ptr<const bus::BoardItem> board_of(const Call& call) {
     auto& mirror = call.gateway.mirror();
     const auto& name = call.board();
@@ -90,14 +102,23 @@ const bus::ServiceItem* service_of(const Call& call, const bus::BoardItem& board
     return nullptr;
 }
 
-model::ModelPtr model_of(const Call& call, const bus::BoardItem& board, const std::string& service) {
-    return call.gateway.board_models().find(board, service, [&] {
+model::ModelPtr model_of(Gateway& gateway, const bus::BoardItem& board, const std::string& service) {
+    return gateway.board_models().find(board, service, [&] {
         bus::Query query;
         query.board = board.board;
         query.full = true;
-        const auto found = call.gateway.mirror().find(query, call.now());
+        const auto found = gateway.mirror().find(query, gateway.now());
         return found && !found->boards.empty() ? found->boards[0].description : std::string();
     });
+}
+
+std::string catalogue_etag(const Call& call) {
+    constexpr std::size_t kDigits = 16;
+    const auto& log = call.gateway.mirror().log();
+    std::string etag = "\"" + log.epoch() + "-" + std::to_string(log.last());
+    if (const auto seen = call.principal.rights.seen(); !seen.empty())
+        etag += "-" + hash_of(seen).substr(0, kDigits);
+    return etag + "\"";
 }
 
 bool not_modified(const Call& call, const std::string& etag) {
@@ -105,7 +126,7 @@ bool not_modified(const Call& call, const std::string& etag) {
     if (known.empty() || known.find(etag) == std::string_view::npos) return false;
     http::Response response;
     response.status = 304;
-    response.headers = {{"ETag", "W/" + etag}, {"Cache-Control", "no-cache"}};
+    response.headers = {{"ETag", "W/" + etag}, {"Cache-Control", kOneAsker}, {"Vary", kVary}};
     call.reply.send(std::move(response));
     return true;
 }

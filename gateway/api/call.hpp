@@ -17,6 +17,7 @@ struct Call {
     const http::Request& request;
     http::Reply reply;
     Principal principal;
+    http::Peer peer;  ///< behind a trusted proxy its client, else who is connected
     const Route& route;
     std::map<std::string, std::string, std::less<>> path;  ///< "board" -> "uno1"
 
@@ -24,13 +25,16 @@ struct Call {
     const std::string& service() const { return path.find("service")->second; }
     Instant now() const { return gateway.now(); }
     bool sees(std::string_view board) const { return principal.rights.sees_board(board); }
-    /// Who is served, for limits: the name of the token, else the address.
+    /// Who is served, for limits: the name of the token, else the address (of IPv6 its network).
     std::string client() const;
+    /// What is held for it, beyond what is sent at once.
+    Budget::Part part() const { return gateway.budget().part(client()); }
 };
 
 /// application/problem+json (RFC 9457).
 http::Response problem(int status, const std::string& detail);
 http::Response problem(int status, const std::string& detail, nlohmann::json members);
+/// Of one asker: a cache may keep it for nobody else.
 http::Response json_response(const nlohmann::json& body, int status = 200);
 http::Response text_response(std::string json_text, int status = 200);
 
@@ -39,13 +43,17 @@ void send_json(const Call& call, const nlohmann::json& body);
 
 /// Answers 503 and returns false while the bus is not heard.
 bool bus_is_there(const Call& call);
+/// Answers 429 and returns false where its client has as many streams as it may.
+bool has_room(const Call& call);
 /// The board with its state and services (its times may be old), or a 404 that names the nearest.
 std::shared_ptr<const bus::BoardItem> board_of(const Call& call);
 /// The service of a board, or a 404 that names the nearest.
 const bus::ServiceItem* service_of(const Call& call, const bus::BoardItem& board);
 /// Null: none describes it.
-model::ModelPtr model_of(const Call& call, const bus::BoardItem& board, const std::string& service);
+model::ModelPtr model_of(Gateway& gateway, const bus::BoardItem& board, const std::string& service);
 
+/// The version of what the catalogue says to this asker: another one for other rights.
+std::string catalogue_etag(const Call& call);
 /// Answers 304 and returns true when the client has this version already.
 bool not_modified(const Call& call, const std::string& etag);
 

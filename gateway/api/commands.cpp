@@ -16,6 +16,7 @@ using nlohmann::json;
 
 constexpr std::size_t kSessionDigits = 16;
 constexpr std::size_t kMaxSessionNames = 1000;
+constexpr std::size_t kMaxSessionBytes = 64;
 constexpr std::size_t kMaxRawLines = 64;
 
 // A session is a level of a topic: what a client calls it could be anything.
@@ -24,6 +25,13 @@ const std::string& session_name(Gateway& gateway, const std::string& who) {
     if (const auto found = names.find(who); found != names.end()) return found->second;
     if (names.size() >= kMaxSessionNames) names.clear();
     return names[who] = hash_of(who).substr(0, kSessionDigits);
+}
+
+bool valid_key(std::string_view key) {
+    return key.size() <= Commands::kMaxIdBytes && std::all_of(key.begin(), key.end(), [](char c) {
+               return std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' || c == '.' ||
+                      c == ':';
+           });
 }
 
 std::string reply_text(const CommandRecord& record) {
@@ -39,6 +47,16 @@ std::string sentence_of(const bus::Reply& reply) {
 }
 
 }  // namespace
+
+bool valid_session(std::string_view name) {
+    return name.size() <= kMaxSessionBytes;
+}
+
+bool session_is_valid(const Call& call) {
+    if (valid_session(call.request.header("asip-session"))) return true;
+    send_problem(call, 400, "Asip-Session: " + kSessionForm);
+    return false;
+}
 
 std::string session_of(const Call& call) {
     return session_name(call.gateway,
@@ -70,18 +88,12 @@ Expected<Duration> deadline_of(const Call& call) {
     return std::chrono::milliseconds(*ms);
 }
 
-bool valid_key(std::string_view key) {
-    return key.size() <= Commands::kMaxIdBytes && std::all_of(key.begin(), key.end(), [](char c) {
-               return std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' || c == '.' ||
-                      c == ':';
-           });
-}
-
 void start(Call& call, std::string target, std::string topic, json payload) {
     const auto deadline = deadline_of(call);
     if (!deadline) return send_problem(call, 400, deadline.error());
     std::string id(call.request.header("idempotency-key"));
     if (id.size() > 1 && id.front() == '"' && id.back() == '"') id = id.substr(1, id.size() - 2);
+    if (!session_is_valid(call)) return;
     if (!valid_key(id)) {
         return send_problem(call, 400, "Idempotency-Key: 1 to 64 of A-Z a-z 0-9 . _ - :");
     }
@@ -94,6 +106,7 @@ void start(Call& call, std::string target, std::string topic, json payload) {
     start.target = std::move(target);
     start.topic = std::move(topic);
     start.payload = model::dump_json(payload);
+    start.client = call.client();
     start.deadline = *deadline;
     call.gateway.command(std::move(start),
                          [reply = call.reply, base = call.gateway.options().base_path](
@@ -145,7 +158,7 @@ void post_command(Call& call) {
     if (!arguments) return send_problem(call, 400, arguments.error());
     auto payload = json::object();
     payload[command] = std::move(*arguments);
-    const auto model = model_of(call, *board, service->name);
+    const auto model = model_of(call.gateway, *board, service->name);
     const auto hold = whole_parameter(call, "hold_ms", 0, 50, 60'000);
     if (!hold) return send_problem(call, 400, hold.error());
     if (const auto fault = wrong(model, *service, command, payload))
@@ -185,6 +198,7 @@ void post_raw(Call& call) {
 
 void get_command(Call& call) {
     const auto& id = call.path.find("id")->second;
+    if (!session_is_valid(call)) return;
     const auto* record = call.gateway.commands().find(session_of(call), id);
     if (record == nullptr) {
         return send_problem(
@@ -206,8 +220,8 @@ void get_command(Call& call) {
 namespace {
 
 // What is renewed needs no answer: only if it is not held any more there is one.
-void renew(Gateway& gateway, const Principal& principal, const std::string& session,
-           const std::string& target, const std::string& id, const json& request,
+void renew(Gateway& gateway, const Principal& principal, const std::string& client,
+           const std::string& session, const std::string& target, const std::string& id, const json& request,
            const std::function<void(std::string)>& answer) {
     const auto& which = request["renew"];
     const auto named = which.is_string() ? which.get<std::string>() : id;
@@ -221,12 +235,22 @@ void renew(Gateway& gateway, const Principal& principal, const std::string& sess
     start.target = target;
     start.topic = gateway.mirror().topics().service_in(target.substr(0, slash), target.substr(slash + 1));
     start.payload = model::dump_json(payload);
+    start.client = client;
+    start.renewal = true;
     gateway.command(std::move(start), [answer, named](const CommandRecord& record) {
         if (record.reply->succeeded()) return;
         auto reply = *record.reply;
         reply.id = named;
         answer(bus::to_json_text(reply));
     });
+}
+
+// As the agent has it: unless the service has a command of that name.
+bool is_renewal(Gateway& gateway, const bus::BoardItem& board, const std::string& service,
+                const json& request) {
+    if (!request.contains("renew")) return false;
+    const auto model = model_of(gateway, board, service);
+    return model == nullptr || model->command("renew") == nullptr;
 }
 
 }  // namespace
@@ -270,8 +294,8 @@ void websocket_command(Gateway& gateway, const Principal& principal, const std::
     if (!is_alive(board->state)) return refuse("board-not-there", "board " + name + " is " + board->state);
     if (!gateway.command_rates().take(client, gateway.now().time))
         return refuse("too-many", "too many commands; try again in a moment");
-    if (request.contains("renew"))
-        return renew(gateway, principal, session_name(gateway, session), text, id, request, answer);
+    if (is_renewal(gateway, *board, service_name, request))
+        return renew(gateway, principal, client, session_name(gateway, session), text, id, request, answer);
     json payload = request;
     // Who asks, and where the answer goes, is ours to say.
     for (const char* member : {"command", "id", "deadline_ms", "by", "reply_to"})
@@ -283,6 +307,7 @@ void websocket_command(Gateway& gateway, const Principal& principal, const std::
     start.target = text;
     start.topic = gateway.mirror().topics().service_in(name, service_name);
     start.payload = model::dump_json(payload);
+    start.client = client;
     if (const auto deadline = request.find("deadline_ms"); deadline != request.end()) {
         const auto ms = deadline->is_number_integer() ? deadline->get<std::int64_t>() : 0;
         if (ms < bus::kMinDeadline.count() || ms > bus::kMaxDeadline.count())

@@ -13,7 +13,14 @@ namespace {
 using nlohmann::json;
 using namespace nlohmann::literals;
 
+/// Pins belong to the service that sets and reports them.
+bool sees_pins(const Rights& rights, std::string_view board) {
+    return rights.sees_service(board, "io");
+}
+
 void limit_names(const Rights& rights, const std::string& board, json& object) {
+    if (object.contains("/names/pins"_json_pointer) && !sees_pins(rights, board))
+        object["names"].erase("pins");
     if (!object.contains("/names/services"_json_pointer)) return;
     auto& services = object["/names/services"_json_pointer];
     if (!services.is_object()) return;
@@ -24,6 +31,7 @@ void limit_names(const Rights& rights, const std::string& board, json& object) {
 // Of a board, or of a description, as JSON.
 void limit_services(const Rights& rights, const std::string& board, json& object) {
     limit_names(rights, board, object);
+    if (!sees_pins(rights, board)) object.erase("pins");
     const auto services = object.find("services");
     if (services == object.end() || !services->is_array()) return;
     json kept = json::array();
@@ -50,6 +58,8 @@ class LimitedFeed final : public Feed {
         return true;
     }
     void tick(const Instant& now) override { feed_->tick(now); }
+    bool more() const override { return feed_->more(); }
+    std::string_view fault() const override { return feed_->fault(); }
 
   private:
     std::unique_ptr<Feed> feed_;
@@ -71,12 +81,28 @@ std::vector<std::string> readable(const std::vector<std::string>& allowed, const
 
 }  // namespace
 
+registry::View view_of(const Rights& rights) {
+    registry::View view{boards_of(rights), {}};
+    if (!rights.services.empty()) {
+        view.service = [rights](std::string_view board, std::string_view service) {
+            return rights.sees_service(board, service);
+        };
+    }
+    return view;
+}
+
+ChangeFeed::Allowed boards_of(const Rights& rights) {
+    if (rights.boards.empty()) return {};
+    return [rights](std::string_view board) { return rights.sees_board(board); };
+}
+
 void limit_to(const Rights& rights, bus::BoardItem& board) {
     if (rights.services.empty()) return;
     std::erase_if(board.services,
                   [&](const auto& each) { return !rights.sees_service(board.board, each.name); });
     std::erase_if(board.labels.services,
                   [&](const auto& each) { return !rights.sees_service(board.board, each.first); });
+    if (!sees_pins(rights, board.board)) board.labels.pins.clear();
     if (board.description.empty()) return;
     auto description = json::parse(board.description, nullptr, false);
     if (description.is_object()) limit_services(rights, board.board, description);
@@ -84,21 +110,14 @@ void limit_to(const Rights& rights, bus::BoardItem& board) {
 }
 
 void limit_to(const Rights& rights, bus::Answer& answer) {
-    if (!rights.limited()) return;
-    answer.total.reset();
-    std::erase_if(answer.boards, [&](const auto& board) { return !rights.sees_board(board.board); });
     for (auto& board : answer.boards)
         limit_to(rights, board);
-    if (answer.brief)
-        std::erase_if(answer.brief->rows(),
-                      [&](const auto& board) { return !rights.sees_board(board.board); });
-    std::erase_if(answer.services,
-                  [&](const auto& each) { return !rights.sees_service(each.board, each.name); });
-    std::erase_if(answer.history, [&](const auto& item) {
-        if (item.is_command() && !rights.services.empty())
-            return item.service.empty() || !rights.sees_service(item.board, item.service);
-        return !rights.sees_board(item.board);
-    });
+}
+
+bool sees(const Rights& rights, const bus::HistoryItem& item) {
+    if (item.is_command() && !rights.services.empty())
+        return !item.service.empty() && rights.sees_service(item.board, item.service);
+    return rights.sees_board(item.board);
 }
 
 std::unique_ptr<Feed> limited_feed(std::unique_ptr<Feed> feed, const Rights& rights) {
@@ -107,11 +126,12 @@ std::unique_ptr<Feed> limited_feed(std::unique_ptr<Feed> feed, const Rights& rig
 }
 
 bus::Demander::Want demand_within(const Rights& rights, bus::Demander& demander, const std::string& board,
-                                  const std::string& service, double hz) {
+                                  const std::string& service, double hz, std::size_t& count) {
     auto wants = std::make_shared<std::vector<bus::Demander::Want>>();
     for (const auto& each : readable(rights.boards, board))
         for (const auto& part : readable(rights.services, service))
             wants->push_back(demander.want(each, part, hz));
+    count = wants->size();
     return wants;
 }
 

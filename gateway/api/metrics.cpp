@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/metrics/metrics.hpp"
 
+#include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"
 
 namespace asip::gateway::api {
@@ -22,14 +23,17 @@ void get_metrics(Call& call) {
     snapshot.values_received = mirror.values().received();
     snapshot.values_left_out = mirror.values().left_out();
     snapshot.values_bytes = mirror.values().bytes();
-    const auto stats = mirror.stats();
+    snapshot.last_values_bytes = mirror.values().last_bytes();
+    const auto view = view_of(rights);
+    const auto boards = mirror.boards_by_state(view);
     for (std::size_t i = 0; i < registry::kStates; ++i) {
-        snapshot.boards_by_state.emplace_back(model::to_text(static_cast<model::BoardState>(i)),
-                                              stats.boards[i]);
+        snapshot.boards_by_state.emplace_back(model::to_text(static_cast<model::BoardState>(i)), boards[i]);
     }
-    snapshot.services_by_kind = mirror.services_by_kind();
-    for (const auto& [id, info] : mirror.registries())
-        snapshot.registries.emplace_back(id, info.stats);
+    snapshot.services_by_kind = mirror.services_by_kind(view);
+    if (!rights.limited()) {  // what registries count is of all boards
+        for (const auto& [id, info] : mirror.registries())
+            snapshot.registries.emplace_back(id, info.stats);
+    }
     for (const auto& [board, info] : mirror.board_stats()) {
         if (rights.sees_board(board)) snapshot.boards.emplace_back(board, info.text);
     }

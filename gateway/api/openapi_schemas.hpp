@@ -83,7 +83,8 @@ inline constexpr std::string_view kComponents = R"json({
   "Model": {"type": "object", "required": ["name", "version"], "properties": {
     "name": {"type": "string"}, "version": {"type": "integer"}}},
   "EventStream": {"type": "string"},
-  "Status": {"type": "object", "required": ["version", "you", "broker", "mirror", "registries", "streams"],
+  "Status": {"type": "object", "required": ["version", "you", "broker", "mirror"],
+    "description": "For a token that is limited to boards or services: of these alone, without broker address, registries and streams",
     "properties": {"version": {"type": "string"}, "you": {"type": "object"}, "broker": {"type": "object"},
       "mirror": {"type": "object"}, "registries": {"type": "array"}, "streams": {"type": "object"}}},
   "Code": {"type": "object", "required": ["code", "expires_in"], "properties": {

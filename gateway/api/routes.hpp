@@ -75,10 +75,15 @@ void get_healthz(Call& call);
 void get_readyz(Call& call);
 /// `/` and the files of the page. `kiosk`: whose link it is below; null: none.
 void serve_page(Gateway& gateway, const http::Request& request, const http::Reply& reply,
-                const Rights* kiosk);
+                const http::Peer& peer, const Rights* kiosk);
 
 std::string openapi_document(const std::vector<Route>& routes, const std::string& base_path);
 
+/// Whether a client may call a session so: what it is called is kept.
+bool valid_session(std::string_view name);
+inline const std::string kSessionForm = "a name of at most 64 bytes";
+/// Answers 400 and returns false where the header Asip-Session names none.
+bool session_is_valid(const Call& call);
 /// The name of the session to which the ids of a request belong: a level of a topic.
 std::string session_of(const Call& call);
 /// `base_path`: of a proxy; `Location` begins with it.

@@ -87,7 +87,21 @@ constexpr std::size_t kWorthCompressing = 1400;  // what fits into one packet ga
 struct Served {
     std::string origin;
     bool gzip = false;
+    std::function<Budget::Part()> part;  // of its client; empty: not known, and what it gets is short
 };
+
+constexpr std::size_t kShort = 4096;  // what is not counted
+
+// What a client takes slowly is kept until it has: of one client not without bound.
+void count(const Served& served, http::Response& response) {
+    if (!served.part || response.body.size() <= kShort) return;
+    auto part = std::make_shared<Budget::Part>(served.part());
+    if (part->set(response.body.size())) {
+        response.held = std::move(part);
+        return;
+    }
+    response = problem(429, "too much waits to be read by this client (--max-client-bytes): read it first");
+}
 
 http::Reply finished(const http::Reply& reply, Served served) {
     return reply.with([served = std::move(served)](http::Response& response) {
@@ -97,6 +111,7 @@ http::Reply finished(const http::Reply& reply, Served served) {
             response.body = http::compress(response.body);
             response.compressed = true;
         }
+        count(served, response);
         secure(response, served.origin);
     });
 }
@@ -140,7 +155,9 @@ bool known_parameters(const http::Request& request, const http::Reply& reply, co
 
 void refuse_right(const Principal& principal, const http::Reply& reply, Need need) {
     if (!principal.rights.may_read()) {
-        auto response = problem(401, "a token is needed: Authorization: Bearer TOKEN, or asipctl open");
+        auto response = problem(401,
+                                "a token is needed: Authorization: Bearer TOKEN; a browser signs in with it "
+                                "at the page; asip-gateway token makes one");
         response.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"asip\"");
         return reply.send(std::move(response));
     }
@@ -157,7 +174,7 @@ void log_change(const Call& call) {
     const auto serve = call.route.serve;
     if (serve == post_command || serve == post_raw || serve == post_renew) return;
     log::info("request", {{"by", call.principal.rights.name},
-                          {"from", call.request.peer.address},
+                          {"from", call.peer.address},
                           {"method", call.request.method},
                           {"target", text::printable(call.request.target, 200)}});
 }
@@ -207,8 +224,16 @@ bool redirect_to_folder(const Inner& inner, const http::Reply& reply) {
     return true;
 }
 
+/// Whose request it is.
+struct Asker {
+    Principal principal;
+    http::Peer peer;
+    bool link = false;  ///< by a kiosk's link
+};
+
 void serve_route(Gateway& gateway, const http::Request& request, const http::Reply& reply,
-                 const Principal& principal, bool link) {
+                 const Asker& asker) {
+    const auto& principal = asker.principal;
     static const auto patterns = split_patterns();
     std::string methods;
     const std::string_view method = request.method == "HEAD" ? "GET" : std::string_view(request.method);
@@ -222,7 +247,8 @@ void serve_route(Gateway& gateway, const http::Request& request, const http::Rep
         }
         if (!allowed(principal.rights, route.need)) return refuse_right(principal, reply, route.need);
         if (!known_parameters(request, reply, route)) return;
-        Call call{gateway, request, reply, principal, route, parameters_of(pattern, request.segments)};
+        Call call{
+            gateway, request, reply, principal, asker.peer, route, parameters_of(pattern, request.segments)};
         route.serve(call);
         return log_change(call);  // behind the answer: nobody waits for the log
     }
@@ -236,7 +262,7 @@ void serve_route(Gateway& gateway, const http::Request& request, const http::Rep
     }
     const bool api = !request.segments.empty() && request.segments[0] == "api";
     if (api) return reply.send(problem(404, "there is nothing at this address; see /api/openapi.json"));
-    serve_page(gateway, request, reply, link ? &principal.rights : nullptr);
+    serve_page(gateway, request, reply, asker.peer, asker.link ? &principal.rights : nullptr);
 }
 
 }  // namespace
@@ -249,10 +275,17 @@ void serve(Gateway& gateway, const http::Request& received, const http::Reply& p
     if (!at_root) inner = inner_of(received, base);
     if (!at_root && !inner) return plain.send(problem(404, "the gateway is at " + base + "/"));
     const auto& request = inner ? inner->request : received;
-    const auto reply = finished(plain, {gateway.gate().allowed_origin(request), http::accepts_gzip(request)});
+    Served served{gateway.gate().allowed_origin(request), http::accepts_gzip(request), {}};
+    const auto peer = gateway.gate().peer_of(request);
     const bool link = inner && inner->link;
     const auto principal = link ? gateway.gate().admit_link(request, *inner->link, gateway.now())
                                 : gateway.gate().admit(request, gateway.now());
+    if (principal) {
+        served.part = [&gateway, client = client_of(*principal, peer)] {
+            return gateway.budget().part(client);
+        };
+    }
+    const auto reply = finished(plain, std::move(served));
     if (!principal) {
         auto response = problem(principal.error().status, principal.error().text);
         if (principal.error().status == 401)
@@ -265,7 +298,7 @@ void serve(Gateway& gateway, const http::Request& received, const http::Reply& p
         return reply.send(problem(400, "the target of the request is no address"));
     if (request.folder && !request.segments.empty())
         return reply.send(problem(404, "there is nothing at this address"));
-    serve_route(gateway, request, reply, *principal, link);
+    serve_route(gateway, request, reply, {*principal, peer, link});
 }
 
 }  // namespace asip::gateway::api

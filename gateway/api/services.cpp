@@ -18,10 +18,12 @@ json model_json(const model::ServiceModel& model) {
 }
 
 json value_item(const Values& values, const ServiceValues& service, const Point& point) {
-    return {
+    json item{
         {"place", Place{values.epoch(), point.number}.text()},
         {"at", text::iso_time(point.seen.wall)},
         {service.channels[point.channel].error ? "error" : "value", json::parse(point.json, nullptr, false)}};
+    if (point.cut > 0) item["cut"] = point.cut;
+    return item;
 }
 
 void send_value(const http::Reply& reply, Gateway& gateway, const std::string& board,
@@ -34,11 +36,12 @@ void send_value(const http::Reply& reply, Gateway& gateway, const std::string& b
         const auto& channel = found->channels[i];
         const auto key = channel.error ? "error" : channel.event.empty() ? "value" : channel.event;
         json value = json::parse(channel.json(), nullptr, false);
-        if (!channel.event.empty()) value = json(value.front());
+        if (!channel.event.empty() && channel.cut == 0) value = json(value.front());
         const std::chrono::duration<double> age = now.time - channel.seen.time;
         events[key] = {{"value", std::move(value)},
                        {"at", text::iso_time(channel.seen.wall)},
                        {"age", std::round(age.count() * 1000) / 1000}};
+        if (channel.cut > 0) events[key]["cut"] = channel.cut;
     }
     const std::uint64_t last = found == nullptr ? 0 : found->last;
     reply.send(json_response({{"board", board},
@@ -76,7 +79,7 @@ void get_service(Call& call) {
     const auto* service = service_of(call, *board);
     if (service == nullptr) return;
     json body = bus::to_json(*service);
-    if (const auto model = model_of(call, *board, service->name)) body["model"] = model_json(*model);
+    if (const auto model = model_of(call.gateway, *board, service->name)) body["model"] = model_json(*model);
     send_json(call, body);
 }
 
@@ -92,17 +95,24 @@ void get_value(Call& call) {
     const std::uint64_t last = found == nullptr ? 0 : found->last;
     const bool newer = *after && ((*after)->epoch != values.epoch() || (*after)->number != last);
     if (*wait == 0 || newer) return send_value(call.reply, call.gateway, call.board(), call.service());
-    if (!bus_is_there(call)) return;
+    if (!bus_is_there(call) || !has_room(call)) return;
     ValueFeed::Options options;
     options.board = call.board();
     options.service = call.service();
     options.after = Place{values.epoch(), last};
     options.demand = demand_within(call.principal.rights, call.gateway.demander(), options.board,
-                                   options.service, bus::kUsualHz);
+                                   options.service, bus::kUsualHz, options.demands);
     const auto limit = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*wait));
-    call.gateway.wait_for_value(std::make_unique<ValueFeed>(values, std::move(options)), limit,
-                                [&gateway = call.gateway, reply = call.reply, name = call.board(),
-                                 service = call.service()] { send_value(reply, gateway, name, service); });
+    options.part = call.part();
+    auto feed = std::make_unique<ValueFeed>(values, std::move(options));
+    if (!feed->fault().empty()) return send_problem(call, 429, std::string(kTooMuchKept));
+    call.gateway.wait_for_value(
+        std::move(feed), limit, call.reply, call.principal, call.client(),
+        [&gateway = call.gateway, reply = call.reply, name = call.board(),
+         service = call.service()](bool revoked) {
+            if (revoked) return reply.send(problem(401, "the right to read this was taken back"));
+            send_value(reply, gateway, name, service);
+        });
 }
 
 void get_values(Call& call) {
@@ -137,9 +147,28 @@ void get_values(Call& call) {
         {{"items", std::move(items)}, {"complete", complete}, {"place", Place{values.epoch(), last}.text()}});
 }
 
+namespace {
+
+/// The models that somebody may read: with limited rights those of the services that are seen.
+std::vector<model::ModelPtr> models_for(const Call& call) {
+    auto models = call.gateway.models().all();
+    const auto& rights = call.principal.rights;
+    if (!rights.limited()) return {models.begin(), models.end()};
+    const auto kinds = call.gateway.mirror().services_by_kind(view_of(rights));
+    std::vector<model::ModelPtr> seen;
+    for (auto& model : models) {
+        if (std::any_of(kinds.begin(), kinds.end(),
+                        [&](const auto& kind) { return kind.first == model->name; }))
+            seen.push_back(std::move(model));
+    }
+    return seen;
+}
+
+}  // namespace
+
 void get_models(Call& call) {
     json items = json::array();
-    for (const auto& model : call.gateway.models().all()) {
+    for (const auto& model : models_for(call)) {
         items.push_back({{"name", model->name},
                          {"version", model->version},
                          {"id", std::string(1, model->id)},
@@ -149,15 +178,15 @@ void get_models(Call& call) {
 }
 
 void get_model(Call& call) {
-    const auto& models = call.gateway.models();
     const auto& name = call.path.find("name")->second;
-    const auto model = models.find(name);
-    if (!model) {
-        return send_problem(
-            call, 404,
-            "no model \"" + text::printable(name) + "\" is known" + text::did_you_mean(name, models.names()));
+    const auto known = call.gateway.models().find(name);
+    std::vector<std::string> names;
+    for (const auto& model : models_for(call)) {
+        if (known != nullptr && model->name == known->name) return send_json(call, model_json(*known));
+        names.push_back(model->name);
     }
-    send_json(call, model_json(*model));
+    send_problem(call, 404,
+                 "no model \"" + text::printable(name) + "\" is known" + text::did_you_mean(name, names));
 }
 
 }  // namespace asip::gateway::api

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
+#include <numeric>
+
 #include "asip/model/json.hpp"
+#include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"
 
 namespace asip::gateway::api {
@@ -19,6 +22,12 @@ json registries_of(const Mirror& mirror) {
     return list;
 }
 
+std::size_t boards_seen(const Mirror& mirror, const Rights& rights) {
+    if (!rights.limited()) return mirror.size();
+    const auto by_state = mirror.boards_by_state(view_of(rights));
+    return std::accumulate(by_state.begin(), by_state.end(), std::size_t{0});
+}
+
 }  // namespace
 
 void get_status(Call& call) {
@@ -29,21 +38,25 @@ void get_status(Call& call) {
              {"role", to_string(rights.role)},
              {"raw", rights.may_send_raw()},
              {"command", rights.may_command()},
-             {"forget", rights.may_forget()}};
-    send_json(call, {{"version", ASIP_VERSION},
-                     {"you", std::move(you)},
-                     {"broker",
-                      {{"address", gateway.options().broker},
-                       {"connected", mirror.connected()},
-                       {"since", text::iso_time(mirror.connected_since().wall)}}},
-                     {"mirror",
-                      {{"complete", mirror.complete()},
-                       {"source", "bus"},
-                       {"boards", mirror.size()},
-                       {"epoch", mirror.epoch()}}},
-                     {"registries", registries_of(mirror)},
-                     {"streams",
-                      {{"clients", gateway.streams().size()}, {"left_out", mirror.values().left_out()}}}});
+             {"forget", rights.may_forget()},
+             {"limited", rights.limited()},
+             {"session", call.principal.kind == Principal::Kind::kSession}};
+    json broker{{"connected", mirror.connected()}, {"since", text::iso_time(mirror.connected_since().wall)}};
+    json catalogue{{"complete", mirror.complete()},
+                   {"source", "bus"},
+                   {"boards", boards_seen(mirror, rights)},
+                   {"epoch", mirror.epoch()}};
+    json body{{"version", ASIP_VERSION}, {"you", std::move(you)}};
+    // What is of no board that it shows is none of a limited token's: where the broker is, what else is
+    // there.
+    if (!rights.limited()) {
+        broker["address"] = gateway.options().broker;
+        body["registries"] = registries_of(mirror);
+        body["streams"] = {{"clients", gateway.streams().size()}, {"left_out", mirror.values().left_out()}};
+    }
+    body["broker"] = std::move(broker);
+    body["mirror"] = std::move(catalogue);
+    send_json(call, body);
 }
 
 void get_healthz(Call& call) {
@@ -60,7 +73,9 @@ void get_readyz(Call& call) {
 // A code for whoever asks, with the same rights: `asipctl open` puts it behind the page's address.
 void post_code(Call& call) {
     const auto code = call.gateway.gate().logins().make_code(call.principal.rights, call.now().time);
-    if (code.empty()) return send_problem(call, 429, "too many codes are open; they last 30 s");
+    if (code.empty())
+        return send_problem(call, 429,
+                            "too many codes of " + call.principal.rights.name + " are open; they last 30 s");
     auto response = json_response({{"code", code}, {"expires_in", 30}});
     response.headers = {{"Cache-Control", "no-store"}};
     call.reply.send(std::move(response));

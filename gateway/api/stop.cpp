@@ -38,6 +38,7 @@ void send_stop(const Call& call, const std::string& board, Commands::Done done) 
     start.target = board;
     start.topic = call.gateway.mirror().topics().stop(board);
     start.payload = "{}";
+    start.client = call.client();
     start.urgent = true;
     call.gateway.command(std::move(start), std::move(done));
 }
@@ -80,6 +81,7 @@ void post_stop(Call& call) {
 void post_renew(Call& call) {
     if (!bus_is_there(call)) return;
     const auto& id = call.path.find("id")->second;
+    if (!session_is_valid(call)) return;
     const auto session = session_of(call);
     std::optional<std::int64_t> hold;
     if (call.request.parameter("hold_ms") != nullptr) {
@@ -87,6 +89,8 @@ void post_renew(Call& call) {
         if (!ms) return send_problem(call, 400, ms.error());
         hold = *ms;
     }
+    if (!call.gateway.command_rates().take(call.client(), call.now().time))
+        return send_problem(call, 429, "too many commands; try again in a moment");
     const auto topic = call.gateway.commands().topic_of(session, id);
     if (topic.empty())
         return send_problem(call, 404, "no command \"" + text::printable(id) + "\" of yours is known");
@@ -98,6 +102,8 @@ void post_renew(Call& call) {
     start.target = id;
     start.topic = topic;
     start.payload = model::dump_json(payload);
+    start.client = call.client();
+    start.renewal = true;
     call.gateway.command(std::move(start),
                          [reply = call.reply, base = call.gateway.options().base_path](
                              const CommandRecord& record) { reply.send(response_for(record, base)); });

@@ -28,13 +28,12 @@ Expected<std::optional<Place>> resume_place(const Call& call) {
     return place;
 }
 
-bool has_room(const Call& call) {
-    if (call.gateway.streams().has_room(call.client())) return true;
-    send_problem(call, 429, "too many streams are open; close one");
-    return false;
-}
+constexpr std::size_t kBytesOfStream = 32 * 1024;  // with what is being sent
 
 void start_sse(const Call& call, std::unique_ptr<Feed> feed) {
+    auto part = call.part();
+    if (!feed->fault().empty() || !part.set(kBytesOfStream))
+        return send_problem(call, 429, std::string(kTooMuchKept));
     http::Response head;
     head.content_type = "text/event-stream";
     head.headers = {{"Cache-Control", "no-store"}, {"X-Accel-Buffering", "no"}};
@@ -42,12 +41,7 @@ void start_sse(const Call& call, std::unique_ptr<Feed> feed) {
     call.reply.stream(std::move(head),
                       std::make_unique<SseSource>(
                           gateway.streams(), std::move(feed), [&gateway] { return gateway.now(); },
-                          call.principal, call.client()));
-}
-
-ChangeFeed::Allowed allowed_boards(const Rights& rights) {
-    if (rights.boards.empty()) return {};
-    return [rights](std::string_view board) { return rights.sees_board(board); };
+                          call.principal, call.client(), std::move(part)));
 }
 
 ValueFeed::Allowed allowed_services(const Rights& rights) {
@@ -57,12 +51,24 @@ ValueFeed::Allowed allowed_services(const Rights& rights) {
     };
 }
 
-Expected<std::unique_ptr<Feed>> catalogue_feed(Gateway& gateway, const Rights& rights,
-                                               const std::string& board, std::optional<Place> after) {
-    auto& mirror = gateway.mirror();
-    auto feed = std::make_unique<ChangeFeed>(
-        mirror.log(), mirror.read_page(),
-        ChangeFeed::Options{board.empty() ? "*" : board, std::move(after), true, allowed_boards(rights)});
+/// Whose stream it is.
+struct Reader {
+    Gateway& gateway;
+    Rights rights;
+    std::string client;
+
+    Budget::Part part() const { return gateway.budget().part(client); }
+};
+
+std::unique_ptr<Feed> catalogue_feed(const Reader& reader, const std::string& board,
+                                     std::optional<Place> after) {
+    auto& mirror = reader.gateway.mirror();
+    const auto& rights = reader.rights;
+    auto limit = [rights](bus::BoardItem& item) { limit_to(rights, item); };
+    auto feed =
+        std::make_unique<ChangeFeed>(mirror.log(), mirror.read_page(boards_of(rights), std::move(limit)),
+                                     ChangeFeed::Options{board.empty() ? "*" : board, std::move(after), true,
+                                                         boards_of(rights), reader.part()});
     return limited_feed(std::move(feed), rights);
 }
 
@@ -101,8 +107,8 @@ Expected<Resume> resume_of(const json& request) {
     return Resume{std::move(place), {}};
 }
 
-Expected<std::unique_ptr<Feed>> value_feed(Gateway& gateway, const Rights& rights, const std::string& target,
-                                           double max_hz, Resume after) {
+Expected<std::unique_ptr<Feed>> value_feed(const Reader& reader, const std::string& target, double max_hz,
+                                           Resume after) {
     const auto slash = target.find('/');
     if (slash == std::string::npos || target.find('/', slash + 1) != std::string::npos)
         return fail("subscribe: must be \"BOARD/SERVICE\", patterns allowed, or \"$catalogue\"");
@@ -118,14 +124,15 @@ Expected<std::unique_ptr<Feed>> value_feed(Gateway& gateway, const Rights& right
     options.max_hz = max_hz;
     options.after = std::move(after.place);
     options.after_each = std::move(after.places);
-    options.allowed = allowed_services(rights);
-    options.demand = demand_within(rights, gateway.demander(), options.board, options.service,
-                                   max_hz > 0 ? max_hz : bus::kUsualHz);
-    return std::make_unique<ValueFeed>(gateway.mirror().values(), std::move(options));
+    options.allowed = allowed_services(reader.rights);
+    options.demand = demand_within(reader.rights, reader.gateway.demander(), options.board, options.service,
+                                   max_hz > 0 ? max_hz : bus::kUsualHz, options.demands);
+    options.part = reader.part();
+    return std::make_unique<ValueFeed>(reader.gateway.mirror().values(), std::move(options));
 }
 
-Expected<std::unique_ptr<Feed>> feed_for(Gateway& gateway, const Rights& rights, const json& request) {
-    if (!gateway.mirror().ready()) return fail("the broker is not connected; try again in a moment");
+Expected<std::unique_ptr<Feed>> feed_for(const Reader& reader, const json& request) {
+    if (!reader.gateway.mirror().ready()) return fail("the broker is not connected; try again in a moment");
     const auto& target = request["subscribe"];
     if (!target.is_string()) return fail("subscribe: must be a string");
     auto after = resume_of(request);
@@ -134,7 +141,7 @@ Expected<std::unique_ptr<Feed>> feed_for(Gateway& gateway, const Rights& rights,
         const auto board = request.find("board");
         const bool named = board != request.end() && board->is_string();
         if (after->places) return fail("after: of $catalogue, the last place, as a string");
-        return catalogue_feed(gateway, rights, named ? board->get<std::string>() : std::string(),
+        return catalogue_feed(reader, named ? board->get<std::string>() : std::string(),
                               std::move(after->place));
     }
     double max_hz = 0;
@@ -143,7 +150,11 @@ Expected<std::unique_ptr<Feed>> feed_for(Gateway& gateway, const Rights& rights,
         if (!(max_hz >= kMinHz && max_hz <= kMaxHz))
             return fail("max_hz: must be a number from 0.01 to 1000");
     }
-    return value_feed(gateway, rights, target.get<std::string>(), max_hz, std::move(*after));
+    return value_feed(reader, target.get<std::string>(), max_hz, std::move(*after));
+}
+
+Reader reader_of(const Call& call) {
+    return {call.gateway, call.principal.rights, call.client()};
 }
 
 }  // namespace
@@ -153,9 +164,7 @@ void get_events(Call& call) {
     auto after = resume_place(call);
     if (!after) return send_problem(call, 400, after.error());
     const auto* board = call.request.parameter("board");
-    auto feed = catalogue_feed(call.gateway, call.principal.rights, board == nullptr ? "" : *board,
-                               std::move(*after));
-    start_sse(call, std::move(*feed));
+    start_sse(call, catalogue_feed(reader_of(call), board == nullptr ? "" : *board, std::move(*after)));
 }
 
 void get_service_stream(Call& call) {
@@ -167,8 +176,8 @@ void get_service_stream(Call& call) {
     if (!max_hz) return send_problem(call, 400, max_hz.error());
     if (*max_hz > 0 && *max_hz < kMinHz)
         return send_problem(call, 400, "max_hz: 0 for each value, or from 0.01 to 1000");
-    auto feed = value_feed(call.gateway, call.principal.rights, call.board() + "/" + call.service(), *max_hz,
-                           {std::move(*after), {}});
+    auto feed =
+        value_feed(reader_of(call), call.board() + "/" + call.service(), *max_hz, {std::move(*after), {}});
     if (!feed) return send_problem(call, 400, feed.error());
     start_sse(call, std::move(*feed));
 }
@@ -182,15 +191,20 @@ void get_stream(Call& call) {
     if (!has_room(call)) return;
     auto& gateway = call.gateway;
     const auto principal = call.principal;
+    auto part = call.part();
+    if (!part.set(gateway.options().socket_bytes)) return send_problem(call, 429, std::string(kTooMuchKept));
     // A client may name its session, so that a command can be repeated over its next connection.
     const auto* named = call.request.parameter("session");
+    if (named != nullptr && !valid_session(*named))
+        return send_problem(call, 400, "session: " + kSessionForm);
     const auto session =
         call.client() + "\n" + (named != nullptr && !named->empty() ? *named : "socket " + random_secret(12));
     StreamChannel::Dependencies dependencies;
     dependencies.now = [&gateway] { return gateway.now(); };
-    dependencies.subscribe = [&gateway, principal](const json& request) {
-        return feed_for(gateway, principal.rights, request);
+    dependencies.subscribe = [reader = reader_of(call)](const json& request) {
+        return feed_for(reader, request);
     };
+    dependencies.part = std::move(part);
     dependencies.command = [&gateway, principal, client = call.client(), session](
                                const json& request, std::function<void(std::string)> answer) {
         websocket_command(gateway, principal, client, session, request, answer);

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/auth/gate.hpp"
 
-#include <arpa/inet.h>
-
 #include <algorithm>
 
 #include "asip/text/printable.hpp"
+#include "gateway/auth/forwarded.hpp"
+#include "gateway/http/address.hpp"
 
 namespace asip::gateway {
 namespace {
 
+using http::is_ip_address;
 using http::lower;
 
 bool is_websocket(const http::Request& request) {
@@ -42,17 +43,27 @@ std::optional<std::string> bearer(const http::Request& request) {
 
 }  // namespace
 
+http::Peer Gate::peer_of(const http::Request& request) const {
+    auto peer = request.peer;
+    const bool from_proxy = peer.loopback || peer.address.empty();  // a Unix socket has no address
+    if (!options_.behind_proxy || !from_proxy) return peer;
+    auto forwarded = forwarded_by(request);
+    if (!forwarded.address.empty()) peer.address = std::move(forwarded.address);
+    peer.secure = peer.secure || forwarded.secure;
+    return peer;
+}
+
+std::string client_of(const Principal& principal, const http::Peer& peer) {
+    using Kind = Principal::Kind;
+    const bool named = principal.kind == Kind::kToken || principal.kind == Kind::kSession;
+    return named ? principal.rights.name : "address " + http::network_of(peer.address);
+}
+
 std::string host_part(std::string_view authority) {
     if (!authority.empty() && authority.front() == '[')
         return lower(
             authority.substr(1, authority.find(']') == std::string_view::npos ? 0 : authority.find(']') - 1));
     return lower(authority.substr(0, authority.rfind(':')));
-}
-
-bool is_ip_address(std::string_view host) {
-    const std::string text(host);
-    unsigned char ignored[sizeof(in6_addr)];
-    return inet_pton(AF_INET, text.c_str(), ignored) == 1 || inet_pton(AF_INET6, text.c_str(), ignored) == 1;
 }
 
 std::optional<Denied> Gate::wrong_host(const http::Request& request) const {
@@ -117,6 +128,12 @@ Expected<Principal, Denied> Gate::who(const http::Request& request, const Instan
             if (still_admitted(principal, now)) return principal;
         }
     }
+    if (request.peer.loopback && options_.loopback.role != Role::kNone && came_through_proxy(request))
+        return Unexpected<Denied>(
+            Denied{403,
+                   "this request came through a proxy on this machine, and asip-gateway was not told of one: "
+                   "whoever the proxy serves would have the rights of this machine; start it with "
+                   "--trusted-proxy"});
     if (request.peer.loopback && options_.loopback.role != Role::kNone)
         return Principal{options_.loopback, Principal::Kind::kLoopback};
     return Principal{options_.anonymous, Principal::Kind::kAnonymous};

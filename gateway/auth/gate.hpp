@@ -11,20 +11,20 @@
 
 namespace asip::gateway {
 
-/// Who asks.
+/// Who asks: what may be done, and by what that is known.
 struct Principal {
     Rights rights;
     enum class Kind { kAnonymous, kLoopback, kToken, kSession } kind = Kind::kAnonymous;
 };
 
-/// Why a request is not served.
+/// Why a request is not served: an HTTP status and a sentence for a person, that says what to do.
 struct Denied {
     int status = 403;
     std::string text;
 };
 
 /// Decides who a request comes from and whether it may be served at all: before anything of it is looked at.
-/// Pure.
+/// Whether its route may be used by them is the API's to say (Need). Pure: time is passed in.
 class Gate {
   public:
     struct Options {
@@ -33,16 +33,26 @@ class Gate {
         Rights loopback;   ///< of whoever connects over the loopback interface without a token
         Rights anonymous;  ///< of everybody else without a token
         std::string cookie = "asip";
-        bool behind_proxy = false;  ///< TLS may end at the proxy: origins of either scheme are ours
+        /// Connections from this machine are a proxy's: its clients are who X-Forwarded-For says, nobody is
+        /// "this machine", and TLS may end at the proxy, so origins of either scheme are ours.
+        bool behind_proxy = false;
     };
 
     Gate(Options options, Secrets secrets) : options_(std::move(options)), logins_(std::move(secrets)) {}
 
+    /// In place of those of before. Ask still_admitted() of whoever was admitted by them.
     void set_tokens(Tokens tokens) { tokens_ = std::move(tokens); }
     const Tokens& tokens() const { return tokens_; }
     Logins& logins() { return logins_; }
     const Options& options() const { return options_; }
 
+    /// Who is at the other end of a request: behind a proxy its client, by the last element of
+    /// X-Forwarded-For (else of Forwarded) and X-Forwarded-Proto, which the proxy itself wrote. A client that
+    /// comes past the proxy is not believed.
+    http::Peer peer_of(const http::Request& request) const;
+    /// By, in this order: a token (one that is not known is refused, whatever else there is), a cookie (one
+    /// that is not known is as none), being on this machine, and being anybody. 421: another host's request;
+    /// 403: a page of another site, or a proxy that nobody was told of; 415: a change that is not JSON; 401.
     Expected<Principal, Denied> admit(const http::Request& request, const Instant& now) const;
     /// The same for what is below `/kiosk/TOKEN/`: the token of a kiosk, and nothing else that the request
     /// brings, decides what it may; it may read only.
@@ -67,7 +77,7 @@ class Gate {
 
 /// The host of a Host header or an origin, in lower case, without port and brackets.
 std::string host_part(std::string_view authority);
-/// Whether it is an IP address: names can be made to lead anywhere, addresses cannot.
-bool is_ip_address(std::string_view host);
+/// Whom limits count: the name of the token, else the address.
+std::string client_of(const Principal& principal, const http::Peer& peer);
 
 }  // namespace asip::gateway

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/auth/logins.hpp"
 
+#include <algorithm>
+
 namespace asip::gateway {
 namespace {
 
@@ -12,11 +14,17 @@ void drop_old(Entries& entries, Time now) {
     std::erase_if(entries, [&](const auto& each) { return each.second.until <= now; });
 }
 
+template <class Entries>
+std::size_t of_name(const Entries& entries, const std::string& name) {
+    return static_cast<std::size_t>(std::count_if(
+        entries.begin(), entries.end(), [&](const auto& each) { return each.second.rights.name == name; }));
+}
+
 }  // namespace
 
 std::string Logins::make_code(const Rights& rights, Time now) {
     drop_old(codes_, now);
-    if (codes_.size() >= kMaxCodes) return {};
+    if (of_name(codes_, rights.name) >= kMaxCodes) return {};
     auto code = secrets_(kCodeBytes);
     codes_[hash_of(code)] = {rights, now + kCodeTime};
     return code;
@@ -29,7 +37,7 @@ std::optional<std::string> Logins::redeem(std::string_view code, Time now) {
     codes_.erase(found);
     if (entry.until <= now) return std::nullopt;
     drop_old(sessions_, now);
-    if (sessions_.size() >= kMaxSessions) sessions_.erase(sessions_.begin());
+    if (of_name(sessions_, entry.rights.name) >= kMaxSessions) end_oldest(entry.rights.name);
     auto cookie = secrets_(kCookieBytes);
     sessions_[hash_of(cookie)] = {entry.rights, now + kSessionTime};
     return cookie;
@@ -40,6 +48,15 @@ std::optional<Rights> Logins::session(std::string_view cookie, Time now) const {
     const auto found = sessions_.find(hash_of(cookie));
     if (found == sessions_.end() || found->second.until <= now) return std::nullopt;
     return found->second.rights;
+}
+
+void Logins::end_oldest(const std::string& name) {
+    auto oldest = sessions_.end();
+    for (auto each = sessions_.begin(); each != sessions_.end(); ++each) {
+        if (each->second.rights.name != name) continue;
+        if (oldest == sessions_.end() || each->second.until < oldest->second.until) oldest = each;
+    }
+    if (oldest != sessions_.end()) sessions_.erase(oldest);
 }
 
 void Logins::end(std::string_view cookie) {

@@ -12,17 +12,18 @@
 namespace asip::gateway {
 
 /// One-time codes that turn into cookies. Pure: time and randomness are passed in; secrets are kept as
-/// hashes.
+/// hashes. Limits are of each name, so that nobody uses up the places of others: there are as many names as
+/// tokens, and two more ("loopback", "anonymous").
 class Logins {
   public:
     static constexpr Duration kCodeTime = std::chrono::seconds(30);
     static constexpr Duration kSessionTime = std::chrono::hours(12);
-    static constexpr std::size_t kMaxCodes = 1000;
-    static constexpr std::size_t kMaxSessions = 10'000;
+    static constexpr std::size_t kMaxCodes = 20;      ///< of a name, open at once
+    static constexpr std::size_t kMaxSessions = 100;  ///< of a name; one more ends the oldest
 
     explicit Logins(Secrets secrets) : secrets_(std::move(secrets)) {}
 
-    /// A code for whoever opens it within 30 s; empty: too many are open.
+    /// A code that works once, within kCodeTime; empty: too many of this name are open.
     std::string make_code(const Rights& rights, Time now);
     /// The cookie's value. A code works once; nothing for one that is not known, used or too old.
     std::optional<std::string> redeem(std::string_view code, Time now);
@@ -37,6 +38,8 @@ class Logins {
         Rights rights;
         Time until;
     };
+    void end_oldest(const std::string& name);
+
     Secrets secrets_;
     std::map<std::string, Entry, std::less<>> codes_;  // by hash
     std::map<std::string, Entry, std::less<>> sessions_;

@@ -32,6 +32,17 @@ bool Rights::sees_service(std::string_view board, std::string_view service) cons
     return any_matches(boards, board) && any_matches(services, service);
 }
 
+std::string Rights::seen() const {
+    if (!limited()) return {};
+    std::string text;
+    for (const auto* patterns : {&boards, &services}) {
+        for (const auto& each : *patterns)
+            text.append(each).append(",");
+        text += "/";
+    }
+    return text;
+}
+
 Expected<Rights> parse_role(std::string_view text) {
     constexpr std::array<std::string_view, 5> kWords{"kiosk", "viewer", "operator", "operator+raw", "admin"};
     Rights rights;

@@ -10,8 +10,10 @@
 
 namespace asip::gateway {
 
+/// What somebody may do at most; each role may all that the ones before it may, but that a kiosk is shown
+/// what its token names only.
 enum class Role {
-    kNone,
+    kNone,      ///< nothing
     kKiosk,     ///< reads what its patterns name, and may be shown in other pages
     kViewer,    ///< reads
     kOperator,  ///< also sends commands
@@ -19,15 +21,16 @@ enum class Role {
 };
 std::string_view to_string(Role role);
 
-/// What somebody may do, and under which name it is logged.
+/// What somebody may do, and under which name it is logged. A value: it holds nothing of the tokens' file,
+/// and whether it is still in force is Gate::still_admitted()'s to say.
 struct Rights {
     Role role = Role::kNone;
     bool raw = false;  ///< may send raw lines, which reach every service; an admin may anyway
     std::string name;
-    std::vector<std::string> boards;    ///< patterns; empty: all
-    std::vector<std::string> services;  ///< patterns; empty: all
-    std::vector<std::string> frames;    ///< kKiosk: origins whose pages may show it
-    std::optional<text::WallTime> until;
+    std::vector<std::string> boards;      ///< patterns (`*` any text, `?` any one character); empty: all
+    std::vector<std::string> services;    ///< patterns of services, on every board that is seen; empty: all
+    std::vector<std::string> frames;      ///< kKiosk: origins whose pages may show it
+    std::optional<text::WallTime> until;  ///< when they end; nothing: never
 
     bool may_read() const { return role != Role::kNone; }
     bool may_command() const { return role >= Role::kOperator; }
@@ -35,13 +38,18 @@ struct Rights {
         return role >= Role::kOperator && (raw || role == Role::kAdmin) && services.empty();
     }
     bool may_forget() const { return role == Role::kAdmin; }
+    /// By the patterns alone: whether anything may be read is the role's to say.
     bool sees_board(std::string_view board) const;
     bool sees_service(std::string_view board, std::string_view service) const;
+    /// Some boards or services are hidden from it, now or once they are there.
     bool limited() const { return !boards.empty() || !services.empty(); }
+    /// Of what is seen: equal for rights that see the same by the same patterns; empty: everything.
+    std::string seen() const;
     friend bool operator==(const Rights&, const Rights&) = default;
 };
 
-/// "viewer", "operator", "operator+raw", "admin", "kiosk"
+/// "viewer", "operator", "operator+raw", "admin", "kiosk": rights on every board, without a name. Fails with
+/// a sentence that names the roles and the nearest one.
 Expected<Rights> parse_role(std::string_view text);
 
 }  // namespace asip::gateway

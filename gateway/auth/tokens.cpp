@@ -2,6 +2,7 @@
 #include "gateway/auth/tokens.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -10,6 +11,8 @@
 
 namespace asip::gateway {
 namespace {
+
+constexpr std::uintmax_t kMaxFileBytes = 1u << 20;
 
 std::vector<std::string> split(std::string_view text, char separator) {
     std::vector<std::string> parts;
@@ -71,6 +74,7 @@ Expected<Tokens> Tokens::parse(std::string_view text) {
         if (!rights) return wrong(rights.error());
         rights->name = words[1];
         if (!model::valid_name(rights->name)) return wrong("\"" + words[1] + "\" is not a name");
+        if (is_reserved(rights->name)) return wrong("no token may be called \"" + words[1] + "\"");
         if (!is_hash(words[2]))
             return wrong("the third word is not a hash; make lines with asip-gateway token");
         if (tokens.named(rights->name) != nullptr) return wrong("a second token is called " + words[1]);
@@ -82,12 +86,29 @@ Expected<Tokens> Tokens::parse(std::string_view text) {
     return tokens;
 }
 
-Expected<Tokens> Tokens::read(const std::string& path) {
+bool Tokens::is_reserved(std::string_view name) {
+    return name == "loopback" || name == "anonymous" || name == "nobody";
+}
+
+Expected<std::string> Tokens::text_of(const std::string& path) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) return fail("there is no tokens file " + path);
+    if (const auto size = std::filesystem::file_size(path, error); error || size > kMaxFileBytes)
+        return fail("the tokens file " + path + " is longer than 1 MiB");
     std::ifstream file(path);
-    if (!file) return fail("cannot read the tokens file " + path);
     std::ostringstream text;
     text << file.rdbuf();
-    auto tokens = parse(text.str());
+    if (!file) {
+        return fail("cannot read the tokens file " + path +
+                    "; its owner or its group must be those that asip-gateway runs as");
+    }
+    return text.str();
+}
+
+Expected<Tokens> Tokens::read(const std::string& path) {
+    const auto text = text_of(path);
+    if (!text) return Unexpected<std::string>(text.error());
+    auto tokens = parse(*text);
     if (!tokens) return fail(path + ", " + tokens.error());
     return tokens;
 }

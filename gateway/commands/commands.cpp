@@ -28,6 +28,11 @@ bool was_refused(const CommandRecord& record) {
 
 }  // namespace
 
+std::size_t Commands::bytes_of(const Start& start) {
+    constexpr std::size_t kBytesOfRecord = sizeof(Entry) + 512;  // with its key, its topics and who waits
+    return kBytesOfRecord + start.payload.capacity() + start.target.capacity() + start.by.capacity();
+}
+
 std::string Commands::bus_id(std::string_view session, std::string_view id) {
     return std::string(session).append(".").append(id);
 }
@@ -76,7 +81,8 @@ Commands::Started Commands::start(Start& start, bool v5, const Instant& now, Don
     // A stop is never too late.
     if (!start.urgent) message.expire_after(start.deadline);
     Entry entry;
-    entry.record = {start.id, start.by, start.target, start.payload, now, std::nullopt, false};
+    entry.record = {start.id, start.by, start.target, start.payload, now, std::nullopt, false, start.renewal};
+    entry.part = std::move(start.part);
     entry.topic = start.topic;
     entry.reply_topic = reply_topic;
     entry.waiting.push_back(std::move(done));
@@ -124,6 +130,13 @@ void Commands::finish(Entry& entry, bus::Reply reply, Time now) {
     if (!entry.answered) ++counter;
     entry.record.reply = std::move(reply);
     entry.answered = true;
+    // What does not fit is no use to anybody: the command is what it is by its status.
+    auto& answer = entry.record.reply->answer;
+    if (answer.size() > kMaxAnswerBytes ||
+        !entry.part.add(answer.size() + entry.record.reply->error.size())) {
+        answer.clear();
+        entry.record.reply->reason = "answer-too-long";
+    }
     const auto& record = entry.record;  // entries stay where they are, whatever `done` begins
     for (const auto& done : std::exchange(entry.waiting, {}))
         done(record);

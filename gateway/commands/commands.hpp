@@ -12,6 +12,7 @@
 #include "asip/bus/reply_topics.hpp"
 #include "asip/mqtt/message.hpp"
 #include "gateway/instant.hpp"
+#include "gateway/stream/budget.hpp"
 
 namespace asip::gateway {
 
@@ -24,6 +25,7 @@ struct CommandRecord {
     Instant sent;
     std::optional<bus::Reply> reply;  ///< empty: under way
     bool late = false;                ///< the answer came after the client had got a timeout
+    bool renewal = false;             ///< it only keeps another command in force
 };
 
 /// Commands from their start until a minute after their answer. Pure: the caller publishes and gives what
@@ -36,6 +38,7 @@ class Commands {
     static constexpr std::size_t kMaxRecords = 65'536;
     static constexpr std::size_t kMaxUrgent = 4096;  ///< beyond those
     static constexpr std::size_t kMaxIdBytes = 64;
+    static constexpr std::size_t kMaxAnswerBytes = 64 * 1024;   ///< a longer one is left out of the reply
     static constexpr std::string_view kNoAnswer = "no-answer";  ///< reason: not even the agent answered
 
     struct Start {
@@ -50,7 +53,12 @@ class Commands {
         /// The answer comes below urgent(), past the answers of others: the caller has subscribed that over
         /// another connection.
         bool answer_first = false;
+        bool renewal = false;  ///< only keeps another command in force
+        std::string client{};  ///< Budget: whose it is
+        Budget::Part part{};   ///< of `client`: bytes_of() while the command is remembered
     };
+    /// What is kept of a command, its answer aside.
+    static std::size_t bytes_of(const Start& start);
     using Done = std::function<void(const CommandRecord&)>;
     enum class Started { kPublish, kRepeated, kIdReused, kTooMany };
 
@@ -94,6 +102,7 @@ class Commands {
         Due::iterator due;  // without an answer: the end of waiting; with one: of keeping it
         bool answered = false;
         std::vector<Done> waiting;
+        Budget::Part part;
     };
     using Entries = std::map<std::string, Entry, std::less<>>;  // by "SESSION.ID"
     void finish(Entry& entry, bus::Reply reply, Time now);

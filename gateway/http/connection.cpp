@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/http/connection.hpp"
 
+#include <algorithm>
 #include <boost/asio/buffer.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/write.hpp>
 
 namespace asip::gateway::http {
@@ -10,6 +12,7 @@ namespace {
 namespace asio = boost::asio;
 using ErrorCode = boost::system::error_code;
 
+constexpr std::size_t kFairInput = 8 * 1024;  // of a connection, whatever others have
 constexpr std::size_t kMaxAhead = 64 * 1024;  // bytes of further requests behind the one being served
 
 // Tells the kernel to report room only when little waits to be sent: what a slow client has not taken stays
@@ -27,10 +30,24 @@ Connection::Connection(std::shared_ptr<Shared> shared, Transport transport, Peer
       peer_(std::move(peer)),
       address_(std::move(address)) {
     ++shared_->counters.open;
+    if (address_.empty()) return;
+    use_ = &shared_->addresses[address_];
+    ++use_->connections;
 }
 
 Connection::~Connection() {
     close();
+}
+
+bool Connection::count_input(std::size_t bytes) {
+    const std::size_t more = bytes - std::min(bytes, counted_);
+    shared_->input_bytes = shared_->input_bytes - counted_ + bytes;
+    if (use_ != nullptr) use_->input_bytes = use_->input_bytes - counted_ + bytes;
+    counted_ = bytes;
+    if (more == 0 || bytes <= kFairInput) return true;
+    const auto& limits = shared_->limits;
+    return shared_->input_bytes <= limits.input_bytes &&
+           (use_ == nullptr || use_->input_bytes <= limits.input_bytes_per_address);
 }
 
 void Connection::start(asio::ssl::context* tls) {
@@ -61,6 +78,9 @@ void Connection::close() {
     phase_ = Phase::kClosed;
     --shared_->counters.open;
     source_.reset();
+    count_input(0);
+    if (use_ != nullptr && --use_->connections == 0) shared_->addresses.erase(address_);
+    use_ = nullptr;
 }
 
 void Connection::leave() {
@@ -100,6 +120,7 @@ void Connection::received(const ErrorCode& error, std::size_t bytes) {
     if (phase_ == Phase::kStreaming) return read();
     in_.append(buffer_.data(), bytes);
     if (phase_ == Phase::kReading) return feed();
+    if (!count_input(in_.size())) return close();
     read();
 }
 
@@ -110,12 +131,14 @@ void Connection::feed() {
         in_.erase(0, std::min(in_.size(), in_.find_first_not_of("\r\n")));
         if (in_.empty()) return read();
         reader_.emplace(shared_->limits.request);
+        read_bytes_ = 0;
         until(shared_->limits.head_time);
     }
     const bool had_head = reader_->head_done();
     while (!in_.empty() && !reader_->done() && !reader_->error()) {
         const std::size_t used = reader_->feed(in_);
         in_.erase(0, used);
+        read_bytes_ += used;
         if (used == 0) break;
     }
     if (reader_->error()) {
@@ -123,6 +146,10 @@ void Connection::feed() {
         return refuse(reader_->error()->status, reader_->error()->text);
     }
     if (reader_->done()) return handle();
+    if (!count_input(in_.size() + read_bytes_)) {
+        ++shared_->counters.turned_away;
+        return refuse(503, "too much of unfinished requests is kept already; try later");
+    }
     if (in_.size() > shared_->limits.request.header_bytes + buffer_.size())
         return refuse(431, "the head of the request is too long");
     if (reader_->head_done() && !had_head) {
@@ -141,6 +168,7 @@ void Connection::handle() {
     ++shared_->counters.requests;
     request_ = reader_->take();
     reader_.reset();
+    count_input(in_.size());
     request_->peer = peer_;
     keep_alive_ = request_->keep_alive;
     head_only_ = request_->method == "HEAD";
@@ -217,6 +245,7 @@ void Connection::stream(std::uint64_t number, Response head, std::unique_ptr<Sou
     source_ = std::move(source);
     ++shared_->counters.streams;
     in_ = {};
+    count_input(0);
     keep_unsent_small(transport_.socket());
     source_->wake = [weak = weak_from_this()] {
         if (auto self = weak.lock()) self->pump();
@@ -230,7 +259,10 @@ void Connection::pump() {
     std::string text;
     source_->take(text, shared_->limits.stream_bytes);
     last_chunk_ = text.empty() && source_->finished();
-    if (text.empty() && head_.empty() && !last_chunk_) return;
+    if (text.empty() && head_.empty() && !last_chunk_) {
+        if (source_->more()) pump_later();
+        return;
+    }
     std::string out = std::exchange(head_, {});
     if (old_client_) {
         out += text;
@@ -246,6 +278,14 @@ void Connection::pump() {
                       [self = shared_from_this()](const ErrorCode& error, std::size_t bytes) {
                           self->chunk_written(error, bytes);
                       });
+}
+
+void Connection::pump_later() {
+    if (std::exchange(pump_due_, true)) return;
+    asio::post(transport_.get_executor(), [self = shared_from_this()] {
+        self->pump_due_ = false;
+        self->pump();
+    });
 }
 
 void Connection::chunk_written(const ErrorCode& error, std::size_t bytes) {

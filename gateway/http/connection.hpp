@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
 
 #include "gateway/http/server.hpp"
 #include "gateway/http/transport.hpp"
@@ -11,16 +12,25 @@
 
 namespace asip::gateway::http {
 
+/// What the connections of one address have together.
+struct AddressUse {
+    std::size_t connections = 0;
+    std::size_t input_bytes = 0;
+};
+
 /// What the connections of a server share.
 struct Shared {
     Server::Handler handler;
     ServerLimits limits;
     ServerCounters counters;
+    std::size_t input_bytes = 0;
+    std::unordered_map<std::string, AddressUse> addresses;  // those with connections
 };
 
 /// One connection, from its first byte to its last.
 class Connection final : public Responder, public std::enable_shared_from_this<Connection> {
   public:
+    /// `address`: what its limits are counted to; empty: to none.
     Connection(std::shared_ptr<Shared> shared, Transport transport, Peer peer, std::string address);
     ~Connection() override;
 
@@ -31,7 +41,6 @@ class Connection final : public Responder, public std::enable_shared_from_this<C
     /// Closes what is too slow. Call a few times a second.
     void sweep(Time now);
     bool closed() const { return phase_ == Phase::kClosed; }
-    const std::string& address() const { return address_; }
 
     void respond(std::uint64_t number, Response response) override;
     void stream(std::uint64_t number, Response head, std::unique_ptr<Source> source) override;
@@ -51,7 +60,10 @@ class Connection final : public Responder, public std::enable_shared_from_this<C
     void write(std::string head, Response response, bool keep_alive);
     void written(const boost::system::error_code& error, std::size_t bytes);
     void next_request();
+    /// Counts what is kept of requests. False: that is too much for its address, or for all.
+    bool count_input(std::size_t bytes);
     void pump();
+    void pump_later();
     void chunk_written(const boost::system::error_code& error, std::size_t bytes);
     void until(Duration time) { deadline_ = Clock::now() + time; }
 
@@ -59,6 +71,8 @@ class Connection final : public Responder, public std::enable_shared_from_this<C
     Transport transport_;
     Peer peer_;
     std::string address_;
+    AddressUse* use_ = nullptr;  // of the address
+    std::size_t counted_ = 0;    // bytes of input
     Phase phase_ = Phase::kHandshake;
     std::optional<Time> deadline_;
     std::uint64_t number_ = 0;  // of the request
@@ -68,8 +82,10 @@ class Connection final : public Responder, public std::enable_shared_from_this<C
     bool head_only_ = false;
     bool old_client_ = false;  // HTTP/1.0: no chunks
     bool last_chunk_ = false;
+    bool pump_due_ = false;
     std::string in_;
     std::optional<RequestReader> reader_;
+    std::size_t read_bytes_ = 0;  // by the reader
     std::optional<Request> request_;
     std::string head_;
     Response response_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -8,14 +9,16 @@
 /// HTTP as the rest of the gateway sees it: no socket, no library.
 namespace asip::gateway::http {
 
+/// The other end of a connection; behind a trusted proxy its client (Gate::peer_of()).
 struct Peer {
     std::string address;    ///< without port; empty: a Unix socket
     bool loopback = false;  ///< connected directly over the loopback interface
     bool secure = false;    ///< over TLS
 };
 
+/// A whole request as it was received; nothing in it was checked but its form.
 struct Request {
-    std::string method;
+    std::string method;                 ///< as it was written: "GET"
     std::string target;                 ///< "/api/boards?limit=10", or "*" of OPTIONS
     std::string scheme;                 ///< "http" or "https" of a target in absolute form; else empty
     std::vector<std::string> segments;  ///< of the path, percent-decoded: {"api", "boards"}
@@ -36,6 +39,8 @@ struct Request {
     const std::string* parameter(std::string_view name) const;
 };
 
+/// A response that is sent as a whole. Content-Length, Connection and Content-Encoding are the connection's
+/// to write.
 struct Response {
     int status = 200;
     std::string content_type = "application/json";
@@ -45,6 +50,8 @@ struct Response {
     std::string_view fixed;
     bool compressed = false;   ///< `fixed` or `body` is gzip already
     bool by_encoding = false;  ///< clients that take gzip get another form than those that do not
+    /// Kept until the response is sent or its connection is gone: what counts its bytes.
+    std::shared_ptr<void> held{};
 
     std::string_view text() const { return fixed.empty() ? std::string_view(body) : fixed; }
 };

@@ -12,8 +12,8 @@
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <stdexcept>
-#include <unordered_map>
 
+#include "gateway/http/address.hpp"
 #include "gateway/http/connection.hpp"
 
 namespace asip::gateway::http {
@@ -169,16 +169,18 @@ class Server::Impl : public std::enable_shared_from_this<Impl> {
             setsockopt(socket.native_handle(), SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
         }
         socket.non_blocking(true, error);
-        std::size_t& of_address = per_address_[peer.address];
+        const bool of_proxy = shared_->limits.behind_proxy && (peer.loopback || peer.address.empty());
+        const auto address = of_proxy ? std::string() : network_of(peer.address);
+        const auto others = shared_->addresses.find(address);  // looked up only: a table of strangers would
+                                                               // grow
         if (shared_->counters.open >= shared_->limits.connections ||
-            (!peer.address.empty() && of_address >= shared_->limits.connections_per_address)) {
+            (others != shared_->addresses.end() &&
+             others->second.connections >= shared_->limits.connections_per_address)) {
             ++shared_->counters.turned_away;
             if (!tls_) socket.send(asio::buffer(too_many_), 0, error);
             return;
         }
-        ++of_address;
-        auto connection =
-            std::make_shared<Connection>(shared_, Transport(std::move(socket)), peer, peer.address);
+        auto connection = std::make_shared<Connection>(shared_, Transport(std::move(socket)), peer, address);
         connections_.push_back(connection);
         connection->start(tls_.get());
     }
@@ -191,8 +193,6 @@ class Server::Impl : public std::enable_shared_from_this<Impl> {
                 ++i;
                 continue;
             }
-            const auto of_address = per_address_.find(connections_[i]->address());
-            if (of_address != per_address_.end() && --of_address->second == 0) per_address_.erase(of_address);
             connections_[i] = std::move(connections_.back());
             connections_.pop_back();
         }
@@ -210,7 +210,6 @@ class Server::Impl : public std::enable_shared_from_this<Impl> {
     std::vector<std::string> addresses_;
     std::vector<std::string> unix_paths_;
     std::vector<std::shared_ptr<Connection>> connections_;
-    std::unordered_map<std::string, std::size_t> per_address_;
     const std::string too_many_ = [] {
         Response response;
         response.status = 503;

@@ -30,6 +30,8 @@ class Source {
     virtual void take(std::string& out, std::size_t max) = 0;
     /// Nothing more will come: the response ends.
     virtual bool finished() const = 0;
+    /// take() appended nothing only because others have their turn first: it is asked again soon.
+    virtual bool more() const { return false; }
 
     std::function<void()> wake = [] {};
 };
@@ -40,6 +42,8 @@ class Channel {
     virtual ~Channel() = default;
     /// The next message to send. False: there is none; `wake` is called when there is.
     virtual bool take(std::string& message) = 0;
+    /// As Source::more().
+    virtual bool more() const { return false; }
     /// A whole text message. False: the client breaks the rules too often; the connection is closed.
     virtual bool received(std::string_view message) = 0;
     /// Non-zero: the connection is to be closed with this code (1008: not allowed any more).
@@ -59,7 +63,7 @@ class Responder {
 };
 
 /// Where the answer to one request goes. Copies are for the same request; the first answer counts, and after
-/// the client is gone nothing happens.
+/// the client is gone nothing happens. It keeps no connection open.
 class Reply {
   public:
     using Finish = std::function<void(Response&)>;
@@ -86,10 +90,11 @@ class Reply {
         if (finish_) (*finish_)(head);
         responder->stream(number_, std::move(head), std::move(source));
     }
-    /// Only while the handler is being called. The request must be a valid upgrade.
+    /// Only while the handler is being called. The request must be a valid upgrade: is_upgrade().
     void websocket(std::unique_ptr<Channel> channel) const {
         if (const auto responder = responder_.lock()) responder->upgrade(number_, std::move(channel));
     }
+    /// Nobody waits for an answer any more: it was given, or the client closed the connection.
     bool gone() const {
         const auto responder = responder_.lock();
         return !responder || !responder->waits_for(number_);
@@ -101,10 +106,17 @@ class Reply {
     std::shared_ptr<const Finish> finish_;
 };
 
+/// Beyond these a connection is refused, answered with a status, or closed; none of them ends the server.
 struct ServerLimits {
     RequestReader::Limits request;
-    std::size_t connections = 12'000;
-    std::size_t connections_per_address = 1'000;
+    std::size_t connections = 12'000;             ///< of all addresses
+    std::size_t connections_per_address = 1'000;  ///< of IPv6 a /64: network_of()
+    /// Of requests that are not whole yet, or wait behind another one: of an address, and of all together.
+    std::size_t input_bytes_per_address = std::size_t{16} << 20;
+    std::size_t input_bytes = std::size_t{128} << 20;
+    /// Connections from this machine are a proxy's, and have many clients: limits of an address are not
+    /// theirs.
+    bool behind_proxy = false;
     std::size_t message_bytes = 64 * 1024;          ///< of a WebSocket
     std::size_t stream_bytes = 16 * 1024;           ///< handed to the socket at once
     Duration head_time = std::chrono::seconds(10);  ///< from the first byte (or the connection) to the last
@@ -113,6 +125,7 @@ struct ServerLimits {
     Duration write_time = std::chrono::seconds(60);  ///< for a whole response that is no stream
 };
 
+/// Since the server was made, but for what is "now".
 struct ServerCounters {
     std::uint64_t accepted = 0;
     std::uint64_t turned_away = 0;  ///< beyond a limit of connections
@@ -125,8 +138,10 @@ struct ServerCounters {
     std::uint64_t sent_bytes = 0;
 };
 
+/// Listens, reads requests, and hands each to the handler. Connections that are open when it ends are closed.
 class Server {
   public:
+    /// Called for each whole request, one after the other. May answer at once or keep the reply for later.
     using Handler = std::function<void(const Request&, const Reply&)>;
     struct Tls {
         std::string cert_file;  ///< PEM, the whole chain
@@ -143,6 +158,7 @@ class Server {
     Server(boost::asio::io_context& io, Options options, Handler handler);
     ~Server();
 
+    /// Accepts connections from now on. Call once.
     void start();
     /// Accepts no more and closes every connection; streams and WebSockets (1001) are told.
     void stop();

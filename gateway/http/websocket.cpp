@@ -32,6 +32,7 @@ void beast_close_socket(Transport& transport) {
 
 namespace {
 
+constexpr std::size_t kKeptBytes = 4096;  // for the next message
 constexpr std::chrono::seconds kHandshakeTime{10};
 constexpr std::chrono::seconds kIdleTime{30};  // then a ping is sent, and as long again waited for its answer
 
@@ -92,6 +93,7 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
             const bool goes_on =
                 text && self->channel_->received({static_cast<const char*>(data.data()), data.size()});
             self->in_.consume(self->in_.size());
+            if (self->in_.capacity() > kKeptBytes) self->in_.shrink_to_fit();
             if (!goes_on)
                 return self->close_with(text ? websocket::close_code::policy_error
                                              : websocket::close_code::unknown_data);
@@ -102,7 +104,10 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
     void pump() {
         if (writing_ || !open_) return;
         if (const auto code = channel_->close_code(); code != 0) return close_with(code);
-        if (!channel_->take(out_)) return;
+        if (!channel_->take(out_)) {
+            if (channel_->more()) pump_later();
+            return;
+        }
         writing_ = true;
         stream_.async_write(boost::asio::buffer(out_),
                             [self = shared_from_this()](const beast::error_code& error, std::size_t) {
@@ -111,6 +116,14 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
                                 self->out_.clear();
                                 self->pump();
                             });
+    }
+
+    void pump_later() {
+        if (std::exchange(later_, true)) return;
+        boost::asio::post(stream_.get_executor(), [self = shared_from_this()] {
+            self->later_ = false;
+            self->pump();
+        });
     }
 
     void close_with(std::uint16_t code) {
@@ -135,6 +148,7 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
     std::string out_;
     bool open_ = false;
     bool writing_ = false;
+    bool later_ = false;  // pump() is called again soon
 };
 
 }  // namespace

@@ -243,6 +243,8 @@ void add_gateway(Exposition& out, const Snapshot& s) {
         count(s.values_left_out));
     one(out, "asip_gateway_kept_values_bytes", Type::kGauge, "bytes", "Recent values in memory",
         count(s.values_bytes));
+    one(out, "asip_gateway_last_values_bytes", Type::kGauge, "bytes", "Last value of each event in memory",
+        count(s.last_values_bytes));
     out.family("asip_gateway_commands", Type::kCounter, {}, "Commands by what became of them");
     out.sample({{"outcome", "ok"}}, count(s.commands.ok));
     out.sample({{"outcome", "error"}}, count(s.commands.error));

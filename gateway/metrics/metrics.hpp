@@ -24,6 +24,7 @@ struct Snapshot {
     std::uint64_t values_received = 0;
     std::uint64_t values_left_out = 0;
     std::size_t values_bytes = 0;
+    std::size_t last_values_bytes = 0;
     std::vector<std::pair<std::string, std::size_t>> boards_by_state;
     std::vector<std::pair<std::string, std::size_t>> services_by_kind;
     std::vector<std::pair<std::string, std::string>> registries;  ///< id, JSON of its `$stats`

@@ -2,6 +2,7 @@
 #include "gateway/mirror/mirror.hpp"
 
 #include "asip/bus/change_event.hpp"
+#include "asip/bus/pattern.hpp"
 #include "asip/model/json.hpp"
 
 #include <nlohmann/json.hpp>
@@ -15,7 +16,8 @@ using registry::Event;
 constexpr Duration kSettleTime = std::chrono::seconds(5);
 constexpr std::size_t kMaxRegistries = 64;
 constexpr std::size_t kMaxStatsBytes = 64 * 1024;
-constexpr std::size_t kSnapshotPage = 100;
+constexpr std::size_t kSnapshotNames = 500;
+constexpr std::size_t kSnapshotBytes = 16 * 1024;
 constexpr std::size_t kMaxKnown = 500;
 constexpr std::size_t kMaxBoardStatsBytes = 8 * 1024;
 constexpr Duration kStatsTime = std::chrono::seconds(45);  // three of the agents' intervals
@@ -207,8 +209,8 @@ std::shared_ptr<const bus::BoardItem> Mirror::known(const std::string& name, con
     return known_[name] = std::make_shared<const bus::BoardItem>(std::move(*item));
 }
 
-Expected<bus::Answer> Mirror::find(const bus::Query& query, const Instant& now) {
-    auto answer = catalogue_.find(query, both(now));
+Expected<bus::Answer> Mirror::find(const bus::Query& query, const Instant& now, const registry::View* view) {
+    auto answer = catalogue_.find(query, both(now), view);
     if (answer) {
         answer->epoch = log_.epoch();
         answer->seq = log_.last();
@@ -223,21 +225,27 @@ std::vector<std::string> Mirror::board_names() const {
     return names;
 }
 
-// Pages by name: a cursor of the catalogue is the same thing, but holds its query.
-ChangeFeed::ReadPage Mirror::read_page() {
-    return [this, cursor = std::string()](const std::string& pattern, const std::string& after,
-                                          const Instant& now) mutable {
-        bus::Query query;
-        query.board = pattern;
-        query.limit = kSnapshotPage;
-        query.cursor = after.empty() ? std::string() : cursor;
-        ChangeFeed::Page page;
-        auto answer = find(query, now);
-        if (!answer) return page;
-        cursor = answer->cursor;
-        page.last = cursor.empty();
-        for (const auto& item : answer->boards)
-            page.boards.emplace_back(item.board, model::dump_json(bus::to_json(item)));
+// A page of few boards, and of few names that are looked at: others are served between two of them.
+ChangeFeed::ReadPage Mirror::read_page(ChangeFeed::Allowed allowed,
+                                       std::function<void(bus::BoardItem&)> limit) {
+    return [this, allowed = std::move(allowed), limit = std::move(limit)](
+               const std::string& pattern, const std::string& after, const Instant& now) {
+        ChangeFeed::Page page{{}, {}, false};
+        const auto names = catalogue_.names(pattern, after, kSnapshotNames);
+        std::size_t bytes = 0;
+        for (const auto& name : names) {
+            page.behind = name;
+            if (!bus::matches_pattern(pattern, name) || (allowed && !allowed(name))) continue;
+            auto item = catalogue_.board(name, both(now));
+            if (!item) continue;
+            if (limit) limit(*item);
+            std::string text;
+            bus::append_json(text, *item);
+            bytes += text.size();
+            page.boards.push_back(std::move(text));
+            if (bytes >= kSnapshotBytes && &name != &names.back()) return page;
+        }
+        page.last = names.size() < kSnapshotNames;
         return page;
     };
 }

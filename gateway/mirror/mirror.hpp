@@ -71,9 +71,13 @@ class Mirror {
     /// The same for whoever needs only its state and services: its times may be those of an earlier call.
     /// Null: not known.
     std::shared_ptr<const bus::BoardItem> known(const std::string& name, const Instant& now);
-    Expected<bus::Answer> find(const bus::Query& query, const Instant& now);
+    /// `view`: of the asker; null: of somebody who sees everything.
+    Expected<bus::Answer> find(const bus::Query& query, const Instant& now,
+                               const registry::View* view = nullptr);
     std::vector<std::string> board_names() const;
-    registry::CatalogueStats stats() const { return catalogue_.stats(); }
+    std::array<std::size_t, registry::kStates> boards_by_state(const registry::View& view) const {
+        return catalogue_.boards_by_state(view);
+    }
     std::size_t size() const { return catalogue_.size(); }
     bool knows(std::string_view board) const { return catalogue_.knows(board); }
 
@@ -81,12 +85,14 @@ class Mirror {
     const Values& values() const { return values_; }
     ChangeLog& log() { return log_; }
     const ChangeLog& log() const { return log_; }
-    ChangeFeed::ReadPage read_page();
+    /// Reads the catalogue page by page: of the boards that `allowed` lets pass (empty: all), each as `limit`
+    /// leaves it (empty: whole). Boards that do not pass cost no more than the look at their names.
+    ChangeFeed::ReadPage read_page(ChangeFeed::Allowed allowed, std::function<void(bus::BoardItem&)> limit);
     const std::map<std::string, RegistryInfo>& registries() const { return registries_; }
     /// Of agents that published some within the last 45 s.
     const std::map<std::string, BoardStats>& board_stats() const { return board_stats_; }
-    std::vector<std::pair<std::string, std::size_t>> services_by_kind() const {
-        return catalogue_.services_by_kind();
+    std::vector<std::pair<std::string, std::size_t>> services_by_kind(const registry::View& view) const {
+        return catalogue_.services_by_kind(view);
     }
     const bus::Topics& topics() const { return topics_; }
 

@@ -6,12 +6,19 @@
 #include "asip/bus/pattern.hpp"
 
 namespace asip::gateway {
+namespace {
+
+constexpr std::size_t kBytes = 2 * 1024;  // of a feed itself, with the rights that it was made for
+
+}  // namespace
 
 ChangeFeed::ChangeFeed(ChangeLog& log, ReadPage read_page, Options options)
     : log_(&log),
       read_page_(std::move(read_page)),
       pattern_(std::move(options.board)),
-      allowed_(std::move(options.allowed)) {
+      allowed_(std::move(options.allowed)),
+      part_(std::move(options.part)) {
+    if (!part_.set(kBytes)) fault_ = kTooMuchKept;
     sent_ = placed_ = log.last();
     if (options.after) {
         const bool epoch = options.after->epoch == log.epoch();
@@ -37,8 +44,9 @@ ChangeFeed::~ChangeFeed() {
 void ChangeFeed::begin_snapshot() {
     phase_ = Phase::kSnapshot;
     sent_ = log_->last();
-    page_ = {{}, false};
+    page_ = {{}, {}, false};
     at_ = 0;
+    turn_over_ = true;
     last_name_.clear();
     pages_.clear();
 }
@@ -62,7 +70,7 @@ void ChangeFeed::tick(const Instant& now) {
 }
 
 bool ChangeFeed::next(StreamEvent& event, const Instant& now) {
-    if (log_ == nullptr) return false;
+    if (log_ == nullptr || !fault_.empty()) return false;
     if (phase_ == Phase::kLive && log_->last() > sent_ && log_->change(sent_ + 1) == nullptr) {
         reset_reason_ = "too-slow";
         phase_ = Phase::kReset;
@@ -76,24 +84,40 @@ bool ChangeFeed::next(StreamEvent& event, const Instant& now) {
 }
 
 bool ChangeFeed::next_board(StreamEvent& event, const Instant& now) {
-    for (;;) {
-        while (at_ < page_.boards.size()) {
-            auto& [name, data] = page_.boards[at_++];
-            if (allowed_ && !allowed_(name)) continue;
-            event = {"board", {}, R"({"board":)" + data + "}"};
-            return true;
-        }
-        if (page_.last) break;
-        page_ = read_page_(pattern_, last_name_, now);
-        at_ = 0;
-        if (!page_.boards.empty()) last_name_ = page_.boards.back().first;
-        pages_.emplace_back(page_.last ? "\x7f" : last_name_, log_->last());  // 7f: behind every name
+    if (at_ == page_.boards.size() && !page_.last) {
+        if (!turn_over_) return !(turn_over_ = true);
+        turn_over_ = false;
+        if (!read_page(now)) return false;
     }
+    if (at_ < page_.boards.size()) {
+        event = {"board", {}, R"({"board":)" + page_.boards[at_++] + "}"};
+        return true;
+    }
+    if (!page_.last) return !(turn_over_ = true);  // all that was looked at is hidden from this reader
     page_ = {};
+    part_.set(std::min(part_.bytes(), kBytes + pages_.size() * sizeof pages_[0]));
     phase_ = Phase::kLive;
     placed_ = sent_;
     quiet_since_ = now.time;
     event = {"snapshot-end", Place{log_->epoch(), sent_}.text(), "{}"};
+    return true;
+}
+
+bool ChangeFeed::read_page(const Instant& now) {
+    page_ = read_page_(pattern_, last_name_, now);
+    at_ = 0;
+    std::size_t bytes = kBytes + pages_.size() * sizeof pages_[0];
+    for (const auto& board : page_.boards)
+        bytes += sizeof board + board.capacity();
+    if (!part_.set(bytes)) {
+        fault_ = kTooMuchKept;
+        return false;
+    }
+    last_name_ = page_.last ? "\x7f" : page_.behind;  // 7f: behind every name
+    if (!pages_.empty() && pages_.back().second == log_->last())
+        pages_.back().first = last_name_;
+    else
+        pages_.emplace_back(last_name_, log_->last());
     return true;
 }
 

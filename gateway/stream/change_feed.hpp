@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "gateway/stream/budget.hpp"
 #include "gateway/stream/change_log.hpp"
 #include "gateway/stream/place.hpp"
 
@@ -19,9 +20,10 @@ class ChangeFeed : public Feed {
     static constexpr std::uint64_t kBookmarkAfter = 100;  ///< changes that did not match
     static constexpr Duration kBookmarkTime = std::chrono::seconds(15);
 
-    /// Boards behind `after` in the order of their names.
+    /// Boards behind `after` in the order of their names: as many as others can wait for.
     struct Page {
-        std::vector<std::pair<std::string, std::string>> boards;  ///< name, JSON object
+        std::vector<std::string> boards;  ///< JSON objects, without those that the reader may not see
+        std::string behind;               ///< the last name that was looked at
         bool last = true;
     };
     using ReadPage =
@@ -32,7 +34,8 @@ class ChangeFeed : public Feed {
         std::string board = "*";
         std::optional<Place> after;
         bool snapshot = true;  ///< false: only what changes from now on
-        Allowed allowed;       ///< empty: everything
+        Allowed allowed;       ///< which changes the reader may see; empty: all
+        Budget::Part part{};   ///< of the reader: for what waits here to be sent
     };
 
     ChangeFeed(ChangeLog& log, ReadPage read_page, Options options);
@@ -40,6 +43,8 @@ class ChangeFeed : public Feed {
 
     bool next(StreamEvent& event, const Instant& now) override;
     void tick(const Instant& now) override;
+    bool more() const override { return phase_ == Phase::kSnapshot && turn_over_ && fault_.empty(); }
+    std::string_view fault() const override { return fault_; }
 
   private:
     friend class ChangeLog;
@@ -51,11 +56,14 @@ class ChangeFeed : public Feed {
     bool next_change(StreamEvent& event, const Instant& now);
     bool bookmark(StreamEvent& event, const Instant& now);
     void begin_snapshot();
+    bool read_page(const Instant& now);
 
     ChangeLog* log_;
     ReadPage read_page_;
     std::string pattern_;
     Allowed allowed_;
+    Budget::Part part_;
+    std::string_view fault_;
     Phase phase_ = Phase::kLive;
     std::string_view reset_reason_;
     std::uint64_t sent_ = 0;    // everything up to here is with the reader, or does not concern it
@@ -63,7 +71,8 @@ class ChangeFeed : public Feed {
     bool bookmark_due_ = false;
     Time quiet_since_{};
     Page page_;
-    std::size_t at_ = 0;  // in page_
+    std::size_t at_ = 0;      // in page_
+    bool turn_over_ = false;  // the next page is read in another turn
     std::string last_name_;
     std::vector<std::pair<std::string, std::uint64_t>> pages_;  // last name of each, and the change it holds
 };

@@ -13,7 +13,9 @@ namespace asip::gateway {
 
 class ChangeFeed;
 
-/// The last changes of the catalogue, for those who follow it and those who come back to it. Pure.
+/// The last changes of the catalogue, for those who follow it and those who come back to it: as many as fit
+/// into `max_bytes`, the oldest go first. Feeds refer to it and may outlive it: then they give nothing more.
+/// Pure.
 class ChangeLog {
   public:
     struct Change {
@@ -32,6 +34,7 @@ class ChangeLog {
     const std::string& epoch() const { return epoch_; }
     /// Number of the last change; 0: none yet.
     std::uint64_t last() const { return last_; }
+    /// Numbers a change and wakes every feed. `kind`: of static storage.
     void add(std::string_view kind, std::string board, std::string data);
     /// Null: gone, or not yet there.
     const Change* change(std::uint64_t number) const;

@@ -32,7 +32,8 @@ StreamChannel::StreamChannel(Streams& streams, Dependencies dependencies, Princi
                              std::string client)
     : OpenStream(std::move(principal), std::move(client)),
       streams_(streams),
-      dependencies_(std::move(dependencies)) {
+      dependencies_(std::move(dependencies)),
+      base_bytes_(dependencies_.part.bytes()) {
     streams_.add(*this);
 }
 
@@ -42,9 +43,17 @@ StreamChannel::~StreamChannel() {
 }
 
 void StreamChannel::answer(std::string text) {
-    if (answers_.size() >= kMaxAnswers) return revoke();  // asks on and on, and does not read
+    // Asks on and on, and does not read.
+    if (!count_answers(answer_bytes_ + kBytesOfAnswer + text.size())) return revoke();
     answers_.push_back(std::move(text));
     wake();
+}
+
+bool StreamChannel::count_answers(std::size_t bytes) {
+    if (!dependencies_.part.set(base_bytes_ + std::max(bytes, kBytesOfAnswers) - kBytesOfAnswers))
+        return false;
+    answer_bytes_ = bytes;
+    return true;
 }
 
 bool StreamChannel::fault(const std::string& ref, const std::string& sentence) {
@@ -83,6 +92,7 @@ void StreamChannel::subscribe(const json& request) {
         return void(fault(ref, "too many subscriptions on this connection"));
     auto feed = dependencies_.subscribe(request);
     if (!feed) return void(fault(ref, feed.error()));
+    if (const auto why = (*feed)->fault(); !why.empty()) return void(fault(ref, std::string(why)));
     answer("{\"ref\":" + ref + ",\"ok\":true}");
     auto& made = subscriptions_.emplace_back(Subscription{ref, std::move(*feed), false});
     made.feed->wake = [this, &made] {
@@ -105,6 +115,7 @@ bool StreamChannel::take(std::string& message) {
     if (!answers_.empty()) {
         message = std::move(answers_.front());
         answers_.pop_front();
+        count_answers(answer_bytes_ - kBytesOfAnswer - message.size());
         return true;
     }
     return next_event(message);
@@ -114,6 +125,7 @@ bool StreamChannel::take(std::string& message) {
 bool StreamChannel::next_event(std::string& message) {
     const auto now = dependencies_.now();
     StreamEvent event;
+    more_ = false;
     for (std::size_t turns = subscriptions_.size(); turns > 0; --turns) {
         subscriptions_.splice(subscriptions_.end(), subscriptions_, subscriptions_.begin());
         auto& subscription = subscriptions_.back();
@@ -122,12 +134,21 @@ bool StreamChannel::next_event(std::string& message) {
             message = websocket_message(event, subscription.ref);
             return true;
         }
+        if (const auto why = subscription.feed->fault();
+            !why.empty() && !std::exchange(subscription.over, true)) {
+            message = error_text(subscription.ref, std::string(why));
+            return true;
+        }
+        // Its next page is another turn's, and this turn is over.
+        if (more_ = subscription.feed->more(); more_) return false;
         subscription.idle = true;
     }
     return false;
 }
 
 void StreamChannel::tick(const Instant& now) {
+    // Not when it was told: then values may be calling their feeds.
+    std::erase_if(subscriptions_, [](const Subscription& each) { return each.over; });
     for (auto& subscription : subscriptions_)
         subscription.feed->tick(now);
 }

@@ -14,8 +14,11 @@ namespace asip::gateway {
 /// A WebSocket's messages: subscriptions, commands and what comes back. Pure.
 class StreamChannel : public http::Channel, public OpenStream {
   public:
-    static constexpr std::size_t kMaxAnswers = 16'384;  ///< that wait to be read
-    static constexpr int kMaxFaults = 100;              ///< messages that are none, then the connection ends
+    static constexpr std::size_t kBytesOfAnswer = 64;  ///< that waits to be read, beside its text
+    /// Of answers that wait: part of what the connection takes from its beginning, so that a client whose
+    /// budget is used up is told so.
+    static constexpr std::size_t kBytesOfAnswers = 16 * 1024;
+    static constexpr int kMaxFaults = 100;  ///< messages that are none, then the connection ends
 
     /// What the channel needs of the rest. Errors are sentences for a person.
     struct Dependencies {
@@ -25,6 +28,9 @@ class StreamChannel : public http::Channel, public OpenStream {
         /// A command; `answer` is called once, at once or later, with the text of the answer.
         std::function<void(const nlohmann::json& request, std::function<void(std::string)> answer)> command;
         std::size_t max_subscriptions = 256;
+        /// What the connection takes of its client's budget, kBytesOfAnswers with it. Where an answer more
+        /// does not fit, since they are not read, the connection is closed.
+        Budget::Part part{};
     };
 
     StreamChannel(Streams& streams, Dependencies dependencies, Principal principal, std::string client);
@@ -33,6 +39,7 @@ class StreamChannel : public http::Channel, public OpenStream {
     bool take(std::string& message) override;
     bool received(std::string_view message) override;
     std::uint16_t close_code() const override { return revoked_ ? 1008 : 0; }
+    bool more() const override { return more_; }
     void tick(const Instant& now) override;
     void revoke() override;
 
@@ -41,8 +48,10 @@ class StreamChannel : public http::Channel, public OpenStream {
         std::string ref;  // JSON text
         std::unique_ptr<Feed> feed;
         bool idle = false;  // had nothing; until its wake
+        bool over = false;  // its fault was told
     };
     void answer(std::string text);
+    bool count_answers(std::size_t bytes);
     bool fault(const std::string& ref, const std::string& sentence);
     void handle(const nlohmann::json& request);
     void subscribe(const nlohmann::json& request);
@@ -53,8 +62,11 @@ class StreamChannel : public http::Channel, public OpenStream {
     Dependencies dependencies_;
     std::list<Subscription> subscriptions_;  // the next to be asked first
     std::deque<std::string> answers_;
+    std::size_t answer_bytes_ = 0;
+    std::size_t base_bytes_ = 0;  // of the connection itself
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
     int faults_ = 0;
+    bool more_ = false;
     bool revoked_ = false;
 };
 

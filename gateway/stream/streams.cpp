@@ -41,11 +41,12 @@ void Streams::tick(const Instant& now, const Gate& gate) {
 }
 
 SseSource::SseSource(Streams& streams, std::unique_ptr<Feed> feed, std::function<Instant()> now,
-                     Principal principal, std::string client)
+                     Principal principal, std::string client, Budget::Part part)
     : OpenStream(std::move(principal), std::move(client)),
       streams_(streams),
       feed_(std::move(feed)),
-      now_(std::move(now)) {
+      now_(std::move(now)),
+      part_(std::move(part)) {
     last_ = now_().time;
     feed_->wake = [this] { wake(); };
     streams_.add(*this);
@@ -65,6 +66,10 @@ void SseSource::take(std::string& out, std::size_t max) {
     StreamEvent event;
     while (out.size() < max && feed_->next(event, now))
         append_sse(out, event);
+    if (const auto fault = feed_->fault(); !fault.empty()) {
+        append_sse(out, {"fault", {}, R"({"error":")" + std::string(fault) + "\"}"});
+        revoked_ = true;
+    }
     if (out.empty() && now.time - last_ >= kComment) out += ":\n\n";
     if (!out.empty()) last_ = now.time;
 }

@@ -7,18 +7,19 @@
 
 #include "gateway/auth/gate.hpp"
 #include "gateway/http/server.hpp"
+#include "gateway/stream/budget.hpp"
 #include "gateway/stream/feed.hpp"
 
 namespace asip::gateway {
 
-/// One open stream, of whatever form.
+/// One open stream, of whatever form: Server-Sent Events, a WebSocket, or a wait for a value.
 class OpenStream {
   public:
     OpenStream(Principal principal, std::string client)
         : principal_(std::move(principal)), client_(std::move(client)) {}
     virtual ~OpenStream() = default;
     virtual void tick(const Instant& now) = 0;
-    /// Its right to read is gone.
+    /// Its right to read is gone: it ends soon, but not within this call.
     virtual void revoke() = 0;
 
     const Principal& principal() const { return principal_; }
@@ -29,7 +30,8 @@ class OpenStream {
     std::string client_;
 };
 
-/// All open streams: time for them, their limits, and their end when the right to them ends.
+/// All open streams: time for them, how many a client may have, and their end when the right to them ends.
+/// Streams add and remove themselves; they must not outlive it.
 class Streams {
   public:
     explicit Streams(std::size_t per_client) : per_client_(per_client) {}
@@ -52,12 +54,14 @@ class SseSource : public http::Source, public OpenStream {
   public:
     static constexpr Duration kComment = std::chrono::seconds(15);
 
+    /// `part`: what the stream takes of its client's budget, beside what its feed takes.
     SseSource(Streams& streams, std::unique_ptr<Feed> feed, std::function<Instant()> now, Principal principal,
-              std::string client);
+              std::string client, Budget::Part part = {});
     ~SseSource() override;
 
     void take(std::string& out, std::size_t max) override;
     bool finished() const override { return revoked_; }
+    bool more() const override { return !revoked_ && feed_->more(); }
     void tick(const Instant& now) override;
     void revoke() override;
 
@@ -65,6 +69,7 @@ class SseSource : public http::Source, public OpenStream {
     Streams& streams_;
     std::unique_ptr<Feed> feed_;
     std::function<Instant()> now_;
+    Budget::Part part_;
     Time last_{};
     bool begun_ = false;
     bool revoked_ = false;

@@ -19,9 +19,14 @@ std::string seconds_text(Duration duration) {
     return std::to_string(ms / 1000) + "." + std::string(3 - text.size(), '0') + text;
 }
 
+std::size_t bytes_of(const StreamEvent& event) {
+    return sizeof event + event.place.size() + event.data.size();
+}
+
 std::string data_of(const ServiceValues& service, const ChannelValue& channel) {
     return R"({"board":")" + service.board + R"(","service":")" + service.service + R"(","at":")" +
-           text::iso_time(channel.seen.wall) + R"(","value":)" + channel.json() + "}";
+           text::iso_time(channel.seen.wall) + R"(","value":)" + channel.json() + cut_member(channel.cut) +
+           "}";
 }
 
 }  // namespace
@@ -33,7 +38,9 @@ ValueFeed::ValueFeed(Values& values, Options options)
       after_(std::move(options.after)),
       after_each_(std::move(options.after_each)),
       allowed_(std::move(options.allowed)),
-      demand_(std::move(options.demand)) {
+      demand_(std::move(options.demand)),
+      part_(std::move(options.part)) {
+    if (!part_.set(kBytes + options.demands * kBytesOfDemand)) too_much();
     if (options.max_hz > 0) {
         interval_ = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / options.max_hz));
     }
@@ -85,6 +92,8 @@ void ValueFeed::appeared(ServiceValues& service) {
     if (!bus::matches_pattern(board_, service.board) || !bus::matches_pattern(service_, service.service))
         return;
     if (allowed_ && !allowed_(service.board, service.service)) return;
+    if (!fault_.empty()) return;
+    if (!part_.add(kBytesOfService)) return too_much();
     service.listeners.push_back(this);
     if (service.last == 0) return;
     // A larger number is of a board that was forgotten and came back.
@@ -98,6 +107,11 @@ void ValueFeed::appeared(ServiceValues& service) {
         snapshot_.push_back(&service);
         if (phase_ == Phase::kLive) phase_ = Phase::kSnapshot;
     }
+}
+
+void ValueFeed::too_much() {
+    fault_ = kTooMuchKept;
+    wake();
 }
 
 void ValueFeed::queue(ServiceValues& service, Reading& reading) {
@@ -119,6 +133,7 @@ void ValueFeed::arrived(ServiceValues& service, Time now) {
 }
 
 void ValueFeed::vanished(ServiceValues& service) {
+    part_.give_back(kBytesOfService);
     readings_.erase(&service);
     ready_.erase(std::remove(ready_.begin(), ready_.end(), &service), ready_.end());
     snapshot_.erase(std::remove(snapshot_.begin(), snapshot_.end(), &service), snapshot_.end());
@@ -130,14 +145,20 @@ void ValueFeed::tick(const Instant& now) {
 }
 
 bool ValueFeed::next(StreamEvent& event, const Instant& now) {
-    if (values_ == nullptr) return false;
+    if (values_ == nullptr || !fault_.empty()) return false;
     if (phase_ != Phase::kLive && out_.empty()) return next_snapshot(event, now);
     for (std::size_t turns = ready_.size(); out_.empty() && turns > 0; --turns)
         read_next(now);
     if (out_.empty()) return false;
-    event = std::move(out_.front());
-    out_.pop_front();
+    event = taken();
     return true;
+}
+
+StreamEvent ValueFeed::taken() {
+    auto event = std::move(out_.front());
+    out_.pop_front();
+    part_.give_back(std::min(part_.bytes(), bytes_of(event)));
+    return event;
 }
 
 void ValueFeed::read_next(const Instant& now) {
@@ -168,9 +189,8 @@ bool ValueFeed::next_snapshot(StreamEvent& event, const Instant& now) {
                 with_member(data_of(*service, channel), "age", seconds_text(now.time - channel.seen.time));
             put(service->last, channel, std::move(data), !exact() && &channel == &service->channels.back());
         }
-        if (out_.empty()) return next_snapshot(event, now);
-        event = std::move(out_.front());
-        out_.pop_front();
+        if (out_.empty()) return fault_.empty() && next_snapshot(event, now);
+        event = taken();
         return true;
     }
     phase_ = Phase::kLive;
@@ -212,8 +232,10 @@ void ValueFeed::newest_of_each(ServiceValues& service, Reading& reading) {
 }
 
 void ValueFeed::put(std::uint64_t number, const ChannelValue& channel, std::string data, bool placed) {
-    out_.push_back({channel.error ? "error" : "value",
-                    placed ? Place{values_->epoch(), number}.text() : std::string(), std::move(data)});
+    StreamEvent event{channel.error ? "error" : "value",
+                      placed ? Place{values_->epoch(), number}.text() : std::string(), std::move(data)};
+    if (!part_.add(bytes_of(event))) return too_much();
+    out_.push_back(std::move(event));
 }
 
 }  // namespace asip::gateway

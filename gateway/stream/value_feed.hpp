@@ -5,6 +5,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "gateway/stream/budget.hpp"
 #include "gateway/stream/feed.hpp"
 #include "gateway/stream/place.hpp"
 #include "gateway/stream/values.hpp"
@@ -14,10 +15,15 @@ namespace asip::gateway {
 /// The values of the services that match: the last ones with their age, `snapshot-end`, then each new one. A
 /// reader that falls behind by more than kMaxBehind values of a service gets the newest of each of its
 /// events, and `left_out` is the number of those between; services are served in the order in which they had
-/// something. Memory: 8 bytes for each service that matches, more only for those whose values wait.
+/// something. What it takes of its reader's budget: kBytes, kBytesOfService for each service that matches,
+/// and the texts that wait.
 class ValueFeed : public Feed {
   public:
     static constexpr std::uint64_t kMaxBehind = 64;
+    static constexpr std::size_t kBytes = 3 * 1024;
+    static constexpr std::size_t kBytesOfDemand = 320;  ///< of each board and service that is demanded
+    /// As a listener, in the snapshot, waiting, and with its reading.
+    static constexpr std::size_t kBytesOfService = 3 * sizeof(void*) + 80;
     using Allowed = std::function<bool(std::string_view board, std::string_view service)>;
 
     struct Options {
@@ -31,6 +37,8 @@ class ValueFeed : public Feed {
         std::optional<Places> after_each;
         Allowed allowed;                 ///< empty: everything
         std::shared_ptr<void> demand{};  ///< what makes the boards report, kept as long as the feed
+        std::size_t demands = 1;         ///< how many boards and services, or patterns of them, that is
+        Budget::Part part{};             ///< of the reader
     };
 
     ValueFeed(Values& values, Options options);
@@ -38,6 +46,7 @@ class ValueFeed : public Feed {
 
     bool next(StreamEvent& event, const Instant& now) override;
     void tick(const Instant& now) override;
+    std::string_view fault() const override { return fault_; }
     std::uint64_t left_out() const { return left_out_; }
 
   private:
@@ -62,6 +71,8 @@ class ValueFeed : public Feed {
     bool next_snapshot(StreamEvent& event, const Instant& now);
     void read_service(ServiceValues& service, Reading& reading, const Instant& now);
     void newest_of_each(ServiceValues& service, Reading& reading);
+    StreamEvent taken();
+    void too_much();
     void put(std::uint64_t number, const ChannelValue& channel, std::string data, bool placed);
 
     Values* values_;
@@ -72,6 +83,8 @@ class ValueFeed : public Feed {
     std::optional<Places> after_each_;
     Allowed allowed_;
     std::shared_ptr<void> demand_;
+    Budget::Part part_;
+    std::string_view fault_;
     Phase phase_ = Phase::kSnapshot;
     std::string_view reset_reason_;
     std::deque<ServiceValues*> snapshot_;

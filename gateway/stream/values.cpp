@@ -14,8 +14,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kPointBytes = sizeof(Point) + sizeof(void*) + 32;  // beside its text, as allocated
 constexpr std::size_t kMaxMergedBytes = 8 * 1024;
+constexpr std::size_t kServiceBytes = sizeof(ServiceValues) + 128;  // with its place in what holds it
 
 // What was published, as compact JSON, and under which event it counts.
 struct Report {
@@ -54,6 +54,18 @@ std::optional<Report> plain_report(std::string_view payload) {
     return Report{std::string(payload), std::string(event), !event.empty() && value.front() == '{'};
 }
 
+// Too long to be kept: only its event counts, if it is one of an event.
+Report long_report(std::string_view payload) {
+    Report report;
+    bus::JsonScanner scanner(payload);
+    std::string_view event, value, another;
+    if (scanner.enter_object() && scanner.next_member(event) && scanner.value(value) &&
+        !scanner.next_member(another) && scanner.left() && scanner.at_end() &&
+        event.size() <= kMaxEventBytes && event.find('\\') == event.npos)
+        report.event = event;
+    return report;
+}
+
 Report report_of(std::string_view payload) {
     if (auto plain = plain_report(payload)) return std::move(*plain);
     const auto parsed = model::parse_json(payload);
@@ -64,6 +76,26 @@ Report report_of(std::string_view payload) {
     if (const auto& event = first.key(); event.size() <= kMaxEventBytes) report.event = event;
     report.part = !report.event.empty() && parsed->front().is_object();
     return report;
+}
+
+// At the end of a character of UTF-8.
+std::string_view beginning(std::string_view text, std::size_t max) {
+    std::size_t end = std::min(text.size(), max);
+    while (end > 0 && end < text.size() && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80)
+        --end;
+    return text.substr(0, end);
+}
+
+/// Of a report that is longer than `max` the beginning of what was published stays. How many bytes that were;
+/// 0: it is whole.
+std::size_t cut_to(std::size_t max, std::string_view payload, Report& report) {
+    if (!report.json.empty() && report.json.size() <= max) return 0;
+    // As JSON it may be longer than it was.
+    for (std::size_t length = max; report.json.empty() || report.json.size() > max; length /= 2)
+        report.json = model::dump_json(json(std::string(beginning(payload, length))));
+    report.json.shrink_to_fit();
+    report.part = false;
+    return payload.size();
 }
 
 /// Adds what a part of a map names; false: they are not of one map.
@@ -77,6 +109,10 @@ bool add_part(json& all, const json& part) {
 }
 
 }  // namespace
+
+std::string cut_member(std::size_t cut) {
+    return cut == 0 ? std::string() : ",\"cut\":" + std::to_string(cut);
+}
 
 const std::string& ChannelValue::json() const {
     if (!parts_.empty()) put_together();
@@ -126,7 +162,7 @@ const std::string& ServiceValues::text(const Point& point) const {
     cached_.clear();
     cached_.append(R"({"board":")").append(board).append(R"(","service":")").append(service);
     cached_.append(R"(","at":")").append(text::iso_time(point.seen.wall)).append(R"(","value":)");
-    cached_.append(point.json).append("}");
+    cached_.append(point.json).append(cut_member(point.cut)).append("}");
     return cached_;
 }
 
@@ -137,12 +173,16 @@ Values::~Values() {
         feed->values_ = nullptr;
 }
 
-ServiceValues* Values::make(std::string_view board, std::string_view service) {
-    if (auto* found = known(board, service)) return found;
-    if (services_ >= limits_.services) return nullptr;
-    auto& of_board = boards_[std::string(board)];
-    if (of_board.size() >= limits_.of_board) return nullptr;
-    auto* result = of_board.emplace_back(std::make_unique<ServiceValues>()).get();
+ServiceValues* Values::make(std::string_view board, std::string_view service, Board*& of) {
+    const auto found = boards_.find(board);
+    if (found != boards_.end()) {
+        of = &found->second;
+        if (auto* known = of->find(service)) return known;
+        if (of->services.size() >= limits_.of_board) return nullptr;
+    }
+    if (services_ >= limits_.services || last_bytes_ >= 2 * limits_.last_bytes) return nullptr;
+    if (found == boards_.end()) of = &boards_[std::string(board)];
+    auto* result = of->services.emplace_back(std::make_unique<ServiceValues>()).get();
     result->board = board;
     result->service = service;
     ++services_;
@@ -151,44 +191,72 @@ ServiceValues* Values::make(std::string_view board, std::string_view service) {
     return result;
 }
 
+void Values::count_last(Board& board, ServiceValues& service) {
+    std::size_t bytes = kServiceBytes + heap_bytes(service.board) + heap_bytes(service.service) +
+                        service.channels.capacity() * sizeof(ChannelValue);
+    for (const auto& channel : service.channels)
+        bytes += channel.bytes();
+    const auto change = [&](std::size_t& sum) { sum = sum - service.last_bytes + bytes; };
+    change(board.last_bytes);
+    change(last_bytes_);
+    service.last_bytes = bytes;
+}
+
+// How long a value of so many bytes may be.
+std::size_t Values::room_for(const Board& board, std::size_t bytes) const {
+    const bool fits =
+        board.last_bytes + bytes <= limits_.board_last_bytes && last_bytes_ + bytes <= limits_.last_bytes;
+    return fits ? limits_.value : std::min(kShortValue, limits_.value);
+}
+
 void Values::value(std::string_view board, std::string_view service, std::string_view payload, bool error,
                    const Instant& now) {
     ++received_;
-    auto* values = make(board, service);
+    Board* of = nullptr;
+    auto* values = make(board, service, of);
     if (values == nullptr) return;
-    auto report = report_of(payload);
+    auto& of_board = *of;
+    auto report = payload.size() > limits_.value ? long_report(payload) : report_of(payload);
     auto& channels = values->channels;
     auto channel = std::find_if(channels.begin(), channels.end(), [&](const ChannelValue& each) {
         return each.error == error && (error || each.event == report.event);
     });
     if (channel == channels.end()) {
-        if (channels.size() >= limits_.channels) return;
+        if (channels.size() >= limits_.channels || last_bytes_ >= 2 * limits_.last_bytes) return;
         channel = channels.emplace(channels.end());
         channel->error = error;
         if (!error) channel->event = report.event;
     }
+    const auto cut = cut_to(room_for(of_board, std::min(payload.size(), limits_.value)), payload, report);
     const auto index = static_cast<std::uint32_t>(channel - channels.begin());
-    Point point{++values->last, now, index, std::move(report.json)};
+    Point point{++values->last, now, index, std::move(report.json), cut};
     channel->number = point.number;
     channel->seen = now;
+    channel->cut = cut;
     channel->report(point.json, !error && report.part);
-    bytes_ += kPointBytes + point.json.size();
+    bytes_ += heap_bytes(point.json);
+    bytes_ -= values->points.block_bytes();
     values->points.push_back(std::move(point));
+    bytes_ += values->points.block_bytes();
     arrivals_.push_back(values);
     if (values->points.size() > limits_.points) {
         drop_front(*values);
         ++values->dropped_ahead;
+        ++gone_arrivals_;
+        tidy_arrivals();
     }
-    while (bytes_ > limits_.bytes && !arrivals_.empty())
+    while (bytes() > limits_.bytes && !arrivals_.empty())
         drop_oldest();
     for (auto* feed : values->listeners)
         feed->arrived(*values, now.time);
     values->channels[index].tidy();  // behind the readers: it takes longer than they do
+    count_last(of_board, *values);
 }
 
 void Values::drop_front(ServiceValues& service) {
-    bytes_ -= kPointBytes + service.points.front().json.size();
+    bytes_ -= heap_bytes(service.points.front().json) + service.points.block_bytes();
     service.points.pop_front();
+    bytes_ += service.points.block_bytes();
 }
 
 void Values::drop_oldest() {
@@ -196,9 +264,24 @@ void Values::drop_oldest() {
     arrivals_.pop_front();
     if (service->dropped_ahead > 0) {
         --service->dropped_ahead;
+        --gone_arrivals_;
     } else {
         drop_front(*service);
     }
+}
+
+// Of a service that reports much the points go before their entries do: these must not pile up. The first
+// entries of a service are those of what is gone.
+void Values::tidy_arrivals() {
+    constexpr std::size_t kFew = 1000;
+    if (gone_arrivals_ < kFew || gone_arrivals_ < arrivals_.size() / 2) return;
+    std::erase_if(arrivals_, [](ServiceValues* service) {
+        if (service->dropped_ahead == 0) return false;
+        --service->dropped_ahead;
+        return true;
+    });
+    arrivals_.shrink_to_fit();
+    gone_arrivals_ = 0;
 }
 
 void Values::expire(const Instant& now) {
@@ -214,15 +297,14 @@ void Values::forget(std::string_view board) {
     if (found == boards_.end()) return;
     const auto gone = std::move(found->second);
     boards_.erase(found);
-    services_ -= gone.size();
-    const auto is_gone = [&](ServiceValues* each) {
-        return std::any_of(gone.begin(), gone.end(),
-                           [&](const auto& service) { return service.get() == each; });
-    };
-    arrivals_.erase(std::remove_if(arrivals_.begin(), arrivals_.end(), is_gone), arrivals_.end());
-    for (const auto& service : gone) {
+    services_ -= gone.services.size();
+    last_bytes_ -= gone.last_bytes;
+    std::erase_if(arrivals_, [&](ServiceValues* each) { return each->board == board; });
+    for (const auto& service : gone.services) {
+        gone_arrivals_ -= service->dropped_ahead;
+        bytes_ -= service->points.block_bytes();
         for (const auto& point : service->points)
-            bytes_ -= kPointBytes + point.json.size();
+            bytes_ -= heap_bytes(point.json);
         for (auto* feed : service->listeners)
             feed->vanished(*service);
     }
@@ -234,10 +316,7 @@ const ServiceValues* Values::find(std::string_view board, std::string_view servi
 
 ServiceValues* Values::known(std::string_view board, std::string_view service) const {
     const auto found = boards_.find(board);
-    if (found == boards_.end()) return nullptr;
-    for (const auto& each : found->second)
-        if (each->service == service) return each.get();
-    return nullptr;
+    return found == boards_.end() ? nullptr : found->second.find(service);
 }
 
 void Values::add(ValueFeed& feed) {
@@ -246,8 +325,8 @@ void Values::add(ValueFeed& feed) {
         if (auto* service = known(feed.board_, feed.service_)) feed.appeared(*service);
         return;
     }
-    for (auto& [board, services] : boards_) {
-        for (auto& service : services)
+    for (auto& [board, of_board] : boards_) {
+        for (auto& service : of_board.services)
             feed.appeared(*service);
     }
 }
@@ -259,8 +338,8 @@ void Values::remove(ValueFeed& feed) {
         if (auto* service = known(feed.board_, feed.service_)) release(*service);
         return;
     }
-    for (auto& [board, services] : boards_) {
-        for (auto& service : services)
+    for (auto& [board, of_board] : boards_) {
+        for (auto& service : of_board.services)
             release(*service);
     }
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <string>
@@ -14,12 +15,22 @@
 
 namespace asip::gateway {
 
+/// The bytes that a text has on the heap.
+inline std::size_t heap_bytes(const std::string& text) {
+    constexpr std::size_t kInside = 15;  // that stand in the object itself
+    constexpr std::size_t kAround = 16;  // of the allocator
+    return text.capacity() > kInside ? text.capacity() + kAround : 0;
+}
+
 /// One value that a service reported, or an error.
 struct Point {
     std::uint64_t number = 0;  ///< of its service, from 1, without a gap
     Instant seen;
     std::uint32_t channel = 0;  ///< index into ServiceValues::channels
-    std::string json;           ///< what was published; what is not JSON as a JSON string
+    /// What was published; what is not JSON as a JSON string. Of what is too long to be kept its beginning,
+    /// as a JSON string; then `cut` is how many bytes were published.
+    std::string json;
+    std::size_t cut = 0;
 };
 
 /// The last value of one event of a service.
@@ -28,9 +39,11 @@ struct ChannelValue {
     bool error = false;
     std::uint64_t number = 0;  ///< of the last point
     Instant seen;
+    std::size_t cut = 0;  ///< as Point::cut
 
     /// As published; where each report holds a part of a map (`{"digital":{"2":1}}`), all parts together.
     const std::string& json() const;
+    std::size_t bytes() const { return heap_bytes(event) + heap_bytes(json_) + heap_bytes(parts_); }
     /// `part`: of a map.
     void report(const std::string& text, bool part);
     /// Call some time after each report: keeps what json() puts together short.
@@ -50,6 +63,8 @@ class Points {
   public:
     bool empty() const { return first_ == points_.size(); }
     std::size_t size() const { return points_.size() - first_; }
+    /// Of the block; the texts aside.
+    std::size_t block_bytes() const { return points_.capacity() * sizeof(Point); }
     const Point& operator[](std::size_t i) const { return points_[first_ + i]; }
     const Point& front() const { return points_[first_]; }
     const Point& back() const { return points_.back(); }
@@ -62,7 +77,7 @@ class Points {
     }
     void pop_front() {
         points_[first_++].json = {};
-        if (empty()) points_ = std::vector<Point>(), first_ = 0;
+        if (size() <= points_.capacity() / 4) shrink();
     }
 
   private:
@@ -70,10 +85,22 @@ class Points {
         points_.erase(points_.begin(), begin());
         first_ = 0;
     }
+    // So that few points do not keep the block of many.
+    void shrink() {
+        std::vector<Point> fewer;
+        fewer.reserve(2 * size());
+        std::move(points_.begin() + static_cast<std::ptrdiff_t>(first_), points_.end(),
+                  std::back_inserter(fewer));
+        points_ = std::move(fewer);
+        first_ = 0;
+    }
 
     std::vector<Point> points_;  // those before first_ are gone
     std::size_t first_ = 0;
 };
+
+/// `,"cut":100000` for an object that holds a value of which only the beginning is kept; empty: it is whole.
+std::string cut_member(std::size_t cut);
 
 class ValueFeed;
 
@@ -86,6 +113,7 @@ struct ServiceValues {
     std::vector<ChannelValue> channels;
     std::vector<ValueFeed*> listeners;
     std::size_t dropped_ahead = 0;  ///< entries of the order of arrival that are gone already
+    std::size_t last_bytes = 0;     ///< of its last values, as they were counted
 
     /// Null: it is not kept any more, or not yet there.
     const Point* point(std::uint64_t number) const;
@@ -100,14 +128,21 @@ struct ServiceValues {
 struct ValueLimits {
     std::size_t points = 1200;                  ///< of a service
     Duration age = std::chrono::minutes(10);    ///< of a point
-    std::size_t bytes = std::size_t{32} << 20;  ///< of all points together
+    std::size_t bytes = std::size_t{32} << 20;  ///< of all points together, with their order of arrival
     std::size_t services = 200'000;             ///< beyond these a service's values are not kept
     std::size_t of_board = 256;                 ///< the same of one board's services
     std::size_t channels = 16;                  ///< different events of a service
+    std::size_t value = 64 * 1024;  ///< the longest text of a value; of a longer one the beginning
+    /// Of the last values of one board, and of all: beyond, of a value that is longer than kShortValue only
+    /// so much is kept, and beyond twice of all no value of a new event or service.
+    std::size_t board_last_bytes = std::size_t{1} << 20;
+    std::size_t last_bytes = std::size_t{64} << 20;
 };
+inline constexpr std::size_t kShortValue = 256;
 
 /// The last value of each service and a ring of recent ones. Pure: messages and time in. Values of a service
-/// are kept until its board is forgotten; points give way to newer ones, the oldest of all first.
+/// are kept until its board is forgotten; points give way to newer ones, the oldest of all first. Everything
+/// is counted in bytes, with what surrounds it.
 class Values {
   public:
     explicit Values(std::string epoch, ValueLimits limits = {});
@@ -124,28 +159,47 @@ class Values {
     const ServiceValues* find(std::string_view board, std::string_view service) const;
 
     std::size_t services() const { return services_; }
-    std::size_t points() const { return arrivals_.size(); }
-    std::size_t bytes() const { return bytes_; }
+    /// Of recent values, with their order of arrival.
+    std::size_t bytes() const { return bytes_ + arrivals_.size() * sizeof(ServiceValues*); }
+    /// Of the last value of each event of each service.
+    std::size_t last_bytes() const { return last_bytes_; }
     std::uint64_t received() const { return received_; }
     std::uint64_t left_out() const { return left_out_; }
     void count_left_out(std::uint64_t values) { left_out_ += values; }
 
   private:
     friend class ValueFeed;
-    ServiceValues* make(std::string_view board, std::string_view service);
+    struct Board {
+        std::vector<std::unique_ptr<ServiceValues>> services;
+        std::size_t last_bytes = 0;
+
+        ServiceValues* find(std::string_view service) const {
+            for (const auto& each : services)
+                if (each->service == service) return each.get();
+            return nullptr;
+        }
+    };
+    /// `of`: set to its board.
+    ServiceValues* make(std::string_view board, std::string_view service, Board*& of);
     ServiceValues* known(std::string_view board, std::string_view service) const;
     void drop_front(ServiceValues& service);
     void drop_oldest();
+    void tidy_arrivals();
+    void count_last(Board& board, ServiceValues& service);
+    std::size_t room_for(const Board& board, std::size_t bytes) const;
     void add(ValueFeed& feed);
     void remove(ValueFeed& feed);
 
     std::string epoch_;
     ValueLimits limits_;
-    std::map<std::string, std::vector<std::unique_ptr<ServiceValues>>, std::less<>> boards_;
+    std::map<std::string, Board, std::less<>> boards_;
     std::size_t services_ = 0;
-    std::deque<ServiceValues*> arrivals_;  // of each point that is kept, in order; see dropped_ahead
+    // Of each point that is kept, in order; and of some that are gone: dropped_ahead of their service.
+    std::deque<ServiceValues*> arrivals_;
+    std::size_t gone_arrivals_ = 0;
     std::vector<ValueFeed*> feeds_;
-    std::size_t bytes_ = 0;
+    std::size_t bytes_ = 0;  // without arrivals_
+    std::size_t last_bytes_ = 0;
     std::uint64_t received_ = 0;
     std::uint64_t left_out_ = 0;
 };

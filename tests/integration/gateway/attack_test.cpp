@@ -321,6 +321,57 @@ TEST(GatewayLimits, ConnectionsBeyondThem_Are503AndTheirPlaceComesBack) {
     EXPECT_TRUE(wait_until([&] { return get(gateway.port(), "/healthz").status == 200; }));
 }
 
+// A thousand connections that each leave out the last byte of a body.
+TEST(GatewayLimits, UnfinishedRequestsOfOneAddress_HaveABoundInBytesAndOthersAreServed) {
+    MosquittoBroker broker;
+    RunningGateway gateway(broker.address(), {"--max-connections-per-address", "2000"});
+    ASSERT_TRUE(gateway.ready());
+    const auto before = gateway.process().resident_bytes();
+    std::vector<Wire> held;
+    int refused = 0;
+    for (int i = 0; i < 1000; ++i) {
+        held.emplace_back(gateway.port());
+        held.back().send(
+            "POST /api/stop HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+            "Content-Length: 65000\r\n\r\n" +
+            std::string(64'999, ' '));
+    }
+    EXPECT_EQ(get(gateway.port(), "/healthz").status, 200) << "what is short is served";
+    for (auto& wire : held)
+        refused += wire.closed(std::chrono::milliseconds(1));
+    EXPECT_GT(refused, 500);
+    EXPECT_LT(gateway.process().resident_bytes() - before, memory_limit(60u << 20));
+    held.clear();
+    EXPECT_TRUE(wait_until([&] {
+        return post(gateway.port(), "/api/stop", "{}" + std::string(60'000, ' ')).status == 200;
+    })) << "their room comes back";
+}
+
+// 20,000 of them cost 150 MB once.
+TEST(GatewayLimits, WaitsOfClosedConnections_EndWithThem) {
+    MosquittoBroker broker;
+    RunningGateway gateway(broker.address());
+    ASSERT_TRUE(gateway.ready());
+    BusProbe probe(broker.port());
+    probe.publish("asip/servicebus/uno1/$description", described("uno1"));
+    probe.publish("asip/servicebus/uno1/$state", "online");
+    ASSERT_TRUE(gateway.becomes("uno1", "online"));
+    const auto streams = [&] {
+        return get(gateway.port(), "/api/status").json()["streams"]["clients"].get<int>();
+    };
+    {
+        std::vector<Wire> waiting;
+        for (int i = 0; i < 64; ++i) {
+            waiting.emplace_back(gateway.port());
+            waiting.back().send(
+                "GET /api/boards/uno1/services/servo/value?wait=60 HTTP/1.1\r\nHost: localhost\r\n\r\n");
+        }
+        EXPECT_TRUE(wait_until([&] { return streams() == 64; }));
+        EXPECT_EQ(get(gateway.port(), "/api/boards/uno1/services/servo/value?wait=60").status, 429);
+    }
+    EXPECT_TRUE(wait_until([&] { return streams() == 0; })) << streams();
+}
+
 TEST(GatewayLimits, StreamsBeyondThem_Are429) {
     MosquittoBroker broker;
     RunningGateway gateway(broker.address(), {"--max-streams", "2"});
@@ -354,6 +405,38 @@ TEST(GatewayBinding, Start_LogsWhatThisMachineMayDoWithoutAToken) {
     RunningGateway closed(broker.address(), {"--trusted-proxy"});
     EXPECT_THAT(closed.process().errors(), HasSubstr("from this machine=none"));
     EXPECT_EQ(get(closed.port(), "/api/boards").status, 401) << "a proxy's clients are not this machine's";
+}
+
+TEST(GatewayBinding, ProxyThatItWasNotToldOf_IsRefusedAndSaysWhatToDo) {
+    MosquittoBroker broker;
+    RunningGateway gateway(broker.address());
+    ASSERT_TRUE(gateway.ready());
+    const Headers forwarded{{"X-Forwarded-For", "192.0.2.7"}};
+    for (const char* target : {"/", "/api/boards", "/metrics"}) {
+        const auto refused = get(gateway.port(), target, forwarded);
+        EXPECT_EQ(refused.status, 403) << target;
+        EXPECT_THAT(refused.detail(), HasSubstr("--trusted-proxy")) << target;
+    }
+    EXPECT_EQ(post(gateway.port(), "/api/stop", "{}", forwarded).status, 403);
+    EXPECT_EQ(get(gateway.port(), "/api/boards").status, 200);
+}
+
+TEST(GatewayBinding, TrustedProxy_ItsClientsHaveLimitsOfTheirOwn) {
+    MosquittoBroker broker;
+    RunningGateway gateway(broker.address(), {"--trusted-proxy", "--anonymous", "viewer", "--max-streams",
+                                              "2", "--max-connections-per-address", "3"});
+    const auto as = [](const std::string& address) { return Headers{{"X-Forwarded-For", address}}; };
+    ASSERT_TRUE(gateway.ready());
+    std::vector<EventStream> streams;
+    for (const char* address : {"192.0.2.7", "192.0.2.7", "192.0.2.8", "2001:db8::1", "2001:db8::2"}) {
+        streams.emplace_back(gateway.port(), "/api/events", as(address));
+        EXPECT_EQ(streams.back().head().status, 200) << address;
+    }
+    EXPECT_EQ(get(gateway.port(), "/api/events", as("192.0.2.7")).status, 429);
+    EXPECT_EQ(get(gateway.port(), "/api/events", as("9.9.9.9, 192.0.2.7")).status, 429)
+        << "what the client wrote before it counts for nothing";
+    EXPECT_EQ(get(gateway.port(), "/api/events", as("2001:db8::3")).status, 429) << "of one /64";
+    EXPECT_EQ(get(gateway.port(), "/api/boards", as("192.0.2.7")).status, 200);
 }
 
 TEST(GatewayBinding, BasePathOfAProxy_PageAndApiAreBelowIt) {

@@ -2,6 +2,9 @@
 // Tokens and cookies with the real program.
 #include <gmock/gmock.h>
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 
@@ -49,6 +52,60 @@ TEST_F(GatewayTokens, Made_IsShownOnceKeptHashedAndReadableByItsOwnerOnly) {
               perms::none);
     EXPECT_EQ(run({ASIP_PROGRAMS "/asip-gateway", "token", "viewer", "hall", "--tokens", file_}).status, 2);
     EXPECT_EQ(run({ASIP_PROGRAMS "/asip-gateway", "token", "viewr", "lab", "--tokens", file_}).status, 2);
+}
+
+TEST_F(GatewayTokens, LastLineWithoutItsEnd_TheNextTokenIsALineOfItsOwn) {
+    const auto first = make("viewer", "hall");
+    std::ifstream in(file_);
+    std::string text((std::istreambuf_iterator<char>(in)), {});
+    text.pop_back();
+    std::ofstream(file_) << text;
+    const auto second = make("admin", "root");
+    RunningGateway gateway(broker_.address(), {"--tokens", file_});
+    ASSERT_TRUE(gateway.ready());
+    EXPECT_EQ(get(gateway.port(), "/api/boards", bearer(first)).status, 200);
+    EXPECT_EQ(get(gateway.port(), "/api/boards", bearer(second)).status, 200);
+}
+
+// As its owner, so that the service can go on reading it; and whole or not at all.
+TEST_F(GatewayTokens, FileThatIsThere_KeepsItsOwnerRightsAndLink) {
+    make("viewer", "hall");
+    using std::filesystem::perms;
+    const auto rights = perms::owner_read | perms::owner_write | perms::group_read;
+    std::filesystem::permissions(file_, rights);
+    const bool root = geteuid() == 0;
+    if (root) {
+        ASSERT_EQ(chown(file_.c_str(), 12345, 23456), 0);
+    }
+    const auto real = file_;
+    file_ = folder_.file("link");
+    std::filesystem::create_symlink(real, file_);
+    make("viewer", "lab");
+    EXPECT_TRUE(std::filesystem::is_symlink(file_));
+    EXPECT_EQ(std::filesystem::status(real).permissions(), rights);
+    struct stat found{};
+    ASSERT_EQ(stat(real.c_str(), &found), 0);
+    if (root) {
+        EXPECT_EQ(std::pair(found.st_uid, found.st_gid), (std::pair<uid_t, gid_t>(12345, 23456)));
+    }
+    std::size_t files = 0;
+    for (const auto& each : std::filesystem::directory_iterator(std::filesystem::path(real).parent_path()))
+        files += each.path().filename().string().starts_with("tokens");
+    EXPECT_EQ(files, 1u) << "no draft is left";
+}
+
+TEST_F(GatewayTokens, FileThatCannotBeUsed_IsSaidAndNothingIsPrinted) {
+    for (const std::string& file : {folder_.file("nowhere/tokens"), folder_.file("")}) {
+        const auto made = run({ASIP_PROGRAMS "/asip-gateway", "token", "viewer", "hall", "--tokens", file});
+        EXPECT_EQ(made.status, 2) << file;
+        EXPECT_EQ(made.output, "");
+        EXPECT_THAT(made.errors, HasSubstr(file)) << "with its name";
+    }
+}
+
+TEST_F(GatewayTokens, NameOfThoseWithoutAToken_IsRefused) {
+    for (const char* name : {"loopback", "anonymous", "nobody"})
+        EXPECT_EQ(run({ASIP_PROGRAMS "/asip-gateway", "token", "viewer", name, "--tokens", file_}).status, 2);
 }
 
 TEST_F(GatewayTokens, NameThatIsNone_IsRefusedAndWritesNothing) {

@@ -45,6 +45,7 @@ class ApiTest : public testing::Test {
         GatewayOptions options;
         options.user = "gate";
         options.client = "gw";
+        options.gate.behind_proxy = !base_path.empty();
         options.base_path = std::move(base_path);
         options.gate.hosts = {"localhost"};
         options.gate.loopback.role = role;

@@ -88,6 +88,37 @@ TEST_F(NobodysApi, OnlyHealthAndThePage) {
     EXPECT_EQ(get("/")->status(), 200);
 }
 
+class ApiBehindProxy : public ApiTest {
+  protected:
+    ApiBehindProxy() : ApiTest(Role::kNone, "/asip") {
+        gateway_->gate().set_tokens(*Tokens::parse("operator anna " + hash_of("do") + "\n"));
+    }
+};
+
+TEST_F(ApiBehindProxy, CookieIsSecureWhereTheProxySaysHttps) {
+    const auto log_in = [&](const char* scheme) {
+        const auto code = ask("POST", "/asip/api/codes", "{}", {{"authorization", "Bearer do"}});
+        return ask("GET", "/asip/?code=" + code->body()["code"].get<std::string>(), "",
+                   {{"x-forwarded-proto", scheme}})
+            ->header("Set-Cookie");
+    };
+    EXPECT_THAT(log_in("https"), testing::EndsWith("; Secure"));
+    EXPECT_THAT(log_in("http"), testing::Not(HasSubstr("Secure")));
+}
+
+TEST_F(ApiBehindProxy, EachClientHasLimitsOfItsOwn) {
+    Gateway& gateway = *gateway_;
+    gateway.gate().set_tokens(*Tokens::parse(""));
+    const auto client = [&](const char* address) {
+        http::Request request;
+        request.headers = {{"x-forwarded-for", address}};
+        request.peer = {"127.0.0.1", true, false};
+        return client_of(Principal{}, gateway.gate().peer_of(request));
+    };
+    EXPECT_EQ(client("192.0.2.7"), "address 192.0.2.7");
+    EXPECT_EQ(client("2001:db8:1:2::9"), "address 2001:db8:1:2::/64");
+}
+
 class LimitedApi : public ApiTest {
   protected:
     LimitedApi() : ApiTest(Role::kNone) {

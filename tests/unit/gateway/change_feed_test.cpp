@@ -20,13 +20,17 @@ class ChangeFeedTest : public testing::Test {
         (log != nullptr ? *log : log_)
             .add("state", board, R"({"board":")" + board + R"(","is":")" + state + "\"}");
     }
-    ChangeFeed::ReadPage reader() {
-        return [this](const std::string&, const std::string& after, const Instant&) {
+    ChangeFeed::ReadPage reader(const ChangeFeed::Allowed& allowed = {}) {
+        return [this, allowed](const std::string&, const std::string& after, const Instant&) {
             ChangeFeed::Page page;
             auto each = boards_.upper_bound(after);
-            for (; each != boards_.end() && page.boards.size() < 2; ++each)
-                page.boards.emplace_back(each->first, "\"" + each->first + "=" + each->second + "\"");
+            for (int looked = 0; each != boards_.end() && looked < 2; ++each, ++looked) {
+                page.behind = each->first;
+                if (allowed && !allowed(each->first)) continue;
+                page.boards.push_back("\"" + each->first + "=" + each->second + "\"");
+            }
             page.last = each == boards_.end();
+            ++pages_read_;
             return page;
         };
     }
@@ -35,13 +39,16 @@ class ChangeFeedTest : public testing::Test {
     }
     static std::vector<std::string> read(Feed& feed, std::chrono::milliseconds time = 0ms) {
         std::vector<std::string> all;
-        for (StreamEvent event; feed.next(event, at(time));)
-            all.push_back(shown(event));
+        do {
+            for (StreamEvent event; feed.next(event, at(time));)
+                all.push_back(shown(event));
+        } while (feed.more());
         return all;
     }
 
     std::map<std::string, std::string> boards_;
     ChangeLog log_{"e1", 4096};
+    int pages_read_ = 0;
 };
 
 TEST_F(ChangeFeedTest, Begin_EachBoardThenSnapshotEndThenChanges) {
@@ -64,9 +71,11 @@ TEST_F(ChangeFeedTest, ChangesWhileTheSnapshotIsRead_AreInItOrFollowIt) {
         ChangeFeed feed(log, reader(), {});
         std::vector<std::string> all;
         for (StreamEvent event; true;) {
-            if (all.size() == moment) set("b", "1", &log), set("d", "1", &log);
-            if (!feed.next(event, at(0ms))) break;
-            all.push_back(shown(event));
+            if (all.size() == moment && log.last() == 0) set("b", "1", &log), set("d", "1", &log);
+            if (feed.next(event, at(0ms)))
+                all.push_back(shown(event));
+            else if (!feed.more())
+                break;
         }
         const auto times = [&](const std::string& text) {
             return std::count_if(all.begin(), all.end(), [&](const std::string& each) {
@@ -91,7 +100,8 @@ TEST_F(ChangeFeedTest, CutAtEveryEvent_ResumesWithoutGapOrDuplicate) {
         std::optional<Place> last;
         const auto take = [&](Feed& feed, int limit) {
             StreamEvent event;
-            while (limit-- > 0 && feed.next(event, at(0ms))) {
+            while (limit > 0 && (feed.next(event, at(0ms)) || (feed.more() && feed.next(event, at(0ms))))) {
+                --limit;
                 if (auto place = parse_place(event.place)) last = place;
                 if (event.kind == "state") seen.push_back(event.data);
             }
@@ -147,13 +157,41 @@ TEST_F(ChangeFeedTest, FilteredAndQuiet_BookmarksMoveThePlaceOn) {
 
 TEST_F(ChangeFeedTest, NotAllowedBoards_AreAsIfTheyWereNotThere) {
     boards_ = {{"a", "0"}, {"b", "0"}};
-    ChangeFeed feed(log_, reader(),
-                    {.board = "*", .after = {}, .snapshot = true, .allowed = [](std::string_view b) {
-                         return b == "b";
-                     }});
+    const auto allowed = [](std::string_view b) { return b == "b"; };
+    ChangeFeed feed(log_, reader(allowed), {.board = "*", .after = {}, .snapshot = true, .allowed = allowed});
     EXPECT_THAT(read(feed), ElementsAre(R"(board - {"board":"b=0"})", "snapshot-end e1-0 {}"));
     set("a", "1");
     EXPECT_THAT(read(feed), ElementsAre());
+}
+
+TEST_F(ChangeFeedTest, SnapshotOfHiddenBoards_IsOnePageATurn) {
+    for (int i = 0; i < 20; ++i)
+        boards_["b" + std::to_string(10 + i)] = "0";
+    const auto allowed = [](std::string_view b) { return b == "b29"; };
+    ChangeFeed feed(log_, reader(allowed), {.board = "*", .after = {}, .snapshot = true, .allowed = allowed});
+    StreamEvent event;
+    for (int turn = 1; turn < 10; ++turn) {
+        EXPECT_FALSE(feed.next(event, at(0ms))) << turn;
+        EXPECT_TRUE(feed.more()) << "it would wait for ever";
+        EXPECT_EQ(pages_read_, turn);
+    }
+    ASSERT_TRUE(feed.next(event, at(0ms)));
+    EXPECT_EQ(event.data, R"({"board":"b29=0"})");
+    ASSERT_TRUE(feed.next(event, at(0ms)));
+    EXPECT_EQ(event.kind, "snapshot-end");
+    EXPECT_FALSE(feed.more());
+}
+
+TEST_F(ChangeFeedTest, PageThatIsTooMuchForItsReader_EndsTheFeedWithASentence) {
+    Budget budget(2000);
+    boards_ = {{"a", std::string(3000, 'x')}};
+    ChangeFeed feed(log_, reader(),
+                    {.board = "*", .after = {}, .snapshot = true, .allowed = {}, .part = budget.part("eve")});
+    StreamEvent event;
+    EXPECT_FALSE(feed.next(event, at(0ms)));
+    EXPECT_EQ(feed.fault(), kTooMuchKept);
+    EXPECT_FALSE(feed.more());
+    EXPECT_FALSE(feed.next(event, at(0ms)));
 }
 
 }  // namespace

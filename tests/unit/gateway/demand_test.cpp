@@ -69,7 +69,8 @@ TEST_F(DemandingApi, LimitedToken_DemandsOnlyWhatItMayRead) {
     kiosk.services = {"distance", "io*"};
     const auto demanded = [&](const std::string& board, const std::string& service) {
         bus::Demander demander(bus::Topics(), "gate", "gw", [] { return std::uint64_t{0}; });
-        const auto want = api::demand_within(kiosk, demander, board, service, 5);
+        std::size_t count = 0;
+        const auto want = api::demand_within(kiosk, demander, board, service, 5, count);
         const Time now{1s};
         demander.connected(now);
         std::string text;

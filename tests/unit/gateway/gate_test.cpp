@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "clock.hpp"
+#include "gateway/http/address.hpp"
 
 namespace asip::gateway {
 namespace {
@@ -169,6 +170,107 @@ TEST_F(GateTest, TokenChangedOrExpired_ItsStreamsEnd) {
     ASSERT_TRUE(old);
     EXPECT_TRUE(gate.still_admitted(*old, at(9s)));
     EXPECT_FALSE(gate.still_admitted(*old, at(10s)));
+}
+
+// ---- proxies ----
+
+TEST_F(GateTest, ProxyThatNobodyWasToldOf_IsRefusedAndSaysWhatToDo) {
+    options_.loopback.role = Role::kAdmin;
+    options_.loopback.name = "loopback";
+    for (const char* header :
+         {"x-forwarded-for", "x-forwarded-proto", "x-forwarded-host", "forwarded", "x-real-ip", "via"}) {
+        auto request = get({{header, "192.0.2.1"}});
+        request.peer.loopback = true;
+        const auto refused = make().admit(request, at(0ms));
+        ASSERT_FALSE(refused) << header;
+        EXPECT_EQ(refused.error().status, 403);
+        EXPECT_THAT(refused.error().text, testing::HasSubstr("start it with --trusted-proxy"));
+        request.headers.emplace_back("authorization", "Bearer see");
+        EXPECT_EQ(role(request), Role::kViewer) << "who has a token needs no right of this machine";
+    }
+    auto plain = get();
+    plain.peer.loopback = true;
+    EXPECT_EQ(role(plain), Role::kAdmin);
+}
+
+TEST_F(GateTest, BehindAProxy_ClientsAreWhomTheProxyNames) {
+    options_.behind_proxy = true;
+    const auto peer = [&](std::vector<std::pair<std::string, std::string>> headers,
+                          const char* from = "127.0.0.1") {
+        auto request = get(std::move(headers));
+        request.peer = {from, std::string_view(from) == "127.0.0.1", false};
+        return make().peer_of(request);
+    };
+    EXPECT_EQ(peer({{"x-forwarded-for", "192.0.2.7"}}).address, "192.0.2.7");
+    EXPECT_EQ(peer({{"x-forwarded-for", "6.6.6.6, 192.0.2.7"}}).address, "192.0.2.7")
+        << "what stands before it the client may have written";
+    EXPECT_EQ(peer({{"x-forwarded-for", "6.6.6.6"}, {"x-forwarded-for", "192.0.2.7"}}).address, "192.0.2.7");
+    EXPECT_EQ(peer({{"x-forwarded-for", "[2001:db8::7]:4711"}}).address, "2001:db8::7");
+    EXPECT_EQ(peer({{"x-forwarded-for", "192.0.2.7:4711"}}).address, "192.0.2.7");
+    EXPECT_EQ(peer({{"forwarded", "for=6.6.6.6, for=\"[2001:db8::7]:4711\";proto=https"}}).address,
+              "2001:db8::7");
+    EXPECT_EQ(peer({{"x-forwarded-for", "192.0.2.7"}, {"forwarded", "for=6.6.6.6"}}).address, "192.0.2.7");
+    for (const char* nonsense : {"", ",", "unknown", "a b", "[", "[]", ":", "1.2.3", "\xff"})
+        EXPECT_EQ(peer({{"x-forwarded-for", nonsense}}).address, "127.0.0.1") << nonsense;
+    for (const char* nonsense : {"for", "for=", "for=\"", ";;;", "=;for=_hidden", "for=[;proto"})
+        EXPECT_EQ(peer({{"forwarded", nonsense}}).address, "127.0.0.1") << nonsense;
+    EXPECT_EQ(peer({{"x-forwarded-for", "192.0.2.7"}}, "10.0.0.9").address, "10.0.0.9")
+        << "not from the proxy";
+    EXPECT_EQ(peer({{"x-forwarded-for", "192.0.2.7"}}, "").address, "192.0.2.7") << "a Unix socket";
+    EXPECT_FALSE(peer({}).secure);
+    EXPECT_TRUE(peer({{"x-forwarded-proto", "https"}}).secure);
+    EXPECT_FALSE(peer({{"x-forwarded-proto", "https, http"}}).secure);
+    EXPECT_TRUE(peer({{"forwarded", "for=192.0.2.7;Proto=HTTPS"}}).secure);
+    EXPECT_FALSE(peer({{"x-forwarded-proto", "https"}}, "10.0.0.9").secure);
+    options_.behind_proxy = false;
+    EXPECT_EQ(peer({{"x-forwarded-for", "192.0.2.7"}}).address, "127.0.0.1") << "no proxy, no such word";
+}
+
+TEST(Networks, OfIpv6TheFirst64Bits_OfIpv4TheAddress) {
+    using http::network_of;
+    EXPECT_EQ(network_of("2001:db8:1:2:3:4:5:6"), "2001:db8:1:2::/64");
+    EXPECT_EQ(network_of("2001:db8:1:2::1"), network_of("2001:db8:1:2:ffff::"));
+    EXPECT_NE(network_of("2001:db8:1:2::1"), network_of("2001:db8:1:3::1"));
+    EXPECT_EQ(network_of("::ffff:192.0.2.7"), "192.0.2.7");
+    EXPECT_EQ(network_of("fe80::1%eth0"), "fe80::/64");
+    EXPECT_EQ(network_of("192.0.2.7"), "192.0.2.7");
+    EXPECT_EQ(network_of(""), "");
+    EXPECT_EQ(network_of("no address: at all"), "no address: at all");
+}
+
+// ---- limits of log-ins ----
+
+TEST_F(GateTest, CodesOfOneName_LeaveThoseOfOthers) {
+    Gate gate = make();
+    Rights anonymous;
+    anonymous.role = Role::kViewer;
+    anonymous.name = "anonymous";
+    const auto now = at(0ms).time;
+    int made = 0;
+    for (int i = 0; i < 2000; ++i)
+        made += !gate.logins().make_code(anonymous, now).empty();
+    EXPECT_EQ(made, static_cast<int>(Logins::kMaxCodes));
+    EXPECT_NE(gate.logins().make_code(*gate.tokens().named("anna"), now), "") << "another name";
+    EXPECT_NE(gate.logins().make_code(anonymous, at(30s).time), "") << "they last 30 s";
+}
+
+TEST_F(GateTest, LogInsOfOneName_EndItsOldestAndNobodyElses) {
+    Gate gate = make();
+    const auto log_in = [&](const char* name, std::chrono::milliseconds time) {
+        const auto code = gate.logins().make_code(*gate.tokens().named(name), at(time).time);
+        return *gate.logins().redeem(code, at(time).time);
+    };
+    const auto anna = log_in("anna", 0ms);
+    const auto first = log_in("hall", 1ms);
+    const auto second = log_in("hall", 2ms);
+    for (std::size_t i = 2; i < Logins::kMaxSessions + 1; ++i)
+        log_in("hall", std::chrono::milliseconds(i + 1));
+    EXPECT_FALSE(gate.logins().session(first, at(1s).time)) << "its oldest";
+    EXPECT_TRUE(gate.logins().session(second, at(1s).time));
+    for (int i = 0; i < 40'000; ++i)
+        log_in("hall", 2s);
+    EXPECT_TRUE(gate.logins().session(anna, at(3s).time));
+    EXPECT_EQ(gate.logins().sessions(), Logins::kMaxSessions + 1);
 }
 
 }  // namespace

@@ -28,6 +28,13 @@ TEST(GatewayAccess, ReachableByOthersAndNothingChosen_IsRefusedWithTheChoices) {
     EXPECT_FALSE(check_access(one_of_two, "none", "", false));
 }
 
+TEST(GatewayAccess, BehindAProxy_TheServerCountsItsClientsNotTheProxy) {
+    auto options = listening_on("127.0.0.1:8080");
+    ASSERT_TRUE(check_access(options, "none", "", true));
+    EXPECT_TRUE(options.gateway.gate.behind_proxy);
+    EXPECT_TRUE(options.limits.behind_proxy);
+}
+
 TEST(GatewayAccess, ReachableByOthersWithTokens_NothingWithoutOne) {
     auto options = listening_on("0.0.0.0:8080", "tokens");
     ASSERT_TRUE(check_access(options, "none", "", false));

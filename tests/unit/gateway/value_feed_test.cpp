@@ -105,7 +105,7 @@ TEST_F(ValueFeedTest, CutAtEveryEvent_ResumesWithoutGapOrDuplicate) {
         again.after = last;
         for (int n = 22; n <= 30; ++n)
             put(n);
-        ValueFeed second(values, again);
+        ValueFeed second(values, std::move(again));
         take(second, 1000);
         std::vector<std::uint64_t> whole;
         for (std::uint64_t n = 2; n <= 30; ++n)
@@ -168,7 +168,7 @@ TEST_F(ValueFeedTest, PatternCutAtEveryEvent_ResumesEachServiceWithoutGapOrDupli
         put("uno1", 100);
         auto again = options();
         again.after_each = reader.places;
-        ValueFeed second(values, again);
+        ValueFeed second(values, std::move(again));
         reader.take(second, 1000);
         put("uno2", 1);
         put("uno5", 2);
@@ -199,7 +199,7 @@ TEST_F(ValueFeedTest, PatternResumedFromWhatIsGone_TheNewestWithTheNumberLeftOut
                                .after = {},
                                .after_each = Places{"e1", {{"uno1/distance", 3}}, 0},
                                .allowed = {}};
-    ValueFeed feed(values, options);
+    ValueFeed feed(values, std::move(options));
     EXPECT_THAT(read(feed), ElementsAre("value 20 [1] left out 16"));
 }
 
@@ -211,7 +211,7 @@ TEST_F(ValueFeedTest, PatternResumedFromAnotherRun_ResetAndASnapshot) {
                                .after = {},
                                .after_each = Places{"e0", {{"uno1/distance", 1}}, 0},
                                .allowed = {}};
-    ValueFeed feed(values_, options);
+    ValueFeed feed(values_, std::move(options));
     EXPECT_THAT(read(feed),
                 ElementsAre("reset - another-epoch", R"(value 2 {"distance":[2]})", "snapshot-end 0"));
 }
@@ -224,7 +224,7 @@ TEST_F(ValueFeedTest, PatternResumedAfterTheBoardWasForgotten_BeginsWithItsLastV
                                .after = {},
                                .after_each = Places{"e1", {{"uno1/distance", 57}}, 0},
                                .allowed = {}};
-    ValueFeed feed(values_, options);
+    ValueFeed feed(values_, std::move(options));
     EXPECT_THAT(read(feed), ElementsAre(R"(value 2 {"distance":[2]})", "snapshot-end 0"));
 }
 
@@ -232,7 +232,7 @@ TEST_F(ValueFeedTest, ResumeFromAnotherRun_ResetWithAReasonAndASnapshot) {
     distances(1, 2);
     auto options = one();
     options.after = Place{"e0", 1};
-    ValueFeed feed(values_, options);
+    ValueFeed feed(values_, std::move(options));
     EXPECT_THAT(read(feed),
                 ElementsAre("reset - another-epoch", R"(value - {"distance":[2]})", "snapshot-end 2"));
 }
@@ -241,7 +241,7 @@ TEST_F(ValueFeedTest, ResumeFromWhatIsGone_ResetWithAReason) {
     distances(1, 1300);
     auto options = one();
     options.after = Place{"e1", 3};
-    ValueFeed feed(values_, options);
+    ValueFeed feed(values_, std::move(options));
     EXPECT_EQ(read(feed).front(), "reset - past-gone");
 }
 
@@ -258,7 +258,7 @@ TEST_F(ValueFeedTest, SlowReader_GetsTheNewestAndTheNumberLeftOut) {
 TEST_F(ValueFeedTest, SlowReaderOfParts_GetsThemTogether) {
     auto options = one();
     options.service = "io";
-    ValueFeed feed(values_, options);
+    ValueFeed feed(values_, std::move(options));
     read(feed);
     for (int pin = 2; pin < 80; ++pin)
         report("io", R"({"digital":{")" + std::to_string(pin % 4) + R"(":)" + std::to_string(pin) + "}}");
@@ -270,7 +270,7 @@ TEST_F(ValueFeedTest, SlowReaderOfParts_GetsThemTogether) {
 TEST_F(ValueFeedTest, CutInsideWhatStandsForMany_NothingIsLost) {
     auto options = one();
     options.service = "io";
-    ValueFeed feed(values_, options);
+    ValueFeed feed(values_, std::move(options));
     read(feed);
     report("io", R"({"analog":{"0":1}})");
     for (int i = 0; i < 80; ++i)
@@ -285,7 +285,7 @@ TEST_F(ValueFeedTest, CutInsideWhatStandsForMany_NothingIsLost) {
 TEST_F(ValueFeedTest, MaxHz_NewestAtMostSoOften) {
     auto options = one();
     options.max_hz = 20;
-    ValueFeed feed(values_, options);
+    ValueFeed feed(values_, std::move(options));
     int woken = 0;
     feed.wake = [&] { ++woken; };
     read(feed);
@@ -305,7 +305,7 @@ TEST_F(ValueFeedTest, Pattern_ServicesThatComeLaterBelongToIt) {
     auto options = one();
     options.board = "u*";
     options.service = "*";
-    ValueFeed feed(values_, options);
+    ValueFeed feed(values_, std::move(options));
     EXPECT_THAT(read(feed), ElementsAre("snapshot-end 0"));
     report("distance", "[1]");
     report("servo", "[2]");
@@ -318,7 +318,7 @@ TEST_F(ValueFeedTest, NotAllowed_IsAsIfItWereNotThere) {
     options.service = "*";
     options.allowed = [](std::string_view, std::string_view service) { return service == "servo"; };
     report("distance", "[1]");
-    ValueFeed feed(values_, options);
+    ValueFeed feed(values_, std::move(options));
     EXPECT_THAT(read(feed), ElementsAre("snapshot-end 0"));
     report("servo", "[2]");
     report("distance", "[3]");
