@@ -15,7 +15,8 @@
 
 namespace asip::gateway {
 
-/// The program: a gateway with its server, its connection to the bus and its clock.
+/// The program: a gateway with its server, its two connections to the bus (one for stops alone) and its
+/// clock, on one thread. It logs; what it is made of does not, but for who did what.
 class Application {
   public:
     /// Throws std::runtime_error where an address, a certificate, the tokens or a model cannot be used.
@@ -51,7 +52,9 @@ class Application {
     int status_ = 0;
 };
 
-/// `asip-gateway token`: appends a line to the file and prints the token. The exit status.
+/// `asip-gateway token`: adds a line to the file and prints the token, once. The file is written beside
+/// itself and renamed; it keeps owner and rights, and a new one is readable by its owner, or made by root by
+/// the service's group, alone. The exit status; what is wrong is printed, and then the file is as it was.
 int make_token(const TokenRequest& request);
 
 }  // namespace asip::gateway

@@ -69,6 +69,9 @@ class Gateway {
         std::function<void(std::function<void()>)> soon;
     };
 
+    /// `models`: what services are described by; `units_of`: of these, for queries. `random`: for names on
+    /// the bus and times that must not coincide; `secrets`: for codes and cookies, and nothing else. Nothing
+    /// is published before subscribed().
     Gateway(GatewayOptions options, model::ModelSet models, registry::UnitsOf units_of, Random random,
             Secrets secrets, Port port);
     ~Gateway();
@@ -78,6 +81,7 @@ class Gateway {
     void request(const http::Request& request, const http::Reply& reply);
     /// The broker has granted mirror().subscriptions(), after the first connection or a later one.
     void subscribed();
+    /// The connection is lost: what is known is still served, and said to be old (status, streams).
     void disconnected();
     /// The program ends: nothing is demanded any more, and nobody waits for an answer.
     void leave();
@@ -86,6 +90,7 @@ class Gateway {
     /// Call ten times a second: leases, deadlines, waits and rights end by it.
     void tick();
 
+    // Its parts, for the API. References are valid as long as the gateway.
     const GatewayOptions& options() const { return options_; }
     Instant now() const { return port_.now(); }
     Mirror& mirror() { return mirror_; }
@@ -95,20 +100,23 @@ class Gateway {
     Budget& budget() { return budget_; }
     bus::Demander& demander() { return demander_; }
     Rates& command_rates() { return command_rates_; }
-    /// Kept since each command needs one; bounded by whoever adds to it.
+    /// What clients call their sessions -> a level of a topic. Kept since each command needs one; bounded in
+    /// number by the one place that adds to it.
     std::unordered_map<std::string, std::string>& session_names() { return session_names_; }
     const metrics::Histogram& command_durations() const { return durations_; }
     const model::ModelSet& models() const { return models_; }
     api::BoardTexts& board_texts() { return board_texts_; }
     api::BoardModels& board_models() { return board_models_; }
     http::ServerCounters server_counters() const { return port_.server(); }
+    /// The document of the API as JSON, made once.
     const std::string& openapi();
 
     /// Publishes a command and calls `done` once with its answer: at once, or until its deadline and half a
     /// second more. A refusal by the gateway itself is an answer, too. The record is valid for the call only.
     void command(Commands::Start start, Commands::Done done);
-    /// Asks a registry; `done` is called once, with nothing where none answered within 3 s.
-    /// What waits for it is counted to `client`. False: there is no room for that, and `done` is not called.
+    /// Asks a registry; `done` is called once, with nothing where none answered within 3 s. The answer may be
+    /// a refusal (Answer::refused), and is valid for the call only. What waits for it is counted to `client`.
+    /// False: there is no room for that, and `done` is not called.
     using Answered = std::function<void(const bus::Answer*)>;
     bool ask_registry(const std::string& payload, const std::string& client, Answered done);
     /// Waits for the next value of a service, at most `limit`. A wait is a stream of its client: it is

@@ -5,10 +5,11 @@
 
 namespace asip::gateway {
 
-/// The two clocks at one moment: one to measure with, one to show.
+/// The two clocks at one moment: one to measure with, one to show. Whoever sets the machine's clock changes
+/// the second only.
 struct Instant {
-    Time time{};
-    text::WallTime wall{};
+    Time time{};            ///< steady
+    text::WallTime wall{};  ///< of day
 };
 
 }  // namespace asip::gateway

@@ -10,7 +10,7 @@
 
 namespace asip::gateway {
 
-/// What the program runs with.
+/// What the program runs with: checked, but for what only the operating system knows (addresses, files).
 struct ProgramOptions {
     GatewayOptions gateway;
     mqtt::Options mqtt;

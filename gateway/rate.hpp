@@ -12,6 +12,7 @@ namespace asip::gateway {
 /// have done nothing for a minute are forgotten by expire(). Pure.
 class Rates {
   public:
+    /// `per_second`: above 0.
     explicit Rates(double per_second) : per_second_(per_second) {}
 
     /// Counts one; false: too many.

@@ -20,7 +20,7 @@ class BoardModels {
 
     explicit BoardModels(const model::ModelSet& models) : models_(models) {}
 
-    /// Null: none describes it.
+    /// `description` is called only where the board's was not read yet. Null: none describes the service.
     model::ModelPtr find(const bus::BoardItem& board, std::string_view service,
                          const Description& description);
 

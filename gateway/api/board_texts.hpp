@@ -13,7 +13,7 @@ class BoardTexts {
   public:
     static constexpr std::size_t kMaxBoards = 500;
 
-    /// What bus::to_json() gives, in another order.
+    /// A JSON object: what bus::to_json() gives, in another order.
     std::string text(const bus::BoardItem& board);
 
   private:

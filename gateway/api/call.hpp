@@ -11,7 +11,8 @@ namespace asip::gateway::api {
 
 struct Route;
 
-/// One request on its way through the API.
+/// One request on its way through the API. It is valid while the route serves it: what is answered later
+/// keeps copies of `reply` and of what it needs.
 struct Call {
     Gateway& gateway;
     const http::Request& request;
@@ -21,6 +22,7 @@ struct Call {
     const Route& route;
     std::map<std::string, std::string, std::less<>> path;  ///< "board" -> "uno1"
 
+    /// The parameters of the path; only for routes that have them.
     const std::string& board() const { return path.find("board")->second; }
     const std::string& service() const { return path.find("service")->second; }
     Instant now() const { return gateway.now(); }
@@ -38,6 +40,7 @@ http::Response problem(int status, const std::string& detail, nlohmann::json mem
 http::Response json_response(const nlohmann::json& body, int status = 200);
 http::Response text_response(std::string json_text, int status = 200);
 
+/// Answers now, with a sentence for a person or with JSON.
 void send_problem(const Call& call, int status, const std::string& detail);
 void send_json(const Call& call, const nlohmann::json& body);
 

@@ -8,9 +8,11 @@
 
 namespace asip::gateway::api {
 
-/// What somebody needs to be allowed to.
+/// What somebody needs to be allowed to. That an answer holds only what they may see is the operation's own
+/// duty: see limits.hpp.
 enum class Need { kNothing, kRead, kCommand, kRaw, kForget };
 
+/// A parameter behind `?`. One that no route has is refused, and so is one that is given twice.
 struct Parameter {
     std::string_view name;
     std::string_view schema;  ///< JSON
@@ -18,6 +20,7 @@ struct Parameter {
     std::string_view example;  ///< JSON; empty: none
 };
 
+/// A status that an operation may answer, for the document.
 struct Answer {
     int status;
     std::string_view about;

@@ -29,7 +29,9 @@ class Logins {
     std::optional<std::string> redeem(std::string_view code, Time now);
     /// The rights as they were when the code was made; nothing for a cookie that is not known or too old.
     std::optional<Rights> session(std::string_view cookie, Time now) const;
+    /// Log out: the cookie is worth nothing from now on. One that is not known is passed over.
     void end(std::string_view cookie);
+    /// Forgets what is too old. Call now and then: what is too old works no more in any case.
     void expire(Time now);
     std::size_t sessions() const { return sessions_.size(); }
 

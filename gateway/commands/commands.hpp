@@ -76,6 +76,7 @@ class Commands {
     void not_published(const Start& start, const Instant& now);
     /// False: it answers no command of ours.
     bool take(const mqtt::Message& message, const Instant& now);
+    /// Call a few times a second: deadlines pass, and what was answered a minute ago is forgotten.
     void tick(const Instant& now);
     /// This program ends: whoever waits is answered, as far as is known.
     void leave(const Instant& now);

@@ -27,14 +27,18 @@ struct Shared {
     std::unordered_map<std::string, AddressUse> addresses;  // those with connections
 };
 
-/// One connection, from its first byte to its last.
+/// One connection, from its first byte to its last: it reads a request, has it handled, writes the response,
+/// and so on; or it becomes a stream or a WebSocket. One request is handled at a time; what a client sends
+/// ahead waits, within bounds. Held by what is under way, and by the server until it is closed.
 class Connection final : public Responder, public std::enable_shared_from_this<Connection> {
   public:
     /// `address`: what its limits are counted to; empty: to none.
     Connection(std::shared_ptr<Shared> shared, Transport transport, Peer peer, std::string address);
     ~Connection() override;
 
+    /// `tls`: null for none. Call once.
     void start(boost::asio::ssl::context* tls);
+    /// At once, whatever is under way. Counts of it are given back.
     void close();
     /// The server ends: closes, and tells streams and WebSockets.
     void leave();

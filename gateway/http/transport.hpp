@@ -17,6 +17,7 @@ class Transport {
 
     explicit Transport(Socket socket) : socket_(std::make_unique<Socket>(std::move(socket))) {}
 
+    /// From now on; the handshake is the caller's. Before anything is read or written.
     void use_tls(boost::asio::ssl::context& context) { tls_ = std::make_unique<Tls>(*socket_, context); }
     Tls* tls() { return tls_.get(); }
     Socket& socket() { return *socket_; }
@@ -33,6 +34,7 @@ class Transport {
         socket_->async_write_some(buffers, std::forward<Handler>(handler));
     }
 
+    /// At once, without the good-byes of TLS: what is under way ends with an error.
     void close() {
         boost::system::error_code ignored;
         socket_->shutdown(Socket::shutdown_both, ignored);

@@ -11,6 +11,7 @@ namespace asip::gateway::http {
 class WebSocket {
   public:
     virtual ~WebSocket() = default;
+    /// At once, without a close frame.
     virtual void close() = 0;
     /// The server ends: a close frame behind what is being sent, and nothing of the channel any more.
     virtual void leave() = 0;

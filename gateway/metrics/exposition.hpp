@@ -20,13 +20,16 @@ class Exposition {
 
     /// `name` without `_total`; `unit` ("seconds", "bytes") is its ending, or empty.
     void family(std::string_view name, Type type, std::string_view unit, std::string_view help);
-    /// `suffix` is put behind the name: "_total" for counters is put by itself.
+    /// One number of the family that was begun last. `suffix` is put behind the name: "_total" for counters
+    /// is put by itself. Values of labels may be any text: they are escaped.
     void sample(Labels labels, double value, std::string_view suffix = {});
     /// `buckets[i]` counts all up to `bounds[i]`.
     void histogram(Labels labels, const std::vector<double>& bounds, const std::vector<double>& buckets,
                    double count, double sum);
+    /// The whole text, with the end that OpenMetrics needs. Call once, last.
     std::string finish();
 
+    /// For the header Content-Type.
     static std::string_view content_type(Format format);
 
   private:

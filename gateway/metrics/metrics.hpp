@@ -14,13 +14,15 @@
 
 namespace asip::gateway::metrics {
 
-/// All that is shown, as it is at one moment.
+/// All that is shown, as it is at one moment. The caller fills it; of an asker with limited rights only with
+/// what the asker may see.
 struct Snapshot {
     http::ServerCounters server;
     Commands::Counters commands;
     Histogram durations;
     bool broker_connected = false;
     std::size_t streams = 0;
+    // Of Values: since the start, and what is kept now.
     std::uint64_t values_received = 0;
     std::uint64_t values_left_out = 0;
     std::size_t values_bytes = 0;
@@ -29,6 +31,7 @@ struct Snapshot {
     std::vector<std::pair<std::string, std::size_t>> services_by_kind;
     std::vector<std::pair<std::string, std::string>> registries;  ///< id, JSON of its `$stats`
     std::vector<std::pair<std::string, std::string>> boards;      ///< name, JSON of its `$stats`
+    // Of the operating system: read_process().
     double resident_bytes = 0;
     double processor_seconds = 0;
     double open_files = 0;
@@ -40,7 +43,8 @@ inline constexpr std::size_t kMaxBoards = 2000;
 inline constexpr std::size_t kMaxKinds = 100;
 inline constexpr std::size_t kMaxOutcomes = 20;
 
-/// Pure.
+/// The snapshot as text in one of the two formats. Statistics that are no JSON object, or hold no number
+/// where one is expected, are passed over: agents and registries of other versions write them. Pure.
 std::string exposition(const Snapshot& snapshot, Exposition::Format format);
 
 /// What the operating system counts of this process.

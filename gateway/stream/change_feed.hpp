@@ -31,13 +31,15 @@ class ChangeFeed : public Feed {
     using Allowed = std::function<bool(std::string_view board)>;
 
     struct Options {
-        std::string board = "*";
-        std::optional<Place> after;
-        bool snapshot = true;  ///< false: only what changes from now on
-        Allowed allowed;       ///< which changes the reader may see; empty: all
-        Budget::Part part{};   ///< of the reader: for what waits here to be sent
+        std::string board = "*";     ///< pattern
+        std::optional<Place> after;  ///< resume behind it; where it is gone, `reset` and the state follow
+        bool snapshot = true;        ///< false: only what changes from now on
+        Allowed allowed;             ///< which changes the reader may see; empty: all
+        Budget::Part part{};         ///< of the reader: for what waits here to be sent
     };
 
+    /// `read_page` is called for one page a turn of the snapshot, and must leave out what the reader may not
+    /// see.
     ChangeFeed(ChangeLog& log, ReadPage read_page, Options options);
     ~ChangeFeed() override;
 

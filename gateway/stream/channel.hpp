@@ -11,7 +11,9 @@
 
 namespace asip::gateway {
 
-/// A WebSocket's messages: subscriptions, commands and what comes back. Pure.
+/// A WebSocket's messages: subscriptions, commands and what comes back. Each message is a JSON object; what
+/// is none, or asks for what cannot be, is answered with a sentence, and the next good message works. Answers
+/// go first; the events of the subscriptions follow in turn. Pure.
 class StreamChannel : public http::Channel, public OpenStream {
   public:
     static constexpr std::size_t kBytesOfAnswer = 64;  ///< that waits to be read, beside its text

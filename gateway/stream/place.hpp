@@ -10,7 +10,8 @@
 
 namespace asip::gateway {
 
-/// Where an event stands in its stream: `EPOCH-N`. Numbers step by one; another epoch is another count.
+/// Where an event stands in its stream: `EPOCH-N`. Numbers step by one; another epoch (another run of the
+/// gateway) is another count, and says nothing of this one.
 struct Place {
     std::string epoch;
     std::uint64_t number = 0;
@@ -19,7 +20,8 @@ struct Place {
     friend bool operator==(const Place&, const Place&) = default;
 };
 
-/// Nothing for any other text.
+/// Reads what text() wrote. Nothing for any other text, of more than 64 bytes, or with a number beyond 64
+/// bits.
 inline std::optional<Place> parse_place(std::string_view text) {
     const auto dash = text.rfind('-');
     if (dash == std::string_view::npos || dash == 0 || text.size() > 64) return std::nullopt;

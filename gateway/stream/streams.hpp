@@ -18,10 +18,12 @@ class OpenStream {
     OpenStream(Principal principal, std::string client)
         : principal_(std::move(principal)), client_(std::move(client)) {}
     virtual ~OpenStream() = default;
+    /// Called ten times a second.
     virtual void tick(const Instant& now) = 0;
     /// Its right to read is gone: it ends soon, but not within this call.
     virtual void revoke() = 0;
 
+    /// By whose rights it was opened, and to whom it is counted.
     const Principal& principal() const { return principal_; }
     const std::string& client() const { return client_; }
 
@@ -36,9 +38,12 @@ class Streams {
   public:
     explicit Streams(std::size_t per_client) : per_client_(per_client) {}
 
+    /// Whether a client may open one more. To be asked before one is made: add() takes each.
     bool has_room(const std::string& client) const;
     void add(OpenStream& stream);
     void remove(OpenStream& stream);
+    /// Call ten times a second: gives the streams their time, and twice a second revokes those whose right is
+    /// gone.
     void tick(const Instant& now, const Gate& gate);
     std::size_t size() const { return streams_.size(); }
 
@@ -49,7 +54,8 @@ class Streams {
     Time checked_{};
 };
 
-/// A feed as Server-Sent Events, with a comment every 15 s.
+/// A feed as Server-Sent Events, with a comment every 15 s, by which both sides learn that the other one is
+/// there. It ends when its right is gone, or with an event `fault` when its feed has one.
 class SseSource : public http::Source, public OpenStream {
   public:
     static constexpr Duration kComment = std::chrono::seconds(15);

@@ -115,7 +115,7 @@ struct ServiceValues {
     std::size_t dropped_ahead = 0;  ///< entries of the order of arrival that are gone already
     std::size_t last_bytes = 0;     ///< of its last values, as they were counted
 
-    /// Null: it is not kept any more, or not yet there.
+    /// By its number. Null: it is not kept any more, or not yet there.
     const Point* point(std::uint64_t number) const;
     /// `{"board":..,"service":..,"at":..,"value":..}`, cached for the newest.
     const std::string& text(const Point& point) const;
@@ -151,11 +151,15 @@ class Values {
     Values& operator=(const Values&) = delete;
 
     const std::string& epoch() const { return epoch_; }
+    /// A service published `payload` (any bytes), as a value or as an error. Wakes the feeds that match it.
+    /// Beyond a limit of services or events it is not kept, and nothing else happens.
     void value(std::string_view board, std::string_view service, std::string_view payload, bool error,
                const Instant& now);
+    /// Of a board all services, with everything that is kept of them.
     void forget(std::string_view board);
+    /// Drops points that are older than they may be. Call now and then.
     void expire(const Instant& now);
-    /// Null: nothing was heard from it.
+    /// Null: nothing was heard from it. Valid until its board is forgotten.
     const ServiceValues* find(std::string_view board, std::string_view service) const;
 
     std::size_t services() const { return services_; }

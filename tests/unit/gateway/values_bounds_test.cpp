@@ -62,20 +62,22 @@ TEST(ValueBounds, WhatGrowsAsJson_IsCutAsWell) {
         << "no character is cut in two";
 }
 
-// 256 services of 16 events, each a megabyte: what one board's credential may publish.
+// More services than are kept, each with more long events: what one board's credential may publish.
 TEST(ValueBounds, OneBoardsLastValues_HaveABoundInBytesAndLeaveOthersTheirs) {
-    Values values("e1");
-    values.value("other", "s", long_report("a", 50'000), false, at(0ms));
+    Values values("e1", {.value = 4096});
+    values.value("other", "s", long_report("a", 4000), false, at(0ms));
     const auto before = values.last_bytes();
-    for (int service = 0; service < 300; ++service) {
-        for (int event = 0; event < 20; ++event)
-            values.value("evil", "s" + std::to_string(service),
-                         long_report("e" + std::to_string(event), 1'000'000), false, at(0ms));
-        values.value("evil", "s" + std::to_string(service), std::string(1'000'000, 'x'), true, at(0ms));
+    const std::string text(5000, 'x');
+    for (int service = 0; service < 260; ++service) {
+        const auto name = "s" + std::to_string(service);
+        for (int event = 0; event < 18; ++event)
+            values.value("evil", name, "{\"e" + std::to_string(event) + "\":\"" + text + "\"}", false,
+                         at(0ms));
+        values.value("evil", name, text, true, at(0ms));
     }
     EXPECT_LT(values.last_bytes() - before, 6u << 20);
     EXPECT_LE(values.bytes(), ValueLimits{}.bytes);
-    values.value("other", "s", long_report("a", 50'000), false, at(0ms));
+    values.value("other", "s", long_report("a", 4000), false, at(0ms));
     EXPECT_EQ(values.find("other", "s")->channels[0].cut, 0u) << "another board's are whole";
     values.forget("evil");
     values.forget("other");
@@ -83,11 +85,11 @@ TEST(ValueBounds, OneBoardsLastValues_HaveABoundInBytesAndLeaveOthersTheirs) {
 }
 
 TEST(ValueBounds, LastValuesOfManyBoards_HaveABound) {
-    Values values("e1", {.points = 2, .board_last_bytes = 1u << 20, .last_bytes = 1u << 20});
-    for (int board = 0; board < 200; ++board) {
+    Values values("e1", {.points = 2, .value = 1000, .board_last_bytes = 1u << 20, .last_bytes = 1u << 20});
+    for (int board = 0; board < 100; ++board) {
         for (int service = 0; service < 100; ++service)
-            values.value("b" + std::to_string(board), "s" + std::to_string(service),
-                         long_report("a", 100'000), false, at(0ms));
+            values.value("b" + std::to_string(board), "s" + std::to_string(service), long_report("a", 70'000),
+                         false, at(0ms));
     }
     EXPECT_LT(values.last_bytes(), (2u << 20) + 2000);
     EXPECT_GT(values.services(), 100u);
