@@ -3,9 +3,7 @@
 
 #include <utility>
 
-#include "asip/model/names.hpp"
 #include "asip/program/exit_status.hpp"
-#include "asip/protocol/body.hpp"
 
 namespace asip::agent {
 
@@ -26,52 +24,48 @@ std::string letters(const session::ServiceTable& services) {
 
 Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
     : options_(std::move(options)),
-      topics_(options_.topic_root),
       models_(std::move(models)),
       random_(std::move(random)),
-      session_(options_.session, random_),
-      safety_(topics_, statistics_),
+      board_{bus::Topics(options_.topic_root), session::BoardSession(options_.session, random_)},
+      safety_(board_, statistics_),
       periods_(options_.reports),
-      clock_(random_),
-      control_(topics_, session_, clock_, statistics_, safety_, periods_),
-      context_(topics_, options_.context),
-      labels_(topics_, options_.labels) {
-    if (const auto& reports = options_.reports; reports.on_demand)
-        facts_.on_demand = {static_cast<int>(reports.fastest.count()),
-                            static_cast<int>(reports.resting.count())};
-}
+      age_(random_),
+      control_(board_, age_, statistics_, safety_, periods_),
+      context_(board_, options_.context),
+      labels_(board_, options_.labels),
+      describer_(board_, models_, options_.reports) {}
 
 // --- the board's side
 
 void Bridge::link_up(const session::LinkTraits& traits, model::LinkInfo link, Time now, Effects& out) {
-    facts_.link = std::move(link);
+    describer_.link_opened(std::move(link));
     statistics_.link_opened(now);
     session::Actions actions;
-    session_.link_up(traits, now, actions);
+    board_.session.link_up(traits, now, actions);
     perform(actions, now, out);
 }
 
 void Bridge::link_down(const std::string& why, Time now, Effects& out) {
     // A port that opens and closes with nothing behind it loses no board.
-    const bool heard = session_.counters().bytes_in > 0;
+    const bool heard = session().counters().bytes_in > 0;
     // Nor does one that is lost already.
-    const bool lost = name_claimed_ && !session_.accepts_requests();
+    const bool lost = name_claimed_ && !session().accepts_requests();
     out.log(heard && !lost ? Level::kWarning : Level::kDebug, "board lost", {{"why", why}});
     if (announcer_) announcer_->set_state(model::BoardState::kLost, out);
     safety_.board_gone(out);
     session::Actions actions;
-    session_.link_down(now, actions);
+    board_.session.link_down(now, actions);
     perform(actions, now, out);
 }
 
 void Bridge::not_watched(Time since, Time now) {
-    session_.not_watched(since, now);
+    board_.session.not_watched(since, now);
 }
 
 void Bridge::receive(std::string_view bytes, Time now, Effects& out) {
     statistics_.received(bytes);
     session::Actions actions;
-    session_.receive(bytes, now, actions);
+    board_.session.receive(bytes, now, actions);
     perform(actions, now, out);
     send_safe_lines(now, out);
     send_periods(now, out);
@@ -80,21 +74,21 @@ void Bridge::receive(std::string_view bytes, Time now, Effects& out) {
 
 void Bridge::line_rate_set(bool ok, Time now, Effects& out) {
     session::Actions actions;
-    session_.line_rate_set(ok, now, actions);
+    board_.session.line_rate_set(ok, now, actions);
     perform(actions, now, out);
 }
 
 void Bridge::send_safe_lines(Time now, Effects& out) {
     if (!safety_.pending()) return;
     session::Actions actions;
-    safety_.send(session_, now, actions);
+    safety_.send(now, actions);
     perform(actions, now, out);
 }
 
 void Bridge::send_periods(Time now, Effects& out) {
     if (const auto due = periods_.next_deadline(); !due || now < *due) return;
     session::Actions actions;
-    periods_.tick(session_, now, actions);
+    periods_.tick(board_.session, now, actions);
     perform(actions, now, out);
 }
 
@@ -118,59 +112,65 @@ void Bridge::perform(session::Actions& actions, Time now, Effects& out) {
 }
 
 void Bridge::on_action(const session::BoardLine& line, Time, Effects& out) {
-    client_requests_.on_line(line, session_.identity(), out);
+    client_requests_.on_line(line, session().identity(), out);
     if (line.line.is_error()) statistics_.board_error(line.line.error().code);
-    if (name_.empty()) return;
-    note_facts(line.line);
+    if (name().empty()) return;
+    if (describer_.note_line(line.line)) describe_again();
     publish_or_keep(line.line, line.owner ? control_.sender_of(*line.owner) : std::string(), out);
 }
 
 void Bridge::publish_or_keep(const protocol::ParsedLine& line, const std::string& by, Effects& out) {
     if (!announcer_->may_publish()) return offline_values_.keep(line, statistics_);
-    context_.on_line(name_, line, session_.identity(), services_, out, by);
+    context_.on_line(line, out, by);
 }
 
 void Bridge::start_publishing(Effects& out) {
     if (!announcer_ || !announcer_->may_publish()) return;
     if (!std::exchange(name_claimed_, true)) out.name_claimed = true;
     for (const auto& line : offline_values_.take(out))
-        context_.on_line(name_, line, session_.identity(), services_, out);
+        context_.on_line(line, out);
 }
 
 void Bridge::on_action(const session::Identified& identified, Time now, Effects& out) {
-    const auto& board = session_.identity();
-    services_ = session::ServiceTable(board, models_);
-    if (identified.changed) facts_.counts.clear();
-    periods_.board_found(services_, now);
-    facts_.periods = current_periods();
-    if (name_.empty()) {
-        name_ = !options_.name.empty()       ? options_.name
-                : !board.stored_name.empty() ? board.stored_name
-                                             : name_from_link(facts_.link);
-        safety_.name_board(name_);
-        load_labels(out);
-        if (!options_.keep_outputs) safety_.stop_services(services_);
-        announcer_ =
-            std::make_unique<Announcer>(topics_,
-                                        AnnouncerOptions{name_, options_.lease_seconds, options_.takeover,
-                                                         options_.started_unix, options_.on_shared_topic},
-                                        random_);
-    } else if (options_.name.empty() && !board.stored_name.empty() && board.stored_name != name_) {
+    const auto& board = session().identity();
+    board_.services = session::ServiceTable(board, models_);
+    periods_.board_found(board_.services, now);
+    describer_.board_found(identified.changed, periods_);
+    if (name().empty()) {
+        name_board(out);
+    } else if (options_.name.empty() && !board.stored_name.empty() && board.stored_name != name()) {
         out.log(Level::kWarning,
                 "the board at this port calls itself otherwise; restart this agent to use that name",
-                {{"board", name_}, {"stored", board.stored_name}});
+                {{"board", name()}, {"stored", board.stored_name}});
     }
     out.board_known = true;
     out.log(Level::kInfo, identified.changed ? "board identified" : "board back",
-            {{"board", name_},
+            {{"board", name()},
              {"chip", board.info.chip},
              {"sketch", board.info.sketch},
-             {"services", letters(services_)},
-             {"baud", std::to_string(session_.baud())}});
+             {"services", letters(board_.services)},
+             {"baud", std::to_string(board_.session.baud())}});
     describe_again();
     port_.identified(traits(), out);
     announcer_->set_updating(port_.updating());
     announcer_->set_state(model::BoardState::kOnline, out);
+}
+
+void Bridge::name_board(Effects& out) {
+    const auto& stored = session().identity().stored_name;
+    board_.name = !options_.name.empty() ? options_.name
+                  : !stored.empty()      ? stored
+                                         : describer_.name_from_link();
+    auto kept = options_.load_labels ? options_.load_labels(name()) : Expected<model::Labels>();
+    if (!kept) out.log(Level::kError, "labels cannot be read", {{"why", kept.error()}});
+    labels_.load(std::move(kept));
+    describer_.note_labels(labels_);
+    if (!options_.keep_outputs) safety_.stop_services();
+    announcer_ =
+        std::make_unique<Announcer>(board_.topics,
+                                    AnnouncerOptions{name(), options_.lease_seconds, options_.takeover,
+                                                     options_.started_unix, options_.on_shared_topic},
+                                    random_);
 }
 
 void Bridge::on_action(const session::BoardReset& reset, Time, Effects& out) {
@@ -179,10 +179,10 @@ void Bridge::on_action(const session::BoardReset& reset, Time, Effects& out) {
 }
 
 void Bridge::on_action(const session::BecameSilent&, Time, Effects& out) {
-    out.log(Level::kWarning, "board silent", {{"board", name_}});
+    out.log(Level::kWarning, "board silent", {{"board", name()}});
     if (announcer_) announcer_->set_state(model::BoardState::kLost, out);
     safety_.board_gone(out);
-    out.reopen_link = facts_.link.kind == "tcp";
+    out.reopen_link = describer_.link().kind == "tcp";
 }
 
 void Bridge::on_action(const session::NoAnswer& none, Time, Effects& out) {
@@ -195,15 +195,15 @@ void Bridge::on_action(const session::NoAnswer& none, Time, Effects& out) {
                            : " does not answer: is an ASIP sketch loaded (asip firmware: AsipHello), and "
                              "is it the right port?";
     // A board that was here may come back; a port where none ever was is more likely the wrong one.
-    if (name_.empty()) {
-        out.fatal = Fatal{program::kExitBoard, facts_.link.path + why};
+    if (name().empty()) {
+        out.fatal = Fatal{program::kExitBoard, describer_.link().path + why};
     } else {
-        out.log(Level::kWarning, facts_.link.path + why + " Asking on");
+        out.log(Level::kWarning, describer_.link().path + why + " Asking on");
     }
 }
 
 void Bridge::on_action(const session::LineRateChanged& change, Time, Effects& out) {
-    facts_.link.baud = static_cast<int>(change.baud);
+    describer_.line_rate_changed(change.baud);
     out.log(Level::kInfo, "line rate", {{"baud", std::to_string(change.baud)}, {"why", change.why}});
 }
 
@@ -214,59 +214,19 @@ void Bridge::on_action(const session::Garbage& garbage, Time now, Effects& out) 
     out.log(Level::kWarning, "garbage from the board",
             {{"reason", garbage.reason},
              {"sample", garbage.sample},
-             {"count", std::to_string(session_.counters().garbage)}});
+             {"count", std::to_string(session().counters().garbage)}});
 }
 
 void Bridge::on_action(const session::Finished& end, Time now, Effects& out) {
     safety_.on_finished(end, now, out);
     periods_.on_finished(end, now, out);
     control_.on_finished(end, now, out);
-    client_requests_.on_finished(end, session_.identity(), out);
-    note_settings();
-}
-
-// Modes and periods that a request changed belong into the description.
-void Bridge::note_settings() {
-    auto periods = current_periods();
-    if (session_.identity().pin_modes == described_modes_ && periods == facts_.periods) return;
-    facts_.periods = std::move(periods);
-    describe_again();
-}
-
-std::map<char, int> Bridge::current_periods() const {
-    std::map<char, int> periods;
-    for (const auto& entry : services_.entries()) {
-        // Of reports on demand the description says only that: it would change with each subscriber.
-        if (periods_.controls(entry.letter)) continue;
-        if (const auto period = session_.period(entry.letter))
-            periods[entry.letter] = static_cast<int>(*period);
-    }
-    return periods;
-}
-
-// What a description has besides what the board itself reports: how many elements a service has, and its
-// period.
-void Bridge::note_facts(const protocol::ParsedLine& line) {
-    if (!line.is_event()) return;
-    const auto event = line.event();
-    if (event.service == 'I' || event.service == '#') return;
-    const auto* service = services_.find(event.service);
-    if (!service || !service->model) return;
-    const auto* event_model = service->model->event(event.tag);
-    if (!event_model || event_model->shape != model::EventShape::kPerElement) return;
-    const auto body = protocol::parse_body(event.body);
-    if (!body) return;
-    const int count = static_cast<int>(body->items.size());
-    const auto known = facts_.counts.find(event.service);
-    if (known != facts_.counts.end() && known->second == count) return;
-    facts_.counts[event.service] = count;
-    describe_again();
+    client_requests_.on_finished(end, session().identity(), out);
+    if (describer_.note_settings(periods_)) describe_again();
 }
 
 void Bridge::describe_again() {
-    facts_.link.baud = static_cast<int>(session_.baud());
-    described_modes_ = session_.identity().pin_modes;
-    if (announcer_) announcer_->describe(agent::describe(session_.identity(), services_, models_, facts_));
+    if (announcer_) announcer_->describe(describer_.description());
 }
 
 // --- time
@@ -274,8 +234,8 @@ void Bridge::describe_again() {
 void Bridge::publish_statistics(const mqtt::Counters& bus, Time now, Effects& out) {
     if (!announcer_ || !announcer_->may_publish()) return;
     mqtt::Message message;
-    message.topic = topics_.stats(name_);
-    message.payload = statistics_.document({session_, bus, name_, announcer_->session(),
+    message.topic = board_.topics.stats(name());
+    message.payload = statistics_.document({board_.session, bus, name(), announcer_->session(),
                                             control_.forgotten_answers(), safety_.holds().size(), periods_},
                                            now);
     out.publish.push_back({std::move(message), mqtt::Priority::kContext});
@@ -283,7 +243,7 @@ void Bridge::publish_statistics(const mqtt::Counters& bus, Time now, Effects& ou
 
 void Bridge::tick(Time now, Effects& out) {
     session::Actions actions;
-    session_.tick(now, actions);
+    board_.session.tick(now, actions);
     perform(actions, now, out);
     safety_.tick(now, out);
     send_safe_lines(now, out);
@@ -294,7 +254,7 @@ void Bridge::tick(Time now, Effects& out) {
 }
 
 std::optional<Time> Bridge::next_deadline() const {
-    auto deadline = session_.next_deadline();
+    auto deadline = board_.session.next_deadline();
     for (const auto& other : {safety_.next_deadline(), port_.next_deadline(), periods_.next_deadline(),
                               announcer_ ? announcer_->next_deadline() : std::nullopt})
         if (other && (!deadline || *other < *deadline)) deadline = other;
@@ -304,18 +264,18 @@ std::optional<Time> Bridge::next_deadline() const {
 bool Bridge::release_holds(Time now, Effects& out) {
     const bool pending = safety_.release_all();
     send_safe_lines(now, out);
-    return pending && session_.accepts_requests();
+    return pending && session().accepts_requests();
 }
 
 void Bridge::leave_line(Time now, Effects& out) {
     session::Actions actions;
-    session_.leave(session::Leave::kOnceQuiet, now, actions);
+    board_.session.leave(session::Leave::kOnceQuiet, now, actions);
     perform(actions, now, out);
 }
 
 void Bridge::goodbye(Time now, Effects& out) {
     session::Actions actions;
-    session_.link_down(now, actions);
+    board_.session.link_down(now, actions);
     perform(actions, now, out);
     if (announcer_) announcer_->goodbye(out);
 }

@@ -9,12 +9,15 @@
 #include <string_view>
 #include <vector>
 
+#include "agent/bridge/board.hpp"
 #include "agent/bridge/effects.hpp"
 #include "agent/clients/client_requests.hpp"
 #include "agent/command/control.hpp"
 #include "agent/counts/statistics.hpp"
-#include "agent/describe/describe.hpp"
+#include "agent/describe/describer.hpp"
 #include "agent/describe/label_book.hpp"
+#include "agent/inbound/command_age.hpp"
+#include "agent/inbound/inbound.hpp"
 #include "agent/port/port_loan.hpp"
 #include "agent/reports/context.hpp"
 #include "agent/reports/offline_values.hpp"
@@ -74,16 +77,12 @@ class Bridge {
     void bus_disconnected();
     /// The broker knows its users, and may have rules for them. Once the board is known.
     void leave_shared_topic() { announcer_->leave_shared_topic(); }
-    /// How a message came that was not handled at once.
-    struct Arrival {
-        std::optional<Time> at{};  ///< none: now
-        bool stopped = false;      ///< a stop came behind it: it is refused
-        std::size_t waiting = 0;   ///< for a stop: commands before it that were not handled yet
-    };
-    void bus_message(const mqtt::Message& message, Time now, Effects& out) {
-        bus_message(message, {}, now, out);
-    }
-    void bus_message(const mqtt::Message& message, const Arrival& arrival, Time now, Effects& out);
+    /// Reads a message of the bus; nothing where it is not for this agent. Between read() and take() it may
+    /// wait, see takes_turns().
+    std::optional<Inbound> read(const mqtt::Message& message, Time now) const;
+    void take(const Inbound& message, Time now, Effects& out);
+    /// How old commands are; it learns from the process and the connection.
+    CommandAge& age() { return age_; }
 
     /// What became of the line of a point-to-point client.
     enum class ClientResult {
@@ -117,24 +116,27 @@ class Bridge {
     bool is_safe() const { return !safety_.pending(); }
     /// Gives the line back to the rate at which the next program expects the board; before the goodbye.
     void leave_line(Time now, Effects& out);
-    bool has_left_line() const { return session_.state() == session::BoardSession::State::kDown; }
+    bool has_left_line() const { return session().state() == session::BoardSession::State::kDown; }
     /// Ends every open command, publishes `offline`. Nothing is to be called afterwards.
     void goodbye(Time now, Effects& out);
 
     /// Empty until the board was identified.
-    const std::string& name() const { return name_; }
+    const std::string& name() const { return board_.name; }
     mqtt::Message will() const { return announcer_->will(); }
     std::vector<member::Announcer::Subscription> subscriptions() const;
     /// To be added once the name is claimed: until then another agent may be meant.
     std::vector<std::string> control_subscriptions() const;
-    const session::BoardSession& session() const { return session_; }
+    const session::BoardSession& session() const { return board_.session; }
 
   private:
-    bool is_request(bus::TopicKind kind, const mqtt::Message& message) const;
-    bool take_port_request(const mqtt::Message& message, Time arrival, Time now, Effects& out);
-    bool take_label_request(const mqtt::Message& message, Effects& out);
-    void load_labels(Effects& out);
-    void show_labels();
+    void on_message(const Command& command, Time now, Effects& out);
+    void on_message(const Renewal& renewal, Time now, Effects& out);
+    void on_message(const Stop& stop, Time now, Effects& out);
+    void on_message(const PortRequest& request, Time now, Effects& out);
+    void on_message(const LabelRequest& request, Time now, Effects& out);
+    void on_message(const DemandMessage& demand, Time now, Effects& out);
+    void on_message(const Announcement& announcement, Time now, Effects& out);
+    void name_board(Effects& out);
     void tick_port(Time now, Effects& out);
     void let_go_of_port(Time now, Effects& out);
     BoardTraits traits() const;
@@ -150,31 +152,24 @@ class Bridge {
     void on_action(const session::Garbage& garbage, Time now, Effects& out);
     void on_action(const session::Finished& end, Time now, Effects& out);
     void describe_again();
-    void note_facts(const protocol::ParsedLine& line);
-    void note_settings();
     void publish_or_keep(const protocol::ParsedLine& line, const std::string& by, Effects& out);
     void start_publishing(Effects& out);
-    std::map<char, int> current_periods() const;
 
     BridgeOptions options_;
-    bus::Topics topics_;
     model::ModelSet models_;
     Random random_;
-    session::BoardSession session_;
+    Board board_;
     Statistics statistics_;
     Safety safety_;
     ReportPeriods periods_;
-    bus::AgentClock clock_;
+    CommandAge age_;
     Control control_;
     ClientRequests client_requests_;
     Context context_;
     PortLoan port_;
     LabelBook labels_;
+    Describer describer_;
     std::unique_ptr<Announcer> announcer_;  // once there is a name
-    session::ServiceTable services_;
-    BoardFacts facts_;
-    std::vector<protocol::PinMode> described_modes_;
-    std::string name_;
     bool name_claimed_ = false;
     OfflineValues offline_values_;
     std::optional<Time> garbage_quiet_until_;

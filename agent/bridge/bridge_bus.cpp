@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
+// The bus's side of the bridge: messages and point-to-point clients, and the port while it is lent.
 #include "agent/bridge/bridge.hpp"
-#include "asip/bus/request_envelope.hpp"
 #include "asip/program/options.hpp"
 #include "asip/protocol/error_code.hpp"
-#include "asip/protocol/request.hpp"
 
 namespace asip::agent {
 
+using program::log::Level;
+
 namespace {
 
-std::string error_line(std::string_view request, protocol::ErrorCode code) {
-    const auto parsed = protocol::parse_request(request);
-    const std::string start = parsed ? std::string{'~', parsed->service, ',', parsed->tag} : "~#,?";
+std::string error_line(const Expected<protocol::Request>& request, protocol::ErrorCode code) {
+    const std::string start = request ? std::string{'~', request->service, ',', request->tag} : "~#,?";
     return start + "," + std::to_string(static_cast<int>(code)) + "{" +
            std::string(protocol::error_name(code)) + "}";
 }
@@ -23,19 +23,18 @@ std::vector<member::Announcer::Subscription> Bridge::subscriptions() const {
 }
 
 std::vector<std::string> Bridge::control_subscriptions() const {
-    std::vector<std::string> filters{topics_.stop(name_), topics_.board_in(name_),
-                                     topics_.service_in(name_, "+")};
-    if (options_.context.client_side) filters.push_back(topics_.board_out(name_));
-    if (periods_.on_demand()) filters.push_back(topics_.demand(name_, "+/+"));
+    const auto& topics = board_.topics;
+    std::vector<std::string> filters{topics.stop(name()), topics.board_in(name()),
+                                     topics.service_in(name(), "+")};
+    if (options_.context.client_side) filters.push_back(topics.board_out(name()));
+    if (periods_.on_demand()) filters.push_back(topics.demand(name(), "+/+"));
     return filters;
 }
 
 void Bridge::bus_connected(Time now, const std::string& client_id, bool expires, Effects& out) {
     if (!announcer_) return;
-    if (facts_.agent.client != client_id) {
-        facts_.agent = {ASIP_VERSION, program::host_name(), client_id};
-        describe_again();
-    }
+    age_.connection_changed();
+    if (describer_.note_agent({ASIP_VERSION, program::host_name(), client_id})) describe_again();
     announcer_->on_connected(now, out, expires);
     start_publishing(out);
 }
@@ -49,63 +48,135 @@ void Bridge::bus_all_subscribed(Time now) {
 }
 
 void Bridge::bus_disconnected() {
+    age_.connection_changed();
     if (announcer_) announcer_->on_disconnected();
 }
 
-void Bridge::bus_message(const mqtt::Message& message, const Arrival& arrival, Time now, Effects& out) {
-    if (!announcer_) return;
-    const auto topic = topics_.parse(message.topic);
-    if (!topic) return;
-    if (topic->kind == bus::TopicKind::kDemand) {
-        if (periods_.on_demand() && topic->board == name_)
-            periods_.demand(topic->demander, message.payload, message.retain, now);
-        return send_periods(now, out);
-    }
-    const bool stop = topic->kind == bus::TopicKind::kStop;
-    const bool raw = topic->kind == bus::TopicKind::kBoardIn || topic->kind == bus::TopicKind::kBoardOut;
-    if (!stop && !raw && topic->kind != bus::TopicKind::kServiceIn)
-        return announcer_->on_message(message, now, out);
-    if (!announcer_->established()) return;
+// --- messages
+
+std::optional<Inbound> Bridge::read(const mqtt::Message& message, Time now) const {
+    if (!announcer_) return std::nullopt;
+    return read_inbound(message,
+                        {.topics = board_.topics,
+                         .board = board_.name,
+                         .services = board_.services,
+                         .client_side = options_.context.client_side,
+                         .on_demand = periods_.on_demand()},
+                        age_, now);
+}
+
+void Bridge::take(const Inbound& message, Time now, Effects& out) {
+    // Until then another agent may be meant.
+    if (request_of(message) != nullptr && !announcer_->established()) return;
+    std::visit([&](const auto& known) { on_message(known, now, out); }, message);
+}
+
+void Bridge::on_message(const Command& command, Time now, Effects& out) {
     session::Actions actions;
-    if (stop) {
-        safety_.on_stop(message, arrival.waiting, services_, session_, now, actions, out);
-        send_safe_lines(now, out);
-    } else if ((!raw || (!take_port_request(message, arrival.at.value_or(now), now, out) &&
-                         !take_label_request(message, out))) &&
-               is_request(topic->kind, message)) {
-        control_.on_message(message, {arrival.at.value_or(now), arrival.stopped}, services_, session_, now,
-                            actions, out);
-    }
+    control_.on_command(command, now, actions, out);
     perform(actions, now, out);
 }
 
-bool Bridge::is_request(bus::TopicKind kind, const mqtt::Message& message) const {
-    const bool client_side = options_.context.client_side;
-    if (kind == bus::TopicKind::kBoardOut) return client_side;
-    if (!client_side || kind != bus::TopicKind::kBoardIn) return true;
-    const auto envelope = bus::open_envelope(message);
-    return (envelope ? envelope->reply : envelope.error().reply).wanted();
+void Bridge::on_message(const Renewal& renewal, Time now, Effects& out) {
+    control_.on_renewal(renewal, now, out);
 }
+
+void Bridge::on_message(const Stop& stop, Time now, Effects& out) {
+    session::Actions actions;
+    safety_.on_stop(stop, now, actions, out);
+    send_safe_lines(now, out);
+    perform(actions, now, out);
+}
+
+void Bridge::on_message(const LabelRequest& request, Time, Effects& out) {
+    labels_.request(request, out);
+    if (describer_.note_labels(labels_)) describe_again();
+}
+
+void Bridge::on_message(const DemandMessage& demand, Time now, Effects& out) {
+    periods_.demand(demand.demander, demand.payload, demand.retained, now);
+    send_periods(now, out);
+}
+
+void Bridge::on_message(const Announcement& announcement, Time now, Effects& out) {
+    announcer_->on_message(announcement.message, now, out);
+}
+
+void Bridge::labels_kept(const Expected<std::filesystem::path>& result, Effects& out) {
+    labels_.kept(result, out);
+    if (describer_.note_labels(labels_)) describe_again();
+}
+
+// --- the port
+
+BoardTraits Bridge::traits() const {
+    const auto& board = session().identity();
+    return {board.info.chip, board.info.sketch, board.stored_name};
+}
+
+void Bridge::on_message(const PortRequest& request, Time now, Effects& out) {
+    const bool ours = port_.phase() == PortLoan::Phase::kOurs;
+    port_.request(request, {traits(), describer_.link(), program::host_name(), session().accepts_requests()},
+                  now, text::wall_now(), out);
+    announcer_->set_updating(port_.updating());
+    if (ours && port_.phase() == PortLoan::Phase::kMakingSafe) {
+        release_holds(now, out);
+        tick_port(now, out);
+    }
+}
+
+void Bridge::tick_port(Time now, Effects& out) {
+    if (port_.phase() == PortLoan::Phase::kMakingSafe && is_safe()) {
+        leave_line(now, out);
+        if (has_left_line()) return let_go_of_port(now, out);
+    }
+    const auto before = port_.phase();
+    const bool silent = port_.tick(now, out);
+    if (before == PortLoan::Phase::kMakingSafe && port_.is_away()) return let_go_of_port(now, out);
+    if (!announcer_) return;
+    announcer_->set_updating(port_.updating());
+    if (silent) announcer_->set_state(model::BoardState::kLost, out);
+}
+
+void Bridge::let_go_of_port(Time now, Effects& out) {
+    announcer_->set_state(model::BoardState::kUpdating, out);
+    safety_.board_gone(out);
+    session::Actions actions;
+    board_.session.link_down(now, actions);
+    perform(actions, now, out);
+    port_.let_go(out);
+    announcer_->set_updating(port_.updating());
+}
+
+// --- point-to-point clients
 
 Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_view line,
                                          std::optional<Time> sent, Time now, Effects& out) {
-    const bool valid = session::may_be_sent(line);
-    if (valid && session_.accepts_requests() && session_.waiting(client) >= kMaxClientLines)
+    auto& session = board_.session;
+    const auto request = protocol::parse_request(line);
+    const bool valid = request && session::may_be_sent(*request);
+    if (valid && session.accepts_requests() && session.waiting(client) >= kMaxClientLines)
         return ClientResult::kLater;
-    session::Actions actions;
-    auto options = client_requests_.options(client, line, session_.identity());
-    if (sent) options.deadline = *sent + session::kDefaultDeadline;
-    const auto id = session_.submit(line, options, now, actions);
-    if (id) client_requests_.sent(*id, client);
-    if (id) safety_.queued(*id, line, safe_form_of(services_, line), services_);
-    if (id) periods_.queued(*id, line);
-    perform(actions, now, out);
-    if (id) return ClientResult::kAccepted;
-    const bool there = valid && id.error() != session::Refusal::kTooLong;
-    const auto code = there ? protocol::ErrorCode::kDeviceNotAvailable : protocol::ErrorCode::kUnknownRequest;
-    out.lines.push_back({error_line(line, code), client});
-    if (announcer_ && announcer_->may_publish())
-        control_.report_refused(name_, line, id.error(), services_, out);
+    auto why = session::Refusal::kInvalid;
+    if (valid) {
+        session::Actions actions;
+        auto options = client_requests_.options(client, *request, session.identity());
+        if (sent) options.deadline = *sent + session::kDefaultDeadline;
+        const auto id = session.submit(*request, options, now, actions);
+        if (id) {
+            client_requests_.sent(*id, client);
+            safety_.queued(*id, line, safe_form_of(board_.services, *request));
+            periods_.queued(*id, *request);
+        }
+        perform(actions, now, out);
+        if (id) return ClientResult::kAccepted;
+        why = id.error();
+    }
+    const bool not_there = valid && why != session::Refusal::kTooLong;
+    const auto code =
+        not_there ? protocol::ErrorCode::kDeviceNotAvailable : protocol::ErrorCode::kUnknownRequest;
+    out.lines.push_back({error_line(request, code), client});
+    if (may_publish()) control_.report_refused(line, why, out);
     return ClientResult::kRefused;
 }
 

@@ -7,7 +7,6 @@
 #include "agent/command/control.hpp"
 #include "asip/protocol/error_code.hpp"
 #include "asip/protocol/extensions.hpp"
-#include "asip/protocol/request.hpp"
 #include "asip/session/request.hpp"
 
 namespace asip::agent {
@@ -43,14 +42,12 @@ std::string answer_for_clients(const protocol::ParsedLine& line, const session::
 
 }  // namespace
 
-session::RequestOptions ClientRequests::options(session::ClientId client, std::string_view line,
+session::RequestOptions ClientRequests::options(session::ClientId client, const protocol::Request& request,
                                                 const session::Identity& board) const {
     session::RequestOptions options{.client = client, .prove = false};
-    const auto request = protocol::parse_request(line);
-    if (!is_verified(board) || !request || !session::is_question(request->service, request->tag))
-        return options;
+    if (!is_verified(board) || !session::is_question(request.service, request.tag)) return options;
     options.prove = true;
-    options.answer_tag = request->tag;
+    options.answer_tag = request.tag;
     return options;
 }
 

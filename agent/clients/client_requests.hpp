@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <string_view>
 #include <unordered_map>
 
 #include "agent/bridge/effects.hpp"
+#include "asip/protocol/request.hpp"
 #include "asip/session/board_session.hpp"
 
 namespace asip::agent {
@@ -15,7 +15,7 @@ namespace asip::agent {
 class ClientRequests {
   public:
     /// For a line of `client`.
-    session::RequestOptions options(session::ClientId client, std::string_view line,
+    session::RequestOptions options(session::ClientId client, const protocol::Request& request,
                                     const session::Identity& board) const;
     void sent(session::RequestId id, session::ClientId client) { open_[id] = client; }
 

@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kMaxNoteText = 128;
 }
 
-void note_command(const bus::Topics& topics, std::string_view board, const CommandNote& note, Effects& out) {
+void note_command(const Board& board, const CommandNote& note, Effects& out) {
     if (note.by.empty()) return;
     bus::HistoryItem item;
     item.what = note.what;
@@ -23,7 +23,7 @@ void note_command(const bus::Topics& topics, std::string_view board, const Comma
     const auto& why = note.outcome.reason.empty() ? note.outcome.error : note.outcome.reason;
     item.reason = why.substr(0, kMaxNoteText);
     mqtt::Message message;
-    message.topic = topics.commands(board);
+    message.topic = board.topics.commands(board.name);
     message.payload = model::dump_json(bus::to_json(item));
     out.notes.push_back(std::move(message));
 }

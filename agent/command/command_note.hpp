@@ -2,13 +2,13 @@
 #pragma once
 #include <string_view>
 
+#include "agent/bridge/board.hpp"
 #include "agent/bridge/effects.hpp"
 #include "asip/bus/reply.hpp"
-#include "asip/bus/topics.hpp"
 
 namespace asip::agent {
 
-/// What became of a command, or of a held one.
+/// The end of a command, of a stop, or of a hold that was not renewed.
 struct CommandNote {
     std::string_view what;     ///< "command", "stop" or "undone"
     std::string_view service;  ///< empty: raw lines, or the whole board
@@ -19,6 +19,6 @@ struct CommandNote {
 };
 /// Notes on `servicebus/BOARD/$commands` who commanded what, behind its answer, for a history. Nothing where
 /// the sender is not known.
-void note_command(const bus::Topics& topics, std::string_view board, const CommandNote& note, Effects& out);
+void note_command(const Board& board, const CommandNote& note, Effects& out);
 
 }  // namespace asip::agent

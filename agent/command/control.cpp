@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/command/control.hpp"
 
-#include <algorithm>
 #include <functional>
 #include <nlohmann/json.hpp>
 
@@ -12,7 +11,6 @@
 #include "asip/model/event_decoder.hpp"
 #include "asip/model/json.hpp"
 #include "asip/protocol/error_code.hpp"
-#include "asip/protocol/request.hpp"
 #include "asip/session/request.hpp"
 
 namespace asip::agent {
@@ -20,9 +18,8 @@ namespace asip::agent {
 namespace {
 
 // Questions whose answer has their own tag; what a raw request is answered with.
-char answer_of_question(std::string_view line) {
-    const auto request = protocol::parse_request(line);
-    return request && session::is_question(request->service, request->tag) ? request->tag : '\0';
+char answer_of_question(const protocol::Request& request) {
+    return session::is_question(request.service, request.tag) ? request.tag : '\0';
 }
 
 std::string service_of_line(const session::ServiceTable& services, std::string_view line) {
@@ -34,258 +31,214 @@ std::string_view request_of_line(std::string_view line) {
     return line.size() > 2 && line[1] == ',' ? line.substr(2) : line;
 }
 
-session::ClientId client_of(const std::string& topic) {
-    return std::hash<std::string>{}(topic) | kBusClient;
-}
-
 }  // namespace
 
-Time deadline_of(const bus::RequestEnvelope& envelope, const mqtt::Message& message, Time arrived,
-                 Time sent) {
-    if (!message.expiry_seconds)
-        return sent + (envelope.deadline ? Duration(*envelope.deadline) : session::kDefaultDeadline);
-    const auto left = std::clamp<std::chrono::milliseconds>(std::chrono::seconds(*message.expiry_seconds),
-                                                            bus::kMinDeadline, bus::kMaxDeadline);
-    // What is left of the expiry shows how long it was on its way; brokers cut off up to a second.
-    return envelope.deadline
-               ? std::min<Time>(sent + *envelope.deadline, arrived + left + std::chrono::seconds(1))
-               : arrived + left;
+std::shared_ptr<Control::Execution> Control::begin(const BusRequest& request) {
+    auto execution = std::make_shared<Execution>();
+    execution->reply = request.reply();
+    execution->service = request.service;
+    execution->noted = request.shown();
+    execution->received = request.arrival.received;
+    execution->sent = request.arrival.sent();
+    execution->deadline = request.deadline();
+    execution->hold = request.envelope.hold;
+    const auto& client = execution->reply.wanted() ? execution->reply.topic : request.topic;
+    execution->client = std::hash<std::string>{}(client) | kBusClient;
+    // Nobody is there to renew it after that.
+    if (execution->hold)
+        execution->deadline = std::min(execution->deadline, execution->sent + *execution->hold);
+    return execution;
 }
 
-Time sent_at(std::optional<Time> told, Time arrived) {
-    return told ? std::min(*told, arrived) : arrived;
-}
-
-namespace {
-
-// `{"renew":"7"}`, unless the service has a command of that name.
-bool is_renewal(const bus::RequestEnvelope& envelope, const model::ServiceModel* model) {
-    return envelope.form == bus::RequestEnvelope::Form::kJson && envelope.object.contains("renew") &&
-           model != nullptr && model->command("renew") == nullptr;
-}
-
-}  // namespace
-
-void Control::on_message(const mqtt::Message& message, const Arrival& arrival,
-                         const session::ServiceTable& services, session::BoardSession& session, Time now,
-                         session::Actions& actions, Effects& out) {
-    const auto topic = topics_.parse(message.topic);
-    if (!topic) return;
-    auto command = std::make_shared<Command>();
-    auto envelope = bus::open_envelope(message);
-    command->reply = envelope ? envelope->reply : envelope.error().reply;
-    command->arrived = arrival.at;
-    const auto told = envelope ? clock_.time_of(envelope->sent) : std::nullopt;
-    command->sent = sent_at(told, arrival.at);
-    command->board = topic->board;
-    command->service = topic->service;
-    command->noted = envelope ? envelope->shown() : message.payload;
+void Control::on_command(const Command& command, Time now, session::Actions& actions, Effects& out) {
+    const auto execution = begin(command);
     const auto refuse_it = [&](std::string_view reason, std::string text) {
-        refuse(*command, command->noted, reason, std::move(text), now, out);
+        refuse(*execution, execution->noted, reason, std::move(text), now, out);
     };
-    if (message.retain)
+    if (command.retained)
         return refuse_it(
             bus::kRefusedRetained,
             "a stored command was not executed; clear it by publishing an empty retained message on " +
-                message.topic);
-    if (!envelope) return refuse_it(bus::kRefusedInvalid, envelope.error().error);
-
-    const bool for_service = topic->kind == bus::TopicKind::kServiceIn;
-    const auto* service = for_service ? services.find(topic->service) : nullptr;
-    if (service != nullptr) {
-        command->model_owner = service->model;
-        command->model = service->model.get();
-    }
-    command->client = client_of(command->reply.wanted() ? command->reply.topic : message.topic);
-    const bool renewal = is_renewal(*envelope, command->model);
-    if (!renewal && was_seen(*command, message, told, now, out)) return;
-    if (arrival.stopped)
+                command.topic);
+    if (!command.fault.empty()) return refuse_it(bus::kRefusedInvalid, command.fault);
+    if (was_seen(*execution, command, now, out)) return;
+    if (command.stopped)
         return refuse_it(bus::kRefusedStopped, "the board was stopped while it waited; it was not sent");
-    if (for_service && service == nullptr)
-        return refuse_it(services.entries().empty() ? bus::kRefusedBoardNotThere : bus::kRefusedInvalid,
-                         "the board has no service \"" + std::string(topic->service) + "\"");
-    if (renewal) {
-        command->noted.clear();
-        return renew(*command, *envelope, now, out);
-    }
-    command->deadline = deadline_of(*envelope, message, arrival.at, command->sent);
-    command->hold = envelope->hold;
-    // Nobody is there to renew it after that.
-    if (command->hold) command->deadline = std::min(command->deadline, command->sent + *command->hold);
-    const auto lines = read(*envelope, service, services);
+    const auto* service = command.service.empty() ? nullptr : board_.services.find(command.service);
+    if (!command.service.empty() && service == nullptr)
+        return refuse_it(
+            board_.services.entries().empty() ? bus::kRefusedBoardNotThere : bus::kRefusedInvalid,
+            "the board has no service \"" + command.service + "\"");
+    if (service != nullptr) execution->model = service->model;
+    const auto lines = read(command, *execution, service);
     if (!lines) return refuse_it(bus::kRefusedInvalid, lines.error());
-    if (auto fault = hold_fault(*command, *lines); !fault.empty())
+    if (auto fault = hold_fault(*execution, *lines); !fault.empty())
         return refuse_it(bus::kRefusedInvalid, std::move(fault));
-    if (const auto why = refusal(*lines, command->client, session)) {
+    if (const auto why = refusal(*lines, execution->client)) {
         if (service != nullptr) return refuse_it(session::to_string(*why), refusal_text(*why));
-        const std::string& line = lines->front().text;
-        command->service = service_of_line(services, line);
-        return refuse(*command, request_of_line(line), session::to_string(*why), refusal_text(*why), now,
+        const auto line = lines->front().request.line;
+        execution->service = service_of_line(board_.services, line);
+        return refuse(*execution, request_of_line(line), session::to_string(*why), refusal_text(*why), now,
                       out);
     }
-    execute(std::move(command), *lines, services, session, now, actions, out);
+    execute(execution, *lines, now, actions, out);
 }
 
 // The same message again is answered as the first was, or when that one is.
-bool Control::was_seen(Command& command, const mqtt::Message& message, std::optional<Time> sent, Time now,
-                       Effects& out) {
-    const std::string id = command.reply.key();
+bool Control::was_seen(Execution& execution, const Command& command, Time now, Effects& out) {
+    const std::string id = execution.reply.key();
     if (id.empty()) return false;
-    const auto key = RecentAnswers::key(message.topic, command.reply.topic, id);
-    switch (recent_.see(key, message.payload, now, sent)) {
+    const auto key = RecentAnswers::key(command.topic, execution.reply.topic, id);
+    switch (recent_.see(key, command.payload, now, command.arrival.told)) {
         case RecentAnswers::Seen::kNew:
-            command.key = key;
+            execution.key = key;
             return false;
         case RecentAnswers::Seen::kPending:
             break;
         case RecentAnswers::Seen::kAnswered:
-            send(command.reply, *recent_.find(key), now, out);
+            send(execution.reply, *recent_.find(key), now, out);
             break;
         case RecentAnswers::Seen::kOtherPayload:
-            refuse(command, command.noted, bus::kRefusedIdReused,
+            refuse(execution, execution.noted, bus::kRefusedIdReused,
                    "another command had this id within the last minute", now, out);
             break;
     }
     return true;
 }
 
-std::string Control::hold_fault(const Command& command, const std::vector<Line>& lines) const {
-    if (!command.hold) return {};
-    if (command.service.empty()) return "only a command on BOARD/SERVICE/in can be held";
-    if (lines.front().safe.empty()) return "nothing undoes this command, so it cannot be held";
+std::string Control::hold_fault(const Execution& execution, const std::vector<Line>& lines) const {
+    if (!execution.hold) return {};
+    if (execution.service.empty()) return "only a command on BOARD/SERVICE/in can have a hold";
+    if (lines.front().safe.empty()) return "nothing undoes this command, so it cannot have a hold";
     if (!safety_.holds().room_for(lines.front().safe))
-        return std::to_string(Holds::kMax) + " commands are held on this board already";
+        return "this board has " + std::to_string(Holds::kMax) + " holds already";
     return {};
 }
 
-// Has no queue to wait in: the board is not asked.
-void Control::renew(Command& command, const bus::RequestEnvelope& envelope, Time now, Effects& out) {
-    const auto& which = envelope.object.at("renew");
-    std::optional<std::string> id;
-    if (which.is_string()) id = which.get<std::string>();
-    if (which.is_number()) id = which.dump();
-    if (!id && which != nlohmann::json(true))
-        return refuse(command, "renew", bus::kRefusedInvalid,
-                      "\"renew\" must be the id of a command, or true", now, out);
-    const auto count =
-        safety_.holds().renew(command.client, command.service, id, envelope.hold, command.sent);
+void Control::on_renewal(const Renewal& renewal, Time now, Effects& out) {
+    const auto execution = begin(renewal);
+    execution->noted.clear();
+    if (!renewal.fault.empty())
+        return refuse(*execution, "renew", bus::kRefusedInvalid, renewal.fault, now, out);
+    const auto count = safety_.holds().renew(execution->client, execution->service, renewal.id,
+                                             execution->hold, execution->sent);
     if (count == 0)
-        return refuse(command, "renew", bus::kRefusedNotHeld,
+        return refuse(*execution, "renew", bus::kRefusedNotHeld,
                       "this client holds nothing here: it was not renewed in time, or another command, a "
                       "stop or a restart of the board ended it",
                       now, out);
-    command.outcome = bus::Reply::ok("renewed");
-    conclude(command, now, out);
+    execution->outcome = bus::Reply::ok("renewed");
+    conclude(*execution, now, out);
 }
 
-Expected<std::vector<Control::Line>> Control::read(const bus::RequestEnvelope& envelope,
-                                                   const session::ServiceTable::Entry* service,
-                                                   const session::ServiceTable& services) const {
+Expected<std::vector<Control::Line>> Control::read(const Command& command, Execution& execution,
+                                                   const session::ServiceTable::Entry* service) const {
+    const auto& envelope = command.envelope;
+    const bool raw = envelope.form == bus::RequestEnvelope::Form::kRaw;
     std::vector<Line> result;
-    if (!service) {
-        if (envelope.form != bus::RequestEnvelope::Form::kRaw)
+    if (service == nullptr) {
+        if (!raw)
             return fail(
                 "ASIP request lines are expected here, or {\"raw\":\"...\"}; JSON commands go to "
                 "BOARD/SERVICE/in");
-        const auto lines = protocol::split_requests(envelope.text);
-        if (!lines) return Unexpected<std::string>(lines.error());
-        if (lines->empty()) return fail("no request");
-        for (auto line : *lines)
-            result.push_back({std::string(line), answer_of_question(line), session::kDefaultAnswerTime,
-                              safe_form_of(services, line)});
+        const auto requests = protocol::split_requests(envelope.text);
+        if (!requests) return fail(requests.error());
+        for (const auto& request : *requests)
+            result.push_back({request, answer_of_question(request), session::kDefaultAnswerTime,
+                              safe_form_of(board_.services, request)});
         return result;
     }
     const auto* model = service->model.get();
-    const auto command = envelope.form == bus::RequestEnvelope::Form::kJson
-                             ? model::encode_control_json(model, service->letter, envelope.object)
-                             : model::encode_control_text(model, service->letter, envelope.text);
-    if (!command) return Unexpected<std::string>(command.error());
-    result.push_back({command->line, command->answer});
-    result.back().safe = command->safe;
-    if (command->answer_time) result.back().answer_time = *command->answer_time;
+    auto encoded = raw ? model::encode_control_text(model, service->letter, envelope.text)
+                       : model::encode_control_json(model, service->letter, envelope.object);
+    if (!encoded) return fail(encoded.error());
+    execution.encoded = std::move(encoded->line);
+    const auto request = protocol::parse_request(execution.encoded);
+    if (!request) return fail(request.error());
+    result.push_back({*request, encoded->answer});
+    result.back().safe = std::move(encoded->safe);
+    if (encoded->answer_time) result.back().answer_time = *encoded->answer_time;
     return result;
 }
 
 // All lines of a payload are sent, or none.
-std::optional<session::Refusal> Control::refusal(const std::vector<Line>& lines, session::ClientId client,
-                                                 const session::BoardSession& session) const {
+std::optional<session::Refusal> Control::refusal(const std::vector<Line>& lines,
+                                                 session::ClientId client) const {
     for (const Line& line : lines)
-        if (!session::may_be_sent(line.text)) return session::Refusal::kInvalid;
-    if (!session.accepts_requests()) return session::Refusal::kNoBoard;
+        if (!session::may_be_sent(line.request)) return session::Refusal::kInvalid;
+    if (!board_.session.accepts_requests()) return session::Refusal::kNoBoard;
     for (const Line& line : lines)
-        if (line.text.size() > session.identity().extensions.longest_request())
+        if (line.request.line.size() > board_.session.identity().extensions.longest_request())
             return session::Refusal::kTooLong;
-    if (session.room(client) < lines.size()) return session::Refusal::kQueueFull;
+    if (board_.session.room(client) < lines.size()) return session::Refusal::kQueueFull;
     return std::nullopt;
 }
 
-void Control::execute(std::shared_ptr<Command> command, const std::vector<Line>& lines,
-                      const session::ServiceTable& services, session::BoardSession& session, Time now,
+void Control::execute(const std::shared_ptr<Execution>& execution, const std::vector<Line>& lines, Time now,
                       session::Actions& actions, Effects& out) {
-    command->lines = lines.size();
-    const bool wanted = command->reply.wanted();
+    execution->lines = lines.size();
+    const bool wanted = execution->reply.wanted();
     for (const Line& line : lines) {
-        const auto id = session.submit(line.text,
-                                       {.client = command->client,
-                                        .deadline = command->deadline,
-                                        .prove = wanted,
-                                        .answer_tag = wanted ? line.answer_tag : '\0',
-                                        .answer_time = line.answer_time,
-                                        .is_answer = answer_check(*command)},
-                                       now, actions);
+        const auto id = board_.session.submit(line.request,
+                                              {.client = execution->client,
+                                               .deadline = execution->deadline,
+                                               .prove = wanted,
+                                               .answer_tag = wanted ? line.answer_tag : '\0',
+                                               .answer_time = line.answer_time,
+                                               .is_answer = answer_check(*execution)},
+                                              now, actions);
         if (!id) {
-            ++command->not_sent;
+            ++execution->not_sent;
             continue;
         }
-        safety_.queued(*id, line.text, line.safe, services);
-        periods_.queued(*id, line.text);
-        if (command->hold)
-            safety_.holds().begin({command->client, command->reply.key(), command->service, line.text,
-                                   line.safe, *command->hold, command->sent + *command->hold, *id,
-                                   command->reply.by});
-        ++command->open;
-        open_.emplace(
-            *id,
-            Open{command, command->service.empty() ? service_of_line(services, line.text) : command->service,
-                 line.text});
+        std::string text(line.request.line);
+        safety_.queued(*id, text, line.safe);
+        periods_.queued(*id, line.request);
+        if (execution->hold)
+            safety_.holds().begin({execution->client, execution->reply.key(), execution->service, text,
+                                   line.safe, *execution->hold, execution->sent + *execution->hold, *id,
+                                   execution->reply.by});
+        ++execution->open;
+        auto service =
+            execution->service.empty() ? service_of_line(board_.services, text) : execution->service;
+        open_.emplace(*id, Open{execution, std::move(service), std::move(text)});
     }
-    command->all_sent = true;
-    if (command->open == 0) conclude(*command, now, out);
+    execution->all_submitted = true;
+    if (execution->open == 0) conclude(*execution, now, out);
 }
 
-session::AnswerCheck Control::answer_check(const Command& command) const {
-    if (!command.model || !command.reply.wanted()) return {};
-    return [this, model = command.model_owner](const protocol::Event& event) {
+session::AnswerCheck Control::answer_check(const Execution& execution) const {
+    if (!execution.model || !execution.reply.wanted()) return {};
+    return [this, model = execution.model](const protocol::Event& event) {
         return model->event(event.tag) == nullptr ||
                model::decode_event(*model, event, decode_context()).has_value();
     };
 }
 
-bool Control::on_finished(const session::Finished& end, Time now, Effects& out) {
+void Control::on_finished(const session::Finished& end, Time now, Effects& out) {
     const auto it = open_.find(end.id);
-    if (it == open_.end()) return false;
+    if (it == open_.end()) return;
     const Open request = std::move(it->second);
-    const auto& command = request.command;
+    const auto& execution = request.execution;
     open_.erase(it);
     const auto report = [&](std::string_view reason, std::string_view error) {
-        if (!command->reply.wanted())
-            report_failure(topics_, command->board,
-                           {request.service, request_of_line(request.line), reason, error, command->reply.by},
-                           out);
+        if (!execution->reply.wanted())
+            report_failure(
+                board_, {request.service, request_of_line(request.line), reason, error, execution->reply.by},
+                out);
     };
     // The board's own errors are on the error topic already, in the board's words.
     if (end.ending == session::Ending::kTimeout || end.ending == session::Ending::kDoubt)
         report("timeout", "no sign that the board executed it; it may have, or not");
     if (end.ending == session::Ending::kNotSent) report(reason_of(end), not_sent_text(end));
-    note_end(*command, end);
-    if (--command->open == 0 && command->all_sent) conclude(*command, now, out);
-    return true;
+    note_end(*execution, end);
+    if (--execution->open == 0 && execution->all_submitted) conclude(*execution, now, out);
 }
 
 // The first that is not good decides.
-void Control::note_end(Command& command, const session::Finished& end) const {
-    bus::Reply& outcome = command.outcome;
-    if (end.ending == session::Ending::kNotSent) ++command.not_sent;
+void Control::note_end(Execution& execution, const session::Finished& end) const {
+    bus::Reply& outcome = execution.outcome;
+    if (end.ending == session::Ending::kNotSent) ++execution.not_sent;
     if (outcome.status != bus::Reply::Status::kOk) return;
     switch (end.ending) {
         case session::Ending::kBoardError:
@@ -306,19 +259,19 @@ void Control::note_end(Command& command, const session::Finished& end) const {
             break;
         case session::Ending::kExecuted:
         case session::Ending::kUnproven:
-            if (!end.answer.empty()) outcome = bus::Reply::ok("answer", answer_json(command, end.answer));
+            if (!end.answer.empty()) outcome = bus::Reply::ok("answer", answer_json(execution, end.answer));
             break;
     }
 }
 
 model::DecodeContext Control::decode_context() const {
-    const auto& identity = session_.identity();
+    const auto& identity = board_.session.identity();
     return {&identity.port_map, identity.pin_modes};
 }
 
-std::string Control::answer_json(const Command& command, const protocol::ParsedLine& line) const {
-    if (command.model) {
-        const auto value = model::decode_event(*command.model, line.event(), decode_context());
+std::string Control::answer_json(const Execution& execution, const protocol::ParsedLine& line) const {
+    if (execution.model) {
+        const auto value = model::decode_event(*execution.model, line.event(), decode_context());
         if (value) return model::dump_json(*value);
     }
     return model::dump_json(nlohmann::json(line.text()));
@@ -327,29 +280,29 @@ std::string Control::answer_json(const Command& command, const protocol::ParsedL
 std::string Control::sender_of(session::ClientId client) const {
     std::optional<std::string> by;
     for (const auto& [id, open] : open_) {
-        if (open.command->client != client) continue;
-        if (by && *by != open.command->reply.by) return {};
-        by = open.command->reply.by;
+        if (open.execution->client != client) continue;
+        if (by && *by != open.execution->reply.by) return {};
+        by = open.execution->reply.by;
     }
     return by.value_or(std::string());
 }
 
-void Control::refuse(Command& command, std::string_view request, std::string_view reason, std::string text,
-                     Time now, Effects& out) {
+void Control::refuse(Execution& execution, std::string_view request, std::string_view reason,
+                     std::string text, Time now, Effects& out) {
     out.log(program::log::Level::kDebug, "command refused", {{"reason", std::string(reason)}, {"why", text}});
     // An empty payload is how somebody clears a stored command: nothing was asked for.
-    if (!command.reply.wanted() && !request.empty())
+    if (!execution.reply.wanted() && !request.empty())
         report_failure(
-            topics_, command.board,
-            {command.service.empty() ? "io" : command.service, request, reason, text, command.reply.by}, out);
-    command.outcome = bus::Reply::refused(std::string(reason), std::move(text));
-    conclude(command, now, out);
+            board_,
+            {execution.service.empty() ? "io" : execution.service, request, reason, text, execution.reply.by},
+            out);
+    execution.outcome = bus::Reply::refused(std::string(reason), std::move(text));
+    conclude(execution, now, out);
 }
 
-void Control::report_refused(const std::string& board, std::string_view line, session::Refusal why,
-                             const session::ServiceTable& services, Effects& out) const {
-    report_failure(topics_, board,
-                   {service_of_line(services, line),
+void Control::report_refused(std::string_view line, session::Refusal why, Effects& out) const {
+    report_failure(board_,
+                   {service_of_line(board_.services, line),
                     request_of_line(line),
                     session::to_string(why),
                     refusal_text(why),
@@ -357,26 +310,26 @@ void Control::report_refused(const std::string& board, std::string_view line, se
                    out);
 }
 
-void Control::conclude(Command& command, Time now, Effects& out) {
+void Control::conclude(Execution& execution, Time now, Effects& out) {
     // "Refused" is only what was not executed at all, and an error one of all lines.
-    if (command.not_sent > 0 && command.not_sent < command.lines) {
-        const std::string why = std::move(command.outcome.error);
-        command.outcome = bus::Reply::timeout(bus::kTimeoutPartly);
-        command.outcome.error = std::to_string(command.not_sent) + " of " + std::to_string(command.lines) +
-                                " lines were not sent: " + why;
+    if (execution.not_sent > 0 && execution.not_sent < execution.lines) {
+        const std::string why = std::move(execution.outcome.error);
+        execution.outcome = bus::Reply::timeout(bus::kTimeoutPartly);
+        execution.outcome.error = std::to_string(execution.not_sent) + " of " +
+                                  std::to_string(execution.lines) + " lines were not sent: " + why;
     }
-    if (command.key) recent_.answer(*command.key, command.outcome);
-    statistics_.answered(command.outcome, command.reply.wanted(), now - command.arrived);
-    send(command.reply, command.outcome, now, out);
-    if (!command.noted.empty())
-        note_command(topics_, command.board,
-                     {"command", command.service, command.noted, command.reply.by, command.outcome,
-                      command.reply.wanted()},
+    if (execution.key) recent_.answer(*execution.key, execution.outcome);
+    statistics_.answered(execution.outcome, execution.reply.wanted(), now - execution.received);
+    send(execution.reply, execution.outcome, now, out);
+    if (!execution.noted.empty())
+        note_command(board_,
+                     {"command", execution.service, execution.noted, execution.reply.by, execution.outcome,
+                      execution.reply.wanted()},
                      out);
 }
 
 void Control::send(const bus::ReplyTo& to, bus::Reply reply, Time now, Effects& out) const {
-    if (to.clock) reply.clock = clock_.read(now);
+    if (to.clock) reply.clock = age_.clock(now);
     if (auto message = bus::reply_message(to, std::move(reply)))
         out.publish.push_back({std::move(*message), mqtt::Priority::kReply});
 }

@@ -18,20 +18,19 @@ std::string service_named(const session::ServiceTable& services, char letter) {
     return model::valid_name(name) && letter != 'I' ? name : "io";
 }
 
-void publish_error(const bus::Topics& topics, std::string_view board, std::string_view service,
-                   const nlohmann::json& value, Effects& out) {
+void publish_error(const Board& board, std::string_view service, const nlohmann::json& value, Effects& out) {
     mqtt::Message message;
-    message.topic = topics.service_error(board, service);
+    message.topic = board.topics.service_error(board.name, service);
     message.payload = model::dump_json(value);
     out.publish.push_back({std::move(message), mqtt::Priority::kContext});
 }
 
-void report_failure(const bus::Topics& topics, std::string_view board, const Failure& failure, Effects& out) {
+void report_failure(const Board& board, const Failure& failure, Effects& out) {
     nlohmann::json value{{"request", std::string(failure.request.substr(0, kMaxRequestShown))},
                          {"reason", std::string(failure.reason)},
                          {"error", std::string(failure.error)}};
     if (!failure.by.empty()) value["by"] = std::string(failure.by);
-    publish_error(topics, board, failure.service, value, out);
+    publish_error(board, failure.service, value, out);
 }
 
 }  // namespace asip::agent

@@ -4,9 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "agent/bridge/board.hpp"
 #include "agent/bridge/effects.hpp"
-#include "asip/bus/topics.hpp"
-#include "asip/session/service_table.hpp"
 
 namespace asip::agent {
 
@@ -15,8 +14,7 @@ namespace asip::agent {
 std::string service_named(const session::ServiceTable& services, char letter);
 
 /// `{"request":...}` on the service's error topic. As context: of a flood the oldest give way.
-void publish_error(const bus::Topics& topics, std::string_view board, std::string_view service,
-                   const nlohmann::json& value, Effects& out);
+void publish_error(const Board& board, std::string_view service, const nlohmann::json& value, Effects& out);
 
 /// A command that was not executed.
 struct Failure {
@@ -28,6 +26,6 @@ struct Failure {
 };
 /// Reports it to whoever listens, as the one who sent it wants no answer:
 /// `{"request":"W,0,90","reason":"queue-full","error":"...","by":"anna"}`.
-void report_failure(const bus::Topics& topics, std::string_view board, const Failure& failure, Effects& out);
+void report_failure(const Board& board, const Failure& failure, Effects& out);
 
 }  // namespace asip::agent

@@ -49,7 +49,7 @@ void LabelBook::join() {
         if (names() < model::kMaxFriendlyNames) current_.pins.insert(pin);
 }
 
-std::string LabelBook::why_not(const model::LabelChange& change, const Parts& parts) const {
+std::string LabelBook::why_not(const model::LabelChange& change) const {
     if (const auto it = first_fixed(fixed_.labels, change.labels); it != change.labels.end())
         return fixed_fault("the label " + it->first);
     if (const auto it = first_fixed(fixed_.services, change.services); it != change.services.end())
@@ -57,22 +57,21 @@ std::string LabelBook::why_not(const model::LabelChange& change, const Parts& pa
     if (const auto it = first_fixed(fixed_.pins, change.pins); it != change.pins.end())
         return fixed_fault("the name of pin " + std::to_string(it->first));
     std::vector<std::string> services;
-    for (const auto& entry : parts.services.entries())
+    for (const auto& entry : board_.services.entries())
         services.push_back(entry.name);
     for (const auto& [name, value] : change.services)
         if (value && !services.empty() && std::find(services.begin(), services.end(), name) == services.end())
             return "the board has no service " + name + text::did_you_mean(name, services);
+    const auto pins = board_.session.identity().pin_capabilities.size();
     for (const auto& [pin, value] : change.pins)
-        if (value && parts.pins != 0 && static_cast<std::size_t>(pin) >= parts.pins)
-            return "the board has pins 0 to " + std::to_string(parts.pins - 1);
+        if (value && pins != 0 && static_cast<std::size_t>(pin) >= pins)
+            return "the board has pins 0 to " + std::to_string(pins - 1);
     return {};
 }
 
-void LabelBook::request(const std::string& board, const bus::RequestEnvelope& envelope, const Parts& parts,
-                        Effects& out) {
-    auto change = bus::read_label_request(envelope.object);
-    Request request{board, envelope.shown(), change.value_or(model::LabelChange()), envelope.reply};
-    auto why = change ? why_not(*change, parts) : change.error();
+void LabelBook::request(const LabelRequest& wanted, Effects& out) {
+    Request request{wanted.shown(), wanted.change.value_or(model::LabelChange()), wanted.reply()};
+    auto why = wanted.change ? why_not(*wanted.change) : wanted.change.error();
     if (!why.empty())
         return answer(request, bus::Reply::refused(std::string(bus::kRefusedInvalid), std::move(why)), out);
     if (waiting_.size() >= kMaxWaiting)
@@ -134,7 +133,7 @@ void LabelBook::answer(const Request& request, bus::Reply reply, Effects& out) c
     if (auto message = bus::reply_message(request.reply, reply))
         out.publish.push_back({std::move(*message), mqtt::Priority::kReply});
     if (!request.change.empty())
-        note_command(topics_, request.board, {"command", {}, request.text, request.reply.by, reply}, out);
+        note_command(board_, {"command", {}, request.text, request.reply.by, reply}, out);
 }
 
 std::string LabelBook::answer_json(const std::filesystem::path& set_aside) const {

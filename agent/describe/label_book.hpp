@@ -5,13 +5,11 @@
 #include <optional>
 #include <string>
 
+#include "agent/bridge/board.hpp"
 #include "agent/bridge/effects.hpp"
-#include "asip/bus/reply.hpp"
-#include "asip/bus/request_envelope.hpp"
-#include "asip/bus/topics.hpp"
+#include "agent/inbound/inbound.hpp"
 #include "asip/expected.hpp"
 #include "asip/model/labels.hpp"
-#include "asip/session/service_table.hpp"
 
 namespace asip::agent {
 
@@ -23,19 +21,15 @@ class LabelBook {
     /// How many requests may wait for the disk.
     static constexpr std::size_t kMaxWaiting = 64;
 
-    LabelBook(const bus::Topics& topics, model::Labels fixed) : topics_(topics), fixed_(std::move(fixed)) {}
+    /// `board` must outlive it. `fixed`: the labels of the configuration.
+    LabelBook(const Board& board, model::Labels fixed) : board_(board), fixed_(std::move(fixed)) {}
 
     /// What was kept of this board. A fault: it is told in the description and in each answer, until labels
     /// are set anew.
     void load(Expected<model::Labels> kept);
 
-    /// The board, as far as names can be given to its parts. Nothing is known: each name is taken.
-    struct Parts {
-        const session::ServiceTable& services;
-        std::size_t pins = 0;
-    };
-    void request(const std::string& board, const bus::RequestEnvelope& envelope, const Parts& parts,
-                 Effects& out);
+    /// Names are checked against the services and pins of the board, where those are known.
+    void request(const LabelRequest& request, Effects& out);
     /// What became of Effects::keep_labels: where that was put which could not be read; empty: there was
     /// none.
     void kept(const Expected<std::filesystem::path>& result, Effects& out);
@@ -47,19 +41,18 @@ class LabelBook {
 
   private:
     struct Request {
-        std::string board;
         std::string text;
         model::LabelChange change;
         bus::ReplyTo reply;
     };
-    std::string why_not(const model::LabelChange& change, const Parts& parts) const;
+    std::string why_not(const model::LabelChange& change) const;
     void begin_next(Effects& out);
     void finish(bus::Reply reply, Effects& out);
     void answer(const Request& request, bus::Reply reply, Effects& out) const;
     std::string answer_json(const std::filesystem::path& set_aside = {}) const;
     void join();
 
-    bus::Topics topics_;
+    const Board& board_;
     model::Labels fixed_;
     model::Labels kept_;
     model::Labels current_;

@@ -35,10 +35,17 @@ void PortLoan::answer(const bus::ReplyTo& to, bus::Reply reply, Effects& out) co
         out.publish.push_back({std::move(*message), mqtt::Priority::kReply});
 }
 
-void PortLoan::request(const bus::PortRequest& request, const bus::ReplyTo& reply, const Board& board,
-                       Time now, text::WallTime wall, Effects& out) {
-    if (request.what == bus::PortRequest::What::kRelease)
-        return release(request, reply, board, now, wall, out);
+void PortLoan::request(const PortRequest& request, const Lent& board, Time now, text::WallTime wall,
+                       Effects& out) {
+    const auto& reply = request.reply();
+    const auto& wanted = request.wanted;
+    if (!wanted)
+        return answer(reply, bus::Reply::refused(std::string(bus::kRefusedInvalid), wanted.error()), out);
+    if (wanted->what == bus::PortRequest::What::kRelease) {
+        // Nobody waits for the port any more, and nobody would give it back.
+        if (now >= request.deadline()) return answer(reply, bus::Reply::timeout(), out);
+        return release(*wanted, reply, board, now, wall, out);
+    }
     if (phase_ != Phase::kReleased)
         return answer(reply,
                       bus::Reply::refused(std::string(bus::kRefusedNotReleased),
@@ -49,7 +56,7 @@ void PortLoan::request(const bus::PortRequest& request, const bus::ReplyTo& repl
     take_back(now, out);
 }
 
-void PortLoan::release(const bus::PortRequest& request, const bus::ReplyTo& reply, const Board& board,
+void PortLoan::release(const bus::PortRequest& request, const bus::ReplyTo& reply, const Lent& board,
                        Time now, text::WallTime wall, Effects& out) {
     const bool prolongs = is_away() && !reply.by.empty() && reply.by == by_;
     if (phase_ != Phase::kOurs && !prolongs)

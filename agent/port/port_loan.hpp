@@ -4,7 +4,7 @@
 #include <string>
 
 #include "agent/bridge/effects.hpp"
-#include "asip/bus/port_request.hpp"
+#include "agent/inbound/inbound.hpp"
 #include "asip/bus/reply.hpp"
 #include "asip/model/description.hpp"
 #include "asip/text/wall_time.hpp"
@@ -43,15 +43,16 @@ class PortLoan {
     /// Whether the port is somebody else's.
     bool is_away() const { return phase_ == Phase::kReleased; }
 
-    /// A request, taken out of its envelope. `link`: of the board; `host`: this machine's name.
-    struct Board {
+    /// The board and its port, as they are before the port is lent.
+    struct Lent {
         BoardTraits traits;
         model::LinkInfo link;
-        std::string host;
-        bool ready = false;  ///< it answers now
+        std::string host;    ///< this machine's name
+        bool ready = false;  ///< the board answers now
     };
-    void request(const bus::PortRequest& request, const bus::ReplyTo& reply, const Board& board, Time now,
-                 text::WallTime wall, Effects& out);
+    /// Answers the request now, or when the port was let go of or taken back. A faulty request is refused,
+    /// one to release that waited longer than its deadline is answered `timeout`.
+    void request(const PortRequest& request, const Lent& board, Time now, text::WallTime wall, Effects& out);
     /// The board is safe, or cannot be made so in time: the port is let go of.
     void let_go(Effects& out);
     /// Once the board at the port was identified.
@@ -66,7 +67,7 @@ class PortLoan {
 
   private:
     void answer(const bus::ReplyTo& to, bus::Reply reply, Effects& out) const;
-    void release(const bus::PortRequest& request, const bus::ReplyTo& reply, const Board& board, Time now,
+    void release(const bus::PortRequest& request, const bus::ReplyTo& reply, const Lent& board, Time now,
                  text::WallTime wall, Effects& out);
     void take_back(Time now, Effects& out);
     std::string granted() const;
@@ -77,7 +78,7 @@ class PortLoan {
     Time until_{};
     text::WallTime until_wall_{};
     std::string by_;
-    Board before_;
+    Lent before_;
     bus::ReplyTo release_reply_;
     bus::ReplyTo take_reply_;
 };

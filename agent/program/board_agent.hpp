@@ -10,13 +10,11 @@
 
 #include "agent/bridge/bridge.hpp"
 #include "agent/clients/point_to_point.hpp"
-#include "agent/command/continuations.hpp"
-#include "agent/command/delayed_delivery.hpp"
-#include "agent/command/inbox.hpp"
 #include "agent/command/notes.hpp"
-#include "agent/command/process_pauses.hpp"
 #include "agent/counts/board_log.hpp"
 #include "agent/describe/label_files.hpp"
+#include "agent/inbound/continuations.hpp"
+#include "agent/inbound/inbox.hpp"
 #include "agent/port/outage.hpp"
 #include "agent/program/options.hpp"
 #include "asip/link/kept_stream.hpp"
@@ -85,7 +83,7 @@ class BoardAgent {
     void keep_labels(LabelsToKeep keep);
     void message_received(const mqtt::Message& message);
     void check_the_way();
-    void handle_oldest();
+    void take(const Inbound& message);
     void schedule_turn();
     void turn();
     void note_published(const std::string& topic);
@@ -111,10 +109,8 @@ class BoardAgent {
     boost::asio::steady_timer check_timer_;
     Notes notes_;
     Inbox inbox_;
-    ProcessPauses pauses_;
     std::optional<Time> reads_since_;  // what sockets hold may have been sent since then
-    DelayedDelivery delivery_;
-    std::size_t arrived_ = 0;  // commands in this turn of the loop
+    std::size_t arrived_ = 0;          // commands in this turn of the loop
     bool turn_scheduled_ = false;
     Outage outage_;
     std::optional<Time> armed_for_;

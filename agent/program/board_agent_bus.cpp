@@ -106,7 +106,6 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
     };
     handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
         bridge_.bus_disconnected();
-        delivery_ = {};
         note_online();
         bus_failed(failure, true);
         if (failure.after_sending >= mqtt::CutOff::kTimes) announcing_denied();
@@ -129,37 +128,32 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
 void BoardAgent::message_received(const mqtt::Message& message) {
     if (stopping_) return;
     note_running();
-    const Time arrived = Clock::now();
-    const Time came = delivery_.arrival(arrived);
-    const auto topic = topics_.parse(message.topic);
-    if (!topic) return;
-    if (topic->kind == bus::TopicKind::kStop) {
-        with_bridge([&](Time now, Effects& out) {
-            bridge_.bus_message(message, {.waiting = inbox_.waiting()}, now, out);
-        });
-        if (!message.retain) inbox_.stop();
+    const Time now = Clock::now();
+    auto inbound = bridge_.read(message, now);
+    if (!inbound) return;
+    if (auto* stop = std::get_if<Stop>(&*inbound)) {
+        stop->waiting = inbox_.waiting();
+        const bool retained = stop->retained;
+        take(*inbound);
+        if (!retained) inbox_.stop();
         return;
     }
-    // A renewal has no queue to wait in.
-    const bool request = topic->kind == bus::TopicKind::kBoardIn ||
-                         topic->kind == bus::TopicKind::kBoardOut ||
-                         topic->kind == bus::TopicKind::kServiceIn;
-    const bool command = request && message.payload.find("\"renew\"") == std::string::npos;
-    if (request && delivery_.commanded(arrived, message.qos > 0)) check_the_way();
-    if (command) ++arrived_, schedule_turn();
-    if (!command || (inbox_.empty() && arrived_ <= kAtOnce)) {
-        with_bridge([&](Time now, Effects& out) { bridge_.bus_message(message, {.at = came}, now, out); });
-        return;
-    }
-    inbox_.push(message, came);
-    if (inbox_.full()) handle_oldest();
+    if (request_of(*inbound) != nullptr && bridge_.age().commanded(now, message.qos > 0)) check_the_way();
+    const bool in_turn = takes_turns(*inbound);
+    if (in_turn) ++arrived_, schedule_turn();
+    if (!in_turn || (inbox_.empty() && arrived_ <= kAtOnce)) return take(*inbound);
+    inbox_.push(std::move(*inbound));
+    if (inbox_.full()) take(inbox_.pop());
+}
+
+void BoardAgent::take(const Inbound& message) {
+    with_bridge([&](Time now, Effects& out) { bridge_.take(message, now, out); });
 }
 
 void BoardAgent::note_running() {
-    const Time now = Clock::now();
-    const auto since = pauses_.runs(now, armed_for_, continuations());
+    const auto since = bridge_.age().runs(Clock::now(), armed_for_, continuations());
     if (!since) return;
-    bridge_.not_watched(*since, now);
+    bridge_.not_watched(*since, Clock::now());
     if (!reads_since_) {
         reads_since_ = since;
         // Each socket that had something then is read in this turn of the loop or in the next one.
@@ -170,13 +164,12 @@ void BoardAgent::note_running() {
             });
         });
     }
-    if (!bus_) return;
-    delivery_.process_paused(now, *since);
-    check_the_way();
+    if (bus_) check_the_way();
 }
 
 void BoardAgent::check_the_way() {
-    const auto due = delivery_.next_check();
+    auto& age = bridge_.age();
+    const auto due = age.next_check();
     if (!due || stopping_) return;
     const Time now = Clock::now();
     if (now < *due) {
@@ -190,21 +183,14 @@ void BoardAgent::check_the_way() {
     }
     const bool sent = bus_->check([this] {
         note_running();
-        if (delivery_.answered(Clock::now()))
+        if (bridge_.age().check_answered(Clock::now()))
             log_.debug("the broker answered late; commands may be delayed", {});
         check_the_way();
     });
     if (sent)
-        delivery_.sent(now);
+        age.check_sent(now);
     else
-        delivery_ = {};
-}
-
-void BoardAgent::handle_oldest() {
-    const auto entry = inbox_.pop();
-    with_bridge([&](Time now, Effects& out) {
-        bridge_.bus_message(entry.message, {.at = entry.arrived, .stopped = entry.stopped}, now, out);
-    });
+        age.connection_changed();
 }
 
 void BoardAgent::schedule_turn() {
@@ -217,7 +203,7 @@ void BoardAgent::turn() {
     turn_scheduled_ = false;
     const bool reading = std::exchange(arrived_, 0u) > 0;
     for (std::size_t i = 0; !reading && i < kAtOnce && !inbox_.empty() && !stopping_; ++i)
-        handle_oldest();
+        take(inbox_.pop());
     if (!inbox_.empty() && !stopping_) schedule_turn();
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "agent/command/continuations.hpp"
+#include "agent/inbound/continuations.hpp"
 #include "agent/program/plan.hpp"
 #include "agent/program/supervisor.hpp"
 #include "asip/program/exit_status.hpp"

@@ -9,11 +9,12 @@
 
 namespace asip::agent {
 
-void Context::on_line(const std::string& board, const protocol::ParsedLine& line,
-                      const session::Identity& identity, const session::ServiceTable& services, Effects& out,
-                      std::string_view by) {
+void Context::on_line(const protocol::ParsedLine& line, Effects& out, std::string_view by) {
+    const auto& topics = board_.topics;
+    const auto& services = board_.services;
+    const auto& identity = board_.session.identity();
     mqtt::Message raw;
-    raw.topic = options_.client_side ? topics_.board_in(board) : topics_.board_out(board);
+    raw.topic = options_.client_side ? topics.board_in(board_.name) : topics.board_out(board_.name);
     raw.payload = line.text() + options_.terminator;
     out.publish.push_back({std::move(raw), mqtt::Priority::kContext});
 
@@ -22,7 +23,7 @@ void Context::on_line(const std::string& board, const protocol::ParsedLine& line
         nlohmann::json value{
             {"request", std::string(1, error.tag)}, {"code", error.code}, {"error", std::string(error.text)}};
         if (!by.empty()) value["by"] = std::string(by);
-        return publish_error(topics_, board, service_named(services, error.service), value, out);
+        return publish_error(board_, service_named(services, error.service), value, out);
     }
     if (!line.is_event()) return;
     const auto event = line.event();
@@ -33,7 +34,7 @@ void Context::on_line(const std::string& board, const protocol::ParsedLine& line
                        : model::raw_event(event);
     if (!value) return;
     mqtt::Message message;
-    message.topic = topics_.service_out(board, service->name);
+    message.topic = topics.service_out(board_.name, service->name);
     message.payload = model::dump_json(*value);
     message.retain = options_.retain_values;
     out.publish.push_back({std::move(message), mqtt::Priority::kContext});

@@ -3,11 +3,9 @@
 #include <string>
 #include <string_view>
 
+#include "agent/bridge/board.hpp"
 #include "agent/bridge/effects.hpp"
-#include "asip/bus/topics.hpp"
 #include "asip/protocol/parsed_line.hpp"
-#include "asip/session/identity.hpp"
-#include "asip/session/service_table.hpp"
 
 namespace asip::agent {
 
@@ -20,16 +18,14 @@ struct ContextOptions {
 /// Lines of the board to the context bus: raw, decoded by their service's model, and errors.
 class Context {
   public:
-    Context(const bus::Topics& topics, ContextOptions options)
-        : topics_(topics), options_(std::move(options)) {}
+    /// `board` must outlive it.
+    Context(const Board& board, ContextOptions options) : board_(board), options_(std::move(options)) {}
 
     /// `by`: who sent the request that the line is an error of; empty: not known.
-    void on_line(const std::string& board, const protocol::ParsedLine& line,
-                 const session::Identity& identity, const session::ServiceTable& services, Effects& out,
-                 std::string_view by = {});
+    void on_line(const protocol::ParsedLine& line, Effects& out, std::string_view by = {});
 
   private:
-    bus::Topics topics_;
+    const Board& board_;
     ContextOptions options_;
 };
 

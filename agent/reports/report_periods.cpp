@@ -48,15 +48,13 @@ void ReportPeriods::demand(std::string_view demander, std::string_view payload, 
     look_again(looked_at_ ? std::max(now, *looked_at_ + kBetweenLooks) : now);
 }
 
-void ReportPeriods::queued(session::RequestId id, std::string_view line) {
+void ReportPeriods::queued(session::RequestId id, const protocol::Request& request) {
     if (!options_.on_demand) return;
-    const auto request = protocol::parse_request(line);
-    if (!request) return;
-    if (request->service == '#' && request->tag == 'R') foreign_.emplace(id, Foreign{'#', 0});
-    if (request->tag != 'A' || !services_.contains(request->service)) return;
-    const auto period = protocol::parse_integer(request->parameters);
+    if (request.service == '#' && request.tag == 'R') foreign_.emplace(id, Foreign{'#', 0});
+    if (request.tag != 'A' || !services_.contains(request.service)) return;
+    const auto period = protocol::parse_integer(request.parameters);
     if (period && *period >= 0 && *period <= kSlowest)
-        foreign_.emplace(id, Foreign{request->service, static_cast<unsigned>(*period)});
+        foreign_.emplace(id, Foreign{request.service, static_cast<unsigned>(*period)});
 }
 
 ReportPeriods::Service* ReportPeriods::find(char letter) {

@@ -10,6 +10,7 @@
 
 #include "agent/bridge/effects.hpp"
 #include "agent/reports/demands.hpp"
+#include "asip/protocol/request.hpp"
 #include "asip/session/board_session.hpp"
 #include "asip/session/service_table.hpp"
 #include "asip/time.hpp"
@@ -51,7 +52,7 @@ class ReportPeriods {
 
     // --- commands
     /// A request of anybody was queued.
-    void queued(session::RequestId id, std::string_view line);
+    void queued(session::RequestId id, const protocol::Request& request);
     /// Of a request of anybody, and of our own.
     void on_finished(const session::Finished& end, Time now, Effects& out);
 

@@ -6,7 +6,6 @@
 
 #include "agent/command/command_note.hpp"
 #include "agent/command/error_report.hpp"
-#include "asip/bus/request_envelope.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/json.hpp"
 #include "asip/protocol/error_code.hpp"
@@ -31,26 +30,24 @@ std::string_view without_service(std::string_view line) {
 
 }  // namespace
 
-std::string safe_form_of(const session::ServiceTable& services, std::string_view line) {
-    if (line.size() < 3) return {};
-    const auto* service = services.find(line[0]);
+std::string safe_form_of(const session::ServiceTable& services, const protocol::Request& request) {
+    const auto* service = services.find(request.service);
     if (service == nullptr || !service->model) return {};
-    const auto* command = service->model->command_with_tag(line[2]);
+    const auto* command = service->model->command_with_tag(request.tag);
     if (command == nullptr || !command->safe) return {};
-    const auto encoded = model::encode_text_command(*service->model, without_service(line));
+    const auto encoded = model::encode_text_command(*service->model, without_service(request.line));
     return encoded ? encoded->safe : std::string();
 }
 
 // --- commands
 
-void Safety::queued(session::RequestId id, std::string_view line, const std::string& safe,
-                    const session::ServiceTable& services) {
+void Safety::queued(session::RequestId id, std::string_view line, const std::string& safe) {
     if (safe.empty()) {
         if (holds_.holds(line)) requests_.emplace(id, line);
         return;
     }
     requests_.emplace(id, safe);
-    const auto* service = services.find(safe[0]);
+    const auto* service = board_.services.find(safe[0]);
     if (service != nullptr && service->model && service->model->safe.empty()) outputs_.queued(safe);
 }
 
@@ -74,7 +71,7 @@ void Safety::done(const SafeLines::Done& line, Time now, Effects& out) {
                out);
         expired_.erase(hold);
     }
-    for (Stop& stop : stops_) {
+    for (OpenStop& stop : stops_) {
         if (stop.open.erase(line.line) == 0) continue;
         if (line.executed) {
             if (line.line != kQuestion) stop.executed.push_back(line.line);
@@ -83,25 +80,23 @@ void Safety::done(const SafeLines::Done& line, Time now, Effects& out) {
         }
         if (stop.open.empty()) answer(stop, true, now, out);
     }
-    std::erase_if(stops_, [](const Stop& stop) { return stop.open.empty(); });
+    std::erase_if(stops_, [](const OpenStop& stop) { return stop.open.empty(); });
 }
 
 void Safety::report(const Holds::Hold& hold, const std::string& text, Effects& out) {
     out.log(Level::kWarning, "hold not renewed: command undone",
             {{"command", hold.line}, {"why", text}, {"by", hold.by}});
-    report_failure(topics_, board_, {hold.service, without_service(hold.line), "not-renewed", text, hold.by},
-                   out);
+    report_failure(board_, {hold.service, without_service(hold.line), "not-renewed", text, hold.by}, out);
     bus::Reply outcome = bus::Reply::timeout();
     outcome.error = text;
-    note_command(topics_, board_, {"undone", hold.service, without_service(hold.line), hold.by, outcome},
-                 out);
+    note_command(board_, {"undone", hold.service, without_service(hold.line), hold.by, outcome}, out);
 }
 
 // --- the board
 
 void Safety::board_restarted(Effects& out) {
     for (const auto& hold : holds_.take_all())
-        report(hold, "the board restarted; nothing is held any more", out);
+        report(hold, "the board restarted; it has no holds any more", out);
     for (const auto& [safe, hold] : expired_)
         report(hold, "not renewed within " + milliseconds(hold.length) + "; the board restarted", out);
     expired_.clear();
@@ -115,8 +110,8 @@ void Safety::board_gone(Effects& out) {
     }
 }
 
-void Safety::stop_services(const session::ServiceTable& services) {
-    for (const auto& service : services.entries())
+void Safety::stop_services() {
+    for (const auto& service : board_.services.entries())
         if (service.model)
             for (const auto& line : service.model->safe)
                 lines_.add(line);
@@ -124,14 +119,13 @@ void Safety::stop_services(const session::ServiceTable& services) {
 
 // --- the bus
 
-void Safety::on_stop(const mqtt::Message& message, std::size_t waiting, const session::ServiceTable& services,
-                     session::BoardSession& session, Time now, session::Actions& actions, Effects& out) {
-    const auto envelope = bus::open_envelope(message);
-    Stop stop;
-    stop.reply = envelope ? envelope->reply : envelope.error().reply;
+void Safety::on_stop(const Stop& message, Time now, session::Actions& actions, Effects& out) {
+    OpenStop stop;
+    stop.reply = message.reply();
     stop.arrived = now;
-    stop.deadline = now + (envelope && envelope->deadline ? *envelope->deadline : session::kDefaultDeadline);
-    if (message.retain) {
+    stop.deadline =
+        now + (message.envelope.deadline ? Duration(*message.envelope.deadline) : session::kDefaultDeadline);
+    if (message.retained) {
         const auto refused = bus::Reply::refused(
             std::string(bus::kRefusedRetained),
             "a stored stop was not executed; clear it by publishing an empty retained message on " +
@@ -146,19 +140,19 @@ void Safety::on_stop(const mqtt::Message& message, std::size_t waiting, const se
     std::vector<std::string> lines = outputs_.lines();
     for (const auto& hold : holds_.take_all())
         lines.push_back(hold.safe);
-    for (const auto& service : services.entries())
+    for (const auto& service : board_.services.entries())
         if (service.model) lines.insert(lines.end(), service.model->safe.begin(), service.model->safe.end());
     if (lines.empty()) lines.emplace_back(kQuestion);
     for (const auto& line : lines)
         lines_.add(line);
-    lines_.send(session, now, actions);
-    stop.refused = waiting + session.cancel_waiting(actions);
+    lines_.send(board_.session, now, actions);
+    stop.refused = message.waiting + board_.session.cancel_waiting(actions);
     stop.open.insert(lines.begin(), lines.end());
     if (stops_.size() >= kMaxStops) return answer(stop, false, now, out);
     stops_.push_back(std::move(stop));
 }
 
-void Safety::answer(const Stop& stop, bool in_time, Time now, Effects& out) {
+void Safety::answer(const OpenStop& stop, bool in_time, Time now, Effects& out) {
     bus::Reply reply = bus::Reply::ok("fence");
     if (!in_time) {
         reply = bus::Reply::timeout("board-not-there");
@@ -170,7 +164,7 @@ void Safety::answer(const Stop& stop, bool in_time, Time now, Effects& out) {
     statistics_.answered(reply, stop.reply.wanted(), now - stop.arrived);
     if (auto message = bus::reply_message(stop.reply, reply))
         out.publish.push_back({std::move(*message), mqtt::Priority::kUrgent});
-    note_command(topics_, board_, {"stop", {}, {}, stop.reply.by, reply}, out);
+    note_command(board_, {"stop", {}, {}, stop.reply.by, reply}, out);
 }
 
 bool Safety::release_all() {
@@ -187,14 +181,14 @@ void Safety::tick(Time now, Effects& out) {
         lines_.add(hold.safe);
         expired_.insert_or_assign(hold.safe, std::move(hold));
     }
-    for (const Stop& stop : stops_)
+    for (const OpenStop& stop : stops_)
         if (now >= stop.deadline) answer(stop, false, now, out);
-    std::erase_if(stops_, [&](const Stop& stop) { return now >= stop.deadline; });
+    std::erase_if(stops_, [&](const OpenStop& stop) { return now >= stop.deadline; });
 }
 
 std::optional<Time> Safety::next_deadline() const {
     auto first = holds_.next_deadline();
-    for (const Stop& stop : stops_)
+    for (const OpenStop& stop : stops_)
         if (!first || stop.deadline < *first) first = stop.deadline;
     return first;
 }

@@ -8,19 +8,20 @@
 #include <unordered_map>
 #include <vector>
 
+#include "agent/bridge/board.hpp"
 #include "agent/bridge/effects.hpp"
 #include "agent/counts/statistics.hpp"
+#include "agent/inbound/inbound.hpp"
 #include "agent/safety/holds.hpp"
 #include "agent/safety/outputs.hpp"
 #include "agent/safety/safe_lines.hpp"
 #include "asip/bus/reply.hpp"
-#include "asip/bus/topics.hpp"
-#include "asip/session/service_table.hpp"
+#include "asip/protocol/request.hpp"
 
 namespace asip::agent {
 
-/// The request that undoes `line`, by the model of its service; empty where none does or none is known.
-std::string safe_form_of(const session::ServiceTable& services, std::string_view line);
+/// The request that undoes `request`, by the model of its service; empty where none does or none is known.
+std::string safe_form_of(const session::ServiceTable& services, const protocol::Request& request);
 
 /// Makes the board safe when a held command is not renewed in time, and when somebody stops the board. Needs
 /// neither bus nor sender for that. Pure; what it adds is sent by send().
@@ -28,12 +29,12 @@ class Safety {
   public:
     static constexpr std::size_t kMaxStops = 256;
 
-    Safety(const bus::Topics& topics, Statistics& statistics) : topics_(topics), statistics_(statistics) {}
+    /// Both must outlive it.
+    Safety(Board& board, Statistics& statistics) : board_(board), statistics_(statistics) {}
 
     // --- commands
     /// A request of anybody was queued. `safe`: safe_form_of() it.
-    void queued(session::RequestId id, std::string_view line, const std::string& safe,
-                const session::ServiceTable& services);
+    void queued(session::RequestId id, std::string_view line, const std::string& safe);
     Holds& holds() { return holds_; }
     const Holds& holds() const { return holds_; }
     /// Of a request of anybody, and of our own.
@@ -45,28 +46,23 @@ class Safety {
     /// It is away, and what it does now cannot be known: what was held is undone as soon as it is back.
     void board_gone(Effects& out);
     /// What the models of its services say is to be sent, once there is a board.
-    void stop_services(const session::ServiceTable& services);
-    void name_board(const std::string& board) { board_ = board; }
+    void stop_services();
 
     // --- the bus
-    /// A message on `$stop`: every hold ends, what waits is refused, and everything is undone. `waiting`: so
-    /// many commands that came before it are refused elsewhere.
-    void on_stop(const mqtt::Message& message, std::size_t waiting, const session::ServiceTable& services,
-                 session::BoardSession& session, Time now, session::Actions& actions, Effects& out);
+    /// Ends every hold, refuses the requests that wait, and undoes everything.
+    void on_stop(const Stop& message, Time now, session::Actions& actions, Effects& out);
 
     /// Undoes what is held now, as the agent ends. True: something is pending.
     bool release_all();
     bool pending() const { return lines_.size() > 0; }
 
     void tick(Time now, Effects& out);
-    void send(session::BoardSession& session, Time now, session::Actions& actions) {
-        lines_.send(session, now, actions);
-    }
+    void send(Time now, session::Actions& actions) { lines_.send(board_.session, now, actions); }
     std::optional<Time> next_deadline() const;
 
   private:
     /// One `$stop` that was not answered yet.
-    struct Stop {
+    struct OpenStop {
         bus::ReplyTo reply;
         std::set<std::string> open;
         std::vector<std::string> executed;
@@ -78,17 +74,16 @@ class Safety {
 
     void done(const SafeLines::Done& line, Time now, Effects& out);
     void report(const Holds::Hold& hold, const std::string& text, Effects& out);
-    void answer(const Stop& stop, bool in_time, Time now, Effects& out);
+    void answer(const OpenStop& stop, bool in_time, Time now, Effects& out);
 
-    bus::Topics topics_;
+    Board& board_;
     Statistics& statistics_;
-    std::string board_;
     Holds holds_;
     Outputs outputs_;
     SafeLines lines_;
     std::unordered_map<session::RequestId, std::string> requests_;  // -> safe form; bounded by the queue
     std::map<std::string, Holds::Hold> expired_;                    // by safe form, not yet undone
-    std::vector<Stop> stops_;
+    std::vector<OpenStop> stops_;
 };
 
 }  // namespace asip::agent

@@ -58,7 +58,7 @@ Expected<Request> parse_request(std::string_view line) {
     if (!addressed || (line.size() > 3 && line[3] != ',')) {
         return fail("'" + std::string(line) + "' is not a request: SERVICE,TAG[,PARAMETERS]");
     }
-    return Request{line[0], line[2], line.size() > 4 ? line.substr(4) : std::string_view{}};
+    return Request{line, line[0], line[2], line.size() > 4 ? line.substr(4) : std::string_view{}};
 }
 
 std::string_view significant(std::string_view line) {
@@ -67,25 +67,26 @@ std::string_view significant(std::string_view line) {
     return line.substr(0, last + 1);
 }
 
-Expected<std::vector<std::string_view>> split_requests(std::string_view payload) {
+Expected<std::vector<Request>> split_requests(std::string_view payload) {
     if (payload.size() > kMaxPayloadBytes) {
         return fail("payload is " + std::to_string(payload.size()) + " bytes long, above " +
                     std::to_string(kMaxPayloadBytes));
     }
-    std::vector<std::string_view> lines;
+    std::vector<Request> requests;
     while (!payload.empty()) {
         const auto end = payload.find('\n');
         const auto line = significant(payload.substr(0, end));
         payload.remove_prefix(end == std::string_view::npos ? payload.size() : end + 1);
         if (line.empty()) continue;
-        if (const auto request = parse_request(line); !request) return fail(request.error());
-        if (lines.size() == kMaxRequestsPerPayload) {
+        const auto request = parse_request(line);
+        if (!request) return fail(request.error());
+        if (requests.size() == kMaxRequestsPerPayload) {
             return fail("payload holds more than " + std::to_string(kMaxRequestsPerPayload) + " requests");
         }
-        lines.push_back(line);
+        requests.push_back(*request);
     }
-    if (lines.empty()) return fail("payload holds no request");
-    return lines;
+    if (requests.empty()) return fail("payload holds no request");
+    return requests;
 }
 
 }  // namespace asip::protocol

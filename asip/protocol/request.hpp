@@ -48,8 +48,9 @@ std::string set_line_rate(int baud);
 /// Boards with the checksum extension only.
 std::string set_checksum(bool on);
 
-/// A request `S,t[,params]` taken apart; `parameters` is a view into the line.
+/// A request `S,t[,params]` taken apart. `line` and `parameters` are views into the text that was parsed.
 struct Request {
+    std::string_view line;  ///< the whole request, without line end
     char service;
     char tag;
     std::string_view parameters;  ///< without the comma before them; may be empty
@@ -63,10 +64,10 @@ Expected<Request> parse_request(std::string_view line);
 /// line that boards ignore: one of blanks alone, and debug text, which begins with `!`.
 std::string_view significant(std::string_view line);
 
-/// Cuts a control payload into request lines, each as significant() gives it: newline or CR LF between them,
-/// optional at the end; lines that boards ignore are skipped. Fails as a whole, with the reason, for one line
-/// that parse_request() refuses, and for more than kMaxRequestsPerPayload lines. The views point into the
-/// payload.
-Expected<std::vector<std::string_view>> split_requests(std::string_view payload);
+/// Takes a control payload apart into requests, each of a line as significant() gives it: newline or CR LF
+/// between them, optional at the end; lines that boards ignore are skipped. Fails as a whole, with the
+/// reason, for one line that parse_request() refuses, and for more than kMaxRequestsPerPayload lines. The
+/// views point into the payload.
+Expected<std::vector<Request>> split_requests(std::string_view payload);
 
 }  // namespace asip::protocol

@@ -37,9 +37,14 @@ void BoardSession::not_watched(Time since, Time now) {
 void BoardSession::line_rate_set(bool ok, Time now, Actions& out) {
     machine_->line_rate_set(ok, now, out);
 }
-Expected<RequestId, Refusal> BoardSession::submit(std::string_view line, const RequestOptions& request,
+Expected<RequestId, Refusal> BoardSession::submit(std::string_view line, const RequestOptions& options,
                                                   Time now, Actions& out) {
-    return machine_->submit(line, request, now, out);
+    return machine_->submit(line, options, now, out);
+}
+
+Expected<RequestId, Refusal> BoardSession::submit(const protocol::Request& request,
+                                                  const RequestOptions& options, Time now, Actions& out) {
+    return machine_->submit(request, options, now, out);
 }
 std::size_t BoardSession::cancel_waiting(Actions& out) {
     return machine_->cancel_waiting(out);

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "asip/expected.hpp"
+#include "asip/protocol/request.hpp"
 #include "asip/random.hpp"
 #include "asip/session/action.hpp"
 #include "asip/session/identity.hpp"
@@ -153,8 +154,11 @@ class BoardSession {
 
     /// Queues one request line (line end optional). While the board restarts or is identified again, requests
     /// wait, each until its deadline. The Finished of the request may already be among `out`.
-    Expected<RequestId, Refusal> submit(std::string_view line, const RequestOptions& request, Time now,
+    Expected<RequestId, Refusal> submit(std::string_view line, const RequestOptions& options, Time now,
                                         Actions& out);
+    /// The same for a line that was parsed already.
+    Expected<RequestId, Refusal> submit(const protocol::Request& request, const RequestOptions& options,
+                                        Time now, Actions& out);
     /// Ends every request that waits and is not urgent, with kNotSent. Their number.
     std::size_t cancel_waiting(Actions& out);
     /// Whether submit() would not refuse a request with kNoBoard.
@@ -185,8 +189,8 @@ class BoardSession {
     std::unique_ptr<Machine> machine_;
 };
 
-/// Whether submit() would not refuse this line with kInvalid.
-bool may_be_sent(std::string_view line);
+/// Whether submit() would not refuse this request with kInvalid.
+bool may_be_sent(const protocol::Request& request);
 
 /// For logs.
 const char* to_string(BoardSession::State state);

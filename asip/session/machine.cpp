@@ -157,34 +157,39 @@ void Machine::fall_silent(Time now, Actions& out) {
 
 // --- requests
 
-bool may_be_sent(std::string_view line) {
-    const auto parsed = protocol::parse_request(line);
+bool may_be_sent(const protocol::Request& request) {
     // The line rate, checksums and the digest of requests are the session's own.
-    return parsed &&
-           (parsed->service != '#' || std::string_view("BCV").find(parsed->tag) == std::string_view::npos);
+    return request.service != '#' || std::string_view("BCV").find(request.tag) == std::string_view::npos;
 }
 
 Expected<RequestId, Refusal> Machine::submit(std::string_view line, const RequestOptions& wanted, Time now,
                                              Actions& out) {
     while (!line.empty() && (line.back() == '\n' || line.back() == '\r'))
         line.remove_suffix(1);
-    if (!may_be_sent(line)) return Unexpected<Refusal>(Refusal::kInvalid);
-    const auto parsed = protocol::parse_request(line);
+    const auto request = protocol::parse_request(line);
+    if (!request) return Unexpected<Refusal>(Refusal::kInvalid);
+    return submit(*request, wanted, now, out);
+}
+
+Expected<RequestId, Refusal> Machine::submit(const protocol::Request& parsed, const RequestOptions& wanted,
+                                             Time now, Actions& out) {
+    if (!may_be_sent(parsed)) return Unexpected<Refusal>(Refusal::kInvalid);
     if (!accepts_requests()) return Unexpected<Refusal>(Refusal::kNoBoard);
-    if (line.size() > identity_.extensions.longest_request()) return Unexpected<Refusal>(Refusal::kTooLong);
+    if (parsed.line.size() > identity_.extensions.longest_request())
+        return Unexpected<Refusal>(Refusal::kTooLong);
     if (wanted.urgent ? queue_.waiting().urgent() >= BoardSession::kMaxUrgent : room(wanted.client) == 0)
         return Unexpected<Refusal>(Refusal::kQueueFull);
     Request request;
     request.id = next_id_++;
     request.client = wanted.client;
-    request.line = std::string(line);
+    request.line = std::string(parsed.line);
     request.deadline = wanted.deadline.value_or(now + kDefaultDeadline);
     request.prove = wanted.prove;
     request.urgent = wanted.urgent;
     request.answer_tag = wanted.answer_tag;
     request.answer_time = wanted.answer_time;
     request.is_answer = wanted.is_answer;
-    request.alone = parsed->service != '#' && identity_.find_service(parsed->service) == nullptr;
+    request.alone = parsed.service != '#' && identity_.find_service(parsed.service) == nullptr;
     const RequestId id = request.id;
     queue_.waiting().push(std::move(request));
     if (std::holds_alternative<Ready>(state_)) on_time(std::get<Ready>(state_), now, out);

@@ -30,8 +30,10 @@ class Machine {
     void tick(Time now, Actions& out);
     void line_rate_set(bool ok, Time now, Actions& out);
     void not_watched(Time since, Time now);
-    Expected<RequestId, Refusal> submit(std::string_view line, const RequestOptions& request, Time now,
+    Expected<RequestId, Refusal> submit(std::string_view line, const RequestOptions& options, Time now,
                                         Actions& out);
+    Expected<RequestId, Refusal> submit(const protocol::Request& parsed, const RequestOptions& options,
+                                        Time now, Actions& out);
     std::size_t cancel_waiting(Actions& out);
     void leave(Leave how, Time now, Actions& out);
     bool accepts_requests() const { return there_ && !leaving_; }

@@ -11,15 +11,15 @@ namespace {
 using namespace asip::protocol;
 
 void read_payload(std::string_view payload) {
-    const auto lines = split_requests(payload);
-    if (!lines) {
-        REQUIRE(!lines.error().empty());
+    const auto requests = split_requests(payload);
+    if (!requests) {
+        REQUIRE(!requests.error().empty());
         return;
     }
-    REQUIRE(!lines->empty() && lines->size() <= kMaxRequestsPerPayload);
-    for (const auto line : *lines) {
-        const auto request = parse_request(line);
-        REQUIRE(request.has_value() && line.size() <= kMaxRequestBytes);
+    REQUIRE(!requests->empty() && requests->size() <= kMaxRequestsPerPayload);
+    for (const auto& request : *requests) {
+        const auto line = request.line;
+        REQUIRE(parse_request(line).has_value() && line.size() <= kMaxRequestBytes);
         const auto frame = encode_utf_frame(line);
         REQUIRE(frame.has_value());
         UtfFrameReader reader;

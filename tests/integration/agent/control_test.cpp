@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -108,6 +109,40 @@ TEST_F(AgentControl, GarbageOnEveryControlTopic_IsRefusedAndTheNextCommandWorks)
         probe.publish(topic, "W,1");
     EXPECT_TRUE(works()) << agent.process().errors();
     EXPECT_LT(agent.process().resident_bytes(), memory_limit(40u << 20));
+}
+
+TEST_F(AgentControl, CommandThatNamesARenewalOrAPort_OvertakesNoOlderOne) {
+    constexpr int kBefore = 40;
+    const auto publish = [this](const json& command) {
+        probe.publish("asip/uno1/io/in", command.dump());
+        return command["id"].get<std::string>();
+    };
+    // What waits for a stopped agent comes in one piece: more than it handles at once.
+    agent.process().signal(SIGSTOP);
+    std::vector<std::string> sent;
+    const json command{{"write", {13, 1}}, {"deadline_ms", 30'000}, {"reply_to", "answers"}};
+    for (int i = 0; i < kBefore; ++i) {
+        auto older = command;
+        older["id"] = std::to_string(i);
+        sent.push_back(publish(older));
+    }
+    for (const auto* word : {"renew", "port", "labels"}) {
+        auto named = command;
+        named["id"] = word;
+        sent.push_back(publish(named));
+        named["id"] = std::string("by ") + word;
+        named["by"] = word;
+        sent.push_back(publish(named));
+    }
+    agent.process().signal(SIGCONT);
+    ASSERT_TRUE(wait_until([&] { return probe.count("answers") >= sent.size(); }));
+    std::vector<std::string> answered;
+    for (const auto& message : probe.messages("answers")) {
+        const auto answer = json::parse(message.payload);
+        EXPECT_EQ(answer["status"], "ok") << answer;
+        answered.push_back(answer["id"]);
+    }
+    EXPECT_EQ(answered, sent);
 }
 
 TEST_F(AgentControl, TenThousandCommandsAtOnce_EachIsAnsweredOnce) {

@@ -73,9 +73,9 @@ TEST_F(AgeOfCommands, RefusedAndDeliveredAgain_IsRefusedAgainAndATryOfLaterIsNot
 
 TEST_F(AgeOfCommands, RefusedByAStopAndDeliveredAgain_IsRefusedAgain) {
     const auto message = over_mqtt5("W,0,10", {{"clock", sent}});
-    bench.hear(message, {.at = bench.now, .stopped = true});
+    bench.hear(message, bench.now, true);
     EXPECT_EQ(answer()["reason"], "stopped");
-    bench.hear(message, {.at = bench.now});
+    bench.hear(message);
     EXPECT_EQ(answer()["reason"], "stopped");
     EXPECT_THAT(bench.board.executed, IsEmpty());
 }

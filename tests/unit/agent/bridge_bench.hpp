@@ -63,8 +63,13 @@ class BridgeBench {
     void say(std::string_view bytes) {
         run([&](Effects& out) { bridge.receive(bytes, now, out); });
     }
-    void hear(const mqtt::Message& message, const Bridge::Arrival& arrival = {}) {
-        run([&](Effects& out) { bridge.bus_message(message, arrival, now, out); });
+    /// The agent reads the message at `read_at`, or now, and handles it now. `stopped`: a stop came
+    /// meanwhile.
+    void hear(const mqtt::Message& message, std::optional<Time> read_at = {}, bool stopped = false) {
+        auto inbound = bridge.read(message, read_at.value_or(now));
+        if (!inbound) return;
+        if (auto* command = std::get_if<Command>(&*inbound)) command->stopped = stopped;
+        run([&](Effects& out) { bridge.take(*inbound, now, out); });
     }
     void hear(const std::string& topic, const std::string& payload, bool retained = false) {
         mqtt::Message message;

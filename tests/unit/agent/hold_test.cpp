@@ -80,7 +80,7 @@ TEST_F(HoldTest, RenewalThatWasDelayed_HoldsFromWhenItMayHaveCome) {
     mqtt::Message late;
     late.topic = kIo;
     late.payload = R"({"renew":"h","reply_to":"me"})";
-    bench.hear(late, {.at = bench.now - 6s});
+    bench.hear(late, bench.now - 6s);
     EXPECT_EQ(json::parse(bench.on("me").back())["proof"], "renewed");
     bench.pass(3999ms);
     EXPECT_THAT(executed(), Not(Contains("I,d,13,0")));
@@ -95,7 +95,7 @@ TEST_F(HoldTest, RenewalOfUnknownAge_ShortensNothing) {
     mqtt::Message late;
     late.topic = kIo;
     late.payload = R"({"renew":"h","reply_to":"me"})";
-    bench.hear(late, {.at = bench.now - 1s});
+    bench.hear(late, bench.now - 1s);
     bench.pass(499ms);
     EXPECT_THAT(executed(), Not(Contains("I,d,13,0")));
     bench.pass(1ms);

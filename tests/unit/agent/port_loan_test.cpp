@@ -142,7 +142,7 @@ TEST_F(ReleasedPortTest, ReleaseThatWaitedLongerThanItsDeadline_IsNotDone) {
             json{{"port", "release"}, {"seconds", 600}, {"by", "ann"}, {"id", id}, {"reply_to", "answers"}}
                 .dump();
         Effects out;
-        bench.bridge.bus_message(message, {.at = bench.now - ago}, bench.now, out);
+        bench.bridge.take(bench.bridge.read(message, bench.now - ago).value(), bench.now, out);
         return out;
     };
     bench.pass(1min);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/command/process_pauses.hpp"
+#include "agent/inbound/process_pauses.hpp"
 
 #include <gtest/gtest.h>
 

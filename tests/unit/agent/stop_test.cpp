@@ -113,11 +113,10 @@ TEST_F(StoppedBoard, CommandNotHandledBeforeTheStop_IsRefused) {
     mqtt::Message message;
     message.topic = "asip/uno1/motors/in";
     message.payload = R"({"power":[0,255],"reply_to":"answers","id":"late"})";
-    Effects out;
-    bench.bridge.bus_message(message, {.at = bench.now, .stopped = true}, bench.now, out);
-    ASSERT_EQ(out.publish.size(), 1u);
-    EXPECT_EQ(json::parse(out.publish[0].message.payload)["reason"], "stopped");
-    EXPECT_TRUE(out.link.empty());
+    bench.hear(message, bench.now, true);
+    ASSERT_EQ(bench.on("answers").size(), 1u);
+    EXPECT_EQ(json::parse(bench.on("answers").front())["reason"], "stopped");
+    EXPECT_THAT(executed(), testing::IsEmpty());
 }
 
 TEST_F(StoppedBoard, Holds_End) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/command/delayed_delivery.hpp"
+#include "agent/inbound/delayed_delivery.hpp"
 
 #include <algorithm>
 #include <utility>

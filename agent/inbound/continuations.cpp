@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/command/continuations.hpp"
+#include "agent/inbound/continuations.hpp"
 
 #include <atomic>
 #include <csignal>

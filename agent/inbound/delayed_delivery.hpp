@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "agent/command/process_pauses.hpp"
+#include "agent/inbound/process_pauses.hpp"
 #include "asip/time.hpp"
 
 namespace asip::agent {

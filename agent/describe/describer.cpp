@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/describe/describer.hpp"
+
+#include <utility>
+
+#include "asip/model/names.hpp"
+#include "asip/protocol/body.hpp"
+
+namespace asip::agent {
+
+namespace {
+
+std::optional<int> lookup(const std::map<char, int>& values, char letter) {
+    const auto it = values.find(letter);
+    if (it == values.end()) return std::nullopt;
+    return it->second;
+}
+
+}  // namespace
+
+Describer::Describer(const Board& board, const model::ModelSet& models, const ReportOptions& reports)
+    : board_(board), models_(models) {
+    if (reports.on_demand)
+        on_demand_ = {static_cast<int>(reports.fastest.count()), static_cast<int>(reports.resting.count())};
+}
+
+void Describer::board_found(bool changed, const ReportPeriods& periods) {
+    if (changed) counts_.clear();
+    periods_ = periods_of(periods);
+}
+
+bool Describer::note_agent(model::AgentInfo agent) {
+    if (agent.client == agent_.client) return false;
+    agent_ = std::move(agent);
+    return true;
+}
+
+bool Describer::note_labels(const LabelBook& labels) {
+    if (labels_ == labels.current() && labels_fault_ == labels.fault()) return false;
+    labels_ = labels.current();
+    labels_fault_ = labels.fault();
+    return true;
+}
+
+bool Describer::note_line(const protocol::ParsedLine& line) {
+    if (!line.is_event()) return false;
+    const auto event = line.event();
+    if (event.service == 'I' || event.service == '#') return false;
+    const auto* service = board_.services.find(event.service);
+    if (!service || !service->model) return false;
+    const auto* event_model = service->model->event(event.tag);
+    if (!event_model || event_model->shape != model::EventShape::kPerElement) return false;
+    const auto body = protocol::parse_body(event.body);
+    if (!body) return false;
+    const int count = static_cast<int>(body->items.size());
+    if (lookup(counts_, event.service) == count) return false;
+    counts_[event.service] = count;
+    return true;
+}
+
+bool Describer::note_settings(const ReportPeriods& periods) {
+    auto now = periods_of(periods);
+    if (board_.session.identity().pin_modes == described_modes_ && now == periods_) return false;
+    periods_ = std::move(now);
+    return true;
+}
+
+std::map<char, int> Describer::periods_of(const ReportPeriods& periods) const {
+    std::map<char, int> result;
+    for (const auto& entry : board_.services.entries()) {
+        // Of reports on demand the description says only that: it would change with each subscriber.
+        if (periods.controls(entry.letter)) continue;
+        if (const auto period = board_.session.period(entry.letter))
+            result[entry.letter] = static_cast<int>(*period);
+    }
+    return result;
+}
+
+model::PinsInfo Describer::pins() const {
+    const auto& board = board_.session.identity();
+    model::PinsInfo pins;
+    pins.owners = board.pin_owners;
+    for (auto capability : board.pin_capabilities)
+        pins.capabilities += static_cast<char>('0' + (capability & 7));
+    for (auto mode : board.pin_modes)
+        pins.modes += static_cast<char>('0' + static_cast<int>(mode));
+    pins.analog = board.analog_pins;
+    return pins;
+}
+
+model::Description Describer::description() {
+    const auto& board = board_.session.identity();
+    link_.baud = static_cast<int>(board_.session.baud());
+    described_modes_ = board.pin_modes;
+    model::Description description;
+    description.firmware = {board.info.protocol(), board.info.chip, board.info.sketch, board.extensions};
+    description.link = link_;
+    description.agent = agent_;
+    description.pins = pins();
+    description.labels = labels_;
+    description.labels_fault = labels_fault_;
+    description.on_demand = on_demand_;
+    for (const auto& entry : board_.services.entries()) {
+        model::ServiceInfo service;
+        service.name = entry.name;
+        service.id = entry.letter;
+        service.title = entry.title;
+        if (entry.model && models_.is_standard(*entry.model)) service.model = entry.model->ref();
+        if (entry.model && service.model.empty()) service.own_model = entry.model;
+        service.count = lookup(counts_, entry.letter);
+        service.period = lookup(periods_, entry.letter);
+        description.services.push_back(std::move(service));
+    }
+    return description;
+}
+
+std::string Describer::name_from_link() const {
+    std::string_view text = link_.path;
+    if (link_.kind == "serial") text = text.substr(text.rfind('/') + 1);
+    return model::suggest_name(text);
+}
+
+}  // namespace asip::agent

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "agent/bridge/board.hpp"
+#include "agent/describe/label_book.hpp"
+#include "agent/reports/report_periods.hpp"
+#include "asip/model/description.hpp"
+#include "asip/model/model_set.hpp"
+#include "asip/protocol/parsed_line.hpp"
+
+namespace asip::agent {
+
+/// Collects what the board's description says besides the board's own words. Each note returns true when the
+/// description has changed, so that it must be announced again. Pure.
+class Describer {
+  public:
+    /// Both references must outlive it.
+    Describer(const Board& board, const model::ModelSet& models, const ReportOptions& reports);
+
+    void link_opened(model::LinkInfo link) { link_ = std::move(link); }
+    void line_rate_changed(unsigned baud) { link_.baud = static_cast<int>(baud); }
+    /// The board was identified; `changed`: it may be another board than before.
+    void board_found(bool changed, const ReportPeriods& periods);
+    bool note_agent(model::AgentInfo agent);
+    bool note_labels(const LabelBook& labels);
+    /// A line of the board shows how many elements a service has.
+    bool note_line(const protocol::ParsedLine& line);
+    /// A request ended, which may have changed pin modes and periods.
+    bool note_settings(const ReportPeriods& periods);
+
+    const model::LinkInfo& link() const { return link_; }
+    /// The name for a board that has none and was given none: from the port or address it is at.
+    std::string name_from_link() const;
+    /// Everything but board name, session, seq and lease, which the announcer fills in.
+    model::Description description();
+
+  private:
+    std::map<char, int> periods_of(const ReportPeriods& periods) const;
+    model::PinsInfo pins() const;
+
+    const Board& board_;
+    const model::ModelSet& models_;
+    model::LinkInfo link_;
+    model::AgentInfo agent_;
+    std::map<char, int> counts_;   // elements of a service, as seen in its events
+    std::map<char, int> periods_;  // of reports, in ms
+    model::Labels labels_;
+    std::string labels_fault_;
+    std::optional<model::OnDemandInfo> on_demand_;
+    std::vector<protocol::PinMode> described_modes_;
+};
+
+}  // namespace asip::agent

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "agent/inbound/arrival.hpp"
+#include "agent/inbound/delayed_delivery.hpp"
+#include "agent/inbound/process_pauses.hpp"
+#include "asip/bus/agent_clock.hpp"
+#include "asip/mqtt/message.hpp"
+
+namespace asip::agent {
+
+/// Finds out when a command was sent, so that no command is executed late. Four signs are joined here: the
+/// agent's clock in the command, the MQTT expiry, pauses of this process, and checks that show a delayed
+/// delivery. Pure: time comes in.
+class CommandAge {
+  public:
+    explicit CommandAge(const Random& random) : clock_(random) {}
+
+    /// When a message was sent that is read now. `reading`: of the agent's clock, from the envelope; empty
+    /// where the sender gives none.
+    Arrival sent_at(const mqtt::Message& message, std::string_view reading, Time now) const;
+
+    /// The agent's clock, for answers. Senders put the reading into their commands.
+    std::string clock(Time now) const { return clock_.read(now); }
+
+    // --- what it learns from
+    /// The process runs. Call it before anything else is done at `now`. `timer_due`: when the process had
+    /// asked to be woken; `continuations`: how often it went on after a stop. Returns since when it did not
+    /// run, if it was paused; then a check is due.
+    std::optional<Time> runs(Time now, std::optional<Time> timer_due, unsigned continuations);
+    /// A command was read. True: the first check is due now.
+    bool commanded(Time now, bool qos1) { return delivery_.commanded(now, qos1); }
+    /// A new connection: nothing that was delayed on the old one comes over it.
+    void connection_changed() { delivery_ = {}; }
+    /// Checks of the connection (mqtt::Client::check), see DelayedDelivery.
+    std::optional<Time> next_check() const { return delivery_.next_check(); }
+    void check_sent(Time now) { delivery_.sent(now); }
+    /// True: the answer came too late.
+    bool check_answered(Time now) { return delivery_.answered(now); }
+
+  private:
+    bus::AgentClock clock_;
+    ProcessPauses pauses_;
+    DelayedDelivery delivery_;
+};
+
+}  // namespace asip::agent

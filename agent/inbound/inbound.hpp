@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "agent/inbound/arrival.hpp"
+#include "asip/bus/port_request.hpp"
+#include "asip/bus/request_envelope.hpp"
+#include "asip/bus/topics.hpp"
+#include "asip/model/labels.hpp"
+#include "asip/session/service_table.hpp"
+
+namespace asip::agent {
+
+class CommandAge;
+
+/// A request as it came on BOARD/in, BOARD/SERVICE/in or BOARD/$stop, with its envelope taken off.
+struct BusRequest {
+    std::string topic;
+    std::string service;  ///< name in the topic; empty: the request is for the whole board
+    std::string payload;
+    bool retained = false;
+    bus::RequestEnvelope envelope;  ///< of an unreadable request only `reply` is filled in
+    std::string fault{};            ///< why the request cannot be read, for a person; empty: it can
+    Arrival arrival{};
+
+    const bus::ReplyTo& reply() const { return envelope.reply; }
+    Time deadline() const { return arrival.deadline(envelope.deadline); }
+    /// The request in words, for logs and reports.
+    std::string shown() const { return fault.empty() ? envelope.shown() : payload; }
+};
+
+// The kinds of messages that an agent gets. Each message is exactly one of them.
+
+/// A command for the board. Requests that were stored by the broker (retained) and unreadable requests are
+/// commands, too: Control refuses them.
+struct Command : BusRequest {
+    bool stopped = false;  ///< the board was stopped after this command came: it must not be executed
+};
+/// `{"renew":"7"}` or `{"renew":true}` on BOARD/SERVICE/in, where the service has no command of that name.
+struct Renewal : BusRequest {
+    std::optional<std::string> id{};  ///< of the command whose hold is renewed; none: all of this client
+};
+struct Stop : BusRequest {
+    std::size_t waiting = 0;  ///< commands that came before this stop and were not handled yet
+};
+struct PortRequest : BusRequest {
+    Expected<bus::PortRequest> wanted;
+};
+struct LabelRequest : BusRequest {
+    Expected<model::LabelChange> change;
+};
+/// A client tells how often it wants values. Not parsed yet: ReportPeriods does that.
+struct DemandMessage {
+    std::string demander;  ///< USER/CLIENT
+    std::string payload;
+    bool retained = false;
+};
+/// A message for the announcer: a probe, or another announcement of this board. Not parsed yet.
+struct Announcement {
+    mqtt::Message message;
+};
+
+using Inbound = std::variant<Command, Renewal, Stop, PortRequest, LabelRequest, DemandMessage, Announcement>;
+
+/// The board and its agent, as far as they decide what a message is.
+struct Addressee {
+    const bus::Topics& topics;
+    std::string_view board;
+    const session::ServiceTable& services;
+    bool client_side = false;  ///< see BridgeOptions::context
+    bool on_demand = false;    ///< the agent takes demands
+};
+
+/// Reads topic and envelope of a message, once. Nothing for a message that is not for this board. Any bytes
+/// may be given. Pure.
+std::optional<Inbound> read_inbound(const mqtt::Message& message, const Addressee& addressee,
+                                    const CommandAge& age, Time now);
+
+/// The request in it; null for a demand and an announcement.
+const BusRequest* request_of(const Inbound& inbound);
+/// Whether such a message takes its turn behind earlier ones: commands, port requests and label requests.
+/// All other kinds are handled at once; a stop and a renewal must not wait.
+bool takes_turns(const Inbound& inbound);
+/// Bytes of memory that it needs, about.
+std::size_t bytes_of(const Inbound& inbound);
+
+}  // namespace asip::agent
