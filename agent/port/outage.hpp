@@ -16,6 +16,11 @@ class Outage {
   public:
     static constexpr Duration kRemindEvery = std::chrono::minutes(1);
 
+    /// The port was opened.
+    void opened() { attempts_ = kLater; }
+    /// The attempt that failed now is the first one: the port was never opened, and never failed before. To
+    /// be asked once for each failure, before failed().
+    bool first_attempt() { return std::exchange(attempts_, kLater) == kFirst; }
     /// An attempt failed. True: report it.
     bool failed(link::StreamError::Kind kind, Time now) {
         const bool is_new = kinds_.insert(kind).second;
@@ -30,6 +35,9 @@ class Outage {
     }
 
   private:
+    enum Attempts { kFirst, kLater };
+
+    Attempts attempts_ = kFirst;
     std::set<link::StreamError::Kind> kinds_;
     std::optional<Time> last_logged_;
 };

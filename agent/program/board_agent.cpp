@@ -50,8 +50,13 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
       io_(host.io),
       log_(called(host.several, options_),
            [this] {
-               if (!stopping_) publish_log();
+               if (!ended()) publish_log();
            }),
+      reports_(log_,
+               [this] {
+                   return BrokerReports::Agent{bridge_.name(), options_.bridge.topic_root, options_.mqtt.user,
+                                               options_.mqtt.brokers.front().describe()};
+               }),
       bridge_(bridge_options(options_.bridge, label_files_), options_.models, system_random()),
       link_(io_, stream_target(options_),
             {[this](const link::StreamOpened& opened) { link_opened(opened); },
@@ -60,9 +65,7 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
                  board_heard();
                  with_bridge([&](Time now, Effects& out) { bridge_.receive(bytes, now, out); });
              },
-             [this](const link::StreamError& error) {
-                 link_failed(error, !std::exchange(link_tried_, true));
-             }}),
+             [this](const link::StreamError& error) { link_failed(error); }}),
       clients_(
           io_, log_, options_.listen_silence,
           [this] {
@@ -107,8 +110,9 @@ void BoardAgent::start() {
 
 void BoardAgent::note_online() {
     using State = session::BoardSession::State;
-    const bool now = bridge_.may_publish() && bridge_.session().state() == State::kReady;
-    if (std::exchange(online_, now) != now) handlers_.on_changed();
+    const bool usable = bridge_.may_publish() && bridge_.session().state() == State::kReady;
+    const auto now = usable ? Presence::kOnline : Presence::kAway;
+    if (std::exchange(presence_, now) != now) handlers_.on_changed();
 }
 
 void BoardAgent::perform(Effects& effects) {
@@ -130,7 +134,6 @@ void BoardAgent::perform(Effects& effects) {
     }
     if (effects.board_known) {
         log_.board_is(bridge_.name());
-        board_ever_known_ = true;
         reset_timer_.cancel();
         if (!bus_) connect_bus();
     }
@@ -151,7 +154,7 @@ void BoardAgent::perform(Effects& effects) {
     }
     if (effects.port == Effects::Port::kTakeBack) link_.start();
     if (effects.fatal) {
-        if (!stop_asked_) log_.error(effects.fatal->text, {});
+        if (life_ == Life::kRunning) log_.error(effects.fatal->text, {});
         end_once_safe([this, status = effects.fatal->status] { finish(status); });
     }
 }
@@ -177,7 +180,7 @@ void BoardAgent::arm_timer() {
     armed_for_ = *deadline;
     timer_.expires_at(*deadline);
     timer_.async_wait([this](boost::system::error_code error) {
-        if (error || stopping_) return;
+        if (error || ended()) return;
         note_running();
         armed_for_.reset();
         with_bridge([&](Time now, Effects& out) {
@@ -187,7 +190,7 @@ void BoardAgent::arm_timer() {
 }
 
 void BoardAgent::link_opened(const link::StreamOpened& opened) {
-    link_tried_ = true;
+    outage_.opened();
     model::LinkInfo info{options_.serial.empty() ? "tcp" : "serial", opened.name,
                          static_cast<int>(opened.baud)};
     with_bridge([&](Time now, Effects& out) {
@@ -196,11 +199,11 @@ void BoardAgent::link_opened(const link::StreamOpened& opened) {
     if (!opened.restarting && options_.reset == ResetPolicy::kIfSilent) board_silent_at_start();
 }
 
-void BoardAgent::link_failed(const link::StreamError& error, bool first) {
+void BoardAgent::link_failed(const link::StreamError& error) {
     using Kind = link::StreamError::Kind;
     const bool waiting_helps =
         error.kind == Kind::kNotThere || error.kind == Kind::kUnreachable || error.kind == Kind::kClosed;
-    if (first && !waiting_helps) {
+    if (outage_.first_attempt() && !waiting_helps) {
         log_.error(error.text, {});
         return finish(program::kExitBoard);
     }
@@ -211,24 +214,24 @@ void BoardAgent::link_failed(const link::StreamError& error, bool first) {
 void BoardAgent::link_lost(const link::StreamError& error) {
     reset_timer_.cancel();
     // Opened and closed without a byte from the board: the same as not opened.
-    if (bridge_.session().counters().bytes_in == 0) link_failed(error, false);
+    if (bridge_.session().counters().bytes_in == 0) link_failed(error);
     with_bridge([&](Time now, Effects& out) { bridge_.link_down(error.text, now, out); });
 }
 
 void BoardAgent::board_heard() {
-    if (!stopping_ && outage_.heard()) log_.info("board reachable again", {});
+    if (!ended() && outage_.heard()) log_.info("board reachable again", {});
 }
 
 void BoardAgent::board_silent_at_start() {
     reset_timer_.expires_after(kSilentAtStart);
     reset_timer_.async_wait([this](boost::system::error_code error) {
-        if (error || stopping_ || bridge_.session().state() == session::BoardSession::State::kReady) return;
+        if (error || ended() || bridge_.session().state() == session::BoardSession::State::kReady) return;
         if (link_.restart_board()) log_.info("board silent; restarting it by DTR", {});
     });
 }
 
 void BoardAgent::stop() {
-    if (stopping_ || stop_asked_) return;
+    if (life_ != Life::kRunning) return;
     log_.info("stopping", {});
     end_once_safe([this] {
         Effects effects;
@@ -240,13 +243,14 @@ void BoardAgent::stop() {
 }
 
 void BoardAgent::end_once_safe(std::function<void()> end) {
-    if (stopping_ || std::exchange(stop_asked_, true)) return;
+    if (life_ != Life::kRunning) return;
+    life_ = Life::kMakingSafe;
     with_bridge([&](Time now, Effects& out) { bridge_.release_holds(now, out); });
     wait_until_safe(Clock::now() + kMakeSafe, std::move(end));
 }
 
 void BoardAgent::wait_until_safe(Time limit, std::function<void()> end) {
-    if (stopping_) return;
+    if (ended()) return;
     if (bridge_.is_safe() || !bridge_.session().accepts_requests() || Clock::now() >= limit) {
         with_bridge([&](Time now, Effects& out) { bridge_.leave_line(now, out); });
         return wait_until_left(Clock::now() + kLeaveLine, std::move(end));
@@ -258,7 +262,7 @@ void BoardAgent::wait_until_safe(Time limit, std::function<void()> end) {
 }
 
 void BoardAgent::wait_until_left(Time limit, std::function<void()> end) {
-    if (stopping_) return;
+    if (ended()) return;
     if (bridge_.has_left_line() || Clock::now() >= limit) return end();
     safe_timer_.expires_after(kLookAgain);
     safe_timer_.async_wait([this, limit, end = std::move(end)](boost::system::error_code error) mutable {
@@ -267,8 +271,8 @@ void BoardAgent::wait_until_left(Time limit, std::function<void()> end) {
 }
 
 void BoardAgent::finish(int status) {
-    if (std::exchange(stopping_, true)) return;
-    online_ = false;
+    if (std::exchange(life_, Life::kEnded) == Life::kEnded) return;
+    presence_ = Presence::kAway;
     timer_.cancel();
     reset_timer_.cancel();
     counters_timer_.cancel();
@@ -278,12 +282,12 @@ void BoardAgent::finish(int status) {
     clients_.close();
     link_.stop();
     // What was in the loop's queue already runs before that.
-    auto ended = [this, status] {
+    auto tell = [this, status] {
         boost::asio::post(io_, [on_ended = handlers_.on_ended, status] { on_ended(status); });
     };
-    if (!bus_) return ended();
+    if (!bus_) return tell();
     notes_.publish_all();
-    bus_->stop(kGoodbye, std::move(ended));
+    bus_->stop(kGoodbye, std::move(tell));
 }
 
 }  // namespace asip::agent

@@ -16,10 +16,10 @@
 #include "agent/inbound/continuations.hpp"
 #include "agent/inbound/inbox.hpp"
 #include "agent/port/outage.hpp"
+#include "agent/program/broker_reports.hpp"
 #include "agent/program/options.hpp"
 #include "asip/link/kept_stream.hpp"
 #include "asip/mqtt/client.hpp"
-#include "asip/mqtt/outage.hpp"
 
 namespace asip::agent {
 
@@ -50,9 +50,14 @@ class BoardAgent {
     void stop();
 
     /// Whether the board answers and is on the bus.
-    bool online() const { return online_; }
+    bool online() const { return presence_ == Presence::kOnline; }
 
   private:
+    /// kMakingSafe: asked to end, or has to; the board is made safe first.
+    enum class Life { kRunning, kMakingSafe, kEnded };
+    enum class Presence { kAway, kOnline };
+
+    bool ended() const { return life_ == Life::kEnded; }
     template <class Call>
     void with_bridge(Call&& call);
     void perform(Effects& effects);
@@ -69,7 +74,7 @@ class BoardAgent {
     void finish(int status);
     void link_opened(const link::StreamOpened& opened);
     void link_lost(const link::StreamError& error);
-    void link_failed(const link::StreamError& error, bool first);
+    void link_failed(const link::StreamError& error);
     void board_heard();
     mqtt::Client::Handlers bus_handlers();
     void bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected);
@@ -87,8 +92,6 @@ class BoardAgent {
     void schedule_turn();
     void turn();
     void note_published(const std::string& topic);
-    void log_rejections();
-    void announcing_denied();
 
     AgentOptions options_;
     const bus::Topics topics_;
@@ -97,6 +100,7 @@ class BoardAgent {
     const Handlers handlers_;
     boost::asio::io_context& io_;
     BoardLog log_;
+    BrokerReports reports_;
     Bridge bridge_;
     link::KeptStream link_;
     PointToPoint clients_;
@@ -109,37 +113,23 @@ class BoardAgent {
     boost::asio::steady_timer check_timer_;
     Notes notes_;
     Inbox inbox_;
-    std::optional<Time> reads_since_;  // what sockets hold may have been sent since then
-    std::size_t arrived_ = 0;          // commands in this turn of the loop
-    bool turn_scheduled_ = false;
+    std::optional<Time> reads_since_;     // what sockets hold may have been sent since then
+    std::optional<std::size_t> arrived_;  // since a turn was scheduled; none: no turn is scheduled
     Outage outage_;
     std::optional<Time> armed_for_;
-    std::uint64_t logged_dropped_ = 0;
-    std::uint64_t logged_refused_ = 0;
-    mqtt::Counters counted_before_;        // this connection
-    std::size_t packet_limit_ = 0;         // of its broker, in bytes
-    bool announcement_published_ = false;  // over this connection
-    bool stray_answer_logged_ = false;
-    bool rejection_logged_ = false;  // of this connection
-    bool denial_logged_ = false;     // since the last announcement that was taken
-    mqtt::Outage bus_outage_;
-    bool board_ever_known_ = false;
-    bool link_tried_ = false;
-    bool missing_credentials_logged_ = false;
-    bool stop_asked_ = false;
-    bool stopping_ = false;
-    bool online_ = false;
-    std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
+    Life life_ = Life::kRunning;
+    Presence presence_ = Presence::kAway;
+    std::shared_ptr<const void> alive_ = std::make_shared<char>();  // posted calls hold it weakly
 };
 
 template <class Call>
 void BoardAgent::with_bridge(Call&& call) {
-    if (stopping_) return;
+    if (ended()) return;
     note_running();
     Effects effects;
     call(Clock::now(), effects);
     perform(effects);
-    if (stopping_) return;
+    if (ended()) return;
     clients_.resume();
     arm_timer();
     note_online();

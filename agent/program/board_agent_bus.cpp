@@ -67,7 +67,7 @@ bool BoardAgent::look_for_credentials() {
     if (folder.empty() || !options_.broker.credentials.empty()) return false;
     if (!program::credentials_in_dir(options_.broker, bridge_.name()).empty()) {
         boost::asio::post(io_, [this] {
-            if (stopping_) return;
+            if (ended()) return;
             bus_.reset();
             connect_bus();
         });
@@ -75,24 +75,14 @@ bool BoardAgent::look_for_credentials() {
     }
     std::error_code error;
     if (fs::directory_iterator(folder, error) == fs::directory_iterator() || error) return false;
-    if (!std::exchange(missing_credentials_logged_, true)) {
-        log_.warning("there are no credentials for board " + bridge_.name() +
-                         " on this machine; waiting for them: sudo asipctl secure add board " +
-                         bridge_.name() + " --here",
-                     {{"folder", folder.string()}});
-    }
+    reports_.credentials_missing(bridge_.name(), folder.string());
     return true;
 }
 
 mqtt::Client::Handlers BoardAgent::bus_handlers() {
     mqtt::Client::Handlers handlers;
     handlers.on_connected = [this](const mqtt::Connected& connected) {
-        bus_outage_.over();
-        announcement_published_ = rejection_logged_ = stray_answer_logged_ = false;
-        counted_before_ = bus_->counters();
-        packet_limit_ = connected.max_packet_bytes;
-        log_.info("broker connected",
-                  {{"broker", connected.broker.describe()}, {"mqtt", connected.v5 ? "5" : "3.1.1"}});
+        reports_.connected(connected, bus_->counters());
         bus_->discard_queued(mqtt::Priority::kAnnouncement);
         with_bridge([&](Time now, Effects& out) {
             bridge_.bus_connected(now, connected.client_id, connected.v5, out);
@@ -108,7 +98,7 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
         bridge_.bus_disconnected();
         note_online();
         bus_failed(failure, true);
-        if (failure.after_sending >= mqtt::CutOff::kTimes) announcing_denied();
+        if (failure.after_sending >= mqtt::CutOff::kTimes) reports_.announcing_denied();
     };
     handlers.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) {
         bus_failed(failure, false);
@@ -116,17 +106,17 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
     handlers.on_message = [this](const mqtt::Message& message) { message_received(message); };
     handlers.on_published = [this](const std::string& topic) { note_published(topic); };
     handlers.on_subscribe_refused = [this](const std::string& filter, const std::string& reason) {
-        log_.error("the broker refuses a subscription; asking again", {{"topic", filter}, {"why", reason}});
+        reports_.subscription_refused(filter, reason);
     };
     handlers.on_debug = [this](const std::string& line) {
         log_.trace(line);
-        log_rejections();  // each has its line
+        if (bus_) reports_.look_for_rejections(bus_->counters());  // each has its line
     };
     return handlers;
 }
 
 void BoardAgent::message_received(const mqtt::Message& message) {
-    if (stopping_) return;
+    if (ended()) return;
     note_running();
     const Time now = Clock::now();
     auto inbound = bridge_.read(message, now);
@@ -140,8 +130,10 @@ void BoardAgent::message_received(const mqtt::Message& message) {
     }
     if (request_of(*inbound) != nullptr && bridge_.age().commanded(now, message.qos > 0)) check_the_way();
     const bool in_turn = takes_turns(*inbound);
-    if (in_turn) ++arrived_, schedule_turn();
-    if (!in_turn || (inbox_.empty() && arrived_ <= kAtOnce)) return take(*inbound);
+    if (!in_turn) return take(*inbound);
+    if (!arrived_) schedule_turn();
+    ++*arrived_;
+    if (inbox_.empty() && *arrived_ <= kAtOnce) return take(*inbound);
     inbox_.push(std::move(*inbound));
     if (inbox_.full()) take(inbox_.pop());
 }
@@ -170,12 +162,12 @@ void BoardAgent::note_running() {
 void BoardAgent::check_the_way() {
     auto& age = bridge_.age();
     const auto due = age.next_check();
-    if (!due || stopping_) return;
+    if (!due || ended()) return;
     const Time now = Clock::now();
     if (now < *due) {
         check_timer_.expires_at(*due);
         check_timer_.async_wait([this](boost::system::error_code error) {
-            if (error || stopping_) return;
+            if (error || ended()) return;
             note_running();
             check_the_way();
         });
@@ -194,48 +186,33 @@ void BoardAgent::check_the_way() {
 }
 
 void BoardAgent::schedule_turn() {
-    if (std::exchange(turn_scheduled_, true)) return;
+    arrived_ = 0;
     boost::asio::post(io_, [this] { turn(); });
 }
 
 // While messages arrive they are only read: a stop may be among them.
 void BoardAgent::turn() {
-    turn_scheduled_ = false;
-    const bool reading = std::exchange(arrived_, 0u) > 0;
-    for (std::size_t i = 0; !reading && i < kAtOnce && !inbox_.empty() && !stopping_; ++i)
+    const bool reading = std::exchange(arrived_, std::nullopt) > 0u;
+    for (std::size_t i = 0; !reading && i < kAtOnce && !inbox_.empty() && !ended(); ++i)
         take(inbox_.pop());
-    if (!inbox_.empty() && !stopping_) schedule_turn();
+    if (!inbox_.empty() && !arrived_ && !ended()) schedule_turn();
 }
 
 void BoardAgent::bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected) {
-    if (stopping_) return;
+    if (ended()) return;
     const bool may_change = !was_connected && look_for_credentials();
     if (failure.hopeless && !may_change) {
         log_.error(failure.text, {{"broker", failure.broker.describe()}});
         return finish(program::kExitBroker);
     }
-    // Each attempt may fail the same way; once is enough for a person, the rest is for debugging.
-    const auto level =
-        was_connected || bus_outage_.is_news(failure) ? log::Level::kWarning : log::Level::kDebug;
-    log_.write(level, was_connected ? "broker lost; connecting again" : "broker not reachable; trying on",
-               {{"broker", failure.broker.describe()}, {"why", failure.text}});
+    reports_.failed(failure, was_connected);
 }
 
 void BoardAgent::report_counters() {
     counters_timer_.expires_after(kCountersEvery);
     counters_timer_.async_wait([this](boost::system::error_code error) {
-        if (error || stopping_) return;
-        if (bus_) {
-            const auto counters = bus_->counters();
-            if (std::exchange(logged_dropped_, counters.dropped_context) != counters.dropped_context) {
-                log_.warning("the broker is slower than the board; oldest values dropped",
-                             {{"dropped", counters.dropped_context}});
-            }
-            if (std::exchange(logged_refused_, counters.refused) != counters.refused) {
-                log_.warning("the broker is slower than commands come; answers dropped",
-                             {{"dropped", counters.refused}});
-            }
-        }
+        if (error || ended()) return;
+        if (bus_) reports_.look_for_drops(bus_->counters());
         report_counters();
     });
 }
@@ -243,7 +220,7 @@ void BoardAgent::report_counters() {
 void BoardAgent::publish_statistics(Duration after) {
     statistics_timer_.expires_after(after);
     statistics_timer_.async_wait([this](boost::system::error_code error) {
-        if (error || stopping_) return;
+        if (error || ended()) return;
         if (bus_)
             with_bridge(
                 [&](Time now, Effects& out) { bridge_.publish_statistics(bus_->counters(), now, out); });
@@ -263,56 +240,14 @@ void BoardAgent::publish_log() {
 
 void BoardAgent::drop_stray_answers(Effects& effects) {
     const auto dropped = member::take_stray_answers(effects.publish, topics_, bridge_.name());
-    if (dropped.empty() || std::exchange(stray_answer_logged_, true)) return;
-    log_.warning(
-        "a request names a topic for its answer on which this agent does not answer. Where the broker knows "
-        "its "
-        "users, that is below " +
-            options_.bridge.topic_root + "/reply/USER/" + bridge_.name() + "/",
-        {{"topic", dropped.front().substr(0, 200)}});
+    if (!dropped.empty()) reports_.stray_answer(dropped.front());
 }
 
 void BoardAgent::note_published(const std::string& topic) {
     const auto known = topics_.parse(topic);
     if (!known || known->kind != bus::TopicKind::kDescription) return;
-    denial_logged_ = false;
     // What is to be read later goes behind what commands and catalogues wait for.
-    if (!std::exchange(announcement_published_, true)) publish_log();
-}
-
-void BoardAgent::log_rejections() {
-    if (!bus_ || rejection_logged_) return;
-    const auto counted = bus_->counters();
-    const auto refused = counted.rejected - counted_before_.rejected;
-    const bool too_large = counted.too_large > counted_before_.too_large;
-    if (refused == 0 && !too_large) return;
-    rejection_logged_ = true;
-    if (too_large) {
-        log_.error(
-            "a message of this agent is larger than the broker takes; raise its limit (Mosquitto: "
-            "max_packet_size)",
-            {{"board", bridge_.name()}, {"broker's limit", packet_limit_}});
-        return;
-    }
-    if (!announcement_published_) return announcing_denied();
-    log_.warning("the broker refuses some of what this agent publishes; look at its access control",
-                 {{"board", bridge_.name()}, {"refused", refused}});
-}
-
-/// Once until an announcement is taken: a broker may take long to be set right.
-void BoardAgent::announcing_denied() {
-    if (announcement_published_ || std::exchange(denial_logged_, true)) return;
-    const std::string& root = options_.bridge.topic_root;
-    const std::string& board = bridge_.name();
-    const std::string& user = options_.mqtt.user;
-    log_.error(
-        "the broker's access control denied announcing board " + board + "; nobody will find it. " +
-            (user.empty() ? "A connection without user" : "User " + user) + " must be allowed to write " +
-            root + "/servicebus/$probe, " + root + "/servicebus/" + board + "/# and " + root + "/" + board +
-            "/#. On a secured bus a board's user is called like the board: ask whoever keeps the broker for "
-            "credentials (asipctl secure add board " +
-            board + ")" + (user.empty() ? "" : ", or call the board " + user + " (--name " + user + ")"),
-        {{"user", user}, {"broker", options_.mqtt.brokers.front().describe()}});
+    if (reports_.announced()) publish_log();
 }
 
 }  // namespace asip::agent
