@@ -31,7 +31,7 @@ struct LabelsToKeep {
 struct Effects : member::Announcements {
     std::vector<session::Action> link;  ///< Write and SetLineRate only
     std::vector<ClientLine> lines;      ///< for point-to-point clients
-    std::vector<mqtt::Message> notes;   ///< behind all of `publish`: nobody waits for them
+    std::vector<mqtt::Message> notes;   ///< of commands, for histories; behind all of `publish`
     bool board_known = false;           ///< the board was identified (again): its name is known now
     bool name_claimed = false;          ///< the board's name is ours now: commands may come
     enum class Port { kKeep, kLetGo, kTakeBack };

@@ -86,10 +86,7 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
       counters_timer_(io_),
       statistics_timer_(io_),
       safe_timer_(io_),
-      check_timer_(io_),
-      notes_(io_, [this](mqtt::Message note) {
-          if (bus_) bus_->publish(std::move(note), mqtt::Priority::kReply);
-      }) {}
+      check_timer_(io_) {}
 
 void BoardAgent::start() {
     for (const auto& [address, framing] : options_.listen) {
@@ -142,7 +139,9 @@ void BoardAgent::perform(Effects& effects) {
     if (bus_)
         for (auto& publication : effects.publish)
             bus_->publish(std::move(publication.message), publication.priority);
-    if (bus_) notes_.add(std::move(effects.notes));
+    if (bus_)
+        for (auto& note : effects.notes)
+            bus_->publish(std::move(note), mqtt::Priority::kReply);
     for (const auto& [line, client] : effects.lines)
         clients_.send(line, client);
     if (effects.name_claimed) publish_log();
@@ -286,7 +285,6 @@ void BoardAgent::finish(int status) {
         boost::asio::post(io_, [on_ended = handlers_.on_ended, status] { on_ended(status); });
     };
     if (!bus_) return tell();
-    notes_.publish_all();
     bus_->stop(kGoodbye, std::move(tell));
 }
 

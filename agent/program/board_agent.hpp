@@ -10,7 +10,6 @@
 
 #include "agent/bridge/bridge.hpp"
 #include "agent/clients/point_to_point.hpp"
-#include "agent/command/notes.hpp"
 #include "agent/counts/board_log.hpp"
 #include "agent/describe/label_files.hpp"
 #include "agent/inbound/continuations.hpp"
@@ -111,7 +110,6 @@ class BoardAgent {
     boost::asio::steady_timer statistics_timer_;
     boost::asio::steady_timer safe_timer_;
     boost::asio::steady_timer check_timer_;
-    Notes notes_;
     Inbox inbox_;
     std::optional<Time> reads_since_;     // what sockets hold may have been sent since then
     std::optional<std::size_t> arrived_;  // since a turn was scheduled; none: no turn is scheduled

@@ -11,6 +11,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
+TEST(Outage, FirstAttempt_IsTheOneBeforeAnyOtherAndBeforeThePortWasOpen) {
+    Outage failing;
+    EXPECT_TRUE(failing.first_attempt());
+    EXPECT_FALSE(failing.first_attempt());
+    Outage opened;
+    opened.opened();
+    EXPECT_FALSE(opened.first_attempt());
+}
+
 TEST(Outage, FourAttemptsASecond_AreReportedOnceThenOnceAMinute) {
     Outage outage;
     int reported = 0;
