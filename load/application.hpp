@@ -15,12 +15,19 @@
 
 namespace asip::load {
 
-/// The program: boards, what happens to them, what is watched, and the report.
+/// The program: owns the boards, the script, the observers and the report, and runs them on one event loop.
+///
+/// The steps of a run: boards are commanded, queried and watched while the script runs; then the program
+/// waits for answers that are under way; then it compares the registries with the truth; then all boards say
+/// goodbye.
 class Application {
   public:
+    /// Opens no connection yet.
     explicit Application(LoadOptions options);
 
-    /// Until the time is over, or a signal. Prints the report on standard output and returns the exit status.
+    /// Runs until the time is over, or a signal comes. Prints the report on standard output. Returns the exit
+    /// status: kExitOk where Report::good(), kExitBroker where no connection was made, kExitNameConflict
+    /// where names are held by others, else kExitFailure. Call it once.
     int run();
 
   private:
@@ -34,6 +41,7 @@ class Application {
     void finish();
     int print();
 
+    // What observes the boards is there only where an option asks for it.
     LoadOptions options_;
     boost::asio::io_context io_{1};
     Fleet fleet_;

@@ -13,12 +13,13 @@ namespace asip::load {
 inline constexpr std::string_view kProofSimulated = "simulated";
 
 /// A board as a member of the bus: announced as its agent would, by the same code, and answering commands.
-/// Pure. The kind outlives it.
+/// Pure: it returns what to publish. `topics` and `kind` must outlive it.
 class SimulatedBoard {
   public:
     SimulatedBoard(const bus::Topics& topics, const BoardKind& kind, member::AnnouncerOptions options,
                    model::Description description, Random random);
 
+    /// What the broker publishes when the board dies; valid from the start.
     mqtt::Message will() const { return announcer_.will(); }
     /// What a board of this name subscribes to.
     static std::vector<member::Announcer::Subscription> subscriptions(const bus::Topics& topics,
@@ -36,6 +37,7 @@ class SimulatedBoard {
     std::optional<Time> next_deadline() const { return announcer_.next_deadline(); }
     void goodbye(member::Announcements& out) { announcer_.goodbye(out); }
 
+    /// Whether the name is its own, and the bus is there.
     bool announced() const { return announcer_.may_publish(); }
     /// One value of each service; nothing where it may not publish.
     void report(member::Announcements& out) const;

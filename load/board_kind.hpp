@@ -17,6 +17,7 @@ struct BoardKind {
         std::string value;    ///< JSON that it reports, of the model's examples; empty: it has no events
         std::string command;  ///< JSON that it takes, of the same; empty: it has none
     };
+    /// In the order in which descriptions list them. Not empty.
     std::vector<Service> services;
 
     /// Null: the board has no service of that name.

@@ -24,6 +24,7 @@ struct EventNumbers {
     std::string epoch{};
     std::uint64_t seq = 0;
 
+    /// The number of an event. A new epoch begins anew, with its first number.
     void take(const std::string& of_epoch, std::uint64_t number, bool reset);
     /// The watcher's connection was lost: what it missed meanwhile is nobody's fault.
     void forget() { epoch.clear(); }
@@ -44,7 +45,7 @@ struct SeenChanges {
 class Changes {
   public:
     static constexpr std::size_t kMaxRegistries = 64;  ///< of more nothing is counted
-    static constexpr std::size_t kMaxKept = 100'000;
+    static constexpr std::size_t kMaxKept = 100'000;   ///< events that are known at a time
     static constexpr Duration kKept = std::chrono::seconds(60);
 
     /// When the change of an event happened, as this program did it; nothing: it did not, or not just so.
@@ -63,6 +64,7 @@ class Changes {
     std::map<std::string, SeenChanges> seen() const;
 
   private:
+    // Memory: for each registry a place for each watcher, and kMaxKept changes in all.
     struct Registry {
         std::string id;
         SeenChanges seen{};
@@ -71,6 +73,7 @@ class Changes {
         std::string old_epoch{};
         std::uint64_t old_seq = 0;
     };
+    /// An event, from its first watcher until it is dropped.
     struct Change {
         std::size_t registry;
         std::string epoch;

@@ -17,19 +17,24 @@
 
 namespace asip::load {
 
+/// How many boards there are, and how they are connected and announced.
 struct FleetOptions {
+    /// Of each connection; the fleet adds a number to the client identifier, and the will.
     mqtt::Options mqtt;
     std::string topic_root = "asip";
     std::string prefix = "load-";
     std::size_t boards = 100;
+    /// 1: each board has a connection of its own, and a will at the broker. More: the boards share
+    /// connections.
     std::size_t per_connection = 1;
     int lease_seconds = model::kDefaultLeaseSeconds;
     double values_per_second = 0;  ///< of each board, for each of its services
-    bool on_shared_topic = true;
+    bool on_shared_topic = true;   ///< see member::AnnouncerOptions
     std::uint64_t started_unix = 0;
 };
 
-/// Counted since the start.
+/// What happened to boards and connections, counted since the start. A number of boards counts each time that
+/// it happens to a board, not each board once.
 struct Tally {
     std::uint64_t joined = 0, died = 0, flapped = 0, hung = 0, left = 0;
     std::uint64_t conflicts = 0;  ///< a living agent holds the name
@@ -37,6 +42,8 @@ struct Tally {
     std::uint64_t descriptions = 0;  ///< announcements that the broker acknowledged, and renewals
     std::uint64_t commands = 0;      ///< that arrived, and were answered where an answer was wanted
     std::uint64_t values = 0;
+    /// Messages of all connections, as the MQTT clients count them; `denied`: by the access rules of the
+    /// broker.
     std::uint64_t received = 0, published = 0, dropped = 0, refused = 0, denied = 0;
     Times announced;  ///< from the start of an agent, or its return, to its acknowledged description
     Times late;  ///< by how much this program's own timers were late: it, or the machine, is at its limit
@@ -44,11 +51,14 @@ struct Tally {
 
 /// All simulated boards and their connections. With one board a connection each has a will, as agents have.
 /// Boards that share a connection have none at the broker: this program publishes what the will would say.
+/// One thread: all calls on the thread of `io`. A board that ends stays in its slot, so that its number and
+/// its name are the same when it comes back.
 class Fleet {
   public:
-    /// `kind` and `io` outlive it.
+    /// `kind` and `io` must outlive it. No connection is made before the first join.
     Fleet(boost::asio::io_context& io, FleetOptions options, const BoardKind& kind, Random random);
     ~Fleet();
+    // Handlers of connections and timers hold its address.
     Fleet(const Fleet&) = delete;
     Fleet& operator=(const Fleet&) = delete;
 
@@ -61,7 +71,9 @@ class Fleet {
     /// All present boards say goodbye, and `done` is called when all is sent, or `limit` is over.
     void end(Duration limit, std::function<void()> done);
 
+    /// Boards of all conditions.
     std::size_t size() const { return slots_.size(); }
+    /// Boards whose agents run and are connected, or try to be.
     std::size_t present() const { return present_.size(); }
     /// Present, and the broker has its description.
     std::size_t announced() const { return announced_; }
@@ -69,8 +81,10 @@ class Fleet {
     bool settled() const {
         return announced_ == present_.size() && present_.size() + absent_.size() == slots_.size();
     }
+    /// Goes through all connections: not for each message.
     Tally tally() const;
 
+    /// The prefix of the options, and the number: `load-7`.
     std::string name(std::size_t board) const;
     /// The number of a board of this name; nothing where it is none of ours.
     std::optional<std::size_t> number(std::string_view name) const;
@@ -81,6 +95,8 @@ class Fleet {
     Time since(std::size_t board) const { return slots_[board].said.value_or(slots_[board].began); }
 
   private:
+    // kNever: not joined yet. kAway: the connection broke and comes back. kHung: connected, and silent.
+    // kDead: the connection broke for good. kLeft: it said goodbye.
     enum class Life : std::uint8_t { kNever, kPresent, kAway, kHung, kDead, kLeft };
     struct Slot {
         std::unique_ptr<SimulatedBoard> board;
@@ -88,13 +104,15 @@ class Fleet {
         std::optional<Time> said;  // its first description of this life
         Time armed = Time::max();
         Life life = Life::kNever;
-        bool acknowledged = false;
+        bool acknowledged = false;  // the broker has the description of this life
     };
     /// A connection: of every board whose number leaves its own when divided by how many there are.
     struct Carrier {
         std::unique_ptr<mqtt::Client> client;
         bool connected = false;
     };
+    /// When a board wants to be called. Of several entries for one board the one that is equal to Slot::armed
+    /// counts.
     struct Deadline {
         Time at;
         std::uint32_t board;

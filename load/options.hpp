@@ -11,6 +11,7 @@
 
 namespace asip::load {
 
+/// All options of the program, checked.
 struct LoadOptions {
     FleetOptions fleet;
     BoardKind kind;
@@ -18,10 +19,11 @@ struct LoadOptions {
     std::optional<Duration> time;  ///< nothing: until a signal
     bool watch = false;
     Duration settle = std::chrono::seconds(10);  ///< for the comparison with registries at the end
+    // 0: none of them.
     double commands_per_second = 0;
     double queries_per_second = 0;
     std::size_t watchers = 0;
-    bool json = false;
+    bool json = false;  ///< the report is printed as JSON
 };
 
 /// From command line, environment and configuration file. The error is the exit status to end with; whatever

@@ -13,6 +13,7 @@ class Pace {
     /// `per_second`: above 0.
     explicit Pace(double per_second) : per_second_(per_second) {}
 
+    /// From now on time counts.
     void begin(Time now) { since_ = now; }
     /// `now` does not decrease.
     void pass(Time now) {
@@ -20,6 +21,7 @@ class Pace {
         due_ = std::min(due_ + seconds * per_second_, std::max(1.0, per_second_));
         since_ = now;
     }
+    /// At least one more is to be done now; then call done().
     bool due() const { return due_ >= 1; }
     void done() { due_ -= 1; }
 

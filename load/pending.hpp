@@ -9,7 +9,8 @@
 
 namespace asip::load {
 
-/// Requests whose answers are awaited: so many, each for so long.
+/// Requests whose answers are awaited: kMax at a time, each for kPatience. Dropping a request gives it up at
+/// the requester, too. Time is passed in.
 class Pending {
   public:
     static constexpr std::size_t kMax = 2000;

@@ -17,15 +17,19 @@
 namespace asip::load {
 
 /// Asks registries at a steady rate, over a few connections of its own in turn, as asipctl and the gateway
-/// do: whichever registry answers first, and for the next page the one that gave the page before.
+/// do: whichever registry answers first, and for the next page the one that gave the page before. Judges each
+/// answer about one board: an answer is wrong where it misses a board that each registry must know by then.
 class Queries {
   public:
+    /// Enough that the connections themselves are not what is measured.
     static constexpr std::size_t kConnections = 4;
 
-    /// `fleet` and `io` outlive it. `per_second`: above 0.
+    /// `fleet` and `io` must outlive it; of `kind` only the names of services are taken. `per_second`:
+    /// questions, above 0.
     Queries(boost::asio::io_context& io, const mqtt::Options& options, const std::string& topic_root,
             const BoardKind& kind, const Fleet& fleet, double per_second);
 
+    /// Connects, and begins to ask.
     void start();
     /// Asks no more; answers that are under way are still counted.
     void stop() { timer_.cancel(), stopped_ = true; }

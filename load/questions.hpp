@@ -26,6 +26,7 @@ constexpr std::size_t kQuestionKinds = 5;
 /// "board", "description", "services", "list", "pattern"
 std::string_view name_of(QuestionKind kind);
 
+/// One question, and what its answer is judged by.
 struct Question {
     QuestionKind kind = QuestionKind::kBoard;
     bus::Query query;
@@ -33,9 +34,11 @@ struct Question {
     std::optional<std::size_t> board{};  ///< the one that is asked for
 };
 
-/// Which question is next. Pure; the same each time.
+/// Decides which question is next: 14 of 20 are for one board, 2 for a description, 2 for services, 1 for a
+/// list and 1 for a pattern; boards are drawn at random. Pure. Each run draws the same boards.
 class Questions {
   public:
+    /// Boards or services of one page, as asipctl asks.
     static constexpr std::size_t kPage = 100;
 
     /// `models`: services that the boards have; not empty. `boards`: how many there are.
@@ -52,6 +55,7 @@ class Questions {
     void answered(const Question& question, const bus::Answer& answer);
 
   private:
+    /// Where the pages of one kind go on, and at which registry: cursors are of one registry.
     struct Place {
         bus::Query query;
         std::string registry;
@@ -68,12 +72,14 @@ class Questions {
 /// Whether an answer holds the board.
 bool holds(const bus::Answer& answer, std::string_view board);
 
+/// What became of the questions of one kind.
 struct QuestionTally {
     std::uint64_t asked = 0, answered = 0, unanswered = 0;
     std::uint64_t refused = 0;  ///< of those that were answered
     std::uint64_t wrong = 0;    ///< likewise: without a board that is there, or not to be read
-    Times took;
+    Times took;                 ///< from the question to its answer
 };
+/// The same of all kinds.
 struct QueryTally {
     std::array<QuestionTally, kQuestionKinds> kinds;
     std::uint64_t left_out = 0;  ///< too many waited for their answers

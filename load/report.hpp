@@ -15,11 +15,11 @@
 
 namespace asip::load {
 
-/// What a run did and saw.
+/// What a run did and saw. What was not asked for by an option is not there.
 struct Report {
     std::size_t boards = 0;
     std::size_t connections = 0;
-    double seconds = 0;
+    double seconds = 0;         ///< that the run took, without goodbyes
     std::size_t present = 0;    ///< at the end
     std::size_t announced = 0;  ///< of those, the broker has the description of so many
     Tally tally;
@@ -35,6 +35,7 @@ struct Report {
     bool good() const;
 };
 
+/// For programs (`--json`): times in milliseconds, as median, 99 % and longest.
 nlohmann::json to_json(const Report& report);
 /// A table for a person, with a line end behind each row.
 std::string to_table(const Report& report);

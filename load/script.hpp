@@ -69,6 +69,7 @@ class Plan {
     std::optional<Duration> next(Duration now) const;
 
   private:
+    /// A step of the script while it runs; one with `every` never ends.
     struct Running {
         Step step;
         std::size_t total;  // boards each time

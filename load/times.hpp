@@ -12,10 +12,12 @@ namespace asip::load {
 /// than an hour. Of constant size.
 class Times {
   public:
+    /// Times outside of the classes count in the first or the last of them.
     void add(Duration time);
     std::uint64_t count() const { return count_; }
     /// Seconds that the part `share` (0 to 1) of all did not exceed; 0 where there are none.
     double seconds(double share) const;
+    /// Exact, not by its class.
     double longest_seconds() const { return std::chrono::duration<double>(longest_).count(); }
 
   private:

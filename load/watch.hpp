@@ -34,21 +34,25 @@ struct Watched {
 /// it is another change, or the board's state is another one by now.
 std::optional<Time> happened(const Fleet& fleet, const bus::ChangeEvent& event);
 
-/// A watcher of all registries, over a connection of its own.
+/// A watcher of all registries, over a connection of its own. It times their events, and at the end of a run
+/// it compares their catalogues with what the fleet knows to be true.
 class Watch {
   public:
-    /// `fleet` and `io` outlive it.
+    /// `fleet` and `io` must outlive it. `prefix`: of the names of our boards; boards of others are ignored.
     Watch(boost::asio::io_context& io, mqtt::Options options, const std::string& topic_root,
           const std::string& prefix, const Fleet& fleet);
 
+    /// Connects. Events that came before are not known.
     void start() { client_.start(); }
     /// Asks each registry that lives for its catalogue, again and again until it agrees with the truth; calls
     /// `done` when all do, or after `limit`.
     void compare(Duration limit, std::function<void()> done);
 
+    /// By their ids. A registry is in it from its first event, or from the first comparison on.
     const std::map<std::string, Watched>& registries() const { return registries_; }
 
   private:
+    /// One pass through the catalogue of a registry, page by page.
     struct Comparison {
         std::size_t right = 0, listed = 0, wrong = 0;
         std::vector<std::string> examples{};

@@ -13,6 +13,7 @@
 
 namespace asip::load {
 
+/// What all watchers together received.
 struct WatchersTally {
     std::size_t watchers = 0;
     std::size_t listening = 0;  ///< at the end
@@ -21,15 +22,18 @@ struct WatchersTally {
 };
 
 /// Programs that follow the changes of registries, each over a connection of its own, subscribed as
-/// `asipctl list --watch` is: to the events of all registries. None keeps a catalogue.
+/// `asipctl list --watch` is: to the events of all registries. They measure how fast a change reaches many
+/// programs, and whether one of them misses an event. None keeps a catalogue: a thousand of them fit into one
+/// process.
 class Watchers {
   public:
-    /// `fleet` and `io` outlive it. `number`: above 0.
+    /// `fleet` and `io` must outlive it. `number`: how many watchers, above 0.
     Watchers(boost::asio::io_context& io, const mqtt::Options& options, const std::string& topic_root,
              std::size_t number, const Fleet& fleet);
 
+    /// Connects them a few at a time, so that the broker is not flooded.
     void start();
-    /// They leave; nothing is counted any more.
+    /// They disconnect; nothing is counted any more.
     void stop();
     WatchersTally tally() const;
 
