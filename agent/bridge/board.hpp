@@ -8,7 +8,8 @@
 
 namespace asip::agent {
 
-/// The one board of an agent, as all its rooms share it. The bridge owns it; the rooms hold references.
+/// The one board of an agent, as all its rooms share it. The bridge owns it and changes name and services;
+/// the rooms hold references, and may submit requests to the session.
 struct Board {
     bus::Topics topics;
     session::BoardSession session;

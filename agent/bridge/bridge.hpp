@@ -33,6 +33,7 @@ namespace asip::agent {
 using member::Announcer;
 using member::AnnouncerOptions;
 
+/// How the board is called, announced and served. Defaults suit real boards.
 struct BridgeOptions {
     std::string topic_root = "asip";
     std::string name;  ///< empty: the one stored on the board, else from the link
@@ -52,9 +53,14 @@ struct BridgeOptions {
     ReportOptions reports;
 };
 
-/// Everything between a board's bytes and the bus's messages: the session, the announcer, the control and the
-/// context bus. Pure: given what happened and when, it returns what to do. Once the board is known for the
-/// first time, name() is valid and the caller connects to the broker with will() and subscriptions().
+/// Everything between a board's bytes and the bus's messages, wired together: the board's session, the
+/// announcer, and the rooms for commands, safety, reports, description, port and clients. Pure: given what
+/// happened and when, it returns what to do.
+///
+/// The order of a life: link_up() and receive() until Effects::board_known. Then name() is valid, and the
+/// caller connects to the broker with will() and subscriptions(). From Effects::name_claimed on it subscribes
+/// to control_subscriptions(), too: only then commands are for this agent. Times that are passed do not go
+/// back.
 class Bridge {
   public:
     Bridge(BridgeOptions options, model::ModelSet models, Random random);
@@ -65,6 +71,7 @@ class Bridge {
     void receive(std::string_view bytes, Time now, Effects& out);
     /// As BoardSession::not_watched().
     void not_watched(Time since, Time now);
+    /// The answer to session::SetLineRate.
     void line_rate_set(bool ok, Time now, Effects& out);
 
     // --- the bus's side
@@ -94,8 +101,8 @@ class Bridge {
     /// have been, where it was long ago.
     ClientResult client_line(session::ClientId client, std::string_view line, std::optional<Time> sent,
                              Time now, Effects& out);
-    /// So many lines of a client wait at the most: enough to keep a board busy, and few enough for a slow one
-    /// to come to the last of them in time.
+    /// The most lines of one client that wait for the board: enough to keep it busy, and few enough that a
+    /// slow board comes to the last one in time.
     static constexpr std::size_t kMaxClientLines = 16;
 
     /// Whether the name has become ours.
@@ -108,9 +115,11 @@ class Bridge {
     /// What became of Effects::keep_labels.
     void labels_kept(const Expected<std::filesystem::path>& result, Effects& out);
 
+    /// Time has passed. Must be called when next_deadline() has come; may be called at any time.
     void tick(Time now, Effects& out);
     std::optional<Time> next_deadline() const;
-    /// Undoes what is held, before the goodbye. True: that is not confirmed yet; tick() goes on.
+    /// Undoes all commands with a hold, before the goodbye. True: the board has not confirmed that yet;
+    /// tick() goes on.
     bool release_holds(Time now, Effects& out);
     /// Whether the board has confirmed all that makes it safe.
     bool is_safe() const { return !safety_.pending(); }
@@ -122,6 +131,7 @@ class Bridge {
 
     /// Empty until the board was identified.
     const std::string& name() const { return board_.name; }
+    /// What the broker publishes if this agent dies.
     mqtt::Message will() const { return announcer_->will(); }
     std::vector<member::Announcer::Subscription> subscriptions() const;
     /// To be added once the name is claimed: until then another agent may be meant.

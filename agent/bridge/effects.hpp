@@ -21,19 +21,22 @@ struct ClientLine {
     std::optional<session::ClientId> client;
 };
 
-/// Labels for the disk. `unknown_before`: what is there could not be read, and may have been mended since.
+/// Labels of the board, to be written to the disk as a whole. `unknown_before`: what is there could not be
+/// read, and may have been mended since.
 struct LabelsToKeep {
     model::Labels labels;
     bool unknown_before = false;
 };
 
-/// What the pure bridge wants done, in order within each list; across lists the order does not matter.
+/// What the pure bridge wants done. The caller owns it, passes it empty into a call, and performs all of it
+/// before the next call: in order within each list; across lists the order does not matter.
 struct Effects : member::Announcements {
     std::vector<session::Action> link;  ///< Write and SetLineRate only
     std::vector<ClientLine> lines;      ///< for point-to-point clients
     std::vector<mqtt::Message> notes;   ///< of commands, for histories; behind all of `publish`
     bool board_known = false;           ///< the board was identified (again): its name is known now
     bool name_claimed = false;          ///< the board's name is ours now: commands may come
+    /// kLetGo: close the port and do not open it, until kTakeBack.
     enum class Port { kKeep, kLetGo, kTakeBack };
     Port port = Port::kKeep;                  ///< whether somebody else is to have the board's port
     std::optional<LabelsToKeep> keep_labels;  ///< to be written to the disk; then Bridge::labels_kept()

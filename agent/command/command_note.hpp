@@ -10,6 +10,7 @@ namespace asip::agent {
 
 /// The end of a command, of a stop, or of a hold that was not renewed.
 struct CommandNote {
+    // Views: they must live until note_command() returns.
     std::string_view what;     ///< "command", "stop" or "undone"
     std::string_view service;  ///< empty: raw lines, or the whole board
     std::string_view request;  ///< of a long one the beginning is noted

@@ -48,7 +48,8 @@ class Control {
     std::uint64_t forgotten_answers() const { return recent_.dropped(); }
 
   private:
-    /// A command from its arrival to its answer: one payload, one answer for all its lines.
+    /// A command from its arrival to its answer: one payload, one answer for all its lines. Shared by its
+    /// requests that are under way; the last of them to end gives the answer.
     struct Execution {
         bus::ReplyTo reply;
         std::string service;                    // the topic's; empty: raw lines, each its own
@@ -67,29 +68,38 @@ class Control {
         bool all_submitted = false;
         bus::Reply outcome = bus::Reply::ok("fence");
     };
+    /// One request of a command, checked and not sent yet.
     struct Line {
         protocol::Request request;  // views into the command or into Execution::encoded
         char answer_tag = 0;
         Duration answer_time = session::kDefaultAnswerTime;
         std::string safe{};  // what undoes it
     };
+    /// A request that is under way, with what a report of its failure needs.
     struct Open {
         std::shared_ptr<Execution> execution;
         std::string service;
         std::string line;
     };
 
+    // In the order in which a command passes them.
     static std::shared_ptr<Execution> begin(const BusRequest& request);
+    /// True: it is a repetition, and was answered or will be.
     bool was_seen(Execution& execution, const Command& command, Time now, Effects& out);
+    /// `service`: that of its topic; null: raw lines. Fails with what is wrong with the command, for a
+    /// person.
     Expected<std::vector<Line>> read(const Command& command, Execution& execution,
                                      const session::ServiceTable::Entry* service) const;
     std::string hold_fault(const Execution& execution, const std::vector<Line>& lines) const;
     std::optional<session::Refusal> refusal(const std::vector<Line>& lines, session::ClientId client) const;
     void execute(const std::shared_ptr<Execution>& execution, const std::vector<Line>& lines, Time now,
                  session::Actions& actions, Effects& out);
+    /// One of its requests has ended: what that means for the answer.
     void note_end(Execution& execution, const session::Finished& end) const;
+    /// `request`: how it is called in a report where no answer is wanted. `reason`: see bus/reply.hpp.
     void refuse(Execution& execution, std::string_view request, std::string_view reason, std::string text,
                 Time now, Effects& out);
+    /// Answers, remembers and notes the outcome. Once for each command.
     void conclude(Execution& execution, Time now, Effects& out);
     void send(const bus::ReplyTo& to, bus::Reply reply, Time now, Effects& out) const;
     session::AnswerCheck answer_check(const Execution& execution) const;

@@ -14,9 +14,10 @@
 
 namespace asip::agent {
 
-/// Remembers requests for a minute, so that a repeated one is answered again instead of executed again. Keeps
-/// at least kGuaranteed of them as long as their answers are short, and never more than kMaxBytes; beyond,
-/// the oldest is forgotten.
+/// Remembers requests for a minute, so that a repeated one is answered again instead of executed again:
+/// brokers deliver at least once, and clients try again. Keeps at least kGuaranteed of them as long as their
+/// answers are short, and never more than kMaxBytes; beyond, the oldest is forgotten and counted. Keys and
+/// payloads are kept as hashes of 64 bits. Pure.
 class RecentAnswers {
   public:
     static constexpr std::size_t kGuaranteed = 16'384;
@@ -42,6 +43,7 @@ class RecentAnswers {
     std::unique_ptr<bus::Reply> find(Key key) const;
 
     std::size_t size() const { return entries_.size(); }
+    /// Of memory, with that of the containers.
     std::size_t bytes() const;
     /// Forgotten before their minute was over.
     std::uint64_t dropped() const { return dropped_; }

@@ -8,7 +8,8 @@
 
 namespace asip::agent {
 
-/// Why a request was not queued, and what to do about it, for people.
+/// Why a request was not queued, and what to do about it: a sentence for people. The word for programs is
+/// session::to_string() of the same.
 std::string refusal_text(session::Refusal refusal);
 
 /// Why a queued request was not sent to the board: the word of `asip/bus/reply.hpp` for programs.

@@ -8,7 +8,9 @@
 
 namespace asip::agent {
 
-/// What the agent of one board logs: on standard error, and from level info on for the bus.
+/// The log of one board's agent. Each line goes to standard error; a line of level info or above is kept for
+/// the topic `$log`, too, until take(). A line that is logged while on_news runs is not kept: publishing must
+/// not log for ever.
 class BoardLog {
   public:
     /// `called`: which board each line is about, a field; none: the process has only one. `on_news`: there
@@ -34,7 +36,7 @@ class BoardLog {
         write(program::log::Level::kError, text, fields);
     }
 
-    /// For the bus; see LogFeed.
+    /// Payloads for `$log`, as LogFeed::take().
     std::vector<std::string> take() { return feed_.take(); }
 
   private:

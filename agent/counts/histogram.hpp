@@ -16,11 +16,13 @@ class Histogram {
                                                     .05,   .07,  .1,   .2,   .5,   1,    2,   5,    60};
     using Counts = std::array<std::uint64_t, kBounds.size() + 1>;
 
+    /// Counts one duration.
     void add(Duration took);
     void clear() { *this = Histogram{}; }
 
     const Counts& counts() const { return counts_; }
     std::uint64_t count() const { return count_; }
+    /// Of all durations, in seconds.
     double sum() const { return sum_; }
     /// The duration in seconds that `part` (0 to 1) of them stay below, interpolated within its bucket; none
     /// where nothing was counted.

@@ -12,8 +12,9 @@
 
 namespace asip::agent {
 
-/// What the agent logs, as payloads for the bus: so many at once, so many a second; kept while the bus is
-/// away, the newest. Pure.
+/// Lines of the log as payloads for the bus. Bounded in rate and in memory: kBurst lines at once, then
+/// kPerSecond, and while nobody takes them the newest kMaxKept. What is dropped is counted in the next line
+/// that is kept. Pure.
 class LogFeed {
   public:
     static constexpr double kBurst = 50;

@@ -15,10 +15,11 @@
 namespace asip::agent {
 
 /// What an agent counts from its start on, and the document that it publishes of it (docs/service-bus.md,
-/// "Statistics"). Its size is bounded, whatever boards and clients do.
+/// "Statistics"). Its size is bounded, whatever boards and clients do. Counters never go back: programs that
+/// read the documents see a restart of the agent by its session. Pure.
 class Statistics {
   public:
-    /// Numbers that others count.
+    /// Numbers that other rooms count, taken when a document is made.
     struct Sources {
         const session::BoardSession& session;
         mqtt::Counters bus;
@@ -29,14 +30,23 @@ class Statistics {
         const ReportPeriods& periods;
     };
 
+    // --- the board and its link
     void link_opened(Time now);
     void received(std::string_view bytes) { bytes_in_ += bytes.size(); }
+    /// Lines are counted by their line ends.
     void sent(std::string_view bytes);
+    /// `code`: of the protocol; unknown codes may come from any board.
     void board_error(int code);
+
+    // --- commands and values
+    /// A value was replaced by a newer one while the bus was away.
     void value_superseded() { ++superseded_; }
+    /// A hold was not renewed in time.
     void hold_expired() { ++expired_holds_; }
+    /// A message on `$stop` was obeyed.
     void stopped() { ++stops_; }
-    /// The one answer to a command of the bus. `proven`: whoever sent it wanted an answer.
+    /// The one answer to a command of the bus. `proven`: its sender wanted an answer. `took`: from its
+    /// arrival on.
     void answered(const bus::Reply& reply, bool proven, Duration took);
 
     /// JSON text. Quantiles are of the time since the document before.

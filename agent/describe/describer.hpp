@@ -14,13 +14,15 @@
 
 namespace asip::agent {
 
-/// Collects what the board's description says besides the board's own words. Each note returns true when the
-/// description has changed, so that it must be announced again. Pure.
+/// Collects what the board's description says besides the board's own words: link, agent, labels, numbers of
+/// elements, and periods. Each note_...() returns true when the description has changed, so that it must be
+/// announced again. Pure.
 class Describer {
   public:
     /// Both references must outlive it.
     Describer(const Board& board, const model::ModelSet& models, const ReportOptions& reports);
 
+    // Not announced by themselves: they are in the next description.
     void link_opened(model::LinkInfo link) { link_ = std::move(link); }
     void line_rate_changed(unsigned baud) { link_.baud = static_cast<int>(baud); }
     /// The board was identified; `changed`: it may be another board than before.

@@ -13,9 +13,10 @@
 
 namespace asip::agent {
 
-/// The labels and friendly names of the board: those of the configuration, and those that were set over the
-/// bus, which are kept. Pure: says in the effects what to write. One request after the other: each is
-/// answered when what it asked for is on the disk, and counts from then on.
+/// The labels and friendly names of the board: those of the configuration, which cannot be changed over the
+/// bus, and those that were set over the bus, which are kept on the disk. Pure: it says in the effects what
+/// to write. Requests are handled one after the other: each is answered when what it asked for is on the
+/// disk, and counts from then on.
 class LabelBook {
   public:
     /// How many requests may wait for the disk.

@@ -9,7 +9,8 @@
 
 namespace asip::agent {
 
-/// How old a request is: what CommandAge found out when the request was read.
+/// How old a request is: what CommandAge found out when the request was read. Found out once: the time that a
+/// request waits inside the agent after that is known.
 struct Arrival {
     Time received{};                ///< the earliest time at which it can have been sent, by its delivery
     std::optional<Time> told{};     ///< when it was sent, by the agent's clock, as its sender tells

@@ -10,12 +10,12 @@
 
 namespace asip::agent {
 
-/// Finds out that messages were held between broker and agent, or by a broker that stood still, from checks:
-/// questions to the broker whose answers come in order with the messages (mqtt::Client::check). A check that
-/// is answered too late shows that what comes now may have waited since the last one in time. There are
-/// checks only while the board is commanded, and after the agent itself was held up: what comes before the
-/// answer to a check that is sent then may have waited meanwhile. Pure; a new connection begins with a new
-/// one, since nothing that was held on the old one comes over it.
+/// Detects that messages are delivered late, by a slow network or a stalled broker. It uses checks: questions
+/// to the broker whose answers come in order with the messages (mqtt::Client::check). If a check is answered
+/// late, messages that are received now may be as old as the last check that was answered in time.
+///
+/// Checks are sent only while the board is commanded, and after a pause of the agent itself. Pure. A new
+/// connection begins with a new object: nothing that was delayed on the old one comes over it.
 class DelayedDelivery {
   public:
     static constexpr Duration kEvery = std::chrono::seconds(1);
@@ -32,12 +32,13 @@ class DelayedDelivery {
     /// So many messages of QoS 1 are on their way at once (Mosquitto); more wait at the broker, and an answer
     /// overtakes them.
     static constexpr unsigned kWindow = 20;
-    /// Those are waited for, but not longer: there may always be as many.
+    /// So long it is waited until fewer come between two checks.
     static constexpr Duration kDraining = std::chrono::seconds(5);
 
     /// A command was received. True: checks begin, the first is due now.
     bool commanded(Time now, bool qos1);
-    /// The agent did not run since then. A check is due now, or when the one that is sent is answered.
+    /// The agent did not run since `since`. A check is due now, or when the check that is under way is
+    /// answered.
     void process_paused(Time now, Time since);
     /// When to send a check; none while one has no answer yet.
     std::optional<Time> next_check() const { return sent_ ? std::nullopt : due_; }
@@ -55,7 +56,7 @@ class DelayedDelivery {
     std::optional<Time> due_;   // the next check, or the one that has no answer yet
     std::optional<Time> sent_;  // while it has none
     Time good_{};               // when the last one was sent whose answer was in time
-    bool behind_ = false;       // what comes now may have been held
+    bool behind_ = false;       // what comes now may have been delayed
     bool worthless_ = false;    // the check that has no answer yet: the answer may have waited for us
     Time drained_by_{};
     unsigned came_ = 0;  // commands of QoS 1 since the check was sent

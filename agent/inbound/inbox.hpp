@@ -8,8 +8,9 @@
 
 namespace asip::agent {
 
-/// Messages that came faster than they can be handled, in their order. Reading on while they wait is what
-/// lets a stop behind them be seen. Pure and bounded: where it is full, the oldest is to be handled first.
+/// Messages that came faster than they can be handled, in their order. The agent reads on while they wait, so
+/// that it sees a stop behind them. Pure. Bounded by number and memory: where it is full(), the caller
+/// handles the oldest before it reads on.
 class Inbox {
   public:
     static constexpr std::size_t kMaxMessages = 12'288;
@@ -22,12 +23,13 @@ class Inbox {
     /// Messages that no stop has caught yet.
     std::size_t waiting() const { return entries_.size() - stopped_; }
 
+    /// Also where it is full already.
     void push(Inbound message) {
         const auto bytes = bytes_of(message);
         bytes_ += bytes;
         entries_.push_back({std::move(message), bytes});
     }
-    /// The oldest message. Not when empty().
+    /// Takes out the oldest message; a command that a stop has caught says so. Not when empty().
     Inbound pop() {
         Entry entry = std::move(entries_.front());
         entries_.pop_front();

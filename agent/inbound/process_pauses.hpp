@@ -8,15 +8,16 @@
 
 namespace asip::agent {
 
-/// Finds out that the agent did not run for a while: it was stopped and continued (SIGSTOP), or its timer is
+/// Detects that the agent did not run for a while: it was stopped and continued (SIGSTOP), or its timer is
 /// late (a suspended machine, no processor time). What is read then may have waited for as long. Pure.
 class ProcessPauses {
   public:
-    /// A timer that is later than this was held up.
+    /// A timer that is later than this shows a pause.
     static constexpr Duration kLate = std::chrono::milliseconds(500);
 
-    /// The agent runs; call it before anything is done. `due`: when its timer was to end; `continuations`:
-    /// how often it went on after a stop. Returns since when it did not run, if it was held up.
+    /// The agent runs now; call it before anything else is done. `due`: when its timer was to end;
+    /// `continuations`: how often the process went on after a stop. Returns since when the agent did not run;
+    /// nothing: there was no pause.
     std::optional<Time> runs(Time now, std::optional<Time> due, unsigned continuations = 0) {
         const bool continued = std::exchange(continuations_, continuations) != continuations;
         const auto last = std::exchange(last_, now);

@@ -23,8 +23,9 @@ struct BoardTraits {
 /// Whether both may be one board: chip and stored name are equal where both are known. The sketch may differ.
 bool may_be_same_board(const BoardTraits& a, const BoardTraits& b);
 
-/// Who has the board's port: this agent, or somebody it let go of it for, until a time. Pure: says in the
-/// effects what to do with the port. Times are of this program's clock; none of it needs the bus.
+/// Who has the board's port: this agent, or a program that the port was lent to until a time (asipctl flash).
+/// The agent takes the port back when that time is over, also where the bus is away. Pure: it says in the
+/// effects what to do with the port.
 class PortLoan {
   public:
     /// While the board is made safe, at most so long.
@@ -53,9 +54,9 @@ class PortLoan {
     /// Answers the request now, or when the port was let go of or taken back. A faulty request is refused,
     /// one to release that waited longer than its deadline is answered `timeout`.
     void request(const PortRequest& request, const Lent& board, Time now, text::WallTime wall, Effects& out);
-    /// The board is safe, or cannot be made so in time: the port is let go of.
+    /// The board is safe, or cannot be made so in time: the port is let go of, and the request is answered.
     void let_go(Effects& out);
-    /// Once the board at the port was identified.
+    /// A board was identified at the port. Where the port was just taken back, that request is answered now.
     void identified(const BoardTraits& traits, Effects& out);
 
     /// When the time is over the port is taken back. True: the board was given back and does not answer.

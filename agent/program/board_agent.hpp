@@ -22,8 +22,11 @@
 
 namespace asip::agent {
 
-/// The agent of one board: owns the bridge and what carries it, and performs what the bridge asks for. One
-/// thread: all calls and handlers on the io_context.
+/// The agent of one board. It owns the bridge (pure) and everything that touches the world: the link to the
+/// board, the connection to the broker, the TCP server for clients, timers, the disk and the clock. It passes
+/// what happens into the bridge and performs the effects that come back.
+///
+/// One thread: all calls and handlers on the io_context.
 class BoardAgent {
   public:
     /// What all boards of the process share.
@@ -32,6 +35,7 @@ class BoardAgent {
         boost::asio::thread_pool& disk;  ///< a slow one must not hold up the boards
         bool several = false;            ///< each line of the log says which board it is about
     };
+    /// Called on the event loop.
     struct Handlers {
         /// It has ended, with the exit status of a process that serves one board. The agent may be destroyed.
         std::function<void(int status)> on_ended;
@@ -39,13 +43,15 @@ class BoardAgent {
         std::function<void()> on_changed;
     };
 
+    /// `host` must outlive it.
     BoardAgent(const Host& host, AgentOptions options, Handlers handlers);
     ~BoardAgent() = default;
     BoardAgent(const BoardAgent&) = delete;
     BoardAgent& operator=(const BoardAgent&) = delete;
 
+    /// Opens the port and listens for clients. The broker is connected once the board is known.
     void start();
-    /// Undoes what is held, says goodbye and ends, within 1.5 s.
+    /// Makes the board safe, says goodbye and ends, within 1.5 s; then on_ended is called.
     void stop();
 
     /// Whether the board answers and is on the bus.
@@ -57,24 +63,35 @@ class BoardAgent {
     enum class Presence { kAway, kOnline };
 
     bool ended() const { return life_ == Life::kEnded; }
+    /// The only way into the bridge: calls it with the time and with empty effects, and performs these.
     template <class Call>
     void with_bridge(Call&& call);
     void perform(Effects& effects);
+
+    // The connection to the broker (board_agent_bus.cpp)
     void connect_bus();
     void subscribe_to_commands();
     Expected<void> use_credentials(const std::string& file);
     bool look_for_credentials();
+
+    // Time
     void arm_timer();
-    /// This process runs now. Call it before anything is done: what waited while it could not is not new.
+    /// This process runs now. Call it before anything else is done: a message that is read after a pause of
+    /// the process may have waited as long.
     void note_running();
+
+    // The end
     void end_once_safe(std::function<void()> end);
     void wait_until_safe(Time limit, std::function<void()> end);
     void wait_until_left(Time limit, std::function<void()> end);
     void finish(int status);
+
+    // The link to the board
     void link_opened(const link::StreamOpened& opened);
     void link_lost(const link::StreamError& error);
     void link_failed(const link::StreamError& error);
     void board_heard();
+
     mqtt::Client::Handlers bus_handlers();
     void bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected);
     void board_silent_at_start();
@@ -85,7 +102,10 @@ class BoardAgent {
     void publish_log();
     void note_online();
     void keep_labels(LabelsToKeep keep);
+
+    // Messages of the bus. Commands take turns: a few in each turn of the loop, and none while more arrive.
     void message_received(const mqtt::Message& message);
+    /// Sends the next check of CommandAge, or waits until it is due.
     void check_the_way();
     void take(const Inbound& message);
     void schedule_turn();

@@ -28,6 +28,7 @@ class BrokerReports {
     /// `log` must outlive it. `agent` is called when there is something to say.
     BrokerReports(BoardLog& log, std::function<Agent()> agent) : log_(log), agent_(std::move(agent)) {}
 
+    // Each is called with what the MQTT client reports, in its order.
     void connected(const mqtt::Connected& connected, const mqtt::Counters& counters);
     /// Each attempt may fail the same way; it is said once.
     void failed(const mqtt::ConnectionFailure& failure, bool was_connected);

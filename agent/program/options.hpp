@@ -14,25 +14,32 @@
 
 namespace asip::agent {
 
+/// When the board is restarted by the DTR line of its serial port: never, at each open, or where it answers
+/// nothing.
 enum class ResetPolicy { kNever, kAlways, kIfSilent };
 
+/// Where point-to-point clients connect. The framing is known from the configuration, or recognised by what a
+/// client sends first.
 struct ListenAddress {
     link::TcpAddress address;
     ClientFraming::Kind framing = ClientFraming::Kind::kUnknown;
 };
 
+/// All options of one board's agent, checked. Made by checked_options().
 struct AgentOptions {
     BridgeOptions bridge;
     mqtt::Options mqtt;
     program::BrokerOptions broker;  ///< what `mqtt` was made from
     model::ModelSet models;
     std::filesystem::path state_folder;  ///< where labels are kept; empty: nowhere
-    std::string serial;                  ///< device; empty: `tcp`
-    std::string tcp;                     ///< HOST:PORT; empty: `serial`
-    std::vector<ListenAddress> listen;   ///< for point-to-point clients
+    // The board: one of both.
+    std::string serial;                 ///< device; empty: `tcp`
+    std::string tcp;                    ///< HOST:PORT; empty: `serial`
+    std::vector<ListenAddress> listen;  ///< for point-to-point clients
+    /// A client that sent nothing for so long is taken to want plain lines.
     Duration listen_silence = std::chrono::seconds(5);
     Duration statistics = std::chrono::seconds(15);  ///< between two documents; 0: none
-    unsigned baud = 57600;
+    unsigned baud = 57600;                           ///< at which a serial board starts
     ResetPolicy reset = ResetPolicy::kIfSilent;
 };
 

@@ -10,7 +10,8 @@
 
 namespace asip::agent {
 
-/// As they are written on the command line, in the environment and in the configuration file.
+/// The options as text, as they are written on the command line, in the environment and in the configuration
+/// file. The values here are the defaults that `--help` shows. Times are texts with a unit: "2s", "20ms".
 struct RawOptions {
     program::BrokerOptions broker;
     program::LogOptions log;

@@ -25,22 +25,26 @@ class Supervisor {
     Supervisor(Plan plan, std::function<Expected<Plan>()> read_again);
     ~Supervisor();
 
-    /// Until a signal, or the end of the only board. Returns the exit status.
+    /// Runs until a signal comes, or the only board ends. Returns the exit status. Call it once.
     int run();
 
   private:
+    /// A board of the plan, whether its agent runs now or waits to be started again.
     struct Board;
+    // Boards
     void start_all();
     void start(Board& board, Duration after);
     void serve(Board& board);
     void ended(Board& board, int status);
     void start_again(Board& board, int status);
     void remove(Board& board);
+    // Signals: the end, and a changed file
     void stop();
     void wait_for_reload();
     void reload();
     void nothing_to_reload();
     void apply(Plan plan);
+    // What systemd shows of it, at most twice a second
     void report_soon();
     std::string status_text() const;
 

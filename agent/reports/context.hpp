@@ -9,13 +9,15 @@
 
 namespace asip::agent {
 
+/// How lines of the board are published.
 struct ContextOptions {
     std::string terminator;      ///< put behind each raw line
     bool retain_values = false;  ///< decoded values are retained
     bool client_side = false;    ///< raw lines go to `/in`, see BridgeOptions
 };
 
-/// Lines of the board to the context bus: raw, decoded by their service's model, and errors.
+/// Publishes lines of the board on the context bus: each raw, an event also decoded by its service's model,
+/// an error also on its service's error topic. An event that its model cannot decode is published raw only.
 class Context {
   public:
     /// `board` must outlive it.

@@ -11,15 +11,16 @@
 
 namespace asip::agent {
 
-/// Who wants values of this board, how often, and until when. One that has ended counts a moment longer: who
-/// comes back at once changes nothing. Bounded: where it is full, a user with fewer demanders takes the place
-/// of one of the user with most. Pure.
+/// Demands of clients for values of this board: how often, and until when. A demand counts kLinger longer
+/// than it lasts, so that a client that comes back at once changes nothing. Bounded: where it is full, a user
+/// with fewer clients takes the place of a client of the user with most. Pure.
 class Demands {
   public:
     static constexpr std::size_t kMax = 1024;
     static constexpr Duration kLinger = std::chrono::seconds(3);
 
-    /// `demander`: USER/CLIENT. False: there is no room for it.
+    /// A new demand takes the place of the one before of the same client; an empty one ends it. `demander`:
+    /// USER/CLIENT. False: there is no room for it.
     bool take(std::string_view demander, bus::Demand demand, Time now);
     /// Values a second that are demanded of a service; 0: nobody wants any.
     double hz(std::string_view service, char letter) const;

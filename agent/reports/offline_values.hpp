@@ -11,8 +11,8 @@
 
 namespace asip::agent {
 
-/// What the board reports while there is no bus: the newest value of each kind, at most kMaxKinds. What it
-/// replaces would be stale when the bus is back.
+/// Values that the board reports while there is no bus: the newest of each kind, at most kMaxKinds. Older
+/// ones are dropped, because they would be stale when the bus is back.
 class OfflineValues {
   public:
     static constexpr std::size_t kMaxKinds = 64;

@@ -17,6 +17,7 @@
 
 namespace asip::agent {
 
+/// Whether and how the agent sets the periods of reports itself.
 struct ReportOptions {
     bool on_demand = false;  ///< false: periods are left to whoever sets them
     /// Demands do not bring a service below this; at least 1 ms.
@@ -68,11 +69,13 @@ class ReportPeriods {
     bool controls(char letter) const { return services_.contains(letter); }
     /// By the names of services, in ms; without those that are not known.
     std::map<std::string, unsigned> periods() const;
+    /// Clients with a demand.
     std::size_t demanders() const { return demands_.size(); }
     std::uint64_t rejected() const { return rejected_; }  ///< demands that could not be used
     std::uint64_t changes() const { return changes_; }    ///< periods that were set
 
   private:
+    /// A service whose period is ours to set, and how far we are with that.
     struct Service {
         char letter = 0;
         std::string name;
@@ -85,6 +88,7 @@ class ReportPeriods {
         Time again{};                    // not before is that one tried again
         Duration patience{};
     };
+    /// A request of a client that sets a period, until it ends.
     struct Foreign {
         char letter = 0;  // '#': the board restarts
         unsigned period = 0;

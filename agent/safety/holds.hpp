@@ -12,9 +12,10 @@
 
 namespace asip::agent {
 
-/// Commands that are in force only as long as whoever sent them renews them: dead man's switches. One for
-/// each safe form (`M,s,0`: the element and how it is undone); a later command with the same safe form takes
-/// the place of the earlier one, whoever sent it. Pure.
+/// Holds: commands that are in force only as long as their sender renews them, as a dead man's switch. There
+/// is one hold for each safe form (`M,s,0`: the element and how it is undone). A later command with the same
+/// safe form takes the place of the earlier one, whichever client sent it. Pure: the caller sends the safe
+/// forms that take_expired() and take_all() return.
 class Holds {
   public:
     static constexpr std::size_t kMax = 64;
@@ -31,20 +32,21 @@ class Holds {
         std::string by{};  ///< who sent it; empty: not known
     };
 
-    /// False: kMax others are held. To be asked before begin().
+    /// False: there are kMax other holds. To be asked before begin().
     bool room_for(std::string_view safe) const;
     /// The command was queued.
     void begin(Hold hold);
-    /// Renews what `client` holds of the service, or only the command `id`; for `length`, or for as long as
-    /// before, from `at` on: when the renewal came, at the earliest. Not from before the time before it. The
-    /// number of holds renewed; 0: there is none any more.
+    /// Renews the holds of `client` at the service, or only that of the command `id`. Each then lasts for
+    /// `length`, or as long as before. That time counts from `at`, the earliest time at which the renewal can
+    /// have been sent, but not from an earlier time than the last renewal. Returns the number of holds
+    /// renewed; 0: there is none any more.
     std::size_t renew(session::ClientId client, std::string_view service, std::optional<std::string_view> id,
                       std::optional<Duration> length, Time at);
     /// A request ended whose safe form is `safe`, or which is itself the safe form of others.
     void on_finished(const session::Finished& end, std::string_view safe);
     bool holds(std::string_view safe) const { return holds_.contains(safe); }
 
-    /// Takes out those that were not renewed in time.
+    /// Takes out those that were not renewed in time, each with the safe form that undoes it.
     std::vector<Hold> take_expired(Time now);
     /// Takes out all.
     std::vector<Hold> take_all();

@@ -11,8 +11,9 @@
 
 namespace asip::agent {
 
-/// Requests that make the board safe: ahead of every queue, and again and again until the board is known to
-/// have executed or refused them, also across a time without a board.
+/// Requests that make the board safe. They are sent ahead of every queue, and again and again until the board
+/// is known to have executed or refused them, also after a time without a board. Each request stands in it
+/// once. Pure.
 class SafeLines {
   public:
     struct Done {
@@ -25,6 +26,7 @@ class SafeLines {
     /// Nothing happens where the same line is pending already.
     void add(const std::string& line) { pending_.try_emplace(line); }
     bool pending(std::string_view line) const { return pending_.contains(line); }
+    /// Requests that the board has not confirmed.
     std::size_t size() const { return pending_.size(); }
 
     /// Sends what is not under way, if there is a board.

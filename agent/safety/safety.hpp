@@ -23,10 +23,13 @@ namespace asip::agent {
 /// The request that undoes `request`, by the model of its service; empty where none does or none is known.
 std::string safe_form_of(const session::ServiceTable& services, const protocol::Request& request);
 
-/// Makes the board safe when a held command is not renewed in time, and when somebody stops the board. Needs
-/// neither bus nor sender for that. Pure; what it adds is sent by send().
+/// Makes the board safe when a hold is not renewed in time, when somebody stops the board, and when the agent
+/// ends. Needs neither bus nor sender for that. It counts on nothing but the board's own confirmation: each
+/// line that makes the board safe is sent again until the board is known to have executed or refused it.
+/// Pure; send() sends what is due.
 class Safety {
   public:
+    /// Stops whose answers are open. One more is obeyed, too, and answered at once as not confirmed.
     static constexpr std::size_t kMaxStops = 256;
 
     /// Both must outlive it.
@@ -41,9 +44,10 @@ class Safety {
     void on_finished(const session::Finished& end, Time now, Effects& out);
 
     // --- the board
-    /// Nothing is on any more. What was held is held no longer.
+    /// All outputs are off, so that no hold is in force any more: each is reported.
     void board_restarted(Effects& out);
-    /// It is away, and what it does now cannot be known: what was held is undone as soon as it is back.
+    /// The board is away, and what it does now cannot be known: commands with a hold are undone as soon as it
+    /// is back.
     void board_gone(Effects& out);
     /// What the models of its services say is to be sent, once there is a board.
     void stop_services();
@@ -52,10 +56,11 @@ class Safety {
     /// Ends every hold, refuses the requests that wait, and undoes everything.
     void on_stop(const Stop& message, Time now, session::Actions& actions, Effects& out);
 
-    /// Undoes what is held now, as the agent ends. True: something is pending.
+    /// Undoes all commands with a hold, because the agent ends. True: the board has not confirmed it yet.
     bool release_all();
     bool pending() const { return lines_.size() > 0; }
 
+    /// Looks for holds that ended, and for stops whose time is over.
     void tick(Time now, Effects& out);
     void send(Time now, session::Actions& actions) { lines_.send(board_.session, now, actions); }
     std::optional<Time> next_deadline() const;
