@@ -20,7 +20,7 @@ constexpr const char* kAbout =
 constexpr std::chrono::milliseconds kSearch{1000};
 
 /// `wait --timeout 0` looks once, and still has to get there.
-constexpr std::chrono::milliseconds kLeastConnectTime{1000};
+constexpr std::chrono::milliseconds kMinConnectTime{1000};
 
 /// A registry's answer may hold a thousand boards with their descriptions.
 constexpr std::uint32_t kMaxAnswerBytes = 64u << 20;
@@ -170,7 +170,7 @@ Outcome<void> CommandLine::apply(Environment& environment) const {
     const auto timeout = text::parse_duration(timeout_);
     if (!timeout) return failure(program::kExitUsage, "--timeout: " + timeout.error());
     environment.timeout = *timeout;
-    environment.mqtt.connect_timeout = std::max(*timeout, kLeastConnectTime);
+    environment.mqtt.connect_timeout = std::max(*timeout, kMinConnectTime);
     environment.from_bus = from_bus_;
     environment.typed_options = typed_;
     if (!services_.empty()) {

@@ -26,7 +26,7 @@ struct EventNumbers {
 
     /// The number of an event. A new epoch begins anew, with its first number.
     void take(const std::string& of_epoch, std::uint64_t number, bool reset);
-    /// The watcher's connection was lost: what it missed meanwhile is nobody's fault.
+    /// The watcher's connection was lost: what it missed meanwhile does not count.
     void forget() { epoch.clear(); }
 };
 

@@ -38,7 +38,7 @@ struct Effects : member::Announcements {
     bool name_claimed = false;          ///< the board's name is ours now: commands may come
     /// kLetGo: close the port and do not open it, until kTakeBack.
     enum class Port { kKeep, kLetGo, kTakeBack };
-    Port port = Port::kKeep;                  ///< whether somebody else is to have the board's port
+    Port port = Port::kKeep;                  ///< whether the board's port changes hands
     std::optional<LabelsToKeep> keep_labels;  ///< to be written to the disk; then Bridge::labels_kept()
     bool reopen_link = false;  ///< open, but the board behind it is gone: a connection may be dead
 };

@@ -16,7 +16,7 @@ struct CommandNote {
     std::string_view request;  ///< of a long one the beginning is noted
     std::string_view by;       ///< who sent it
     const bus::Reply& outcome;
-    bool proven = true;  ///< false: nobody wanted an answer, so no proof was asked for
+    bool proven = true;  ///< false: no answer was wanted, so that no proof was asked for
 };
 /// Notes on `servicebus/BOARD/$commands` who commanded what, behind its answer, for a history. Nothing where
 /// the sender is not known.

@@ -44,7 +44,7 @@ std::shared_ptr<Control::Execution> Control::begin(const BusRequest& request) {
     execution->hold = request.envelope.hold;
     const auto& client = execution->reply.wanted() ? execution->reply.topic : request.topic;
     execution->client = std::hash<std::string>{}(client) | kBusClient;
-    // Nobody is there to renew it after that.
+    // After that time its sender cannot renew it any more.
     if (execution->hold)
         execution->deadline = std::min(execution->deadline, execution->sent + *execution->hold);
     return execution;
@@ -290,7 +290,7 @@ std::string Control::sender_of(session::ClientId client) const {
 void Control::refuse(Execution& execution, std::string_view request, std::string_view reason,
                      std::string text, Time now, Effects& out) {
     out.log(program::log::Level::kDebug, "command refused", {{"reason", std::string(reason)}, {"why", text}});
-    // An empty payload is how somebody clears a stored command: nothing was asked for.
+    // An empty payload clears a stored command: nothing was asked for.
     if (!execution.reply.wanted() && !request.empty())
         report_failure(
             board_,

@@ -24,7 +24,7 @@ struct Failure {
     std::string_view error;
     std::string_view by;  ///< who sent it; empty: not known
 };
-/// Reports it to whoever listens, as the one who sent it wants no answer:
+/// Reports it on the error topic, because its sender wants no answer:
 /// `{"request":"W,0,90","reason":"queue-full","error":"...","by":"anna"}`.
 void report_failure(const Board& board, const Failure& failure, Effects& out);
 

@@ -39,7 +39,7 @@ void LabelBook::load(Expected<model::Labels> kept) {
 
 void LabelBook::join() {
     current_ = fixed_;
-    // More than the bounds nobody would read: those of the configuration come first.
+    // Descriptions have bounds: labels of the configuration come first.
     for (const auto& label : kept_.labels)
         if (current_.labels.size() < model::kMaxLabels) current_.labels.insert(label);
     const auto names = [this] { return current_.services.size() + current_.pins.size(); };

@@ -50,9 +50,9 @@ bool DelayedDelivery::answered(Time now) {
 }
 
 Time DelayedDelivery::arrival(Time now) const {
-    const bool held = behind_ || (due_ && now > *due_ + limit());
+    const bool delayed = behind_ || (due_ && now > *due_ + limit());
     const bool given_up = sent_ && now >= *due_ + kNoAnswer;
-    return held && !given_up ? std::min(good_, now) : now;
+    return delayed && !given_up ? std::min(good_, now) : now;
 }
 
 // The median, so that neither one stall nor one quick answer counts.

@@ -42,7 +42,7 @@ void PortLoan::request(const PortRequest& request, const Lent& board, Time now, 
     if (!wanted)
         return answer(reply, bus::Reply::refused(std::string(bus::kRefusedInvalid), wanted.error()), out);
     if (wanted->what == bus::PortRequest::What::kRelease) {
-        // Nobody waits for the port any more, and nobody would give it back.
+        // Its sender does not wait for the port any more, and would not give it back.
         if (now >= request.deadline()) return answer(reply, bus::Reply::timeout(), out);
         return release(*wanted, reply, board, now, wall, out);
     }

@@ -36,12 +36,12 @@ class PortLoan {
 
     enum class Phase {
         kOurs,
-        kMakingSafe,  ///< asked for; what is held is undone first
+        kMakingSafe,  ///< asked for; the board is made safe first
         kReleased,    ///< not ours: state `updating`
         kTakingBack,  ///< opened again, the board has not answered yet
     };
     Phase phase() const { return phase_; }
-    /// Whether the port is somebody else's.
+    /// Whether the port is lent now.
     bool is_away() const { return phase_ == Phase::kReleased; }
 
     /// The board and its port, as they are before the port is lent.

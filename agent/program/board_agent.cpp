@@ -16,7 +16,7 @@ namespace {
 constexpr Duration kGoodbye = std::chrono::milliseconds(700);
 // Longer than a boot loader and two rounds of asking at the start rate.
 constexpr Duration kSilentAtStart = std::chrono::milliseconds(3500);
-// What is held is undone before the goodbye; a board that does not answer is not waited for longer.
+// Commands with a hold are undone before the goodbye. A board that does not answer is not waited for longer.
 constexpr Duration kMakeSafe = std::chrono::milliseconds(500);
 constexpr Duration kLeaveLine = std::chrono::milliseconds(400);
 constexpr Duration kLookAgain = std::chrono::milliseconds(5);

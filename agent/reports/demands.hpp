@@ -22,7 +22,7 @@ class Demands {
     /// A new demand takes the place of the one before of the same client; an empty one ends it. `demander`:
     /// USER/CLIENT. False: there is no room for it.
     bool take(std::string_view demander, bus::Demand demand, Time now);
-    /// Values a second that are demanded of a service; 0: nobody wants any.
+    /// Values a second that are demanded of a service; 0: there is no demand.
     double hz(std::string_view service, char letter) const;
     /// True: some ended.
     bool expire(Time now);

@@ -19,10 +19,10 @@ namespace asip::agent {
 
 /// Whether and how the agent sets the periods of reports itself.
 struct ReportOptions {
-    bool on_demand = false;  ///< false: periods are left to whoever sets them
+    bool on_demand = false;  ///< false: periods are what commands set
     /// Demands do not bring a service below this; at least 1 ms.
     std::chrono::milliseconds fastest{20};
-    std::chrono::milliseconds resting{0};  ///< where nobody demands; 0: no reports
+    std::chrono::milliseconds resting{0};  ///< without a demand; 0: no reports
 };
 
 /// The period in ms that serves `hz` values a second: `hz` at most, but not below `fastest` nor above
@@ -31,7 +31,7 @@ unsigned period_for(double hz, unsigned fastest, unsigned slowest);
 
 /// Sets the periods of a board's services to what is demanded of them, and to the resting one a moment after
 /// the last demand ended. Services whose model has no command `report` with tag `A` and a period in ms are
-/// left alone. A period that somebody sets by a command holds as a demand without end: the service reports at
+/// left alone. A period that a command sets holds as a demand without end: the service reports at
 /// least so often, until another is set; 0 ends it. Pure.
 class ReportPeriods {
   public:
@@ -103,7 +103,7 @@ class ReportPeriods {
     ReportOptions options_;
     Demands demands_;
     std::map<char, Service> services_;
-    std::map<char, unsigned> commanded_;                       // periods that somebody set
+    std::map<char, unsigned> commanded_;                       // periods that commands set
     std::unordered_map<session::RequestId, Foreign> foreign_;  // bounded by the session's queue
     std::optional<Time> look_at_;
     std::optional<Time> looked_at_;

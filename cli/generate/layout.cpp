@@ -64,9 +64,9 @@ bool is_number(const Field& field) {
 /// apart where it has none, or so many that they could not be told apart.
 void set_bounds(StandIn& stand_in, const Field& field) {
     constexpr double kValues = 1023;
-    constexpr double kMost = 1e6;
-    const bool has_min = field.min && std::abs(*field.min) <= kMost;
-    const bool has_max = field.max && std::abs(*field.max) <= kMost;
+    constexpr double kMaxShown = 1e6;
+    const bool has_min = field.min && std::abs(*field.min) <= kMaxShown;
+    const bool has_max = field.max && std::abs(*field.max) <= kMaxShown;
     const double max = has_max ? std::floor(*field.max) : 0;
     const double low = has_min ? std::ceil(*field.min) : has_max ? max - kValues : 0;
     const double high = has_max && max > low ? max : low + kValues;
