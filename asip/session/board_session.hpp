@@ -140,9 +140,9 @@ class BoardSession {
     void link_down(Time now, Actions& out);
     /// Bytes from the board, any number, cut anywhere. Ignored while the link is down.
     void receive(std::string_view bytes, Time now, Actions& out);
-    /// The port is about to be closed: what waits is not sent, checksums end, and the line returns to the rate
-    /// that it had at link_up, as the next program expects it. Takes a third of a second at most; the state is
-    /// kDown then.
+    /// The port is about to be closed: what waits is not sent, checksums end, and the line returns to the
+    /// rate that it had at link_up, as the next program expects it. Takes a third of a second at most; the
+    /// state is kDown then.
     void leave(Leave how, Time now, Actions& out);
     /// Time has passed. May be called at any time; must be called when next_deadline() has come.
     void tick(Time now, Actions& out);

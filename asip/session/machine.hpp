@@ -195,7 +195,7 @@ class Machine {
         Time at;
     };
     std::vector<NewPeriod> new_periods_;  // the last one of each service
-    std::map<char, Renewal> renewals_;  // of services whose period was set on a board of ASIP 0.4
+    std::map<char, Renewal> renewals_;    // of services whose period was set on a board of ASIP 0.4
     Time last_report_{};
     Time progress_at_{};   // while it is not ready: link_up, the end of its being ready, its last answer
     bool banner_ = false;  // one came since link_up
