@@ -23,8 +23,8 @@ class ClientFraming {
     /// It stayed silent: this framing, unless it sends another after all.
     void assume(Kind kind);
 
-    /// Request lines that these bytes complete; a frame may hold several lines. On plain lines a whole request
-    /// also ends where the next one begins, until the client uses an extension.
+    /// Request lines that these bytes complete; a frame may hold several lines. On plain lines a whole
+    /// request also ends where the next one begins, until the client uses an extension.
     std::vector<std::string> decode(std::string_view bytes);
     /// Nothing came for kRequestSilence: what waits is complete.
     std::vector<std::string> after_silence();

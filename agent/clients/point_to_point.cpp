@@ -17,7 +17,8 @@ constexpr Duration kRunsLate = std::chrono::milliseconds(100);
 
 std::string half_error(std::string_view half) {
     const auto letter = [&](std::size_t index) {
-        return half.size() > index && std::isalpha(static_cast<unsigned char>(half[index])) ? half[index] : '?';
+        return half.size() > index && std::isalpha(static_cast<unsigned char>(half[index])) ? half[index]
+                                                                                            : '?';
     };
     return std::string{'~', letter(0), ',', letter(2)} + ",2{UNKNOWN_REQUEST}";
 }
@@ -140,8 +141,8 @@ void PointToPoint::send(std::string_view line, std::optional<session::ClientId> 
     }
 }
 
-// When what a client sent without line end is complete. While it is read more slowly, and while this process did
-// not run, what it sent may wait to be read.
+// When what a client sent without line end is complete. While it is read more slowly, and while this process
+// did not run, what it sent may wait to be read.
 std::optional<Time> PointToPoint::end_of_request(Client& client, Time now) {
     if (!client.framing.waits_for_silence() || !client.waiting.empty()) return std::nullopt;
     if (now >= client.read_until + protocol::kRequestSilence + kRunsLate) client.read_until = now;

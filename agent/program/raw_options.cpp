@@ -103,11 +103,12 @@ void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw
                "addresses: separated by commas, or several times")
             ->delimiter(',')
             ->group("Point to point"));
-    settings.setting(app.add_option("--listen-silence", raw.listen_silence,
-                                    "A client that sent nothing for so long gets plain lines; on port 6789, of the "
-                                    "published Java programs, frames")
-                         ->capture_default_str()
-                         ->group("Point to point"));
+    settings.setting(
+        app.add_option("--listen-silence", raw.listen_silence,
+                       "A client that sent nothing for so long gets plain lines; on port 6789, of the "
+                       "published Java programs, frames")
+            ->capture_default_str()
+            ->group("Point to point"));
     settings.add_broker_options(raw.broker);
     settings.add_credentials_dir(raw.broker);
     settings.add_log_options(raw.log);

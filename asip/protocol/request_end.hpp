@@ -6,8 +6,8 @@
 
 namespace asip::protocol {
 
-// Requests without a line end, as published clients send them. ASIP 0.4 boards execute a request when its last
-// number ends: at the letter of the next request, or after a second of silence.
+// Requests without a line end, as published clients send them. ASIP 0.4 boards execute a request when its
+// last number ends: at the letter of the next request, or after a second of silence.
 
 /// So long nothing may come until a request without line end is complete.
 inline constexpr auto kRequestSilence = std::chrono::seconds(1);

@@ -42,7 +42,8 @@ void Machine::give_back(Time now, Actions& out) {
     } else if (extensions.has(protocol::kChecksum)) {
         lines.push_back(protocol::set_checksum(false));
     }
-    const bool has_rate = wire_.has_rates() && (extensions.has(protocol::kLineRate) || !wire_.at_start_rate());
+    const bool has_rate =
+        wire_.has_rates() && (extensions.has(protocol::kLineRate) || !wire_.at_start_rate());
     if (has_rate) lines.push_back(protocol::set_line_rate(static_cast<int>(wire_.start_baud())));
     write(lines, now, out);
     leaving_->asked = has_rate;

@@ -179,8 +179,8 @@ Findings check_states(const Observations& seen) {
         } else if (board.state == "lost") {
             result.push_back(
                 note(board.board + " is lost", "start its agent again, or: asipctl forget " + board.board +
-                                                             ". An agent that was killed leaves its board at a fast "
-                                                             "rate: until a restart, others read garbage at its port"));
+                                                   ". An agent that was killed leaves its board at a fast "
+                                                   "rate: until a restart, others read garbage at its port"));
         }
     }
     for (const auto& [topic, reason] : seen.bad_documents) {

@@ -62,7 +62,8 @@ TEST(ClientFraming, RequestsWithoutLineEnd_EndWhereTheNextBeginsAndAfterSilence)
     EXPECT_TRUE(framing.waits_for_silence());
     EXPECT_THAT(framing.after_silence(), ElementsAre("M,m,0,-100"));
     EXPECT_FALSE(framing.waits_for_silence());
-    EXPECT_THAT(framing.decode("D,MI,A,0\nM,m,1,5I,d,13,1\n"), ElementsAre("D,M", "I,A,0", "M,m,1,5", "I,d,13,1"));
+    EXPECT_THAT(framing.decode("D,MI,A,0\nM,m,1,5I,d,13,1\n"),
+                ElementsAre("D,M", "I,A,0", "M,m,1,5", "I,d,13,1"));
     EXPECT_THAT(framing.take_halves(), IsEmpty());
 }
 

@@ -10,7 +10,6 @@ namespace {
 
 using State = BoardSession::State;
 
-
 TEST(Leaving, FastBoard_IsBackAtItsStartRateWithoutChecksums) {
     Bench bench;
     bench.plug();

@@ -28,8 +28,8 @@ class ReportingBoard {
             clock_ += kStep;
             ++quiet_;
             read_requests();
-            const bool reachable = stop_ == Stop::kNever || (stop_ == Stop::kClockWraps ? due_ < 65536
-                                                                                        : clock_ - set_ < 65536);
+            const bool reachable =
+                stop_ == Stop::kNever || (stop_ == Stop::kClockWraps ? due_ < 65536 : clock_ - set_ < 65536);
             const long now = stop_ == Stop::kClockWraps ? clock_ % 65536 : clock_;
             if (period_ == 0 || !reachable || now < due_) continue;
             due_ = now + period_;
