@@ -24,7 +24,7 @@ FlashText Encoders::name() const {
 void Encoders::begin() {
     noInterrupts();
     counting = this;
-    needsPolling_ = false;
+    flags_ &= static_cast<uint8_t>(~kNeedsPolling);
     for (uint8_t i = 0; i < count(); ++i) {
         wheels_[i] = Wheel();
         connect(i);
@@ -43,7 +43,7 @@ void Encoders::connect(uint8_t encoder) {
     wheel.first = QuickPin(pins[0]);
     wheel.second = QuickPin(pins[1]);
     wheel.wasHigh = wheel.first.isHigh();
-    if (!PinInterrupts::enable(pins[0], PinInterrupts::kEncoders, onPinChange)) needsPolling_ = true;
+    if (!PinInterrupts::enable(pins[0], PinInterrupts::kEncoders, onPinChange)) flags_ |= kNeedsPolling;
 }
 
 Error Encoders::processRequest(Request&) {
@@ -85,7 +85,7 @@ void Encoders::reportValue(uint8_t index) {
 }
 
 void Encoders::poll() {
-    if (!needsPolling_) return;
+    if (!(flags_ & kNeedsPolling)) return;
     noInterrupts();
     onPinChange();
     interrupts();

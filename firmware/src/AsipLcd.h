@@ -19,7 +19,7 @@ class Lcd : public Service {
     static constexpr uint8_t kLines = 5, kCharacters = 21;
 
     // What is not set here is zero: a display has to be a global.
-    Lcd() : Service('L') {}
+    Lcd() : Service('L', kHoldsText) {}
 
     FlashText name() const override;
     void begin() override;

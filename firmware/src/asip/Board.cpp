@@ -51,7 +51,10 @@ void Board::run() {
     const bool received = nextRequest();
     const bool executed = received && io_.executePrepared();
     io_.pollInputs();  // before the rest of the request's work: what a write changed is reported sooner
-    if (received) execute(executed);
+    if (received) {
+        execute(executed);
+        beginNext();
+    }
     const uint8_t now = hw::milliseconds();
     const uint8_t elapsed = static_cast<uint8_t>(now - lastMs_);
     lastMs_ = now;
@@ -87,7 +90,17 @@ void Board::tick(uint8_t elapsedMs) {
     for (Service* service = &io_; service != nullptr; service = service->next_)
         service->countDown(elapsedMs);
     reportWhatIsDue();
-    if (kExtensions) countRateTrial(elapsedMs);
+    countWait(elapsedMs);
+}
+
+void Board::countWait(uint8_t elapsedMs) {
+    if (waitMs_ == 0) return;
+    if (waitMs_ > elapsedMs) {
+        waitMs_ = static_cast<uint16_t>(waitMs_ - elapsedMs);
+        return;
+    }
+    waitMs_ = 0;
+    if (isExtended()) giveUpRate();
 }
 
 // Begins behind the service that reported last: one with a short period must not silence the others.
@@ -106,21 +119,56 @@ void Board::reportWhatIsDue() {
 // the next pass.
 bool Board::receive() {
     int16_t byte = line::read();
-    if (byte < 0) return false;
+    if (byte < 0) return isQuiet();
     do {
         if (collect(static_cast<char>(byte))) return true;
         byte = line::read();
     } while (byte >= 0);
     const uint8_t length = length_;
+    if (!isExtended()) waitMs_ = length == kSpoiled ? kSpoiledMs : kSilenceMs;
     if (length < IoService::kShortestWrite || length > IoService::kLongestWrite || out.usesChecksum())
         return false;
     io_.prepare(line(), length);
     return false;
 }
 
-// True at the end of a line. Of one that is spoiled the first characters stay, to say which request it was.
+// True when what was collected is complete because nothing more came. A name or a token is not: half of one
+// looks whole.
+bool Board::isQuiet() {
+    if (length_ == 0 || waitMs_ != 0 || isExtended()) return false;
+    if (line()[0] == '#' && length_ > 3) length_ = kSpoiled;
+    return true;
+}
+
+// Where no extension is in use, published clients leave out line ends: a request also ends where the next one
+// begins, with a letter and a comma, which nothing but text holds behind its tag. Whether what is before it is
+// all of a request is seen by its execution.
+bool Board::beginsAnother(char c) {
+    const uint8_t length = length_;
+    if (c != ',' || length < 4 || length == kSpoiled || next_ != 0) return false;
+    const char* const line = this->line();
+    const char letter = line[length - 1];
+    if (letter != '#' && (letter < 'A' || letter > 'Z')) return false;
+    if (line[0] == '#' || line[0] == '!') return false;
+    const Service* const service = find(line[0]);
+    if (service != nullptr && service->countAndDue_ & Service::kHoldsText) return false;
+    length_ = static_cast<uint8_t>(length - 1);
+    next_ = static_cast<uint8_t>(letter);
+    return true;
+}
+
+void Board::beginNext() {
+    if (next_ == 0 || isExtended()) return;
+    line()[0] = static_cast<char>(next_);
+    line()[1] = ',';
+    length_ = 2;
+    next_ = 0;
+    waitMs_ = kSilenceMs;
+}
+
+// True at the end of a request. Of one that is spoiled the first characters stay, to say which it was.
 bool Board::collect(char c) {
-    if (c == '\n') return true;
+    if (c == '\n' || beginsAnother(c)) return true;
     io_.forgetPrepared();
     const uint8_t length = length_;
     if (length >= maxLength() || c == '\0') {

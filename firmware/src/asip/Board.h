@@ -55,6 +55,7 @@ class Board {
     friend class FakeBoard;  // for the tests on the host
 
     static constexpr uint8_t kSpoiled = 255;
+    static constexpr uint8_t kExtended = 255;
     static constexpr uint8_t kMaxServices = 15;  // and I: a pin's owner is kept in four bits
 
     // What the line of the request is kept for: a request that is complete waits for the line to have room,
@@ -65,6 +66,10 @@ class Board {
     bool receive();
     static void readAhead();
     bool collect(char c);
+    bool beginsAnother(char c);
+    void beginNext();
+    bool isQuiet();
+    bool isExtended() const { return kExtensions && next_ == kExtended; }
     inline char* line() __attribute__((always_inline)) { return longLineSize_ == 0 ? line_ : longLine_; }
     static uint8_t maxLength() {
         return longLineSize_ == 0 ? kMaxRequestLength : static_cast<uint8_t>(longLineSize_ - 1);
@@ -73,6 +78,7 @@ class Board {
     Error process(uint8_t length);
     Error dispatch(Service& service, Request& request);
     void tick(uint8_t elapsedMs);
+    void countWait(uint8_t elapsedMs);
     void reportWhatIsDue();
     void restart();
 
@@ -101,7 +107,8 @@ class Board {
     void continueExtension();
     void storeName();
     void sendName();
-    void countRateTrial(uint8_t elapsedMs);
+    void useExtensions(bool on);
+    void giveUpRate();
 
     // Of the service with the longest requests. Where there is none they are never written, and compiled as
     // the constants that they are.
@@ -120,7 +127,10 @@ class Board {
     uint8_t listCount_;
     Service* listService_;  // of the last list; null: the system
     uint16_t digest_;       // of the requests since the last verified fence and their errors
-    uint16_t rateTrialMs_;  // left to hear a fence at a new rate; 0 when none is on trial
+    uint8_t next_;          // the letter that began the next request; kExtended: an extension is in use
+    // Left to hear a fence at a new rate, 0 when none is on trial; where no extension is in use, left until
+    // what was collected is complete because nothing more came.
+    uint16_t waitMs_;
 };
 
 extern Board board;

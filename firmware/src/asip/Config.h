@@ -24,6 +24,13 @@ constexpr uint8_t kBehindRequest = 4;
 // reset, and the one a board returns to:
 constexpr uint16_t kDefaultRate = 576;
 
+// After a silence of this length a request is complete without its line end, as on 0.4 boards; only while no
+// extension is in use on the link.
+constexpr uint16_t kSilenceMs = 1000;
+
+// The same for one of which bytes were lost: what comes then is the beginning of another.
+constexpr uint16_t kSpoiledMs = 20;
+
 // How long a board stays at a new line rate without hearing a fence there.
 constexpr uint16_t kRateTrialMs = 500;
 

@@ -61,7 +61,7 @@ Error Board::echo(Request& request) {
     const char* const token = request.text();
     const uint8_t length = lengthIf(isAlphanumeric, token);
     if (length == 0 || length > kMaxTokenLength) return Error::kBadArgument;
-    rateTrialMs_ = 0;
+    useExtensions(true);
     out.event('#', request.tag());
     out.character(',');
     out.text(token);
@@ -169,18 +169,21 @@ void Board::continueExtension() {
     // The request is still in its line, where no other is collected meanwhile.
     const uint16_t hundreds = parseRate(line() + kArgument);
     line::setRate(hundreds);
-    rateTrialMs_ = hundreds == kDefaultRate ? 0 : kRateTrialMs;
+    useExtensions(hundreds != kDefaultRate);
+    if (hundreds != kDefaultRate) waitMs_ = kRateTrialMs;
     job_ = kNoJob;
     out.hold(false);
 }
 
-void Board::countRateTrial(uint8_t elapsedMs) {
-    if (rateTrialMs_ == 0) return;
-    if (rateTrialMs_ > elapsedMs) {
-        rateTrialMs_ = static_cast<uint16_t>(rateTrialMs_ - elapsedMs);
-        return;
-    }
-    rateTrialMs_ = 0;
+// From an echo, a fence, a faster rate or checksums on until a peer turns one of the last two off again: it is
+// to do both before it leaves the link to another one.
+void Board::useExtensions(bool on) {
+    next_ = on ? kExtended : 0;
+    waitMs_ = 0;
+}
+
+void Board::giveUpRate() {
+    useExtensions(false);
     line::setRate(kDefaultRate);
     length_ = 0;
     if (longLineSize_ != 0 && job_ == kExecute) job_ = kNoJob;
@@ -190,6 +193,7 @@ Error Board::checksum(Request& request) {
     const uint16_t on = request.number(1);
     if (!request.complete()) return Error::kBadArgument;
     out.useChecksum(on != 0);
+    useExtensions(on != 0);
     return Error::kNone;
 }
 

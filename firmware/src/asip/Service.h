@@ -47,12 +47,14 @@ class Service {
     uint16_t period() const { return period_; }
 
   protected:
-    // `count` values are reported, at most 127; a service that reports none has no auto-event request either.
+    // `count` values are reported, at most 63; a service that reports none has no auto-event request either.
+    // kHoldsText is added where its requests hold text: they end at line ends only.
+    static constexpr uint8_t kHoldsText = 64;
     constexpr explicit Service(char id, uint8_t count = 0)
         : next_(nullptr), period_(0), remaining_(0), id_(id), countAndDue_(count) {}
 
-    uint8_t count() const { return countAndDue_ & static_cast<uint8_t>(~kDue); }
-    void setCount(uint8_t count) { countAndDue_ = count; }
+    uint8_t count() const { return countAndDue_ & (kHoldsText - 1); }
+    void setCount(uint8_t count) { countAndDue_ = static_cast<uint8_t>((countAndDue_ & kHoldsText) | count); }
 
   private:
     friend class Board;

@@ -13,7 +13,7 @@ static_assert(sizeof(Distance) == 10 + 3 * Distance::kMaxSensors + 1, "a pin and
 static_assert(sizeof(Servos) == 10 + Servos::kMaxServos + 2, "a pin for each servo");
 #if defined(__AVR_ATmega328P__)
 static_assert(sizeof(IoService) == 10 + hw::kPins + 2 * 3 + 3, "a byte for each pin, two for each port");
-static_assert(sizeof(Board) == sizeof(IoService) + kMaxRequestLength + 1 + 14, "the rest of the board");
+static_assert(sizeof(Board) == sizeof(IoService) + kMaxRequestLength + 1 + 15, "the rest of the board");
 #endif
 
 }  // namespace asip

@@ -4,11 +4,12 @@
 // docs/protocol.md says so.
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <fstream>
 #include <functional>
 #include <sstream>
 
-#include "firmware_board.hpp"
+#include "quadrature.hpp"
 
 namespace asip::firmware {
 namespace {
@@ -117,6 +118,22 @@ TEST(DifferentialTest, Robot) {
                             {"B,A,20", "@B,e,2,{1,1}", nullptr, "", next},
                         });
     EXPECT_NE(board.ask("#,N").find("B:Bump Sensors,R:IR Sensors"), std::string::npos);
+}
+
+// Measured on 0.4 with both wheels forwards: +13, +13, and 15,560 us from edge to edge.
+TEST(DifferentialTest, WheelsInMotion) {
+    FirmwareBoard board("asip_uno_mirto");
+    Quadrature wheels(board, {{3, 7}, {2, 4, true}});
+    board.ask("E,A,210");
+    wheels.turn(7, std::chrono::microseconds(31'120));
+    long pulse[2] = {0, 0}, count[2] = {0, 0};
+    const auto line = board.next_line();
+    ASSERT_EQ(std::sscanf(line.c_str(), "@E,e,2,{%ld:%ld,%ld:%ld}", &pulse[0], &count[0], &pulse[1], &count[1]), 4)
+        << line;
+    EXPECT_NEAR(static_cast<double>(pulse[0]), 15'560, 12);
+    EXPECT_NEAR(static_cast<double>(pulse[1]), 15'560, 12);
+    EXPECT_NEAR(static_cast<double>(count[0]), 13, 1);
+    EXPECT_EQ(count[1], count[0]);
 }
 
 TEST(DifferentialTest, DistanceBeyondAMetre_IsMeasured) {

@@ -179,20 +179,21 @@ std::vector<Figure> measure_figures() {
     const auto fast = round_trip(500000);
     const auto fastest = round_trip(1000000);
     return {
-        {"static RAM", "B", static_cast<double>(size.data + size.bss), 280, 279},
-        {"flash", "B", static_cast<double>(size.text + size.data), 6500, 6490},
+        {"static RAM", "B", static_cast<double>(size.data + size.bss), 280, 280},
+        // Of which requests without a line end take 270.
+        {"flash", "B", static_cast<double>(size.text + size.data), 6800, 6770},
         {"deepest stack under every request", "B", max_stack(), 80, 40},
-        {"AsipMirto: static RAM", "B", static_cast<double>(robot.data + robot.bss), 600, 600},
-        {"AsipMirto: flash", "B", static_cast<double>(robot.text + robot.data), 13000, 11660},
+        {"AsipMirto: static RAM", "B", static_cast<double>(robot.data + robot.bss), 610, 601},
+        {"AsipMirto: flash", "B", static_cast<double>(robot.text + robot.data), 13000, 12020},
         {"AsipMirto: steps lost at 2 x 4 kHz under a flood", "", lost_steps(), 0.5, 0.5},
         {"AsipMirto: latest report of 25 ms", "ms", latest_report(), 2, 1, false, 2},
         {"LCD, 18 pixels, four I2C sensors: static RAM", "B",
          static_cast<double>(displays.data + displays.bss), 900, 875},
         {"LCD, 18 pixels, four I2C sensors: flash", "B", static_cast<double>(displays.text + displays.data),
-         18000, 16710},
+         18000, 17040},
         {"round trip / wire at 57600", "", slow.cycles / slow.wire, 1.01, 1.01, false, 4},
         {"round trip at 500,000", "ms", fast.cycles / kCyclesPerMs, 0.45, 0.40, false, 3},
-        {"round trip at 1,000,000", "ms", fastest.cycles / kCyclesPerMs, 0, 0.251, false, 3},
+        {"round trip at 1,000,000", "ms", fastest.cycles / kCyclesPerMs, 0, 0.256, false, 3},
         {"square wave followed at 500,000", "Hz", fastest_square_wave(500000), 1500, 2500, true},
     };
 }

@@ -26,7 +26,7 @@ void on_set(std::uint8_t pin, asip::hw::Fake::Set what, int value) {
 
 class Marks final : public asip::Service {
   public:
-    Marks() : Service('W') {}
+    Marks() : Service('W', kHoldsText) {}
     asip::FlashText name() const override { return F("Marks"); }
     void begin() override {}
     asip::Error processRequest(asip::Request& request) override {

@@ -16,10 +16,14 @@ TEST(FramingTest, CarriageReturnBeforeTheNewline_IsIgnored) {
 
 TEST(FramingTest, BytesThatComeOneByOne_AreARequestOnlyWhenTheLineEnds) {
     FakeBoard board;
-    for (char c : std::string("#,E,ok"))
+    for (char c : std::string("#,E,ok")) {
         EXPECT_EQ(board.send(std::string(1, c)), "");
-    EXPECT_EQ(board.pass_time(5000), "");
+        EXPECT_EQ(board.pass_time(900), "");
+    }
     EXPECT_EQ(board.send("\n"), kFence);
+    board.send("#,E,o");
+    EXPECT_EQ(board.pass_time(5000), "") << "an extension is in use: its peer ends its lines";
+    EXPECT_EQ(board.send("k\n"), kFence);
 }
 
 TEST(FramingTest, SeveralRequestsAtOnce_AreAllExecutedInOrder) {
