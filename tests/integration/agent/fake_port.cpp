@@ -50,6 +50,11 @@ bool FakePort::executed(const std::string& line) {
     return std::find(board_.executed.begin(), board_.executed.end(), line) != board_.executed.end();
 }
 
+std::vector<std::string> FakePort::heard() {
+    std::lock_guard lock(mutex_);
+    return board_.heard;
+}
+
 void FakePort::serve() {
     while (!stopping_) {
         pollfd poll_for{master_, POLLIN, 0};

@@ -4,6 +4,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "tests/unit/session/scripted_board.hpp"
 
@@ -24,6 +25,8 @@ class FakePort {
     /// From now on the board says `line` without a pause; empty: stops.
     void flood(std::string line);
     bool executed(const std::string& line);
+    /// Every whole line that the board heard.
+    std::vector<std::string> heard();
 
   private:
     void serve();
