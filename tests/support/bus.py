@@ -128,6 +128,8 @@ class Bus:
         path = program if os.path.isabs(program) else str(program_path(program))
         environment = {key: value for key, value in os.environ.items() if not key.startswith("ASIP_")}
         environment["ASIP_BROKER"] = f"127.0.0.1:{self.broker_port}"
+        environment.pop("STATE_DIRECTORY", None)
+        environment["XDG_STATE_HOME"] = str(self.work / "state")  # labels of a user's own boards are not the test's
         log = open(self.work / f"{name}.log", "ab")
         self.programs[name] = subprocess.Popen([path, *arguments], stdin=subprocess.DEVNULL, stdout=log, stderr=log,
                                                env=environment, preexec_fn=die_with_parent)
