@@ -5,7 +5,7 @@
 //   #include <Asip.h>
 //   #include <AsipFastSerial.h>
 //
-//   void setup() { asip::board.begin(F("Hello")); }
+//   void setup() { asip::board.begin(ASIP_NAME("Hello")); }
 //   void loop() { asip::board.run(); }
 #pragma once
 

@@ -6,7 +6,7 @@
 namespace asip {
 
 FlashText Bump::name() const {
-    return F("Bump Sensors");
+    return ASIP_NAME("Bump Sensors");
 }
 
 void Bump::begin() {

@@ -6,7 +6,7 @@
 namespace asip {
 
 FlashText Distance::name() const {
-    return F("Distance");
+    return ASIP_NAME("Distance");
 }
 
 void Distance::begin() {

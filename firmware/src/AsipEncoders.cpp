@@ -18,7 +18,7 @@ bool line::isRate(uint16_t hundreds) {
 static Encoders* counting;
 
 FlashText Encoders::name() const {
-    return F("Encoders");
+    return ASIP_NAME("Encoders");
 }
 
 void Encoders::begin() {

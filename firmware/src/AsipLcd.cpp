@@ -31,7 +31,7 @@ static uint8_t lineOf(uint8_t page) {
 static constexpr uint8_t kNoLine = Lcd::kLines;
 
 FlashText Lcd::name() const {
-    return F("LCD");
+    return ASIP_NAME("LCD");
 }
 
 void Lcd::begin() {

@@ -14,11 +14,11 @@ static constexpr uint8_t kHmc5883l = 0x1E, kMode = 2, kContinuous = 0, kFirstFie
 FlashText Motion::name() const {
     switch (id()) {
         case kAccelerometer:
-            return F("Accelerometer");
+            return ASIP_NAME("Accelerometer");
         case kGyroscope:
-            return F("Gyro");
+            return ASIP_NAME("Gyro");
         default:
-            return F("Heading");
+            return ASIP_NAME("Heading");
     }
 }
 

@@ -8,7 +8,7 @@
 namespace asip {
 
 FlashText Motors::name() const {
-    return F("Motors");
+    return ASIP_NAME("Motors");
 }
 
 void Motors::begin() {

@@ -6,7 +6,7 @@
 namespace asip {
 
 FlashText NeoPixels::name() const {
-    return F("NeoPixels");
+    return ASIP_NAME("NeoPixels");
 }
 
 void NeoPixels::begin() {

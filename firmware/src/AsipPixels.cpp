@@ -6,7 +6,7 @@
 namespace asip {
 
 FlashText PixelService::name() const {
-    return F("Pixels");
+    return ASIP_NAME("Pixels");
 }
 
 void PixelService::begin() {

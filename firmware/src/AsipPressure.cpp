@@ -14,7 +14,7 @@ static constexpr uint8_t kMeasureTemperature = 0x2E, kMeasurePressure = 0x34 + (
 static constexpr uint8_t kTemperatureMs = 5, kPressureMs = 26;
 
 FlashText Pressure::name() const {
-    return F("Pressure");
+    return ASIP_NAME("Pressure");
 }
 
 I2cSensor::Outcome Pressure::doStep(uint8_t step) {

@@ -8,7 +8,7 @@ namespace asip {
 static constexpr uint16_t kWarmMicroseconds = 200;  // until the sensors show the light
 
 FlashText Reflectance::name() const {
-    return F("IR Sensors");
+    return ASIP_NAME("IR Sensors");
 }
 
 void Reflectance::begin() {

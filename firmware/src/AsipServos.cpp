@@ -13,7 +13,7 @@ static uint16_t pulseWidth(uint8_t angle) {
 }
 
 FlashText Servos::name() const {
-    return F("Servos");
+    return ASIP_NAME("Servos");
 }
 
 void Servos::begin() {

@@ -11,7 +11,7 @@ namespace asip {
 static constexpr uint16_t kLowestHertz = 31;  // what the timer can do
 
 FlashText Tone::name() const {
-    return F("Tone");
+    return ASIP_NAME("Tone");
 }
 
 void Tone::begin() {

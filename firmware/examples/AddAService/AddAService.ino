@@ -8,7 +8,7 @@ Fans fans;
 
 void setup() {
     asip::board.add(fans);
-    asip::board.begin(F("AddAService"));
+    asip::board.begin(ASIP_NAME("AddAService"));
 }
 
 void loop() { asip::board.run(); }

@@ -9,7 +9,7 @@ class Fans : public asip::Service {
 
     constexpr Fans() : Service('F', kFans), pulses_(), speeds_(), wasHigh_(), since_(0) {}
 
-    asip::FlashText name() const override { return F("Fan"); }
+    asip::FlashText name() const override { return ASIP_NAME("Fan"); }
     void begin() override;
     asip::Error processRequest(asip::Request& request) override;
     void reportValue(uint8_t index) override;

@@ -32,7 +32,7 @@ void setup() {
     WiFi.mode(WIFI_STA);
     WiFi.begin(kNetwork, kPassword);  // and comes back by itself
     networkLine::sink = sendLine;
-    asip::board.begin(F("AsipEsp"));
+    asip::board.begin(ASIP_NAME("AsipEsp"));
     server.begin();
 }
 

@@ -3,6 +3,6 @@
 #include <Asip.h>
 #include <AsipFastSerial.h>
 
-void setup() { asip::board.begin(F("AsipHello")); }
+void setup() { asip::board.begin(ASIP_NAME("AsipHello")); }
 
 void loop() { asip::board.run(); }

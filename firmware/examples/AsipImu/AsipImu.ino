@@ -16,7 +16,7 @@ void setup() {
     asip::board.add(gyroscope);
     asip::board.add(heading);
     asip::board.add(pressure);
-    asip::board.begin(F("AsipImu"));
+    asip::board.begin(ASIP_NAME("AsipImu"));
 }
 
 void loop() { asip::board.run(); }

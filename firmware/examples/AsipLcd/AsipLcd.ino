@@ -8,7 +8,7 @@ asip::Lcd lcd;
 
 void setup() {
     asip::board.add(lcd);
-    asip::board.begin(F("AsipLcd"));
+    asip::board.begin(ASIP_NAME("AsipLcd"));
 }
 
 void loop() { asip::board.run(); }

@@ -24,7 +24,7 @@ void setup() {
     asip::board.add(reflectance);
     asip::board.add(servo);
     asip::board.add(distance);
-    asip::board.begin(F("AsipMirto"));
+    asip::board.begin(ASIP_NAME("AsipMirto"));
 }
 
 void loop() { asip::board.run(); }

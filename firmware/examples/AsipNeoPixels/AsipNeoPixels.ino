@@ -9,7 +9,7 @@ asip::NeoPixels neopixels(left, right);
 
 void setup() {
     asip::board.add(neopixels);
-    asip::board.begin(F("AsipNeoPixels"));
+    asip::board.begin(ASIP_NAME("AsipNeoPixels"));
 }
 
 void loop() { asip::board.run(); }

@@ -8,7 +8,7 @@ asip::Pixels<18> pixels(6);
 
 void setup() {
     asip::board.add(pixels);
-    asip::board.begin(F("AsipPixels"));
+    asip::board.begin(ASIP_NAME("AsipPixels"));
 }
 
 void loop() { asip::board.run(); }

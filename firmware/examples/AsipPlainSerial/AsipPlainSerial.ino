@@ -4,6 +4,6 @@
 #include <Asip.h>
 #include <AsipSerial.h>
 
-void setup() { asip::board.begin(F("AsipPlainSerial")); }
+void setup() { asip::board.begin(ASIP_NAME("AsipPlainSerial")); }
 
 void loop() { asip::board.run(); }

@@ -20,7 +20,7 @@ void setup() {
     asip::board.add(bump);
     asip::board.add(reflectance);
     asip::board.add(buzzer);
-    asip::board.begin(F("AsipRobot"));
+    asip::board.begin(ASIP_NAME("AsipRobot"));
 }
 
 void loop() { asip::board.run(); }

@@ -11,7 +11,7 @@ asip::Servos servos(9, 10);
 void setup() {
     asip::board.add(distance);
     asip::board.add(servos);
-    asip::board.begin(F("AsipServices"));
+    asip::board.begin(ASIP_NAME("AsipServices"));
 }
 
 void loop() { asip::board.run(); }

@@ -7,7 +7,7 @@
 namespace asip {
 
 FlashText IoService::name() const {
-    return F("ASIP core IO");
+    return ASIP_NAME("ASIP core IO");
 }
 
 void IoService::begin() {

@@ -19,7 +19,7 @@ class Service {
     // The letter of the service, 'A' to 'Z'.
     char id() const { return id_; }
 
-    // Its name as listed by #,N: return F("...").
+    // Its name as listed by #,N: return ASIP_NAME("...").
     virtual FlashText name() const = 0;
 
     // Claims its pins (board.claimPin) and brings its hardware to rest. Called when the board starts and

@@ -15,7 +15,7 @@ void setup() {
     asip::board.add(motors);
     asip::board.add(servos);
     asip::board.add(reflectance);
-    asip::board.begin(F("Conflict"));
+    asip::board.begin(ASIP_NAME("Conflict"));
 }
 
 void loop() { asip::board.run(); }

@@ -22,7 +22,7 @@ void setup() {
     asip::board.add(gyroscope);
     asip::board.add(heading);
     asip::board.add(pressure);
-    asip::board.begin(F("Displays"));
+    asip::board.begin(ASIP_NAME("Displays"));
 }
 
 void loop() { asip::board.run(); }
