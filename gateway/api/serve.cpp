@@ -296,7 +296,7 @@ void serve(Gateway& gateway, const http::Request& received, const http::Reply& p
     if (inner && redirect_to_folder(*inner, reply)) return;
     if (request.segments == std::vector<std::string>{""})
         return reply.send(problem(400, "the target of the request is no address"));
-    if (request.folder && !request.segments.empty())
+    if (request.folder && !request.segments.empty() && request.segments.front() != "api")
         return reply.send(problem(404, "there is nothing at this address"));
     serve_route(gateway, request, reply, {*principal, peer, link});
 }

@@ -125,7 +125,9 @@ bool split_target(Request& request) {
     std::string_view query = question == std::string_view::npos ? "" : rest.substr(question + 1);
     while (!path.empty()) {
         const bool last = path.find('/') == std::string_view::npos;
-        if (!add_segment(request, next_part(path, '/'))) return false;
+        // Two slashes are one: addresses are put together of parts that end and begin with one.
+        const auto part = next_part(path, '/');
+        if (!part.empty() && !add_segment(request, part)) return false;
         request.folder = !last && path.empty();
     }
     while (!query.empty()) {

@@ -21,7 +21,7 @@ export class Hub {
   }
 
   run(input) {
-    input(Date.now());
+    input(performance.now());
     for (const action of this.link.take_actions()) this.perform(action);
   }
 
@@ -67,7 +67,7 @@ export class Hub {
 
   add(port) {
     const number = ++this.last_tab;
-    this.tabs.set(number, { port, heard_at: Date.now(), batch: [], timer: undefined });
+    this.tabs.set(number, { port, heard_at: performance.now(), batch: [], timer: undefined });
     port.onmessage = (event) => this.from_tab(number, port, event.data);
     this.post(number, { link: this.state });
     this.run((now) => this.link.start(now));
@@ -76,7 +76,7 @@ export class Hub {
   from_tab(number, port, message) {
     const tab = this.tabs.get(number);
     if (!tab) return port.postMessage([{ expired: true }]); // it slept too long: it says hello again
-    tab.heard_at = Date.now();
+    tab.heard_at = performance.now();
     const name = (id) => `${number}.${id}`;
     if (message.subscribe) this.run(() => this.link.subscribe(name(message.ref), message.subscribe));
     else if (message.unsubscribe) this.run(() => this.link.unsubscribe(name(message.unsubscribe)));
@@ -116,7 +116,7 @@ export class Hub {
   }
 
   tick() {
-    const now = Date.now();
+    const now = performance.now(); // no setting of the clock ends tabs or keeps a retry waiting
     for (const [number, tab] of this.tabs) if (now - tab.heard_at > kTabSilentMs) this.remove(number);
     this.run((at) => this.link.tick(at));
   }

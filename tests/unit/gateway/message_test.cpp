@@ -80,11 +80,10 @@ TEST_P(PathTrick, IsNoTarget) {
 
 INSTANTIATE_TEST_SUITE_P(HttpTarget, PathTrick,
                          testing::Values("", "api", "http:///api", "http://", "http://me@other/api",
-                                         "ftp://other/api", "http://other/../etc", "http://other//etc",
-                                         "http:/api", "*", "/../etc/passwd", "/a/../b", "/a/./b",
-                                         "/%2e%2e/etc", "/%2E%2E%2Fetc", "/a%2fb", "/a%5cb", "/a\\b", "//etc",
-                                         "/a//b", "/a//", "/%00", "/a%0d%0ab", "/%", "/%4", "/%zz", "/a?x=%1",
-                                         "/a?x=%00"));
+                                         "ftp://other/api", "http://other/../etc", "http:/api", "*",
+                                         "/../etc/passwd", "/a/../b", "/a/./b", "/%2e%2e/etc",
+                                         "/%2E%2E%2Fetc", "/a%2fb", "/a%5cb", "/a\\b", "/%00", "/a%0d%0ab",
+                                         "/%", "/%4", "/%zz", "/a?x=%1", "/a?x=%00"));
 
 bool accepts(const char* text) {
     Request request;
