@@ -114,7 +114,7 @@ mqtt::Client::Handlers Application::handlers() {
 }
 
 void Application::connect_failed(const mqtt::ConnectionFailure& failure) {
-    if (!broker_log_.connect_failed(failure)) return;
+    if (!broker_log_.connect_failed(failure, [this](Duration wait) { client_->retry_in(wait); })) return;
     status_ = program::kExitBroker;
     stop();
 }

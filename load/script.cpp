@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "asip/text/duration.hpp"
+#include "asip/text/file_text.hpp"
 #include "asip/text/nearest.hpp"
 
 namespace asip::load {
@@ -140,6 +141,7 @@ Expected<std::vector<Step>> read_script(const std::string& path) {
     std::vector<Step> steps;
     std::string line;
     for (std::size_t number = 1; std::getline(file, line); ++number) {
+        if (number == 1) line = std::string(text::without_mark(line));
         line = line.substr(0, line.find('#'));
         if (words_of(line).empty()) continue;
         auto step = parse_step(line);

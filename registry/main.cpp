@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "asip/program/exit_status.hpp"
+#include "asip/program/keep_running.hpp"
 #include "asip/program/open_files.hpp"
 #include "registry/application.hpp"
 #include "registry/options.hpp"
@@ -12,8 +13,10 @@ int main(int argc, char** argv) {
     try {
         auto options = asip::registry::read_options(argc, argv);
         if (!options) return options.error();
-        asip::registry::Application application(std::move(*options));
-        return application.run();
+        return asip::program::keep_running([&options] {
+            asip::registry::Application application(*options);
+            return application.run();
+        });
     } catch (const std::exception& error) {
         std::cerr << "asip-registry: " << error.what() << "\n";
         return asip::program::kExitFailure;

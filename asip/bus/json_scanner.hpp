@@ -16,7 +16,10 @@ class JsonScanner {
   public:
     static constexpr int kMaxDepth = 32;
 
-    explicit JsonScanner(std::string_view text) : at_(text.data()), end_(text.data() + text.size()) {}
+    /// A mark of UTF-8 before the text is skipped.
+    explicit JsonScanner(std::string_view text) : at_(text.data()), end_(text.data() + text.size()) {
+        if (text.starts_with("\xef\xbb\xbf")) at_ += 3;
+    }
 
     /// Consumes the `{` of an object.
     bool enter_object();

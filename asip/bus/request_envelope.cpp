@@ -6,7 +6,9 @@
 
 #include "asip/bus/agent_clock.hpp"
 #include "asip/bus/broken_request.hpp"
+#include "asip/bus/json_scanner.hpp"
 #include "asip/model/json.hpp"
+#include "asip/text/file_text.hpp"
 
 namespace asip::bus {
 namespace {
@@ -57,6 +59,21 @@ std::string take_clock(json& object, RequestEnvelope& envelope) {
     return {};
 }
 
+// Numbers that stand for something are kept as they are written: of 23 digits a float would hold 16.
+void keep_numbers(std::string_view payload, json& object) {
+    const auto inexact = [&object](std::string_view name) {
+        const auto member = object.find(name);
+        return member != object.end() && member->is_number_float();
+    };
+    if (!inexact("id") && !inexact("renew")) return;
+    JsonScanner scanner(payload);
+    std::string_view key;
+    std::string_view raw;
+    if (!scanner.enter_object()) return;
+    while (scanner.next_member(key) && scanner.value(raw))
+        if ((key == "id" || key == "renew") && inexact(key)) object[std::string(key)] = std::string(raw);
+}
+
 /// Moves `reply_to`, `id` and `by` out of the object; the reason when they cannot be used.
 std::string take_reply_members(json& object, ReplyTo& reply) {
     if (const auto topic = object.find("reply_to"); topic != object.end()) {
@@ -88,6 +105,7 @@ std::string RequestEnvelope::shown() const {
 
 Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request) {
     RequestEnvelope envelope;
+    const std::string_view payload = text::without_mark(request.payload);
     read_properties(request, envelope);
     if (!request.response_topic.empty()) {
         if (!valid_reply_topic(request.response_topic))
@@ -98,23 +116,23 @@ Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request
             return bad(std::move(envelope.reply), "the correlation data is too long");
         envelope.reply.correlation = request.correlation;
     }
-    const bool is_json = looks_like_json(request.payload);
+    const bool is_json = looks_like_json(payload);
     const auto unreadable = [&](std::string why) {
         BrokenRequest broken;
-        if (is_json) broken = read_broken_request(request.payload.substr(0, kMaxRequestBytes));
+        if (is_json) broken = read_broken_request(std::string(payload.substr(0, kMaxRequestBytes)));
         take_reply_members(broken.members, envelope.reply);
         return bad(std::move(envelope.reply), why.empty() ? std::move(broken.error) : std::move(why));
     };
     if (request.payload.size() > kMaxRequestBytes)
         return unreadable("the request is longer than " + std::to_string(kMaxRequestBytes) + " bytes");
     if (!is_json) {
-        envelope.text = request.payload;
+        envelope.text = payload;
         return envelope;
     }
-    if (!model::json_depth_within(request.payload, kMaxJsonDepth))
-        return unreadable("the JSON is nested too deeply");
-    auto object = json::parse(request.payload, nullptr, false);
+    if (!model::json_depth_within(payload, kMaxJsonDepth)) return unreadable("the JSON is nested too deeply");
+    auto object = json::parse(payload, nullptr, false);
     if (!object.is_object()) return unreadable({});
+    keep_numbers(payload, object);
     if (auto reason = take_reply_members(object, envelope.reply); !reason.empty()) {
         return bad(std::move(envelope.reply), std::move(reason));
     }

@@ -57,10 +57,11 @@ struct BadRequest {
 
 /// Takes the envelope off a control payload or registry query. Where both are given, the MQTT 5 response
 /// topic wins over `reply_to`, and the user properties `by` and `clock` over the members. A payload whose
-/// first character after white space is `{` must be a JSON object, any other is raw text. Refuses: too long,
-/// nested too deeply, broken JSON, an `id` that is neither a string nor a number or too long, a `deadline_ms`
-/// or `hold_ms` that is not 50 to 60000, a reply topic with wildcards, control characters, a leading `$` or
-/// too long. Any bytes may be given; whether the message was retained is the caller's to judge.
+/// first character after white space (and a mark of UTF-8) is `{` must be a JSON object, any other is raw
+/// text. Refuses: too long, nested too deeply, broken JSON, an `id` that is neither a string nor a number or
+/// too long, a `deadline_ms` or `hold_ms` that is not 50 to 60000, a reply topic with wildcards, control
+/// characters, a leading `$` or too long. Any bytes may be given; whether the message was retained is the
+/// caller's to judge.
 Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request);
 
 }  // namespace asip::bus

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/bus/requester.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/json_scanner.hpp"
+#include "asip/bus/request_envelope.hpp"
 #include "asip/model/json.hpp"
 
 namespace asip::bus {
@@ -29,7 +31,8 @@ const std::string& Requester::Request::id() const {
     return entry_ ? entry_->id : none;
 }
 
-Requester::Request Requester::ask(mqtt::Message& message, bool v5, OnReply on_reply, Time now) {
+Requester::Request Requester::ask(mqtt::Message& message, bool v5, OnReply on_reply, Time now,
+                                  const More& more) {
     std::erase_if(open_, [](const auto& one) { return one.second.expired(); });
     const auto id = name_ + "-" + std::to_string(++last_);
     const auto entry = std::make_shared<Request::Entry>(
@@ -44,9 +47,9 @@ Requester::Request Requester::ask(mqtt::Message& message, bool v5, OnReply on_re
         message.response_topic = entry->reply_topic;
         message.correlation = id;
         if (clock) message.user_properties.emplace_back(kClockName, *clock);
-    } else {
-        message.payload = with_reply_members(message.payload, entry->reply_topic, id, clock);
     }
+    if (!v5 || !more.plain)
+        message.payload = with_reply_members(message.payload, entry->reply_topic, id, clock, more.deadline);
     return Request(entry);
 }
 
@@ -63,7 +66,8 @@ bool Requester::take(const mqtt::Message& message, Time now) {
 }
 
 std::string with_reply_members(const std::string& payload, const std::string& reply_to, const std::string& id,
-                               const std::optional<std::string>& clock) {
+                               const std::optional<std::string>& clock,
+                               std::optional<std::chrono::milliseconds> deadline) {
     auto document = model::parse_json(payload, {.max_bytes = 1u << 20, .max_depth = 32});
     nlohmann::json object = nlohmann::json::object();
     if (document && document->is_object()) {
@@ -74,6 +78,8 @@ std::string with_reply_members(const std::string& payload, const std::string& re
     object["reply_to"] = reply_to;
     object["id"] = id;
     if (clock) object[std::string(kClockName)] = *clock;
+    if (deadline && !object.contains("deadline_ms"))
+        object["deadline_ms"] = std::clamp(*deadline, kMinDeadline, kMaxDeadline).count();
     return model::dump_json(object);
 }
 

@@ -16,10 +16,10 @@
 
 namespace asip::bus {
 
-/// Sends requests over MQTT and finds their answers: the ids, the reply topic, and what of it travels as MQTT
-/// 5 properties or, on 3.1.1, inside the payload. A command says when it was sent, by the clock of the agent
-/// that gets it, as soon as an answer of that agent has told the clock. Pure: the caller publishes the
-/// request and gives what arrives to take().
+/// Sends requests over MQTT and finds their answers: the ids and the reply topic travel inside the payload,
+/// and over MQTT 5 as properties, too: a bridge between two brokers may speak 3.1.1, and drops those. A
+/// command says when it was sent, by the clock of the agent that gets it, as soon as an answer of that agent
+/// has told the clock. Pure: the caller publishes the request and gives what arrives to take().
 class Requester {
   public:
     using OnReply = std::function<void(const mqtt::Message&)>;
@@ -52,11 +52,21 @@ class Requester {
     /// Where answers come. Subscribe to its filter() before the first request.
     const ReplyTopics& replies() const { return replies_; }
 
+    struct More {
+        /// For a board without an agent: over MQTT 5 the payload stays as it is.
+        bool plain = false;
+        /// Of a command: within what time it is to be answered.
+        std::optional<std::chrono::milliseconds> deadline{};
+    };
+
     /// Makes `message` (topic and payload are set) one that is answered. `v5`: the connection speaks MQTT 5.
-    /// On 3.1.1 a payload that is not a JSON object becomes the member "raw" of one. `on_reply` is called for
+    /// A payload that is not a JSON object becomes the member "raw" of one. `on_reply` is called for
     /// each answer, as several registries may answer one query, until the returned request is destroyed or
     /// reset. There is no time limit: that is the caller's.
-    Request ask(mqtt::Message& message, bool v5, OnReply on_reply, Time now = Clock::now());
+    Request ask(mqtt::Message& message, bool v5, OnReply on_reply, Time now = Clock::now()) {
+        return ask(message, v5, std::move(on_reply), now, {});
+    }
+    Request ask(mqtt::Message& message, bool v5, OnReply on_reply, Time now, const More& more);
 
     /// Give it every message that arrives. True: it was on a reply topic, and is dealt with. What comes on
     /// the topic of somebody else than was asked is no answer.
@@ -70,10 +80,11 @@ class Requester {
     AgentClocks clocks_;  // by reply topic: of one board each
 };
 
-/// What a request's payload looks like on 3.1.1: see Requester::ask. `clock`: empty asks for it; none: it is
-/// no command.
+/// What a request's payload looks like: see Requester::ask. `clock`: empty asks for it; none: it is no
+/// command. A `deadline_ms` that the payload has stays.
 std::string with_reply_members(const std::string& payload, const std::string& reply_to, const std::string& id,
-                               const std::optional<std::string>& clock);
+                               const std::optional<std::string>& clock,
+                               std::optional<std::chrono::milliseconds> deadline = {});
 
 /// Whether an agent executes what comes on this topic, and tells its clock with the answer.
 bool is_command_topic(std::string_view topic);

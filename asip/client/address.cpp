@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "asip/model/names.hpp"
+#include "asip/text/printable.hpp"
 
 namespace asip::client {
 namespace {
@@ -65,7 +66,8 @@ Expected<std::pair<std::string, std::uint16_t>> parse_host_port(std::string_view
 
 Expected<Address> parse_board_name(std::string_view name, Address address) {
     if (!model::valid_board_name(name)) {
-        return fail("\"" + std::string(name) + "\" is not a board name: 1 to 64 of A-Z a-z 0-9 . _ -");
+        return fail("\"" + text::without_credentials(name) +
+                    "\" is not a board name: 1 to 64 of A-Z a-z 0-9 . _ -");
     }
     address.board = name;
     return address;
@@ -139,7 +141,7 @@ Expected<Address> parse_address(std::string_view text) {
         return parse_mqtt(text, true);
     }
     if (text.find("://") != std::string_view::npos) {
-        return fail("\"" + std::string(text) +
+        return fail("\"" + text::without_credentials(text) +
                     "\": an address begins with serial:, tcp://, mqtt:// or mqtts://");
     }
     Address address;

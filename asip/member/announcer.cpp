@@ -185,7 +185,8 @@ void Announcer::on_message(const mqtt::Message& message, Time now, Announcements
     const auto topic = topics_.parse(message.topic);
     if (!topic) return;
     if (topic->kind == bus::TopicKind::kProbe) {
-        if (established_ && (message.payload.empty() || message.payload == options_.board))
+        const bool yields = options_.name_of_board && state_ == model::BoardState::kLost;
+        if (established_ && (message.payload.empty() || (message.payload == options_.board && !yields)))
             announce_within(kProbeAnswer, now);
         return;
     }

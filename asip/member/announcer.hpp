@@ -24,6 +24,8 @@ struct AnnouncerOptions {
     /// Whether the board's name goes out on the topic that all boards share, too. No access rule can tie that
     /// one to its sender: a secured bus denies it.
     bool on_shared_topic = true;
+    /// The name is stored on the board: while that is not there, whoever has it may claim its name.
+    bool name_of_board = false;
 };
 
 /// Claims a board's name on the bus, announces the board, keeps its lease, answers probes, and puts its

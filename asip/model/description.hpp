@@ -21,6 +21,8 @@ namespace asip::model {
 inline constexpr std::size_t kMaxDescriptionBytes = std::size_t{64} * 1024;
 inline constexpr std::size_t kMaxDescriptionServices = 64;
 inline constexpr std::size_t kMaxFaultBytes = 2048;
+inline constexpr std::size_t kMaxWarnings = 8;
+inline constexpr std::size_t kMaxWarningBytes = 1024;
 inline constexpr int kDefaultLeaseSeconds = 60;
 inline constexpr int kMaxLeaseSeconds = 24 * 60 * 60;
 
@@ -100,6 +102,8 @@ struct Description {
     Labels labels;
     /// Why labels that its agent kept are not among them; empty: all are. At most kMaxFaultBytes.
     std::string labels_fault{};
+    /// What its agent finds doubtful about the board now, for people. At most kMaxWarnings.
+    std::vector<std::string> warnings{};
     std::optional<OnDemandInfo> on_demand{};  ///< none: it reports whether or not anybody listens
 
     /// The service of that name, or null. Valid as long as `services` is not changed.

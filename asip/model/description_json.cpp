@@ -206,6 +206,22 @@ std::vector<ServiceInfo> read_services(JsonReader& reader) {
     return services;
 }
 
+std::vector<std::string> read_warnings(JsonReader& reader) {
+    std::vector<std::string> warnings;
+    const auto* list = reader.find("warnings");
+    if (list == nullptr) return warnings;
+    if (!list->is_array() || list->size() > kMaxWarnings)
+        reader.fault("warnings", "is not a short list of texts");
+    for (std::size_t i = 0; reader.ok() && i < list->size(); ++i) {
+        const auto& text = (*list)[i];
+        const bool good = text.is_string() && text.get_ref<const std::string&>().size() <= kMaxWarningBytes &&
+                          text::is_showable(text.get_ref<const std::string&>());
+        if (!good) reader.fault("warnings", "holds what is no text to be shown");
+        if (good) warnings.push_back(text.get<std::string>());
+    }
+    return warnings;
+}
+
 OnDemandInfo read_on_demand(JsonReader reader) {
     return {read_small(reader, "fastest", 65535).value_or(0),
             read_small(reader, "resting", 65535).value_or(0)};
@@ -227,6 +243,7 @@ nlohmann::json to_json(const Description& description) {
         services.push_back(service_json(service));
     put_labels(document, description.labels);
     if (!description.labels_fault.empty()) document["labels_fault"] = description.labels_fault;
+    if (!description.warnings.empty()) document["warnings"] = description.warnings;
     if (const auto& reports = description.on_demand)
         document["on_demand"] = {{"fastest", reports->fastest}, {"resting", reports->resting}};
     return document;
@@ -257,6 +274,7 @@ Expected<Description> description_from_json(const nlohmann::json& document) {
     if (auto member = reader.object("on_demand")) result.on_demand = read_on_demand(std::move(*member));
     if (reader.ok()) result.services = read_services(reader);
     if (reader.ok()) result.labels = read_labels(reader);
+    if (reader.ok()) result.warnings = read_warnings(reader);
     result.labels_fault = read_text(reader, "labels_fault", kMaxFaultBytes);
     if (!reader.ok()) return fail(fault);
     return result;

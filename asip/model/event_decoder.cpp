@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/model/event_decoder.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <nlohmann/json.hpp>
 
@@ -18,17 +19,28 @@ std::string in_quotes(std::string_view text) {
     return "\"" + std::string(text) + "\"";
 }
 
-/// Boards of different make send 12 or 12.5 for one quantity, so each number that is one passes.
+/// What sensors and the Arduino core's print() say where there is no value: `nan`, `inf`, `ovf`, nothing.
+bool is_no_value(std::string_view text) {
+    if (!text.empty() && (text.front() == '-' || text.front() == '+')) text.remove_prefix(1);
+    std::string word(text.substr(0, 9));
+    std::transform(word.begin(), word.end(), word.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    return text.empty() || word == "nan" || word == "inf" || word == "infinity" || word == "ovf";
+}
+
+/// Boards of different make send 12, 12.5 or 1.25e1 for one quantity, so each number that is one passes. What
+/// is no value, or no number that a reader of JSON could hold, is null.
 Expected<json> read_value(const Field& field, std::string_view text) {
     if (field.type == ValueType::kText) return json(std::string(text));
     if (const auto integer = protocol::parse_integer(text)) return json(*integer);
+    if (is_no_value(text)) return json();
+    if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
     double number = 0;
-    const auto [end, fault] =
-        std::from_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed);
-    if (fault != std::errc{} || end != text.data() + text.size() || !(number > -1e15 && number < 1e15)) {
+    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (end != text.data() + text.size() || fault == std::errc::invalid_argument)
         return fail(field.name + ": " + in_quotes(text) + " is not a number");
-    }
-    return json(number);
+    if (fault != std::errc{} || !(number > -1e15 && number < 1e15)) return json();
+    return json(number + 0.0);  // not -0
 }
 
 Expected<json> read_element(const EventModel& event, const Fields& values, std::size_t first) {
@@ -45,7 +57,8 @@ Expected<json> read_element(const EventModel& event, const Fields& values, std::
 Expected<json> decode_elements(const EventModel& event, const protocol::Body& body) {
     json elements = json::array();
     for (std::size_t i = 0; i < body.items.size(); ++i) {
-        const auto values = protocol::split_fields(body.items[i]);
+        const auto values =
+            body.items[i].empty() ? Fields(event.fields.size()) : protocol::split_fields(body.items[i]);
         const bool indexed = values.size() == event.fields.size() + 1;
         if (!indexed && values.size() != event.fields.size()) {
             return fail(in_quotes(body.items[i]) + " has " + std::to_string(values.size()) + " fields, not " +
@@ -84,6 +97,7 @@ Expected<json> decode_once(const EventModel& event, const Fields& items) {
 }
 
 Expected<json> decode_plain(const EventModel& event, std::string_view body) {
+    if (body.empty() && event.fields.front().type != ValueType::kText) return fail("body is empty");
     const auto items = protocol::split_fields(body, ',');
     if (event.fields.size() > 1) return decode_once(event, items);
     if (items.size() != 1) return fail("body has " + std::to_string(items.size()) + " values, not 1");

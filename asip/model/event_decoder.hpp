@@ -21,12 +21,13 @@ struct DecodeContext {
 };
 
 /// `@D,e,2,{42,118}` -> {"distance":[42,118]}: one object with one member, the event's name. Fails when the
-/// model has no event with that tag, or the body does not fit it: a count, a number of fields or a value of
-/// another type. Values outside min..max pass, as a sensor may be out of its range.
+/// model has no event with that tag, or the body does not fit it: a count, a number of fields or a value that
+/// is no number. Values outside min..max pass, as a sensor may be out of its range; an empty one, `nan`,
+/// `inf`, and numbers of 1e15 and more are null.
 Expected<nlohmann::json> decode_event(const ServiceModel& model, const protocol::Event& event,
                                       const DecodeContext& context = {});
 
-/// What is published for an event that no model describes, or that does not fit its model:
+/// What is published for an event that no model describes:
 /// {"tag":"e","body":"2,{42,118}"}.
 nlohmann::json raw_event(const protocol::Event& event);
 

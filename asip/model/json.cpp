@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "asip/text/file_text.hpp"
+
 namespace asip::model {
 namespace {
 
@@ -64,6 +66,8 @@ bool json_depth_within(std::string_view text, int limit) {
 }
 
 Expected<nlohmann::json> parse_json(std::string_view text, JsonLimits limits) {
+    if (text::is_utf16(text)) return fail("JSON is in UTF-8, and this is UTF-16: save it as UTF-8");
+    text = text::without_mark(text);
     if (text.size() > limits.max_bytes) {
         return fail("JSON is " + std::to_string(text.size()) + " bytes long, above " +
                     std::to_string(limits.max_bytes));

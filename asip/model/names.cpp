@@ -52,9 +52,10 @@ std::string explain_board_name(std::string_view name) {
 }
 
 std::string suggest_name(std::string_view text) {
+    constexpr std::size_t kLongest = 4096;  // of what is looked at
+    if (text.size() > kLongest) text.remove_prefix(text.size() - kLongest);
     std::string name;
     for (const char c : text) {
-        if (name.size() == kMaxNameBytes) break;
         if (is_name_byte(c)) {
             name += c;
         } else if (!name.empty() && name.back() != '-') {
@@ -63,6 +64,17 @@ std::string suggest_name(std::string_view text) {
     }
     while (!name.empty() && name.back() == '-')
         name.pop_back();
+    if (name.size() > kMaxNameBytes) {
+        // Of a port's name the maker is at the beginning, serial number and interface are at the end.
+        constexpr std::size_t kBegin = 12;
+        std::string_view end = std::string_view(name).substr(name.size() - (kMaxNameBytes - kBegin - 2));
+        std::string_view begin = std::string_view(name).substr(0, kBegin);
+        while (!begin.empty() && (begin.back() == '-' || begin.back() == '_'))
+            begin.remove_suffix(1);
+        while (!end.empty() && (end.front() == '-' || end.front() == '_'))
+            end.remove_prefix(1);
+        name = std::string(begin) + "--" + std::string(end);
+    }
     if (name.empty() || is_folder(name)) return "board";
     return is_reserved(name) ? name + "-board" : name;
 }

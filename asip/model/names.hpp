@@ -23,7 +23,8 @@ bool valid_board_name(std::string_view name);
 std::string explain_board_name(std::string_view name);
 
 /// A valid board name for any text, such as a sketch or a host name: what is not allowed becomes `-`, runs of
-/// it collapse, ends are trimmed, reserved names get `-board` appended; "board" when nothing is left.
+/// it collapse, ends are trimmed, reserved names get `-board` appended; "board" when nothing is left. Of a
+/// longer one the middle is left out: names of ports differ at their end.
 std::string suggest_name(std::string_view text);
 
 }  // namespace asip::model

@@ -29,7 +29,8 @@ bool BrokerList::with_v5() const {
     const auto& broker = brokers_[current_];
     return version_ == Version::kV5 ||
            (version_ == Version::kBest && broker.supports_v5 && (broker.took_v5 || !refused_v5_) &&
-            accepted_without_v5_ < kAcceptedUntilBelieved && broker.suspicions < kSuspicionsUntilFallback);
+            accepted_without_v5_ < kAcceptedUntilBelieved && broker.suspicions < kSuspicionsUntilFallback &&
+            broker.silences < kSuspicionsUntilFallback);
 }
 
 void BrokerList::accepted() {
@@ -37,8 +38,8 @@ void BrokerList::accepted() {
     broker.took_v5 = with_v5();
     refused_v5_ = refused_v5_ || !broker.supports_v5;
     ever_accepted_ = true;
-    if (broker.suspicions >= kSuspicionsUntilFallback) ++accepted_without_v5_;
-    broker.suspicions = broker.unanswered = 0;
+    if (std::max(broker.suspicions, broker.silences) >= kSuspicionsUntilFallback) ++accepted_without_v5_;
+    broker.suspicions = broker.silences = broker.unanswered = 0;
     broker.failed_fatally = false;
 }
 
@@ -79,6 +80,10 @@ void BrokerList::learn(Broker& broker, const ConnectionEnd& end, bool tried_v5) 
     if (end.version_refused) broker.supports_v5 = false;
     // When 3.1.1 fares no better the suspicion was wrong.
     broker.suspicions = end.closed_unanswered && tried_v5 ? broker.suspicions + 1 : 0;
+    // Silence may be a broker that hangs, too: the next one of the list is not kept waiting for it, and one
+    // that took MQTT 5 before is not suspected.
+    const bool silent = end.failure.kind == ConnectionFailure::Kind::kNoAnswer && !end.closed_unanswered;
+    broker.silences = silent && tried_v5 && !broker.took_v5 ? broker.silences + 1 : 0;
 }
 
 Duration BrokerList::advance(bool same_broker_at_once, const Random& random) {

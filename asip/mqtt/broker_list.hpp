@@ -47,6 +47,7 @@ class BrokerList {
         bool supports_v5 = true;
         bool took_v5 = false;         ///< it accepted a connection with it
         int suspicions = 0;           ///< attempts with MQTT 5 in a row that were closed without an answer
+        int silences = 0;             ///< attempts with MQTT 5 in a row that met silence
         int unanswered = 0;           ///< attempts in a row, with any version, that had no answer
         bool failed_fatally = false;  ///< the last time
     };

@@ -112,6 +112,9 @@ Client::~Client() {
 void Client::start() {
     impl_->start();
 }
+void Client::retry_in(Duration wait) {
+    impl_->retry_in(wait);
+}
 void Client::stop(Duration limit, std::function<void()> done) {
     impl_->stop(limit, std::move(done));
 }

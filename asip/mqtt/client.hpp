@@ -131,6 +131,8 @@ class Client {
 
     /// Begins to connect. Call once.
     void start();
+    /// From Handlers::on_connect_failed: the next attempt is so much later, in place of what was planned.
+    void retry_in(Duration wait);
 
     /// Sends what is queued, sends DISCONNECT (no will is published) and calls `done` within `limit`, also
     /// when the broker hangs or there is no connection. Nothing else is called afterwards.

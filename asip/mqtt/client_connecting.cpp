@@ -137,7 +137,8 @@ void Client::Impl::connection_down(const ConnectionEnd& end) {
         // whoever subscribes with an identifier whose queue it lost, for good. NATS lets nobody in under an
         // identifier whose stored session it cannot delete.
         if (failure.after_sending > 1 || stores_nothing || unanswered) change_identifier();
-        retry_after(brokers_.lost(end, now - up_since_, options_.random).wait);
+        retry_after(std::max(brokers_.lost(end, now - up_since_, options_.random).wait,
+                             cut_off_.pause(brokers_.size())));
         const auto& handler = tried ? handlers_.on_connect_failed : handlers_.on_disconnected;
         if (handler) handler(failure);
         return;

@@ -29,6 +29,7 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     Impl(boost::asio::io_context& io, Options options, Handlers handlers);
 
     void start() { attempt(); }
+    void retry_in(Duration wait) { retry_after(wait); }
     void stop(Duration limit, std::function<void()> done);
     void close();
 

@@ -182,11 +182,11 @@ int Client::Impl::send(Outbox::Entry entry) {
         debug_line("not published on " + entry.message.topic + ": " + mosquitto_strerror(error));
     } else if (entry.message.qos == 0) {
         ++counters_.published;
-        cut_off_.sent(Clock::now());
+        cut_off_.sent(Clock::now(), entry.message.payload.size());
         if (entry.message.retain) supersede(entry.message.topic);
         if (wanted > 0) handed_over(std::move(entry.message.topic));
     } else {
-        cut_off_.sent(Clock::now());
+        cut_off_.sent(Clock::now(), entry.message.payload.size());
         unacknowledged_.emplace(id, Unacknowledged{std::move(entry), Clock::now()});
     }
     return error;
@@ -211,11 +211,9 @@ void Client::Impl::publish_answered(int id, int reason_code) {
     unacknowledged_.erase(sent);
     if (reason_code >= kFirstErrorCode) {
         ++counters_.rejected;
-        debug_line("broker rejected what was published on " + topic + ": " +
-                   mosquitto_reason_string(reason_code));
-        if (!silent() && handlers_.on_publish_denied) {
-            handlers_.on_publish_denied(topic, mosquitto_reason_string(reason_code));
-        }
+        const std::string reason = mosquitto_reason_string(reason_code);
+        if (!silent() && handlers_.on_publish_denied) handlers_.on_publish_denied(topic, reason);
+        debug_line("broker rejected what was published on " + topic + ": " + reason);
     } else {
         ++counters_.published;
         if (!silent() && handlers_.on_published) handlers_.on_published(topic);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <string>
+#include <utility>
 
 #include "asip/mqtt/client.hpp"
 
@@ -14,7 +16,19 @@ class CutOff {
     static constexpr Duration kShort = std::chrono::seconds(10);  ///< a connection that is
     static constexpr unsigned kTimes = 3;                         ///< in a row
 
-    void sent(Time now) { sent_ = now; }
+    void sent(Time now, std::size_t bytes = 0) {
+        sent_ = now;
+        largest_ = std::max(largest_, bytes);
+    }
+
+    /// How long to wait at the least before the next connection: the more often it happened the longer, up to
+    /// a minute. `brokers`: of the list.
+    Duration pause(std::size_t brokers) const {
+        const unsigned often = times_ / static_cast<unsigned>(std::max<std::size_t>(1, brokers));
+        if (often < kTimes) return {};
+        return std::min<Duration>(std::chrono::minutes(1),
+                                  std::chrono::seconds(1) * (1u << std::min(often - kTimes + 1, 6u)));
+    }
 
     /// An established connection ended, which had been up for so long. From the third time on, `failure` says
     /// what to check, and after_sending counts.
@@ -23,15 +37,20 @@ class CutOff {
         const bool cut_off = closed && was_up < kShort && sent_ != Time{} && now - sent_ < kSoon;
         failure.after_sending = cut_off ? ++times_ : times_ = 0;
         sent_ = {};
+        const std::size_t largest = std::exchange(largest_, 0u);
         if (times_ < kTimes) return;
         const std::string who = user.empty() ? "a connection without user" : "user \"" + user + "\"";
         failure.text += " right after it was sent messages, " + std::to_string(times_) +
                         " times in a row, as some brokers do where access rules deny one: may " + who +
                         " write them? Whoever keeps the broker can tell (asipctl secure check) and allow it";
+        if (largest > 0)
+            failure.text += ". Or does it take no message of " + std::to_string(largest) +
+                            " bytes, the largest of them (Mosquitto: max_packet_size, message_size_limit)?";
     }
 
   private:
     Time sent_{};
+    std::size_t largest_ = 0;
     unsigned times_ = 0;
 };
 

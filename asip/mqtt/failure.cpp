@@ -71,6 +71,7 @@ std::string_view name_of(ConnectionFailure::Kind kind) {
 
 std::string denied_text(const std::string& user, const std::string& topic, const std::string& reason,
                         const std::string& role) {
+    if (reason != kNotAuthorised) return "the broker refuses what was written to " + topic + ": " + reason;
     return "the broker does not let " + user_named(user) + " write to " + topic + " (" + reason + ")" +
            who_may_grant(role);
 }
@@ -82,8 +83,8 @@ std::string cut_off_text(const std::string& user, const std::string& topic, cons
 
 std::string advice_on_topic(std::string_view topic) {
     if (topic.find_first_of(". ") == std::string_view::npos) return {};
-    return " Some brokers (NATS before 2.10) refuse topics with a dot or a space, such as " + std::string(topic) +
-           ": try a name without.";
+    return " Some brokers (NATS before 2.10) refuse topics with a dot or a space, such as " +
+           std::string(topic) + ": try a name without.";
 }
 
 bool is_version_refusal(int connack_code) {

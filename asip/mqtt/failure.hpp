@@ -25,6 +25,9 @@ struct ConnectionEnd {
     bool closed_unanswered = false;  ///< it accepted the TCP connection and closed it before CONNACK
 };
 
+/// The reason, in the words of libmosquitto, for what access rules deny.
+inline constexpr std::string_view kNotAuthorised = "Not authorized";
+
 /// What to check where a topic holds a dot or a space, which some brokers (NATS) refuse; else empty. Begins
 /// with a blank.
 std::string advice_on_topic(std::string_view topic);

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/mqtt/options.hpp"
 
+#include <cerrno>
 #include <charconv>
+#include <cstring>
 #include <fstream>
+
+#include "asip/text/printable.hpp"
 
 namespace asip::mqtt {
 namespace {
@@ -31,7 +35,12 @@ std::string BrokerAddress::describe() const {
 }
 
 Expected<BrokerAddress> parse_broker(std::string_view text) {
-    const std::string given(text);
+    const std::string given = text::without_credentials(text);
+    if (given != text) {
+        return fail(
+            "broker \"" + given +
+            "\": an address holds neither user nor password; give them by --user and --password-file");
+    }
     BrokerAddress address;
     if (take_prefix(text, "mqtts://") || take_prefix(text, "ssl://")) {
         address.tls = true;
@@ -40,7 +49,8 @@ Expected<BrokerAddress> parse_broker(std::string_view text) {
                text.find("://") != std::string_view::npos) {
         return fail("broker \"" + given + "\": only mqtt:// and mqtts:// are supported");
     }
-    if (text.ends_with('/')) text.remove_suffix(1);
+    while (text.ends_with('/'))
+        text.remove_suffix(1);
     std::string_view port;
     if (text.starts_with('[')) {
         const auto close = text.find(']');
@@ -52,6 +62,13 @@ Expected<BrokerAddress> parse_broker(std::string_view text) {
         if (port.empty() && given.ends_with(':'))
             return fail("broker \"" + given + "\": the port is missing");
     } else if (const auto colon = text.find(':'); colon != std::string_view::npos) {
+        if (text.find(':', colon + 1) != std::string_view::npos) {
+            return fail("broker \"" + given + "\": an IPv6 address stands in brackets, as in [" +
+                        (text.find_first_not_of("0123456789abcdefABCDEF:.") == std::string_view::npos
+                             ? std::string(text)
+                             : std::string("2001:db8::1")) +
+                        "]:1883");
+        }
         port = text.substr(colon + 1);
         text = text.substr(0, colon);
         if (port.empty()) return fail("broker \"" + given + "\": the port is missing");
@@ -69,11 +86,25 @@ Expected<BrokerAddress> parse_broker(std::string_view text) {
 }
 
 Expected<std::string> read_password_file(const std::string& path) {
+    errno = 0;
     std::ifstream file(path);
+    const std::string the_file = "the password file " + path;
+    if (!file)
+        return fail(the_file + " cannot be read" +
+                    (errno != 0 ? ": " + std::string(std::strerror(errno)) : ""));
     std::string password;
-    if (!std::getline(file, password))
-        return fail("the password file " + path + " cannot be read, or is empty");
+    std::getline(file, password);
+    if (file.bad()) return fail(the_file + " cannot be read; is it a folder?");
     if (password.ends_with('\r')) password.pop_back();
+    if (password.starts_with("\xef\xbb\xbf")) password.erase(0, 3);  // as some editors begin a file
+    if (password.empty()) return fail(the_file + " has no password in its first line");
+    if (password.find('\0') != std::string::npos)
+        return fail(the_file +
+                    " is no plain text: save it as UTF-8, with the password alone in its first line");
+    if (password.starts_with("user ") || password.find(":$") != std::string::npos)
+        return fail(the_file +
+                    " seems to be a file of a broker or of credentials: the first line of a password file is "
+                    "the password alone; a file made by asipctl secure goes to --credentials");
     return password;
 }
 

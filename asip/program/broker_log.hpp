@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <functional>
 #include <string>
 
+#include "asip/mqtt/backoff.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/mqtt/outage.hpp"
 
@@ -12,12 +14,15 @@ namespace asip::program {
 class BrokerLog {
   public:
     void connected(const mqtt::Connected& connected);
-    /// True: no broker of the list accepts this program, so that it should end with kExitBroker.
-    bool connect_failed(const mqtt::ConnectionFailure& failure);
+    /// True: no broker of the list accepts this program, so that it should end with kExitBroker. A supervised
+    /// one does not end, and asks again by `retry_in`, 30 s to 5 min apart.
+    bool connect_failed(const mqtt::ConnectionFailure& failure,
+                        const std::function<void(Duration)>& retry_in);
     static void subscribe_refused(const std::string& filter, const std::string& reason);
 
   private:
     mqtt::Outage outage_;
+    mqtt::Backoff patience_{std::chrono::minutes(1), std::chrono::minutes(5)};
 };
 
 }  // namespace asip::program

@@ -137,6 +137,9 @@ Expected<mqtt::Options> mqtt_options(const BrokerOptions& options, std::string_v
     mqtt::Options made;
     made.brokers.clear();
     const bool tls_files = !options.ca.empty() || !options.cert.empty();
+    // A comma in a password has cut the address in two: no part of it is shown.
+    for (const auto& text : options.brokers)
+        if (text.find('@') != std::string::npos) return fail(mqtt::parse_broker(text).error());
     for (const auto& text : options.brokers) {
         auto address = mqtt::parse_broker(text);
         if (!address) return fail(address.error());

@@ -6,6 +6,8 @@
 #include <optional>
 #include <sstream>
 
+#include "asip/text/file_text.hpp"
+
 namespace asip::program {
 namespace {
 
@@ -31,7 +33,8 @@ Expected<std::string> whole_text(const std::string& path) {
     if (file.gcount() > static_cast<std::streamsize>(kMaxConfigBytes))
         return fail(path + " is too long for a configuration file");
     text.resize(static_cast<std::size_t>(file.gcount()));
-    return text;
+    if (text::is_utf16(text)) return fail(path + " is in UTF-16: save it as UTF-8");
+    return std::string(text::without_mark(text));
 }
 
 enum class Part { kOurs, kOthers, kSection };

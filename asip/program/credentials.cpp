@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "asip/program/config_file.hpp"
+#include "asip/text/file_text.hpp"
 #include "asip/text/nearest.hpp"
 
 namespace asip::program {
@@ -85,7 +86,8 @@ Expected<Credentials> read_credentials(const std::string& path) {
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(file.gcount()));
     if (file.bad() || text.size() > kMaxCredentialBytes) return fail(path + " is too long for credentials");
-    return parse_credentials(text, path);
+    if (text::is_utf16(text)) return fail(path + " is in UTF-16: save it as UTF-8");
+    return parse_credentials(std::string(text::without_mark(text)), path);
 }
 
 }  // namespace asip::program

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
+#include <string>
 
 namespace asip::program {
 namespace {
@@ -19,6 +20,13 @@ constexpr const char* kVariable = "NOTIFY_SOCKET";
 bool has_service_manager() {
     const char* path = std::getenv(kVariable);
     return path != nullptr && (*path == '/' || *path == '@');
+}
+
+bool supervised() {
+    if (has_service_manager() || getpid() == 1) return true;
+    const char* process = std::getenv("SYSTEMD_EXEC_PID");
+    if (process != nullptr && std::to_string(getpid()) == process) return true;
+    return std::getenv("INVOCATION_ID") != nullptr && isatty(STDERR_FILENO) == 0;
 }
 
 void tell_service_manager(std::string_view lines) {

@@ -14,7 +14,38 @@ std::optional<int> small_number(std::string_view text, int max) {
     return static_cast<int>(*number);
 }
 
+/// How many bytes the character of UTF-8 at the beginning has; 0: there is none, or one that is not shown.
+std::size_t character_bytes(std::string_view text) {
+    const auto byte = [text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+    const unsigned first = byte(0);
+    if (first < 0x80) return first < 0x20 || first == 0x7f ? 0 : 1;
+    const std::size_t bytes = first >= 0xf0 && first < 0xf5   ? 4
+                              : first >= 0xe0 && first < 0xf0 ? 3
+                              : first >= 0xc2 && first < 0xe0 ? 2
+                                                              : 0;
+    if (bytes == 0 || text.size() < bytes) return 0;
+    unsigned point = first & (0x7fu >> bytes);
+    for (std::size_t i = 1; i < bytes; ++i) {
+        if ((byte(i) & 0xc0) != 0x80) return 0;
+        point = point << 6 | (byte(i) & 0x3fu);
+    }
+    const bool overlong = point < (bytes == 2   ? 0xa0u
+                                   : bytes == 3 ? 0x800u
+                                                : 0x10000u);  // and U+0080 to U+009F
+    return overlong || (point >= 0xd800 && point < 0xe000) || point > 0x10ffff ? 0 : bytes;
+}
+
 }  // namespace
+
+std::string readable_name(std::string_view name) {
+    std::string result;
+    while (!name.empty()) {
+        const auto bytes = character_bytes(name);
+        bytes == 0 ? result += '?' : result.append(name.substr(0, bytes));
+        name.remove_prefix(bytes == 0 ? 1 : bytes);
+    }
+    return result;
+}
 
 std::string BoardInfo::protocol() const {
     return std::to_string(major) + "." + std::to_string(minor);
@@ -31,7 +62,7 @@ Expected<BoardInfo> parse_board_info(std::string_view body) {
     if (!pins) return fail("board information has no number of pins up to 256");
     BoardInfo info{*major, *minor, std::string(fields[2]), *pins, {}};
     if (fields.size() > 4)
-        info.sketch = body.substr(static_cast<std::size_t>(fields[4].data() - body.data()));
+        info.sketch = readable_name(body.substr(static_cast<std::size_t>(fields[4].data() - body.data())));
     return info;
 }
 
@@ -43,7 +74,7 @@ Expected<std::vector<ServiceName>> parse_service_names(std::string_view body) {
         if (item.empty() || item[0] < 'A' || item[0] > 'Z' || (item.size() > 1 && item[1] != ':')) {
             return fail("service is not LETTER:NAME");
         }
-        names.push_back({item[0], std::string(item.substr(item.size() > 1 ? 2 : 1))});
+        names.push_back({item[0], readable_name(item.substr(item.size() > 1 ? 2 : 1))});
     }
     return names;
 }

@@ -12,9 +12,12 @@
 
 namespace asip::protocol {
 
+/// A name that somebody gave, fit to be shown: characters of UTF-8 stay, what is none becomes `?`, and so do
+/// control characters.
+std::string readable_name(std::string_view name);
+
 /// What a board sends once when it starts: `!SKETCH running on CHIP with Services: I D S `. All texts are as
-/// the board sent them: printable ASCII where the line was parsed by parse_line() only in part, so escape
-/// them before they are shown.
+/// the board sent them, so escape them before they are shown.
 struct Banner {
     std::string sketch;
     std::string chip;

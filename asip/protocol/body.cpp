@@ -50,9 +50,11 @@ Expected<Body> parse_body(std::string_view body) {
 
     auto inner = body.substr(open + 1, body.size() - open - 2);
     Body result;
-    if (!inner.empty() && inner.back() == ',') inner.remove_suffix(1);
     if (inner.find_first_of("{}") != inner.npos) return fail("body has a brace within its braces");
-    if (!inner.empty()) result.items = split_fields(inner, ',');
+    if (!inner.empty() || *count == 1) result.items = split_fields(inner, ',');
+    // Behind the last comma there is an empty item, or nothing.
+    if (result.items.size() == static_cast<std::size_t>(*count) + 1 && result.items.back().empty())
+        result.items.pop_back();
     if (result.items.size() != static_cast<std::size_t>(*count)) {
         return fail("body counts " + std::to_string(*count) + " items and holds " +
                     std::to_string(result.items.size()));

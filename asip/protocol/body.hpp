@@ -10,7 +10,7 @@
 namespace asip::protocol {
 
 /// A counted body `COUNT,{a,b,...}` of any firmware generation: the comma before the brace may be missing, a
-/// comma may trail the last item.
+/// comma may trail the last item. Items may be empty.
 struct Body {
     /// Not split at `:`. Views into the text that was parsed, valid as long as that text.
     std::vector<std::string_view> items;

@@ -11,6 +11,22 @@ bool is_printable(char c) {
     return c >= 0x20 && c <= 0x7e;
 }
 
+bool is_printable_or_foreign(char c) {
+    return is_printable(c) || static_cast<unsigned char>(c) >= 0x80;
+}
+
+// Where the part of a line begins that people wrote: the names of sketch and services, the words of an error.
+std::size_t words_at(std::string_view line) {
+    if (line.size() < 5) return line.size();
+    if (line.front() == '~') return line.find('{');
+    if (!line.starts_with("@#,")) return line.size();
+    if (line[3] == 'N') return line.find('{');
+    std::size_t at = line[3] == '?' ? 0 : std::string_view::npos;
+    for (int comma = 0; comma < 6 && at != std::string_view::npos; ++comma)
+        at = line.find(',', at + 1);
+    return at;
+}
+
 /// `NUMBER{TEXT}`, a comma before the brace allowed, the text optional.
 Message parse_error(char service, char tag, std::string_view body) {
     int code = 0;
@@ -31,7 +47,9 @@ Message parse_line(std::string_view line) {
     const char kind = line.front();
     if (kind == '!') return Info{line.substr(1)};
     if (kind != '@' && kind != '~') return Malformed{"line does not begin with @, ~ or !"};
-    if (!std::all_of(line.begin(), line.end(), is_printable))
+    const auto words = line.begin() + static_cast<std::ptrdiff_t>(std::min(words_at(line), line.size()));
+    if (!std::all_of(line.begin(), words, is_printable) ||
+        !std::all_of(words, line.end(), is_printable_or_foreign))
         return Malformed{"line holds unprintable bytes"};
     if (line.size() < 4 || line[2] != ',') return Malformed{"line has no service and tag"};
     const char service = line[1];

@@ -37,7 +37,8 @@ struct Malformed {
 using Message = std::variant<Event, ErrorReply, Info, Malformed>;
 
 /// Parses one line without its line end. Never fails otherwise than by Malformed. Bytes outside printable
-/// ASCII make an event or error Malformed (a damaged line), and are let through in Info.
+/// ASCII make an event or error Malformed (a damaged line), and are let through in Info. Where people named
+/// something (the sketch in `@#,?`, services in `@#,N`, the words of an error) bytes beyond ASCII pass.
 Message parse_line(std::string_view line);
 
 }  // namespace asip::protocol

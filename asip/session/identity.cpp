@@ -16,4 +16,8 @@ bool same_board(const Identity& a, const Identity& b) {
            a.services == b.services && a.extensions == b.extensions && a.pin_owners == b.pin_owners;
 }
 
+bool is_other_board(const Identity& a, const Identity& b) {
+    return a.info.chip != b.info.chip || a.info.sketch != b.info.sketch || a.stored_name != b.stored_name;
+}
+
 }  // namespace asip::session

@@ -29,5 +29,7 @@ struct Identity {
 /// Whether both are the same board with the same services, whatever the modes of their pins and
 /// the line rate are.
 bool same_board(const Identity& a, const Identity& b);
+/// Whether they are two boards for sure, or one with another sketch.
+bool is_other_board(const Identity& a, const Identity& b);
 
 }  // namespace asip::session

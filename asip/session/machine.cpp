@@ -100,6 +100,7 @@ void Machine::set_up_line(Identity found, Time now, Actions& out) {
                           found.extensions.has(protocol::kLineRate) && found.extensions.has(protocol::kEcho);
     const bool changed = !known_ || !same_board(identity_, found);
     changed_ = changed_ || changed;
+    if (known_ && changed && is_other_board(identity_, found)) settings_ = {};
     identity_ = std::move(found);
     known_ = true;
     no_answer_reported_ = true;  // whatever becomes of the rate: it answered

@@ -18,9 +18,14 @@ std::string printable_sample(std::string_view text) {
     return sample;
 }
 
+// Also the beginning of a line; names may hold bytes beyond ASCII.
 bool is_text(std::string_view text) {
-    return std::all_of(text.begin(), text.end(),
-                       [](char c) { return (c >= 0x20 && c <= 0x7e) || c == '\r' || c == '\t'; });
+    const bool named = text.starts_with("@#,N") || text.starts_with("@#,?") || text.starts_with('~') ||
+                       text.starts_with('!');
+    return std::all_of(text.begin(), text.end(), [named](char c) {
+        return (c >= 0x20 && c <= 0x7e) || c == '\r' || c == '\t' ||
+               (named && static_cast<unsigned char>(c) >= 0x80);
+    });
 }
 
 // `@I,a,6` or `~I,a,3` in a line: its end and the beginning of the next one were lost together. The answer to

@@ -89,6 +89,14 @@ std::string escape_json(std::string document) {
     return result;
 }
 
+std::string without_credentials(std::string_view address) {
+    const auto at = address.rfind('@');
+    if (at == std::string_view::npos) return std::string(address);
+    const auto scheme = address.substr(0, at).find("://");
+    const auto kept = scheme == std::string_view::npos ? std::string_view() : address.substr(0, scheme + 3);
+    return std::string(kept) + "..." + std::string(address.substr(at));
+}
+
 bool is_showable(std::string_view text) {
     for (std::size_t i = 0; i < text.size(); ++i) {
         if (is_ascii_control(text[i]) || is_c1(text, i)) return false;

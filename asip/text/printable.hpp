@@ -18,6 +18,10 @@ std::string escape_controls(std::string_view text);
 /// to U+009F) or that no one sees become `\\uNNNN`. Line ends and blanks between its parts stay.
 std::string escape_json(std::string document);
 
+/// An address to be shown in a message or log: what stands before its last `@`, a user and perhaps a
+/// password, is left out, `mqtt://...@host:1883`.
+std::string without_credentials(std::string_view address);
+
 /// Whether text from another program can be written to a terminal as it is: it holds no control
 /// characters, so that it cannot move the cursor or change colours. Whether it is UTF-8 is not checked.
 bool is_showable(std::string_view text);

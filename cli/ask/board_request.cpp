@@ -59,14 +59,15 @@ Outcome<BoardCommand> make_command(const Environment& environment, const KnownBo
         if (text.empty() || text.find_first_of("\r\n") != std::string::npos) {
             return failure(program::kExitUsage, where + "a tag and its parameters, as in: W 0 90");
         }
-        return BoardCommand{topic, text, service.name + "," + text, target, {}};
+        return BoardCommand{topic, text, service.name + "," + text, target, {}, board.item.names_only};
     }
     auto encoded = encode(*model, words);
     if (!encoded)
         return failure(program::kExitUsage, where + encoded.error() + how_to_use(*model, words.front()));
     // Without its service, as the service's own topic wants it.
-    return BoardCommand{topic, encoded->line.substr(std::min<std::size_t>(2, encoded->line.size())),
-                        encoded->line, target, encoded->safe};
+    return BoardCommand{topic,         encoded->line.substr(std::min<std::size_t>(2, encoded->line.size())),
+                        encoded->line, target,
+                        encoded->safe, board.item.names_only};
 }
 
 Outcome<BoardCommand> make_raw_command(const Environment& environment, const std::string& board,
@@ -84,8 +85,9 @@ Outcome<bus::Reply> ask_board(const Environment& environment, BusSession& sessio
     std::optional<Expected<bus::Reply>> reply;
     const auto request = session.command(
         command.topic, command.payload,
-        [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); });
-    session.run_until([&reply] { return reply.has_value(); }, Clock::now() + environment.timeout);
+        [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); }, command.plain);
+    session.run_until([&reply] { return reply.has_value(); },
+                      Clock::now() + environment.timeout + kAnswerTime);
     if (session.stopped()) return interrupted();
     if (!reply) {
         return tl::unexpected(session.unanswered("no answer to " + command.line + " on " + command.topic +

@@ -18,6 +18,7 @@ struct BoardCommand {
     std::string line;    ///< the whole request, for people
     std::string target;  ///< BOARD or BOARD/SERVICE
     std::string safe{};  ///< the request that undoes it; empty: none is known
+    bool plain = false;  ///< for a board that takes part by names only: it reads request lines, and no JSON
 };
 
 /// `words` as typed (a name and its arguments, or one JSON object) against the service's model. A service
@@ -28,6 +29,9 @@ Outcome<BoardCommand> make_command(const Environment& environment, const KnownBo
 /// A request line for the board itself.
 Outcome<BoardCommand> make_raw_command(const Environment& environment, const std::string& board,
                                        const std::string& line);
+
+/// An agent answers within `--timeout`; its answer has this time to arrive.
+inline constexpr std::chrono::milliseconds kAnswerTime{500};
 
 /// Sends and waits for the one final answer. Fails with kExitNoAnswer when none comes in time.
 Outcome<bus::Reply> ask_board(const Environment& environment, BusSession& session,

@@ -100,8 +100,8 @@ struct BusSession::State {
         if (message.retain) retained_at = Clock::now();
     }
 
-    Request ask(mqtt::Message message, OnMessage on_reply) {
-        auto request = requester.ask(message, client.v5(), std::move(on_reply));
+    Request ask(mqtt::Message message, OnMessage on_reply, const bus::Requester::More& more) {
+        auto request = requester.ask(message, client.v5(), std::move(on_reply), Clock::now(), more);
         last_topic = message.topic;
         client.publish(std::move(message), mqtt::Priority::kReply);
         return request;
@@ -198,22 +198,23 @@ void BusSession::publish(const std::string& topic, const std::string& payload, i
 }
 
 BusSession::Request BusSession::ask(const std::string& topic, const std::string& payload, OnMessage on_reply,
-                                    int qos) {
+                                    int qos, bool plain) {
     mqtt::Message message;
     message.topic = topic;
     message.payload = payload;
     message.qos = qos;
-    return state_->ask(std::move(message), std::move(on_reply));
+    return state_->ask(std::move(message), std::move(on_reply), {.plain = plain});
 }
 
 BusSession::Request BusSession::command(const std::string& topic, const std::string& payload,
-                                        OnMessage on_reply) {
+                                        OnMessage on_reply, bool plain) {
     mqtt::Message message;
     message.topic = topic;
     message.payload = payload;
     message.qos = 1;
     message.expire_after(state_->environment.timeout);
-    return state_->ask(std::move(message), std::move(on_reply));
+    return state_->ask(std::move(message), std::move(on_reply),
+                       {.plain = plain, .deadline = state_->environment.timeout});
 }
 
 bus::Demander::Want BusSession::want(const std::string& board, const std::string& service, double hz) {

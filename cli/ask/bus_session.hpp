@@ -56,10 +56,12 @@ class BusSession {
 
     /// Publishes `payload` on `topic`; `on_reply` is called for each answer to it, as long as the handle
     /// lives.
-    Request ask(const std::string& topic, const std::string& payload, OnMessage on_reply, int qos = 0);
+    Request ask(const std::string& topic, const std::string& payload, OnMessage on_reply, int qos = 0,
+                bool plain = false);
     /// The same for a command: nobody delivers it any more when `--timeout` is over, and the agent takes that
     /// for its deadline (MQTT 5; in whole seconds).
-    Request command(const std::string& topic, const std::string& payload, OnMessage on_reply);
+    Request command(const std::string& topic, const std::string& payload, OnMessage on_reply,
+                    bool plain = false);
 
     /// Of boards that report on demand: `hz` values a second are enough, as long as the handle lives, which
     /// may end after the session. `board` and `service` may be patterns; an empty service is all of them.

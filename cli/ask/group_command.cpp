@@ -39,7 +39,11 @@ class GroupSender {
     };
 
     Outcome<BoardCommand> command_for(const KnownBoard& board) const {
-        if (!group_.raw.empty()) return make_raw_command(environment_, board.item.board, group_.raw);
+        if (!group_.raw.empty()) {
+            auto command = make_raw_command(environment_, board.item.board, group_.raw);
+            if (command) command->plain = board.item.names_only;
+            return command;
+        }
         const auto service = find_service(board, group_.target.service);
         if (!service) return tl::unexpected(service.error());
         return make_command(environment_, board, *service, group_.words);
@@ -66,12 +70,14 @@ class GroupSender {
     }
 
     Time send(Member& member) {
-        member.request = session_.command(member.command.topic, member.command.payload,
-                                          [&member](const mqtt::Message& message) {
-                                              auto reply = bus::parse_reply(message.payload);
-                                              if (!member.reply && reply) member.reply = std::move(*reply);
-                                          });
-        return Clock::now() + environment_.timeout;
+        member.request = session_.command(
+            member.command.topic, member.command.payload,
+            [&member](const mqtt::Message& message) {
+                auto reply = bus::parse_reply(message.payload);
+                if (!member.reply && reply) member.reply = std::move(*reply);
+            },
+            member.command.plain);
+        return Clock::now() + environment_.timeout + kAnswerTime;
     }
 
     void send_all() {

@@ -10,6 +10,8 @@
 #include <boost/asio/write.hpp>
 #include <optional>
 
+#include "asip/text/printable.hpp"
+
 namespace asip::cli {
 namespace {
 
@@ -137,7 +139,8 @@ std::string HttpAddress::text() const {
 
 Expected<HttpAddress> parse_http_address(std::string_view text) {
     HttpAddress address;
-    const auto wrong = fail("\"" + std::string(text) + "\" is not an address such as http://127.0.0.1:8080");
+    const auto wrong =
+        fail("\"" + text::without_credentials(text) + "\" is not an address such as http://127.0.0.1:8080");
     if (text.starts_with("https://"))
         address.tls = true;
     else if (!text.starts_with("http://"))

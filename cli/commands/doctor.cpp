@@ -112,6 +112,7 @@ class Examination {
                 environment_.topics.board_in(board.board), std::string(protocol::kAskInfo),
                 [&](const mqtt::Message& message) {
                     if (auto reply = bus::parse_reply(message.payload)) result.reply = std::move(*reply);
+                    result.properties_lost = session_.v5() && message.correlation.empty();
                     ++answers_;
                 },
                 1));

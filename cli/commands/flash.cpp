@@ -4,6 +4,7 @@
 #include <ostream>
 #include <thread>
 
+#include "asip/text/duration.hpp"
 #include "cli/declaration.hpp"
 #include "cli/find/target.hpp"
 #include "cli/flash/lent_port.hpp"
@@ -20,6 +21,7 @@ using namespace std::chrono_literals;
 constexpr std::chrono::seconds kLease = 20s;
 constexpr Duration kProlongEvery = 5s;
 constexpr auto kLookEvery = 50ms;
+constexpr Duration kStopTime = 2s;  // to end by itself
 
 struct FlashOptions {
     std::string board;
@@ -27,6 +29,7 @@ struct FlashOptions {
     std::string avrdude;  ///< empty: the usual one, where it is not a simulated board
     std::string simulated;
     std::string socket;
+    std::string limit = "5m";  ///< for the programmer
     OutputOptions output{};
 };
 
@@ -108,6 +111,8 @@ class Flasher {
         if (!lock) return failure(program::kExitFailure, lock.error());
         auto programmer = RunningProgram::start(call);
         if (!programmer) return failure(program::kExitFailure, programmer.error());
+        const auto limit = Clock::now() + *text::parse_duration(options_.limit);
+        bool stopped = false;
         auto prolong = Clock::now() + kProlongEvery;
         std::optional<int> status;
         while (!(status = programmer->ended())) {
@@ -116,10 +121,19 @@ class Flasher {
             } else {
                 session_.run_for(kLookEvery);
             }
+            if (Clock::now() >= limit) {
+                programmer->stop(Clock::now() >= limit + kStopTime);
+                stopped = true;
+            }
             if (Clock::now() < prolong) continue;
             prolong = Clock::now() + kProlongEvery;
             port_.prolong(kLease);
         }
+        if (stopped)
+            return failure(program::kExitFailure,
+                           call.front() + " did not end within " + options_.limit +
+                               " and was stopped; does the boot loader answer? Reset the board "
+                               "and try again, or give it longer: --limit TIME");
         if (*status == 0) return {};
         return failure(program::kExitFailure, call.front() + " failed with status " +
                                                   std::to_string(*status) +
@@ -152,6 +166,8 @@ int run_flash(const FlashOptions& options, Environment& environment) {
     if (options.board.find_first_of(",*?[") != std::string::npos)
         return environment.fail_with(
             {program::kExitUsage, "flash takes one board; call it once for each, where the board is"});
+    if (const auto limit = text::parse_duration(options.limit); !limit)
+        return environment.fail_with({program::kExitUsage, "--limit: " + limit.error()});
     const auto target = parse_target(options.board);
     if (!target) return environment.fail_with(target.error());
     if (!target->service.empty())
@@ -172,6 +188,7 @@ Run declare_flash(Declaration& verb) {
                 "This programmer, called as avrdude is, also at a pseudo-terminal");
     verb.option("--simulated", "NAME", options->simulated,
                 "A board of asip-sim of this name; default for pseudo-terminals: the board's name");
+    verb.option("--limit", "TIME", options->limit, "A programmer that takes longer is stopped");
     verb.option("--socket", "FILE", options->socket, "Control socket of asip-sim; default: its usual one");
     verb.output(
         options->output, {Output::kText},

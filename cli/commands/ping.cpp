@@ -71,7 +71,7 @@ class Pinger {
                 if (auto parsed = bus::parse_reply(message.payload)) reply = std::move(*parsed);
                 if (!returned_) returned_ = Clock::now();
             },
-            qos);
+            qos, by_name_);
         session_.run_until([&] { return returned_.has_value() || session_.denied(topic); },
                            begin + environment_.timeout);
         denied_ = session_.denied(topic);

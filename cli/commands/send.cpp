@@ -93,10 +93,15 @@ class Sender {
             if (!board) return tl::unexpected(board.error());
             found = boards_.emplace(target->board, std::move(*board)).first;
         }
-        if (!raw.empty()) return make_raw_command(environment_, target->board, raw);
+        const auto of_board = [&](const std::string& line) {
+            auto command = make_raw_command(environment_, target->board, line);
+            if (command) command->plain = found->second.item.names_only;
+            return command;
+        };
+        if (!raw.empty()) return of_board(raw);
         if (target->service.empty()) {
             // A board alone takes request lines.
-            if (words.size() == 1) return make_raw_command(environment_, target->board, words.front());
+            if (words.size() == 1) return of_board(words.front());
             return failure(program::kExitUsage, "which service of " + target->board + "? Write " +
                                                     target->board + "/SERVICE COMMAND ...");
         }
@@ -111,9 +116,9 @@ class Sender {
             return;
         }
         auto& waiting = waiting_.emplace_back(Waiting{where, command, Clock::now(), std::nullopt, {}});
-        waiting.request =
-            session_.command(command.topic, command.payload,
-                             [&waiting](const mqtt::Message& message) { waiting.answer = message; });
+        waiting.request = session_.command(
+            command.topic, command.payload,
+            [&waiting](const mqtt::Message& message) { waiting.answer = message; }, command.plain);
     }
 
     /// Waits until at most `maximum` commands are unanswered.
@@ -122,7 +127,7 @@ class Sender {
             auto& oldest = waiting_.front();
             session_.run_until(
                 [&] { return oldest.answer.has_value() || session_.denied(oldest.command.topic); },
-                oldest.sent + environment_.timeout);
+                oldest.sent + environment_.timeout + kAnswerTime);
             report(oldest);
             waiting_.pop_front();
         }

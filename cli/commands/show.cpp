@@ -283,6 +283,8 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
         if (all.on_demand) text += labelled("reports", on_demand_text(*all.on_demand), colour);
         for (const auto& [key, value] : all.labels.labels)
             text += labelled("label", key + "=" + value, colour);
+        for (const auto& warning : all.warnings)
+            text += labelled("WARNING", warning, colour, Colour::kRed);
         if (!all.labels_fault.empty())
             text += labelled("LABELS", "cannot be read: " + all.labels_fault, colour, Colour::kRed);
         if (const auto pins = pins_text(all, width, colour); !pins.empty()) text += "\n" + pins;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "asip/model/description.hpp"
 #include "asip/mqtt/options.hpp"
 #include "asip/text/duration.hpp"
 #include "asip/text/wall_time.hpp"
@@ -264,6 +265,14 @@ Findings check_machine(const Machine& machine) {
                     group ? "sudo usermod -aG " + port.group + " $USER, then log in again"
                           : "install the udev rule: packaging/udev/70-asip.rules to /etc/udev/rules.d/"));
     }
+    if (machine.brltty) {
+        result.push_back(
+            note("brltty is installed here: it takes serial converters that look like a Braille display "
+                 "(CH340, CP210x, "
+                 "FTDI), so that their port vanishes or is in use",
+                 "who needs no Braille display: sudo apt remove brltty; else: sudo ln -s /dev/null "
+                 "/etc/udev/rules.d/85-brltty.rules (the name as in /usr/lib/udev/rules.d)"));
+    }
     if (machine.modem_manager && !machine.udev_rule) {
         result.push_back(
             problem("ModemManager runs here and sends AT commands to each board that is plugged in",
@@ -273,10 +282,35 @@ Findings check_machine(const Machine& machine) {
     return result;
 }
 
+Findings check_bridges(const Observations& seen) {
+    std::vector<std::string> boards;
+    for (const auto& [board, ping] : seen.pings)
+        if (ping.properties_lost) boards.push_back(board);
+    if (boards.empty()) return {};
+    return {note("a bridge between brokers drops the properties of MQTT 5 on the way to " + some_of(boards) +
+                     ": commands work, but brokers do not drop those that come too late",
+                 "Mosquitto: add  bridge_protocol_version mqttv50  to the connection of the bridge")};
+}
+
+Findings check_warnings(const Observations& seen) {
+    Findings result;
+    for (const auto& message : seen.retained) {
+        const auto topic = seen.topics.parse(message.topic);
+        if (!topic || topic->kind != bus::TopicKind::kDescription) continue;
+        const auto description = model::parse_description(message.payload);
+        if (!description) continue;
+        for (const auto& warning : description->warnings)
+            result.push_back(problem(std::string(topic->board) + ": " + warning,
+                                     "asipctl show " + std::string(topic->board) +
+                                         "; its log: asipctl logs " + std::string(topic->board)));
+    }
+    return result;
+}
+
 Findings check_all(const Observations& seen) {
     Findings result;
-    for (auto* check : {check_broker, check_registry, check_boards, check_states, check_retained, check_names,
-                        check_conflicts, check_clocks}) {
+    for (auto* check : {check_broker, check_registry, check_boards, check_states, check_bridges,
+                        check_warnings, check_retained, check_names, check_conflicts, check_clocks}) {
         auto some = check(seen);
         std::move(some.begin(), some.end(), std::back_inserter(result));
     }

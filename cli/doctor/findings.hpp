@@ -29,6 +29,7 @@ using Findings = std::vector<Finding>;
 /// What one board answered to a request that only it can answer.
 struct PingResult {
     std::optional<bus::Reply> reply;  ///< none: there was no answer at all
+    bool properties_lost = false;     ///< we speak MQTT 5, and what came back was without its properties
 };
 
 /// Everything that was seen, for the checks below, which are pure.
@@ -59,6 +60,8 @@ Findings check_broker(const Observations& seen);
 Findings check_registry(const Observations& seen);
 Findings check_boards(const Observations& seen);
 Findings check_states(const Observations& seen);
+Findings check_bridges(const Observations& seen);
+Findings check_warnings(const Observations& seen);
 Findings check_retained(const Observations& seen);
 Findings check_names(const Observations& seen);
 Findings check_conflicts(const Observations& seen);

@@ -61,6 +61,16 @@ Machine look_at_machine(const fs::path& root) {
         result.ports.push_back({port.string(), ::access(port.c_str(), R_OK | W_OK) == 0, group_of(port)});
     }
     result.modem_manager = runs(root / "proc", "ModemManager");
+    result.brltty = runs(root / "proc", "brltty");
+    for (const auto* folder : {"usr/lib/udev/rules.d", "lib/udev/rules.d"})
+        for (const auto& rule : entries(root / folder)) {
+            // A rule of the administrator with the same name, empty or a link to /dev/null, takes its place.
+            std::error_code error;
+            result.brltty =
+                result.brltty ||
+                (rule.filename().string().find("brltty") != std::string::npos &&
+                 !fs::exists(fs::symlink_status(root / "etc/udev/rules.d" / rule.filename(), error)));
+        }
     for (const auto* folder :
          {"etc/udev/rules.d", "usr/lib/udev/rules.d", "lib/udev/rules.d", "run/udev/rules.d"}) {
         result.udev_rule = result.udev_rule || has_rule(root / folder);

@@ -16,6 +16,7 @@ struct SerialPort {
 struct Machine {
     std::vector<SerialPort> ports;
     bool modem_manager = false;  ///< runs here
+    bool brltty = false;         ///< runs here, or is started by udev for some converters
     bool udev_rule = false;      ///< that keeps it off our boards
 };
 

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -114,6 +115,10 @@ std::optional<int> RunningProgram::ended() {
     int status = 0;
     if (waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
     return exit_status(status);
+}
+
+void RunningProgram::stop(bool by_force) {
+    ::kill(pid_, by_force ? SIGKILL : SIGTERM);
 }
 
 int RunningProgram::wait() {

@@ -40,6 +40,8 @@ class RunningProgram {
 
     /// Its exit status (128 + signal) once it has ended.
     std::optional<int> ended();
+    /// Asks it to end, or ends it. Only while ended() is nothing.
+    void stop(bool by_force);
     /// The same, once it has.
     int wait();
 

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "asip/model/names.hpp"
+#include "asip/text/file_text.hpp"
 #include "gateway/auth/secret.hpp"
 
 namespace asip::gateway {
@@ -108,7 +109,7 @@ Expected<std::string> Tokens::text_of(const std::string& path) {
 Expected<Tokens> Tokens::read(const std::string& path) {
     const auto text = text_of(path);
     if (!text) return Unexpected<std::string>(text.error());
-    auto tokens = parse(*text);
+    auto tokens = parse(std::string(text::without_mark(*text)));
     if (!tokens) return fail(path + ", " + tokens.error());
     return tokens;
 }

@@ -16,8 +16,9 @@ std::string with_deadline(std::string payload, Duration deadline) {
     return payload + (payload.size() > 1 ? "," : "") + "\"deadline_ms\":" + std::to_string(ms) + "}";
 }
 
-// MQTT 3.1.1 has no user properties.
+// MQTT 3.1.1 has no user properties, nor has a bridge that speaks it.
 std::string with_by(std::string payload, const std::string& by) {
+    if (by.empty()) return payload;
     payload.pop_back();
     return payload + (payload.size() > 1 ? "," : "") + "\"by\":" + model::dump_json(nlohmann::json(by)) + "}";
 }
@@ -74,10 +75,8 @@ Commands::Started Commands::start(Start& start, bool v5, const Instant& now, Don
         message.response_topic = reply_topic;
         message.correlation = key;
         if (clock) message.user_properties.emplace_back(bus::kClockName, *clock);
-    } else {
-        message.payload =
-            bus::with_reply_members(with_by(message.payload, start.by), reply_topic, key, clock);
     }
+    message.payload = bus::with_reply_members(with_by(message.payload, start.by), reply_topic, key, clock);
     // A stop is never too late.
     if (!start.urgent) message.expire_after(start.deadline);
     Entry entry;

@@ -34,7 +34,11 @@ TEST_F(SendTest, Acknowledged_PrintsOkAndEndsWith0) {
                                R"({"status":"ok","proof":"fence"})");
     EXPECT_EQ(sent.status, 0) << sent.errors;
     EXPECT_EQ(sent.output, "ok\n");
-    EXPECT_EQ(request_->payload, "W,0,90");
+    const auto payload = nlohmann::json::parse(request_->payload);
+    EXPECT_EQ(payload["raw"], "W,0,90");
+    EXPECT_EQ(payload["reply_to"], request_->response_topic) << "a bridge may drop the properties";
+    EXPECT_EQ(payload["id"], request_->correlation);
+    EXPECT_EQ(payload["deadline_ms"], 5000);
     EXPECT_THAT(request_->expiry_seconds,
                 testing::Optional(testing::AllOf(testing::Ge(3u), testing::Le(5u))));
     EXPECT_FALSE(request_->retain);
@@ -114,7 +118,10 @@ TEST_F(SendTest, StandardInput_SendsAllAndEndsWithTheFirstFailure) {
         "0 20\n");
     child.close_input();
     for (const auto* payload : {"W,0,10", "W,0,20"}) {
-        const auto request = probe_.wait_for("asip/uno1/servo/in", payload);
+        const auto request = probe_.wait_for([&](const mqtt::Message& message) {
+            return message.topic == "asip/uno1/servo/in" &&
+                   message.payload.find(payload) != std::string::npos;
+        });
         ASSERT_TRUE(request) << payload;
         answer(*request, R"({"status":"ok","proof":"fence"})");
     }
@@ -130,7 +137,9 @@ TEST_F(SendTest, NoWait_DeliversBeforeItEnds) {
 
 TEST_F(SendTest, PingABoard_MeasuresItsAnswersAndCountsLosses) {
     ChildProcess child(program({"ping", "uno1", "-c", "2", "-i", "0", "--timeout", "400ms"}), environment());
-    const auto first = probe_.wait_for("asip/uno1/in", "#,E,p1");
+    const auto first = probe_.wait_for([](const mqtt::Message& message) {
+        return message.topic == "asip/uno1/in" && message.payload.find("#,E,p1") != std::string::npos;
+    });
     ASSERT_TRUE(first);
     answer(*first, R"({"status":"ok","proof":"fence"})");
     EXPECT_EQ(child.wait_exit(), 0);

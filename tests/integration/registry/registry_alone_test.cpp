@@ -112,5 +112,30 @@ TEST(RegistryAccess, MayNotClearWhatABoardLeft_ReportsItOnceAndForgettingContinu
     EXPECT_TRUE(ask(probe, R"({"find":"boards"})", "r1"));
 }
 
+TEST(RegistryService, BrokerThatRefusesIt_IsAskedAgainByAServiceAlone) {
+    MosquittoBroker::Options options;
+    options.users = {{"registry", "r"}};
+    MosquittoBroker broker(options);
+    RunningRegistry by_hand(broker.address());
+    EXPECT_EQ(by_hand.process().wait_exit(), 3);
+    ChildProcess service({ASIP_REGISTRY_PROGRAM, "--broker", broker.address(), "--id", "r1"},
+                         {{"NOTIFY_SOCKET", "/nonexistent/socket"}});
+    EXPECT_TRUE(service.wait_for_errors("asking again")) << service.errors();
+    EXPECT_TRUE(service.running());
+    service.signal(15);
+    EXPECT_EQ(service.wait_exit(), 0);
+}
+
+TEST(RegistryService, IdThatAnotherOneHas_IsAskedForAgainByAService) {
+    MosquittoBroker broker;
+    RunningRegistry first(broker.address(), "hall");
+    ASSERT_TRUE(first.complete());
+    ChildProcess second({ASIP_REGISTRY_PROGRAM, "--broker", broker.address(), "--id", "hall"},
+                        {{"NOTIFY_SOCKET", "/nonexistent/socket"}});
+    EXPECT_TRUE(second.wait_for_errors("beginning again")) << second.errors();
+    second.signal(15);
+    EXPECT_EQ(second.wait_exit(), 0);
+}
+
 }  // namespace
 }  // namespace asip::test

@@ -65,6 +65,23 @@ TEST(Envelope, RawMember_IsAsipText) {
     EXPECT_EQ(envelope->reply.topic, "me");
 }
 
+TEST(Envelope, MarkOfAnEditorBeforeTheText_IsNothing) {
+    const auto marked = open_envelope(request("\xef\xbb\xbf{\"write\":[0,90],\"id\":\"7\"}"));
+    ASSERT_TRUE(marked);
+    EXPECT_EQ(marked->form, RequestEnvelope::Form::kJson);
+    EXPECT_EQ(marked->reply.id, "7");
+    EXPECT_EQ(open_envelope(request("\xef\xbb\xbfW,0,90"))->text, "W,0,90");
+    EXPECT_EQ(open_envelope(request("\xef\xbb\xbf"))->text, "");
+}
+
+TEST(Envelope, IdThatIsALongNumber_ComesBackAsItWasWritten) {
+    for (const char* id : {"12345678901234567890123", "18446744073709551616", "1.50", "1e3", "-0", "7"})
+        EXPECT_EQ(open_envelope(request(std::string(R"({"write":[0,90],"id":)") + id + "}"))->reply.id,
+                  id == std::string("-0") ? "0" : id);
+    EXPECT_EQ(open_envelope(request(R"({"renew":12345678901234567890123})"))->object["renew"],
+              "12345678901234567890123");
+}
+
 TEST(Envelope, Empty_IsRawAndEmpty) {
     const auto envelope = open_envelope(request(""));
     ASSERT_TRUE(envelope);

@@ -37,7 +37,8 @@ class RequesterTest : public testing::Test {
 
 TEST_F(RequesterTest, OnVersion5_AnswersAreFoundByCorrelation) {
     const auto a = ask("W,0,90", true, "a");
-    EXPECT_EQ(sent.payload, "W,0,90");
+    EXPECT_EQ(sent.payload, R"({"clock":"","id":"me-1","raw":"W,0,90","reply_to":"asip/reply/ann/uno1/me"})")
+        << "a bridge may drop the properties";
     EXPECT_EQ(sent.response_topic, kReply);
     EXPECT_EQ(requester.replies().filter(), "asip/reply/ann/+/me");
     const auto id_of_a = sent.correlation;
@@ -49,6 +50,33 @@ TEST_F(RequesterTest, OnVersion5_AnswersAreFoundByCorrelation) {
     EXPECT_FALSE(requester.take(message("asip/reply/ann/uno1/you", "x", id_of_a)));
     EXPECT_FALSE(requester.take(message("asip/reply/you/uno1/me", "x", id_of_a)));
     EXPECT_THAT(heard, ElementsAre("b:2", "a:1"));
+}
+
+TEST_F(RequesterTest, BridgeDropsTheProperties_AnswerIsFoundByItsIdAndTellsTheClock) {
+    const Time began = Time(100s);
+    const auto a =
+        requester.ask(sent = message("asip/uno1/in", "#,?"), true,
+                      [this](auto& reply) { heard.push_back(reply.payload); }, began, {.deadline = 300ms});
+    EXPECT_EQ(
+        sent.payload,
+        R"({"clock":"","deadline_ms":300,"id":"me-1","raw":"#,?","reply_to":"asip/reply/ann/uno1/me"})");
+    EXPECT_TRUE(
+        requester.take(message(kReply, R"({"clock":"1f3c09aa-700000","id":"me-1","status":"ok"})"), began));
+    EXPECT_EQ(heard.size(), 1u);
+    const auto b = requester.ask(sent = message("asip/uno1/in", "#,?"), true, [](auto&) {}, began + 1s);
+    EXPECT_EQ(sent.user_properties.at(0).second, "1f3c09aa-701001");
+}
+
+TEST_F(RequesterTest, BoardWithoutAnAgent_GetsPlainLines) {
+    const auto a =
+        requester.ask(sent = message("asip/uno1/in", "#,?"), true, [](auto&) {}, Time(1s), {.plain = true});
+    EXPECT_EQ(sent.payload, "#,?");
+}
+
+TEST_F(RequesterTest, DeadlineOfThePayload_Stays) {
+    const auto a = requester.ask(sent = message("asip/uno1/in", R"({"deadline_ms":70})"), true, [](auto&) {},
+                                 Time(1s), {.deadline = 5s});
+    EXPECT_THAT(sent.payload, testing::HasSubstr(R"("deadline_ms":70)"));
 }
 
 TEST_F(RequesterTest, OnVersion311_RequestAndAnswerCarryTheIdInTheirText) {
@@ -87,7 +115,7 @@ TEST_F(RequesterTest, OnVersion5_CommandTellsWhenItWasSentByTheClockOfTheLastAns
     const auto second =
         requester.ask(sent = message("asip/uno1/servo/in", "W,0,90"), true, [](auto&) {}, began + 1s);
     EXPECT_EQ(sent.user_properties, (Properties{{"clock", "1f3c09aa-701001"}}));
-    EXPECT_EQ(sent.payload, "W,0,90");
+    EXPECT_THAT(sent.payload, testing::HasSubstr(R"("clock":"1f3c09aa-701001")"));
     const auto other =
         requester.ask(sent = message("asip/uno2/servo/in", "W,0,90"), true, [](auto&) {}, began + 1s);
     EXPECT_EQ(sent.user_properties, (Properties{{"clock", ""}})) << "another board, another agent";

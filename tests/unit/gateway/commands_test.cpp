@@ -34,7 +34,10 @@ class CommandsTest : public testing::Test {
 TEST_F(CommandsTest, Sent_CarriesDeadlineReplyTopicOfTheSessionAndWhoSentIt) {
     ASSERT_EQ(send("s1", "7"), Commands::Started::kPublish);
     EXPECT_EQ(message_.topic, "asip/uno1/servo/in");
-    EXPECT_EQ(message_.payload, R"({"write":[0,90],"deadline_ms":1000})");
+    EXPECT_EQ(
+        message_.payload,
+        R"({"by":"anna","clock":"","deadline_ms":1000,"id":"s1.7","reply_to":"asip/reply/gate/uno1/gw/s1","write":[0,90]})")
+        << "a bridge may drop the properties";
     EXPECT_EQ(message_.expiry_seconds, 1u);
     EXPECT_EQ(message_.response_topic, "asip/reply/gate/uno1/gw/s1");
     EXPECT_EQ(message_.user_properties,

@@ -53,6 +53,17 @@ TEST(SuggestName, AnyText_GivesAValidName) {
     }
 }
 
+TEST(SuggestName, TwoPortsOfOneConverter_HaveTwoNames) {
+    const std::string port = "usb-FTDI_Dual_RS232-HS_made_by_somebody_with_a_long_name_FT4ABCDE-if0";
+    const auto first = suggest_name(port + "0-port0");
+    const auto second = suggest_name(port + "1-port0");
+    EXPECT_NE(first, second);
+    EXPECT_TRUE(valid_board_name(first)) << first;
+    EXPECT_EQ(first, "usb-FTDI_Dua--e_by_somebody_with_a_long_name_FT4ABCDE-if00-port0");
+    EXPECT_TRUE(valid_board_name(suggest_name("x" + std::string(5000, '-') + "y")));
+    EXPECT_LE(suggest_name(std::string(100, '.')).size(), kMaxNameBytes);
+}
+
 TEST(BoardState, EachState_IsFoundByItsText) {
     for (const auto state : {BoardState::kOnline, BoardState::kOffline, BoardState::kLost,
                              BoardState::kSleeping, BoardState::kUpdating}) {

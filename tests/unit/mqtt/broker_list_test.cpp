@@ -50,6 +50,36 @@ TEST_F(BrokerListTest, VersionRefused_SameBrokerIsTriedWithout5AndNothingIsRepor
     EXPECT_FALSE(list.with_v5());
 }
 
+TEST_F(BrokerListTest, SilenceForMqtt5_IsTriedWithout5AndBackWhereThatIsNoBetter) {
+    auto list = list_of(1);
+    for (int round = 0; round < 3; ++round) {
+        for (int attempt = 0; attempt < 2; ++attempt) {
+            EXPECT_TRUE(list.with_v5()) << round;
+            EXPECT_TRUE(list.failed(ended(list, Kind::kNoAnswer), true, random_).failure);
+        }
+        EXPECT_FALSE(list.with_v5()) << round;
+        list.failed(ended(list, Kind::kNoAnswer), false, random_);
+    }
+    list.failed(ended(list, Kind::kNoAnswer), true, random_);
+    list.failed(ended(list, Kind::kNoAnswer), true, random_);
+    list.accepted();
+    EXPECT_TRUE(list.with_v5()) << "once may be chance";
+}
+
+TEST_F(BrokerListTest, SilenceOfOneOfAList_TheNextOneIsTriedAtOnce) {
+    auto list = list_of(2);
+    list.failed(ended(list, Kind::kNoAnswer), true, random_);
+    EXPECT_EQ(list.current().host, "broker1");
+}
+
+TEST_F(BrokerListTest, SilenceOfABrokerThatTook5_IsNoSuspicion) {
+    auto list = list_of(1);
+    list.accepted();
+    for (int attempt = 0; attempt < 5; ++attempt)
+        list.failed(ended(list, Kind::kNoAnswer), true, random_);
+    EXPECT_TRUE(list.with_v5());
+}
+
 TEST_F(BrokerListTest, VersionRefusedWhereNoOtherIsAllowed_IsReported) {
     auto list = list_of(1, Version::kV5);
     auto end = ended(list, Kind::kRefused);

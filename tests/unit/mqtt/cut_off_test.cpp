@@ -53,5 +53,25 @@ TEST_F(CutOffTest, NothingSentOverThisConnection_IsSomethingElse) {
     EXPECT_EQ(failure.after_sending, 0U);
 }
 
+TEST_F(CutOffTest, AgainAndAgain_PausesGrowToAMinuteAndTheSizeIsSaid) {
+    Duration last{};
+    for (int i = 0; i < 20; ++i) {
+        cut_off_.sent(now_, 5000);
+        const auto failure = ended(1s, 10ms);
+        if (i >= 2) {
+            EXPECT_THAT(failure.text, HasSubstr("no message of 5000 bytes"));
+        }
+        EXPECT_GE(cut_off_.pause(1), last);
+        last = cut_off_.pause(1);
+        if (i < 2) {
+            EXPECT_EQ(last, 0s);
+        }
+    }
+    EXPECT_EQ(last, 1min);
+    EXPECT_LT(cut_off_.pause(5), 10s) << "the others may take it";
+    ended(11s, 10ms);
+    EXPECT_EQ(cut_off_.pause(1), 0s);
+}
+
 }  // namespace
 }  // namespace asip::mqtt

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/temp_dir.hpp"
+
 namespace asip::mqtt {
 namespace {
 
@@ -27,11 +29,50 @@ TEST(ParseBroker, WhatDescribeSays_ReadsBack) {
 
 TEST(ParseBroker, Malformed_SaysWhatIsWrong) {
     for (const char* text : {"", ":1883", "pi:", "pi:0", "pi:65536", "pi:x", "http://pi", "[::1", "[::1]x",
-                             "[::1]:", "mqtt://", "user@pi", "a b", "pi/topic", "::1"}) {
+                             "[::1]:", "mqtt://", "a b", "pi/topic", "::1"}) {
         const auto address = parse_broker(text);
         ASSERT_FALSE(address) << text;
         EXPECT_NE(address.error().find(std::string("\"") + text), std::string::npos) << address.error();
     }
+}
+
+TEST(ParseBroker, UserAndPassword_AreNotShownAndTheirOptionsNamed) {
+    for (const char* text :
+         {"mqtt://ann:secret@host", "ann:secret@host", "mqtts://ann:se@cret@host:1", "secret@host",
+          "ftp://ann:secret@host", "mqtt://ann:secret@", "@secret@host", "secret/ secret@host"}) {
+        const auto address = parse_broker(text);
+        ASSERT_FALSE(address) << text;
+        for (const char* part : {"ann", "secret", "cret"})
+            EXPECT_EQ(address.error().find(part), std::string::npos) << address.error();
+        EXPECT_NE(address.error().find("--user and --password-file"), std::string::npos) << address.error();
+    }
+}
+
+TEST(ParseBroker, SixthVersionOfAnAddressWithoutBrackets_NamesThem) {
+    for (const char* text : {"2001:db8::1", "mqtt://2001:db8::1", "::1"})
+        EXPECT_NE(parse_broker(text).error().find("in brackets"), std::string::npos)
+            << parse_broker(text).error();
+}
+
+TEST(ParseBroker, SlashesAtTheEnd_AreNothing) {
+    EXPECT_EQ(parse_broker("mqtt://pi//"), (BrokerAddress{"pi", 1883, false}));
+}
+
+TEST(PasswordFile, OddOnes_HaveAHint) {
+    const test::TempDir folder;
+    EXPECT_EQ(read_password_file(folder.write("bom", "\xef\xbb\xbfsecret\r\n")).value(), "secret");
+    EXPECT_EQ(read_password_file(folder.write("plain", " with blanks \nand more")).value(), " with blanks ");
+    const auto fault = [&](const char* content) {
+        return read_password_file(folder.write("odd", content)).error();
+    };
+    EXPECT_NE(fault("").find("no password in its first line"), std::string::npos);
+    EXPECT_NE(fault("\nsecret").find("no password in its first line"), std::string::npos);
+    EXPECT_NE(fault("ann:$7$101$abc==$def==\n").find("password alone"), std::string::npos);
+    EXPECT_NE(
+        read_password_file(folder.write("wide", std::string("\xff\xfes\0e\0", 6))).error().find("UTF-8"),
+        std::string::npos);
+    EXPECT_NE(read_password_file(folder.file("none")).error().find("No such file"), std::string::npos);
+    EXPECT_FALSE(read_password_file(folder.path().string()));
 }
 
 }  // namespace

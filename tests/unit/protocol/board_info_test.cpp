@@ -46,6 +46,27 @@ TEST(BoardInfo, SketchWithCommasOrNone_IsRead) {
     EXPECT_EQ(parse_board_info("1,0,X,20")->sketch, "");
 }
 
+TEST(ReadableName, IsUtf8WithoutControls) {
+    EXPECT_EQ(readable_name("T\xc3\xbcr"), "T\xc3\xbcr");
+    EXPECT_EQ(readable_name("\xf0\x9f\xa4\x96\xf0\x9f\x92\xa1"), "\xf0\x9f\xa4\x96\xf0\x9f\x92\xa1")
+        << "only emoji";
+    EXPECT_EQ(readable_name("T\xfcr"), "T?r") << "Latin-1";
+    EXPECT_EQ(readable_name("a\xc3"), "a?") << "cut off";
+    EXPECT_EQ(readable_name("\xc0\xaf\xed\xa0\x80\xf4\x90\x80\x80"), "?????????")
+        << "overlong, surrogate, too large";
+    EXPECT_EQ(readable_name("a\x1b[2J\xc2\x9b"), "a?[2J??");
+    EXPECT_EQ(readable_name(""), "");
+}
+
+TEST(BoardInfo, SketchAndServicesBeyondAscii_AreShown) {
+    EXPECT_EQ(parse_board_info("0,4,ATmega328P,20,T\xc3\xbcr, links")->sketch, "T\xc3\xbcr, links");
+    EXPECT_EQ(parse_service_names("2,{D:K\xfc"
+                                  "che,S:Servos}")
+                  ->at(0)
+                  .name,
+              "K?che");
+}
+
 TEST(BoardInfo, DamagedAnswer_IsRefused) {
     for (const std::string_view body :
          {"", "0,4", "0,4,X", "a,4,X,20,S", "0,b,X,20,S", "0,4,X,257,S", "0,4,X,-1,S", "0,4,,20,S"}) {

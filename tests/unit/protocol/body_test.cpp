@@ -20,6 +20,14 @@ TEST(ParseBody, CountOfZero_HasNoItems) {
     EXPECT_THAT(parse_body("0,{}")->items, IsEmpty());
 }
 
+TEST(ParseBody, EmptyItems_AreItems) {
+    EXPECT_THAT(parse_body("2,{,}")->items, ElementsAre("", ""));
+    EXPECT_THAT(parse_body("2,{1,}")->items, ElementsAre("1", ""));
+    EXPECT_THAT(parse_body("1,{1,}")->items, ElementsAre("1")) << "a comma behind the last one";
+    EXPECT_THAT(parse_body("3,{,,}")->items, ElementsAre("", "", ""));
+    EXPECT_THAT(parse_body("1,{}")->items, ElementsAre(""));
+}
+
 TEST(ParseBody, DamagedBody_IsRefused) {
     for (const std::string_view body :
          {"", "2", "2,", "2,{42,118", "2,42,118}", "2,{42}", "1,{42,118}", "x,{42}", ",{42}", "{42}", "-1,{}",

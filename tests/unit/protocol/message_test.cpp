@@ -63,6 +63,20 @@ TEST(ParseLine, Info_IsTextAfterTheMark) {
     EXPECT_EQ(parse_as<Info>("!").text, "");
 }
 
+TEST(ParseLine, BytesBeyondAsciiInNamesAndWords_PassAndNowhereElse) {
+    for (const std::string_view line :
+         {"@#,?,0,4,ATmega328P,20,T\xc3\xbcr", "@#,?,0,4,ATmega328P,20,\xff\xfe",
+          "@#,N,1,{D:K\xc3\xbc"
+          "che}",
+          "~S,W,7{kein \xc3\xa4}", "~S,W,7,{\xff}"})
+        EXPECT_FALSE(std::holds_alternative<Malformed>(parse_line(line))) << line;
+    for (const std::string_view line :
+         {"@#,?,0,4,ATmega328P\xff,20,T", "@#,?,0\xff,4,ATmega328P,20,T", "@#,?\xff,0", "@#,N,\xff,{D:K}",
+          "@#,N\xff,1,{D:K}", "~S,W,\xff{A}", "~\xff,W,7{A}", "@#,S,1,{\xff}", "@#,E,\xff", "@I,d,4,\xff",
+          "@#,?,\xff", "@#,?,0,4,ATmega328P,20,T\x07r", "@#,N,1,{D:K\x1b}"})
+        EXPECT_TRUE(std::holds_alternative<Malformed>(parse_line(line))) << line;
+}
+
 TEST(ParseLine, DamagedLine_IsMalformed) {
     for (const std::string_view line :
          {"", "x", "D,e,2", "@", "@D", "@D,", "@De,2", "@d,e,1", "@D,,1", "@D,ee,1", "~S,W", "~S,W,",
