@@ -169,8 +169,10 @@ void Gateway::command(Commands::Start start, Commands::Done done) {
         record.reply->by = start.by;
         done(record);
     };
-    start.part = budget_.part(start.client);
-    if (!start.part.set(Commands::bytes_of(start)) && !start.urgent) {
+    // A stop of many boards is many commands: none of them is refused, and no later one because of them.
+    // Their number has a bound.
+    if (!start.urgent) start.part = budget_.part(start.client);
+    if (!start.part.set(Commands::bytes_of(start))) {
         return refused(std::string(bus::kRefusedQueueFull),
                        "what is kept of your commands would be too much; it is kept for a minute");
     }

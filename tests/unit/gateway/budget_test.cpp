@@ -190,6 +190,19 @@ TEST_F(ClientBytes, CommandsThatAreRemembered_AreCountedForAMinute) {
     EXPECT_EQ(kept("anna"), before);
 }
 
+TEST_F(ClientBytes, WhoseBudgetIsUsedUp_CanStopAllTheSameAndNothingIsTakenForIt) {
+    auto rest = gateway_->budget().part("anna");
+    ASSERT_TRUE(rest.set(GatewayOptions{}.client_bytes));
+    const std::string command = "/api/boards/uno1/services/servo/commands/write";
+    EXPECT_EQ(as("anna", "POST", command, "[0,90]")->status(), 429);
+    published_.clear();
+    EXPECT_EQ(as("anna", "POST", "/api/stop", "{}")->status(), 0) << "sent, and waited for";
+    EXPECT_EQ(published_.size(), 1001u);
+    rest.set(0);
+    EXPECT_EQ(kept("anna"), 0u);
+    EXPECT_EQ(as("anna", "POST", command, "[0,90]")->status(), 0);
+}
+
 // ---- waits ----
 
 TEST_F(ClientBytes, WaitsOfClientsThatAreGone_EndAndTheirPlacesComeBack) {
