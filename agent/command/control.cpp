@@ -11,6 +11,7 @@
 #include "asip/model/event_decoder.hpp"
 #include "asip/model/json.hpp"
 #include "asip/protocol/error_code.hpp"
+#include "asip/session/name_budget.hpp"
 #include "asip/session/request.hpp"
 
 namespace asip::agent {
@@ -74,7 +75,7 @@ void Control::on_command(const Command& command, Time now, session::Actions& act
     if (!lines) return refuse_it(bus::kRefusedInvalid, lines.error());
     if (auto fault = hold_fault(*execution, *lines); !fault.empty())
         return refuse_it(bus::kRefusedInvalid, std::move(fault));
-    if (const auto why = refusal(*lines, execution->client)) {
+    if (const auto why = refusal(*lines, execution->client, now)) {
         if (service != nullptr) return refuse_it(session::to_string(*why), refusal_text(*why));
         const auto line = lines->front().request.line;
         execution->service = service_of_line(board_.services, line);
@@ -162,8 +163,8 @@ Expected<std::vector<Control::Line>> Control::read(const Command& command, Execu
 }
 
 // All lines of a payload are sent, or none.
-std::optional<session::Refusal> Control::refusal(const std::vector<Line>& lines,
-                                                 session::ClientId client) const {
+std::optional<session::Refusal> Control::refusal(const std::vector<Line>& lines, session::ClientId client,
+                                                 Time now) const {
     for (const Line& line : lines)
         if (!session::may_be_sent(line.request)) return session::Refusal::kInvalid;
     if (!board_.session.accepts_requests()) return session::Refusal::kNoBoard;
@@ -171,6 +172,11 @@ std::optional<session::Refusal> Control::refusal(const std::vector<Line>& lines,
         if (line.request.line.size() > board_.session.identity().extensions.longest_request())
             return session::Refusal::kTooLong;
     if (board_.session.room(client) < lines.size()) return session::Refusal::kQueueFull;
+    const auto names = std::count_if(lines.begin(), lines.end(), [](const Line& line) {
+        return session::NameBudget::concerns(line.request.line);
+    });
+    if (static_cast<std::size_t>(names) > board_.session.names_left(now))
+        return session::Refusal::kTooManyNames;
     return std::nullopt;
 }
 

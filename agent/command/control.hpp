@@ -91,7 +91,8 @@ class Control {
     Expected<std::vector<Line>> read(const Command& command, Execution& execution,
                                      const session::ServiceTable::Entry* service) const;
     std::string hold_fault(const Execution& execution, const std::vector<Line>& lines) const;
-    std::optional<session::Refusal> refusal(const std::vector<Line>& lines, session::ClientId client) const;
+    std::optional<session::Refusal> refusal(const std::vector<Line>& lines, session::ClientId client,
+                                            Time now) const;
     void execute(const std::shared_ptr<Execution>& execution, const std::vector<Line>& lines, Time now,
                  session::Actions& actions, Effects& out);
     /// One of its requests has ended: what that means for the answer.

@@ -69,6 +69,8 @@ Error error_of(session::Refusal refusal) {
             return {Error::Kind::kInvalid, 0, "not an ASIP request line"};
         case session::Refusal::kTooLong:
             return {Error::Kind::kInvalid, 0, "longer than the board takes; send it in parts"};
+        case session::Refusal::kTooManyNames:
+            return {Error::Kind::kRefused, 0, "the board was given a name too often: its memory wears out"};
         case session::Refusal::kQueueFull:
             return {Error::Kind::kRefused, 0, "too many requests wait for the board already"};
         default:

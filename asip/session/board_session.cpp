@@ -52,6 +52,10 @@ std::size_t BoardSession::cancel_waiting(Actions& out) {
 std::optional<Time> BoardSession::next_deadline() const {
     return machine_->next_deadline();
 }
+unsigned BoardSession::names_left(Time now) const {
+    return machine_->names_left(now);
+}
+
 std::size_t BoardSession::room(ClientId client) const {
     return machine_->room(client);
 }
@@ -105,6 +109,7 @@ const char* to_string(Refusal refusal) {
         case Refusal::kTooLong:
             return "invalid";
         case Refusal::kQueueFull:
+        case Refusal::kTooManyNames:
             return "queue-full";
         case Refusal::kNoBoard:
             return "board-not-there";

@@ -88,6 +88,8 @@ enum class Refusal {
     kQueueFull,
     /// The link is down, the board is silent, or it was not identified since link_up.
     kNoBoard,
+    /// It stores a name on the board, as others did before: see NameBudget.
+    kTooManyNames,
 };
 
 /// Counted since construction.
@@ -165,6 +167,8 @@ class BoardSession {
     bool accepts_requests() const;
     /// How many more requests of this client may be queued now, and how many wait.
     std::size_t room(ClientId client) const;
+    /// How many requests that store a name on the board would be accepted now.
+    unsigned names_left(Time now) const;
     std::size_t waiting(ClientId client) const;
 
     /// When tick() wants to be called; none while the link is down.

@@ -10,6 +10,7 @@
 #include "asip/protocol/message.hpp"
 #include "asip/session/board_session.hpp"
 #include "asip/session/interview.hpp"
+#include "asip/session/name_budget.hpp"
 #include "asip/session/rate_change.hpp"
 #include "asip/session/request_queue.hpp"
 #include "asip/session/search.hpp"
@@ -38,6 +39,7 @@ class Machine {
     void leave(Leave how, Time now, Actions& out);
     bool accepts_requests() const { return there_ && !leaving_; }
     std::size_t room(ClientId client) const;
+    unsigned names_left(Time now) const { return names_.left(now); }
     std::optional<Time> next_deadline() const;
 
     BoardSession::State state() const;
@@ -172,6 +174,7 @@ class Machine {
     std::string token_start_;
     std::uint64_t overlong_seen_ = 0;
     RequestId next_id_ = 1;
+    NameBudget names_;
     bool known_ = false;               // identified at least once, since construction
     bool there_ = false;               // identified since link_up, and not gone since
     bool was_silent_ = false;          // state to report while searching
