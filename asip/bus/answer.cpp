@@ -70,7 +70,7 @@ std::optional<LinesSplit> split_lines(std::string_view payload) {
         if (key != "items") {
             if (!in.value(value)) return std::nullopt;
             split.envelope.append(split.envelope.empty() ? "{\"" : ",\"")
-                .append(key)
+                .append(in.raw_key())
                 .append("\":")
                 .append(value);
             continue;

@@ -200,7 +200,7 @@ std::optional<BriefSplit> split_brief(std::string_view payload) {
             continue;
         }
         if (key == "brief") brief = value == "true";
-        envelope.append(envelope.size() > 1 ? ",\"" : "\"").append(key).append("\":").append(value);
+        envelope.append(envelope.size() > 1 ? ",\"" : "\"").append(in.raw_key()).append("\":").append(value);
     }
     if (!in.left() || !in.at_end() || !brief || !(rows || !unread.empty())) return std::nullopt;
     envelope += '}';

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/bus/json_scanner.hpp"
 
+#include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 namespace asip::bus {
 namespace {
@@ -80,7 +84,12 @@ bool JsonScanner::next_member(std::string_view& key) {
     if (!next('}')) return false;
     const char* begin = at_;
     if (at_ == end_ || *at_ != '"' || !skip_string()) return false;
-    key = std::string_view(begin + 1, static_cast<std::size_t>(at_ - begin - 2));
+    key = raw_key_ = std::string_view(begin + 1, static_cast<std::size_t>(at_ - begin - 2));
+    if (key.find('\\') != std::string_view::npos) {
+        const auto text = nlohmann::json::parse(begin, at_, nullptr, false);
+        if (!text.is_string()) return false;
+        key = unescaped_key_ = text.get<std::string>();
+    }
     space();
     if (at_ == end_ || *at_ != ':') return false;
     ++at_;
@@ -275,10 +284,33 @@ bool JsonScanner::skip_number() {
         while (p != end_ && is_digit(*p))
             ++p;
     }
-    // A longer one may be out of a double's range, which the parsers behind this refuse.
-    if (p - at_ > 40) return false;
+    // Shorter ones without an exponent are always within a double's range. Parsers refuse those beyond it.
+    constexpr std::ptrdiff_t kAlwaysFinite = 300;
+    const std::string_view number(at_, static_cast<std::size_t>(p - at_));
+    const bool judged = number.size() > kAlwaysFinite || number.find_first_of("eE") != std::string_view::npos;
+    if (judged && !is_finite(number)) return false;
     at_ = p;
     return true;
+}
+
+bool JsonScanner::is_finite(std::string_view number) {
+    double value = 0;
+    if (std::from_chars(number.data(), number.data() + number.size(), value).ec == std::errc{})
+        return std::isfinite(value);
+    // Too small is 0. With what power of ten does it begin?
+    if (number.front() == '-') number.remove_prefix(1);
+    const auto exponent_at = std::min(number.find_first_of("eE"), number.size());
+    const auto mantissa = number.substr(0, exponent_at);
+    const auto first = mantissa.find_first_of("123456789");
+    if (first == std::string_view::npos) return true;
+    const auto point = std::min(mantissa.find('.'), mantissa.size());
+    const auto begins = static_cast<std::int64_t>(point) - static_cast<std::int64_t>(first);
+    auto exponent = number.substr(std::min(exponent_at + 1, number.size()));
+    if (exponent.starts_with('+')) exponent.remove_prefix(1);
+    std::int64_t power = 0;
+    const auto read = std::from_chars(exponent.data(), exponent.data() + exponent.size(), power);
+    if (read.ec == std::errc::result_out_of_range) return exponent.starts_with('-');
+    return begins + power < 0;
 }
 
 bool JsonScanner::skip_literal(std::string_view word) {

@@ -2,13 +2,14 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace asip::bus {
 
 /// Reads a JSON text in one pass without building anything: enough to take a description apart at its first
 /// level, and strict enough that what it lets through any JSON parser takes (RFC 8259, UTF-8 checked, nesting
-/// at most kMaxDepth).
+/// at most kMaxDepth, no number beyond the range of a double).
 ///
 /// Containers may be entered one inside the other, if the inner one is left before the outer one goes on.
 /// Positions only move forward; after any function returned false the scanner is good for nothing more.
@@ -23,9 +24,12 @@ class JsonScanner {
 
     /// Consumes the `{` of an object.
     bool enter_object();
-    /// Consumes the next key and its colon; `key` is its raw text without quotes, escapes not undone.
-    /// False at the end of the object (then `left()`) and on a fault.
+    /// Consumes the next key and its colon. `key` has its escapes undone, so that `"n\u0061me"` is `name` to
+    /// every reader; it is valid until the next call. False at the end of the object (then `left()`) and on a
+    /// fault.
     bool next_member(std::string_view& key);
+    /// That key as it is written, without the quotes.
+    std::string_view raw_key() const { return raw_key_; }
     /// Consumes the `[` of an array.
     bool enter_array();
     /// Moves to the next element. False at the end of the array (then `left()`) and on a fault.
@@ -56,6 +60,7 @@ class JsonScanner {
     bool skip_value(int depth);
     bool skip_string();
     bool skip_number();
+    static bool is_finite(std::string_view number);
     bool skip_literal(std::string_view word);
     bool skip_utf8();
     bool skip_container(char close, int depth);
@@ -64,6 +69,8 @@ class JsonScanner {
     const char* end_;
     bool first_ = true;
     bool left_ = false;
+    std::string_view raw_key_;
+    std::string unescaped_key_;
 };
 
 }  // namespace asip::bus

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/bus/json_scanner.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include <gmock/gmock.h>
 
 #include <string>
@@ -163,6 +165,39 @@ TEST(JsonScanner, WhatIsNoJson_IsRefused) {
                                         "/**/1"}) {
         EXPECT_FALSE(is_value(text)) << text;
     }
+}
+
+TEST(JsonScanner, NumbersBeyondADouble_AreRefusedAsTheParserDoes) {
+    const auto digits = [](std::size_t count) { return "1" + std::string(count - 1, '0'); };
+    for (const auto& text :
+         {std::string("1e400"), std::string("-1e400"), std::string("1E+309"), std::string("1.8e308"),
+          digits(310), std::string("0.001e312"), std::string("1e99999999999999999999"),
+          std::string("123456e304"), "0." + std::string(50, '0') + "1e360"}) {
+        EXPECT_FALSE(is_value(text)) << text;
+        EXPECT_FALSE(nlohmann::json::accept(text)) << text;
+    }
+    for (const auto& text :
+         {std::string("1e308"), std::string("-1.7e308"), std::string("1e-400"), std::string("0e400"),
+          std::string("0.0e99999999999999999999"), std::string("1e-99999999999999999999"), digits(41),
+          digits(308), "0." + std::string(50, '0') + "1e350", "0." + std::string(400, '3'),
+          std::string("123456e-400")}) {
+        EXPECT_TRUE(is_value(text)) << text;
+        EXPECT_TRUE(nlohmann::json::accept(text)) << text;
+    }
+}
+
+TEST(JsonScanner, EscapesInKeys_AreUndone) {
+    JsonScanner scanner(R"({"s\u0065rvices":1,"a\"b\\":2,"\ud83d\ude00":3,"plain":4})");
+    std::string_view key, value;
+    ASSERT_TRUE(scanner.enter_object());
+    for (const std::string_view name : {"services", "a\"b\\", "\U0001F600", "plain"}) {
+        ASSERT_TRUE(scanner.next_member(key));
+        EXPECT_EQ(key, name);
+        ASSERT_TRUE(scanner.value(value));
+    }
+    EXPECT_EQ(scanner.raw_key(), "plain");
+    EXPECT_FALSE(scanner.next_member(key));
+    EXPECT_TRUE(scanner.left() && scanner.at_end());
 }
 
 TEST(JsonScanner, NestingAtTheLimit_IsTakenAndBeyondIsRefused) {
