@@ -5,6 +5,7 @@
 #include "cli/secure/actions.hpp"
 #include "cli/secure/check.hpp"
 #include "cli/secure/show.hpp"
+#include "cli/secure/system.hpp"
 
 namespace asip::cli {
 
@@ -20,7 +21,8 @@ int run_secure(const SecureOptions& options, Environment& environment) {
     SecureReport report(options.output, environment);
     const auto done = options.action == "init"     ? secure_init(options, environment, report)
                       : options.action == "add"    ? secure_add(options, report)
-                      : options.action == "revoke" ? secure_revoke(options, report)
+                      : options.action == "undo"   ? secure_undo(options, environment, report)
+                      : options.action == "revoke" ? secure_revoke(options, environment, report)
                                                    : secure_renew(options, report);
     report.finish();
     return done ? program::kExitOk : environment.fail_with(done.error());
@@ -32,7 +34,7 @@ constexpr std::size_t kMaxPort = 65535;
 
 Run declare_secure(Declaration& verb) {
     auto options = std::make_shared<SecureOptions>();
-    verb.argument("init|add|revoke|renew|show|check", options->action, "What to do");
+    verb.argument("init|add|revoke|renew|show|check|undo", options->action, "What to do");
     verb.argument("board|operator|viewer|registry|gateway|admin|broker|...", options->what,
                   "add: the role; revoke, renew, show, check: a name (renew broker: its certificate)",
                   Declaration::Needed::kNo);
@@ -49,6 +51,8 @@ Run declare_secure(Declaration& verb) {
     verb.option("--reload-pid", "PID", options->reload_pid,
                 "Process of the broker that has to read the change; default: found by its pid file");
     verb.flag("--here", options->here, "add: for a service or board of this machine, the broker's");
+    verb.flag("--yes", options->yes, "init: change the system without a question, for scripts");
+    verb.flag("--dry-run", options->dry_run, "init, undo: say what would be done, and do nothing");
     verb.output(
         options->output, {Output::kText},
         {"action", "what", "file", "command", "name", "role", "since", "until", "may", "should", "is"});
@@ -65,6 +69,7 @@ Verb secure_verb() {
         "On a machine with the services of the packages, init by root secures them and their boards, too.\n"
         "add makes one file for a program on another machine: asip-agent --credentials FILE takes all "
         "of it.\n"
+        "init by root says what it changes of the system, and asks; undo takes that back.\n"
         "revoke takes a user out; a running broker drops it at once and keeps all others. check tries at the "
         "running\nbroker what each user may do. Needs no network, overwrites nothing but what renew names, "
         "and can be\nrepeated.\n"

@@ -11,7 +11,7 @@
 namespace asip::cli {
 
 struct SecureOptions {
-    std::string action;              ///< init, add, revoke, renew, show or check
+    std::string action;              ///< init, add, revoke, renew, show, check or undo
     std::string what;                ///< a role, or a name
     std::vector<std::string> names;  ///< after a role
     std::string folder;              ///< empty: see SecureFolder
@@ -19,7 +19,9 @@ struct SecureOptions {
     std::vector<std::string> hosts;
     std::size_t port = 8883;
     std::optional<std::size_t> reload_pid;
-    bool here = false;  ///< add: for a service of this machine
+    bool here = false;     ///< add: for a service of this machine
+    bool yes = false;      ///< init: changes the system without a question
+    bool dry_run = false;  ///< init, undo: only say what would be done
     OutputOptions output{};
 };
 

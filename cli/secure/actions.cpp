@@ -9,9 +9,11 @@
 #include "asip/program/options.hpp"
 #include "cli/find/broker_search.hpp"
 #include "cli/secure/broker_files.hpp"
+#include "cli/secure/leftovers.hpp"
 #include "cli/secure/machine_names.hpp"
 #include "cli/secure/reload.hpp"
 #include "cli/secure/services.hpp"
+#include "cli/secure/system.hpp"
 #include "cli/secure/users.hpp"
 
 namespace asip::cli {
@@ -27,11 +29,12 @@ Outcome<void> check_hosts(const std::vector<std::string>& hosts) {
     return {};
 }
 
-std::string configuration_for(const SecureOptions& options, const SecureFolder& folder) {
+std::string configuration_for(const SecureOptions& options, const fs::path& folder) {
     const fs::path system = options.mosquitto.empty() ? "/etc/mosquitto/conf.d" : options.mosquitto;
     const bool wanted = !options.mosquitto.empty() ||
                         (options.folder.empty() && ::geteuid() == 0 && fs::is_directory(system));
-    return wanted ? fs::absolute(system / "asip-secured.conf").string() : folder.configuration().string();
+    return wanted ? fs::absolute(system / "asip-secured.conf").string()
+                  : (folder / "mosquitto.conf").string();
 }
 
 Outcome<SecuredBus> ensure_bus(const SecureOptions& options, const Environment& environment,
@@ -52,7 +55,7 @@ Outcome<SecuredBus> ensure_bus(const SecureOptions& options, const Environment& 
     bus.hosts = options.hosts.empty() ? machine_names() : options.hosts;
     bus.port = static_cast<std::uint16_t>(options.port);
     bus.topic_root = environment.topics.root();
-    bus.configuration = configuration_for(options, folder);
+    bus.configuration = configuration_for(options, folder.path());
     return bus;
 }
 
@@ -77,13 +80,13 @@ std::string in_folder(const SecureOptions& options) {
 /// `taken`: the bus is new, and somebody listens at its port.
 void next_after_init(const SecureOptions& options, const SecureFolder& folder, const SecuredBus& bus,
                      bool taken, SecureReport& report) {
-    if (keeps_services(options, folder, bus)) {
+    if (keeps_services(options, folder.path(), bus)) {
         report.next("a board that is plugged in here later gets its credentials by",
                     "sudo asipctl secure add board NAME --here");
         report.next("give each person a file", "sudo asipctl secure add operator ann");
         return;
     }
-    if (is_system_broker(folder, bus)) {
+    if (is_system_broker(folder.path(), bus)) {
         report.next("let the broker read it", "sudo systemctl restart mosquitto");
     } else {
         report.next("start the broker", broker_program() + " -c " + bus.configuration);
@@ -101,19 +104,21 @@ void next_after_init(const SecureOptions& options, const SecureFolder& folder, c
                 "asipctl --credentials " + folder.credentials("admin").string() + " doctor");
 }
 
-void report_reload(const SecureOptions& options, const SecureFolder& folder, const SecuredBus& bus,
+/// Whether the broker has read it.
+bool report_reload(const SecureOptions& options, const SecureFolder& folder, const SecuredBus& bus,
                    SecureReport& report) {
     const auto reload = reload_broker(folder, bus, options.reload_pid);
     switch (reload.result) {
         case Reload::Result::kReloaded:
             report.did("reloaded", "the broker, process " + std::to_string(reload.pid));
-            return;
+            return true;
         case Reload::Result::kNotAllowed:
             report.next("let the broker read it; it is another user's", reload.command);
-            return;
+            return false;
         case Reload::Result::kNotRunning:
             report.next("no running broker was found here; if one runs, let it read it", reload.command);
     }
+    return false;
 }
 
 /// How a program of this role is started; {} is the credentials file.
@@ -145,7 +150,7 @@ Outcome<void> make_bus(const SecureFolder& folder, SecuredBus& bus, SecureReport
     if (auto done = ensure_user(folder, bus, "admin", Role::kAdmin, report); !done) return done;
     if (auto done = write_users(folder, bus); !done) return done;
     if (auto done = ensure_configuration(folder, bus, report); !done) return done;
-    return is_system_broker(folder, bus) ? close_open_listeners(bus, report) : Outcome<void>();
+    return is_system_broker(folder.path(), bus) ? close_open_listeners(bus, report) : Outcome<void>();
 }
 
 /// The bus, and the services of this machine with it. A run that ended before the broker was started with it
@@ -174,7 +179,7 @@ Outcome<void> make_bus_of_machine(const SecureOptions& options, const Environmen
 /// What changed for services of this machine reaches them.
 Outcome<void> tell_services(const SecureOptions& options, const SecureFolder& folder, const SecuredBus& bus,
                             SecureReport& report) {
-    if (!keeps_services(options, folder, bus)) return {};
+    if (!keeps_services(options, folder.path(), bus)) return {};
     const auto changed = refresh_services(folder, bus, report);
     if (!changed) return tl::unexpected(changed.error());
     for (const auto& name : *changed) {
@@ -186,16 +191,37 @@ Outcome<void> tell_services(const SecureOptions& options, const SecureFolder& fo
 
 }  // namespace
 
+namespace {
+
+Outcome<bool> agreed_to_init(const SecureOptions& options, const Environment& environment) {
+    const auto path = secure_folder(options);
+    if (fs::exists(path / "bus.json")) {
+        const auto folder = SecureFolder::open(path);
+        if (!folder) return tl::unexpected(folder.error());
+        const auto bus = folder->bus();
+        return bus ? agreed(options, path, *bus, environment) : tl::unexpected(bus.error());
+    }
+    SecuredBus bus;
+    bus.port = static_cast<std::uint16_t>(options.port);
+    bus.configuration = configuration_for(options, path);
+    return agreed(options, path, bus, environment);
+}
+
+}  // namespace
+
 Outcome<void> secure_init(const SecureOptions& options, const Environment& environment,
                           SecureReport& report) {
     if (auto right = check_clock(); !right) return right;
+    const auto go_on = agreed_to_init(options, environment);
+    if (!go_on) return tl::unexpected(go_on.error());
+    if (!*go_on) return {};
     const auto folder = SecureFolder::create(secure_folder(options));
     if (!folder) return tl::unexpected(folder.error());
     const bool fresh = !folder->initialised();
     auto bus = ensure_bus(options, environment, *folder);
     if (!bus) return tl::unexpected(bus.error());
-    const bool taken = fresh && !is_system_broker(*folder, *bus) && listens_here(bus->port);
-    const auto done = keeps_services(options, *folder, *bus)
+    const bool taken = fresh && !is_system_broker(folder->path(), *bus) && listens_here(bus->port);
+    const auto done = keeps_services(options, folder->path(), *bus)
                           ? make_bus_of_machine(options, environment, *folder, *bus, report)
                           : make_bus(*folder, *bus, report);
     if (done) next_after_init(options, *folder, *bus, taken, report);
@@ -217,7 +243,7 @@ Outcome<void> secure_add(const SecureOptions& options, SecureReport& report) {
     if (!folder) return tl::unexpected(folder.error());
     auto bus = folder->bus();
     if (!bus) return tl::unexpected(bus.error());
-    if (options.here && !keeps_services(options, *folder, *bus)) {
+    if (options.here && !keeps_services(options, folder->path(), *bus)) {
         return failure(program::kExitUsage,
                        "--here is for root on the broker's machine, with the services of the packages "
                        "(/etc/asip/credentials is made by asip-common)");
@@ -240,7 +266,8 @@ Outcome<void> secure_add(const SecureOptions& options, SecureReport& report) {
     return {};
 }
 
-Outcome<void> secure_revoke(const SecureOptions& options, SecureReport& report) {
+Outcome<void> secure_revoke(const SecureOptions& options, const Environment& environment,
+                            SecureReport& report) {
     if (options.what.empty()) return failure(program::kExitUsage, "secure revoke needs a NAME");
     const auto folder = SecureFolder::open(secure_folder(options));
     if (!folder) return tl::unexpected(folder.error());
@@ -260,7 +287,8 @@ Outcome<void> secure_revoke(const SecureOptions& options, SecureReport& report) 
         if (auto done = remove_user(*folder, *bus, name, report); !done) return done;
     }
     if (auto done = write_users(*folder, *bus); !done) return done;
-    report_reload(options, *folder, *bus, report);
+    if (report_reload(options, *folder, *bus, report))
+        clear_leftovers(*folder, *bus, names, environment, report);
     return tell_services(options, *folder, *bus, report);
 }
 

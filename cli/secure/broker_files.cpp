@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/secure/broker_files.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <sstream>
 
@@ -25,10 +27,20 @@ std::vector<std::string> certificate_hosts(std::vector<std::string> hosts) {
     return hosts;
 }
 
+/// Half of the memory of this machine, in whole 64 MiB.
+std::uint64_t memory_limit() {
+    constexpr std::uint64_t kStep = std::uint64_t{64} << 20;
+    const auto pages = ::sysconf(_SC_PHYS_PAGES);
+    const auto page = ::sysconf(_SC_PAGE_SIZE);
+    if (pages <= 0 || page <= 0) return BrokerPlaces().memory_limit;
+    const auto half = static_cast<std::uint64_t>(pages) / 2 * static_cast<std::uint64_t>(page);
+    return std::max(half / kStep, std::uint64_t{1}) * kStep;
+}
+
 std::string configuration_text(const SecureFolder& folder, const SecuredBus& bus) {
-    BrokerPlaces places{
-        folder.passwords(), folder.rules(), folder.certificate(), folder.key(), {}, {}, bus.port};
-    if (!is_system_broker(folder, bus)) {
+    BrokerPlaces places{folder.passwords(), folder.rules(), folder.certificate(), folder.key(), {}, {},
+                        memory_limit(),     bus.port};
+    if (!is_system_broker(folder.path(), bus)) {
         places.store = folder.store();
         places.pid_file = folder.pid_file();
     }
@@ -167,6 +179,28 @@ Outcome<void> close_open_listeners(const SecuredBus& bus, SecureReport& report) 
                            "cannot move " + it->path().string() + ": " + error.message());
         report.did("moved", "the configuration that lets in everybody", moved);
     }
+    return {};
+}
+
+std::vector<fs::path> open_configurations(const SecuredBus& bus) {
+    std::vector<fs::path> found;
+    const auto ours = fs::path(bus.configuration).parent_path() / "asip.conf";
+    if (lets_in_everybody(ours) && !fs::exists(ours.string() + ".open")) found.push_back(ours);
+    return found;
+}
+
+Outcome<void> remove_configuration(const SecuredBus& bus, SecureReport& report) {
+    std::error_code error;
+    if (fs::remove(bus.configuration, error))
+        report.did("removed", "Mosquitto's configuration", bus.configuration);
+    if (error)
+        return failure(program::kExitFailure, "cannot remove " + bus.configuration + ": " + error.message());
+    const auto ours = fs::path(bus.configuration).parent_path() / "asip.conf";
+    const auto moved = ours.string() + ".open";
+    if (!fs::exists(moved) || fs::exists(ours)) return {};
+    fs::rename(moved, ours, error);
+    if (error) return failure(program::kExitFailure, "cannot move " + moved + ": " + error.message());
+    report.did("moved", "the configuration that lets in everybody back", ours);
     return {};
 }
 

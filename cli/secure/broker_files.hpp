@@ -24,4 +24,9 @@ Outcome<void> ensure_configuration(const SecureFolder& folder, const SecuredBus&
 /// others are the administrator's.
 Outcome<void> close_open_listeners(const SecuredBus& bus, SecureReport& report);
 
+/// Those that close_open_listeners() would move.
+std::vector<std::filesystem::path> open_configurations(const SecuredBus& bus);
+/// Takes back what ensure_configuration() and close_open_listeners() did to the system's broker.
+Outcome<void> remove_configuration(const SecuredBus& bus, SecureReport& report);
+
 }  // namespace asip::cli

@@ -128,6 +128,17 @@ std::string broker_configuration(const BrokerPlaces& places) {
     if (!places.store.empty()) text += "persistence_location " + places.store + "/\n";
     if (!places.pid_file.empty()) text += "pid_file " + places.pid_file + "\n";
     text +=
+        "\n"
+        "# Whoever may publish can make the broker keep messages. The machine stays usable: beyond this "
+        "limit "
+        "the broker\n# refuses. Programs of ASIP leave no session behind; that of another program is kept "
+        "for an "
+        "hour.\n"
+        "memory_limit " +
+        std::to_string(places.memory_limit) +
+        "\n"
+        "persistent_client_expiration 1h\n"
+        "\n"
         "autosave_interval 30\n"
         "# A number above all that waits, and not 0: with 0 Mosquitto closes the connection of a program "
         "whose "

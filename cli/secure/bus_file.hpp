@@ -40,9 +40,10 @@ std::string rule_lines(const SecuredBus& bus);
 struct BrokerPlaces {
     std::string passwords, rules, certificate, key;
     std::string store;  ///< folder of what the broker keeps; empty: a configuration around this one names it
-    std::string pid_file;          ///< empty: likewise
-    std::uint16_t port = 8883;     ///< with TLS, for everybody
-    std::uint16_t local_port = 0;  ///< without TLS, for this machine only; 0: none
+    std::string pid_file;                                   ///< empty: likewise
+    std::uint64_t memory_limit = std::uint64_t{512} << 20;  ///< of the broker, in bytes
+    std::uint16_t port = 8883;                              ///< with TLS, for everybody
+    std::uint16_t local_port = 0;                           ///< without TLS, for this machine only; 0: none
 };
 /// Mosquitto's configuration.
 std::string broker_configuration(const BrokerPlaces& places);

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "asip/program/credentials.hpp"
 #include "asip/random.hpp"
 #include "cli/secure/actions.hpp"
+#include "cli/secure/leftovers.hpp"
 #include "cli/secure/secrets.hpp"
 #include "cli/secure/try_out.hpp"
 #include "cli/secure/users.hpp"
@@ -27,21 +27,6 @@ std::string_view name_of(Found found) {
             break;
     }
     return "not tried";
-}
-
-Outcome<mqtt::Options> options_of(const SecureFolder& folder, const std::string& user) {
-    const auto file = folder.credentials(user).string();
-    const auto read = program::read_credentials(file);
-    if (!read) return failure(program::kExitFailure, read.error());
-    program::BrokerOptions raw;
-    raw.brokers = read->brokers;
-    raw.user = read->user;
-    raw.password = read->password;
-    raw.ca = file;
-    raw.mqtt_version = "5";
-    auto options = program::mqtt_options(raw, "asipctl");
-    if (!options) return failure(program::kExitUsage, options.error());
-    return std::move(*options);
 }
 
 class Checker {

@@ -21,12 +21,12 @@ bool is_mosquitto(int pid) {
 
 }  // namespace
 
-bool is_system_broker(const SecureFolder& folder, const SecuredBus& bus) {
-    return bus.configuration != folder.configuration();
+bool is_system_broker(const std::filesystem::path& folder, const SecuredBus& bus) {
+    return bus.configuration != folder / "mosquitto.conf";
 }
 
 Reload reload_broker(const SecureFolder& folder, const SecuredBus& bus, std::optional<std::size_t> pid) {
-    const bool system = is_system_broker(folder, bus);
+    const bool system = is_system_broker(folder.path(), bus);
     Reload made;
     made.pid = pid ? static_cast<int>(*pid) : pid_in(system ? kSystemPidFile : folder.pid_file());
     if (!is_mosquitto(made.pid)) {

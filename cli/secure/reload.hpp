@@ -24,6 +24,6 @@ struct Reload {
 Reload reload_broker(const SecureFolder& folder, const SecuredBus& bus, std::optional<std::size_t> pid);
 
 /// Whether the configuration is a file of the system's broker, not one of its own.
-bool is_system_broker(const SecureFolder& folder, const SecuredBus& bus);
+bool is_system_broker(const std::filesystem::path& folder, const SecuredBus& bus);
 
 }  // namespace asip::cli

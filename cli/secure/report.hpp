@@ -16,7 +16,8 @@ class SecureReport {
           out_(environment.out),
           records_(options, RecordPrinter::Count::kList, environment.out) {}
 
-    /// `action`: `made`, `kept`, `changed`, `removed`, `moved`, `gave`, `reloaded`, `restarted` or `warning`.
+    /// `action`: `made`, `kept`, `changed`, `removed`, `moved`, `gave`, `cleared`, `reloaded`, `restarted` or
+    /// `warning`.
     void did(const std::string& action, const std::string& what, const std::string& file = {});
     /// A command to run (or a file to copy) and why.
     void next(const std::string& why, const std::string& command = {});

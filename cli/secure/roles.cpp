@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <ranges>
 
 #include "asip/model/names.hpp"
+#include "cli/secure/topic_rules.hpp"
 
 namespace asip::cli {
 namespace {
@@ -30,78 +32,78 @@ const Description& description_of(Role role) {
     return *std::find_if(kRoles.begin(), kRoles.end(), [role](const auto& one) { return one.role == role; });
 }
 
-/// Lines of one section; "/" in front of a topic stands for the root.
-using Lines = std::vector<std::pair<std::string_view, std::string_view>>;
-
-const Lines kOwnBoard{
-    {"write", "/servicebus/%u"}, {"readwrite", "/servicebus/%u/#"},
-    {"write", "/%u/out"},        {"write", "/%u/+/out"},
-    {"write", "/%u/+/error"},    {"read", "/%u/in"},
-    {"read", "/%u/$stop"},       {"read", "/%u/+/in"},
-    {"write", "/reply/+/%u/#"},
-};
-const Lines kEverybody{{"readwrite", "/servicebus/$probe"}, {"readwrite", "/reply/%u/#"}};
-const Lines kReads{
-    {"read", "/servicebus/#"},
-    {"read", "/registry/+/$state"},
-    {"read", "/registry/+/$stats"},
-    {"read", "/registry/+/events"},
-    {"read", "/+/out"},
-    {"read", "/+/+/out"},
-    {"read", "/+/+/error"},
-    {"write", "/registry/query"},
-    {"write", "/registry/+/query"},
-    {"write", "/servicebus/+/$demand/%u/#"},
-};
-const Lines kCommands{{"write", "/+/in"}, {"write", "/+/+/in"}, {"write", "/+/$stop"}};
-/// No line tells an empty message from another: who may clear what a board left may also report for it.
-/// Nobody needs to command for that: agents refuse commands that are retained.
-const Lines kRegistry{
-    {"read", "/servicebus/#"},        {"write", "/servicebus/+/#"}, {"readwrite", "/+/out"},
-    {"readwrite", "/+/+/out"},        {"readwrite", "/+/+/error"},  {"readwrite", "/registry/#"},
-    {"write", "/reply/+/registry/#"},
-};
-const Lines kEverything{{"readwrite", "/#"}};
-
 /// A person must not announce a board of its own name, which the rules for boards would allow.
-const Lines kNoBoard{{"deny", "/servicebus/%u/#"}, {"deny", "/%u/#"}, {"deny", "/reply/+/%u/#"}};
+constexpr std::array<std::string_view, 3> kNoBoard{"servicebus/%u/#", "%u/#", "reply/+/%u/#"};
 
-std::string written(const Lines& lines, std::string_view word, const std::string& root,
-                    std::string_view user) {
-    std::string text;
-    for (const auto& [access, topic] : lines) {
-        std::string whole = root + std::string(topic);
-        const auto place = whole.find("%u");
-        if (!user.empty() && place != std::string::npos) whole.replace(place, 2, user);
-        text.append(word).append(" ").append(access).append(" ").append(whole).append("\n");
+/// A line of Mosquitto's rules for what a right allows on a topic. `user`: empty in lines that hold for all.
+std::string line_for(const TopicRule& rule, std::string_view access, Right right, const std::string& root,
+                     const std::string& user) {
+    const bool of_user = right == Right::kReadOwn || right == Right::kWriteOwn;
+    const bool of_board = right == Right::kReadOfBoard || right == Right::kWriteOfBoard;
+    const std::string own = user.empty() ? "%u" : user;
+    std::string text = (user.empty() ? "pattern " : "topic ") + std::string(access) + " " + root;
+    for (const auto level : std::views::split(std::string_view(rule.topic), '/')) {
+        const std::string_view name(level.begin(), level.end());
+        text += '/';
+        if (name == "BOARD" && right == Right::kWriteRegistry) {
+            text += "registry";
+        } else if ((name == "USER" && of_user) || (name == "BOARD" && of_board)) {
+            text += own;
+        } else {
+            const bool any = name == "BOARD" || name == "SERVICE" || name == "USER" || name == "CLIENT" ||
+                             name == "PART" || name == "ID";
+            text += any ? "+" : name;
+        }
     }
-    return text;
+    return text + "\n";
+}
+
+bool reads(Right right) {
+    return right == Right::kRead || right == Right::kReadOwn || right == Right::kReadOfBoard;
+}
+
+/// Reading and writing on the same topic is one line: the broker goes through all of them for each message.
+std::string lines_for(const TopicRule& rule, const Rights& rights, const std::string& root,
+                      const std::string& user) {
+    std::string text;
+    std::string read;
+    for (const auto right : rights)
+        if (reads(right)) read = line_for(rule, "read", right, root, user);
+    std::string write;
+    for (const auto right : rights)
+        if (!reads(right)) write = line_for(rule, "write", right, root, user);
+    const auto topic = [](const std::string& line) { return line.substr(line.rfind(' ') + 1); };
+    if (read.empty() || write.empty() || topic(read) != topic(write)) return read + write;
+    return write.replace(write.find(" write "), 7, " readwrite ");
+}
+
+/// What a board may everybody may: its lines hold for each user. Of the rights of another role those are
+/// left.
+Rights beyond_all(const TopicRule& rule, Role role) {
+    auto rights = rule.of(role);
+    std::erase_if(rights, [&](Right right) {
+        return std::find(rule.board.begin(), rule.board.end(), right) != rule.board.end();
+    });
+    return rights;
 }
 
 std::string section(const RoleOfUser& user, const std::string& root) {
     std::string text = "\n# " + user.name + ", " + std::string(name_of(user.role)) + ": " +
                        std::string(rights_of(user.role)) + "\nuser " + user.name + "\n";
-    const auto add = [&](const Lines& lines) { text += written(lines, "topic", root, user.name); };
-    switch (user.role) {
-        case Role::kBoard:
-            return {};
-        case Role::kRegistry:
-            add(kRegistry);
-            break;
-        case Role::kAdmin:
-            add(kEverything);
-            break;
-        case Role::kOperator:
-        case Role::kGateway:
-            add(kNoBoard);
-            add(kReads);
-            add(kCommands);
-            break;
-        case Role::kViewer:
-            add(kNoBoard);
-            add(kReads);
-            break;
+    if (user.role == Role::kBoard) return {};
+    if (user.role == Role::kAdmin) return text + "topic readwrite " + root + "/#\n";
+    if (user.role == Role::kRegistry) {
+        // It clears what is left of boards, and what is no topic of the bus. No line tells an empty message
+        // from another: a registry may therefore also report for a board.
+        text += "topic write " + root + "/servicebus/+/#\n";
+    } else {
+        for (const auto topic : kNoBoard) {
+            std::string whole(topic);
+            text += "topic deny " + root + "/" + whole.replace(whole.find("%u"), 2, user.name) + "\n";
+        }
     }
+    for (const auto& rule : topic_rules())
+        text += lines_for(rule, beyond_all(rule, user.role), root, user.name);
     return text;
 }
 
@@ -139,15 +141,12 @@ std::string access_rules(const std::string& root, const std::vector<RoleOfUser>&
         "# user's name; lines below `user NAME` hold for that user besides. What no line allows is refused.\n"
         "\n"
         "# An agent's user is called as its board is: user greenhouse speaks for board greenhouse and no "
-        "other.\n";
-    text += written(kOwnBoard, "pattern", root, {});
-    text += "\n# Probing, and reading the answers to one's own questions: " + root +
-            "/reply/WHO ASKED/WHO ANSWERS/... "
-            "Names\n# of boards on " +
-            root +
-            "/servicebus itself are for a bus without rules: no line could tie them to "
-            "their sender.\n";
-    text += written(kEverybody, "pattern", root, {});
+        "other.\n"
+        "# Everybody probes, and reads the answers to questions of their own: " +
+        root + "/reply/WHO ASKED/WHO ANSWERS/... Names\n# of boards on " + root +
+        "/servicebus itself are for a bus without rules: no line could tie them to their sender.\n";
+    for (const auto& rule : topic_rules())
+        text += lines_for(rule, rule.board, root, {});
     for (const auto& user : users)
         text += section(user, root);
     return text;

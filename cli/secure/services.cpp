@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFolder = "/etc/asip/credentials";
+constexpr const char* kFolder = kServiceCredentials;
 constexpr const char* kProfile = "secured";
 constexpr std::chrono::milliseconds kLook{2000};
 /// What stands on the bus may be anybody's word, as long as it is open.
@@ -90,7 +90,7 @@ Outcome<void> restart(const std::string& unit, SecureReport& report) {
 
 }  // namespace
 
-bool keeps_services(const SecureOptions& options, const SecureFolder& folder, const SecuredBus& bus) {
+bool keeps_services(const SecureOptions& options, const fs::path& folder, const SecuredBus& bus) {
     return options.folder.empty() && ::geteuid() == 0 && is_system_broker(folder, bus) &&
            fs::is_directory(kFolder);
 }
@@ -210,6 +210,30 @@ void become_default(const SecureFolder& folder, const SecuredBus& bus, SecureRep
     if (!profiles->add(made) || !profiles->use(kProfile)) return;
     report.did("made",
                std::string("context ") + kProfile + ": asipctl, by root, asks this bus as its administrator");
+}
+
+Outcome<Names> take_from_services(const SecuredBus& bus, SecureReport& report) {
+    Names taken;
+    for (const auto& user : bus.users) {
+        std::error_code error;
+        if (!fs::remove(file_of(user.name), error) && !error) continue;
+        if (error)
+            return failure(program::kExitFailure,
+                           "cannot remove " + file_of(user.name).string() + ": " + error.message());
+        report.did("removed", "credentials of " + user.name + " from its service on this machine",
+                   file_of(user.name));
+        taken.push_back(user.name);
+    }
+    return taken;
+}
+
+void no_longer_default(const SecureFolder& folder, SecureReport& report) {
+    auto profiles = Profiles::of_user(program::environment_variable);
+    if (!profiles) return;
+    const auto made = profiles->find(kProfile);
+    if (!made || made->value("credentials") != folder.credentials("admin").string()) return;
+    if (profiles->current() == kProfile && !profiles->use("")) return;
+    if (profiles->remove(kProfile)) report.did("removed", std::string("context ") + kProfile);
 }
 
 }  // namespace asip::cli

@@ -14,8 +14,11 @@ namespace asip::cli {
 
 using Names = std::vector<std::string>;
 
+/// Where the services look for their credentials.
+inline constexpr const char* kServiceCredentials = "/etc/asip/credentials";
+
 /// Whether this run keeps the bus of this machine's broker for root, and the folder of the services is there.
-bool keeps_services(const SecureOptions& options, const SecureFolder& folder, const SecuredBus& bus);
+bool keeps_services(const SecureOptions& options, const std::filesystem::path& folder, const SecuredBus& bus);
 
 /// Boards whose agent runs on this machine: what they announce to the broker that `environment` names. Empty
 /// where that one does not let us in.
@@ -40,5 +43,9 @@ Outcome<void> restart_services(bool broker, const Names& changed, SecureReport& 
 /// What asipctl does where nobody says otherwise, for root: asks this bus as its administrator. Keeps a
 /// choice that was made before.
 void become_default(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report);
+
+/// Takes back what give_to_services() and become_default() did.
+Outcome<Names> take_from_services(const SecuredBus& bus, SecureReport& report);
+void no_longer_default(const SecureFolder& folder, SecureReport& report);
 
 }  // namespace asip::cli

@@ -30,8 +30,8 @@ std::vector<Trial> trials_of(const RoleOfUser& user, const std::string& root, co
         made.push_back({user.name, what, allowed, {}, std::move(where)});
     };
     if (board) {
-        // A topic of its own that nobody reads.
-        publish("announce its own board", true, {topics.service_names(user.name) + "/$check"});
+        // A message that says nothing is of no account there.
+        publish("announce its own board", true, {topics.commands(user.name)});
     }
     if (registry) {
         publish("clear what boards left", true, announcements);

@@ -27,6 +27,8 @@ mosquitto_property* to_properties(const mqtt::Message& message) {
     if (message.expiry_seconds) {
         mosquitto_property_add_int32(&list, MQTT_PROP_MESSAGE_EXPIRY_INTERVAL, *message.expiry_seconds);
     }
+    for (const auto& [name, value] : message.user_properties)
+        mosquitto_property_add_string_pair(&list, MQTT_PROP_USER_PROPERTY, name.c_str(), value.c_str());
     return list;
 }
 

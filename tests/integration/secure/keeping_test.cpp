@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Adding, revoking and renewing while the broker runs.
 #include <sys/stat.h>
+#include <unistd.h>
 #include <csignal>
 
 #include <filesystem>
@@ -56,6 +57,64 @@ TEST_F(KeptBus, Revoked_CannotComeBackWithItsOldFile) {
     EXPECT_TRUE(
         wait_until([&] { return may_connect({"--cafile", copy, "-u", "uno1", "-P", fresh.password}); }));
     EXPECT_FALSE(may_connect({"--cafile", copy, "-u", "uno1", "-P", old.password}));
+}
+
+TEST_F(KeptBus, Revoked_LeavesNothingInTheBroker) {
+    ASSERT_EQ(secure(Words{"add", "viewer", "bob"} + reload()).status, 0);
+    ASSERT_TRUE(wait_until([&] { return may_publish("bob", "asip/registry/query"); }));
+    {
+        auto board = probe("uno1", {}), viewer = probe("bob", {}), other = probe("uno2", {});
+        for (const char* topic : {"asip/servicebus/uno1/$state", "asip/servicebus/uno1/$description",
+                                  "asip/uno1/io/out", "asip/reply/ann/uno1/c1", "asip/reply/uno1/$self/c1"})
+            board.publish(topic, "left", true);
+        for (const char* topic : {"asip/servicebus/uno2/$demand/bob/c1",
+                                  "asip/servicebus/nobody/$demand/bob/c2", "asip/reply/bob/$self/c1"})
+            viewer.publish(topic, "left", true);
+        other.publish("asip/servicebus/uno2/$state", "stays", true);
+        ASSERT_TRUE(wait_until([&] {
+            return board.all_acknowledged() && viewer.all_acknowledged() && other.all_acknowledged();
+        }));
+    }
+    const auto retained = [&] {
+        auto admin = probe("admin", {"asip/#"});
+        admin.publish("asip/mark", "end");
+        EXPECT_TRUE(admin.wait_for("asip/mark", "end"));
+        std::vector<std::string> topics;
+        for (const auto& message : admin.messages())
+            if (message.retain) topics.push_back(message.topic);
+        return topics;
+    };
+    ASSERT_EQ(retained().size(), 9U);
+    const auto revoked = secure(Words{"revoke", "uno1", "bob"} + reload());
+    ASSERT_EQ(revoked.status, 0) << revoked.errors;
+    EXPECT_NE(revoked.output.find("5 messages that uno1 left"), std::string::npos) << revoked.output;
+    EXPECT_NE(revoked.output.find("3 messages that bob left"), std::string::npos) << revoked.output;
+    EXPECT_EQ(retained(), Words{"asip/servicebus/uno2/$state"});
+}
+
+/// Mosquitto's own limits cannot tell who fills it; it stays, and serves those whose messages still fit.
+TEST_F(KeptBus, BrokerThatAUserFills_StaysBelowItsLimitAndServesTheOthers) {
+    const std::string limit = "memory_limit ";
+    std::string text = run({"cat", file("mosquitto.conf")}).output;
+    const auto at = text.find(limit);
+    ASSERT_NE(at, std::string::npos);
+    ASSERT_NE(text.find("\npersistent_client_expiration 1h\n"), std::string::npos);
+    text.replace(at, text.find('\n', at) - at, limit + "33554432");
+    if (::geteuid() == 0) text += "user root\n";
+    broker_.reset();
+    broker_ =
+        std::make_unique<ChildProcess>(Words{"/usr/sbin/mosquitto", "-c", place_.write("run.conf", text)});
+    ASSERT_TRUE(broker_->wait_for_errors("running"));
+    const auto stays = probe("uno2", {"asip/uno2/in"});
+    auto admin = probe("admin", {});
+    auto attacker = probe("uno1", {});
+    for (int i = 0; i < 100; ++i)
+        attacker.publish("asip/uno1/s" + std::to_string(i) + "/out", std::string(1'000'000, 'x'), true);
+    EXPECT_TRUE(broker_->wait_for_errors("out of memory")) << broker_log();
+    admin.publish("asip/uno2/in", "still here");
+    EXPECT_TRUE(stays.wait_for("asip/uno2/in", "still here"));
+    EXPECT_EQ(stays.reconnects(), 0);
+    EXPECT_LT(broker_->resident_bytes(), memory_limit(std::size_t{64} << 20));
 }
 
 TEST_F(KeptBus, RunningBroker_IsFoundByItsPidFile) {

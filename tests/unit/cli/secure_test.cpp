@@ -5,7 +5,9 @@
 #include <openssl/x509v3.h>
 #include <sys/stat.h>
 
+#include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <sstream>
 
@@ -13,7 +15,9 @@
 #include "cli/secure/bus_file.hpp"
 #include "cli/secure/certificate.hpp"
 #include "cli/secure/folder.hpp"
+#include "cli/secure/leftovers.hpp"
 #include "cli/secure/secrets.hpp"
+#include "cli/secure/topic_rules.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace asip::cli {
@@ -90,6 +94,37 @@ TEST(SecureRoles, Nobody_WritesWhereNoRuleCanTellTheSender) {
     const auto rules = access_rules("asip", {{"ann", Role::kOperator}, {"registry", Role::kRegistry}});
     EXPECT_THAT(rules, Not(HasSubstr("write asip/servicebus\n")));
     EXPECT_THAT(rules, Not(HasSubstr("write asip/reply/#\n")));
+}
+
+/// ASIP_WRITE_TABLE=1 writes it.
+TEST(SecureRoles, TableOfSecurityPage_IsThatOfTheRules) {
+    const std::string path = ASIP_TEST_SOURCE "/SECURITY.md";
+    const std::string begin = "<!-- from cli/secure/topic_rules.cpp -->\n", end = "<!-- end -->";
+    std::ifstream file(path);
+    std::string page{std::istreambuf_iterator<char>(file), {}};
+    const auto from = page.find(begin) + begin.size();
+    const auto to = page.find(end);
+    ASSERT_NE(to, std::string::npos) << path;
+    if (std::getenv("ASIP_WRITE_TABLE") != nullptr)
+        std::ofstream(path) << page.substr(0, from) + rules_table() + page.substr(to);
+    EXPECT_EQ(page.substr(from, to - from), rules_table());
+}
+
+TEST(SecureRoles, WhatAUserLeft_IsAllOfItAndNothingOfOthers) {
+    const std::vector<std::string> retained{"asip/servicebus/uno1/$state",
+                                            "asip/servicebus/uno1/$demand/ann/c1",
+                                            "asip/servicebus/uno11/$state",
+                                            "asip/servicebus/uno2/$demand/uno1/c1",
+                                            "asip/uno1/io/out",
+                                            "asip/uno11/out",
+                                            "asip/reply/ann/uno1/c1",
+                                            "asip/reply/uno1/$self/c1",
+                                            "asip/servicebus/uno2/$description"};
+    EXPECT_THAT(
+        left_by(bus::Topics(), retained, "uno1"),
+        ::testing::ElementsAre(retained[0], retained[1], retained[3], retained[4], retained[6], retained[7]));
+    EXPECT_THAT(left_by(bus::Topics(), retained, "ann"), ::testing::ElementsAre(retained[1], retained[6]));
+    EXPECT_THAT(left_by(bus::Topics(), retained, "bob"), ::testing::IsEmpty());
 }
 
 TEST(SecureRoles, ShippedRules_AreThoseOfTheRoles) {

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <vector>
+
+#include "cli/secure/folder.hpp"
+#include "cli/secure/report.hpp"
+
+namespace asip::cli {
+
+/// How this user connects, by the credentials that are kept in the folder.
+Outcome<mqtt::Options> options_of(const SecureFolder& folder, const std::string& user);
+
+/// What is retained on `topics` and was written by a user with this name, or for its board. Pure.
+std::vector<std::string> left_by(const bus::Topics& topics, const std::vector<std::string>& retained,
+                                 const std::string& user);
+
+/// Clears what users who are gone left in the broker. Reports what to run where that is not possible now.
+void clear_leftovers(const SecureFolder& folder, const SecuredBus& bus, const std::vector<std::string>& gone,
+                     const Environment& environment, SecureReport& report);
+
+}  // namespace asip::cli

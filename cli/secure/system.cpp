@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/secure/system.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <istream>
+#include <ostream>
+
+#include "cli/secure/actions.hpp"
+#include "cli/secure/broker_files.hpp"
+#include "cli/secure/reload.hpp"
+#include "cli/secure/services.hpp"
+
+namespace asip::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string plan_text(const std::vector<std::string>& plan) {
+    std::string text = "asipctl secure init will\n";
+    for (const auto& line : plan)
+        text += "  " + line + "\n";
+    return text;
+}
+
+}  // namespace
+
+std::vector<std::string> plan_of(const SecureOptions& options, const fs::path& folder,
+                                 const SecuredBus& bus) {
+    std::vector<std::string> plan{"keep authority, keys and passwords in " + folder.string()};
+    plan.push_back(fmt::format("write {}: port {}, known users only", bus.configuration, bus.port));
+    if (!is_system_broker(folder, bus)) return plan;
+    for (const auto& file : open_configurations(bus))
+        plan.push_back("move " + file.string() + ", which lets in everybody, to " + file.string() + ".open");
+    if (!keeps_services(options, folder, bus)) return plan;
+    plan.push_back("write credentials for the services and boards of this machine to " +
+                   std::string(kServiceCredentials));
+    plan.emplace_back("restart mosquitto, and asip-registry and asip-gateway where they are enabled");
+    plan.emplace_back("make the bus the one that asipctl asks, for root");
+    return plan;
+}
+
+Outcome<bool> agreed(const SecureOptions& options, const fs::path& folder, const SecuredBus& bus,
+                     const Environment& environment) {
+    const auto plan = plan_text(plan_of(options, folder, bus));
+    if (options.dry_run) {
+        environment.out << plan << std::flush;
+        return false;
+    }
+    if (options.yes || !is_system_broker(folder, bus) || fs::exists(bus.configuration)) return true;
+    if (!environment.terminal() || ::isatty(STDIN_FILENO) == 0) {
+        return failure(program::kExitUsage, plan +
+                                                "This changes the system, and nobody is here to be asked. "
+                                                "--yes: do it; --dry-run: only say it; --dir DIR: a bus in a "
+                                                "folder of its own");
+    }
+    environment.out << plan << "`asipctl secure undo` takes it back. Continue? [y/N] " << std::flush;
+    std::string answer;
+    std::getline(environment.in, answer);
+    return answer == "y" || answer == "Y" || answer == "yes";
+}
+
+Outcome<void> secure_undo(const SecureOptions& options, const Environment& environment,
+                          SecureReport& report) {
+    const auto folder = SecureFolder::open(secure_folder(options));
+    if (!folder) return tl::unexpected(folder.error());
+    const auto bus = folder->bus();
+    if (!bus) return tl::unexpected(bus.error());
+    if (!is_system_broker(folder->path(), *bus)) {
+        return failure(program::kExitFailure,
+                       "nothing was changed outside of " + folder->path().string() +
+                           ": stop its broker, and remove that folder to give the bus up");
+    }
+    if (options.dry_run) {
+        environment.out << "asipctl secure undo will remove " << bus->configuration
+                        << ", open what init closed, take credentials from the services of this machine, and "
+                           "restart them\n"
+                        << std::flush;
+        return {};
+    }
+    if (auto done = remove_configuration(*bus, report); !done) return done;
+    const auto changed = take_from_services(*bus, report);
+    if (!changed) return tl::unexpected(changed.error());
+    no_longer_default(*folder, report);
+    if (auto done = restart_services(true, *changed, report); !done) return done;
+    report.next("the bus itself is kept: `asipctl secure init` uses it again. To give it up for good",
+                "rm -r " + folder->path().string());
+    return {};
+}
+
+}  // namespace asip::cli

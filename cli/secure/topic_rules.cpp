@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/secure/topic_rules.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace asip::cli {
+namespace {
+
+using bus::TopicKind;
+using enum Right;
+
+const Rights kReadOnly{kRead};
+const Rights kWriteOnly{kWrite};
+const Rights kBoth{kRead, kWrite};
+
+constexpr const char* kQueue = "broker: a queue for each reader";
+constexpr const char* kRetained = "broker: one message, retained";
+constexpr const char* kAgentQueue = "agent: queue of 8 MiB";
+
+/// What a board announces or reports: its own agent writes, everybody reads, a registry clears.
+TopicRule reported(std::string topic, std::string memory, std::string processor, std::string disk) {
+    return {std::move(topic),  {kWriteOfBoard},      kReadOnly,      kReadOnly, kBoth,
+            std::move(memory), std::move(processor), std::move(disk)};
+}
+
+TopicRule announced(std::string topic, std::string memory, std::string processor, std::string disk) {
+    auto rule = reported(std::move(topic), std::move(memory), std::move(processor), std::move(disk));
+    rule.board = {kReadOfBoard, kWriteOfBoard};
+    return rule;
+}
+
+TopicRule asked_of_board(std::string topic, std::string memory, std::string processor) {
+    return {std::move(topic),
+            {kReadOfBoard},
+            {},
+            kWriteOnly,
+            {},
+            std::move(memory),
+            std::move(processor),
+            "registry: a row of the history"};
+}
+
+TopicRule of_registry(std::string topic, std::string memory, std::string disk) {
+    return {std::move(topic), {}, kReadOnly, kReadOnly, kBoth, std::move(memory), "each reader",
+            std::move(disk)};
+}
+
+TopicRule asked_of_registry(std::string topic) {
+    return {std::move(topic),
+            {},
+            kWriteOnly,
+            kWriteOnly,
+            kBoth,
+            "registry: an answer up to the packet limit of the broker",
+            "registry: an answer; pages of 1,000 boards at most",
+            "-"};
+}
+
+/// A new kind of topic without a row does not compile.
+TopicRule rule_of(TopicKind kind) {
+    switch (kind) {
+        case TopicKind::kBoardNames:
+            return {"servicebus", {}, kReadOnly, kReadOnly, kReadOnly, kQueue, "registry, gateway: a look-up",
+                    "-"};
+        case TopicKind::kServiceNames:
+            return reported("servicebus/BOARD", "registry: 64 names of a board",
+                            "registry, gateway: a look-up", "-");
+        case TopicKind::kState:
+            return announced("servicebus/BOARD/$state", kRetained,
+                             "registry, gateway: a change for each watcher",
+                             "registry: a row of the history");
+        case TopicKind::kDescription:
+            return announced("servicebus/BOARD/$description", "broker, registry, gateway: 64 KiB a board",
+                             "registry, gateway: 64 KiB are read", "registry: a row of the history");
+        case TopicKind::kStats:
+            return reported("servicebus/BOARD/$stats", kRetained, "gateway: read when asked for", "-");
+        case TopicKind::kLog:
+            return reported("servicebus/BOARD/$log", kQueue, "each reader", "-");
+        case TopicKind::kCommands:
+            return reported("servicebus/BOARD/$commands", kQueue, "registry: read",
+                            "registry: a row of the history");
+        case TopicKind::kDemand:
+            return {"servicebus/BOARD/$demand/USER/CLIENT",
+                    {kReadOfBoard},
+                    {kWriteOwn},
+                    {kWriteOwn},
+                    kBoth,
+                    "broker: one message, retained; agent: 32 services of 64 clients",
+                    "agent: reports up to its fastest period",
+                    "-"};
+        case TopicKind::kProbe:
+            return {"servicebus/$probe",
+                    kBoth,
+                    kBoth,
+                    kBoth,
+                    kBoth,
+                    "-",
+                    "each agent: one announcement within 900 ms",
+                    "-"};
+        case TopicKind::kBoardOut:
+            return reported("BOARD/out", kQueue, "each reader", "-");
+        case TopicKind::kBoardIn:
+            return asked_of_board("BOARD/in", kAgentQueue,
+                                  "agent and board: 64 commands a client wait, in turn");
+        case TopicKind::kStop:
+            return asked_of_board("BOARD/$stop", "agent: 16 stops", "agent and board: ahead of all others");
+        case TopicKind::kServiceOut:
+            return reported("BOARD/SERVICE/out", "gateway: the last value of each service", "each reader",
+                            "-");
+        case TopicKind::kServiceIn:
+            return asked_of_board("BOARD/SERVICE/in", kAgentQueue,
+                                  "agent and board: 64 commands a client wait, in turn");
+        case TopicKind::kServiceError:
+            return reported("BOARD/SERVICE/error", kQueue, "each reader", "-");
+        case TopicKind::kRegistryState:
+            return of_registry("registry/ID/$state", kRetained, "-");
+        case TopicKind::kRegistryStats:
+            return of_registry("registry/ID/$stats", kRetained, "-");
+        case TopicKind::kRegistryEvents:
+            return of_registry("registry/ID/events", kQueue, "-");
+        case TopicKind::kRegistryQuery:
+            return asked_of_registry("registry/ID/query");
+        case TopicKind::kAnyRegistryQuery:
+            return asked_of_registry("registry/query");
+    }
+    return {};
+}
+
+constexpr std::size_t kKinds = static_cast<std::size_t>(TopicKind::kAnyRegistryQuery) + 1;
+
+std::vector<TopicRule> all_rules() {
+    std::vector<TopicRule> rules;
+    for (std::size_t kind = 0; kind < kKinds; ++kind)
+        rules.push_back(rule_of(static_cast<TopicKind>(kind)));
+    const Rights asks{kReadOwn};
+    // A gateway has a level for each of its sessions.
+    for (const char* topic : {"reply/USER/BOARD/CLIENT", "reply/USER/BOARD/CLIENT/PART"})
+        rules.push_back({topic,
+                         {kReadOwn, kWriteOfBoard},
+                         asks,
+                         asks,
+                         {kReadOwn, kWriteRegistry},
+                         kQueue,
+                         "each reader: answers that nobody asked for are dropped",
+                         "-"});
+    const Rights own{kReadOwn, kWriteOwn};
+    for (const char* topic : {"reply/USER/$self/CLIENT", "reply/USER/$self/CLIENT/PART"})
+        rules.push_back({topic, own, own, own, own, kQueue, "-", "-"});
+    return rules;
+}
+
+std::vector<std::string_view> levels_of(std::string_view topic) {
+    std::vector<std::string_view> levels;
+    for (std::size_t begin = 0; begin <= topic.size();) {
+        const auto end = std::min(topic.find('/', begin), topic.size());
+        levels.push_back(topic.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return levels;
+}
+
+/// What stands in `topic` at the level that `rule` calls `name`.
+std::string_view level_named(const TopicRule& rule, std::string_view topic, std::string_view name) {
+    const auto names = levels_of(rule.topic);
+    const auto levels = levels_of(topic);
+    for (std::size_t i = 0; i < std::min(names.size(), levels.size()); ++i)
+        if (names[i] == name) return levels[i];
+    return {};
+}
+
+bool allows(const TopicRule& rule, const RoleOfUser& user, std::string_view topic, bool write) {
+    if (user.role == Role::kAdmin) return true;
+    return std::any_of(rule.of(user.role).begin(), rule.of(user.role).end(), [&](Right right) {
+        switch (right) {
+            case kRead:
+                return !write;
+            case kWrite:
+                return write;
+            case kReadOwn:
+                return !write && level_named(rule, topic, "USER") == user.name;
+            case kWriteOwn:
+                return write && level_named(rule, topic, "USER") == user.name;
+            case kReadOfBoard:
+                return !write && level_named(rule, topic, "BOARD") == user.name;
+            case kWriteOfBoard:
+                return write && level_named(rule, topic, "BOARD") == user.name;
+            case kWriteRegistry:
+                return write && level_named(rule, topic, "BOARD") == "registry";
+        }
+        return false;
+    });
+}
+
+std::string rights_text(const Rights& rights) {
+    static constexpr std::array<std::string_view, 7> kWords{
+        "read", "write", "read own", "write own", "read own", "write own", "write as `registry`"};
+    std::string text;
+    for (const auto right : rights)
+        text.append(text.empty() ? "" : ", ").append(kWords[static_cast<std::size_t>(right)]);
+    return text.empty() ? "-" : text;
+}
+
+}  // namespace
+
+const Rights& TopicRule::of(Role role) const {
+    switch (role) {
+        case Role::kBoard:
+            return board;
+        case Role::kViewer:
+            return viewer;
+        case Role::kRegistry:
+            return registry;
+        default:
+            return commander;
+    }
+}
+
+const std::vector<TopicRule>& topic_rules() {
+    static const auto rules = all_rules();
+    return rules;
+}
+
+bool may_read(const TopicRule& rule, const RoleOfUser& user, std::string_view topic) {
+    return allows(rule, user, topic, false);
+}
+bool may_write(const TopicRule& rule, const RoleOfUser& user, std::string_view topic) {
+    return allows(rule, user, topic, true);
+}
+
+std::string rules_table() {
+    std::string text =
+        "| topic | board | viewer | operator, gateway | registry | memory | processor | disk |\n"
+        "| --- | --- | --- | --- | --- | --- | --- | --- |\n";
+    for (const auto& rule : topic_rules())
+        text += "| `" + rule.topic + "` | " + rights_text(rule.board) + " | " + rights_text(rule.viewer) +
+                " | " + rights_text(rule.commander) + " | " + rights_text(rule.registry) + " | " +
+                rule.memory + " | " + rule.processor + " | " + rule.disk + " |\n";
+    return text;
+}
+
+}  // namespace asip::cli
