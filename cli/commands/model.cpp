@@ -175,7 +175,7 @@ Verb model_verb() {
             "check     its form, its examples, and clashes with the models that are known\n"
             "firmware  an Arduino sketch: the class of the service, and a file for your code\n"
             "part      a board for asip-sim that runs the sketch, with a part in the place of the hardware\n"
-            "python    a typed client on paho-mqtt, and tests made of the examples\n"
+            "python    classes for the package asip, and tests made of the examples\n"
             "cpp       the same on the C++ library\n"
             "docs      the reference page\n"
             "No broker is asked. docs/add-a-service.md goes all the way.\n"

@@ -16,11 +16,18 @@ namespace asip::generate {
 namespace {
 
 using model::CommandModel;
-using model::EventModel;
 using model::Field;
 using model::ServiceModel;
 using model::ValueType;
 using nlohmann::json;
+
+/// Names that asip.Service has itself: a command of such a name is called by service.command("read").
+constexpr std::array kServiceNames{"name",    "title", "board",  "model",    "unit", "updated",
+                                   "command", "read",  "stream", "on_value", "hold", "begin"};
+
+std::string python_text(const std::string& text) {
+    return model::dump_json(json(text));
+}
 
 std::string python_literal(const json& value) {
     if (value.is_null()) return "None";
@@ -40,13 +47,8 @@ std::string python_type(const Field& field) {
             return "str";
         case ValueType::kColor:
             return "int | str";
-        case ValueType::kList: {
-            if (field.items.size() == 1) return fmt::format("Sequence[{}]", python_type(field.items.front()));
-            std::vector<std::string> types;
-            for (const auto& item : field.items)
-                types.push_back(python_type(item));
-            return fmt::format("Sequence[tuple[{}]]", fmt::join(types, ", "));
-        }
+        case ValueType::kList:
+            return "Sequence[Any]";
         case ValueType::kInteger:
         case ValueType::kCount:
             break;
@@ -54,103 +56,9 @@ std::string python_type(const Field& field) {
     return field.names.empty() ? "int" : "int | str";
 }
 
-/// The call that checks a value: `_number("power", power, 0, 100)`.
-std::string python_check(const Field& field, const std::string& place, const std::string& name) {
-    const auto bounds = bounds_of(field);
-    if (field.type == ValueType::kText)
-        return fmt::format("_text({}, {}, {})", place, name,
-                           field.max_length ? std::to_string(*field.max_length) : "None");
-    if (field.type == ValueType::kColor) return fmt::format("_color({}, {})", place, name);
-    if (field.type == ValueType::kList) {
-        std::vector<std::string> items;
-        for (const auto& item : field.items)
-            items.push_back(fmt::format("({}, lambda place, value: {})", string_literal(item.name),
-                                        python_check(item, "place", "value")));
-        return fmt::format("_items({}, {}, {}, [{}])", place, name,
-                           field.max_length ? std::to_string(*field.max_length) : "None",
-                           fmt::join(items, ", "));
-    }
-    std::vector<std::string> names;
-    for (const auto& [word, number] : field.names)
-        names.push_back(fmt::format("{}: {}", string_literal(word), number));
-    return fmt::format("_number({}, {}, {}, {}, {}, {{{}}})", place, name, plain_number(bounds.low),
-                       plain_number(bounds.high), field.type == ValueType::kNumber ? "False" : "True",
-                       fmt::join(names, ", "));
-}
-
-std::string python_event_type(const EventModel& event) {
-    const auto object = pascal_case(event.name) + "Event";
-    switch (form_of(event)) {
-        case EventForm::kValue:
-            return python_type(event.fields.front());
-        case EventForm::kValues:
-            return fmt::format("list[{}]", python_type(event.fields.front()));
-        case EventForm::kObject:
-            return object;
-        case EventForm::kObjects:
-            return fmt::format("list[{}]", object);
-        case EventForm::kPorts:
-            return "list[dict[str, int]]";
-        case EventForm::kByKey:
-            break;
-    }
-    return "dict[str, float]";
-}
-
-/// What an event of the examples decodes to, as code.
-std::string python_event(const EventModel& event, const json& value) {
-    const auto object = [&event](const json& members) {
-        std::vector<std::string> fields;
-        for (const auto& field : event.fields)
-            fields.push_back(fmt::format("{}={}", python_name(field.name),
-                                         python_literal(members.value(field.name, json()))));
-        return fmt::format("{}Event({})", pascal_case(event.name), fmt::join(fields, ", "));
-    };
-    const auto form = form_of(event);
-    if (form == EventForm::kObject) return object(value);
-    if (form == EventForm::kByKey || form == EventForm::kPorts) return model::dump_json(value);
-    if (form != EventForm::kObjects) return python_literal(value);
-    std::vector<std::string> objects;
-    for (const auto& one : value)
-        objects.push_back(object(one));
-    return fmt::format("[{}]", fmt::join(objects, ", "));
-}
-
-json event_view(const EventModel& event, Scope& members, Scope& classes, std::string& fault) {
-    const auto name = snake_case(event.name);
-    members.add("on_" + name, "event " + event.name);
-    classes.add(pascal_case(event.name) + "Event", "event " + event.name);
-    Scope scope("Python");
-    json fields = json::array();
-    for (const auto& field : event.fields) {
-        scope.add(python_name(field.name), fmt::format("{}'s field {}", event.name, field.name));
-        fields.push_back({{"name", python_name(field.name)},
-                          {"key", string_literal(field.name)},
-                          {"type", python_type(field)},
-                          {"kind", field.type == ValueType::kText ? "str" : "(int, float)"},
-                          {"what", comment(model::describe(field))}});
-    }
-    if (fault.empty()) fault = scope.fault();
-    const auto form = form_of(event);
-    json view = {{"name", name},
-                 {"event", event.name},
-                 {"event_key", string_literal(event.name)},
-                 {"title", docstring(event.title.empty() ? event.name : event.title)},
-                 {"type", python_event_type(event)},
-                 {"class", pascal_case(event.name) + "Event"},
-                 {"is_object", form == EventForm::kObject || form == EventForm::kObjects},
-                 {"optional", form == EventForm::kObject}};
-    constexpr std::array kForms{"value", "values", "object", "objects", "other", "other"};
-    view[std::string(kForms[static_cast<std::size_t>(form)])] = true;
-    if (!fields.empty()) view["first"] = fields.front();
-    view["fields"] = std::move(fields);
-    return view;
-}
-
 json command_view(const ServiceModel& model, const CommandModel& command, Scope& members,
                   std::string& fault) {
-    auto name = python_name(command.name);
-    if (name == "close") name += '_';
+    const auto name = python_name(command.name);
     members.add(name, "command " + command.name);
     Scope scope("Python");
     json arguments = json::array();
@@ -159,71 +67,54 @@ json command_view(const ServiceModel& model, const CommandModel& command, Scope&
         scope.add(parameter, fmt::format("{}'s argument {}", command.name, argument->name));
         arguments.push_back({{"name", parameter},
                              {"type", python_type(*argument)},
-                             {"check", python_check(*argument, string_literal(argument->name), parameter)},
-                             {"what", docstring(model::describe(*argument))},
-                             {"more", !arguments.empty()}});
+                             {"what", docstring(model::describe(*argument))}});
     }
     if (fault.empty()) fault = scope.fault();
-    json view = {{"name", name},
-                 {"request", "_request_" + snake_case(command.name)},
-                 {"key", string_literal(command.name)},
-                 {"title", docstring(command.title.empty() ? command.name : command.title)},
-                 {"arguments", std::move(arguments)},
-                 {"type", "None"}};
-    if (const auto* answer = model.event(command.answer)) {
-        view["type"] = python_event_type(*answer);
-        view["answer"] = {{"event", snake_case(answer->name)}, {"key", string_literal(answer->name)}};
-    }
-    return view;
+    return {{"name", name},
+            {"title", docstring(command.title.empty() ? command.name : command.title)},
+            {"has_arguments", !arguments.empty()},
+            {"arguments", std::move(arguments)},
+            {"type", model.event(command.answer) != nullptr ? "Any" : "None"}};
 }
 
 json tests_view(const ServiceModel& model) {
     json tests = json::array();
     for (const auto& [command, values, error, complete] : example_calls(model)) {
-        std::vector<std::string> arguments;
-        for (const auto& value : values)
-            arguments.push_back(python_literal(value));
-        json test = {
-            {"number", std::to_string(tests.size() + 1)},
-            {"call", fmt::format("_request_{}({})", snake_case(command->name), fmt::join(arguments, ", "))}};
-        if (error.empty())
-            test["request"] =
-                fmt::format("{{{}: {}}}", string_literal(command->name), python_literal(values));
-        else if (complete)
-            test["refusal"] = model::dump_json(json(without_guess(error)));
-        else
-            test["wrong_call"] = true;
+        json test = {{"number", std::to_string(tests.size() + 1)}, {"command", python_text(command->name)}};
+        test[error.empty() ? "request" : "refused"] = python_literal(values);
+        if (!error.empty())
+            test["refusal"] = model::dump_json(json(complete ? without_guess(error) : command->name));
         tests.push_back(std::move(test));
     }
     for (const auto& [event, value] : example_events(model))
         tests.push_back({{"number", std::to_string(tests.size() + 1)},
-                         {"event",
-                          {{"name", snake_case(event->name)},
-                           {"json", python_literal(json(model::dump_json(value)))},
-                           {"literal", python_event(*event, value)}}}});
+                         {"event", python_text(event->name)},
+                         {"json", python_literal(json(model::dump_json(value)))}});
     return tests;
 }
 
 }  // namespace
 
 Files python_client(const ServiceModel& model) {
-    Scope members("Python"), classes("Python");
+    Scope members("Python");
     std::string fault;
-    json events = json::array(), commands = json::array();
-    for (const auto& event : model.events)
-        events.push_back(event_view(event, members, classes, fault));
-    for (const auto& command : model.commands)
-        commands.push_back(command_view(model, command, members, fault));
-    for (const auto& found : {members.fault(), classes.fault(), fault})
+    json commands = json::array();
+    for (const auto& command : model.commands) {
+        auto view = command_view(model, command, members, fault);
+        if (std::find(kServiceNames.begin(), kServiceNames.end(), view["name"]) == kServiceNames.end())
+            commands.push_back(std::move(view));
+    }
+    for (const auto& found : {members.fault(), fault})
         if (!found.empty()) return fail(found);
     const auto module = snake_case(model.name) + "_service";
-    const json view = {{"class", pascal_case(model.name) + "Service"},
+    const json view = {{"class", pascal_case(model.name)},
                        {"module", module},
-                       {"service", string_literal(model.name)},
+                       {"attribute", python_name(model.name)},
+                       {"service", python_text(model.name)},
                        {"ref", model.ref()},
                        {"title", docstring(model.title)},
-                       {"events", std::move(events)},
                        {"commands", std::move(commands)},
+                       {"source", python_text(json::parse(model.source).dump(-1, ' ', true))},
                        {"tests", tests_view(model)}};
     return std::vector<GeneratedFile>{
         {module + ".py", render(template_text("client.py"), view)},

@@ -10,6 +10,7 @@ import inspect
 import json
 import keyword
 import math
+import re
 from typing import Any, Iterable
 
 _INT32 = (-2**31, 2**31 - 1)
@@ -33,10 +34,10 @@ def near(word: str, names: Iterable[str], quote: str = "'") -> str:
 
 def identifier(name: str) -> str:
     """A command's or service's name as Python writes it: `stop-all` is `stop_all`, `class` is `class_`."""
-    made = "".join(c if c.isalnum() or c == "_" else "_" for c in name)
-    if not made or made[0].isdigit():
+    made = "_".join(re.findall("[A-Za-z0-9]+", name)) or "_"
+    if made[0].isdigit():
         made = "_" + made
-    return made + "_" if keyword.iskeyword(made) else made
+    return made + "_" if keyword.iskeyword(made) or made == "self" else made
 
 
 def _shown(value: object) -> str:

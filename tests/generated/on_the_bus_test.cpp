@@ -23,7 +23,7 @@ constexpr const char* kControl = ASIP_PROGRAMS "/asipctl";
 
 /// Python code that knows the generated modules.
 Finished run_python(const std::string& code, std::map<std::string, std::string> environment) {
-    environment["PYTHONPATH"] = ASIP_GENERATED "/python";
+    environment["PYTHONPATH"] = ASIP_GENERATED "/python:" ASIP_TEST_SOURCE "/python";
     return run({ASIP_PYTHON, "-W", "error", "-c", code}, environment);
 }
 
@@ -107,45 +107,49 @@ TEST(GeneratedOnTheBus, PythonClient_CommandsReadsAndIsToldOfEvents) {
     ASSERT_TRUE(board.shows("speed1=5000"));
     const auto ran = board.python(R"(
 import queue
-from fan_service import FanService, BoardError
+import asip
+from fan_service import FanBoard
 events = queue.Queue()
-with FanService("uno1", "127.0.0.1", port) as fan:
+with asip.connect(f"127.0.0.1:{port}", timeout=20) as bus:
+    fan = bus.board("uno1", FanBoard).fan
     fan.power(0, 100)
     print(fan.measure())
     try:
         fan.power(5, 50)
-    except BoardError as error:
-        print(error.status, error.code, error)
+    except asip.BoardError as error:
+        print(error.code, error)
     try:
         fan.power(0, 101)
     except ValueError as error:
         print(error)
-    fan.on_speed(lambda speed: (fan.power(1, 40), events.put(speed)))
+    fan.on_value(lambda speed: (fan.power(1, 40), events.put(speed)))
     fan.report(50)
     print(events.get(timeout=20))
     fan.report(0)
-with FanService("uno1") as fan:  # the environment's broker
-    fan.power(0, 90)
-try:
-    with FanService("nobody", "127.0.0.1", port, timeout=0.3) as fan:
-        fan.power(0, 0)
-except TimeoutError as error:
-    print("timeout")
+with asip.connect() as bus:  # the environment's broker
+    bus.board("uno1").fan.power(0, 90)
+    try:
+        bus.board("nobody", timeout=0.3)
+    except LookupError as error:
+        print(error)
 )");
-    EXPECT_EQ(ran.output,
-              "[1500, 5000]\nerror 7 INVALID_DEVICE_NUMBER\npower: 101 is above 100\n[1500, 5000]\ntimeout\n")
+    EXPECT_EQ(
+        ran.output,
+        "[1500, 5000]\n"
+        "7 uno1/fan power: the board refused it: INVALID_DEVICE_NUMBER (error 7)\n"
+        "uno1/fan: power: 101 is above 100\n[1500, 5000]\nthere is no board \"nobody\"; there are uno1\n")
         << ran.errors << board.log();
     EXPECT_EQ(ran.status, 0);
     EXPECT_TRUE(board.shows("power0=90,power1=40"));
 }
 
-/// What a client that is made with `arguments` says.
+/// What asip.connect(`arguments`) says.
 std::string connects(const std::map<std::string, std::string>& environment,
-                     const std::string& arguments = R"("uno1")") {
+                     const std::string& arguments = "") {
     return run_python(
-               "from fan_service import FanService\n"
+               "import asip\n"
                "try:\n"
-               "    FanService(" +
+               "    asip.connect(" +
                    arguments +
                    ").close()\n"
                    "    print('connected')\n"
@@ -155,7 +159,7 @@ std::string connects(const std::map<std::string, std::string>& environment,
         .output;
 }
 
-TEST(GeneratedPython, OverTls_OnlyTheBrokerThatTheAuthoritySignedIsTrusted) {
+TEST(PythonPackage, OverTls_OnlyTheBrokerThatTheAuthoritySignedIsTrusted) {
     const MosquittoBroker broker(MosquittoBroker::Options{.users = {{"ann", "secret"}}, .tls = true});
     const auto& certificates = broker.certificates();
     std::map<std::string, std::string> ann{{"ASIP_BROKER", broker.url()},
@@ -163,8 +167,8 @@ TEST(GeneratedPython, OverTls_OnlyTheBrokerThatTheAuthoritySignedIsTrusted) {
                                            {"ASIP_PASSWORD", "secret"},
                                            {"ASIP_CA", certificates.ca}};
     EXPECT_EQ(connects(ann), "connected\n");
-    const auto of_code = R"("uno1", "127.0.0.1", )" + std::to_string(broker.port()) +
-                         R"(, user="ann", password="secret", ca=")" + certificates.ca + "\"";
+    const auto of_code = "\"127.0.0.1:" + std::to_string(broker.port()) +
+                         R"(", user="ann", password="secret", ca=")" + certificates.ca + "\"";
     EXPECT_EQ(connects({}, of_code), "connected\n");
 
     std::ifstream ca(certificates.ca);
@@ -180,7 +184,7 @@ TEST(GeneratedPython, OverTls_OnlyTheBrokerThatTheAuthoritySignedIsTrusted) {
     EXPECT_THAT(connects(ann), HasSubstr("certificate verify failed")) << "the system's authorities only";
 }
 
-TEST(GeneratedPython, BrokerAndCredentials_AreThoseOfTheEnvironment) {
+TEST(PythonPackage, BrokerAndCredentials_AreThoseOfTheEnvironment) {
     const MosquittoBroker broker(MosquittoBroker::Options{.users = {{"ann", "secret"}}});
     const TempDir folder;
     const auto secret = folder.write("password", "secret\n");
@@ -194,12 +198,12 @@ TEST(GeneratedPython, BrokerAndCredentials_AreThoseOfTheEnvironment) {
         "connected\n");
     EXPECT_EQ(connects({{"ASIP_CREDENTIALS", credentials}, {"ASIP_BROKER", "127.0.0.1:1"}}), "connected\n");
     EXPECT_THAT(connects({{"ASIP_BROKER", broker.url()}, {"ASIP_USER", "ann"}, {"ASIP_PASSWORD", "wrong"}}),
-                HasSubstr("refused this client: "));
-    EXPECT_THAT(connects({{"ASIP_CREDENTIALS", credentials}},
-                         R"("uno1", "127.0.0.1", )" + std::to_string(broker.port())),
-                HasSubstr("refused this client: "))
+                HasSubstr("the broker refuses us: "));
+    EXPECT_THAT(
+        connects({{"ASIP_CREDENTIALS", credentials}}, "\"127.0.0.1:" + std::to_string(broker.port()) + "\""),
+        HasSubstr("the broker refuses us: "))
         << "a password goes to no other broker";
-    EXPECT_THAT(connects({{"ASIP_BROKER", "127.0.0.1:1"}}), HasSubstr("no broker: 127.0.0.1:1: "));
+    EXPECT_THAT(connects({{"ASIP_BROKER", "127.0.0.1:1"}}), HasSubstr("no broker within 5 s: 127.0.0.1:1: "));
     EXPECT_THAT(connects({{"ASIP_BROKER", "http://pi.local"}}), HasSubstr("only mqtt:// and mqtts://"));
     EXPECT_THAT(connects({{"ASIP_BROKER", "pi.local:0x50"}}), HasSubstr("broker \"pi.local:0x50\": "));
 }
