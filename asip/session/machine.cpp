@@ -180,7 +180,7 @@ Expected<RequestId, Refusal> Machine::submit(const protocol::Request& parsed, co
         return Unexpected<Refusal>(Refusal::kTooLong);
     if (wanted.urgent ? queue_.waiting().urgent() >= BoardSession::kMaxUrgent : room(wanted.client) == 0)
         return Unexpected<Refusal>(Refusal::kQueueFull);
-    if (NameBudget::concerns(line)) {
+    if (NameBudget::concerns(parsed.line)) {
         if (names_.left(now) == 0) return Unexpected<Refusal>(Refusal::kTooManyNames);
         names_.spend(now);
     }

@@ -153,7 +153,9 @@ mqtt::Client::Handlers WorldPublisher::handlers() {
         log::warning("connection lost", {{"why", why.text}});
         member_.on_disconnected();
     };
-    result.on_connect_failed = [this](const mqtt::ConnectionFailure& why) { log_.connect_failed(why); };
+    result.on_connect_failed = [this](const mqtt::ConnectionFailure& why) {
+        log_.connect_failed(why, [this](Duration wait) { client_->retry_in(wait); });
+    };
     result.on_subscribe_refused = program::BrokerLog::subscribe_refused;
     result.on_publish_denied = [this](const std::string& topic, const std::string& why) {
         if (!std::exchange(denied_, true))
