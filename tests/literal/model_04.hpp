@@ -45,7 +45,8 @@ class Model04 {
     }
     bool step() {
         std::size_t at = 0;
-        while (at < waiting_.size() && (waiting_[at] == '\n' || waiting_[at] == '\r')) ++at;
+        while (at < waiting_.size() && (waiting_[at] == '\n' || waiting_[at] == '\r'))
+            ++at;
         waiting_.erase(0, at);
         if (waiting_.size() < 3 || (waiting_.size() < kLeast && quiet_ms_ < kSilenceMs)) return false;
         const char service = waiting_[0], tag = waiting_[2];
@@ -67,10 +68,12 @@ class Model04 {
     /// False: the board waits for more.
     bool read_number(std::size_t& at, std::string& number) {
         const auto digit = [&](std::size_t i) { return waiting_[i] >= '0' && waiting_[i] <= '9'; };
-        while (at < waiting_.size() && !digit(at) && waiting_[at] != '-') ++at;
+        while (at < waiting_.size() && !digit(at) && waiting_[at] != '-')
+            ++at;
         std::size_t end = at;
         if (end < waiting_.size() && waiting_[end] == '-') ++end;
-        while (end < waiting_.size() && digit(end)) ++end;
+        while (end < waiting_.size() && digit(end))
+            ++end;
         if (end == waiting_.size() && quiet_ms_ < kSilenceMs) return false;
         number = waiting_.substr(at, end - at);
         if (number.empty()) number = "0";

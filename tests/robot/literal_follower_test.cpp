@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The published line followers, byte for byte as their libraries put them on the serial line, on the robots that
-// they were written for.
+// The published line followers, byte for byte as their libraries put them on the serial line, on the robots
+// that they were written for.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,8 +25,7 @@ class PublishedFollower {
     std::array<int, 2> powers(const std::array<int, 3>& ir) {
         const auto cut = [](int value) { return value < 50 ? 0 : value; };
         const int left = cut(ir[2]), middle = cut(ir[1]), right = cut(ir[0]);
-        if (left + middle + right > 0)
-            error_ = (middle * 2000.0 + right * 4000.0) / (left + middle + right);
+        if (left + middle + right > 0) error_ = (middle * 2000.0 + right * 4000.0) / (left + middle + right);
         const int delta = std::clamp(static_cast<int>(std::floor(0.015 * (error_ - 2000))), -50, 50);
         if (delta < 0) return {static_cast<int>(2.55 * (50 + delta)), static_cast<int>(2.55 * -50)};
         return {static_cast<int>(2.55 * 50), static_cast<int>(-(50 - delta) * 2.55)};
@@ -37,9 +36,9 @@ class PublishedFollower {
 };
 
 struct Library {
-    std::string line_end;           ///< of the requests of its services
-    int left, right;                ///< the numbers that its motors have on the wire
-    nlohmann::json robot;           ///< how the rover is wired
+    std::string line_end;  ///< of the requests of its services
+    int left, right;       ///< the numbers that its motors have on the wire
+    nlohmann::json robot;  ///< how the rover is wired
 };
 
 struct Lapped {

@@ -141,8 +141,8 @@ bool Board::isQuiet() {
 }
 
 // Where no extension is in use, published clients leave out line ends: a request also ends where the next one
-// begins, with a letter and a comma, which nothing but text holds behind its tag. Whether what is before it is
-// all of a request is seen by its execution.
+// begins, with a letter and a comma, which nothing but text holds behind its tag. Whether what is before it
+// is all of a request is seen by its execution.
 bool Board::beginsAnother(char c) {
     const uint8_t length = length_;
     if (c != ',' || length < 4 || length == kSpoiled || next_ != 0) return false;

@@ -175,8 +175,8 @@ void Board::continueExtension() {
     out.hold(false);
 }
 
-// From an echo, a fence, a faster rate or checksums on until a peer turns one of the last two off again: it is
-// to do both before it leaves the link to another one.
+// From an echo, a fence, a faster rate or checksums on until a peer turns one of the last two off again: it
+// is to do both before it leaves the link to another one.
 void Board::useExtensions(bool on) {
     next_ = on ? kExtended : 0;
     waitMs_ = 0;

@@ -128,7 +128,8 @@ TEST(DifferentialTest, WheelsInMotion) {
     wheels.turn(7, std::chrono::microseconds(31'120));
     long pulse[2] = {0, 0}, count[2] = {0, 0};
     const auto line = board.next_line();
-    ASSERT_EQ(std::sscanf(line.c_str(), "@E,e,2,{%ld:%ld,%ld:%ld}", &pulse[0], &count[0], &pulse[1], &count[1]), 4)
+    ASSERT_EQ(
+        std::sscanf(line.c_str(), "@E,e,2,{%ld:%ld,%ld:%ld}", &pulse[0], &count[0], &pulse[1], &count[1]), 4)
         << line;
     EXPECT_NEAR(static_cast<double>(pulse[0]), 15'560, 12);
     EXPECT_NEAR(static_cast<double>(pulse[1]), 15'560, 12);

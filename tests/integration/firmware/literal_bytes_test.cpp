@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of literal bytes on the robot's image in the simulator: pins, PWM and reports are the same as after
-// the requests that ASIP 0.4 executes, with line ends.
+// The table of literal bytes on the robot's image in the simulator: pins, PWM and reports are the same as
+// after the requests that ASIP 0.4 executes, with line ends.
 #include <gtest/gtest.h>
 
 #include <set>

@@ -11,8 +11,8 @@
 namespace asip {
 namespace {
 
-using test::LiteralRow;
 using test::literal_rows;
+using test::LiteralRow;
 using Requests = std::vector<std::string>;
 
 Requests of_model(const LiteralRow& row) {
@@ -26,7 +26,8 @@ Requests of_model(const LiteralRow& row) {
 }
 
 TEST(LiteralBytes, ModelOf04_ExecutesWhatTheTableSays) {
-    for (const auto& row : literal_rows("serial")) EXPECT_EQ(of_model(row), row.executes) << row.name();
+    for (const auto& row : literal_rows("serial"))
+        EXPECT_EQ(of_model(row), row.executes) << row.name();
 }
 
 TEST(LiteralBytes, ModelOf04_MakesOneRequestOfTwoHalves) {
@@ -62,7 +63,8 @@ struct Replay {
         for (const char letter : {'M', 'E', 'R', 'B', 'S', 'D', 'T'})
             services.push_back(std::make_unique<Noting>(letter, noted));
         std::vector<Service*> all;
-        for (auto& service : services) all.push_back(service.get());
+        for (auto& service : services)
+            all.push_back(service.get());
         board = std::make_unique<FakeBoard>(all);
     }
     void send(const std::string& bytes) { answers += board->send(bytes); }
@@ -74,8 +76,10 @@ struct Replay {
     }
     std::string state() const {
         std::string text = answers + "|";
-        for (const auto& request : noted) text += request + ";";
-        for (const bool level : board->hardware().levels) text += level ? '1' : '0';
+        for (const auto& request : noted)
+            text += request + ";";
+        for (const bool level : board->hardware().levels)
+            text += level ? '1' : '0';
         return text + std::to_string(asip::board.io().period());
     }
     std::size_t split_at;
@@ -93,7 +97,8 @@ std::string state_after(const std::string& bytes, std::size_t split = std::strin
 
 std::string with_line_ends(const Requests& requests) {
     std::string all;
-    for (const auto& request : requests) all += request + "\n";
+    for (const auto& request : requests)
+        all += request + "\n";
     return all;
 }
 

@@ -87,7 +87,10 @@ TEST_F(WithoutLineEnd, HalfARequestBeforeAnother_IsReportedAndTheOtherExecuted) 
 TEST_F(WithoutLineEnd, DamagedRequest_EndsAtItsLineEndOrAMomentOfSilence) {
     EXPECT_EQ(board.send(std::string("T,t,1\0T,t,2,3\n", 14)), "~T,t,11{BAD_ARGUMENT}\n");
     EXPECT_EQ(told(), "") << "what was lost may have been the beginning of a text";
-    board.send(std::string("T,t,1\0" "1", 7));
+    board.send(
+        std::string("T,t,1\0"
+                    "1",
+                    7));
     EXPECT_EQ(board.pass_time(50), "~T,t,11{BAD_ARGUMENT}\n");
     board.send("T,t,2,3T,s\n");
     EXPECT_EQ(told(), "2,3;s;") << "a client that sends all the time is heard again";
