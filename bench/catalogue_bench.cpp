@@ -11,12 +11,12 @@
 #include <random>
 #include <vector>
 
+#include "asip/catalogue/catalogue.hpp"
+#include "asip/catalogue/lease_wheel.hpp"
 #include "asip/text/wall_time.hpp"
 #include "bench/catalogue_load.hpp"
-#include "registry/catalogue/catalogue.hpp"
-#include "registry/catalogue/lease_wheel.hpp"
 
-namespace asip::registry {
+namespace asip::catalogue {
 namespace {
 
 using namespace std::chrono_literals;
@@ -215,13 +215,13 @@ void leases() {
 }
 
 }  // namespace
-}  // namespace asip::registry
+}  // namespace asip::catalogue
 
 int main() {
     // Blocks handed to the system and back would be counted as memory of the catalogue.
     mallopt(M_MMAP_THRESHOLD, 1 << 30);
     std::printf("(processor time of one thread)\n");
-    asip::registry::announcements_and_memory();
-    asip::registry::queries();
-    asip::registry::leases();
+    asip::catalogue::announcements_and_memory();
+    asip::catalogue::queries();
+    asip::catalogue::leases();
 }

@@ -4,7 +4,7 @@
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
-set(layers text protocol model session mqtt bus link client)
+set(layers text protocol model session mqtt bus catalogue link client)
 foreach(layer ${layers} options asio)
   set_target_properties(asip_${layer} PROPERTIES EXPORT_NAME ${layer})
 endforeach()
@@ -14,6 +14,8 @@ install(TARGETS ${layers} asip_options asip_asio EXPORT asip-targets
 # What no public header includes stays inside.
 set(inner_headers
   bus/members
+  catalogue/board catalogue/catalogue_impl catalogue/description_members catalogue/lease_wheel catalogue/model_units
+  catalogue/name_table catalogue/query_plan
   client/board_core client/bus_transport client/direct_transport client/pending_calls
   link/baud link/stream_base
   model/argument_writer model/embedded

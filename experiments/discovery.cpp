@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <csignal>
 
-#include "asip/bus/mirror.hpp"
+#include "asip/catalogue/bus_view.hpp"
 #include "asip/mqtt/client.hpp"
 #include "experiments/experiment.hpp"
 #include "experiments/recorded.hpp"
@@ -21,13 +21,13 @@ const std::vector<std::string> kBoards{"B1", "B2", "B3", "B4"};
 class View {
   public:
     View(boost::asio::io_context& io, const test::MosquittoBroker& broker)
-        : mirror_(topics_), client_(io, options(broker), handlers()) {
+        : client_(io, options(broker), handlers()) {
         client_.subscribe(topics_.root() + "/servicebus/#", {.qos = 1, .no_local = false, .retained = true});
         client_.start();
     }
 
     bool is(const std::string& board, const std::string& state) const {
-        const auto item = mirror_.board(board, Clock::now());
+        const auto item = view_.board(board, catalogue::instant_now());
         return item && item->state == state;
     }
     bool sees_all() const {
@@ -44,14 +44,12 @@ class View {
     }
     mqtt::Client::Handlers handlers() {
         mqtt::Client::Handlers handlers;
-        handlers.on_message = [this](const mqtt::Message& message) {
-            mirror_.apply(message.topic, message.payload, message.retain, Clock::now());
-        };
+        handlers.on_message = [this](const mqtt::Message& message) { view_.apply(message, Clock::now()); };
         return handlers;
     }
 
     bus::Topics topics_;
-    bus::Mirror mirror_;
+    mutable catalogue::BusView view_{bus::Topics()};
     mqtt::Client client_;
 };
 

@@ -28,7 +28,7 @@ void log_command(const CommandRecord& record) {
                                    {"late", record.late}});
 }
 
-Mirror::Options mirror_options(const GatewayOptions& options, registry::UnitsOf units_of) {
+Mirror::Options mirror_options(const GatewayOptions& options, catalogue::UnitsOf units_of) {
     Mirror::Options result;
     result.topic_root = options.topic_root;
     result.forget_after = options.forget_after;
@@ -60,7 +60,7 @@ struct Gateway::Wait final : OpenStream {
     bool revoked = false;
 };
 
-Gateway::Gateway(GatewayOptions options, model::ModelSet models, registry::UnitsOf units_of, Random random,
+Gateway::Gateway(GatewayOptions options, model::ModelSet models, catalogue::UnitsOf units_of, Random random,
                  Secrets secrets, Port port)
     : options_(std::move(options)),
       port_(std::move(port)),

@@ -72,7 +72,7 @@ class Gateway {
     /// `models`: what services are described by; `units_of`: of these, for queries. `random`: for names on
     /// the bus and times that must not coincide; `secrets`: for codes and cookies, and nothing else. Nothing
     /// is published before subscribed().
-    Gateway(GatewayOptions options, model::ModelSet models, registry::UnitsOf units_of, Random random,
+    Gateway(GatewayOptions options, model::ModelSet models, catalogue::UnitsOf units_of, Random random,
             Secrets secrets, Port port);
     ~Gateway();
 

@@ -38,7 +38,7 @@ SimulatedBoard::SimulatedBoard(const bus::Topics& topics, const BoardKind& kind,
       announcer_(topics, std::move(options), std::move(random)) {
     announcer_.describe(std::move(description));
     member::Announcements nothing_yet;
-    announcer_.set_state(model::BoardState::kOnline, nothing_yet);
+    announcer_.set_state(model::BoardState::kOnline, model::StateReason::kNone, {}, nothing_yet);
 }
 
 std::vector<member::Announcer::Subscription> SimulatedBoard::subscriptions(const bus::Topics& topics,

@@ -35,7 +35,7 @@ class SimulatedBoard {
     bool on_message(const mqtt::Message& message, Time now, member::Announcements& out);
     void tick(Time now, member::Announcements& out) { announcer_.tick(now, out); }
     std::optional<Time> next_deadline() const { return announcer_.next_deadline(); }
-    void goodbye(member::Announcements& out) { announcer_.goodbye(out); }
+    void goodbye(Time now, member::Announcements& out) { announcer_.goodbye(now, out); }
 
     /// Whether the name is its own, and the bus is there.
     bool announced() const { return announcer_.may_publish(); }

@@ -203,7 +203,7 @@ void Fleet::hang(std::size_t board) {
 }
 
 void Fleet::leave(std::size_t board) {
-    with(board, [](auto& one, Time, auto& out) { one.goodbye(out); });
+    with(board, [](auto& one, Time now, auto& out) { one.goodbye(now, out); });
     settle(board, Life::kLeft);
     slots_[board].board.reset();
     stop_own_client(board);
@@ -285,7 +285,7 @@ void Fleet::end(Duration limit, std::function<void()> done) {
     values_timer_.cancel();
     for (const std::size_t board : present_) {
         member::Announcements out;
-        slots_[board].board->goodbye(out);
+        slots_[board].board->goodbye(Clock::now(), out);
         publish(board, out);
     }
     for (auto& carrier : carriers_) {

@@ -19,8 +19,9 @@ void Fleet::publish(std::size_t board, member::Announcements& out) {
     if (!client) return;
     Slot& slot = slots_[board];
     for (auto& publication : out.publish) {
-        // Of an announcement only the description expires.
-        const bool description = publication.message.expiry_seconds.has_value();
+        // Of an announcement the description expires, and a state after a century.
+        const auto& expiry = publication.message.expiry_seconds;
+        const bool description = expiry && *expiry < model::kStateExpirySeconds;
         if (description && !slot.said) slot.said = Clock::now();
         // Those of QoS 1 count when the broker has them.
         if (description && publication.message.qos == 0) ++tally_.descriptions;

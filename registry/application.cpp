@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registry/application.hpp"
 
+#include "asip/catalogue/model_units.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
 #include "asip/random.hpp"
 #include "asip/text/wall_time.hpp"
-#include "registry/model_units.hpp"
 
 namespace asip::registry {
 namespace {
@@ -26,8 +26,8 @@ Application::Application(RegistryOptions options) : options_(std::move(options))
             io_, History::Options{options_.history, options_.history_age, options_.history_bytes},
             history_handlers(), boot_id(), now());
     }
-    registry_ = std::make_unique<Registry>(options_, units_of_models(options_.services), system_random(),
-                                           port(), history_.get(), now());
+    registry_ = std::make_unique<Registry>(options_, catalogue::units_of_models(options_.services),
+                                           system_random(), port(), history_.get(), now());
     client_ = std::make_unique<mqtt::Client>(io_, mqtt_options(), handlers());
     stop_signal_ = std::make_unique<program::StopSignal>(io_, [this](int) { stop(); });
 }

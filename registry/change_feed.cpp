@@ -75,7 +75,7 @@ std::optional<bus::ChangeEvent> ChangeFeed::next(const Catalogue& catalogue, Ins
         const Event& change = found.mapped();
         ++seq_;
         auto result = event(static_cast<bus::ChangeEvent::Kind>(change.kind), now);
-        result.reason = to_text(change.reason);
+        result.reason = model::to_text(change.reason);
         if (change.kind == Event::Kind::kState) result.was = model::to_text(change.was);
         if (auto item = catalogue.board(change.board, now)) result.board = std::move(*item);
         result.board.board = change.board;

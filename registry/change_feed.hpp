@@ -8,7 +8,7 @@
 
 #include "asip/bus/change_event.hpp"
 #include "asip/bus/query.hpp"
-#include "registry/catalogue/catalogue.hpp"
+#include "registry/catalogue_types.hpp"
 
 namespace asip::registry {
 

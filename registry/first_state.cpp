@@ -24,6 +24,7 @@ struct Item {
     std::string_view description;
     std::string_view age;
     std::string_view lease;
+    std::string_view state_age;
 };
 
 /// What is missing, or of another form than registries write, stays empty.
@@ -40,6 +41,7 @@ bool read_item(std::string_view text, Item& item) {
         if (key == "description") item.description = value;
         if (key == "age") item.age = value;
         if (key == "lease") item.lease = value;
+        if (key == "state_age") item.state_age = value;
     }
     return scanner.left();
 }
@@ -56,6 +58,18 @@ std::uint32_t left_of(const Item& item) {
     const double lease = std::clamp(number(item.lease, 0), 0.0, 1e9);
     const double age = std::max(0.0, number(item.age, 0));
     return static_cast<std::uint32_t>(std::max(0.0, lease - age));
+}
+
+/// How old `$state` is, as its expiry would say.
+std::optional<std::uint32_t> state_expiry(const Item& item) {
+    const double age = number(item.state_age, -1);
+    if (age < 0 || age > model::kMaxStateAgeSeconds) return std::nullopt;
+    return model::kStateExpirySeconds - static_cast<std::uint32_t>(age);
+}
+
+bool is_there(std::string_view state) {
+    const auto known = model::board_state_from_text(state);
+    return !known || model::is_there(*known);
 }
 
 }  // namespace
@@ -176,15 +190,17 @@ bool FirstState::take(std::string_view lines) {
     return true;
 }
 
-// Boards that only publish their names are not retained either: they speak again.
+// Boards that only publish their names are not retained either: they speak again. Of one that is gone for
+// longer than its description was retained the state is.
 bool FirstState::apply(std::string_view text) {
     Item item;
     if (!read_item(text, item) || item.board <= last_) return false;
     last_ = item.board;
-    if (item.description.empty()) return true;
-    Announcement announcement{
-        bus::TopicKind::kState, item.board, item.reported.empty() ? item.state : item.reported, true, {}};
+    const auto said = item.reported.empty() ? item.state : item.reported;
+    if (item.description.empty() && is_there(said)) return true;
+    Announcement announcement{bus::TopicKind::kState, item.board, said, true, state_expiry(item), true};
     dependencies_.apply(announcement);
+    if (item.description.empty()) return true;
     announcement.kind = bus::TopicKind::kDescription;
     announcement.payload = item.description;
     announcement.expiry_seconds = left_of(item);

@@ -10,7 +10,7 @@
 #include "asip/bus/topics.hpp"
 #include "asip/mqtt/message.hpp"
 #include "asip/time.hpp"
-#include "registry/catalogue/catalogue.hpp"
+#include "registry/catalogue_types.hpp"
 
 namespace asip::registry {
 

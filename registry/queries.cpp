@@ -39,10 +39,12 @@ void Queries::answer(const Request& request, std::size_t max_bytes, const Done& 
         return done(complete(forget(*forgetting)));
     const auto& query = std::get<bus::Query>(request);
     if (query.find != bus::Find::kHistory) return done(complete(find(query, max_bytes)));
-    if (!dependencies_.history) {
-        return done(refuse("no-history", "this registry keeps no history; start it with --history FILE"));
-    }
+    if (!keeps_history()) return done(refuse_history());
     dependencies_.history(query, [this, done](bus::Answer page) { done(complete(std::move(page))); });
+}
+
+bus::Answer Queries::refuse_history() const {
+    return refuse("no-history", "this registry keeps no history; start it with --history FILE");
 }
 
 bus::Answer Queries::find(bus::Query query, std::size_t max_bytes) {

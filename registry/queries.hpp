@@ -7,7 +7,7 @@
 
 #include "asip/bus/answer.hpp"
 #include "asip/bus/query.hpp"
-#include "registry/catalogue/catalogue.hpp"
+#include "registry/catalogue_types.hpp"
 
 namespace asip::registry {
 
@@ -37,6 +37,9 @@ class Queries {
     /// `done` is called once: within this call, but for a query of the history. Pages are made as small as
     /// `max_bytes` of JSON needs (0: no limit); an item that alone is larger is given all the same.
     void answer(const Request& request, std::size_t max_bytes, const Done& done);
+    bool keeps_history() const { return static_cast<bool>(dependencies_.history); }
+    /// The refusal of one that keeps none.
+    bus::Answer refuse_history() const;
     /// An answer that refuses: `reason` a word for programs, `error` a sentence.
     bus::Answer refuse(std::string reason, std::string error) const;
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <deque>
 #include <functional>
 
 #include "asip/mqtt/message.hpp"
@@ -22,14 +23,23 @@ class QueryEndpoint {
     void set_max_bytes(std::size_t bytes) { max_bytes_ = bytes; }
 
     /// Publishes the answer, now or later. Retained requests, and those that do not name where their answer
-    /// goes, or name a topic where it may not go, are ignored.
-    void request(const mqtt::Message& message);
+    /// goes, or name a topic where it may not go, are ignored. `to_any`: every registry got it. Then one that
+    /// keeps a history answers what is asked of histories first, and those that keep none say so later: the
+    /// asker takes the first answer.
+    void request(const mqtt::Message& message, bool to_any, Time now);
+    /// Call a few times a second.
+    void tick(Time now);
 
   private:
+    struct Later {
+        Time due;
+        mqtt::Message answer;
+    };
     Queries& queries_;
     Publish publish_;
     MayAnswer may_answer_;
     std::size_t max_bytes_ = 0;
+    std::deque<Later> later_;
 };
 
 }  // namespace asip::registry

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "asip/mqtt/message.hpp"
-#include "registry/catalogue/catalogue.hpp"
+#include "registry/catalogue_types.hpp"
 
 namespace asip::registry {
 

@@ -167,7 +167,7 @@ void Registry::message(const mqtt::Message& message, Instant now) {
             if (identity_.is_probe(message)) return;
             [[fallthrough]];
         case TopicKind::kAnyRegistryQuery:
-            return endpoint_.request(message);
+            return endpoint_.request(message, topic->kind == TopicKind::kAnyRegistryQuery, now_.time);
         case TopicKind::kRegistryStats:
             if (topic->board == id_) return identity(message);
             return first_state_.statistics(topic->board, message.payload);
@@ -364,6 +364,7 @@ void Registry::tick_connected() {
     handle(catalogue_.expire(now_.time), true);
     tidier_.tick(now_.time);
     names_only_.tick(now_.time);
+    endpoint_.tick(now_.time);
     first_state_.tick(now_.time);
     if (first_state_.active()) return;
     if (auto reset = feed_.reset(now_, port_.queued())) publish(*reset);

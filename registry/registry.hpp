@@ -8,7 +8,7 @@
 
 #include "asip/bus/topics.hpp"
 #include "asip/random.hpp"
-#include "registry/catalogue/catalogue.hpp"
+#include "registry/catalogue_types.hpp"
 #include "registry/change_feed.hpp"
 #include "registry/first_state.hpp"
 #include "registry/history/keeper.hpp"

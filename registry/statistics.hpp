@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "registry/catalogue/catalogue.hpp"
+#include "registry/catalogue_types.hpp"
 
 namespace asip::registry {
 

@@ -51,7 +51,11 @@ void Bridge::link_down(const std::string& why, Time now, Effects& out) {
     // Nor does one that is lost already.
     const bool lost = name_claimed_ && !session().accepts_requests();
     out.log(heard && !lost ? Level::kWarning : Level::kDebug, "board lost", {{"why", why}});
-    if (announcer_) announcer_->set_state(model::BoardState::kLost, out);
+    // A connection that this agent closes because the board is silent is not the reason.
+    const bool closed_here =
+        describer_.link().kind == "tcp" && announcer_ && announcer_->state() == model::BoardState::kLost;
+    if (announcer_ && !closed_here)
+        announcer_->set_state(model::BoardState::kLost, model::StateReason::kUnplugged, now, out);
     safety_.board_gone(out);
     session::Actions actions;
     board_.session.link_down(now, actions);
@@ -153,7 +157,7 @@ void Bridge::on_action(const session::Identified& identified, Time now, Effects&
     describe_again();
     port_.identified(traits(), out);
     announcer_->set_updating(port_.updating());
-    announcer_->set_state(model::BoardState::kOnline, out);
+    announcer_->set_state(model::BoardState::kOnline, model::StateReason::kNone, now, out);
 }
 
 void Bridge::name_board(Effects& out) {
@@ -178,14 +182,16 @@ void Bridge::on_action(const session::BoardReset& reset, Time, Effects& out) {
     out.log(Level::kWarning, "board restarted by itself", {{"why", reset.why}});
 }
 
-void Bridge::on_action(const session::BecameSilent&, Time, Effects& out) {
+void Bridge::on_action(const session::BecameSilent&, Time now, Effects& out) {
     out.log(Level::kWarning, "board silent", {{"board", name()}});
-    if (announcer_) announcer_->set_state(model::BoardState::kLost, out);
+    if (announcer_) announcer_->set_state(model::BoardState::kLost, model::StateReason::kSilent, now, out);
     safety_.board_gone(out);
     out.reopen_link = describer_.link().kind == "tcp";
 }
 
-void Bridge::on_action(const session::NoAnswer& none, Time, Effects& out) {
+void Bridge::on_action(const session::NoAnswer& none, Time now, Effects& out) {
+    if (announcer_ && announcer_->state() == model::BoardState::kLost)
+        announcer_->set_state(model::BoardState::kLost, model::StateReason::kSilent, now, out);
     const std::string why =
         none.heard_banner
             ? " said that it is an ASIP board, and answers no question: does it restart again and again (its "
@@ -277,7 +283,7 @@ void Bridge::goodbye(Time now, Effects& out) {
     session::Actions actions;
     board_.session.link_down(now, actions);
     perform(actions, now, out);
-    if (announcer_) announcer_->goodbye(out);
+    if (announcer_) announcer_->goodbye(now, out);
 }
 
 }  // namespace asip::agent

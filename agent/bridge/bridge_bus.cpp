@@ -135,11 +135,11 @@ void Bridge::tick_port(Time now, Effects& out) {
     if (before == PortLoan::Phase::kMakingSafe && port_.is_away()) return let_go_of_port(now, out);
     if (!announcer_) return;
     announcer_->set_updating(port_.updating());
-    if (silent) announcer_->set_state(model::BoardState::kLost, out);
+    if (silent) announcer_->set_state(model::BoardState::kLost, model::StateReason::kSilent, now, out);
 }
 
 void Bridge::let_go_of_port(Time now, Effects& out) {
-    announcer_->set_state(model::BoardState::kUpdating, out);
+    announcer_->set_state(model::BoardState::kUpdating, model::StateReason::kReleased, now, out);
     safety_.board_gone(out);
     session::Actions actions;
     board_.session.link_down(now, actions);

@@ -44,11 +44,14 @@ struct RowText {
     }
 };
 
-bool read_number(JsonScanner& in, double& number) {
-    std::string_view raw;
-    if (!in.next_element() || !in.value(raw)) return false;
+bool is_number(std::string_view raw, double& number) {
     const auto read = std::from_chars(raw.data(), raw.data() + raw.size(), number);
     return read.ec == std::errc() && read.ptr == raw.data() + raw.size();
+}
+
+bool read_number(JsonScanner& in, double& number) {
+    std::string_view raw;
+    return in.next_element() && in.value(raw) && is_number(raw, number);
 }
 
 class RowReader {
@@ -74,12 +77,21 @@ class RowReader {
     bool read_rest() {
         if (!chip_.read(in_) || !sketch_.read(in_) || !services_.read(in_)) return false;
         conflict_ = false;
+        has_reason_ = false;
+        state_age_ = -1;
         std::string_view more;
-        for (bool first = true; in_.next_element(); first = false) {
+        for (int place = 0;; ++place) {
+            const JsonScanner before = in_;
+            if (!in_.next_element()) return in_.left();
             if (!in_.value(more)) return false;
-            if (first) conflict_ = more == "true";
+            if (place == 0) conflict_ = more == "true";
+            if (place == 1 && more.front() == '"') {
+                in_ = before;
+                if (!reason_.read(in_)) return false;
+                has_reason_ = true;
+            }
+            if (place == 2 && !is_number(more, state_age_)) state_age_ = -1;
         }
-        return in_.left();
     }
 
     void add(BriefBoard row) {
@@ -89,18 +101,23 @@ class RowReader {
         row.sketch = sketch_.text;
         row.services = services_.text;
         row.conflict = conflict_;
+        if (has_reason_) row.reason = reason_.text;
+        row.state_age = state_age_;
         rows_.add(row);
         const auto& kept = rows_.rows().back();
         state_.text = kept.state;
         chip_.text = kept.chip;
         sketch_.text = kept.sketch;
         services_.text = kept.services;
+        if (has_reason_) reason_.text = kept.reason;
     }
 
     JsonScanner& in_;
     BriefRows& rows_;
-    RowText board_, state_, chip_, sketch_, services_;
+    RowText board_, state_, chip_, sketch_, services_, reason_;
     bool conflict_ = false;
+    bool has_reason_ = false;
+    double state_age_ = -1;
     std::string_view rest_;  ///< of the row before, behind its age: most rows end alike
 };
 
@@ -119,7 +136,8 @@ Expected<BriefRows> read_rows(JsonScanner& in, std::size_t bytes) {
 }  // namespace
 
 bool BriefBoard::like(const BriefBoard& other) const {
-    return conflict == other.conflict && same_bytes(chip, other.chip) && same_bytes(sketch, other.sketch) &&
+    return conflict == other.conflict && reason.empty() && other.reason.empty() &&
+           same_bytes(chip, other.chip) && same_bytes(sketch, other.sketch) &&
            same_bytes(services, other.services);
 }
 
@@ -136,7 +154,8 @@ void BriefRows::add(const BriefBoard& row) {
     const auto above = rows_.empty() ? BriefBoard{} : rows_.back();
     rows_.push_back({kept(row.board, above.board), kept(row.state, above.state), row.age,
                      kept(row.chip, above.chip), kept(row.sketch, above.sketch),
-                     kept(row.services, above.services), row.conflict});
+                     kept(row.services, above.services), row.conflict, kept(row.reason, above.reason),
+                     row.state_age});
 }
 
 void append_brief_rows(std::string& text, const BriefRows& boards) {
@@ -160,7 +179,15 @@ void append_brief_rows(std::string& text, const BriefRows& boards) {
                 text += ',';
                 append_json_text(text, member);
             }
-            text += board.conflict ? ",true]" : "]";
+            if (board.reason.empty()) {
+                text += board.conflict ? ",true]" : "]";
+            } else {
+                text += board.conflict ? ",true," : ",false,";
+                append_json_text(text, board.reason);
+                text += ',';
+                append_json_seconds(text, std::max(board.state_age, -1.0));
+                text += ']';
+            }
         }
         rest = begin;
         rest_size = text.size() - begin;

@@ -12,8 +12,8 @@
 
 /// The rows of an answer to a brief query: boards with only what a table shows, for catalogues of thousands.
 /// On the wire each is an array, read by position; elements behind those known here are passed over:
-///     [BOARD, STATE, AGE, CHIP, SKETCH, SERVICES, CONFLICT]
-/// CONFLICT may be missing: false.
+///     [BOARD, STATE, AGE, CHIP, SKETCH, SERVICES, CONFLICT, REASON, FOR]
+/// CONFLICT may be missing: false. So may both REASON (of the state) and FOR (seconds it has been in it).
 namespace asip::bus {
 
 /// One row. The members are those of BoardItem. The texts belong to the BriefRows it is in, or to who made
@@ -26,9 +26,12 @@ struct BriefBoard {
     std::string_view sketch;
     std::string_view services;  ///< names with a blank between them
     bool conflict = false;
+    std::string_view reason{};  ///< of the state; empty: nothing to explain, or not known
+    double state_age = -1;      ///< where there is a reason: seconds in the state; negative: unknown
 
     bool operator==(const BriefBoard&) const = default;
-    /// Whether nothing but name, state and age differs, of a row in the same BriefRows; false is a maybe.
+    /// Whether nothing but name, state and age differs, of a row in the same BriefRows, and no state has a
+    /// reason; false is a maybe.
     bool like(const BriefBoard& other) const;
 };
 

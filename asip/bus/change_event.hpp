@@ -28,7 +28,7 @@ struct ChangeEvent {
     text::WallTime at{};    ///< by the clock of the registry
     BoardItem board;        ///< as it is after the change (without description)
     std::string was;        ///< kState: effective state before
-    /// kState: "reported", "will", "lease", "announced", "retained"; else as fits, may be empty.
+    /// kAdded, kState: why the board is in its state, a word of model::StateReason; may be empty.
     std::string reason;
 
     bool operator==(const ChangeEvent&) const = default;

@@ -145,6 +145,7 @@ void write(Members& members, const BoardItem& item) {
     members.names(item.labels);
     if (item.names_only) members.yes("names_only");
     members.text("protocol", item.protocol);
+    members.text("reason", item.reason);
     if (item.reported != item.state) members.text("reported", item.reported);
     if (!item.session.empty()) members.number("seq", item.seq);
     members.array("services", item.services,
@@ -153,6 +154,7 @@ void write(Members& members, const BoardItem& item) {
     members.time("since", item.since);
     members.text("sketch", item.sketch);
     members.needed("state", item.state);
+    if (item.state_age >= 0) members.seconds("state_age", item.state_age);
 }
 
 template <class Members>
@@ -194,6 +196,7 @@ BoardItem read_board_item(const json& object) {
     item.state = text_of(object, "state");
     item.reported = text_of(object, "reported");
     if (item.reported.empty()) item.reported = item.state;
+    item.reason = text_of(object, "reason");
     item.names_only = flag_of(object, "names_only");
     item.session = text_of(object, "session");
     item.seq = number_of(object, "seq");
@@ -202,6 +205,7 @@ BoardItem read_board_item(const json& object) {
     item.first_seen = time_of(object, "first_seen");
     item.last_seen = time_of(object, "last_seen");
     item.since = time_of(object, "since");
+    item.state_age = object.contains("state_age") ? seconds_of(object, "state_age") : -1;
     item.chip = text_of(object, "chip");
     item.sketch = text_of(object, "sketch");
     item.protocol = text_of(object, "protocol");
@@ -307,7 +311,7 @@ BriefRows brief_of(std::span<const BoardItem> boards) {
             services += service.name;
         }
         rows.add({board.board, board.state, board.age, board.chip, board.sketch, services,
-                  board.conflict.has_value()});
+                  board.conflict.has_value(), board.reason, board.reason.empty() ? -1 : board.state_age});
     }
     return rows;
 }

@@ -44,6 +44,7 @@ struct Conflict {
 struct BoardItem {
     std::string board;
     std::string state;        ///< effective
+    std::string reason;       ///< why, a word of model::StateReason; empty: nothing to explain, or not known
     std::string reported;     ///< the last state that the agent or its will published
     bool names_only = false;  ///< takes part with the published names only: no description
     std::string session;      ///< of its description
@@ -52,7 +53,8 @@ struct BoardItem {
     double age = 0;           ///< seconds since anything was heard from it, when this was written; -1: never
     text::WallTime first_seen{};
     text::WallTime last_seen{};
-    text::WallTime since{};  ///< when it came into `state`
+    text::WallTime since{};  ///< when it came into `state`; empty: not known
+    double state_age = -1;   ///< seconds since then, when this was written; -1: not known
     std::string chip;
     std::string sketch;
     std::string protocol;  ///< "0.4"
@@ -76,7 +78,7 @@ struct HistoryItem {
     std::string what;
     std::string state;   ///< effective state after it; empty for a command
     std::string was;     ///< before it; empty for other than "state"
-    std::string reason;  ///< as ChangeEvent::reason; of a command: why it is not "ok", as Reply::reason
+    std::string reason;  ///< a word of model::StateReason; of a command: why it is not "ok", as Reply::reason
     // Of a command only:
     std::string by{};       ///< who sent it, as the sender said
     std::string service{};  ///< empty: raw lines, or the whole board

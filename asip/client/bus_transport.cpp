@@ -82,7 +82,9 @@ BusTransport::BusTransport(boost::asio::io_context& io, Address address, Options
       options_(std::move(options)),
       topics_(options_.topic_root),
       demand_timer_(io),
-      calls_(io.get_executor()) {}
+      calls_(io.get_executor()),
+      view_(topics_),
+      lease_timer_(io) {}
 
 BusTransport::~BusTransport() {
     close();
@@ -135,16 +137,20 @@ std::string BusTransport::why_not_there() const {
         return failure_;
     }
     const std::string where = address_.host + ":" + std::to_string(address_.port);
-    if (state_.empty()) {
+    const auto known = view_.board(address_.board, catalogue::instant_now());
+    if (!known) {
         return "no board " + address_.board + " on the broker " + where +
                "; does its agent run? `asipctl list` shows the boards there are";
     }
-    return "board " + address_.board + " on the broker " + where + " is " + state_ +
-           (description_ ? "" : " but has not described itself");
+    const auto why = model::words_of(model::state_reason_from_text(known->reason));
+    return "board " + address_.board + " on the broker " + where + " is " + known->state +
+           (why.empty() ? "" : ": " + std::string(why)) +
+           (description() != nullptr ? "" : " but has not described itself");
 }
 
 Awaitable<Json> BusTransport::command(std::string service, Json command) {
-    if (!description_ || description_->service(service) == nullptr) {
+    if (const auto* described = description();
+        described == nullptr || described->service(service) == nullptr) {
         co_return failure(Error::Kind::kInvalid,
                           "board " + address_.board + " has no service \"" + service + "\"");
     }
@@ -188,17 +194,18 @@ Awaitable<Json> BusTransport::request(std::string topic, Json payload) {
 
 std::vector<ServiceInfo> BusTransport::services() const {
     std::vector<ServiceInfo> infos;
-    if (description_) {
-        for (const auto& service : description_->services) {
+    if (const auto* described = description()) {
+        for (const auto& service : described->services) {
             infos.push_back(
-                {service.name, service.id, service.title, description_->labels.service(service.name)});
+                {service.name, service.id, service.title, described->labels.service(service.name)});
         }
     }
     return infos;
 }
 
 std::map<std::string, std::string> BusTransport::labels() const {
-    return description_ ? description_->labels.labels : std::map<std::string, std::string>();
+    const auto* described = description();
+    return described != nullptr ? described->labels.labels : std::map<std::string, std::string>();
 }
 
 std::shared_ptr<void> BusTransport::demand(const std::string& service, double hz) {
@@ -237,6 +244,7 @@ void BusTransport::close() {
     }
     closed_ = true;
     demand_timer_.cancel();
+    lease_timer_.cancel();
     alive_.reset();
     calls_.finish_all({Error::Kind::kClosed, 0, "the board was closed"});
     if (!client_) {
@@ -260,12 +268,12 @@ void BusTransport::take(const mqtt::Message& message) {
         return;
     }
     if (topic->kind == bus::TopicKind::kState) {
-        state_ = message.payload;
+        told_ = true;
+        view_.apply(message, Clock::now());
         look_again();
     } else if (topic->kind == bus::TopicKind::kDescription) {
-        if (auto description = model::parse_description(message.payload)) {
-            description_ = std::move(*description);
-        }
+        told_ = told_ || !message.retain;
+        view_.apply(message, Clock::now());
         demander_->take(message, Clock::now());
         publish_demands();
         look_again();
@@ -296,9 +304,17 @@ void BusTransport::take_event(std::string_view service, const mqtt::Message& mes
 
 /// Whether the board is there now, and what follows if that changed.
 void BusTransport::look_again() {
-    const bool there = client_->connected() && state_ == "online" && description_.has_value();
+    const auto known = view_.board(address_.board, catalogue::instant_now());
+    const bool there = client_->connected() && known && known->state == "online" && told_ &&
+                       !known->reported.empty() && description() != nullptr;
     if (there) {
         calls_.finish(kOpening, Json());
+    }
+    if (const auto next = view_.next_expiry()) {
+        lease_timer_.expires_at(*next);
+        lease_timer_.async_wait([this, alive = std::weak_ptr<bool>(alive_)](boost::system::error_code error) {
+            if (!error && alive.lock()) look_again();
+        });
     }
     if (there != there_) {
         there_ = there;
@@ -311,6 +327,7 @@ void BusTransport::look_again() {
 
 void BusTransport::connected() {
     failure_.clear();
+    view_.connected(Clock::now());
     mqtt::Message probe;  // an agent whose retained description the broker lost announces again
     probe.topic = topics_.probe();
     probe.payload = address_.board;
@@ -335,9 +352,8 @@ void BusTransport::failed(const mqtt::ConnectionFailure& why) {
     if (why.hopeless) {
         calls_.finish(kOpening, failure(Error::Kind::kUnreachable, why.text));
     }
-    // What is retained comes again with the next connection; a board that went meanwhile must not seem to be
-    // there.
-    state_.clear();
+    view_.disconnected();
+    told_ = false;
     if (there_) {
         look_again();
     }

@@ -11,6 +11,7 @@
 #include "asip/bus/demander.hpp"
 #include "asip/bus/requester.hpp"
 #include "asip/bus/topics.hpp"
+#include "asip/catalogue/bus_view.hpp"
 #include "asip/client/address.hpp"
 #include "asip/client/options.hpp"
 #include "asip/client/pending_calls.hpp"
@@ -20,7 +21,7 @@
 namespace asip::client {
 
 /// A board by its name, through an MQTT broker and the board's agent. There while the broker is connected and
-/// the state of the board is "online".
+/// the state of the board is "online", as every program that looks at the bus sees it.
 class BusTransport final : public Transport {
   public:
     /// `address` of kind Mqtt.
@@ -54,6 +55,7 @@ class BusTransport final : public Transport {
     void take(const mqtt::Message& message);
     void take_reply(PendingCalls::Id id, const mqtt::Message& message);
     void take_event(std::string_view service, const mqtt::Message& message);
+    const model::Description* description() const { return view_.description(address_.board); }
     void look_again();
     void failed(const mqtt::ConnectionFailure& failure);
     void denied(const std::string& topic, const std::string& reason);
@@ -74,10 +76,11 @@ class BusTransport final : public Transport {
     std::shared_ptr<std::map<PendingCalls::Id, std::string>> asked_ =
         std::make_shared<std::map<PendingCalls::Id, std::string>>();
     std::string user_;
-    std::string state_;
-    std::optional<model::Description> description_;
+    mutable catalogue::BusView view_;  // of this board alone; leases are judged by looking
+    boost::asio::steady_timer lease_timer_;
     std::string failure_;                                         // of the last attempt to connect
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // until close()
+    bool told_ = false;  // over this connection: of what is stored the state may come behind the description
     bool there_ = false;
     bool closed_ = false;
 };

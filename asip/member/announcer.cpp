@@ -2,6 +2,7 @@
 #include "asip/member/announcer.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <utility>
 
@@ -25,6 +26,17 @@ std::string make_session(std::uint64_t started_unix, const Random& random) {
     char time[24];
     std::snprintf(time, sizeof time, "%010llx", static_cast<unsigned long long>(started_unix));
     return time + random_hex(random, 6);
+}
+
+// Later than `other`, which a program whose clock went back may find stored.
+std::string session_behind(const std::string& other, std::uint64_t started_unix, const Random& random) {
+    constexpr std::uint64_t kMaxTime = 0xffffffffff;
+    std::uint64_t time = 0;
+    const auto end =
+        std::from_chars(other.data(), other.data() + std::min<std::size_t>(other.size(), 10), time, 16);
+    const bool has_time = other.size() >= 16 && end.ptr == other.data() + 10;
+    if (has_time && time < kMaxTime) return make_session(std::max(started_unix, time + 1), random);
+    return other.size() + 5 <= kMaxSessionBytes ? other + "-" + random_hex(random, 4) : other;
 }
 
 mqtt::Message retained(std::string topic, std::string payload) {
@@ -57,15 +69,18 @@ Announcer::Announcer(const bus::Topics& topics, AnnouncerOptions options, Random
       session_(make_session(options_.started_unix, random_)) {}
 
 mqtt::Message Announcer::will() const {
-    return retained(topics_.state(options_.board), std::string(to_text(model::BoardState::kLost)));
+    auto will = retained(topics_.state(options_.board), std::string(to_text(model::BoardState::kLost)));
+    will.expiry_seconds = model::kStateExpirySeconds;
+    return will;
 }
 
-/// Of descriptions and probes, only what another one says now matters: each of ours would come back
-/// otherwise. Of states our own will, too, which the broker may hold for a message of ours.
+/// Of descriptions and probes, what others say matters: each of ours would come back otherwise. Of states our
+/// own will, too, which the broker may hold for a message of ours. A stored description may be of a session
+/// that is later than ours, as a clock went back.
 std::vector<Announcer::Subscription> Announcer::subscriptions(const bus::Topics& topics,
                                                               const std::string& board) {
     return {{topics.state(board), {.qos = 1}},
-            {topics.description(board), {.qos = 1, .no_local = true, .retained = false}},
+            {topics.description(board), {.qos = 1, .no_local = true}},
             {topics.probe(), {.qos = 0, .no_local = true}}};
 }
 
@@ -86,15 +101,21 @@ void Announcer::set_updating(std::string json) {
     if (established_ && connected_) probe_answer_ = last_announced_ + kBetweenChanges;
 }
 
-void Announcer::set_state(model::BoardState state, Announcements& out) {
-    if (state_ == state) return;
+void Announcer::set_state(model::BoardState state, model::StateReason reason, Time now, Announcements& out) {
+    if (state_ == state && reason_ == reason) return;
     state_ = state;
-    if (established_ && connected_ && subscribed_) publish_state(true, out);
+    reason_ = reason;
+    state_since_ = now;
+    retained_until_.reset();
+    if (!established_ || !connected_) return;
+    const bool names = probe_answer_.has_value();
+    if (announce_board(now, out) && names) names_ = now;
 }
 
 void Announcer::publish_state(bool retain, Announcements& out) {
     auto state = retained(topics_.state(options_.board), std::string(to_text(state_)));
     state.retain = retain;
+    state.expiry_seconds = model::kStateExpirySeconds;
     state_said_ = true;
     out.publish.push_back({std::move(state), mqtt::Priority::kAnnouncement});
 }
@@ -140,8 +161,9 @@ void Announcer::announce(Time now, Announcements& out) {
 
 bool Announcer::announce_board(Time now, Announcements& out) {
     const bool retain = retains(now);
-    if (subscribed_ && described_) publish_state(retain, out);
-    return publish_description(1, retain, now, out);
+    if (!publish_description(1, retain, now, out)) return false;
+    publish_state(retain, out);
+    return true;
 }
 
 void Announcer::publish_names(Announcements& out) {
@@ -162,6 +184,9 @@ bool Announcer::publish_description(int qos, bool retain, Time now, Announcement
     if (!described_) return false;
     description_.session = session_;
     description_.seq = ++seq_;
+    if (state_since_ == Time{}) state_since_ = now;
+    const auto age = std::chrono::duration<double>(now - state_since_).count();
+    description_.state = model::SaidState{state_, reason_, std::clamp(age, 0.0, model::kMaxStateAgeSeconds)};
     mqtt::Message description = retained(topics_.description(options_.board), description_text());
     description.qos = qos;
     description.retain = retain;
@@ -197,13 +222,19 @@ void Announcer::on_message(const mqtt::Message& message, Time now, Announcements
         return;
     // Our own words of a moment ago come back, too; saying the newest once more does no harm.
     out.log(program::log::Level::kDebug, "state put right", {{"was", message.payload.substr(0, 32)}});
-    publish_state(true, out);
+    announce_board(now, out);
 }
 
 void Announcer::on_foreign_description(const mqtt::Message& message, Time now, Announcements& out) {
-    if (message.retain) return;  // a stored one proves no living agent
     const auto other = model::parse_description(message.payload);
     if (other && other->session == session_) return;
+    if (message.retain) {  // a stored one proves no living agent
+        if (!other || other->session < session_) return;
+        if (!established_) {
+            session_ = session_behind(other->session, options_.started_unix, random_);
+            return;
+        }
+    }
     retained_until_.reset();
     if (!other) return;
     const std::string holder = "agent " +
@@ -212,7 +243,8 @@ void Announcer::on_foreign_description(const mqtt::Message& message, Time now, A
     if (established_ && other->session < session_) return announce_within(kProbeAnswer, now);
     if (established_) return challenge(*other, holder, now, out);
     if (options_.takeover) {
-        if (session_ < other->session) session_ = other->session + "-" + random_hex(random_, 4);
+        if (session_ < other->session)
+            session_ = session_behind(other->session, options_.started_unix, random_);
         return;
     }
     out.fatal = Fatal{program::kExitNameConflict,
@@ -238,8 +270,7 @@ void Announcer::tick(Time now, Announcements& out) {
                 "an announcement of this board came from nobody who lives; putting it right",
                 {{"from", challenge_->holder}});
         // Ours has to be the later session, or nobody believes it.
-        if (challenge_->session.size() < kMaxSessionBytes)
-            session_ = challenge_->session + "-" + random_hex(random_, 4);
+        session_ = session_behind(challenge_->session, options_.started_unix, random_);
         challenge_.reset();
         retained_until_.reset();
         announce_within(Duration{}, now);
@@ -263,10 +294,8 @@ std::optional<Time> Announcer::next_deadline() const {
     return deadline;
 }
 
-void Announcer::goodbye(Announcements& out) {
-    const bool known = described_ && established_;
-    state_ = model::BoardState::kOffline;
-    if (known) publish_state(true, out);
+void Announcer::goodbye(Time now, Announcements& out) {
+    if (established_) set_state(model::BoardState::kOffline, model::StateReason::kStopped, now, out);
     established_ = false;
     renewal_.reset();
     probe_answer_.reset();

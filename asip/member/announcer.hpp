@@ -36,6 +36,9 @@ struct AnnouncerOptions {
 /// was taken over, if its agent answers a probe with another one; a single message that nobody stands behind
 /// is put right.
 ///
+/// The description holds the state of the board, why, and for how long. Each change of it is announced at
+/// once: the description first, so that a reader of both learns of it once and with its reason.
+///
 /// Nothing is announced before the broker granted the subscriptions that commands come by. A lease is renewed
 /// by one message, the description, with QoS 0: it outlives one that is lost. Names are published when
 /// something changed or somebody probed.
@@ -50,7 +53,9 @@ class Announcer {
     /// What is announced; `board`, `session`, `seq` and `lease` are filled in. Announced within a second
     /// where established.
     void describe(model::Description description);
-    void set_state(model::BoardState state, Announcements& out);
+    /// The state of the board from `now` on, and why. Announced at once where established.
+    void set_state(model::BoardState state, model::StateReason reason, Time now, Announcements& out);
+    model::BoardState state() const { return state_; }
     /// JSON text that stands in the description as "updating": who has the board's port, and until when.
     /// Empty: nobody. Announced as describe() is.
     void set_updating(std::string json);
@@ -79,8 +84,8 @@ class Announcer {
     void tick(Time now, Announcements& out);
     std::optional<Time> next_deadline() const;
 
-    /// Publishes `offline`.
-    void goodbye(Announcements& out);
+    /// Says that the board is offline, because its agent was stopped.
+    void goodbye(Time now, Announcements& out);
 
     /// The name is ours.
     bool established() const { return established_; }
@@ -122,6 +127,8 @@ class Announcer {
     model::Description description_;
     std::string updating_;
     model::BoardState state_ = model::BoardState::kLost;
+    model::StateReason reason_ = model::StateReason::kSilent;
+    Time state_since_{};  // Time{}: since it was first announced
     bool described_ = false;
     bool connected_ = false;
     bool expires_ = true;

@@ -15,6 +15,22 @@ constexpr std::array<std::pair<BoardState, std::string_view>, 5> kTexts = {{
     {BoardState::kUpdating, "updating"},
 }};
 
+struct ReasonText {
+    StateReason reason;
+    std::string_view word;
+    std::string_view words;
+};
+constexpr std::array<ReasonText, 8> kReasons = {{
+    {StateReason::kNone, "", ""},
+    {StateReason::kUnplugged, "unplugged", "cable unplugged"},
+    {StateReason::kSilent, "silent", "the board answers nothing"},
+    {StateReason::kAgentGone, "agent-gone", "its agent died or lost the broker"},
+    {StateReason::kExpired, "expired", "its agent fell silent and the lease ran out"},
+    {StateReason::kReleased, "released", "its port is in other hands"},
+    {StateReason::kStopped, "stopped", "its agent was stopped"},
+    {StateReason::kConflict, "conflict", "two agents claim its name"},
+}};
+
 }  // namespace
 
 std::string_view to_text(BoardState state) {
@@ -29,6 +45,27 @@ std::optional<BoardState> board_state_from_text(std::string_view text) {
         if (word == text) return value;
     }
     return std::nullopt;
+}
+
+std::string_view to_text(StateReason reason) {
+    for (const auto& each : kReasons) {
+        if (each.reason == reason) return each.word;
+    }
+    return {};
+}
+
+StateReason state_reason_from_text(std::string_view text) {
+    for (const auto& each : kReasons) {
+        if (each.word == text) return each.reason;
+    }
+    return StateReason::kNone;
+}
+
+std::string_view words_of(StateReason reason) {
+    for (const auto& each : kReasons) {
+        if (each.reason == reason) return each.words;
+    }
+    return {};
 }
 
 }  // namespace asip::model

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "asip/expected.hpp"
+#include "asip/model/board_state.hpp"
 #include "asip/model/labels.hpp"
 #include "asip/model/service_model.hpp"
 #include "asip/protocol/extensions.hpp"
@@ -104,6 +105,8 @@ struct Description {
     std::string labels_fault{};
     /// What its agent finds doubtful about the board now, for people. At most kMaxWarnings.
     std::vector<std::string> warnings{};
+    /// Of the board when this was published. None: its agent says states on `$state` alone.
+    std::optional<SaidState> state{};
     std::optional<OnDemandInfo> on_demand{};  ///< none: it reports whether or not anybody listens
 
     /// The service of that name, or null. Valid as long as `services` is not changed.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -227,6 +228,23 @@ OnDemandInfo read_on_demand(JsonReader reader) {
             read_small(reader, "resting", 65535).value_or(0)};
 }
 
+json state_json(const SaidState& said) {
+    json object = {{"is", to_text(said.state)}, {"age", std::floor(said.age * 1000) / 1000}};
+    if (said.reason != StateReason::kNone) object["reason"] = to_text(said.reason);
+    return object;
+}
+
+SaidState read_state(JsonReader reader) {
+    SaidState said;
+    reader.required("is");
+    const auto word = board_state_from_text(read_text(reader, "is"));
+    if (!word) reader.fault("is", "is not a state");
+    said.state = word.value_or(BoardState::kLost);
+    said.reason = state_reason_from_text(read_text(reader, "reason"));
+    said.age = reader.number("age", 0, 0, kMaxStateAgeSeconds);
+    return said;
+}
+
 }  // namespace
 
 nlohmann::json to_json(const Description& description) {
@@ -244,6 +262,7 @@ nlohmann::json to_json(const Description& description) {
     put_labels(document, description.labels);
     if (!description.labels_fault.empty()) document["labels_fault"] = description.labels_fault;
     if (!description.warnings.empty()) document["warnings"] = description.warnings;
+    if (description.state) document["state"] = state_json(*description.state);
     if (const auto& reports = description.on_demand)
         document["on_demand"] = {{"fastest", reports->fastest}, {"resting", reports->resting}};
     return document;
@@ -271,6 +290,7 @@ Expected<Description> description_from_json(const nlohmann::json& document) {
     if (auto member = reader.object("link")) result.link = read_link(std::move(*member));
     if (auto member = reader.object("agent")) result.agent = read_agent(std::move(*member));
     if (auto member = reader.object("pins")) result.pins = read_pins(std::move(*member));
+    if (auto member = reader.object("state")) result.state = read_state(std::move(*member));
     if (auto member = reader.object("on_demand")) result.on_demand = read_on_demand(std::move(*member));
     if (reader.ok()) result.services = read_services(reader);
     if (reader.ok()) result.labels = read_labels(reader);

@@ -6,9 +6,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/board_match.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/json.hpp"
 #include "asip/protocol/request.hpp"
+#include "cli/text/state_text.hpp"
 #include "cli/text/width.hpp"
 #include "cli/text/words.hpp"
 
@@ -143,22 +145,17 @@ bus::Reply refused_by_broker(const std::string& topic) {
     return bus::Reply::refused("denied", "the broker's access rules deny writing to " + topic);
 }
 
-bus::Reply refused_as_lost(const std::string& so) {
+bus::Reply refused_as_lost(const bus::BoardItem& board, const std::string& so) {
     return bus::Reply::refused(std::string(bus::kRefusedBoardNotThere),
-                               "it is lost: its agent died or lost the network; " + so);
+                               "it is " + state_text(board) + "; " + so);
 }
 
 Outcome<KnownBoard> find_living_board(BoardSource& source, const std::string& name) {
     auto board = source.board(name);
     if (!board) return board;
-    if (board->item.state == "offline") {
+    if (const auto state = model::board_state_from_text(board->item.state); state && !model::is_there(*state))
         return failure(program::kExitFailure,
-                       name + " is offline: its agent has ended; start asip-agent again");
-    }
-    if (board->item.state == "lost") {
-        return failure(program::kExitFailure,
-                       name + " is lost: its agent died or lost the network; see asipctl show " + name);
-    }
+                       name + " is " + state_text(board->item) + "; " + what_to_do(board->item));
     return board;
 }
 

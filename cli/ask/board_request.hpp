@@ -56,7 +56,7 @@ inline constexpr std::string_view kNoAnswer = "no-answer";
 /// Answers for a board that was not asked: the broker denies writing to its topic; it is lost, and `so` (for
 /// a person: `nothing was sent`).
 bus::Reply refused_by_broker(const std::string& topic);
-bus::Reply refused_as_lost(const std::string& so);
+bus::Reply refused_as_lost(const bus::BoardItem& board, const std::string& so);
 
 /// Finds a board that is there to be commanded: known, and neither "offline" nor "lost".
 Outcome<KnownBoard> find_living_board(BoardSource& source, const std::string& name);

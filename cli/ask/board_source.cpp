@@ -55,7 +55,11 @@ std::string KnownBoard::why_no_description() const {
 }
 
 BoardSource::BoardSource(const Environment& environment, BusSession& session)
-    : environment_(environment), session_(session), catalogue_(environment.topics) {
+    : environment_(environment),
+      session_(session),
+      view_(environment.topics, [this](std::string_view reference) {
+          return model::units_of(environment_.models(), reference);
+      }) {
     if (environment.from_bus) return;
     subscriptions_.push_back(
         session_.subscribe(environment.topics.registry_state("+"), [this](const mqtt::Message& message) {
@@ -164,15 +168,7 @@ Outcome<std::vector<bus::BoardItem>> BoardSource::boards(bus::Query query) {
     }
     read_bus(true);
     if (const auto heard = session_.heard_all(); !heard) return tl::unexpected(heard.error());
-    auto all = catalogue_.boards(Clock::now());
-    std::erase_if(all, [&](const bus::BoardItem& board) {
-        return !bus::board_matches(query, board, catalogue_.description(board.board), environment_.models());
-    });
-    if (!query.full) {
-        for (auto& board : all)
-            board.description.clear();
-    }
-    return all;
+    return view_.boards(std::move(query), catalogue::instant_now());
 }
 
 Outcome<std::vector<KnownBoard>> BoardSource::known_boards(bus::Query query) {
@@ -217,17 +213,9 @@ Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {
         if (answer.error().status != program::kExitNoAnswer) return tl::unexpected(answer.error());
         without_registry(answer.error().text);
     }
-    auto all = boards(query);
-    if (!all) return tl::unexpected(all.error());
-    std::vector<bus::ServiceItem> result;
-    for (auto& board : *all) {
-        const auto* description = catalogue_.description(board.board);
-        for (auto& service : board.services) {
-            if (bus::service_matches(query, service, description, environment_.models()))
-                result.push_back(std::move(service));
-        }
-    }
-    return result;
+    read_bus(true);
+    if (const auto heard = session_.heard_all(); !heard) return tl::unexpected(heard.error());
+    return view_.services(std::move(query), catalogue::instant_now());
 }
 
 Outcome<std::string> BoardSource::json_lines(bus::Query query) {
@@ -263,6 +251,8 @@ Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, st
     const auto older = [since](const bus::HistoryItem& change) { return change.at < since; };
     std::vector<bus::HistoryItem> all;
     answered_bytes_ = 0;
+    // Another one than the registry that answered before may be the one that keeps it.
+    const auto other = std::exchange(registry_, {});
     do {
         query.limit = std::min(count - all.size(), bus::Query::kMaxPage);
         auto page = ask(query);
@@ -276,16 +266,17 @@ Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, st
         query.cursor = page->cursor;
     } while (!query.cursor.empty() && all.size() < count && !older(all.back()));
     std::erase_if(all, older);
+    if (!other.empty()) registry_ = other;
     return all;
 }
 
 void BoardSource::take(const mqtt::Message& message) {
-    const auto board = catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
-    const auto* description = catalogue_.description(board);
-    if (!announced_ || message.retain || description == nullptr ||
-        message.topic != environment_.topics.description(board))
-        return;
-    announced_(board, description->session);
+    const auto board = view_.apply(message, Clock::now());
+    if (message.topic == environment_.topics.state(board)) told_.insert(board);
+    if (!announced_ || message.retain || message.topic != environment_.topics.description(board)) return;
+    // Of two agents with one name the view shows one.
+    if (const auto description = model::parse_description(message.payload); description)
+        announced_(board, description->session);
 }
 
 void BoardSource::listen(const std::string& filter) {
@@ -311,11 +302,12 @@ std::optional<KnownBoard> BoardSource::retained_board(const std::string& name) {
     listen(environment_.topics.description(name));
     listen(environment_.topics.state(name));
     const auto here = [&] {
-        return catalogue_.description(name) != nullptr && !catalogue_.board(name, {})->reported.empty();
+        const auto known = view_.board(name, catalogue::instant_now());
+        return known && !known->description.empty() && told_.contains(name);
     };
     session_.wait_retained(here);
-    if (catalogue_.description(name) == nullptr) return std::nullopt;
-    return known(*catalogue_.board(name, Clock::now()));
+    if (view_.description(name) == nullptr) return std::nullopt;
+    return known(*view_.board(name, catalogue::instant_now()));
 }
 
 Outcome<KnownBoard> BoardSource::board(const std::string& name) {
@@ -323,8 +315,8 @@ Outcome<KnownBoard> BoardSource::board(const std::string& name) {
     if (asks_registry() && !online_registries_.empty()) return board_in_full(name);
     listen(environment_.topics.service_names(name));
     session_.publish(environment_.topics.probe(), name);
-    session_.run_until([&] { return catalogue_.description(name) != nullptr; }, Clock::now() + kProbeWindow);
-    if (auto item = catalogue_.board(name, Clock::now())) return known(std::move(*item));
+    session_.run_until([&] { return view_.description(name) != nullptr; }, Clock::now() + kProbeWindow);
+    if (auto item = view_.board(name, catalogue::instant_now())) return known(std::move(*item));
     return unknown(name);
 }
 
@@ -346,7 +338,7 @@ Outcome<KnownBoard> BoardSource::board_in_full(const std::string& name) {
 KnownBoard BoardSource::known(bus::BoardItem item) const {
     KnownBoard result{std::move(item), std::nullopt};
     if (result.item.description.empty()) {
-        const auto& refused = catalogue_.refused();
+        const auto& refused = view_.refused();
         const auto fault = refused.find(environment_.topics.description(result.item.board));
         if (fault != refused.end()) result.description_fault = fault->second;
         return result;
@@ -371,7 +363,7 @@ std::vector<std::string> BoardSource::names() {
         no_registry_ = true;
     }
     read_bus(false);
-    return catalogue_.names();
+    return view_.names();
 }
 
 Outcome<KnownBoard> BoardSource::unknown(const std::string& name) {

@@ -8,8 +8,8 @@
 
 #include "asip/bus/answer.hpp"
 #include "asip/bus/items.hpp"
-#include "asip/bus/mirror.hpp"
 #include "asip/bus/query.hpp"
+#include "asip/catalogue/bus_view.hpp"
 #include "asip/model/description.hpp"
 #include "cli/ask/bus_session.hpp"
 
@@ -74,7 +74,7 @@ class BoardSource {
     const std::string& registry() const { return registry_; }
     /// What was read from the bus itself; `read_bus` reads it, with a window for answers to a probe or
     /// without.
-    const bus::Mirror& bus() const { return catalogue_; }
+    catalogue::BusView& bus() { return view_; }
     void read_bus(bool probe);
     /// Called for each description that is published while we look (not for those retained).
     void on_announcement(std::function<void(const std::string& board, const std::string& session)> handler) {
@@ -97,7 +97,7 @@ class BoardSource {
 
     const Environment& environment_;
     BusSession& session_;
-    bus::Mirror catalogue_;
+    catalogue::BusView view_;
     std::vector<std::string> online_registries_;  // by their retained state
     std::string registry_;
     std::function<void(const std::string&, const std::string&)> announced_;
@@ -105,6 +105,8 @@ class BoardSource {
     bool no_registry_ = false;
     bool bus_subscribed_ = false;
     std::set<std::string> listened_;  // filters
+    std::set<std::string> told_;  // boards whose `$state` has come: behind the description, where both are
+                                  // stored
     std::vector<BusSession::Subscription> subscriptions_;
 };
 

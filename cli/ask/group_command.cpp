@@ -62,7 +62,7 @@ class GroupSender {
             auto command = command_for(board);
             if (!command) return tl::unexpected(command.error());
             auto& member = members_.emplace_back(Member{name, std::move(*command)});
-            if (board.item.state == "lost") member.reply = refused_as_lost("nothing was sent");
+            if (board.item.state == "lost") member.reply = refused_as_lost(board.item, "nothing was sent");
         }
         if (!offline.empty()) environment_.note("offline, left out: " + offline);
         if (members_.empty()) return failure(program::kExitNoAnswer, "none of these boards is there");

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "asip/catalogue/bus_view.hpp"
 #include "asip/model/board_state.hpp"
 #include "asip/model/description.hpp"
 #include "cli/ask/board_source.hpp"
@@ -12,35 +13,38 @@
 namespace asip::cli {
 namespace {
 
-/// What the retained topics hold of each board and registry.
+/// What the retained topics show of boards and registries.
 struct Claims {
-    std::map<std::string, std::string> states;
-    std::set<std::string> described;
+    catalogue::BusView boards;
     std::map<std::string, std::string> registries;
 
-    Claims(const bus::Topics& topics, const std::vector<Retained>& all) {
-        for (const auto& message : all) {
-            const auto ref = topics.parse(message.topic);
+    Claims(const bus::Topics& topics, const std::vector<Retained>& all) : boards(topics) {
+        for (const auto& [topic, payload, expiry_seconds] : all) {
+            const auto ref = topics.parse(topic);
             if (!ref) continue;
-            const std::string name(ref->board);
-            if (ref->kind == bus::TopicKind::kState) states[name] = message.payload;
-            if (ref->kind == bus::TopicKind::kDescription) described.insert(name);
-            if (ref->kind == bus::TopicKind::kRegistryState) registries[name] = message.payload;
+            if (ref->kind == bus::TopicKind::kRegistryState) registries[std::string(ref->board)] = payload;
+            // Names are said, not stored: they make no board.
+            if (ref->kind != bus::TopicKind::kState && ref->kind != bus::TopicKind::kDescription) continue;
+            mqtt::Message message;
+            message.topic = topic;
+            message.payload = payload;
+            message.retain = true;
+            message.expiry_seconds = expiry_seconds;
+            boards.apply(message, kThen);
         }
     }
 
-    bool announced(const std::string& board) const {
-        return states.count(board) != 0 || described.count(board) != 0;
+    /// Empty for a board that seems alive.
+    std::string why_gone(const std::string& board) {
+        const auto known = boards.board(board, {kThen, {}});
+        const auto state = known ? model::board_state_from_text(known->state) : std::nullopt;
+        if (state && model::is_there(*state)) return {};
+        if (known && known->reason == to_text(model::StateReason::kExpired)) return "its lease ran out";
+        return "the board is " + (known ? known->state : "not announced");
     }
 
-    /// Empty for a board that seems alive.
-    std::string why_gone(const std::string& board) const {
-        const auto state = states.find(board);
-        if (state != states.end() && state->second == "offline") return "the board is offline";
-        if (state != states.end() && state->second == "lost") return "the board is lost";
-        if (described.count(board) == 0) return "its lease ran out";
-        return {};
-    }
+  private:
+    static constexpr Time kThen = Time{} + std::chrono::hours(1);  // all of it is of one moment
 };
 
 bool is_command(bus::TopicKind kind) {
@@ -73,18 +77,19 @@ bool looks_like_command(std::string_view topic) {
 
 Outcome<std::vector<Retained>> read_retained(const Environment& environment, BusSession& session,
                                              const std::vector<std::string>& filters) {
-    std::map<std::string, std::string> found;
+    std::map<std::string, Retained> found;
     std::vector<BusSession::Subscription> subscriptions;
     for (const auto& filter : filters) {
         subscriptions.push_back(session.subscribe(filter, [&found](const mqtt::Message& message) {
-            if (message.retain && !message.payload.empty()) found[message.topic] = message.payload;
+            if (message.retain && !message.payload.empty())
+                found[message.topic] = {message.topic, message.payload, message.expiry_seconds};
         }));
     }
     session.wait_retained([] { return false; }, environment.timeout);
     if (const auto heard = session.heard_all(); !heard) return tl::unexpected(heard.error());
     std::vector<Retained> result;
-    for (auto& [topic, payload] : found)
-        result.push_back({topic, std::move(payload)});
+    for (auto& [topic, message] : found)
+        result.push_back(std::move(message));
     return result;
 }
 
@@ -100,7 +105,7 @@ Outcome<void> clear_retained(const Environment& environment, BusSession& session
 }
 
 std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vector<Retained>& all) {
-    const Claims claims(topics, all);
+    Claims claims(topics, all);
     std::vector<Lingering> result;
     for (const auto& message : all) {
         const auto ref = topics.parse(message.topic);
@@ -130,7 +135,7 @@ std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vect
         } else if (name.empty()) {
             result.push_back(
                 {Lingering::Kind::kOrphan, message.topic, {}, "an announcement is not to be retained"});
-        } else if (!claims.announced(name)) {
+        } else if (!claims.boards.knows(name)) {
             result.push_back({Lingering::Kind::kOrphan, message.topic, name, "this board is not announced"});
         } else if (auto why = claims.why_gone(name); !why.empty()) {
             result.push_back({Lingering::Kind::kGoneBoard, message.topic, name, std::move(why)});
@@ -142,11 +147,8 @@ std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vect
 }
 
 std::set<std::string> announced_boards(const bus::Topics& topics, const std::vector<Retained>& all) {
-    const Claims claims(topics, all);
-    auto boards = claims.described;
-    for (const auto& [board, state] : claims.states)
-        boards.insert(board);
-    return boards;
+    const auto names = Claims(topics, all).boards.names();
+    return {names.begin(), names.end()};
 }
 
 std::vector<std::string> topics_of_board(const bus::Topics& topics, const std::vector<Retained>& all,
@@ -162,8 +164,7 @@ std::vector<std::string> topics_of_board(const bus::Topics& topics, const std::v
 }
 
 bool seems_alive(const bus::Topics& topics, const std::vector<Retained>& all, const std::string& board) {
-    const Claims claims(topics, all);
-    return claims.announced(board) && claims.why_gone(board).empty();
+    return Claims(topics, all).why_gone(board).empty();
 }
 
 }  // namespace asip::cli

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -14,6 +16,7 @@ namespace asip::cli {
 struct Retained {
     std::string topic;
     std::string payload;
+    std::optional<std::uint32_t> expiry_seconds{};  ///< what is left of it
 };
 
 /// Reads what the broker has retained for `filters`: fails where the broker is lost, or the user ends it.
@@ -27,7 +30,7 @@ Outcome<void> clear_retained(const Environment& environment, BusSession& session
 /// Something retained that is no longer needed, and why.
 struct Lingering {
     enum class Kind {
-        kGoneBoard,     ///< of a board that is "offline" or "lost", or whose lease ran out
+        kGoneBoard,     ///< of a board that is "offline" or "lost"
         kCommand,       ///< would be executed again at each reconnection of a careless client
         kOrphan,        ///< a value of a board that is not announced
         kInvalidName,   ///< announced under a name that is not valid
@@ -50,8 +53,7 @@ std::set<std::string> announced_boards(const bus::Topics& topics, const std::vec
 std::vector<std::string> topics_of_board(const bus::Topics& topics, const std::vector<Retained>& all,
                                          const std::string& board);
 
-/// Whether the board is alive according to what is retained: online (or asleep, or being updated), and
-/// described where descriptions end with their lease.
+/// Whether the board is there according to what is retained.
 bool seems_alive(const bus::Topics& topics, const std::vector<Retained>& all, const std::string& board);
 
 }  // namespace asip::cli

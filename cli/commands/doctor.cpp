@@ -2,6 +2,7 @@
 #include "cli/commands/doctor.hpp"
 
 #include <algorithm>
+#include <list>
 #include <ostream>
 
 #include "asip/protocol/request.hpp"
@@ -19,7 +20,7 @@ using namespace std::chrono_literals;
 
 constexpr int kWarmUps = 20;
 constexpr int kRoundTrips = 9;
-constexpr std::size_t kMaxPingedBoards = 200;
+constexpr std::size_t kMaxOpenPings = 200;
 
 /// Gathers what the checks judge.
 class Examination {
@@ -95,36 +96,56 @@ class Examination {
             if (online) seen_.registries.emplace_back(ref->board);
         }
         if (!seen_.registries.empty() && !environment_.from_bus) {
+            seen_.asked = std::chrono::system_clock::now();
             if (auto boards = source_.boards({})) seen_.boards = std::move(*boards);
             seen_.registry = source_.registry();
-            seen_.now = std::chrono::system_clock::now();
+            seen_.answered = std::chrono::system_clock::now();
         }
-        if (seen_.registry.empty()) seen_.boards = source_.bus().boards(Clock::now());
+        if (seen_.registry.empty()) seen_.boards = source_.bus().boards({}, catalogue::instant_now());
         seen_.bad_documents = source_.bus().refused();
     }
 
+    struct Asked {
+        BusSession::Request request;
+        Time until;
+        bool answered = false;
+    };
+
+    /// All of them, a few at a time.
     void ping_boards() {
-        std::vector<BusSession::Request> requests;
-        for (const auto& board : seen_.boards) {
-            if (board.state != "online" || board.names_only || requests.size() >= kMaxPingedBoards) continue;
-            auto& result = seen_.pings[board.board];
-            requests.push_back(session_.ask(
-                environment_.topics.board_in(board.board), std::string(protocol::kAskInfo),
-                [&](const mqtt::Message& message) {
-                    if (auto reply = bus::parse_reply(message.payload)) result.reply = std::move(*reply);
-                    result.properties_lost = session_.v5() && message.correlation.empty();
-                    ++answers_;
-                },
-                1));
+        std::vector<std::string> boards;
+        for (const auto& board : seen_.boards)
+            if (board.state == "online" && !board.names_only) boards.push_back(board.board);
+        std::list<Asked> asked;
+        for (auto next = boards.begin(); (next != boards.end() || !asked.empty()) && !session_.stopped();) {
+            for (; next != boards.end() && asked.size() < kMaxOpenPings; ++next)
+                ping(*next, asked.emplace_back());
+            session_.run_until([&asked] { return std::any_of(asked.begin(), asked.end(), is_answered); },
+                               asked.front().until);
+            const auto now = Clock::now();
+            std::erase_if(asked, [now](const Asked& one) { return one.answered || now >= one.until; });
         }
-        session_.run_until([&] { return answers_ >= requests.size(); }, Clock::now() + environment_.timeout);
+    }
+
+    static bool is_answered(const Asked& one) { return one.answered; }
+
+    void ping(const std::string& board, Asked& asked) {
+        auto& result = seen_.pings[board];
+        asked.until = Clock::now() + environment_.timeout;
+        asked.request = session_.ask(
+            environment_.topics.board_in(board), std::string(protocol::kAskInfo),
+            [this, &result, &asked](const mqtt::Message& message) {
+                if (auto reply = bus::parse_reply(message.payload)) result.reply = std::move(*reply);
+                result.properties_lost = session_.v5() && message.correlation.empty();
+                asked.answered = true;
+            },
+            1);
     }
 
     Environment& environment_;
     BusSession& session_;
     BoardSource& source_;
     Observations seen_;
-    std::size_t answers_ = 0;
 };
 
 int print(const Findings& findings, const DoctorOptions& options, Environment& environment) {

@@ -45,7 +45,7 @@ class Follower {
           environment_(environment),
           session_(environment),
           source_(environment, session_),
-          catalogue_(environment.topics),
+          view_(environment.topics),
           records_(options.output, RecordPrinter::Count::kStream, environment.out) {}
 
     int run() {
@@ -121,9 +121,9 @@ class Follower {
 
     /// What was there before the first look is not a change.
     void take_announcement(const mqtt::Message& message) {
-        const auto name = catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
+        const auto name = view_.apply(message, Clock::now());
         if (name.empty()) return;
-        const auto board = catalogue_.board(name, Clock::now());
+        const auto board = view_.board(name, catalogue::instant_now());
         const auto state = board ? board->state : std::string();
         const auto known = states_.find(name);
         const auto was = known == states_.end() ? std::string() : known->second;
@@ -136,6 +136,7 @@ class Follower {
         change.what = was.empty() ? "added" : state.empty() ? "forgotten" : "state";
         change.state = state;
         change.was = was;
+        if (board) change.reason = board->reason;
         print(change);
     }
 
@@ -159,7 +160,7 @@ class Follower {
     Environment& environment_;
     BusSession session_;
     BoardSource source_;
-    bus::Mirror catalogue_;
+    catalogue::BusView view_;
     RecordPrinter records_;
     Table table_ = change_table();
     std::map<std::string, std::string> states_;

@@ -65,7 +65,7 @@ class Labeller {
   private:
     struct Asked {
         std::string board;
-        bool lost = false;
+        std::optional<bus::BoardItem> lost{};
         std::optional<bus::Reply> reply{};
         std::string set_aside{};
         std::string fault{};
@@ -152,7 +152,8 @@ class Labeller {
                     board.description ? "it is offline: its agent has ended" : "it " + why_none(board));
                 continue;
             }
-            asked_.emplace_back(Asked{board.item.board}).lost = board.item.state == "lost";
+            auto& asked = asked_.emplace_back(Asked{board.item.board});
+            if (board.item.state == "lost") asked.lost = board.item;
         }
         std::list<Asked*> there;
         for (auto& asked : asked_)
@@ -233,7 +234,7 @@ class Labeller {
         if (asked.reply) return *asked.reply;
         if (const auto topic = environment_.topics.board_in(asked.board); session_.denied(topic))
             return refused_by_broker(topic);
-        if (asked.lost) return refused_as_lost("nothing was kept");
+        if (asked.lost) return refused_as_lost(*asked.lost, "nothing was kept");
         return bus::Reply::timeout(std::string(kNoAnswer));
     }
 

@@ -11,6 +11,7 @@
 #include "cli/ask/board_source.hpp"
 #include "cli/commands/watch.hpp"
 #include "cli/declaration.hpp"
+#include "cli/text/state_text.hpp"
 #include "cli/text/width.hpp"
 
 namespace asip::cli {
@@ -141,9 +142,10 @@ int show_all(const ListOptions& options, const std::optional<Where>& where, Envi
 }
 
 const std::vector<std::string> kListFields{
-    "board", "state",   "reported", "chip",  "sketch", "protocol",   "lease",     "age",      "link",
-    "agent", "session", "services", "name",  "kind",   "title",      "count",     "label",    "labels",
-    "names", "period",  "id",       "model", "since",  "first_seen", "last_seen", "conflict", "names_only"};
+    "board", "state", "reported", "chip",       "sketch",    "protocol", "lease",
+    "age",   "link",  "agent",    "session",    "services",  "name",     "kind",
+    "title", "count", "label",    "labels",     "names",     "reason",   "period",
+    "id",    "model", "since",    "first_seen", "last_seen", "conflict", "names_only"};
 
 }  // namespace
 
@@ -156,7 +158,7 @@ Colour state_colour(std::string_view state) {
 
 Table board_table(bool wide) {
     std::vector<Column> columns{
-        {"BOARD"},    {"STATE"}, {"CHIP", false, 6}, {"SKETCH", false, 6}, {"SERVICES", false, 10},
+        {"BOARD"},    {"STATE", false, 7}, {"CHIP", false, 6}, {"SKETCH", false, 6}, {"SERVICES", false, 10},
         {"ANNOUNCED"}};
     if (wide) {
         columns.insert(columns.end(), {{"LABELS", false, 8},
@@ -174,7 +176,7 @@ void add_board(Table& table, const bus::BriefBoard& board, const bus::BriefBoard
     if (board.conflict) {
         table.add_cell(std::string(board.state) + "!", Colour::kRed);
     } else {
-        table.add_cell(board.state, state_colour(board.state));
+        table.add_cell(state_text(board.state, board.reason, board.state_age), state_colour(board.state));
     }
     if (above != nullptr && board.like(*above)) {
         table.add_cells_above(3);

@@ -142,10 +142,10 @@ class Player {
         with([this](Time now, auto& out) { board_.tick(now, out); });
     }
     void play(const RecordedMessage& message) {
-        with([&](Time, auto& out) { board_.play(message, out); });
+        with([&](Time now, auto& out) { board_.play(message, now, out); });
     }
     void end(std::function<void()> ended) {
-        with([this](Time, auto& out) { board_.goodbye(out); });
+        with([this](Time now, auto& out) { board_.goodbye(now, out); });
         client_->stop(kGoodbyePatience, std::move(ended));
     }
 

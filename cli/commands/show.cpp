@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "asip/bus/board_match.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/json.hpp"
 #include "asip/protocol/pin.hpp"
@@ -13,6 +14,7 @@
 #include "cli/commands/list.hpp"
 #include "cli/declaration.hpp"
 #include "cli/find/target.hpp"
+#include "cli/text/state_text.hpp"
 #include "cli/text/width.hpp"
 
 namespace asip::cli {
@@ -251,7 +253,7 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
                        bool colour) {
     const auto& item = board.item;
     auto text = painted(for_terminal(item.board), Colour::kBold, colour) + "  " +
-                painted(for_terminal(item.state), state_colour(item.state), colour) + "\n";
+                painted(for_terminal(state_text(item)), state_colour(item.state), colour) + "\n";
     if (!item.reported.empty() && item.reported != item.state)
         text += labelled("reported", item.reported, colour);
     if (item.conflict) {

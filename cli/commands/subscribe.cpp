@@ -6,7 +6,8 @@
 #include <ostream>
 #include <set>
 
-#include "asip/bus/mirror.hpp"
+#include "asip/bus/board_match.hpp"
+#include "asip/catalogue/bus_view.hpp"
 #include "cli/declaration.hpp"
 #include "cli/events/context_event.hpp"
 #include "cli/events/event_pace.hpp"
@@ -102,7 +103,7 @@ class Subscriber {
           environment_(environment),
           targets_(std::move(targets)),
           labels_(std::move(labels)),
-          catalogue_(environment.topics),
+          view_(environment.topics),
           printer_(options, environment),
           pace_(options.changes, options.max_hz) {}
 
@@ -111,8 +112,7 @@ class Subscriber {
         for (const auto& filter : descriptions()) {
             subscriptions_.push_back(
                 session.subscribe(filter, [this, &session](const mqtt::Message& message) {
-                    const auto board =
-                        catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
+                    const auto board = view_.apply(message, Clock::now());
                     if (!board.empty() && !labels_.empty()) demand_of_chosen(session, board);
                 }));
         }
@@ -167,7 +167,7 @@ class Subscriber {
 
     model::ModelPtr model_of(const ContextEvent& event) const {
         if (event.kind != ContextEvent::Kind::kValue) return nullptr;
-        if (const auto* description = catalogue_.description(event.board)) {
+        if (const auto* description = view_.description(event.board)) {
             for (const auto& service : description->services) {
                 if (service.name == event.service) return bus::model_of(service, environment_.models());
             }
@@ -189,14 +189,14 @@ class Subscriber {
 
     bool is_chosen(const std::string& board) const {
         if (labels_.empty()) return true;
-        const auto* description = catalogue_.description(board);
+        const auto* description = view_.description(board);
         return description != nullptr && labels_.matches(description->labels.labels);
     }
 
     void take(const mqtt::Message& message) {
         if (enough()) return;
         auto event = context_event(environment_.topics, message.topic, message.payload);
-        if (!event || !is_wanted(*event, targets_, catalogue_.description(event->board))) return;
+        if (!event || !is_wanted(*event, targets_, view_.description(event->board))) return;
         if (!is_chosen(event->board)) return;
         event->retained = message.retain;
         event->time = std::chrono::system_clock::now();
@@ -214,7 +214,7 @@ class Subscriber {
     Environment& environment_;
     std::vector<Target> targets_;
     bus::LabelSelector labels_;
-    bus::Mirror catalogue_;
+    catalogue::BusView view_;
     EventPrinter printer_;
     EventPace pace_;
     std::map<std::string, std::optional<Time>> last_;

@@ -18,6 +18,7 @@
 #include "cli/events/top_model.hpp"
 #include "cli/find/target.hpp"
 #include "cli/terminal.hpp"
+#include "cli/text/state_text.hpp"
 
 namespace asip::cli {
 namespace {
@@ -36,7 +37,7 @@ class Top {
         : options_(options),
           environment_(environment),
           session_(environment),
-          catalogue_(environment.topics),
+          view_(environment.topics),
           model_(5s) {}
 
     int run() {
@@ -53,7 +54,7 @@ class Top {
         };
         const auto documents = session_.subscribe(environment_.topics.stats("+"), take, {.retained = false});
         session_.on_connection_change(
-            [this](bool connected, const std::string& why) { lost_ = connected ? "" : why; });
+            [this](bool connected, const std::string& why) { lost_ = connected ? "" : not_known_text(why); });
         if (const auto connected = session_.connect(); !connected)
             return environment_.fail_with(connected.error());
         environment_.note("agents publish what they counted every 15 s");
@@ -77,7 +78,7 @@ class Top {
         const auto errors =
             session_.subscribe(environment_.topics.service_error("+", "+"), report, {.retained = false});
         session_.on_connection_change(
-            [this](bool connected, const std::string& why) { lost_ = connected ? "" : why; });
+            [this](bool connected, const std::string& why) { lost_ = connected ? "" : not_known_text(why); });
         if (const auto connected = session_.connect(); !connected)
             return environment_.fail_with(connected.error());
         session_.publish(environment_.topics.probe(), "");
@@ -93,7 +94,7 @@ class Top {
     }
 
     std::optional<Failure> which_is_missing() const {
-        const auto names = catalogue_.names();
+        const auto names = view_.names();
         const auto is_it = [this](const std::string& name) { return wanted(name); };
         if (options_.pattern == "*" || std::any_of(names.begin(), names.end(), is_it)) return std::nullopt;
         return no_such_board(options_.pattern, names);
@@ -103,9 +104,9 @@ class Top {
 
     void take_announcement(const mqtt::Message& message) {
         const auto now = Clock::now();
-        const auto name = catalogue_.apply(message.topic, message.payload, message.retain, now);
+        const auto name = view_.apply(message, now);
         if (name.empty() || !wanted(name)) return;
-        const auto board = catalogue_.board(name, now);
+        const auto board = view_.board(name, catalogue::instant_now());
         if (!board) return;
         model_.state(name, board->state);
         for (const auto& service : board->services)
@@ -127,7 +128,7 @@ class Top {
         for (const auto& [name, request] : pings_)
             model_.round_trip(name, std::nullopt);
         pings_.clear();
-        for (const auto& board : catalogue_.boards(Clock::now())) {
+        for (const auto& board : view_.boards({}, catalogue::instant_now())) {
             if (!wanted(board.board) || board.state != "online" || board.names_only ||
                 ++count > kMaxPingsAtOnce)
                 continue;
@@ -165,7 +166,7 @@ class Top {
     Environment& environment_;
     bool redraws_ = environment_.terminal() && knows_escapes(program::environment_variable("TERM"));
     BusSession session_;
-    bus::Mirror catalogue_;
+    catalogue::BusView view_;
     TopModel model_;
     StatsModel stats_;
     std::map<std::string, BusSession::Request> pings_;  // those without an answer

@@ -6,7 +6,7 @@
 #include <optional>
 #include <ostream>
 
-#include "asip/bus/mirror.hpp"
+#include "asip/catalogue/bus_view.hpp"
 #include "asip/model/board_state.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/wall_time.hpp"
@@ -14,6 +14,7 @@
 #include "cli/declaration.hpp"
 #include "cli/events/context_event.hpp"
 #include "cli/find/target.hpp"
+#include "cli/text/state_text.hpp"
 
 namespace asip::cli {
 namespace {
@@ -27,7 +28,7 @@ class Waiter {
           targets_{std::move(target)},
           for_state_(model::board_state_from_text(options.what).has_value()),
           session_(environment),
-          catalogue_(environment.topics) {}
+          view_(environment.topics) {}
 
     int run() {
         watch_announcements();
@@ -52,9 +53,7 @@ class Waiter {
     const std::string& board() const { return targets_.front().board; }
 
     void watch_announcements() {
-        const auto take = [this](const mqtt::Message& message) {
-            catalogue_.apply(message.topic, message.payload, message.retain, Clock::now());
-        };
+        const auto take = [this](const mqtt::Message& message) { view_.apply(message, Clock::now()); };
         for (const auto& topic :
              {environment_.topics.state(board()), environment_.topics.description(board()),
               environment_.topics.service_names(board())})
@@ -73,7 +72,7 @@ class Waiter {
     void take_event(const mqtt::Message& message) {
         auto event = context_event(environment_.topics, message.topic, message.payload);
         if (!event || event->kind != ContextEvent::Kind::kValue) return;
-        if (!is_wanted(*event, targets_, catalogue_.description(board()))) return;
+        if (!is_wanted(*event, targets_, view_.description(board()))) return;
         const auto document = model::parse_json(event->payload);
         if (!document || !document->is_object() || !document->contains(options_.what)) return;
         event->time = std::chrono::system_clock::now();
@@ -82,24 +81,25 @@ class Waiter {
 
     /// What it is now, for people.
     std::string present() const {
-        const auto known = catalogue_.board(board(), Clock::now());
+        const auto known = view_.board(board(), catalogue::instant_now());
         if (!known) return "the board is not announced";
         if (!reported(*known)) return "its state is not known: only an old description is retained";
-        return "the board is " + known->state;
+        return "the board is " + state_text(*known);
     }
 
-    /// A description may arrive before the state, and an old one without an agent has none. Boards without
-    /// states are those that are heard.
+    /// Of what is retained the description may arrive before the state that contradicts it; an old one
+    /// without an agent has none. Boards without states are those that are heard.
     bool reported(const bus::BoardItem& known) const {
-        return !known.reported.empty() || (known.age >= 0 && retained_ && retained_->passed());
+        const bool all_retained = retained_ && retained_->passed();
+        return all_retained ? !known.reported.empty() || known.age >= 0 : known.age >= 0 && !known.names_only;
     }
 
     bool came() const {
         if (!for_state_) return event_.has_value();
-        const auto known = catalogue_.board(board(), Clock::now());
+        const auto known = view_.board(board(), catalogue::instant_now());
         if (!known || known->state != options_.what || !reported(*known)) return false;
         // An online board can be used once it has a description.
-        return options_.what != "online" || known->names_only || catalogue_.description(board()) != nullptr;
+        return options_.what != "online" || known->names_only || view_.description(board()) != nullptr;
     }
 
     int print() const {
@@ -121,7 +121,7 @@ class Waiter {
     std::vector<Target> targets_;
     bool for_state_;
     BusSession session_;
-    bus::Mirror catalogue_;
+    mutable catalogue::BusView view_;  // leases are judged by looking
     std::optional<BusSession::Mark> retained_;
     std::optional<ContextEvent> event_;
     std::vector<BusSession::Subscription> subscriptions_;

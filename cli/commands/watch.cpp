@@ -6,10 +6,12 @@
 #include <ostream>
 #include <sstream>
 
+#include "asip/bus/board_match.hpp"
 #include "asip/bus/catalogue_view.hpp"
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
 #include "cli/ask/board_source.hpp"
+#include "cli/text/state_text.hpp"
 #include "cli/text/width.hpp"
 
 namespace asip::cli {
@@ -27,7 +29,7 @@ class RegistryWatch {
                 if (const auto event = bus::parse_change_event(message.payload)) view_.event(*event);
             });
         session_.on_connection_change([this](bool connected, const std::string& why) {
-            environment_.note(connected ? "connected again" : why);
+            environment_.note(connected ? "connected again" : not_known_text(why));
             if (connected) view_.restart();
             asked_at_.reset();
         });
@@ -94,11 +96,16 @@ int watch_registry(const ListOptions& options, Environment& environment, ChangeP
 int watch_bus(const ListOptions& options, Environment& environment, ChangePrinter& printer) {
     BusSession session(environment);
     session.tell_refused_subscriptions();
-    bus::Mirror catalogue(environment.topics);
-    std::vector<std::string> changed;
+    catalogue::BusView view(environment.topics, [&](std::string_view reference) {
+        return model::units_of(environment.models(), reference);
+    });
+    session.on_connection_change([&](bool connected, const std::string& why) {
+        environment.note(connected ? "connected again" : not_known_text(why));
+        connected ? view.connected(Clock::now()) : view.disconnected();
+    });
+    std::set<std::string> changed;
     const auto take = [&](const mqtt::Message& message) {
-        auto name = catalogue.apply(message.topic, message.payload, message.retain, Clock::now());
-        if (!name.empty()) changed.push_back(std::move(name));
+        if (auto name = view.apply(message, Clock::now()); !name.empty()) changed.insert(std::move(name));
     };
     const auto announcements = session.subscribe(environment.topics.board_names() + "/+/+", take);
     const auto services = session.subscribe(environment.topics.service_names("+"), take);
@@ -108,7 +115,7 @@ int watch_bus(const ListOptions& options, Environment& environment, ChangePrinte
     session.run_for(kRetainedPatience);
     while (!session.stopped()) {
         for (const auto& name : changed) {
-            const auto board = catalogue.board(name, Clock::now());
+            const auto board = view.board(name, catalogue::instant_now());
             if (!board) {
                 environment.out << printer.gone(name) << std::flush;
             } else if (wanted(options, *board, environment)) {
@@ -116,7 +123,10 @@ int watch_bus(const ListOptions& options, Environment& environment, ChangePrinte
             }
         }
         changed.clear();
-        session.run_until([&] { return !changed.empty(); }, Clock::now() + 1h);
+        const auto next = view.next_expiry();
+        session.run_until([&] { return !changed.empty(); },
+                          std::min(next.value_or(Time::max()), Clock::now() + 1h));
+        changed.merge(view.expired(Clock::now()));
         // A description and a state that come together are one change.
         session.run_for(30ms);
     }
@@ -189,6 +199,8 @@ std::string ChangePrinter::changed(const bus::BoardItem& seen) {
     essence.age = 0;
     essence.seq = 0;
     essence.last_seen = {};
+    essence.first_seen = essence.since = {};  // they differ by what clocks are read to
+    essence.state_age = -1;
     essence.description.clear();
     auto text = model::dump_json(bus::to_json(essence));
     auto& shown = shown_[board.board];

@@ -10,6 +10,7 @@
 #include "asip/mqtt/options.hpp"
 #include "asip/text/duration.hpp"
 #include "asip/text/wall_time.hpp"
+#include "cli/text/state_text.hpp"
 #include "cli/text/table.hpp"
 #include "cli/text/width.hpp"
 
@@ -161,6 +162,15 @@ Findings check_boards(const Observations& seen) {
     return result;
 }
 
+namespace {
+
+bool answers(const Observations& seen, const std::string& board) {
+    const auto ping = seen.pings.find(board);
+    return ping != seen.pings.end() && ping->second.reply && ping->second.reply->succeeded();
+}
+
+}  // namespace
+
 Findings check_states(const Observations& seen) {
     Findings result;
     for (const auto& board : seen.boards) {
@@ -174,14 +184,16 @@ Findings check_states(const Observations& seen) {
             result.push_back(problem(
                 board.board + " is retained as online, but the registry counts it as lost: its lease ran out",
                 "restart its agent, or: asipctl forget " + board.board));
-        } else if (kept == "lost" && seen.pings.count(board.board) != 0 && board.state == "online") {
-            result.push_back(problem(board.board + " is retained as lost by a late will, but it is there",
+        } else if (kept == "lost" && answers(seen, board.board) && board.state == "online") {
+            result.push_back(problem(board.board + " is retained as lost by a late will, but it answers",
                                      "its agent should put that right at once: restart it"));
         } else if (board.state == "lost") {
-            result.push_back(
-                note(board.board + " is lost", "start its agent again, or: asipctl forget " + board.board +
-                                                   ". An agent that was killed leaves its board at a fast "
-                                                   "rate: until a restart, others read garbage at its port"));
+            const bool agent_gone = board.reason == model::to_text(model::StateReason::kAgentGone);
+            result.push_back(note(
+                board.board + " is " + state_text(board),
+                what_to_do(board) + (agent_gone ? ". An agent that was killed leaves its board at a fast "
+                                                  "rate: until a restart, others read garbage at its port"
+                                                : "")));
         }
     }
     for (const auto& [topic, reason] : seen.bad_documents) {
@@ -241,7 +253,10 @@ Findings check_clocks(const Observations& seen) {
         if (board.age < 0 || board.last_seen == text::WallTime{}) continue;
         const auto registry_now = board.last_seen + std::chrono::duration_cast<std::chrono::milliseconds>(
                                                         std::chrono::duration<double>(board.age));
-        const std::chrono::duration<double> skew = seen.now - registry_now;
+        // What an answer needed to come here, page after page, is no difference of clocks.
+        std::chrono::duration<double> skew{};
+        if (registry_now < seen.asked) skew = seen.asked - registry_now;
+        if (registry_now > seen.answered) skew = seen.answered - registry_now;
         if (skew < kClockTolerance && skew > -kClockTolerance)
             return {fine("our clock and the registry's agree")};
         const auto size = std::chrono::duration<double>(std::abs(skew.count()));

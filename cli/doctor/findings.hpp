@@ -51,8 +51,9 @@ struct Observations {
     std::map<std::string, std::string> bad_documents{};  ///< topic, reason
     /// Of each board, seen announcing while we looked.
     std::map<std::string, std::set<std::string>> sessions{};
-    std::map<std::string, PingResult> pings{};    ///< of boards whose state is "online"
-    std::chrono::system_clock::time_point now{};  ///< by our clock, when the registry answered
+    std::map<std::string, PingResult> pings{};  ///< of boards whose state is "online"
+    /// By our clock: the registry wrote its answers between the two.
+    std::chrono::system_clock::time_point asked{}, answered{};
     Machine machine{};
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/events/change_record.hpp"
 
+#include "asip/model/board_state.hpp"
 #include "asip/text/wall_time.hpp"
 #include "cli/commands/list.hpp"
 
@@ -32,6 +33,11 @@ std::string command_words(const bus::HistoryItem& command) {
     return command.reason.empty() ? words : words + "; " + command.reason;
 }
 
+std::string reason_words(const std::string& reason) {
+    const auto words = model::words_of(model::state_reason_from_text(reason));
+    return words.empty() ? reason : std::string(words);
+}
+
 }  // namespace
 
 std::vector<Cell> change_row(const bus::HistoryItem& change) {
@@ -43,7 +49,7 @@ std::vector<Cell> change_row(const bus::HistoryItem& change) {
             change.what,
             Cell(change.state, state_colour(change.state)),
             change.was,
-            change.reason};
+            reason_words(change.reason)};
 }
 
 std::vector<std::string> change_fields() {

@@ -111,7 +111,7 @@ bool ReplayBoard::ready() const {
     return announcer_ ? announcer_->may_publish() : connected_;
 }
 
-void ReplayBoard::play(const RecordedMessage& message, Announcements& out) {
+void ReplayBoard::play(const RecordedMessage& message, Time now, Announcements& out) {
     mqtt::Message copy;
     switch (message.kind) {
         case TopicKind::kBoardIn:
@@ -119,12 +119,16 @@ void ReplayBoard::play(const RecordedMessage& message, Announcements& out) {
         case TopicKind::kStop:
             return;  // what it was asked is there to be read, not to be asked again
         case TopicKind::kDescription:
-            if (auto description = model::parse_description(message.payload); announcer_ && description)
+            if (auto description = model::parse_description(message.payload); announcer_ && description) {
+                const auto said = description->state;
                 describe(std::move(*description));
+                if (said) announcer_->set_state(said->state, said->reason, now, out);
+            }
             return;
         case TopicKind::kState:
-            if (const auto state = model::board_state_from_text(message.payload); announcer_ && state)
-                announcer_->set_state(*state, out);
+            if (const auto state = model::board_state_from_text(message.payload);
+                announcer_ && state && *state != announcer_->state())
+                announcer_->set_state(*state, model::reason_of_word(*state), now, out);
             return;
         case TopicKind::kBoardNames:
         case TopicKind::kServiceNames:
@@ -137,8 +141,8 @@ void ReplayBoard::play(const RecordedMessage& message, Announcements& out) {
     out.publish.push_back({std::move(copy), mqtt::Priority::kContext});
 }
 
-void ReplayBoard::goodbye(Announcements& out) {
-    if (announcer_) announcer_->goodbye(out);
+void ReplayBoard::goodbye(Time now, Announcements& out) {
+    if (announcer_) announcer_->goodbye(now, out);
 }
 
 }  // namespace asip::cli

@@ -47,9 +47,9 @@ class ReplayBoard {
     /// Whether the board is announced, and what it said can be published.
     bool ready() const;
     /// What was recorded of it next.
-    void play(const RecordedMessage& message, member::Announcements& out);
+    void play(const RecordedMessage& message, Time now, member::Announcements& out);
     /// `offline`.
-    void goodbye(member::Announcements& out);
+    void goodbye(Time now, member::Announcements& out);
 
   private:
     void describe(model::Description description);

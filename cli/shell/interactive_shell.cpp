@@ -5,6 +5,7 @@
 #include <csignal>
 #include <ostream>
 
+#include "asip/bus/board_match.hpp"
 #include "asip/program/options.hpp"
 #include "asip/text/nearest.hpp"
 #include "cli/ask/board_source.hpp"
@@ -16,6 +17,7 @@
 #include "cli/shell/run_self.hpp"
 #include "cli/shell/shell_values.hpp"
 #include "cli/shell/shell_words.hpp"
+#include "cli/text/state_text.hpp"
 #include "cli/text/width.hpp"
 
 namespace asip::cli {
@@ -36,7 +38,7 @@ struct InteractiveShell::State {
           board(std::move(its_board)),
           session(environment),
           source(environment, session),
-          mirror(environment.topics),
+          view(environment.topics),
           history(LineHistory::file_of_user(program::environment_variable)),
           editor({[this] { return prompt(); }, [this](std::size_t columns) { return status(columns); },
                   [this](const std::string& typed) {
@@ -70,7 +72,7 @@ struct InteractiveShell::State {
 
     void follow() {
         const auto announcement = [this](const mqtt::Message& message) {
-            mirror.apply(message.topic, message.payload, message.retain, Clock::now());
+            view.apply(message, Clock::now());
             look_at_board();
         };
         for (const auto& filter : {environment.topics.description(board), environment.topics.state(board)})
@@ -82,7 +84,8 @@ struct InteractiveShell::State {
         demand_what_is_shown();
         session.on_connection_change([this](bool connected, const std::string& why) {
             online = connected;
-            say(connected ? "connected again" : why);
+            connected ? view.connected(Clock::now()) : view.disconnected();
+            say(connected ? "connected again" : not_known_text(why));
         });
     }
 
@@ -101,17 +104,17 @@ struct InteractiveShell::State {
     }
 
     void look_at_board() {
-        const auto item = mirror.board(board, Clock::now());
+        const auto item = view.board(board, catalogue::instant_now());
         if (!item) return;
         KnownBoard known{*item, std::nullopt};
-        if (const auto* described = mirror.description(board)) known.description = *described;
+        if (const auto* described = view.description(board)) known.description = *described;
         const auto before = state;
         if (known.description) {
             take_services(known);
         } else {
             state = item->state;
         }
-        if (state != before) say(board + " is " + state);
+        if (state != before) say(board + " is " + state_text(*item));
     }
 
     void take_report(const mqtt::Message& message) {
@@ -125,7 +128,7 @@ struct InteractiveShell::State {
     }
 
     model::ModelPtr model(const std::string& service) const {
-        const auto* described = mirror.description(board);
+        const auto* described = view.description(board);
         if (described == nullptr) return nullptr;
         for (const auto& one : described->services) {
             if (one.name == service) return bus::model_of(one, environment.models());
@@ -219,7 +222,7 @@ struct InteractiveShell::State {
     std::string board;
     BusSession session;
     BoardSource source;
-    bus::Mirror mirror;
+    catalogue::BusView view;
     LineHistory history;
     LineEditor editor;
     ShellValues values;

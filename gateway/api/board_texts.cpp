@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/api/board_texts.hpp"
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/json_text.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/wall_time.hpp"
 
@@ -23,6 +23,7 @@ std::string BoardTexts::text(const bus::BoardItem& board) {
     Entry& entry = entries_[board.board];
     entry.board.age = board.age;
     entry.board.last_seen = board.last_seen;
+    entry.board.state_age = board.state_age;
     keep_steady(entry.board.first_seen, board.first_seen);
     keep_steady(entry.board.since, board.since);
     if (entry.rest.empty() || !(entry.board == board)) {
@@ -30,13 +31,21 @@ std::string BoardTexts::text(const bus::BoardItem& board) {
         auto object = bus::to_json(board);
         object.erase("age");
         object.erase("last_seen");
+        object.erase("state_age");
         entry.rest = model::dump_json(object).substr(1);
     }
-    if (board.last_seen == text::WallTime{}) return "{" + entry.rest;
-    char age[40];
-    std::snprintf(age, sizeof age, "{\"age\":%.3f",
-                  static_cast<double>(static_cast<long long>(board.age * 1000)) / 1000);
-    return age + (",\"last_seen\":\"" + text::iso_time(board.last_seen) + "\",") + entry.rest;
+    std::string text = "{";
+    if (board.last_seen != text::WallTime{}) {
+        text += R"("age":)";
+        bus::append_json_seconds(text, board.age);
+        text += R"(,"last_seen":")" + text::iso_time(board.last_seen) + "\",";
+    }
+    if (board.state_age >= 0) {
+        text += R"("state_age":)";
+        bus::append_json_seconds(text, board.state_age);
+        text += ',';
+    }
+    return text + entry.rest;
 }
 
 }  // namespace asip::gateway::api

@@ -11,6 +11,14 @@ namespace {
 
 using nlohmann::json;
 
+/// While the broker is away what is known is old: since when stands in the answer, a JSON object.
+std::string with_doubt(const Call& call, std::string text) {
+    const auto& mirror = call.gateway.mirror();
+    if (mirror.connected()) return text;
+    text.pop_back();
+    return text + R"(,"not_known_since":")" + text::iso_time(mirror.connected_since().wall) + "\"}";
+}
+
 void add_list(json& object, const std::string& name, const std::string& value) {
     auto& list = object[name];
     for (std::size_t at = 0; at <= value.size();) {
@@ -55,7 +63,7 @@ void list(Call& call, const char* find) {
     auto answer = call.gateway.mirror().find(*query, call.now(), rights.limited() ? &view : nullptr);
     if (!answer) return send_problem(call, 400, answer.error());
     limit_to(rights, *answer);
-    auto response = text_response(bus::encode(*answer));
+    auto response = text_response(with_doubt(call, bus::encode(*answer)));
     if (!by_time) response.headers.emplace_back("ETag", "W/" + etag);
     call.reply.send(std::move(response));
 }
@@ -144,8 +152,9 @@ void get_board(Call& call) {
     const auto& rights = call.principal.rights;
     auto& board = answer->boards[0];
     limit_to(rights, board);
-    auto response = rights.services.empty() ? text_response(call.gateway.board_texts().text(board))
-                                            : json_response(bus::to_json(board));
+    auto response =
+        text_response(with_doubt(call, rights.services.empty() ? call.gateway.board_texts().text(board)
+                                                               : model::dump_json(bus::to_json(board))));
     response.headers.emplace_back("ETag", "W/" + etag);
     call.reply.send(std::move(response));
 }

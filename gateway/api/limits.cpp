@@ -81,8 +81,8 @@ std::vector<std::string> readable(const std::vector<std::string>& allowed, const
 
 }  // namespace
 
-registry::View view_of(const Rights& rights) {
-    registry::View view{boards_of(rights), {}};
+catalogue::View view_of(const Rights& rights) {
+    catalogue::View view{boards_of(rights), {}};
     if (!rights.services.empty()) {
         view.service = [rights](std::string_view board, std::string_view service) {
             return rights.sees_service(board, service);

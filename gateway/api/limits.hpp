@@ -11,7 +11,7 @@
 namespace asip::gateway::api {
 
 /// What is seen with these rights, for queries of the catalogue. Holds a copy of what it needs.
-registry::View view_of(const Rights& rights);
+catalogue::View view_of(const Rights& rights);
 /// The same for one board; empty: every board.
 ChangeFeed::Allowed boards_of(const Rights& rights);
 

@@ -26,7 +26,7 @@ void get_metrics(Call& call) {
     snapshot.last_values_bytes = mirror.values().last_bytes();
     const auto view = view_of(rights);
     const auto boards = mirror.boards_by_state(view);
-    for (std::size_t i = 0; i < registry::kStates; ++i) {
+    for (std::size_t i = 0; i < catalogue::kStates; ++i) {
         snapshot.boards_by_state.emplace_back(model::to_text(static_cast<model::BoardState>(i)), boards[i]);
     }
     snapshot.services_by_kind = mirror.services_by_kind(view);

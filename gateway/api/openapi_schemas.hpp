@@ -41,7 +41,7 @@ inline constexpr std::string_view kComponents = R"json({
     "board": {"type": "string"}, "state": {"$ref": "#/components/schemas/State"}, "age": {"type": "number"},
     "names_only": {"type": "boolean"}, "session": {"type": "string"}, "seq": {"type": "integer"},
     "lease": {"type": "integer"}, "first_seen": {"type": "string"}, "last_seen": {"type": "string"},
-    "since": {"type": "string"}, "chip": {"type": "string"}, "sketch": {"type": "string"},
+    "since": {"type": "string"}, "reason": {"type": "string"}, "state_age": {"type": "number"}, "chip": {"type": "string"}, "sketch": {"type": "string"},
     "protocol": {"type": "string"}, "agent": {"type": "string"}, "link": {"type": "string"},
     "labels": {"type": "object", "additionalProperties": {"type": "string", "maxLength": 63}},
     "names": {"$ref": "#/components/schemas/Names"}, "conflict": {"type": "object"}, "description": {"type": "object"},

@@ -11,7 +11,7 @@ namespace asip::gateway {
 namespace {
 
 using bus::TopicKind;
-using registry::Event;
+using catalogue::Event;
 
 constexpr Duration kSettleTime = std::chrono::seconds(5);
 constexpr std::size_t kMaxRegistries = 64;
@@ -22,7 +22,7 @@ constexpr std::size_t kMaxKnown = 500;
 constexpr std::size_t kMaxBoardStatsBytes = 8 * 1024;
 constexpr Duration kStatsTime = std::chrono::seconds(45);  // three of the agents' intervals
 
-registry::Instant both(const Instant& now) {
+catalogue::Instant both(const Instant& now) {
     return {now.time, now.wall};
 }
 
@@ -44,8 +44,8 @@ bus::ChangeEvent::Kind kind_of(Event::Kind kind) {
     }
 }
 
-registry::Catalogue::Options catalogue_options(const Mirror::Options& options, const Random& random) {
-    registry::Catalogue::Options result;
+catalogue::Catalogue::Options catalogue_options(const Mirror::Options& options, const Random& random) {
+    catalogue::Catalogue::Options result;
     result.forget_after = options.forget_after;
     result.units_of = options.units_of;
     result.hash_seed = random();
@@ -179,7 +179,7 @@ void Mirror::change(const Event& event, const Instant& now) {
         object["board"] = bus::to_json(*item);
     }
     if (event.kind == Event::Kind::kState) object["was"] = model::to_text(event.was);
-    if (event.reason != Event::Reason::kNone) object["reason"] = registry::to_text(event.reason);
+    if (event.reason != model::StateReason::kNone) object["reason"] = model::to_text(event.reason);
     log_.add(bus::to_string(kind_of(event.kind)), event.board, model::dump_json(object));
 }
 
@@ -209,7 +209,7 @@ std::shared_ptr<const bus::BoardItem> Mirror::known(const std::string& name, con
     return known_[name] = std::make_shared<const bus::BoardItem>(std::move(*item));
 }
 
-Expected<bus::Answer> Mirror::find(const bus::Query& query, const Instant& now, const registry::View* view) {
+Expected<bus::Answer> Mirror::find(const bus::Query& query, const Instant& now, const catalogue::View* view) {
     auto answer = catalogue_.find(query, both(now), view);
     if (answer) {
         answer->epoch = log_.epoch();
@@ -221,7 +221,8 @@ Expected<bus::Answer> Mirror::find(const bus::Query& query, const Instant& now, 
 
 std::vector<std::string> Mirror::board_names() const {
     std::vector<std::string> names;
-    catalogue_.for_each([&](std::string_view name, model::BoardState) { names.emplace_back(name); });
+    catalogue_.for_each(
+        [&](std::string_view name, model::BoardState, model::StateReason) { names.emplace_back(name); });
     return names;
 }
 

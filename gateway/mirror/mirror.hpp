@@ -9,13 +9,13 @@
 
 #include "asip/bus/answer.hpp"
 #include "asip/bus/topics.hpp"
+#include "asip/catalogue/catalogue.hpp"
 #include "asip/mqtt/message.hpp"
 #include "asip/random.hpp"
 #include "gateway/instant.hpp"
 #include "gateway/stream/change_feed.hpp"
 #include "gateway/stream/change_log.hpp"
 #include "gateway/stream/values.hpp"
-#include "registry/catalogue/catalogue.hpp"
 
 namespace asip::gateway {
 
@@ -45,7 +45,7 @@ class Mirror {
         std::string topic_root = "asip";
         Duration forget_after = std::chrono::hours(7 * 24);
         ValueLimits values;
-        registry::UnitsOf units_of;
+        catalogue::UnitsOf units_of;
         /// For a message to ourselves that comes behind all retained ones; the caller subscribes to it.
         std::string own_topic;
     };
@@ -73,9 +73,9 @@ class Mirror {
     std::shared_ptr<const bus::BoardItem> known(const std::string& name, const Instant& now);
     /// `view`: of the asker; null: of somebody who sees everything.
     Expected<bus::Answer> find(const bus::Query& query, const Instant& now,
-                               const registry::View* view = nullptr);
+                               const catalogue::View* view = nullptr);
     std::vector<std::string> board_names() const;
-    std::array<std::size_t, registry::kStates> boards_by_state(const registry::View& view) const {
+    std::array<std::size_t, catalogue::kStates> boards_by_state(const catalogue::View& view) const {
         return catalogue_.boards_by_state(view);
     }
     std::size_t size() const { return catalogue_.size(); }
@@ -91,15 +91,15 @@ class Mirror {
     const std::map<std::string, RegistryInfo>& registries() const { return registries_; }
     /// Of agents that published some within the last 45 s.
     const std::map<std::string, BoardStats>& board_stats() const { return board_stats_; }
-    std::vector<std::pair<std::string, std::size_t>> services_by_kind(const registry::View& view) const {
+    std::vector<std::pair<std::string, std::size_t>> services_by_kind(const catalogue::View& view) const {
         return catalogue_.services_by_kind(view);
     }
     const bus::Topics& topics() const { return topics_; }
 
   private:
     void announcement(const mqtt::Message& message, const bus::TopicRef& topic, const Instant& now);
-    void handle(const std::vector<registry::Event>& events, const Instant& now);
-    void change(const registry::Event& event, const Instant& now);
+    void handle(const std::vector<catalogue::Event>& events, const Instant& now);
+    void change(const catalogue::Event& event, const Instant& now);
     void registry_message(const bus::TopicRef& topic, const mqtt::Message& message, const Instant& now);
     void complete_now(const Instant& now);
     void status(const Instant& now, std::string_view broker);
@@ -110,7 +110,7 @@ class Mirror {
     Port port_;
     ChangeLog log_;
     Values values_;
-    registry::Catalogue catalogue_;
+    catalogue::Catalogue catalogue_;
     // Boards as they were made for somebody, until they change: that costs more than a command.
     std::map<std::string, std::shared_ptr<const bus::BoardItem>> known_;
     std::map<std::string, RegistryInfo> registries_;

@@ -84,8 +84,16 @@ void Journal::came_into(const std::string& board, JournalBoard& known, model::Bo
 void Journal::change(const Event& event, Stamp at, Rows& rows) {
     const std::string_view reason = to_text(event.reason);
     switch (event.kind) {
-        case Event::Kind::kAdded:
         case Event::Kind::kState:
+            // The same state for another reason.
+            if (!reading_ && event.was == event.state) {
+                rows.push_back(row(event.board, at.wall, "state"));
+                rows.back().was = rows.back().state = model::to_text(event.state);
+                rows.back().reason = reason;
+                return;
+            }
+            [[fallthrough]];
+        case Event::Kind::kAdded:
             if (!reading_) added(event.board, event.state, reason, at, rows);
             return;
         case Event::Kind::kForgotten:
@@ -126,15 +134,15 @@ void Journal::command(std::string_view board, std::string_view payload, text::Wa
 
 void Journal::complete(const Catalogue& catalogue, Stamp at, Rows& rows) {
     reading_ = false;
-    catalogue.for_each([&](std::string_view board, model::BoardState state) {
-        added(board, state, to_text(Event::Reason::kRetained), at, rows);
+    catalogue.for_each([&](std::string_view board, model::BoardState state, model::StateReason reason) {
+        added(board, state, to_text(reason), at, rows);
     });
 }
 
 void Journal::end_absent(const Catalogue& catalogue, Stamp at, Rows& rows) {
     for (auto& [board, known] : known_) {
         if (!is_alive(known.state) || catalogue.knows(board)) continue;
-        came_into(board, known, model::BoardState::kLost, to_text(Event::Reason::kLease), at, rows);
+        came_into(board, known, model::BoardState::kLost, to_text(model::StateReason::kExpired), at, rows);
     }
 }
 

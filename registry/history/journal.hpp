@@ -9,7 +9,7 @@
 
 #include "asip/bus/items.hpp"
 #include "asip/bus/query.hpp"
-#include "registry/catalogue/catalogue.hpp"
+#include "registry/catalogue_types.hpp"
 
 namespace asip::registry {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "registry/catalogue/catalogue.hpp"
+#include "registry/catalogue_types.hpp"
 
 namespace asip::registry {
 

@@ -118,7 +118,7 @@ WorldMember::WorldMember(const bus::Topics& topics, WorldIdentity identity,
         poses_.push_back({topics_.service_out(identity_.name, rover)});
     announcer_.describe(description());
     Announcements none;
-    announcer_.set_state(model::BoardState::kOnline, none);
+    announcer_.set_state(model::BoardState::kOnline, model::StateReason::kNone, {}, none);
 }
 
 model::Description WorldMember::description() const {

@@ -50,7 +50,7 @@ class WorldMember {
     Time next_deadline() const;
 
     /// `offline`.
-    void goodbye(member::Announcements& out) { announcer_.goodbye(out); }
+    void goodbye(Time now, member::Announcements& out) { announcer_.goodbye(now, out); }
 
   private:
     /// One event of a service, and what was said last.

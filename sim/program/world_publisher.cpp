@@ -170,7 +170,7 @@ mqtt::Client::Handlers WorldPublisher::handlers() {
 
 void WorldPublisher::end(std::function<void()> ended) {
     if (ended_) return ended();
-    with([this](Time, auto& out) { member_.goodbye(out); });
+    with([this](Time now, auto& out) { member_.goodbye(now, out); });
     ended_ = true;
     timer_.cancel();
     client_->stop(kGoodbye, std::move(ended));

@@ -13,6 +13,7 @@ function row_of(board, at, now) {
   return {
     name: board.board,
     state: board.state,
+    reason: board.reason ?? "",
     chip: board.chip ?? "",
     sketch: board.sketch ?? "",
     conflict: Boolean(board.conflict),

@@ -13,6 +13,14 @@ export function duration_text(ms) {
   return `${Math.floor(hours / 24)} days`;
 }
 
+const reasons = {
+  unplugged: "cable unplugged", silent: "the board answers nothing", "agent-gone": "its agent died or lost the broker",
+  expired: "its agent fell silent and the lease ran out", released: "its port is in other hands",
+  stopped: "its agent was stopped", conflict: "two agents claim its name",
+};
+/// Why a board is in its state; "" where there is nothing to explain. A word of a later version stays as it is.
+export function reason_text(reason) { return reasons[reason] ?? reason ?? ""; }
+
 const clock = new Intl.DateTimeFormat("en-GB", { hour: "2-digit", minute: "2-digit", second: "2-digit" });
 const date = new Intl.DateTimeFormat("en-GB", { day: "numeric", month: "short", year: "numeric" });
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One board: what it is, its pins, its services, its history.
 import { alive, label_texts } from "../core/catalogue.js";
-import { duration_text, moment_text, time_of } from "../core/text.js";
+import { duration_text, moment_text, time_of, reason_text } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
 import { h, Part, set_text, state_mark } from "./dom.js";
 import { boards, status } from "./model.js";
@@ -72,7 +72,8 @@ class Board extends Part {
       this.show_tools();
     }
     const since = row?.since ?? time_of(this.board?.since);
-    set_text(this.since, since === undefined ? "" : `since ${moment_text(since)} (${duration_text(Date.now() - since)})`);
+    const time = since === undefined ? "" : `since ${moment_text(since)} (${duration_text(Date.now() - since)})`;
+    set_text(this.since, [time, reason_text(row?.reason ?? this.board?.reason)].filter(Boolean).join(": "));
     this.classList.toggle("gone", Boolean(state) && !alive(state));
     if (this.tools_for !== rights()) this.show_tools();
   }

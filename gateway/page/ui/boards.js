@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The table of all boards.
 import { alive, states } from "../core/catalogue.js";
-import { duration_text, moment_text, plural } from "../core/text.js";
+import { duration_text, moment_text, plural, reason_text } from "../core/text.js";
 import { moved_row, scroll_to_show, visible_rows } from "../core/virtual.js";
 import { boards } from "./model.js";
 import { h, Part, set_class, set_text } from "./dom.js";
@@ -148,7 +148,9 @@ class Boards extends Part {
     set_text(state.firstChild, board.conflict ? `${board.state}, conflict` : board.state);
     set_class(state.firstChild, `state ${board.state}`);
     set_text(since, board.since === undefined ? "" : duration_text(now - board.since));
-    since.title = board.since === undefined ? "" : `${board.state} since ${moment_text(board.since, now)}`;
+    const why = reason_text(board.reason);
+    since.title = [board.since === undefined ? board.state : `${board.state} since ${moment_text(board.since, now)}`, why].filter(Boolean).join(": ");
+    state.title = why;
     const text = board.services.join("  ");
     set_text(services, text);
     services.title = text;

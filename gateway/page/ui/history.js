@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What happened to one board, or on the whole bus.
-import { moment_text, time_of } from "../core/text.js";
+import { moment_text, reason_text, time_of } from "../core/text.js";
 import { request } from "../net/bus.js";
 import { h, Part, set_text, state_mark } from "./dom.js";
 import { boards } from "./model.js";
 
 const kPage = 50;
-const reasons = { reported: "", will: "connection lost", lease: "not heard in time", announced: "", retained: "" };
 const commands = { command: "", stop: "stopped it", undone: "not renewed, undone:" };
 const happenings = { added: "first seen", state: "", description: "description changed", conflict: "two agents use the name", resolved: "conflict over", forgotten: "forgotten" };
 
@@ -53,7 +52,7 @@ class History extends Part {
 
   row(item) {
     if (item.by) return this.command_row(item);
-    const what = [happenings[item.what] ?? item.what, item.was && `was ${item.was}`, reasons[item.reason] ?? item.reason].filter(Boolean).join(", ");
+    const what = [happenings[item.what] ?? item.what, item.was && `was ${item.was}`, reason_text(item.reason)].filter(Boolean).join(", ");
     return h("tr", {}, h("td", {}, moment_text(time_of(item.at))),
       this.with_board && h("td", {}, h("a", { href: `#/board/${encodeURIComponent(item.board)}` }, item.board)),
       h("td", {}, item.state ? state_mark(item.state) : ""), h("td", {}, what));

@@ -52,7 +52,7 @@ class Banner extends Part {
     const { broker, mirror } = status.now ?? {};
     if (broker?.connected === false) {
       const from = broker.since ? ` since ${clock_text(Date.parse(broker.since))}` : "";
-      return `The gateway has no connection to the broker${from}. Boards cannot be reached.`;
+      return `The gateway has no connection to the broker. Boards cannot be reached, and their states are not known${from}.`;
     }
     return mirror?.complete === false ? "The gateway is still collecting which boards are there." : "";
   }

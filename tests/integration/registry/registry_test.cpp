@@ -50,7 +50,7 @@ TEST(Registry, LifeOfABoard_IsReportedAsNumberedEvents) {
     EXPECT_EQ(events[1].was, "online");
     EXPECT_EQ(events[1].board.state, "sleeping");
     EXPECT_EQ(events[2].board.state, "offline");
-    EXPECT_EQ(events[2].reason, "reported");
+    EXPECT_EQ(events[2].reason, "stopped");
     for (std::size_t i = 0; i < 3; ++i)
         EXPECT_EQ(events[i].seq, i + 1);
 }
@@ -79,7 +79,7 @@ TEST(Registry, LeaseRunsOutWithoutAWill_BoardIsLost) {
     probe.publish(announcement("uno1", description_text("uno1", "a", 1, 1), 1));
     ASSERT_TRUE(probe.wait_for("asip/registry/r1/events"));
     EXPECT_TRUE(becomes(probe, "uno1", "lost"));
-    EXPECT_EQ(events_of(probe).back().reason, "lease");
+    EXPECT_EQ(events_of(probe).back().reason, "expired");
 }
 
 TEST(Registry, GhostOnABrokerWithoutExpiry_ItsDescriptionIsEmptied) {
@@ -113,7 +113,7 @@ TEST(Registry, RetainedBoardThatDoesNotAnswerItsProbe_IsNotLostBeforeItsLease) {
     EXPECT_EQ(state_of(probe, "uno1"), "online");
     EXPECT_EQ(probe.count("asip/servicebus/uno1/$description"), 1u) << "it was cleared";
     for (const auto& event : events_of(probe))
-        EXPECT_NE(event.reason, "lease");
+        EXPECT_NE(event.reason, "expired");
 }
 
 TEST(Registry, BoardWithThePublishedNamesOnly_IsAFullMemberAndItsTrafficRenewsIt) {

@@ -57,7 +57,8 @@ TEST(Announcer, ItsRenewalsAndProbes_DoNotComeBackToIt) {
     bench.plug();
     for (const auto& [filter, options] : bench.bridge.subscriptions()) {
         EXPECT_EQ(options.no_local, filter != kState) << filter;
-        EXPECT_EQ(options.qos, filter == "asip/servicebus/$probe" ? 0 : 1) << filter << ": whoever sees may probe";
+        EXPECT_EQ(options.qos, filter == "asip/servicebus/$probe" ? 0 : 1)
+            << filter << ": whoever sees may probe";
     }
 }
 
@@ -259,7 +260,8 @@ TEST(Announcer, ControlSubscriptionNotGranted_IsNotOnline) {
     Effects effects;
     bench.bridge.bus_subscribed(bench.now, effects);
     EXPECT_FALSE(effects.publish.empty());
-    EXPECT_EQ(effects.publish.front().message.payload, "online");
+    EXPECT_EQ(effects.publish.at(0).message.topic, kDescription);
+    EXPECT_EQ(effects.publish.at(1).message.payload, "online");
 }
 
 TEST(Announcer, OlderSessionIsReplayed_WeAnnounceAgainAndStay) {
@@ -278,6 +280,66 @@ TEST(Announcer, BoardLostAndBack_StateFollows) {
     bench.unplug();
     bench.plug();
     EXPECT_THAT(bench.on(kState), ElementsAre("online", "lost", "online"));
+}
+
+model::Description last_description(const BridgeBench& bench) {
+    return *model::parse_description(bench.on(kDescription).back());
+}
+
+TEST(Announcer, BoardUnplugged_EachDescriptionSaysForHowLongAndWhyUntilItIsBack) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.pass(100s);
+    bench.published.clear();
+    bench.unplug();
+    ASSERT_EQ(bench.on(kDescription).size(), 1u);
+    EXPECT_EQ(last_description(bench).state,
+              (model::SaidState{model::BoardState::kLost, model::StateReason::kUnplugged}));
+    EXPECT_EQ(bench.published.front().message.topic, kDescription) << "the reason comes first";
+    bench.pass(200s);
+    bench.hear(kProbe, "");
+    bench.pass(1s);
+    EXPECT_GT(bench.on(kDescription).size(), 10u) << "its agent lives";
+    EXPECT_EQ(bench.on(kState), (std::vector<std::string>{"lost", "lost"}));
+    for (const auto& each : bench.on(kDescription)) {
+        const auto said = model::parse_description(each)->state;
+        ASSERT_TRUE(said);
+        EXPECT_EQ(said->state, model::BoardState::kLost);
+        EXPECT_EQ(said->reason, model::StateReason::kUnplugged);
+    }
+    EXPECT_NEAR(last_description(bench).state->age, 200.5, 0.6);
+    bench.plug();
+    EXPECT_EQ(last_description(bench).state, model::SaidState{});
+}
+
+TEST(Announcer, BoardFallsSilent_TheDescriptionSaysSo) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.board.mute = true;
+    bench.pass(20s);
+    EXPECT_EQ(last_description(bench).state->reason, model::StateReason::kSilent);
+    bench.unplug();
+    EXPECT_EQ(last_description(bench).state->reason, model::StateReason::kUnplugged);
+}
+
+TEST(Announcer, StateWrittenBySomebody_IsPutRightWithALaterDescription) {
+    BridgeBench bench;
+    bench.go_online();
+    const auto before = last_description(bench).seq;
+    bench.hear(kState, "lost");
+    EXPECT_EQ(last_description(bench).seq, before + 1);
+    EXPECT_EQ(last_description(bench).state->state, model::BoardState::kOnline);
+}
+
+TEST(Announcer, StoredDescriptionOfALaterSession_OursIsMadeTheLaterOne) {
+    BridgeBench bench;
+    bench.plug();
+    bench.connect();
+    bench.hear(kDescription, foreign_description("00ffffffff123456"), true);
+    bench.pass(1500ms);
+    EXPECT_FALSE(bench.fatal);
+    EXPECT_GT(last_description(bench).session, "00ffffffff123456");
+    EXPECT_EQ(last_description(bench).session.size(), 16u);
 }
 
 TEST(Announcer, BrokerBack_AnnouncesAtOnceWithoutAnotherClaim) {
@@ -305,6 +367,10 @@ TEST(Announcer, Goodbye_PublishesOffline) {
     ASSERT_FALSE(effects.publish.empty());
     EXPECT_EQ(effects.publish.back().message.topic, kState);
     EXPECT_EQ(effects.publish.back().message.payload, "offline");
+    ASSERT_EQ(effects.publish.size(), 2u);
+    const auto said = model::parse_description(effects.publish.front().message.payload)->state;
+    EXPECT_EQ(said->state, model::BoardState::kOffline);
+    EXPECT_EQ(said->reason, model::StateReason::kStopped);
 }
 
 TEST(Announcer, NameNotGiven_IsTheStoredOneElseFromThePort) {

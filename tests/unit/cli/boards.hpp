@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "asip/catalogue/bus_view.hpp"
 
 namespace asip::cli {
 
@@ -15,5 +16,21 @@ inline constexpr const char* kUno1 =
     R"({"name":"distance","id":"D","model":"distance@1","title":"Distance","count":2,"period":100},)"
     R"({"name":"servo","id":"S","model":"servo@1","title":"Servos","count":1},)"
     R"({"name":"X","id":"X","title":"Unknown thing"}]})";
+
+/// A board that announced itself by this description and as online, long ago: without times.
+inline bus::BoardItem announced(const char* description = kUno1) {
+    const auto name = model::parse_description(description)->board;
+    catalogue::BusView view{bus::Topics()};
+    const catalogue::Instant now{Time{} + std::chrono::hours(1), {}};
+    view.apply({.topic = "asip/servicebus/" + name + "/$state", .payload = "online", .retain = true},
+               now.time);
+    view.apply({.topic = "asip/servicebus/" + name + "/$description", .payload = description, .retain = true},
+               now.time);
+    auto item = *view.board(name, now);
+    item.first_seen = item.since = {};
+    item.state_age = -1;
+    item.description.clear();
+    return item;
+}
 
 }  // namespace asip::cli

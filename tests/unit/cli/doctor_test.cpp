@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "asip/bus/mirror.hpp"
 #include "cli/doctor/findings.hpp"
 #include "tests/unit/cli/boards.hpp"
 
@@ -77,10 +76,10 @@ Observations healthy() {
     seen.acknowledged = 200us;
     seen.registry = "r1";
     seen.retained = {{"asip/servicebus/uno1/$state", "online"}, {"asip/servicebus/uno1/$description", kUno1}};
-    seen.boards = {bus::board_item(*model::parse_description(kUno1), "online")};
+    seen.boards = {announced()};
     seen.boards[0].age = 1;
-    seen.now = std::chrono::system_clock::time_point(1'700'000'000s);
-    seen.boards[0].last_seen = std::chrono::floor<std::chrono::milliseconds>(seen.now - 1s);
+    seen.asked = seen.answered = std::chrono::system_clock::time_point(1'700'000'000s);
+    seen.boards[0].last_seen = std::chrono::floor<std::chrono::milliseconds>(seen.asked - 1s);
     seen.pings["uno1"].reply = bus::Reply::ok("answer");
     return seen;
 }
@@ -180,6 +179,28 @@ TEST(Doctor, RetainedStateAgainstLease_IsReported) {
     EXPECT_THAT(problems(check_states(seen)), ElementsAre(HasSubstr("late will")));
 }
 
+TEST(Doctor, BoardThatRefusesThePing_IsNotSaidToBeThere) {
+    auto seen = healthy();
+    seen.retained[0].payload = "lost";
+    seen.pings["uno1"].reply = bus::Reply::refused("board-not-there", "no board");
+    EXPECT_THAT(problems(check_states(seen)), IsEmpty());
+    seen.pings["uno1"].reply.reset();
+    EXPECT_THAT(problems(check_states(seen)), IsEmpty());
+}
+
+TEST(Doctor, LostBoard_IsNamedWithItsReasonItsTimeAndWhatToDo) {
+    auto seen = healthy();
+    seen.retained[0].payload = "lost";
+    seen.pings.clear();
+    seen.boards[0].state = "lost";
+    seen.boards[0].reason = "unplugged";
+    seen.boards[0].state_age = 180;
+    const auto findings = check_states(seen);
+    ASSERT_EQ(findings.size(), 1u);
+    EXPECT_EQ(findings[0].what, "uno1 is lost 3 min ago: cable unplugged");
+    EXPECT_THAT(findings[0].advice, HasSubstr("plug it in"));
+}
+
 TEST(Doctor, RetainedCommandsAndInvalidNames_AreReported) {
     auto seen = healthy();
     seen.retained.push_back({"asip/uno1/servo/in", "W,0,90"});
@@ -201,7 +222,20 @@ TEST(Doctor, TwoAgentsWithOneName_AreReported) {
 TEST(Doctor, ClockAwayFromTheRegistrys_IsReported) {
     auto seen = healthy();
     EXPECT_THAT(problems(check_clocks(seen)), IsEmpty());
-    seen.now += 5min;
+    seen.asked += 5min;
+    seen.answered += 5min;
+    EXPECT_THAT(problems(check_clocks(seen)), ElementsAre(HasSubstr("ahead")));
+    seen = healthy();
+    seen.asked -= 5min;
+    seen.answered -= 5min;
+    EXPECT_THAT(problems(check_clocks(seen)), ElementsAre(HasSubstr("behind")));
+}
+
+TEST(Doctor, AnswerThatTookLong_IsNoWrongClock) {
+    auto seen = healthy();
+    seen.answered += 40s;
+    EXPECT_THAT(problems(check_clocks(seen)), IsEmpty());
+    seen.asked += 20s;
     EXPECT_THAT(problems(check_clocks(seen)), ElementsAre(HasSubstr("ahead")));
 }
 

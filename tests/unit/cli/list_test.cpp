@@ -6,7 +6,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/mirror.hpp"
 #include "cli/commands/ping.hpp"
 #include "cli/commands/show.hpp"
 #include "cli/commands/watch.hpp"
@@ -20,7 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 bus::BoardItem uno1() {
-    auto item = bus::board_item(*model::parse_description(kUno1), "online");
+    auto item = announced();
     item.age = 0.5;
     return item;
 }

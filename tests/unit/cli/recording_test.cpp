@@ -198,9 +198,9 @@ TEST_F(ReplayBoardTest, RecordedBoard_IsAnnouncedUnderItsNewNameOnceItIsFree) {
     EXPECT_EQ(description.board, "old-uno1");
     EXPECT_EQ(description.link.kind, "replay");
     EXPECT_THAT(description.services, SizeIs(4));
-    recorded.play(message(TopicKind::kState, "online"), out_);
+    recorded.play(message(TopicKind::kState, "online"), kStart + 2s, out_);
     EXPECT_EQ(published("asip/servicebus/old-uno1/$state"), "online");
-    recorded.goodbye(out_);
+    recorded.goodbye(kStart + 3s, out_);
     EXPECT_EQ(published("asip/servicebus/old-uno1/$state"), "offline");
 }
 
@@ -219,14 +219,14 @@ TEST_F(ReplayBoardTest, WhatWasSaid_IsSaidAgainAndWhatWasAskedIsNot) {
     auto recorded = board();
     join(recorded);
     out_ = {};
-    recorded.play(message(TopicKind::kServiceIn, "W,0,90", "servo"), out_);
-    recorded.play(message(TopicKind::kBoardIn, "#,R"), out_);
-    recorded.play(message(TopicKind::kStop, ""), out_);
+    recorded.play(message(TopicKind::kServiceIn, "W,0,90", "servo"), kStart + 2s, out_);
+    recorded.play(message(TopicKind::kBoardIn, "#,R"), kStart + 2s, out_);
+    recorded.play(message(TopicKind::kStop, ""), kStart + 2s, out_);
     auto stale = message(TopicKind::kServiceOut, "{}", "distance");
     stale.retained = true;
-    recorded.play(stale, out_);
+    recorded.play(stale, kStart + 2s, out_);
     EXPECT_THAT(out_.publish, IsEmpty());
-    recorded.play(message(TopicKind::kServiceOut, R"({"distance":[1]})", "distance"), out_);
+    recorded.play(message(TopicKind::kServiceOut, R"({"distance":[1]})", "distance"), kStart + 2s, out_);
     EXPECT_EQ(published("asip/old-uno1/distance/out"), R"({"distance":[1]})");
 }
 

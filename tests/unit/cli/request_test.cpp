@@ -23,8 +23,7 @@ class RequestTest : public ::testing::Test {
     std::istringstream in_;
     std::ostringstream out_, err_;
     Environment environment_{in_, out_, err_};
-    KnownBoard board_{bus::board_item(*model::parse_description(kUno1), "online"),
-                      *model::parse_description(kUno1)};
+    KnownBoard board_{announced(), *model::parse_description(kUno1)};
 };
 
 TEST_F(RequestTest, WordsAndJson_BecomeTheSameRequest) {

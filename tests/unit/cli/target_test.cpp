@@ -13,8 +13,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 KnownBoard uno1() {
-    auto description = *model::parse_description(kUno1);
-    return {bus::board_item(description, "online"), description};
+    return {announced(), *model::parse_description(kUno1)};
 }
 
 TEST(ParseTarget, BoardOrBoardAndService_AreTakenApart) {

@@ -66,7 +66,7 @@ class ApiTest : public testing::Test {
         port.server = [] { return http::ServerCounters{}; };
         port.soon = [](const std::function<void()>& then) { then(); };
         gateway_ = std::make_unique<Gateway>(
-            std::move(options), model::ModelSet::standard(), registry::UnitsOf(),
+            std::move(options), model::ModelSet::standard(), catalogue::UnitsOf(),
             [n = 0ull]() mutable { return ++n << 56; }, [](std::size_t) { return std::string("secret"); },
             std::move(port));
         gateway_->subscribed();

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "asip/bus/catalogue_view.hpp"
-#include "bus_messages.hpp"
+#include "messages.hpp"
 
 namespace asip::registry {
 namespace {
@@ -112,7 +112,7 @@ TEST_F(ChangeFeedTest, AddedAndForgottenWhileBehind_IsNeverHeardOfAndItsNameMayC
 }
 
 Event event(Kind kind, BoardState state = BoardState::kOnline, BoardState was = BoardState::kLost) {
-    return {kind, "uno1", 0, state, was, Event::Reason::kReported};
+    return {kind, "uno1", 0, state, was, model::StateReason::kStopped};
 }
 
 TEST(ChangesTogether, AreWhatAWatcherNeedsToKnow) {

@@ -7,7 +7,7 @@
 #include <deque>
 #include <nlohmann/json.hpp>
 
-#include "bus_messages.hpp"
+#include "messages.hpp"
 #include "registry/query_endpoint.hpp"
 
 namespace asip::registry {
@@ -35,7 +35,7 @@ struct OtherRegistry {
         QueryEndpoint endpoint(
             queries, [&text](const mqtt::Message& answer) { text = answer.payload; },
             [](const std::string&) { return true; });
-        endpoint.request(question);
+        endpoint.request(question, false, now.time);
         return text;
     }
 

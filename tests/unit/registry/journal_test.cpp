@@ -3,8 +3,8 @@
 
 #include <gmock/gmock.h>
 
-#include "bus_messages.hpp"
 #include "history_files.hpp"
+#include "messages.hpp"
 
 namespace asip::registry {
 namespace {
@@ -60,7 +60,7 @@ TEST(Journal, BoardHeardAgainAfterCompletion_IsNotAddedTwice) {
     Journal::Rows rows;
     journal.complete(Catalogue(), wall(6000), rows);
     journal.change(
-        {Event::Kind::kAdded, "esp1", 1, BoardState::kOnline, BoardState::kLost, Event::Reason::kAnnounced},
+        {Event::Kind::kAdded, "esp1", 1, BoardState::kOnline, BoardState::kLost, model::StateReason::kNone},
         wall(7000), rows);
     EXPECT_THAT(texts(rows), testing::ElementsAre("esp1 state lost->online announced"));
 }

@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "bus_messages.hpp"
 #include "history_files.hpp"
+#include "messages.hpp"
 
 namespace asip::registry {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "bus_messages.hpp"
+#include "messages.hpp"
 
 namespace asip::registry {
 namespace {

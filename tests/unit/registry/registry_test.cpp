@@ -7,8 +7,8 @@
 #include <deque>
 #include <nlohmann/json.hpp>
 
-#include "bus_messages.hpp"
 #include "history_files.hpp"
+#include "messages.hpp"
 
 namespace asip::registry {
 namespace {
@@ -166,7 +166,7 @@ TEST(RegistryWithHistory, NamesOnlyBoardThatLeftMeanwhile_DoesNotStayOnline) {
     const json history = run.ask(R"({"find":"history","board":"esp1"})", 1h + 101s).at("items");
     ASSERT_EQ(history.size(), 2u);
     EXPECT_EQ(history.at(0).at("state"), "lost");
-    EXPECT_EQ(history.at(0).at("reason"), "lease");
+    EXPECT_EQ(history.at(0).at("reason"), "expired");
 }
 
 class RegistryTest : public testing::Test {

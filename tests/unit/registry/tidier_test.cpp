@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "bus_messages.hpp"
+#include "messages.hpp"
 
 namespace asip::registry {
 namespace {

@@ -243,7 +243,7 @@ TEST_F(WorldMemberTest, Stop_IsDoneAsNothingRuns) {
 
 TEST_F(WorldMemberTest, End_SaysOfflineAndWillSaysLost) {
     announce();
-    take([&](auto& out) { member().goodbye(out); });
+    take([&](auto& out) { member().goodbye(now_, out); });
     EXPECT_EQ(last("asip/servicebus/world/$state"), "offline");
     EXPECT_EQ(member().will().payload, "lost");
 }

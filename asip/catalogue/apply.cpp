@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "asip/catalogue/catalogue_impl.hpp"
+#include "asip/model/description.hpp"
+#include "asip/model/names.hpp"
+
+namespace asip::catalogue {
+namespace {
+
+using model::BoardState;
+
+// Two messages that say one state name its beginning alike within this time: delays and whole seconds.
+constexpr Duration kSameMoment = std::chrono::seconds(5);
+// Of two messages with ages in whole seconds the one that is this much older was published first.
+constexpr Duration kApart = std::chrono::seconds(2);
+
+bool valid_session(std::string_view text) {
+    return !text.empty() && text.size() <= 64;
+}
+
+std::uint32_t lease_of(const DescriptionMembers& members, Duration fallback) {
+    if (members.lease == 0) {
+        return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::seconds>(fallback).count());
+    }
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>(members.lease, model::kMaxLeaseSeconds));
+}
+
+}  // namespace
+
+std::string_view without_line_end(std::string_view text) {
+    while (!text.empty() && (text.back() == '\n' || text.back() == '\r' || text.back() == ' '))
+        text.remove_suffix(1);
+    return text;
+}
+
+Applied Catalogue::Impl::apply(const Announcement& a, Time now) {
+    using bus::TopicKind;
+    Applied applied;
+    ++stats_.applied;
+    switch (a.kind) {
+        case TopicKind::kDescription:
+            applied.refused = description(a, now, applied.events);
+            break;
+        case TopicKind::kState:
+            applied.refused = state(a, now, applied.events);
+            break;
+        case TopicKind::kBoardNames:
+            applied.refused = board_name(a, now, applied.events);
+            break;
+        case TopicKind::kServiceNames:
+            applied.refused = service_name(a, now, applied.events);
+            break;
+        case TopicKind::kBoardOut:
+        case TopicKind::kServiceOut:
+            applied.refused = traffic(a, now, applied.events);
+            break;
+        default:
+            applied.refused = Refusal::kNotForUs;
+            break;
+    }
+    if (applied.refused) ++stats_.refused[static_cast<std::size_t>(*applied.refused)];
+    return applied;
+}
+
+std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time now, Events& events) {
+    if (a.payload.empty()) return std::nullopt;  // emptied by a program that tidies up; what is known stays
+    if (!model::valid_board_name(a.board)) return Refusal::kBadName;
+    if (a.payload.size() > model::kMaxDescriptionBytes) return Refusal::kTooLong;
+    std::uint32_t slot = slot_of(a.board);
+    Board* known = slot == NameTable::kNone ? nullptr : &board(slot);
+
+    DescriptionMembers members;
+    if (!read_description(a.payload, guesses_for(known), members) || !valid_session(members.session)) {
+        return Refusal::kMalformed;
+    }
+    if (members.board != a.board) return Refusal::kWrongBoard;
+    const bool same_labels = known != nullptr && known->described && known->extra() == members.extra;
+    if (!same_labels && read_labels(members.labels, members.names) == nullptr) return Refusal::kMalformed;
+    FirmwarePart* firmware = nullptr;
+    PinsPart* pins = nullptr;
+    ServicesPart* services = nullptr;
+    if (!resolve_parts(members, known, firmware, pins, services)) return Refusal::kMalformed;
+
+    const bool added = known == nullptr;
+    if (added) {
+        slot = make(a.board, now);
+        if (slot == NameTable::kNone) {
+            drop_unused(firmware, pins, services);
+            return Refusal::kTooMany;
+        }
+    }
+    Board& b = board(slot);
+    const bool new_session = b.session != members.session || !b.described;
+    const bool succeeds = b.described && b.session != members.session;
+    const bool live = !a.retained;
+    const Judgement judgement = judge(b, members, live, now, events);
+    const bool renews = judgement.verdict == Verdict::kRenew;
+    if (judgement.verdict == Verdict::kRefuse) {
+        drop_unused(firmware, pins, services);
+        return judgement.refusal;
+    }
+    bool changed = false;
+    if (renews) {
+        drop_unused(firmware, pins, services);
+    } else {
+        changed = store(slot, members, firmware, pins, services);
+        b.session = members.session;
+        b.seq = members.seq;
+        b.lease_seconds = lease_of(members, options_.default_lease);
+    }
+
+    if (!renews) take_said_state(b, members, a, succeeds, now);
+    const auto lease = std::chrono::seconds(b.lease_seconds);
+    if (live) {
+        b.deadline = now + lease;
+        b.proven = true;
+        b.retained_without_expiry = !a.expiry_seconds;
+        b.names_only = false;
+        listen(b, false, events);
+        heard(b, now);
+    } else if (model::is_there(b.reported)) {
+        b.retained_without_expiry = !a.expiry_seconds;
+        if (a.expiry_seconds) {
+            b.deadline = std::max(b.deadline,
+                                  now + std::min<Duration>(std::chrono::seconds(*a.expiry_seconds), lease));
+        } else if (!renews) {
+            b.deadline = std::max(b.deadline, now + lease);
+        }
+    }
+    if (live && !added && !changed && !renews) ++stats_.renewals;
+    update_state(slot, now, events, added);
+    if (added) {
+        emit(events, Event::Kind::kAdded, b);
+    } else if (changed || (new_session && !renews)) {
+        emit(events, Event::Kind::kDescription, b);
+    }
+    return std::nullopt;
+}
+
+// The state that a description holds. An agent publishes it before the same on `$state`: so a retained
+// `$state` that says something else of a board that was there is newer, and the word of the broker.
+void Catalogue::Impl::take_said_state(Board& b, const DescriptionMembers& members, const Announcement& a,
+                                      bool succeeds, Time now) {
+    b.says_state = members.state.has_value();
+    if (!members.state) {
+        if (!a.retained && succeeds && !model::is_there(b.reported)) say(b, {}, now, now);
+        return;
+    }
+    Duration on_the_way{};  // since it was published
+    if (a.retained && a.expiry_seconds && !a.ages_are_of_now) {
+        const auto left = std::chrono::seconds(*a.expiry_seconds);
+        on_the_way = std::max<Duration>(std::chrono::seconds(b.lease_seconds) - left, Duration{});
+    }
+    const bool newer = b.reported_since != Time{} && now - on_the_way > b.reported_since + kApart;
+    const bool gone_since = a.retained && b.epoch_gone == epoch_ && !model::is_there(b.reported) &&
+                            model::is_there(members.state->state) && !newer;
+    b.described_at = now - on_the_way;
+    if (gone_since) return;
+    const auto age =
+        on_the_way + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(members.state->age));
+    say(b, *members.state, now - age, now);
+}
+
+// Messages that say the same again can only be later than the moment, so the earliest counts, unless the
+// board left the state meanwhile and came into it again.
+void Catalogue::Impl::say(Board& b, const model::SaidState& said, Time since, Time now) {
+    const bool same =
+        b.reported == said.state && b.reported_reason == said.reason && b.reported_since != Time{};
+    if (same && since == Time{}) since = b.reported_since;
+    if (same && since > b.reported_since - kSameMoment && since < b.reported_since + kSameMoment)
+        since = std::min(since, b.reported_since);
+    b.reported = said.state;
+    b.state_said = true;
+    b.reported_reason = said.reason;
+    b.reported_since = std::min(since, now);
+}
+
+std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, Events& events) {
+    if (!model::valid_board_name(a.board)) return Refusal::kBadName;
+    std::uint32_t slot = slot_of(a.board);
+    const bool added = slot == NameTable::kNone;
+    if (a.payload.empty()) {
+        // Another program forgot this board: so does the catalogue, unless the board is known to be alive.
+        if (!added && !model::is_there(board(slot).effective)) release(slot, events);
+        return std::nullopt;
+    }
+    const auto reported = model::board_state_from_text(without_line_end(a.payload));
+    if (!reported) return Refusal::kBadState;
+    if (added) {
+        slot = make(a.board, now);
+        if (slot == NameTable::kNone) return Refusal::kTooMany;
+    }
+    Board& b = board(slot);
+    const bool live = !a.retained;
+    if (!live && !added && b.epoch_heard == epoch_) return Refusal::kOldHint;
+    const bool there = model::is_there(*reported);
+    std::optional<Time> published;
+    if (a.expiry_seconds && *a.expiry_seconds <= model::kStateExpirySeconds)
+        published = now - std::chrono::seconds(model::kStateExpirySeconds - *a.expiry_seconds);
+    // A bridge delivers what it has stored again: the agent has said more since then.
+    if (b.says_state && !there && published && *published + kApart < b.described_at) return Refusal::kOldHint;
+    if (!there) b.epoch_gone = epoch_;
+    if (!b.says_state || (!there && model::is_there(b.reported))) {
+        Time since = live && (added || *reported != b.reported) ? now : Time{};
+        if (!live && published) since = *published;
+        say(b, {*reported, model::reason_of_word(*reported)}, since, now);
+    }
+    if (live && !b.says_state && there) {
+        b.deadline = now + std::chrono::seconds(b.lease_seconds);
+        heard(b, now);
+    } else if (live) {
+        b.epoch_heard = epoch_;
+    }
+    update_state(slot, now, events, added);
+    if (added) emit(events, Event::Kind::kAdded, b);
+    return std::nullopt;
+}
+
+std::optional<Refusal> Catalogue::Impl::board_name(const Announcement& a, Time now, Events& events) {
+    const std::string_view name = without_line_end(a.payload);
+    if (name.empty() && a.retained) return std::nullopt;
+    if (!model::valid_board_name(name)) return Refusal::kBadName;
+    std::uint32_t slot = slot_of(name);
+    const bool added = slot == NameTable::kNone;
+    if (added) slot = make(name, now);
+    if (slot == NameTable::kNone) return Refusal::kTooMany;
+    const auto refused = renewed_by_names(slot, a.retained, added, now, events);
+    if (added) emit(events, Event::Kind::kAdded, board(slot));
+    return refused;
+}
+
+std::optional<Refusal> Catalogue::Impl::service_name(const Announcement& a, Time now, Events& events) {
+    if (a.payload.empty()) return std::nullopt;
+    const std::string_view name = without_line_end(a.payload);
+    if (!model::valid_board_name(a.board) || !model::valid_name(name)) return Refusal::kBadName;
+    std::uint32_t slot = slot_of(a.board);
+    const bool added = slot == NameTable::kNone;
+    if (added) slot = make(a.board, now);
+    if (slot == NameTable::kNone) return Refusal::kTooMany;
+    Board& b = board(slot);
+    bool changed = false;
+    if (!b.described) {
+        auto& named = b.uncommon_data().service_names;
+        const auto place = std::lower_bound(named.begin(), named.end(), name);
+        if (place == named.end() || *place != name) {
+            if (named.size() == model::kMaxDescriptionServices) return Refusal::kTooMany;
+            named.emplace(place, name);
+            set_named_services(slot);
+            changed = true;
+        }
+    }
+    const auto refused = renewed_by_names(slot, a.retained, added, now, events);
+    if (added) {
+        emit(events, Event::Kind::kAdded, b);
+    } else if (changed) {
+        emit(events, Event::Kind::kDescription, b);
+    }
+    return refused;
+}
+
+// A name renews the lease of its board, unless a description does that already: it has its own lease. It does
+// not take back what was said: an agent whose board is away answers probes, too.
+std::optional<Refusal> Catalogue::Impl::renewed_by_names(std::uint32_t slot, bool retained, bool added,
+                                                         Time now, Events& events) {
+    Board& b = board(slot);
+    if (retained) {
+        update_state(slot, now, events, added);
+        return std::nullopt;
+    }
+    if (b.described && (alive(b, now) || !model::is_there(b.reported))) return std::nullopt;
+    b.names_only = true;
+    listen(b, true, events);
+    if (!b.described) {
+        b.lease_seconds = static_cast<std::uint32_t>(
+            std::chrono::duration_cast<std::chrono::seconds>(options_.default_lease).count());
+    }
+    b.deadline = now + std::chrono::seconds(b.lease_seconds);
+    heard(b, now);
+    update_state(slot, now, events, added);
+    return std::nullopt;
+}
+
+std::optional<Refusal> Catalogue::Impl::traffic(const Announcement& a, Time now, Events& events) {
+    if (a.retained) return Refusal::kNotForUs;
+    const std::uint32_t slot = slot_of(a.board);
+    if (slot == NameTable::kNone || !board(slot).names_only) return Refusal::kNotForUs;
+    return renewed_by_names(slot, false, false, now, events);
+}
+
+std::vector<Event> Catalogue::Impl::expire(Time now) {
+    Events events;
+    if (suspended_) return events;
+    for (due_.clear(), wheel_.advance(now, due_); !due_.empty(); due_.clear(), wheel_.advance(now, due_)) {
+        for (const std::uint32_t slot : due_) {
+            Board& b = board(slot);
+            if (!model::is_there(b.effective)) {
+                const Time due = forgotten_at(b, now);
+                due > now ? wheel_.set(slot, due, now) : release(slot, events);
+                continue;
+            }
+            ++stats_.expired;
+            update_state(slot, now, events);
+            if (b.retained_without_expiry && b.described) emit(events, Event::Kind::kGhost, b);
+        }
+    }
+    return events;
+}
+
+void Catalogue::Impl::resume(Time now) {
+    suspended_ = false;
+    ++epoch_;
+    for (std::uint32_t slot = 0; slot < slots_; ++slot) {
+        Board& b = board(slot);
+        if (!b.in_use) continue;
+        const Duration grace = std::min<Duration>(options_.grace, std::chrono::seconds(b.lease_seconds));
+        if (model::is_there(b.effective)) b.deadline = std::max(b.deadline, now + grace);
+        const Time due = model::is_there(b.effective) ? b.deadline : now + options_.grace;
+        if (const auto set = wheel_.due(slot); !set || *set < due) wheel_.set(slot, due, now);
+    }
+}
+
+Expected<std::vector<Event>, Catalogue::NotForgotten> Catalogue::Impl::forget(std::string_view name,
+                                                                              Time now) {
+    const std::uint32_t slot = slot_of(name);
+    if (slot == NameTable::kNone) return Unexpected<NotForgotten>(NotForgotten::kUnknown);
+    if (alive(board(slot), now) || model::is_there(board(slot).effective)) {
+        return Unexpected<NotForgotten>(NotForgotten::kAlive);
+    }
+    Events events;
+    release(slot, events);
+    return events;
+}
+
+}  // namespace asip::catalogue

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/catalogue/board.hpp"
+#include "asip/catalogue/catalogue.hpp"
+#include "asip/catalogue/description_members.hpp"
+#include "asip/catalogue/lease_wheel.hpp"
+#include "asip/catalogue/name_order.hpp"
+#include "asip/catalogue/name_table.hpp"
+#include "asip/catalogue/query_plan.hpp"
+
+namespace asip::catalogue {
+
+class Catalogue::Impl {
+  public:
+    explicit Impl(Options options);
+    ~Impl();
+
+    Applied apply(const Announcement& announcement, Time now);
+    std::vector<Event> expire(Time now);
+    void resume(Time now);
+    Expected<std::vector<Event>, NotForgotten> forget(std::string_view name, Time now);
+    Expected<bus::Answer> find(const bus::Query& query, Instant now, const View* view);
+    std::vector<std::string> names(const std::string& pattern, const std::string& after, std::size_t max);
+    void settle();
+
+    std::uint32_t slot_of(std::string_view name) const;
+    Board& board(std::uint32_t slot) { return pages_[slot / kPage][slot % kPage]; }
+    const Board& board(std::uint32_t slot) const { return pages_[slot / kPage][slot % kPage]; }
+    bus::BoardItem board_item(const Board& b, Instant now, bool full) const;
+    /// `services`: the names of its services. The texts are those of the catalogue.
+    bus::BriefBoard brief_board(const Board& b, Instant now, std::string_view services) const;
+    bus::ServiceItem service_item(const Board& b, const Service& service) const;
+    std::string check() const;
+    std::string fingerprint() const;
+
+    Options options_;
+    KindTable kinds_;
+    CatalogueStats stats_;
+    NameOrder order_;
+    std::array<BoardSet, kStates> all_;
+    LeaseWheel wheel_;
+    NameTable names_;
+    std::uint64_t seq_ = 0;
+    bool suspended_ = false;
+    std::uint32_t slots_ = 0;  // ever made
+
+  private:
+    static constexpr std::uint32_t kPage = 256;
+    static constexpr std::size_t kOldSessions = 8;
+    using Events = std::vector<Event>;
+
+    // apply.cpp: what a message means
+    std::optional<Refusal> description(const Announcement& a, Time now, Events& events);
+    std::optional<Refusal> state(const Announcement& a, Time now, Events& events);
+    std::optional<Refusal> board_name(const Announcement& a, Time now, Events& events);
+    std::optional<Refusal> service_name(const Announcement& a, Time now, Events& events);
+    std::optional<Refusal> traffic(const Announcement& a, Time now, Events& events);
+    void say(Board& b, const model::SaidState& said, Time since, Time now);
+    void take_said_state(Board& b, const DescriptionMembers& members, const Announcement& a, bool succeeds,
+                         Time now);
+    std::optional<Refusal> renewed_by_names(std::uint32_t slot, bool retained, bool added, Time now,
+                                            Events& events);
+
+    // sessions.cpp: which description may replace which
+    enum class Verdict { kAccept, kRenew, kRefuse };
+    struct Judgement {
+        Verdict verdict;
+        Refusal refusal = Refusal::kOldSession;
+    };
+    Judgement judge(Board& b, const DescriptionMembers& members, bool live, Time now, Events& events);
+    Judgement judge_other_session(Board& b, const DescriptionMembers& members, bool live, Time now,
+                                  Events& events);
+    void holder_spoke(Board& b, Time now, Events& events);
+    bool challenge(Board& b, const DescriptionMembers& members, Time now, Events& events);
+    void take_over(Board& b, const DescriptionMembers& members, Time now);
+    void resolve(Board& b, Events& events);
+
+    // records.cpp: parts, indices, states
+    Guesses guesses_for(const Board* b) const;
+    bool resolve_parts(const DescriptionMembers& members, const Board* b, FirmwarePart*& firmware,
+                       PinsPart*& pins, ServicesPart*& services);
+    bool store(std::uint32_t slot, const DescriptionMembers& members, FirmwarePart* firmware, PinsPart* pins,
+               ServicesPart* services);
+    void drop_unused(FirmwarePart* firmware, PinsPart* pins, ServicesPart* services);
+    void set_services(std::uint32_t slot, ServicesPart* services);
+    void set_labels(Board& b, const DescriptionMembers& members);
+    void set_named_services(std::uint32_t slot);
+    template <class Part>
+    void assign(Part*& member, Part* part, PartPool<Part>& pool);
+    void drop(ServicesPart* part);
+    void index(Board& b, std::uint32_t slot, bool present);
+    void update_state(std::uint32_t slot, Time now, Events& events, bool added = false);
+    void emit(Events& events, Event::Kind kind, const Board& b,
+              model::BoardState was = model::BoardState::kLost);
+    void listen(Board& b, bool wanted, Events& events);
+    Time forgotten_at(Board& b, Time now) const;
+    std::uint32_t make(std::string_view name, Time now);
+    void release(std::uint32_t slot, Events& events);
+    bool alive(const Board& b, Time now) const { return model::is_there(b.reported) && now < b.deadline; }
+    void heard(Board& b, Time now) { b.last_heard = now, b.epoch_heard = epoch_; }
+
+    // find.cpp: one page of a query
+    struct Page;
+    std::optional<std::size_t> total_by_index(const QueryPlan& plan) const;
+    void fill_by_name(const QueryPlan& plan, Page& page) const;
+    void fill_sorted(const QueryPlan& plan, Page& page) const;
+    // candidates.cpp: `visit(slot)` for each board of the plan's kinds and states, in the order of names,
+    // from its cursor on, until `visit` returns false
+    void visit_candidates(const QueryPlan& plan, const std::function<bool(std::uint32_t slot)>& visit) const;
+
+    std::optional<Remembered> remembered(std::string_view name) const {
+        return options_.remembered ? options_.remembered(name) : std::nullopt;
+    }
+    std::uint64_t hash(std::string_view name) const { return hash_bytes(name, options_.hash_seed); }
+
+    PartPool<FirmwarePart> firmwares_;
+    PartPool<PinsPart> pins_;
+    PartPool<ServicesPart> services_;
+    FirmwarePart* last_firmware_ = nullptr;  // guesses for boards not seen before
+    PinsPart* last_pins_ = nullptr;
+    ServicesPart* last_services_ = nullptr;
+    std::vector<std::unique_ptr<Board[]>> pages_;
+    std::vector<std::uint32_t> free_;
+    std::vector<std::uint32_t> due_;
+    std::uint32_t epoch_ = 1;
+};
+
+}  // namespace asip::catalogue

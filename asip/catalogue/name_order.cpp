@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "asip/catalogue/name_order.hpp"
+
+namespace asip::catalogue {
+
+void BoardSet::settle(const NameOrder& order) {
+    if (pending_.empty()) return;
+    const auto less = [&order](std::uint32_t a, std::uint32_t b) { return order.label(a) < order.label(b); };
+    if (pending_.size() < 16 + list_.size() / 16) {
+        for (const auto& [slot, add] : pending_) {
+            if (add) {
+                list_.insert(slot, less);
+            } else {
+                list_.erase(slot, less);
+            }
+        }
+    } else {
+        // Of a slot's alternating additions and removals only an odd one out has an effect: that of the
+        // first.
+        std::stable_sort(pending_.begin(), pending_.end(),
+                         [&](const auto& a, const auto& b) { return less(a.first, b.first); });
+        std::vector<std::uint32_t> added;
+        std::vector<std::uint32_t> removed;
+        for (std::size_t i = 0; i < pending_.size();) {
+            std::size_t end = i;
+            while (end < pending_.size() && pending_[end].first == pending_[i].first)
+                ++end;
+            if ((end - i) % 2 == 1) (pending_[i].second ? added : removed).push_back(pending_[i].first);
+            i = end;
+        }
+        list_.merge(added, removed, less);
+    }
+    pending_.clear();
+    if (pending_.capacity() > 1024) pending_.shrink_to_fit();
+}
+
+}  // namespace asip::catalogue
