@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace truth::presence {
+
+struct Counts {
+    std::uint64_t histories = 0, actions = 0, comparisons = 0, messages = 0;
+    Counts& operator+=(const Counts& other) {
+        histories += other.histories;
+        actions += other.actions;
+        comparisons += other.comparisons;
+        messages += other.messages;
+        return *this;
+    }
+};
+
+struct End {
+    Counts counts;
+    std::string failure;             ///< empty: each view said what was so
+    std::vector<std::string> trace;  ///< what happened, where it was asked for
+};
+
+/// A random history of boards, agents, brokers' connections and programs that look at them; from time to
+/// time, when all is quiet, each view is compared with what is really so.
+End run_history(std::uint64_t seed, bool with_trace);
+
+}  // namespace truth::presence

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/truth/presence/sim_agent.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace truth::presence {
+namespace {
+
+using asip::member::Announcements;
+
+constexpr std::uint64_t kStartOfTime = 1'790'000'000;  // of the day, when the simulation begins
+
+/// As agents of older versions announce.
+void leave_out_state(std::string& description) {
+    const auto begin = description.find(R"(,"state":{)");
+    if (begin == std::string::npos) return;
+    description.erase(begin, description.find('}', begin) + 1 - begin);
+}
+
+}  // namespace
+
+bool BoardTruth::is_heard() const {
+    return std::any_of(agents.begin(), agents.end(), [](const SimAgent* one) { return one->is_heard(); });
+}
+
+Really BoardTruth::really(Time now) const {
+    if (said.announced && !is_heard() && asip::model::is_there(said.state) && now >= lease_end)
+        return {true, BoardState::kLost, StateReason::kExpired, lease_end};
+    return said;
+}
+
+SimAgent::SimAgent(SimBroker& broker, Dice& dice, std::string board, BoardTruth& truth, int lease_seconds,
+                   bool says_state)
+    : broker_(broker),
+      dice_(dice),
+      board_(std::move(board)),
+      description_topic_(topics_.description(board_)),
+      truth_(truth),
+      lease_seconds_(lease_seconds),
+      says_state_(says_state) {
+    truth_.agents.push_back(this);
+}
+
+asip::Random SimAgent::random() {
+    return [this] { return dice_.draw(); };
+}
+
+void SimAgent::describe() {
+    asip::model::Description description;
+    description.services.resize(1);
+    description.services[0].name = description.services[0].model = "io";
+    description.services[0].model += "@1";
+    announcer_->describe(std::move(description));
+}
+
+void SimAgent::start(std::int64_t clock_skew, bool takeover, Time now) {
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(now.time_since_epoch()).count();
+    asip::member::AnnouncerOptions options;
+    options.board = board_;
+    options.lease_seconds = lease_seconds_;
+    options.takeover = takeover;
+    options.started_unix =
+        static_cast<std::uint64_t>(static_cast<std::int64_t>(kStartOfTime) + seconds + clock_skew);
+    announcer_ = std::make_unique<asip::member::Announcer>(topics_, options, random());
+    identified_ = false;
+    if (asip::model::is_there(state_)) becomes(BoardState::kOnline, StateReason::kNone, now);
+    connect(now);
+}
+
+void SimAgent::connect(Time now) {
+    client_ =
+        broker_.connect([this](const Message& message, Time at) { take(message, at); }, announcer_->will());
+    for (const auto& one : announcer_->subscriptions())
+        broker_.subscribe(client_, one.filter, one.options.no_local, one.options.retained, now);
+    Announcements out;
+    announcer_->on_connected(now, out);
+    announcer_->on_subscribed(now, out);
+    perform(out, now);
+}
+
+void SimAgent::stop(Time now) {
+    if (!runs()) return;
+    Announcements out;
+    announcer_->goodbye(now, out);
+    const bool told = client_ != 0 && !out.publish.empty();
+    perform(out, now);
+    if (told) truth_.said = {true, BoardState::kOffline, StateReason::kStopped, now};
+    broker_.end(std::exchange(client_, 0), false, now);
+    announcer_.reset();
+}
+
+void SimAgent::kill(Time now) {
+    if (!runs()) return;
+    announcer_.reset();
+    if (client_ == 0) return;
+    broker_.end(std::exchange(client_, 0), true, now);
+    die(now);
+}
+
+/// The broker says so. An agent that is heard takes it back.
+void SimAgent::die(Time now) {
+    Really& said = truth_.said;
+    if (said.announced && asip::model::is_there(said.state) && !truth_.is_heard())
+        said = {true, BoardState::kLost, StateReason::kAgentGone, now};
+}
+
+void SimAgent::cut_off(Time now) {
+    if (!runs() || client_ == 0) return;
+    announcer_->on_disconnected();
+    lingering_ = std::exchange(client_, 0);
+    will_due_ = now + std::chrono::milliseconds(dice_.between(2000, 40'000));
+}
+
+void SimAgent::heal(Time now) {
+    if (is_cut_off()) connect(now);
+}
+
+void SimAgent::becomes(BoardState state, StateReason reason, Time now) {
+    const bool changes = state_ != state || reason_ != reason || !identified_;
+    state_ = state;
+    reason_ = reason;
+    if (changes) since_ = now;
+    if (!runs()) return;
+    if (!identified_ && state != BoardState::kOnline) return;
+    Announcements out;
+    if (!std::exchange(identified_, true)) describe();
+    announcer_->set_state(state, reason, now, out);
+    perform(out, now);
+}
+
+void SimAgent::take(const Message& message, Time now) {
+    if (!announcer_) return;
+    Announcements out;
+    announcer_->on_message(message, now, out);
+    perform(out, now);
+}
+
+void SimAgent::tick(Time now) {
+    if (will_due_ && now >= *will_due_) {
+        broker_.end(lingering_, true, now);
+        die(now);
+        will_due_.reset();
+    }
+    if (!announcer_) return;
+    const auto due = announcer_->next_deadline();
+    if (!due || now < *due) return;
+    Announcements out;
+    announcer_->tick(now, out);
+    perform(out, now);
+}
+
+std::optional<Time> SimAgent::next() const {
+    auto due = announcer_ ? announcer_->next_deadline() : std::nullopt;
+    if (will_due_ && (!due || *will_due_ < *due)) due = will_due_;
+    return due;
+}
+
+void SimAgent::perform(Announcements& out, Time now) {
+    for (auto& publication : out.publish) {
+        auto& message = publication.message;
+        if (message.topic == description_topic_) {
+            truth_.said = {true, state_, reason_, since_};
+            truth_.lease_end = now + std::chrono::seconds(lease_seconds_);
+            if (!says_state_) leave_out_state(message.payload);
+        }
+        if (client_ != 0) broker_.publish(client_, std::move(message), now);
+    }
+    if (!out.fatal) return;
+    // Another agent has the name now.
+    broker_.end(std::exchange(client_, 0), false, now);
+    announcer_.reset();
+}
+
+}  // namespace truth::presence

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "asip/member/announcer.hpp"
+#include "tests/truth/presence/sim_broker.hpp"
+
+namespace truth::presence {
+
+using asip::model::BoardState;
+using asip::model::StateReason;
+
+/// What is really so.
+struct Really {
+    bool announced = false;
+    BoardState state = BoardState::kLost;
+    StateReason reason = StateReason::kNone;
+    Time since{};
+};
+
+class SimAgent;
+
+/// What is so of one name, whichever agents have had it.
+struct BoardTruth {
+    Really said;       ///< the last words, of an agent or of the broker in its place
+    Time lease_end{};  ///< of them
+    std::vector<const SimAgent*> agents;
+
+    bool is_heard() const;
+    Really really(Time now) const;
+};
+
+/// A board and its agent: the real Announcer, with what happens to boards, programs, machines and clocks
+/// around it.
+class SimAgent {
+  public:
+    SimAgent(SimBroker& broker, Dice& dice, std::string board, BoardTruth& truth, int lease_seconds,
+             bool says_state);
+
+    const std::string& board() const { return board_; }
+    bool runs() const { return announcer_ != nullptr; }
+
+    /// `clock_skew`: by how much the machine's clock is wrong when the agent starts.
+    void start(std::int64_t clock_skew, bool takeover, Time now);
+    void stop(Time now);
+    /// The process dies; the broker sees its connection close.
+    void kill(Time now);
+    /// The machine is gone, or the network: the broker notices after a while.
+    void cut_off(Time now);
+    void heal(Time now);
+    bool is_cut_off() const { return announcer_ && client_ == 0; }
+
+    /// What happens to the board. Nothing is said of one that was never there.
+    void becomes(BoardState state, StateReason reason, Time now);
+
+    void tick(Time now);
+    std::optional<Time> next() const;
+
+    /// Its words reach the bus.
+    bool is_heard() const { return announcer_ && client_ != 0 && announcer_->may_publish(); }
+    const std::string& description_topic() const { return description_topic_; }
+
+  private:
+    void connect(Time now);
+    void take(const Message& message, Time now);
+    void perform(asip::member::Announcements& out, Time now);
+    void describe();
+    void die(Time now);
+    asip::Random random();
+
+    SimBroker& broker_;
+    Dice& dice_;
+    asip::bus::Topics topics_;
+    std::string board_;
+    std::string description_topic_;
+    BoardTruth& truth_;
+    int lease_seconds_;
+    bool says_state_;
+    bool identified_ = false;
+    BoardState state_ = BoardState::kOnline;
+    StateReason reason_ = StateReason::kNone;
+    Time since_{};
+    std::unique_ptr<asip::member::Announcer> announcer_;
+    SimBroker::Client client_ = 0;
+    // Of a connection that the broker takes for alive.
+    SimBroker::Client lingering_ = 0;
+    std::optional<Time> will_due_;
+};
+
+}  // namespace truth::presence

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/truth/presence/sim_broker.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace truth::presence {
+namespace {
+
+constexpr std::size_t kMaxPublished = 200;
+
+std::string_view first_level(std::string_view& rest) {
+    const auto end = rest.find('/');
+    const auto level = rest.substr(0, end);
+    rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
+    return level;
+}
+
+bool matches(std::string_view filter, std::string_view topic) {
+    bool more_filter = true;
+    bool more_topic = true;
+    while (more_filter && more_topic) {
+        if (filter == "#") return true;
+        more_filter = filter.find('/') != std::string_view::npos;
+        more_topic = topic.find('/') != std::string_view::npos;
+        const auto wanted = first_level(filter);
+        const auto level = first_level(topic);
+        if (wanted != "+" && wanted != level) return false;
+    }
+    return !more_topic && (!more_filter || filter == "#");
+}
+
+bool is_announcement(const std::string& topic) {
+    return topic.ends_with("/$state") || topic.ends_with("/$description");
+}
+
+}  // namespace
+
+SimBroker::Client SimBroker::connect(Receive receive, std::optional<Message> will) {
+    sessions_[++last_client_] = {std::move(receive), std::move(will), {}, {}, {}};
+    return last_client_;
+}
+
+void SimBroker::subscribe(Client client, const std::string& filter, bool no_local, bool retained, Time now) {
+    const auto found = sessions_.find(client);
+    if (found == sessions_.end()) return;
+    unsubscribe(client, filter);
+    found->second.subscriptions.push_back({filter, no_local});
+    if (!retained) return;
+    for (const auto& [topic, stored] : stored_) {
+        if (!matches(filter, topic)) continue;
+        if (auto message = left_of(stored, now)) {
+            message->retain = true;
+            send(client, found->second, std::make_shared<const Message>(std::move(*message)), now);
+        }
+    }
+}
+
+void SimBroker::unsubscribe(Client client, const std::string& filter) {
+    if (const auto found = sessions_.find(client); found != sessions_.end())
+        std::erase_if(found->second.subscriptions, [&](const auto& one) { return one.filter == filter; });
+}
+
+std::optional<Message> SimBroker::left_of(const Stored& stored, Time now) const {
+    Message message = stored.message;
+    if (message.expiry_seconds) {
+        const auto age = std::chrono::duration_cast<std::chrono::seconds>(now - stored.at).count();
+        if (age >= static_cast<std::int64_t>(*message.expiry_seconds)) return std::nullopt;
+        *message.expiry_seconds -= static_cast<std::uint32_t>(age);
+    }
+    return message;
+}
+
+void SimBroker::publish(Client from, Message message, Time now) {
+    if (!sessions_.contains(from)) return;
+    if (message.retain && message.payload.empty()) stored_.erase(message.topic);
+    if (message.retain && !message.payload.empty()) stored_[message.topic] = {message, now};
+    message.retain = false;
+    if (is_announcement(message.topic)) {
+        published_.emplace_back(now, message);
+        if (published_.size() > kMaxPublished) published_.pop_front();
+    }
+    const auto shared = std::make_shared<const Message>(std::move(message));
+    for (auto& [client, session] : sessions_) {
+        const auto wants = [&](const Subscription& one) {
+            return !(one.no_local && client == from) && matches(one.filter, shared->topic);
+        };
+        if (std::any_of(session.subscriptions.begin(), session.subscriptions.end(), wants))
+            send(client, session, shared, now);
+    }
+}
+
+void SimBroker::send(Client client, Session& session, std::shared_ptr<const Message> message, Time now) {
+    const auto longest = in_order_ ? 20 : 400;
+    Time& last = in_order_ ? session.last : session.last_of_topic[message->topic];
+    last = std::max(last, now + std::chrono::milliseconds(dice_.between(1, longest)));
+    under_way_.push({last, ++number_, client, std::move(message)});
+}
+
+void SimBroker::replay(Client to, const Message& message, Time now) {
+    if (const auto found = sessions_.find(to); found != sessions_.end())
+        send(to, found->second, std::make_shared<const Message>(message), now);
+}
+
+void SimBroker::end(Client client, bool will, Time now) {
+    const auto found = sessions_.find(client);
+    if (found == sessions_.end()) return;
+    auto last_words = std::exchange(found->second.will, std::nullopt);
+    if (will && last_words) publish(client, std::move(*last_words), now);
+    sessions_.erase(client);
+}
+
+std::optional<Time> SimBroker::next() const {
+    return under_way_.empty() ? std::nullopt : std::optional(under_way_.top().due);
+}
+
+void SimBroker::deliver_until(Time now) {
+    while (!under_way_.empty() && under_way_.top().due <= now) {
+        const Delivery delivery = under_way_.top();
+        under_way_.pop();
+        const auto found = sessions_.find(delivery.client);
+        if (found == sessions_.end()) continue;
+        const auto receive = found->second.receive;  // it may end its own connection
+        receive(*delivery.message, delivery.due);
+    }
+}
+
+bool SimBroker::stores(const std::string& topic, Time now) const {
+    const auto found = stored_.find(topic);
+    return found != stored_.end() && left_of(found->second, now);
+}
+
+}  // namespace truth::presence

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/truth/presence/views.hpp"
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "asip/bus/answer.hpp"
+#include "asip/bus/change_event.hpp"
+#include "asip/bus/query.hpp"
+#include "asip/catalogue/bus_view.hpp"
+#include "gateway/mirror/mirror.hpp"
+#include "registry/registry.hpp"
+
+namespace truth::presence {
+
+asip::catalogue::Instant instant(Time now) {
+    constexpr auto kDay = std::chrono::milliseconds(1'790'000'000'000);
+    return {now, asip::text::WallTime(
+                     kDay + std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()))};
+}
+
+void View::connect(Time now) {
+    client_ = broker_.connect([this](const Message& message, Time at) { on_message(message, at); });
+    connected_at_ = now;
+    on_connected(now);
+}
+
+void View::disconnect(Time now) {
+    broker_.end(std::exchange(client_, 0), false, now);
+    on_disconnected(now);
+}
+
+namespace {
+
+class RegistryView final : public View {
+  public:
+    RegistryView(SimBroker& broker, Dice& dice, const std::string& id, bool copies, Time now)
+        : View(broker, "registry " + id), id_(id), now_(now) {
+        asip::registry::RegistryOptions options;
+        options.id = id;
+        options.copy_boards = copies ? 1 : 1'000'000;
+        asip::registry::Port port;
+        port.publish = [this](Message message) {
+            if (message.topic == kAnswers) return answer(message);
+            if (message.topic == topics_.registry_events(id_)) return event(message);
+            if (client_ != 0) broker_.publish(client_, std::move(message), now_);
+        };
+        port.subscribe = [this](const std::string& filter, bool retained) {
+            if (client_ != 0) broker_.subscribe(client_, filter, false, retained, now_);
+        };
+        port.unsubscribe = [this](const std::string& filter) { broker_.unsubscribe(client_, filter); };
+        registry_.emplace(
+            options, asip::catalogue::UnitsOf{}, [&dice] { return dice.draw(); }, port, nullptr,
+            instant(now));
+    }
+
+    void tick(Time now) override {
+        now_ = now;
+        registry_->tick(instant(now));
+    }
+    bool is_complete() const override { return complete_; }
+    std::optional<asip::bus::BoardItem> board(const std::string& name, Time now) override {
+        now_ = now;
+        Message query;
+        query.topic = topics_.registry_query(id_);
+        query.payload = R"({"find":"boards","board":")" + name + R"("})";
+        query.response_topic = kAnswers;
+        answer_.reset();
+        registry_->message(query, instant(now));
+        if (!answer_ || answer_->boards.empty()) return std::nullopt;
+        complete_ = !answer_->settling;
+        return answer_->boards.front();
+    }
+    std::vector<std::string> changes_of(const std::string& board) const override {
+        const auto found = changes_.find(board);
+        return found == changes_.end() ? std::vector<std::string>() : found->second;
+    }
+
+  protected:
+    void on_connected(Time now) override {
+        now_ = now;
+        complete_ = true;  // an answer says when not
+        for (const auto& one : registry_->subscriptions())
+            broker_.subscribe(client_, one.filter, false, one.retained, now);
+        registry_->connected(0, true, instant(now));
+    }
+    void on_disconnected(Time) override { registry_->disconnected(); }
+    void on_message(const Message& message, Time now) override {
+        now_ = now;
+        registry_->message(message, instant(now));
+    }
+
+  private:
+    static constexpr const char* kAnswers = "answers";
+
+    void answer(const Message& message) {
+        if (auto read = asip::bus::parse_answer(message.payload)) answer_ = std::move(*read);
+    }
+    void event(const Message& message) {
+        const auto change = asip::bus::parse_change_event(message.payload);
+        if (!change || change->kind != asip::bus::ChangeEvent::Kind::kState) return;
+        changes_[change->board.board].push_back(change->board.state + " " + change->reason);
+    }
+
+    asip::bus::Topics topics_;
+    std::string id_;
+    Time now_;
+    bool complete_ = false;
+    std::optional<asip::registry::Registry> registry_;
+    std::optional<asip::bus::Answer> answer_;
+    std::map<std::string, std::vector<std::string>> changes_;
+};
+
+class GatewayView final : public View {
+  public:
+    GatewayView(SimBroker& broker, Dice& dice)
+        : View(broker, "gateway"),
+          mirror_(options(), [&dice] { return dice.draw(); },
+                  {[this](Message message) {
+                       if (client_ != 0) broker_.publish(client_, std::move(message), now_);
+                   },
+                   [this](const std::string& filter, bool retained) {
+                       broker_.subscribe(client_, filter, false, retained, now_);
+                   },
+                   [this](const std::string& filter) { broker_.unsubscribe(client_, filter); }}) {}
+
+    void tick(Time now) override {
+        now_ = now;
+        mirror_.tick(both(now));
+    }
+    bool is_complete() const override { return mirror_.ready(); }
+    std::optional<asip::bus::BoardItem> board(const std::string& name, Time now) override {
+        return mirror_.board(name, both(now));
+    }
+
+  protected:
+    void on_connected(Time now) override {
+        now_ = now;
+        broker_.subscribe(client_, kOwn, false, false, now);
+        for (const auto& [filter, retained] : mirror_.subscriptions())
+            broker_.subscribe(client_, filter, false, retained, now);
+        mirror_.subscribed(both(now));
+    }
+    void on_disconnected(Time now) override { mirror_.disconnected(both(now)); }
+    void on_message(const Message& message, Time now) override {
+        now_ = now;
+        mirror_.message(message, both(now));
+    }
+
+  private:
+    static constexpr const char* kOwn = "gateway/mark";
+    static asip::gateway::Instant both(Time now) {
+        const auto moment = instant(now);
+        return {moment.time, moment.wall};
+    }
+    static asip::gateway::Mirror::Options options() {
+        asip::gateway::Mirror::Options options;
+        options.own_topic = kOwn;
+        return options;
+    }
+
+    Time now_{};
+    asip::gateway::Mirror mirror_;
+};
+
+class ViewOfBus final : public View {
+  public:
+    explicit ViewOfBus(SimBroker& broker) : View(broker, "bus view"), view_(asip::bus::Topics()) {}
+
+    void tick(Time) override {}
+    bool is_complete() const override { return complete_; }
+    std::optional<asip::bus::BoardItem> board(const std::string& name, Time now) override {
+        return view_.board(name, instant(now));
+    }
+
+  protected:
+    void on_connected(Time now) override {
+        view_.connected(now);
+        broker_.subscribe(client_, "asip/servicebus/#", false, true, now);
+        own_ = "view/" + std::to_string(client_);
+        broker_.subscribe(client_, own_, false, false, now);
+        Message mark;
+        mark.topic = own_;
+        broker_.publish(client_, std::move(mark), now);
+    }
+    void on_disconnected(Time) override { view_.disconnected(); }
+    void on_message(const Message& message, Time now) override {
+        if (message.topic == own_) complete_ = true;
+        view_.apply(message, now);
+    }
+
+  private:
+    std::string own_;
+    bool complete_ = false;
+    asip::catalogue::BusView view_;
+};
+
+}  // namespace
+
+std::unique_ptr<View> make_registry(SimBroker& broker, Dice& dice, const std::string& id, bool copies,
+                                    Time now) {
+    return std::make_unique<RegistryView>(broker, dice, id, copies, now);
+}
+std::unique_ptr<View> make_gateway(SimBroker& broker, Dice& dice) {
+    return std::make_unique<GatewayView>(broker, dice);
+}
+std::unique_ptr<View> make_bus_view(SimBroker& broker) {
+    return std::make_unique<ViewOfBus>(broker);
+}
+
+}  // namespace truth::presence

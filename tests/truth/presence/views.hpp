@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "asip/bus/items.hpp"
+#include "asip/catalogue/catalogue.hpp"
+#include "tests/truth/presence/sim_broker.hpp"
+
+namespace truth::presence {
+
+/// One program's view of all boards, fed by the broker as that program is.
+class View {
+  public:
+    explicit View(SimBroker& broker, std::string name) : broker_(broker), name_(std::move(name)) {}
+    virtual ~View() { broker_.end(client_, false, {}); }
+
+    const std::string& name() const { return name_; }
+    SimBroker::Client client() const { return client_; }
+    bool is_connected() const { return client_ != 0; }
+    Time connected_at() const { return connected_at_; }
+    /// When it began to look: what came before it may never learn.
+    Time started_at() const { return started_at_; }
+
+    void start(Time now) {
+        started_at_ = now;
+        connect(now);
+    }
+    void connect(Time now);
+    void disconnect(Time now);
+    /// A few times a second.
+    virtual void tick(Time now) = 0;
+    virtual bool is_complete() const = 0;
+    virtual std::optional<asip::bus::BoardItem> board(const std::string& name, Time now) = 0;
+    /// The states that it reported one by one, of one board, as "lost unplugged".
+    virtual std::vector<std::string> changes_of(const std::string&) const { return {}; }
+
+  protected:
+    virtual void on_connected(Time now) = 0;
+    virtual void on_disconnected(Time now) = 0;
+    virtual void on_message(const Message& message, Time now) = 0;
+
+    SimBroker& broker_;
+    SimBroker::Client client_ = 0;
+
+  private:
+    std::string name_;
+    Time connected_at_{};
+    Time started_at_{};
+};
+
+asip::catalogue::Instant instant(Time now);
+
+/// asip-registry, with the answers to queries and the change events that it publishes. `copies`: it reads
+/// another registry's pages when it starts.
+std::unique_ptr<View> make_registry(SimBroker& broker, Dice& dice, const std::string& id, bool copies,
+                                    Time now);
+/// asip-gateway.
+std::unique_ptr<View> make_gateway(SimBroker& broker, Dice& dice);
+/// asipctl without a registry, and the client library.
+std::unique_ptr<View> make_bus_view(SimBroker& broker);
+
+}  // namespace truth::presence
