@@ -2,6 +2,7 @@
 #pragma once
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,15 +28,18 @@ class Echo {
     std::optional<Millis> heard() const;
 
   private:
+    void connect();
     void send();
-
     void received(const asip::mqtt::Message& message);
 
+    boost::asio::io_context& io_;
+    asip::mqtt::Options options_;
     std::string topic_;
     std::string own_;  // of this look
     Millis since_ = 0;
+    Millis delivered_ = 0;                      // when anything of its own came, or it connected
     std::vector<std::optional<Millis>> heard_;  // by client
-    asip::mqtt::Client client_;
+    std::unique_ptr<asip::mqtt::Client> client_;
     boost::asio::steady_timer timer_;
 };
 

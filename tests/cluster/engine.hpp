@@ -13,7 +13,7 @@ class Network;
 
 /// The hosts of a network on which everything runs; without one all of it runs on 127.0.0.1.
 struct Hosts {
-    static constexpr std::size_t kPart = 2, kFirstNode = 3, kMostNodes = 3;
+    static constexpr std::size_t kPart = 2, kFirstNode = 3, kMaxNodes = 3;
     const Network* network = nullptr;
 
     std::string address(std::size_t host) const;
@@ -46,16 +46,13 @@ class Engine {
     virtual void go_on(std::size_t node) = 0;  ///< SIGCONT
     virtual std::string log(std::size_t node) const = 0;
 
-    /// A part that is no node and can be killed, such as a store, by what it is; empty: there is none.
+    /// A part that is no node and can be killed, by what it is; empty: there is none.
     virtual std::string part() const { return {}; }
-    /// Whether what one node tells another goes through it: while it is gone, messages of QoS 0 are lost
-    /// between them.
-    virtual bool part_joins_nodes() const { return false; }
     virtual void kill_part() {}
     virtual void start_part() {}
 };
 
-/// "mosquitto", "bridges", "haproxy", "nats", "rabbitmq", "aedes"
+/// "mosquitto", "bridges", "haproxy", "nats", "rabbitmq"
 std::vector<std::string> engine_names();
 /// Started, with nodes that accept connections. Throws std::runtime_error: no such engine, or it does not
 /// start.

@@ -63,6 +63,5 @@ std::unique_ptr<Engine> make_bridged_mosquitto(const Hosts& hosts);
 std::unique_ptr<Engine> make_haproxy(const Hosts& hosts);
 std::unique_ptr<Engine> make_nats(const Hosts& hosts);
 std::unique_ptr<Engine> make_rabbitmq(const Hosts& hosts);
-std::unique_ptr<Engine> make_aedes(const Hosts& hosts);
 
 }  // namespace cluster
