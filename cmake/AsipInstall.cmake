@@ -19,12 +19,12 @@ set(inner_headers
   client/board_core client/bus_transport client/direct_transport client/pending_calls
   link/baud link/stream_base
   model/argument_writer model/embedded
-  mqtt/broker_list mqtt/client_impl mqtt/connection mqtt/failure mqtt/host_lookup mqtt/outbox mqtt/properties mqtt/tls
+  mqtt/action mqtt/broker_list mqtt/client_core mqtt/connection mqtt/failure mqtt/host_lookup mqtt/outbox mqtt/properties mqtt/tls
   session/fences session/in_flight session/interview session/machine session/rate_change session/request
   session/request_queue session/search session/settings_memory session/waiting_requests session/wire)
 list(TRANSFORM inner_headers REPLACE "(.+)" "PATTERN;asip/\\1.hpp;EXCLUDE")
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/asip/" DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/asip COMPONENT library
-  FILES_MATCHING PATTERN "*.hpp" PATTERN "program" EXCLUDE PATTERN "member" EXCLUDE ${inner_headers})
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "program" EXCLUDE PATTERN "member" EXCLUDE PATTERN "policy" EXCLUDE ${inner_headers})
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/asip)
 install(EXPORT asip-targets NAMESPACE asip:: DESTINATION ${package_folder} COMPONENT library)

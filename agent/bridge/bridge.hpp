@@ -79,8 +79,6 @@ class Bridge {
     void bus_connected(Time now, const std::string& client_id, bool expires, Effects& out);
     /// The broker granted every subscription that commands come by.
     void bus_subscribed(Time now, Effects& out);
-    /// Also what is not needed for commands.
-    void bus_all_subscribed(Time now);
     void bus_disconnected();
     /// The broker knows its users, and may have rules for them. Once the board is known.
     void leave_shared_topic() { announcer_->leave_shared_topic(); }

@@ -43,10 +43,6 @@ void Bridge::bus_subscribed(Time now, Effects& out) {
     if (announcer_ && name_claimed_) announcer_->on_subscribed(now, out);
 }
 
-void Bridge::bus_all_subscribed(Time now) {
-    if (announcer_ && name_claimed_) announcer_->on_all_subscribed(now);
-}
-
 void Bridge::bus_disconnected() {
     age_.connection_changed();
     if (announcer_) announcer_->on_disconnected();

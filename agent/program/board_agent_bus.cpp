@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "agent/program/board_agent.hpp"
-#include "asip/mqtt/cut_off.hpp"
+#include "asip/mqtt/policy/closes_when_denied.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
 
@@ -91,14 +91,11 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
     handlers.on_subscribed = [this] {
         with_bridge([&](Time now, Effects& out) { bridge_.bus_subscribed(now, out); });
     };
-    handlers.on_all_subscribed = [this] {
-        with_bridge([&](Time now, Effects&) { bridge_.bus_all_subscribed(now); });
-    };
     handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
         bridge_.bus_disconnected();
         note_online();
         bus_failed(failure, true);
-        if (failure.after_sending >= mqtt::CutOff::kTimes) reports_.announcing_denied();
+        if (failure.after_sending >= mqtt::ClosesWhenDenied::kTimes) reports_.announcing_denied();
     };
     handlers.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) {
         bus_failed(failure, false);

@@ -141,12 +141,7 @@ void Announcer::on_disconnected() {
 void Announcer::on_subscribed(Time now, Announcements& out) {
     if (!connected_ || std::exchange(subscribed_, true) || !established_) return;
     // Commands wait behind what is sent now: of all members of a broker that is gone, at the same moment.
-    if (!expires_) return announce_within(kProbeAnswer, now);
     if (announce_board(now, out)) names_ = now + random_part(kProbeAnswer, random_);
-}
-
-void Announcer::on_all_subscribed(Time now) {
-    if (subscribed_ && established_ && !expires_ && !probe_answer_) announce_within(kProbeAnswer, now);
 }
 
 std::string Announcer::description_text() const {

@@ -43,9 +43,7 @@ struct AnnouncerOptions {
 /// by one message, the description, with QoS 0: it outlives one that is lost. Names are published when
 /// something changed or somebody probed.
 ///
-/// Where what is retained does not expire, the broker is told to retain the same only once a lease, and on a
-/// new connection within 0.9 s instead of at once: a cluster that has to store it may do nothing else for us
-/// meanwhile, and may take seconds.
+/// Where what is retained does not expire, the broker is told to retain the same only once a lease.
 class Announcer {
   public:
     Announcer(const bus::Topics& topics, AnnouncerOptions options, Random random);
@@ -76,9 +74,6 @@ class Announcer {
     void on_disconnected();
     /// Commands reach us now.
     void on_subscribed(Time now, Announcements& out);
-    /// And all else. Where a broker needs long for that, a probe and our own late will came before we could
-    /// hear of them, and it finds nothing by wildcards (RabbitMQ): what was announced before is said again.
-    void on_all_subscribed(Time now);
     /// A message on our board's service-bus topics or on the probe topic.
     void on_message(const mqtt::Message& message, Time now, Announcements& out);
     void tick(Time now, Announcements& out);

@@ -6,14 +6,8 @@
 namespace asip::mqtt {
 namespace {
 
-/// "Closed before answering" can be a broker that is just going down; only the second time in a row it is
-/// taken as "does not know MQTT 5".
-constexpr int kSuspicionsUntilFallback = 2;
-/// A broker that was going down may be back just when the other version is tried. Not twice.
-constexpr int kAcceptedUntilBelieved = 2;
 constexpr int kUnansweredUntilTls = 3;
-/// A broker that ends connections as soon as it accepted them may do so to us alone. After the second one
-/// the client comes by another identifier, which is tried there.
+/// A broker that ends connections as soon as it accepted them may do so to us alone.
 constexpr int kClosedSoonUntilNext = 3;
 constexpr auto kHeldLongEnough = std::chrono::seconds(5);
 
@@ -22,24 +16,14 @@ constexpr auto kHeldLongEnough = std::chrono::seconds(5);
 BrokerList::BrokerList(std::vector<BrokerAddress> brokers, Version version, Backoff backoff)
     : version_(version), backoff_(backoff) {
     for (auto& address : brokers)
-        brokers_.push_back({std::move(address)});
-}
-
-bool BrokerList::with_v5() const {
-    const auto& broker = brokers_[current_];
-    return version_ == Version::kV5 ||
-           (version_ == Version::kBest && broker.supports_v5 && (broker.took_v5 || !refused_v5_) &&
-            accepted_without_v5_ < kAcceptedUntilBelieved && broker.suspicions < kSuspicionsUntilFallback &&
-            broker.silences < kSuspicionsUntilFallback);
+        brokers_.push_back({std::move(address), VersionChoice(version)});
 }
 
 void BrokerList::accepted() {
     auto& broker = brokers_[current_];
-    broker.took_v5 = with_v5();
-    refused_v5_ = refused_v5_ || !broker.supports_v5;
     ever_accepted_ = true;
-    if (std::max(broker.suspicions, broker.silences) >= kSuspicionsUntilFallback) ++accepted_without_v5_;
-    broker.suspicions = broker.silences = broker.unanswered = 0;
+    broker.version.accepted();
+    broker.unanswered = 0;
     broker.failed_fatally = false;
 }
 
@@ -60,7 +44,8 @@ BrokerList::Next BrokerList::lost(const ConnectionEnd& end, Duration held, const
 
 BrokerList::Next BrokerList::failed(const ConnectionEnd& end, bool tried_v5, const Random& random) {
     auto& broker = brokers_[current_];
-    learn(broker, end, tried_v5);
+    broker.version.failed(end, tried_v5);
+    broker.unanswered = end.closed_unanswered ? broker.unanswered + 1 : 0;
     Next next{advance(end.version_refused, random), std::nullopt};
     // A version below which there is another is not a failure of interest to anybody.
     if (end.version_refused && version_ == Version::kBest) return next;
@@ -75,20 +60,8 @@ BrokerList::Next BrokerList::failed(const ConnectionEnd& end, bool tried_v5, con
     return next;
 }
 
-void BrokerList::learn(Broker& broker, const ConnectionEnd& end, bool tried_v5) const {
-    broker.unanswered = end.closed_unanswered ? broker.unanswered + 1 : 0;
-    if (end.version_refused) broker.supports_v5 = false;
-    // When 3.1.1 fares no better the suspicion was wrong.
-    broker.suspicions = end.closed_unanswered && tried_v5 ? broker.suspicions + 1 : 0;
-    // Silence may be a broker that hangs, too: the next one of the list is not kept waiting for it, and one
-    // that took MQTT 5 before is not suspected.
-    const bool silent = end.failure.kind == ConnectionFailure::Kind::kNoAnswer && !end.closed_unanswered;
-    broker.silences = silent && tried_v5 && !broker.took_v5 ? broker.silences + 1 : 0;
-}
-
 Duration BrokerList::advance(bool same_broker_at_once, const Random& random) {
-    const bool suspected = version_ == Version::kBest && brokers_[current_].suspicions > 0;
-    if (!same_broker_at_once && !suspected) {
+    if (!same_broker_at_once && !brokers_[current_].version.suspected()) {
         current_ = (current_ + 1) % brokers_.size();
         closed_soon_ = 0;
     }

@@ -7,6 +7,7 @@
 #include "asip/mqtt/backoff.hpp"
 #include "asip/mqtt/failure.hpp"
 #include "asip/mqtt/options.hpp"
+#include "asip/mqtt/policy/knows_no_mqtt_5.hpp"
 
 namespace asip::mqtt {
 
@@ -14,10 +15,10 @@ namespace asip::mqtt {
 /// ended. Pure.
 class BrokerList {
   public:
-    /// What follows from the end of an attempt or a connection.
+    /// The consequence of the end of an attempt or a connection.
     struct Next {
         Duration wait{};  ///< before the next attempt
-        /// To be reported; nothing when only the version of MQTT was too high.
+        /// To be reported; none when only the version of MQTT was too high.
         std::optional<ConnectionFailure> failure;
     };
 
@@ -27,16 +28,13 @@ class BrokerList {
     /// The one to try now.
     const BrokerAddress& current() const { return brokers_[current_].address; }
     std::size_t size() const { return brokers_.size(); }
-    /// Its place in the list.
-    std::size_t place() const { return current_; }
-    /// Whether to try it with MQTT 5: not where another broker of the list said that it does not know it.
-    /// They are of one kind, and at a busy one an attempt in vain takes as long as the other.
-    bool with_v5() const;
+    /// Whether to try it with MQTT 5.
+    bool with_v5() const { return brokers_[current_].version.v5(); }
 
     /// It accepted the connection.
     void accepted();
-    /// The accepted connection ended after `held`. Of a list, the next attempt is at once if that was long;
-    /// if it was short for the third time in a row, it is at the next broker.
+    /// The accepted connection ended after `held`. If that was long, the next attempt follows at once where
+    /// there are several brokers. After three short connections in a row the next broker is tried.
     Next lost(const ConnectionEnd& end, Duration held, const Random& random);
     /// The attempt failed. `tried_v5`: what with_v5() was.
     Next failed(const ConnectionEnd& end, bool tried_v5, const Random& random);
@@ -44,15 +42,11 @@ class BrokerList {
   private:
     struct Broker {
         BrokerAddress address;
-        bool supports_v5 = true;
-        bool took_v5 = false;         ///< it accepted a connection with it
-        int suspicions = 0;           ///< attempts with MQTT 5 in a row that were closed without an answer
-        int silences = 0;             ///< attempts with MQTT 5 in a row that met silence
+        VersionChoice version;
         int unanswered = 0;           ///< attempts in a row, with any version, that had no answer
         bool failed_fatally = false;  ///< the last time
     };
 
-    void learn(Broker& broker, const ConnectionEnd& end, bool tried_v5) const;
     Duration advance(bool same_broker_at_once, const Random& random);
     bool hopeless() const;
 
@@ -63,8 +57,6 @@ class BrokerList {
     std::size_t failures_this_round_ = 0;
     int closed_soon_ = 0;  ///< connections in a row that this broker ended as soon as it had accepted them
     bool ever_accepted_ = false;
-    bool refused_v5_ = false;      ///< one of the list that was accepted with 3.1.1 then
-    int accepted_without_v5_ = 0;  ///< behind attempts with MQTT 5 that had no answer
 };
 
 }  // namespace asip::mqtt

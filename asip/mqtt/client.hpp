@@ -33,12 +33,12 @@ struct ConnectionFailure {
     BrokerAddress broker{};
     int code = 0;        ///< reason code of CONNACK or DISCONNECT, where there was one
     std::string text{};  ///< one line for a person, with what to check
-    /// The time may come without anybody changing anything: a certificate that is not valid yet by our clock.
+    /// The failure may pass by itself: a certificate that is not valid yet, by our clock.
     bool may_pass = false;
-    /// Every broker of the list has failed fatally, and none has ever accepted the connection: a program
-    /// should stop and report it. The client itself tries on.
+    /// Every broker of the list has failed fatally, and none has ever accepted a connection: a program should
+    /// stop and report it. The client itself tries on.
     bool hopeless = false;
-    /// So many connections in a row, this one included, were closed without a reason soon after a message of
+    /// How many connections in a row, this one included, were closed without a reason soon after a message of
     /// ours: access rules may have denied it.
     unsigned after_sending = 0;
 
@@ -58,12 +58,12 @@ struct Connected {
     std::size_t max_packet_bytes = 0;  ///< the broker's limit; 0: it named none
 };
 
-/// What publish() did. Of a message of QoS 1 that was kSent or kQueued, on_published or on_publish_denied
-/// reports the end, unless it is dropped from the queue, or its time is over, and counted.
+/// What publish() did. How a message of QoS 1 ends that is kSent or kQueued is reported by on_published or
+/// on_publish_denied, unless it is dropped from the queue or expires, which is counted.
 enum class PublishResult {
     kSent,     ///< handed to the socket
     kQueued,   ///< waits: not connected, or the broker is slower than we are
-    kRefused,  ///< queue full of what may not be dropped, or topic or payload that MQTT cannot carry
+    kRefused,  ///< queue full of messages that may not be dropped, or MQTT cannot carry topic or payload
 };
 
 /// Counted since construction, except where "now" stands.
@@ -83,10 +83,8 @@ struct Counters {
 };
 
 /// One connection to a bus, kept up: connects, and after any loss connects again, to the next broker of the
-/// list with jittered backoff, subscribes to everything again, and sends what was queued. At least once for
-/// QoS 1: what was not acknowledged is sent again over the next connection. Not where a broker of a list
-/// delivers and acknowledges nothing for long (Options::check_delivery): until it does, QoS 0 is used, and
-/// what it took is not sent again unless it is retained.
+/// list with jittered backoff, subscribes to everything again, and sends what was queued. Messages of QoS 1
+/// arrive at least once: one that was not acknowledged is sent again over the next connection.
 ///
 /// Runs on the io_context it is given, on the one thread that runs it; every handler is called from there,
 /// never from inside a call of one of the member functions. Handlers may call any member function, but must
@@ -95,8 +93,8 @@ struct Counters {
 class Client {
   public:
     struct Handlers {
-        /// Subscriptions have been sent, those that are required or where none is, all: what is published
-        /// from here on reaches us by them, too. Announce and probe here.
+        /// The connection is accepted and subscriptions are sent: what is published from here on reaches us,
+        /// too. Announce and probe here.
         std::function<void(const Connected&)> on_connected;
         /// An established connection was lost; the next attempt is under way.
         std::function<void(const ConnectionFailure&)> on_disconnected;
@@ -104,21 +102,19 @@ class Client {
         std::function<void(const ConnectionFailure&)> on_connect_failed;
         /// A message of a subscription. Valid during the call only.
         std::function<void(const Message&)> on_message;
-        /// The broker acknowledged this QoS 1 message; where QoS 0 is used in its place: it was handed over.
+        /// The broker acknowledged this QoS 1 message. Where QoS 0 is used in its place: it was handed over.
         std::function<void(const std::string& topic)> on_published;
-        /// The broker does not deliver this subscription: access rules, or a broker in trouble. Called for
-        /// the first refusal on a connection; the subscription is tried again (1 s to 30 s apart), and a
-        /// required one that is refused three times makes the client try the next broker of the list.
+        /// The broker refuses this subscription: access rules, or a broker in trouble. Called for the first
+        /// refusal on a connection. The subscription is tried again (1 s to 30 s apart); after three refusals
+        /// of a required one the client tries the next broker of the list.
         std::function<void(const std::string& filter, const std::string& reason)> on_subscribe_refused;
-        /// What was not published and why, and with Options::packet_log each line of libmosquitto's own log.
+        /// Why a message was not published, and with Options::packet_log each line of libmosquitto's own log.
         std::function<void(const std::string& line)> on_debug;
-        /// Each subscription that is required is granted, or where none is, each: what is published from here
-        /// on reaches us. Called after on_connected, and again whenever the last missing one is granted.
+        /// All required subscriptions are granted; where none is required, all. Called after on_connected,
+        /// and again whenever the last missing one is granted.
         std::function<void()> on_subscribed;
-        /// Each subscription is granted, also those that are not required. Called as on_subscribed, after it.
-        std::function<void()> on_all_subscribed{};
-        /// The broker denied this QoS 1 message: access rules, quota. It is not sent again. MQTT 5
-        /// only: brokers deny in silence on 3.1.1.
+        /// The broker denied this QoS 1 message: access rules, quota. It is not sent again. MQTT 5 only:
+        /// on 3.1.1 brokers deny in silence.
         std::function<void(const std::string& topic, const std::string& reason)> on_publish_denied{};
     };
 
@@ -146,10 +142,10 @@ class Client {
     /// Messages that are under way may still arrive.
     void unsubscribe(const std::string& filter);
 
-    /// Asks the broker for a sign of life that comes in order: what is received behind it was written by the
-    /// broker after this call. That is its answer to UNSUBSCRIBE of a filter that nobody subscribed to.
-    /// `answered` is called once, or never if the connection ends before. False: not connected, or the check
-    /// before has no answer yet.
+    /// Asks the broker for an answer that comes in order with messages: the broker wrote whatever is received
+    /// behind the answer after this call. (It is the answer to UNSUBSCRIBE of a filter that nobody subscribed
+    /// to.) `answered` is called once, or never if the connection ends before. False: not connected, or the
+    /// check before has no answer yet.
     bool check(std::function<void()> answered);
 
     /// Publishes, or queues in order. Of retained messages that wait, the newest of a topic replaces the
@@ -164,7 +160,7 @@ class Client {
     void discard_queued(Priority priority);
 
     bool connected() const;
-    /// Connected, and the broker has granted each subscription that is required, or where none is, each.
+    /// Connected, and all required subscriptions are granted; where none is required, all.
     bool subscribed() const;
     /// Whether the present connection is MQTT 5; false while there is none.
     bool v5() const;

@@ -47,7 +47,7 @@ Connection::Connection(asio::io_context& io, const Options& options, BrokerAddre
       events_(events),
       socket_(io),
       timer_(io),
-      unreceived_(options.unreceived_timeout) {
+      receives_nothing_(options.unreceived_timeout) {
     static Library library;
     mosquitto_.reset(mosquitto_new(options_.client_id.c_str(), true, this));
     if (!mosquitto_) throw std::bad_alloc();
@@ -232,7 +232,8 @@ bool Connection::is_cut_off(Time now) {
     tcp_info info{};
     socklen_t size = sizeof info;
     if (!up() || getsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return false;
-    return unreceived_.look(now, info.tcpi_unacked > 0, std::chrono::milliseconds(info.tcpi_last_ack_recv));
+    return receives_nothing_.look(now, info.tcpi_unacked > 0,
+                                  std::chrono::milliseconds(info.tcpi_last_ack_recv));
 }
 
 bool Connection::has_unread() const {

@@ -13,8 +13,8 @@
 #include "asip/mqtt/client.hpp"
 #include "asip/mqtt/failure.hpp"
 #include "asip/mqtt/message.hpp"
+#include "asip/mqtt/policy/receives_nothing.hpp"
 #include "asip/mqtt/tls.hpp"
-#include "asip/mqtt/unreceived.hpp"
 
 namespace asip::mqtt {
 
@@ -28,7 +28,7 @@ class ConnectionEvents {
     virtual void publish_answered(int id, int reason_code) = 0;
     virtual void subscribe_answered(int id, const std::vector<int>& granted) = 0;
     virtual void unsubscribe_answered(int id) = 0;
-    virtual void may_write() = 0;     ///< nothing is waiting in front of the socket any more
+    virtual void may_write() = 0;     ///< all that was handed over is in the socket
     virtual void tick(Time now) = 0;  ///< about once a second
     virtual void debug_line(const std::string& line) = 0;
 
@@ -39,8 +39,8 @@ class ConnectionEvents {
 /// One libmosquitto instance from its first TCP packet to its end, on an io_context. It is used for one
 /// connection and then thrown away, so no state of an old connection can reach a new one.
 ///
-/// The io_context watches a duplicate of libmosquitto's socket: libmosquitto closes its own whenever it
-/// likes, inside almost any call, and the duplicate lets Asio find that out in its own time.
+/// libmosquitto may close its socket inside almost any call. So the io_context watches a duplicate of that
+/// socket, which stays valid until Asio has noticed.
 class Connection : public std::enable_shared_from_this<Connection> {
   public:
     Connection(boost::asio::io_context& io, const Options& options, BrokerAddress broker, std::string host,
@@ -60,12 +60,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
     bool up() const { return phase_ == Phase::kUp; }
     bool v5() const { return v5_; }
-    /// What the broker allows; known once up().
+    /// The highest QoS that the broker takes; known once up().
     int max_qos() const { return max_qos_; }
-    /// Of how many messages of QoS 1 the broker may still owe the acknowledgement (MQTT 5.0, 3.2.2.3.3);
-    /// libmosquitto keeps more than that to itself.
+    /// How many messages of QoS 1 may be unacknowledged at the broker (MQTT 5.0, 3.2.2.3.3). libmosquitto
+    /// holds further ones back.
     std::size_t receive_maximum() const { return receive_maximum_; }
-    /// Whether bytes from the broker wait to be read: we are behind, not the broker.
+    /// Whether bytes from the broker wait to be read, so that it is this program that is slow.
     bool has_unread() const;
 
     /// Whether a PUBLISH would go straight to the socket.
@@ -122,7 +122,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     boost::asio::posix::stream_descriptor socket_;
     boost::asio::steady_timer timer_;
     Time opened_{};
-    Unreceived unreceived_;
+    ReceivesNothing receives_nothing_;
     Phase phase_ = Phase::kConnecting;
     bool tcp_connected_ = false;
     bool read_armed_ = false;

@@ -11,29 +11,29 @@ namespace asip::mqtt {
 /// A CONNACK other than success. Codes below 128 are those of MQTT 3.1.1.
 ConnectionFailure refused_by(const BrokerAddress& broker, int connack_code, const Options& options);
 
-/// A DISCONNECT from the broker, or a connection that ended without one (code 0).
+/// The broker sent DISCONNECT, or ended the connection without it (code 0).
 ConnectionFailure closed_by(const BrokerAddress& broker, int disconnect_code);
 
-/// `may_pass`: for a reason that time may change.
+/// `may_pass`: the reason may pass by itself.
 ConnectionFailure tls_failed(const BrokerAddress& broker, const std::string& detail, bool may_pass = false);
 ConnectionFailure unreachable(const BrokerAddress& broker, const std::string& detail);
 
 /// How a connection or an attempt to connect ended, and what that means for the broker.
 struct ConnectionEnd {
     ConnectionFailure failure;
-    bool version_refused = false;    ///< it does not know this version of MQTT
-    bool closed_unanswered = false;  ///< it accepted the TCP connection and closed it before CONNACK
+    bool version_refused = false;    ///< the broker does not know this version of MQTT
+    bool closed_unanswered = false;  ///< the broker accepted the TCP connection and closed it before CONNACK
 };
 
 /// The reason, in the words of libmosquitto, for what access rules deny.
 inline constexpr std::string_view kNotAuthorised = "Not authorized";
 
-/// What to check where a topic holds a dot or a space, which some brokers (NATS) refuse; else empty. Begins
-/// with a blank.
+/// Advice where a topic holds a dot or a space, which some brokers (NATS) refuse; else empty. Begins with a
+/// blank.
 std::string advice_on_topic(std::string_view topic);
 
-/// What to tell a person whose message the broker denied: who, what, and who may grant it. `role`: what
-/// `asipctl secure add` should make of the user. Empty `user`: none.
+/// The text for a person whose message the broker denied: which user, which topic, and how to get the right.
+/// `role`: what `asipctl secure add` should make of the user. Empty `user`: none.
 std::string denied_text(const std::string& user, const std::string& topic, const std::string& reason,
                         const std::string& role = "operator NAME");
 /// The same where the broker gave no reason, and closed the connection right after the message.

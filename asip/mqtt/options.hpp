@@ -36,17 +36,15 @@ enum class Version {
     kV311,
 };
 
-/// How a client connects, and its bounds. Only `brokers` is checked by no default: it must not be empty.
+/// How a client connects, and its bounds.
 struct Options {
     static constexpr std::uint32_t kMaxPacketBytes = 2u << 20;
 
     std::vector<BrokerAddress> brokers{BrokerAddress{}};  ///< at least one; tried in turn
     /// The name of this client, unique for each process; empty: made up. The name is published, in reply
-    /// topics for example. Brokers throw out the older of two connections with the same identifier. The
-    /// identifier that a broker sees is therefore the name with 64 random bits behind it, which nobody
-    /// publishes. Four more hexadecimal digits follow for a broker that closes the connection twice, each
-    /// time right after it was sent messages, for a broker with which QoS 1 turned out to be of no use, and
-    /// for a broker that is tried after a subscription stayed unanswered.
+    /// topics for example. Brokers end the older of two connections with the same identifier. The identifier
+    /// that a broker sees is therefore the name with 64 random bits behind it, which nobody publishes. Where
+    /// there are several brokers, the bits are others on each connection (see Identifier).
     std::string client_id;
     std::string user;
     std::string password;
@@ -57,40 +55,33 @@ struct Options {
     bool insecure = false;  ///< TLS that accepts any certificate of the broker
 
     Version version = Version::kBest;
-    /// The highest QoS that is used, 0 or 1; with 0 what should be acknowledged counts as published once it
-    /// is handed over. See UsableQos for when 1 becomes 0 by itself.
+    /// The highest QoS that is used, 0 or 1. With 0 a message counts as published once it is handed over.
     int qos = 1;
-    /// At least 5. Whoever comes from a broker that stood still, and has a list of them, takes twice
-    /// subscribe_timeout and no more than a minute, if that is more.
+    /// At least 5 s.
     std::chrono::seconds keepalive{10};
-    /// An attempt that has no CONNACK after this long is given up: a dead host, or a broker that hangs.
+    /// An attempt without a CONNACK after this long is given up: a dead host, or a broker that hangs.
     Duration connect_timeout = std::chrono::seconds(5);
-    /// A QoS 1 message that is not acknowledged for this long means that the broker stalls: the connection is
-    /// dropped and the next broker tried. It does not run while the broker delivers what it retains: a
-    /// million messages may be in its queue before an acknowledgement. Nor, for some minutes, where
-    /// check_delivery shows that the broker delivers: QoS 0 is used meanwhile. Zero: left to the keep-alive.
+    /// A broker that leaves a QoS 1 message unacknowledged for this long has stalled: the connection is
+    /// dropped and the next broker tried. The time stands still while the broker delivers retained messages:
+    /// a million of them may be in its queue before an acknowledgement. Zero: left to the keep-alive.
     Duration ack_timeout = std::chrono::seconds(8);
-    /// A subscription without an answer for this long, likewise. While one has none, the broker is busy with
-    /// it and ack_timeout does not run. Twice as long, up to a minute, for the single one that the next of
-    /// several brokers is asked for.
+    /// The same for a subscription without an answer. While a subscription has no answer the broker is busy
+    /// with it, and ack_timeout stands still.
     Duration subscribe_timeout = std::chrono::seconds(30);
-    /// A broker's host that acknowledges for this long nothing of what TCP sends to it is cut off: the
-    /// connection is dropped and the next broker tried. Zero: left to the keep-alive.
+    /// A host that acknowledges for this long nothing of what TCP sends to it is cut off: the connection is
+    /// dropped and the next broker tried. Zero: left to the keep-alive.
     Duration unreceived_timeout = std::chrono::seconds(5);
-    /// Larger packets than this are not delivered to us (MQTT 5; on 3.1.1 only the broker's own limit holds).
-    /// It bounds our memory against anyone who may publish. It must be clearly above the limit of the broker,
+    /// The broker delivers no larger packets to us (MQTT 5; on 3.1.1 only the broker's own limit holds). This
+    /// bounds our memory against everybody who may publish. It must be clearly above the limit of the broker,
     /// 1 MiB in our configurations: Mosquitto takes a message that is too large for a subscriber, and never
     /// frees the place that this message has among the 20 of QoS 1 that may be on their way to the
     /// subscriber. 0: no limit.
     std::uint32_t max_packet_bytes = kMaxPacketBytes;
-    /// Where there are several brokers: how often this client sends itself a message, and so notices that one
-    /// of them delivers nothing any more (see Delivery). Zero: never.
-    Duration check_delivery = std::chrono::seconds(3);
-    /// How often this client looks whether the broker still delivers what has QoS 1 (MQTT 5, see StandStill),
-    /// also where there is one broker. Never where check_delivery is zero.
+    /// How often this client looks whether the broker still delivers messages of QoS 1 (MQTT 5, see
+    /// StandStill). Zero: never.
     Duration check_standstill = std::chrono::seconds(60);
-    /// The topics on which both are looked for: `own_topics`/CLIENT_ID and below, which this client may write
-    /// and read and no other client uses. Empty: never.
+    /// Where it looks: `own_topics`/CLIENT_ID/$qos1, which this client may write and read and no other client
+    /// uses. Empty: never.
     std::string own_topics;
     /// Waiting time between attempts, see Backoff.
     Duration retry_first = std::chrono::milliseconds(100);

@@ -8,8 +8,8 @@
 
 namespace asip::mqtt {
 
-/// Decides which failures of one outage are worth a line in the log: attempts repeat every few seconds, and
-/// fail the same way each time.
+/// Decides which failures of one outage are worth a line in the log. Attempts repeat every few seconds, and
+/// fail in the same way each time.
 class Outage {
   public:
     /// Whether this broker has not yet failed in this way since over().

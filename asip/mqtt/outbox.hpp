@@ -12,13 +12,13 @@
 
 namespace asip::mqtt {
 
-/// What waits to be published: bounded, in order, dropping what matters least.
+/// The messages that wait to be published: bounded, in order, and the least important dropped first.
 ///
-/// Urgent entries leave first, all others in the order they came, whatever their priority. A retained message
-/// replaces a waiting one of the same topic: one that expires, and so is renewed again and again, in its
-/// place, any other at the back; with the higher QoS of both, since somebody waits for that. When `max` is
-/// exceeded the oldest context values are dropped; what may not be dropped is taken up to twice `max` and
-/// then refused, what is urgent up to three times.
+/// Urgent messages leave first, all others in the order in which they came. A retained message replaces a
+/// waiting one of the same topic, with the higher QoS of both: a message that expires takes the place of the
+/// older one, since it is renewed again and again; any other goes to the back. When `max` is exceeded the
+/// oldest context values are dropped. Replies and announcements are taken up to twice `max` and then refused,
+/// urgent messages up to three times.
 class Outbox {
   public:
     struct Bounds {
@@ -29,15 +29,14 @@ class Outbox {
         Message message;
         Priority priority;
         std::uint64_t order;  ///< for put_back()
-        /// Its time is over then: whoever published it wants it no more. None without an expiry, and of what
-        /// is retained: that says how things are, and waits for as long as it takes.
+        /// When it expires. None without an expiry, and for retained messages: they describe a state, and
+        /// wait for as long as it takes.
         std::optional<Time> until;
         Time since{};  ///< when it was published
 
-        /// Or too little is left to say so in whole seconds.
+        /// Also when less is left than a whole second, the unit of MQTT, after it has waited.
         bool expired(Time now) const;
-        /// Makes its expiry what is left of it, in whole seconds: not more than there is, once it has waited
-        /// for one.
+        /// Sets the expiry of the message to what is left, in whole seconds.
         void age(Time now);
 
       private:
@@ -55,8 +54,8 @@ class Outbox {
     /// The same, taken out. Precondition: !empty().
     Entry pop();
 
-    /// Returns an entry that was popped but not delivered to its old place; a newer retained message of its
-    /// topic makes it obsolete, and bounds do not apply: it had been let in.
+    /// Returns an entry that was popped and not delivered to its old place, whatever the bounds. It is
+    /// dropped if a newer retained message of its topic waits.
     void put_back(Entry entry);
 
     void discard(Priority priority);

@@ -12,7 +12,6 @@
 #include "asip/program/credentials.hpp"
 #include "asip/program/options.hpp"
 #include "asip/random.hpp"
-#include "asip/text/duration.hpp"
 
 namespace asip::program {
 
@@ -80,12 +79,6 @@ void Settings::add_broker_options(BrokerOptions& options) {
            {"0", "1"})
         ->default_str("1")
         ->group(group);
-    setting(app.add_option("--check-delivery", options.check_delivery,
-                           "With several brokers: how often to send oneself a message, to notice that one "
-                           "of them delivers nothing; 0: never"))
-        ->type_name("DURATION")
-        ->default_str("3s")
-        ->group(group);
     setting(app.add_option("--topic-root", options.topic_root, "What all topics begin with"))
         ->type_name("TOPIC")
         ->default_str("asip")
@@ -123,7 +116,6 @@ Expected<std::string> take_credentials(BrokerOptions& options, const std::string
     replaced.credentials_dir = options.credentials_dir;
     replaced.mqtt_version = options.mqtt_version;
     replaced.qos = options.qos;
-    replaced.check_delivery = options.check_delivery;
     options = std::move(replaced);
     return read->name;
 }
@@ -173,9 +165,6 @@ Expected<mqtt::Options> mqtt_options(const BrokerOptions& options, std::string_v
     made.client_id = std::string(program) + "-" + id_safe(host_name()) + "-" + random_hex(made.random, 8);
     made.own_topics =
         bus::ReplyTopics(bus::Topics(options.topic_root), made.user, made.client_id).own_of_all();
-    const auto check_delivery = text::parse_duration(options.check_delivery);
-    if (!check_delivery) return fail("--check-delivery: " + check_delivery.error());
-    made.check_delivery = *check_delivery;
     return made;
 }
 

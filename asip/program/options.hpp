@@ -32,7 +32,6 @@ struct BrokerOptions {
     std::string credentials_dir;        ///< see credentials_in_dir()
     std::string mqtt_version = "best";  ///< best, 5, 3.1.1
     std::string qos = "1";              ///< 0, 1
-    std::string check_delivery = "3s";  ///< 0: never
     std::string topic_root = "asip";
 };
 

@@ -10,7 +10,7 @@
 #include "asip/bus/pattern.hpp"
 #include "asip/model/names.hpp"
 #include "asip/mqtt/client.hpp"
-#include "asip/mqtt/cut_off.hpp"
+#include "asip/mqtt/policy/closes_when_denied.hpp"
 #include "asip/program/options.hpp"
 #include "asip/program/stop_signal.hpp"
 #include "cli/ask/bus_session.hpp"
@@ -175,7 +175,8 @@ class Player {
         };
         result.on_disconnected = [this](const mqtt::ConnectionFailure& why) {
             // Older brokers close the connection over what they deny.
-            if (why.after_sending >= mqtt::CutOff::kTimes) events_.fatal(denied_board(user_, board_.name()));
+            if (why.after_sending >= mqtt::ClosesWhenDenied::kTimes)
+                events_.fatal(denied_board(user_, board_.name()));
             lost_ = true;
             events_.lost(why.text);
             subscribed_ = false;

@@ -25,14 +25,10 @@ struct Recorder {
             if (at_message) at_message(m);
         };
         handlers.on_published = [this](const std::string& topic) { published.push_back(topic); };
-        handlers.on_subscribe_refused = [this](const std::string& filter, const std::string&) {
-            refused_filters.push_back(filter);
-        };
         handlers.on_publish_denied = [this](const std::string& topic, const std::string&) {
             denied.push_back(topic);
         };
         handlers.on_subscribed = [this] { ++subscribed_calls; };
-        handlers.on_all_subscribed = [this] { ++all_subscribed_calls; };
         client = std::make_unique<mqtt::Client>(io, std::move(options), std::move(handlers));
     }
 
@@ -59,10 +55,8 @@ struct Recorder {
     std::vector<mqtt::ConnectionFailure> failures;
     std::vector<mqtt::Message> messages;
     std::vector<std::string> published;
-    std::vector<std::string> refused_filters;
     std::vector<std::string> denied;
     int subscribed_calls = 0;
-    int all_subscribed_calls = 0;
     std::function<void()> at_connect;
     std::function<void(const mqtt::Message&)> at_message;
     std::unique_ptr<mqtt::Client> client;

@@ -94,7 +94,7 @@ class MqttVersion : public testing::Test {
         client.subscribe("secret/#");
         client.start();
         const bool connected = run_until(io, [&] {
-            return (client.connected() && !client.v5()) || failures.size() > 4 || !losses.empty() ||
+            return (client.connected() && !client.v5()) || failures.size() > 2 || !losses.empty() ||
                    !refused_filters.empty();
         });
         versions = broker.versions;

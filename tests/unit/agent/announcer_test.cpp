@@ -88,15 +88,6 @@ TEST(Announcer, Lease_IsRenewedAtAThirdWithARisingSeq) {
               model::parse_description(descriptions[1])->seq);
 }
 
-TEST(Announcer, BrokerThatFindsAllThatItRetainsGrantsTheRestLate_IsToldNothingTwice) {
-    BridgeBench bench;
-    bench.go_online();
-    bench.published.clear();
-    bench.all_subscribed();
-    bench.pass(3s);
-    EXPECT_THAT(bench.published, IsEmpty());
-}
-
 TEST(Announcer, Renewal_IsTheDescriptionAlone) {
     BridgeBench bench;
     bench.go_online();

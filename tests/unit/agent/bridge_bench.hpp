@@ -51,9 +51,6 @@ class BridgeBench {
         run([&](Effects& out) { bridge.bus_connected(now, "client", expires, out); });
         if (grants_subscriptions) run([&](Effects& out) { bridge.bus_subscribed(now, out); });
     }
-    void all_subscribed() {
-        run([&](Effects&) { bridge.bus_all_subscribed(now); });
-    }
     /// Board, bus, and the name claimed.
     void go_online() {
         plug();

@@ -68,32 +68,5 @@ TEST_F(RetainedForGood, ChangedOrOverwritten_IsRetainedAtOnce) {
     EXPECT_THAT(retained_on(description), ElementsAre(true));
 }
 
-TEST_F(RetainedForGood, BrokerBack_CommandsComeBeforeTheAnnouncement) {
-    bench.bridge.bus_disconnected();
-    bench.published.clear();
-    bench.connect(false);
-    EXPECT_THAT(bench.published, IsEmpty());
-    bench.pass(900ms);
-    EXPECT_THAT(bench.on(state), ElementsAre("online"));
-    EXPECT_EQ(bench.on(description).size(), 1u);
-    EXPECT_THAT(bench.on("asip/servicebus"), ElementsAre("uno1"));
-}
-
-TEST_F(RetainedForGood, RestIsGrantedLate_IsAnnouncedAgain) {
-    bench.bridge.bus_disconnected();
-    bench.connect(false);
-    bench.published.clear();
-    bench.all_subscribed();
-    bench.pass(3s);
-    EXPECT_EQ(bench.on(description).size(), 1u) << "what is due anyway comes behind that";
-    bench.published.clear();
-    bench.all_subscribed();
-    EXPECT_THAT(bench.published, IsEmpty());
-    bench.pass(900ms);
-    EXPECT_THAT(bench.on(state), ElementsAre("online"));
-    EXPECT_EQ(bench.on(description).size(), 1u);
-    EXPECT_THAT(retained_on(state), ElementsAre(false)) << "stored already";
-}
-
 }  // namespace
 }  // namespace asip::agent

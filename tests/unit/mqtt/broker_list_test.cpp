@@ -88,25 +88,6 @@ TEST_F(BrokerListTest, VersionRefusedWhereNoOtherIsAllowed_IsReported) {
     EXPECT_TRUE(list.with_v5());
 }
 
-TEST_F(BrokerListTest, OneSaysThatItDoesNotKnow5_OthersThatNeverTookItAreNotAskedForIt) {
-    auto list = list_of(3);
-    list.accepted();
-    list.lost(ended(list, Kind::kStalled), 10s, random_);
-    EXPECT_TRUE(list.with_v5());
-    auto end = ended(list, Kind::kRefused);
-    end.version_refused = true;
-    list.failed(end, true, random_);
-    EXPECT_EQ(list.current().host, "broker1");
-    EXPECT_FALSE(list.with_v5());
-    list.accepted();
-    list.lost(ended(list, Kind::kStalled), 10s, random_);
-    EXPECT_EQ(list.current().host, "broker2");
-    EXPECT_FALSE(list.with_v5());
-    list.failed(ended(list, Kind::kUnreachable), false, random_);
-    EXPECT_EQ(list.current().host, "broker0");
-    EXPECT_TRUE(list.with_v5()) << "it took it before";
-}
-
 TEST_F(BrokerListTest, ClosedUnansweredTwice_TriesWithout5AndReturnsTo5WhenThatFailsToo) {
     auto list = list_of(2);
     list.failed(unanswered(list), true, random_);
@@ -116,22 +97,6 @@ TEST_F(BrokerListTest, ClosedUnansweredTwice_TriesWithout5AndReturnsTo5WhenThatF
     EXPECT_FALSE(list.with_v5());
     list.failed(unanswered(list), false, random_);
     EXPECT_EQ(list.current().host, "broker1") << "the suspicion was wrong";
-}
-
-TEST_F(BrokerListTest, AcceptedWithout5Twice_NoBrokerOfTheListIsTriedWith5AnyMore) {
-    auto list = list_of(2);
-    for (int i = 0; i < 2; ++i) {
-        for (int attempt = 0; attempt < 2; ++attempt) {
-            EXPECT_TRUE(list.with_v5()) << "once may be a broker that was going down";
-            list.failed(unanswered(list), true, random_);
-        }
-        EXPECT_FALSE(list.with_v5());
-        list.accepted();
-        list.lost(ended(list, Kind::kStalled), 10s, random_);
-    }
-    EXPECT_FALSE(list.with_v5());
-    list.failed(ended(list, Kind::kUnreachable), false, random_);
-    EXPECT_FALSE(list.with_v5());
 }
 
 TEST_F(BrokerListTest, TlsBrokerThatClosesUnansweredThreeTimes_IsReportedAsTls) {

@@ -181,12 +181,7 @@ TEST(MqttOptions, BrokerOptions_AreTranslated) {
     EXPECT_EQ(made->qos, 0);
     EXPECT_THAT(made->client_id, testing::StartsWith("asip-test-"));
     EXPECT_NE(made->client_id, mqtt_options(options, "asip-test")->client_id);
-    EXPECT_EQ(made->check_delivery, std::chrono::seconds(3));
     EXPECT_EQ(made->own_topics, "asip/reply/ada/$self");
-    options.check_delivery = "often";
-    const auto wrong = mqtt_options(options, "asip-test");
-    ASSERT_FALSE(wrong);
-    EXPECT_THAT(wrong.error(), HasSubstr("--check-delivery: "));
 }
 
 TEST(MqttOptions, PasswordFile_GivesItsFirstLine) {

@@ -7,15 +7,15 @@
 
 namespace asip::mqtt {
 
-/// Notices that the other host does not receive what a TCP connection sends. TCP sends it again ever more
-/// rarely, and so comes back only as long after a cut of the network as the cut was. Pure.
-class Unreceived {
+/// A broker whose host receives nothing: says when it has acknowledged no byte for too long. TCP itself sends
+/// again ever more rarely, and comes back only as long after a cut of the network as the cut lasted. Pure.
+class ReceivesNothing {
   public:
     /// For how long a host may acknowledge nothing; zero: for ever.
-    explicit Unreceived(Duration limit) : limit_(limit) {}
+    explicit ReceivesNothing(Duration limit) : limit_(limit) {}
 
     /// What the kernel says, about once a second: whether bytes wait for an acknowledgement, and how long ago
-    /// the last one came, of whatever. True: it is over.
+    /// the last acknowledgement of any byte came. True: the limit is reached.
     bool look(Time now, bool waiting, Duration since_acknowledgement) {
         if (!waiting || limit_ == Duration::zero()) {
             since_.reset();

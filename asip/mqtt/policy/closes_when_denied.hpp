@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <algorithm>
+#include <cstddef>
 #include <string>
 #include <utility>
 
@@ -8,21 +9,23 @@
 
 namespace asip::mqtt {
 
-/// Notices that a broker cuts the connection off because of what is published: Mosquitto 2.0.11 does so to
-/// every message that its access rules deny, and gives no reason. Pure.
-class CutOff {
+/// A broker that closes the connection, without a reason, when its access rules deny a message: tells a
+/// person so when it happens again and again. Pure.
+class ClosesWhenDenied {
   public:
-    static constexpr Duration kSoon = std::chrono::seconds(1);    ///< after a message
-    static constexpr Duration kShort = std::chrono::seconds(10);  ///< a connection that is
-    static constexpr unsigned kTimes = 3;                         ///< in a row
+    static constexpr Duration kSoon = std::chrono::seconds(1);    ///< between the message and the end
+    static constexpr Duration kShort = std::chrono::seconds(10);  ///< how long such a connection lasts at
+                                                                  ///< most
+    static constexpr unsigned kTimes = 3;                         ///< in a row, before it is said
 
+    /// `bytes`: of the payload.
     void sent(Time now, std::size_t bytes = 0) {
         sent_ = now;
         largest_ = std::max(largest_, bytes);
     }
 
     /// How long to wait at the least before the next connection: the more often it happened the longer, up to
-    /// a minute. `brokers`: of the list.
+    /// a minute. `brokers`: how many the list has.
     Duration pause(std::size_t brokers) const {
         const unsigned often = times_ / static_cast<unsigned>(std::max<std::size_t>(1, brokers));
         if (often < kTimes) return {};
@@ -34,8 +37,8 @@ class CutOff {
     /// what to check, and after_sending counts.
     void ended(ConnectionFailure& failure, Duration was_up, const std::string& user, Time now) {
         const bool closed = failure.kind == ConnectionFailure::Kind::kClosed && failure.code == 0;
-        const bool cut_off = closed && was_up < kShort && sent_ != Time{} && now - sent_ < kSoon;
-        failure.after_sending = cut_off ? ++times_ : times_ = 0;
+        const bool denied = closed && was_up < kShort && sent_ != Time{} && now - sent_ < kSoon;
+        failure.after_sending = denied ? ++times_ : times_ = 0;
         sent_ = {};
         const std::size_t largest = std::exchange(largest_, 0u);
         if (times_ < kTimes) return;

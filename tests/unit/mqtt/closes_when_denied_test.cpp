@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/mqtt/cut_off.hpp"
+#include "asip/mqtt/policy/closes_when_denied.hpp"
 
 #include <gmock/gmock.h>
 
@@ -10,20 +10,20 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using testing::Not;
 
-class CutOffTest : public testing::Test {
+class ClosesWhenDeniedTest : public testing::Test {
   protected:
     ConnectionFailure ended(Duration up, Duration after_message, int code = 0) {
         now_ += up;
-        cut_off_.sent(now_ - after_message);
+        closes_.sent(now_ - after_message);
         ConnectionFailure failure{ConnectionFailure::Kind::kClosed, {}, code, "closed the connection"};
-        cut_off_.ended(failure, up, "uno1", now_);
+        closes_.ended(failure, up, "uno1", now_);
         return failure;
     }
-    CutOff cut_off_;
+    ClosesWhenDenied closes_;
     Time now_{100s};
 };
 
-TEST_F(CutOffTest, ThreeTimesInARow_IsSaidWithTheUser) {
+TEST_F(ClosesWhenDeniedTest, ThreeTimesInARow_IsSaidWithTheUser) {
     EXPECT_EQ(ended(1s, 10ms).after_sending, 1U);
     EXPECT_THAT(ended(1s, 10ms).text, Not(HasSubstr("access rules")));
     const auto third = ended(1s, 10ms);
@@ -32,45 +32,45 @@ TEST_F(CutOffTest, ThreeTimesInARow_IsSaidWithTheUser) {
     EXPECT_THAT(third.text, HasSubstr("user \"uno1\""));
 }
 
-TEST_F(CutOffTest, ConnectionThatLasted_BeginsAnew) {
+TEST_F(ClosesWhenDeniedTest, ConnectionThatLasted_BeginsAnew) {
     ended(1s, 10ms);
     ended(1s, 10ms);
     EXPECT_EQ(ended(11s, 10ms).after_sending, 0U);
     EXPECT_EQ(ended(1s, 10ms).after_sending, 1U);
 }
 
-TEST_F(CutOffTest, LongAfterAMessageOrWithAReason_IsSomethingElse) {
+TEST_F(ClosesWhenDeniedTest, LongAfterAMessageOrWithAReason_IsSomethingElse) {
     for (int i = 0; i < 4; ++i) {
         EXPECT_EQ(ended(5s, 2s).after_sending, 0U);
         EXPECT_EQ(ended(1s, 10ms, 0x8b).after_sending, 0U) << "the broker shuts down";
     }
 }
 
-TEST_F(CutOffTest, NothingSentOverThisConnection_IsSomethingElse) {
+TEST_F(ClosesWhenDeniedTest, NothingSentOverThisConnection_IsSomethingElse) {
     ended(500ms, 10ms);
     ConnectionFailure failure{ConnectionFailure::Kind::kClosed, {}, 0, ""};
-    cut_off_.ended(failure, 100ms, "uno1", now_ + 100ms);
+    closes_.ended(failure, 100ms, "uno1", now_ + 100ms);
     EXPECT_EQ(failure.after_sending, 0U);
 }
 
-TEST_F(CutOffTest, AgainAndAgain_PausesGrowToAMinuteAndTheSizeIsSaid) {
+TEST_F(ClosesWhenDeniedTest, AgainAndAgain_PausesGrowToAMinuteAndTheSizeIsSaid) {
     Duration last{};
     for (int i = 0; i < 20; ++i) {
-        cut_off_.sent(now_, 5000);
+        closes_.sent(now_, 5000);
         const auto failure = ended(1s, 10ms);
         if (i >= 2) {
             EXPECT_THAT(failure.text, HasSubstr("no message of 5000 bytes"));
         }
-        EXPECT_GE(cut_off_.pause(1), last);
-        last = cut_off_.pause(1);
+        EXPECT_GE(closes_.pause(1), last);
+        last = closes_.pause(1);
         if (i < 2) {
             EXPECT_EQ(last, 0s);
         }
     }
     EXPECT_EQ(last, 1min);
-    EXPECT_LT(cut_off_.pause(5), 10s) << "the others may take it";
+    EXPECT_LT(closes_.pause(5), 10s) << "the others may take it";
     ended(11s, 10ms);
-    EXPECT_EQ(cut_off_.pause(1), 0s);
+    EXPECT_EQ(closes_.pause(1), 0s);
 }
 
 }  // namespace

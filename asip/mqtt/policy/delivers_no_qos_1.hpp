@@ -6,11 +6,10 @@
 
 namespace asip::mqtt {
 
-/// Notices that a broker delivers to this client what has QoS 0 and nothing any more that has QoS 1.
-/// Mosquitto does so for the whole connection after it took 20 messages that are larger than this client
-/// takes (Options::max_packet_bytes). The client sends itself a message with QoS 0, and when that came, one
-/// with QoS 1. A slow broker delays both; only where the second one alone is missing the client leaves the
-/// connection. Pure.
+/// A broker that delivers messages of QoS 0 and none of QoS 1. Mosquitto does so for the rest of a connection
+/// after it took 20 messages that are larger than this client takes (Options::max_packet_bytes). The client
+/// sends itself a message with QoS 0, and when that came, one with QoS 1. A slow broker delays both; the
+/// client leaves the connection only where the second one alone is missing. Pure.
 class StandStill {
   public:
     /// `every`: time between two looks; zero: never.
@@ -21,28 +20,28 @@ class StandStill {
         step_ = Step::kIdle;
         since_ = now;
     }
-    /// With which QoS a message is to be published now.
+    /// The QoS of the message that is to be published now; none: no message is due.
     std::optional<int> due(Time now) const {
         if (every_ == Duration::zero()) return std::nullopt;
         if (step_ == Step::kIdle && now - since_ >= every_) return 0;
         if (step_ == Step::kFirstCame) return 1;
         return std::nullopt;
     }
-    /// It was.
+    /// The message that was due is published.
     void sent(Time now) {
         step_ = step_ == Step::kIdle ? Step::kFirstSent : Step::kSecondSent;
         since_ = now;
     }
-    /// Ours came.
+    /// A message from ourselves came.
     void came(int qos, Time now) {
         if (qos == 0 && step_ == Step::kFirstSent) step_ = Step::kFirstCame;
         if (qos == 1 && step_ == Step::kSecondSent) restart(now);
     }
-    /// Another message of QoS 1 came: ours is behind it.
+    /// Another message of QoS 1 came: ours may be behind it.
     void heard(Time now) {
         if (step_ == Step::kSecondSent) since_ = now;
     }
-    /// The client has not read yet what the broker sent.
+    /// Bytes from the broker wait to be read.
     void behind(Time now) { heard(now); }
     /// Whether to leave this connection.
     bool found(Time now) const { return step_ == Step::kSecondSent && now - since_ >= every_ / 6; }
