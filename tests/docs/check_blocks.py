@@ -191,7 +191,7 @@ class Checks:
             if build.get("target") not in self.targets or not self.has(build.get("dockerfile", "")) or service["image"] != f"asip-{build['target']}":
                 self.fault(block, f"service {name} is built from what is not there: {build}")
             for volume in service.get("volumes", []):
-                if volume.split(":")[0] not in self.volumes:
+                if not volume.startswith(("./", "/")) and volume.split(":")[0] not in self.volumes:  # those are files of the host
                     self.fault(block, f"compose.yaml has no volume {volume}")
             for option in [word for word in service.get("command", []) if word.startswith("--")]:
                 if option not in (self.help(["asip-agent"]) or ""):
