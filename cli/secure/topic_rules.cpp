@@ -17,7 +17,7 @@ const Rights kBoth{kRead, kWrite};
 
 constexpr const char* kQueue = "broker: a queue for each reader";
 constexpr const char* kRetained = "broker: one message, retained";
-constexpr const char* kAgentQueue = "agent: queue of 8 MiB";
+constexpr const char* kAgentQueue = "agent: queue of 16 MiB";
 
 /// What a board announces or reports: its own agent writes, everybody reads, a registry clears.
 TopicRule reported(std::string topic, std::string memory, std::string processor, std::string disk) {
@@ -87,7 +87,7 @@ TopicRule rule_of(TopicKind kind) {
                     {kWriteOwn},
                     {kWriteOwn},
                     kBoth,
-                    "broker: one message, retained; agent: 32 services of 64 clients",
+                    "broker: one message, retained; agent: 1,024 demands",
                     "agent: reports up to its fastest period",
                     "-"};
         case TopicKind::kProbe:
@@ -105,7 +105,7 @@ TopicRule rule_of(TopicKind kind) {
             return asked_of_board("BOARD/in", kAgentQueue,
                                   "agent and board: 64 commands a client wait, in turn");
         case TopicKind::kStop:
-            return asked_of_board("BOARD/$stop", "agent: 16 stops", "agent and board: ahead of all others");
+            return asked_of_board("BOARD/$stop", "agent: 256 stops", "agent and board: ahead of all others");
         case TopicKind::kServiceOut:
             return reported("BOARD/SERVICE/out", "gateway: the last value of each service", "each reader",
                             "-");

@@ -54,6 +54,10 @@ class TableOfRules : public SecuredBus {
                     // No person may be taken for a board of its name: see below.
                     const bool person = user.role != Role::kBoard && user.role != Role::kRegistry;
                     if (person && board == user.name) continue;
+                    // No board is called so: only in answers it stands for registries.
+                    if (user.role == Role::kRegistry && board == user.name &&
+                        !rule.topic.starts_with("reply/"))
+                        continue;
                     const auto topic = with_names(rule, asker, board);
                     trials.push_back({user.name,
                                       "write " + topic,
