@@ -160,7 +160,7 @@ std::vector<std::pair<std::string, std::size_t>> Catalogue::services_by_kind(con
 std::array<std::size_t, kStates> Catalogue::boards_by_state(const View& view) const {
     if (!view.board) return stats().boards;
     std::array<std::size_t, kStates> counts{};
-    for_each([&](std::string_view board, model::BoardState state) {
+    for_each([&](std::string_view board, model::BoardState state, model::StateReason) {
         if (!view.board || view.board(board)) ++counts[index_of(state)];
     });
     return counts;
