@@ -256,7 +256,7 @@ TEST_F(ReplayBoardTest, BoardOfNamesOnly_PublishesThem) {
     EXPECT_EQ(published("asip/servicebus"), "old-uno1");
     EXPECT_EQ(published_all("asip/servicebus/old-uno1"), (std::vector<std::string>{"distance", "servo"}));
     out_ = {};
-    names.play(message(TopicKind::kBoardNames, "uno1"), out_);
+    names.play(message(TopicKind::kBoardNames, "uno1"), kStart, out_);
     EXPECT_EQ(published("asip/servicebus"), "") << "not under its old name";
     names.tick(kStart + 19s, out_);
     EXPECT_THAT(out_.publish, IsEmpty());
