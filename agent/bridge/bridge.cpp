@@ -13,13 +13,6 @@ namespace {
 
 constexpr Duration kGarbageQuiet = std::chrono::seconds(10);
 
-std::string letters(const session::ServiceTable& services) {
-    std::string text;
-    for (const auto& entry : services.entries())
-        text += (text.empty() ? "" : ",") + entry.name;
-    return text;
-}
-
 }  // namespace
 
 Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
@@ -50,7 +43,9 @@ void Bridge::link_down(const std::string& why, Time now, Effects& out) {
     const bool heard = session().counters().bytes_in > 0;
     // Nor does one that is lost already.
     const bool lost = name_claimed_ && !session().accepts_requests();
-    out.log(heard && !lost ? Level::kWarning : Level::kDebug, "board lost", {{"why", why}});
+    const bool news = heard && !lost;
+    out.log(news && note_restart(now) ? Level::kWarning : Level::kDebug, "board lost", {{"why", why}});
+    was_away_ = true;
     // A connection that this agent closes because the board is silent is not the reason.
     const bool closed_here =
         describer_.link().kind == "tcp" && announcer_ && announcer_->state() == model::BoardState::kLost;
@@ -83,14 +78,14 @@ void Bridge::line_rate_set(bool ok, Time now, Effects& out) {
 }
 
 void Bridge::send_safe_lines(Time now, Effects& out) {
-    if (!safety_.pending()) return;
+    if (!safety_.pending() || leaving_) return;
     session::Actions actions;
     safety_.send(now, actions);
     perform(actions, now, out);
 }
 
 void Bridge::send_periods(Time now, Effects& out) {
-    if (const auto due = periods_.next_deadline(); !due || now < *due) return;
+    if (const auto due = periods_.next_deadline(); !due || now < *due || leaving_) return;
     session::Actions actions;
     periods_.tick(board_.session, now, actions);
     perform(actions, now, out);
@@ -101,7 +96,7 @@ void Bridge::perform(session::Actions& actions, Time now, Effects& out) {
         if (const auto* write = std::get_if<session::Write>(&action)) statistics_.sent(write->bytes);
         if (std::holds_alternative<session::Write>(action) ||
             std::holds_alternative<session::SetLineRate>(action)) {
-            out.link.push_back(std::move(action));
+            if (!leaving_) out.link.push_back(std::move(action));
             continue;
         }
         std::visit(
@@ -125,7 +120,9 @@ void Bridge::on_action(const session::BoardLine& line, Time, Effects& out) {
 
 void Bridge::publish_or_keep(const protocol::ParsedLine& line, const std::string& by, Effects& out) {
     if (!announcer_->may_publish()) return offline_values_.keep(line, statistics_);
+    const bool warned = !context_.warning().empty();
     context_.on_line(line, out, by);
+    if (!warned && !context_.warning().empty()) show_warnings();
 }
 
 void Bridge::start_publishing(Effects& out) {
@@ -137,54 +134,51 @@ void Bridge::start_publishing(Effects& out) {
 
 void Bridge::on_action(const session::Identified& identified, Time now, Effects& out) {
     const auto& board = session().identity();
+    if (!name().empty() && is_another_name()) return leave_for_another(now, out);
     board_.services = session::ServiceTable(board, models_);
     periods_.board_found(board_.services, now);
     describer_.board_found(identified.changed, periods_);
-    if (name().empty()) {
-        name_board(out);
-    } else if (options_.name.empty() && !board.stored_name.empty() && board.stored_name != name()) {
-        out.log(Level::kWarning,
-                "the board at this port calls itself otherwise; restart this agent to use that name",
-                {{"board", name()}, {"stored", board.stored_name}});
-    }
+    if (name().empty()) name_board(out);
     out.board_known = true;
-    out.log(Level::kInfo, identified.changed ? "board identified" : "board back",
+    was_away_ = false;
+    out.log(restarts_.many() ? Level::kDebug : Level::kInfo,
+            identified.changed ? "board identified" : "board back",
             {{"board", name()},
              {"chip", board.info.chip},
              {"sketch", board.info.sketch},
-             {"services", letters(board_.services)},
+             {"services", letters()},
              {"baud", std::to_string(board_.session.baud())}});
     describe_again();
+    compare_with_first(port_.phase() != PortLoan::Phase::kOurs, out);
     port_.identified(traits(), out);
     announcer_->set_updating(port_.updating());
     announcer_->set_state(model::BoardState::kOnline, model::StateReason::kNone, now, out);
 }
 
 void Bridge::name_board(Effects& out) {
-    const auto& stored = session().identity().stored_name;
-    board_.name = !options_.name.empty() ? options_.name
-                  : !stored.empty()      ? stored
-                                         : describer_.name_from_link();
+    choose_name();
     auto kept = options_.load_labels ? options_.load_labels(name()) : Expected<model::Labels>();
     if (!kept) out.log(Level::kError, "labels cannot be read", {{"why", kept.error()}});
     labels_.load(std::move(kept));
     describer_.note_labels(labels_);
     if (!options_.keep_outputs) safety_.stop_services();
-    announcer_ =
-        std::make_unique<Announcer>(board_.topics,
-                                    AnnouncerOptions{name(), options_.lease_seconds, options_.takeover,
-                                                     options_.started_unix, options_.on_shared_topic},
-                                    random_);
+    announcer_ = std::make_unique<Announcer>(
+        board_.topics,
+        AnnouncerOptions{name(), options_.lease_seconds, options_.takeover, options_.started_unix,
+                         options_.on_shared_topic, named_by_board_},
+        random_);
 }
 
-void Bridge::on_action(const session::BoardReset& reset, Time, Effects& out) {
+void Bridge::on_action(const session::BoardReset& reset, Time now, Effects& out) {
     safety_.board_restarted(out);
-    out.log(Level::kWarning, "board restarted by itself", {{"why", reset.why}});
+    out.log(note_restart(now) ? Level::kWarning : Level::kDebug, "board restarted by itself",
+            {{"why", reset.why}});
 }
 
 void Bridge::on_action(const session::BecameSilent&, Time now, Effects& out) {
     out.log(Level::kWarning, "board silent", {{"board", name()}});
     if (announcer_) announcer_->set_state(model::BoardState::kLost, model::StateReason::kSilent, now, out);
+    was_away_ = true;
     safety_.board_gone(out);
     out.reopen_link = describer_.link().kind == "tcp";
 }
@@ -197,7 +191,8 @@ void Bridge::on_action(const session::NoAnswer& none, Time now, Effects& out) {
             ? " said that it is an ASIP board, and answers no question: does it restart again and again (its "
               "power), is its sketch busy for seconds, or does the line lose what is sent to it?"
         : none.heard_bytes ? " sends bytes, but they are not ASIP at 57600 baud or any rate that a board "
-                             "steps up to: is it another device, or a sketch without ASIP?"
+                             "steps up to: is it another device, a sketch without ASIP, or does another "
+                             "program read from this port, too (fuser PORT, lsof PORT; brltty, ModemManager)?"
                            : " does not answer: is an ASIP sketch loaded (asip firmware: AsipHello), and "
                              "is it the right port?";
     // A board that was here may come back; a port where none ever was is more likely the wrong one.
@@ -241,9 +236,10 @@ void Bridge::publish_statistics(const mqtt::Counters& bus, Time now, Effects& ou
     if (!announcer_ || !announcer_->may_publish()) return;
     mqtt::Message message;
     message.topic = board_.topics.stats(name());
-    message.payload = statistics_.document({board_.session, bus, name(), announcer_->session(),
-                                            control_.forgotten_answers(), safety_.holds().size(), periods_},
-                                           now);
+    message.payload = statistics_.document(
+        {board_.session, bus, name(), announcer_->session(), control_.forgotten_answers(),
+         safety_.holds().size(), periods_, context_.undecoded()},
+        now);
     out.publish.push_back({std::move(message), mqtt::Priority::kContext});
 }
 
@@ -255,14 +251,17 @@ void Bridge::tick(Time now, Effects& out) {
     send_safe_lines(now, out);
     send_periods(now, out);
     tick_port(now, out);
+    tick_restarts(now, out);
     if (announcer_) announcer_->tick(now, out);
+    yield_name(out);
     start_publishing(out);
 }
 
 std::optional<Time> Bridge::next_deadline() const {
     auto deadline = board_.session.next_deadline();
-    for (const auto& other : {safety_.next_deadline(), port_.next_deadline(), periods_.next_deadline(),
-                              announcer_ ? announcer_->next_deadline() : std::nullopt})
+    for (const auto& other :
+         {safety_.next_deadline(), port_.next_deadline(), periods_.next_deadline(), restarts_.next_deadline(),
+          announcer_ ? announcer_->next_deadline() : std::nullopt})
         if (other && (!deadline || *other < *deadline)) deadline = other;
     return deadline;
 }

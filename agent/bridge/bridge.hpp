@@ -13,6 +13,7 @@
 #include "agent/bridge/effects.hpp"
 #include "agent/clients/client_requests.hpp"
 #include "agent/command/control.hpp"
+#include "agent/counts/restarts.hpp"
 #include "agent/counts/statistics.hpp"
 #include "agent/describe/describer.hpp"
 #include "agent/describe/label_book.hpp"
@@ -159,6 +160,15 @@ class Bridge {
     void on_action(const session::LineRateChanged& change, Time now, Effects& out);
     void on_action(const session::Garbage& garbage, Time now, Effects& out);
     void on_action(const session::Finished& end, Time now, Effects& out);
+    std::string letters() const;
+    void choose_name();
+    bool is_another_name() const;
+    void leave_for_another(Time now, Effects& out);
+    void yield_name(Effects& out);
+    void compare_with_first(bool flashed, Effects& out);
+    void show_warnings();
+    bool note_restart(Time now);
+    void tick_restarts(Time now, Effects& out);
     void describe_again();
     void publish_or_keep(const protocol::ParsedLine& line, const std::string& by, Effects& out);
     void start_publishing(Effects& out);
@@ -178,7 +188,18 @@ class Bridge {
     LabelBook labels_;
     Describer describer_;
     std::unique_ptr<Announcer> announcer_;  // once there is a name
+    bool named_by_board_ = false;           // the name is stored on the board
     bool name_claimed_ = false;
+    bool was_away_ = false;  // the board, since it was identified
+    bool leaving_ = false;   // for another name: nothing more is sent to the board
+    struct FirstBoard {
+        BoardTraits traits;
+        std::string services;
+        bool operator==(const FirstBoard&) const = default;
+    };
+    std::optional<FirstBoard> first_board_;
+    std::string other_board_;  // the warning that it is another one now
+    Restarts restarts_;
     OfflineValues offline_values_;
     std::optional<Time> garbage_quiet_until_;
 };

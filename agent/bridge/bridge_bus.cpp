@@ -51,7 +51,7 @@ void Bridge::bus_disconnected() {
 // --- messages
 
 std::optional<Inbound> Bridge::read(const mqtt::Message& message, Time now) const {
-    if (!announcer_) return std::nullopt;
+    if (!announcer_ || leaving_) return std::nullopt;
     return read_inbound(message,
                         {.topics = board_.topics,
                          .board = board_.name,
@@ -62,6 +62,7 @@ std::optional<Inbound> Bridge::read(const mqtt::Message& message, Time now) cons
 }
 
 void Bridge::take(const Inbound& message, Time now, Effects& out) {
+    if (leaving_) return;
     // Until then another agent may be meant.
     if (request_of(message) != nullptr && !announcer_->established()) return;
     std::visit([&](const auto& known) { on_message(known, now, out); }, message);
@@ -96,6 +97,7 @@ void Bridge::on_message(const DemandMessage& demand, Time now, Effects& out) {
 
 void Bridge::on_message(const Announcement& announcement, Time now, Effects& out) {
     announcer_->on_message(announcement.message, now, out);
+    yield_name(out);
 }
 
 void Bridge::labels_kept(const Expected<std::filesystem::path>& result, Effects& out) {

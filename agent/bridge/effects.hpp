@@ -40,6 +40,7 @@ struct Effects : member::Announcements {
     enum class Port { kKeep, kLetGo, kTakeBack };
     Port port = Port::kKeep;                  ///< whether the board's port changes hands
     std::optional<LabelsToKeep> keep_labels;  ///< to be written to the disk; then Bridge::labels_kept()
+    bool begin_anew = false;   ///< another board is at the port: all of this is over, and begins again
     bool reopen_link = false;  ///< open, but the board behind it is gone: a connection may be dead
 };
 

@@ -95,6 +95,7 @@ std::string Statistics::document(const Sources& sources, Time now) {
     if (!started_) started_ = now;
     json line = line_counters(sources.session);
     line["opened"] = links_;
+    line["undecoded"] = sources.undecoded;
     line["bytes_in"] = bytes_in_;
     line["bytes_out"] = bytes_out_;
     line["lines_out"] = lines_out_;

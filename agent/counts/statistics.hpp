@@ -28,6 +28,7 @@ class Statistics {
         std::uint64_t forgotten_answers = 0;
         std::size_t holds = 0;  ///< in force now
         const ReportPeriods& periods;
+        std::uint64_t undecoded = 0;  ///< reports that do not fit their model
     };
 
     // --- the board and its link

@@ -42,6 +42,12 @@ bool Describer::note_labels(const LabelBook& labels) {
     return true;
 }
 
+bool Describer::note_warnings(std::vector<std::string> warnings) {
+    if (warnings_ == warnings) return false;
+    warnings_ = std::move(warnings);
+    return true;
+}
+
 bool Describer::note_line(const protocol::ParsedLine& line) {
     if (!line.is_event()) return false;
     const auto event = line.event();
@@ -100,6 +106,7 @@ model::Description Describer::description() {
     description.labels = labels_;
     description.labels_fault = labels_fault_;
     description.on_demand = on_demand_;
+    description.warnings = warnings_;
     for (const auto& entry : board_.services.entries()) {
         model::ServiceInfo service;
         service.name = entry.name;

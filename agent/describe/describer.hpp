@@ -29,6 +29,7 @@ class Describer {
     void board_found(bool changed, const ReportPeriods& periods);
     bool note_agent(model::AgentInfo agent);
     bool note_labels(const LabelBook& labels);
+    bool note_warnings(std::vector<std::string> warnings);
     /// A line of the board shows how many elements a service has.
     bool note_line(const protocol::ParsedLine& line);
     /// A request ended, which may have changed pin modes and periods.
@@ -53,6 +54,7 @@ class Describer {
     model::Labels labels_;
     std::string labels_fault_;
     std::optional<model::OnDemandInfo> on_demand_;
+    std::vector<std::string> warnings_;
     std::vector<protocol::PinMode> described_modes_;
 };
 

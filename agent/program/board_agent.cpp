@@ -152,6 +152,7 @@ void BoardAgent::perform(Effects& effects) {
         link_.stop();
     }
     if (effects.port == Effects::Port::kTakeBack) link_.start();
+    if (effects.begin_anew) return finish(kBeginAnew);
     if (effects.fatal) {
         if (life_ == Life::kRunning) log_.error(effects.fatal->text, {});
         end_once_safe([this, status = effects.fatal->status] { finish(status); });

@@ -18,6 +18,7 @@
 #include "agent/program/broker_reports.hpp"
 #include "agent/program/options.hpp"
 #include "asip/link/kept_stream.hpp"
+#include "asip/mqtt/backoff.hpp"
 #include "asip/mqtt/client.hpp"
 
 namespace asip::agent {
@@ -35,9 +36,12 @@ class BoardAgent {
         boost::asio::thread_pool& disk;  ///< a slow one must not hold up the boards
         bool several = false;            ///< each line of the log says which board it is about
     };
+    /// In place of an exit status: another board is at the port. To be started again at once.
+    static constexpr int kBeginAnew = -1;
     /// Called on the event loop.
     struct Handlers {
-        /// It has ended, with the exit status of a process that serves one board. The agent may be destroyed.
+        /// It has ended, with the exit status of a process that serves one board, or kBeginAnew. The agent
+        /// may be destroyed.
         std::function<void(int status)> on_ended;
         /// online() has changed.
         std::function<void()> on_changed;
@@ -134,6 +138,7 @@ class BoardAgent {
     std::optional<Time> reads_since_;     // what sockets hold may have been sent since then
     std::optional<std::size_t> arrived_;  // since a turn was scheduled; none: no turn is scheduled
     Outage outage_;
+    mqtt::Backoff bus_patience_{std::chrono::minutes(1), std::chrono::minutes(5)};  // as a service
     std::optional<Time> armed_for_;
     Life life_ = Life::kRunning;
     Presence presence_ = Presence::kAway;

@@ -7,6 +7,7 @@
 #include "asip/mqtt/policy/closes_when_denied.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
+#include "asip/program/service_manager.hpp"
 
 namespace asip::agent {
 
@@ -83,6 +84,7 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
     mqtt::Client::Handlers handlers;
     handlers.on_connected = [this](const mqtt::Connected& connected) {
         reports_.connected(connected, bus_->counters());
+        bus_patience_.reset();
         bus_->discard_queued(mqtt::Priority::kAnnouncement);
         with_bridge([&](Time now, Effects& out) {
             bridge_.bus_connected(now, connected.client_id, connected.v5, out);
@@ -102,6 +104,9 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
     };
     handlers.on_message = [this](const mqtt::Message& message) { message_received(message); };
     handlers.on_published = [this](const std::string& topic) { note_published(topic); };
+    handlers.on_publish_denied = [this](const std::string&, const std::string& reason) {
+        reports_.denied(reason);
+    };
     handlers.on_subscribe_refused = [this](const std::string& filter, const std::string& reason) {
         reports_.subscription_refused(filter, reason);
     };
@@ -200,7 +205,8 @@ void BoardAgent::bus_failed(const mqtt::ConnectionFailure& failure, bool was_con
     const bool may_change = !was_connected && look_for_credentials();
     if (failure.hopeless && !may_change) {
         log_.error(failure.text, {{"broker", failure.broker.describe()}});
-        return finish(program::kExitBroker);
+        if (!program::supervised()) return finish(program::kExitBroker);
+        return bus_->retry_in(bus_patience_.next(system_random()));
     }
     reports_.failed(failure, was_connected);
 }

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "asip/mqtt/failure.hpp"
+
 namespace asip::agent {
 
 namespace log = program::log;
@@ -54,13 +56,18 @@ void BrokerReports::look_for_rejections(const mqtt::Counters& counters) {
     }
     if (announcing_ != Announcing::kTaken) return announcing_denied();
     log_.warning("the broker refuses some of what this agent publishes; look at its access control",
-                 {{"board", agent_().board}, {"refused", refused}});
+                 {{"board", agent_().board}, {"refused", refused}, {"why", denial_}});
 }
 
 void BrokerReports::announcing_denied() {
     if (announcing_ != Announcing::kTrying) return;
     announcing_ = Announcing::kDenied;
     const auto [board, root, user, broker] = agent_();
+    if (!denial_.empty() && denial_ != mqtt::kNotAuthorised) {
+        log_.error("the broker refuses the announcement of board " + board + "; nobody will find it",
+                   {{"why", denial_}, {"broker", broker}});
+        return;
+    }
     log_.error(
         "the broker's access control denied announcing board " + board + "; nobody will find it. " +
             (user.empty() ? "A connection without user" : "User " + user) + " must be allowed to write " +

@@ -41,6 +41,8 @@ class BrokerReports {
     void look_for_rejections(const mqtt::Counters& counters);
     /// The broker ended the connection each time when it was given an announcement.
     void announcing_denied();
+    /// What the broker said of the message that it refused last. Before look_for_rejections().
+    void denied(const std::string& reason) { denial_ = reason; }
     /// A request names a topic on which this agent does not answer. Once for each connection.
     void stray_answer(const std::string& topic);
     /// Values and answers that were dropped since the last call.
@@ -62,8 +64,9 @@ class BrokerReports {
     Credentials credentials_ = Credentials::kExpected;
     StrayAnswers stray_answers_ = StrayAnswers::kNone;
     std::optional<mqtt::Counters> at_connection_;  // none: rejections of this connection were reported
-    std::size_t packet_limit_ = 0;                 // of this broker, in bytes
-    std::uint64_t dropped_context_ = 0;            // as reported last
+    std::string denial_;
+    std::size_t packet_limit_ = 0;       // of this broker, in bytes
+    std::uint64_t dropped_context_ = 0;  // as reported last
     std::uint64_t dropped_answers_ = 0;
 };
 

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <ctime>
+#include <filesystem>
 
 #include "agent/describe/label_files.hpp"
 #include "agent/program/raw_options.hpp"
@@ -10,6 +11,7 @@
 #include "asip/link/tcp_stream.hpp"
 #include "asip/model/names.hpp"
 #include "asip/text/duration.hpp"
+#include "asip/text/printable.hpp"
 
 namespace asip::agent {
 
@@ -59,6 +61,24 @@ Expected<ReportOptions> report_options(const RawOptions& raw) {
     return options;
 }
 
+// What can be no port of this machine, however long one waits for it; empty: it may be one.
+std::string serial_fault(const std::string& port) {
+    if (const auto scheme = port.find("://"); scheme != std::string::npos)
+        return "\"" + text::without_credentials(port) +
+               "\" is no port; for a board with a network give --tcp " +
+               text::without_credentials(port).substr(scheme + 3);
+    const bool windows = port.size() > 3 && (port.starts_with("COM") || port.starts_with("com")) &&
+                         port.find_first_not_of("0123456789", 3) == std::string::npos;
+    if (windows)
+        return port +
+               " is how Windows calls a port; here look into /dev/serial/by-id, or for /dev/ttyACM0 and "
+               "/dev/ttyUSB0";
+    std::error_code error;
+    if (!port.empty() && port.find('/') == std::string::npos && !std::filesystem::exists(port, error))
+        return "\"" + port + "\" is no path; is it /dev/" + port + "?";
+    return {};
+}
+
 }  // namespace
 
 Expected<model::ModelSet> load_models(const std::string& folder) {
@@ -77,6 +97,7 @@ Expected<AgentOptions> checked_options(RawOptions raw) {
     if (!raw.name.empty() && !model::valid_board_name(raw.name))
         return fail("--name: " + model::explain_board_name(raw.name) + "; for example --name " +
                     model::suggest_name(raw.name));
+    if (const auto fault = serial_fault(raw.serial); !fault.empty()) return fail("--serial: " + fault);
     if (!raw.tcp.empty())
         if (const auto address = link::parse_tcp_address(raw.tcp); !address)
             return fail("--tcp: " + address.error());

@@ -23,6 +23,9 @@ namespace {
 
 constexpr Duration kFirstPause = std::chrono::seconds(4);
 constexpr Duration kLongestPause = std::chrono::minutes(1);
+// Of a board that has a process to itself: what is in its way is a person's, or a broker's that comes up.
+constexpr Duration kFirstPauseAlone = std::chrono::minutes(1);
+constexpr Duration kLongestPauseAlone = std::chrono::minutes(5);
 // A board that was served for so long begins with short pauses again.
 constexpr Duration kServedLong = std::chrono::minutes(1);
 // The start of each is a probe, which all agents of the bus get.
@@ -38,6 +41,19 @@ bool same_options(const PlannedBoard& one, const PlannedBoard& other) {
            a.ca_file == b.ca_file && a.cert_file == b.cert_file && a.key_file == b.key_file;
 }
 
+const char* why_ended(int status) {
+    switch (status) {
+        case program::kExitBroker:
+            return "the broker refuses the connection";
+        case program::kExitBoard:
+            return "no ASIP board answers at the port, or it is in use or not permitted";
+        case program::kExitNameConflict:
+            return "another agent has the board's name";
+        default:
+            return "something is in the way";
+    }
+}
+
 /// Not, once it was closed.
 bool can_reach_terminal() {
     const int terminal = ::open("/dev/tty", O_RDWR | O_NOCTTY | O_CLOEXEC);
@@ -48,8 +64,10 @@ bool can_reach_terminal() {
 }  // namespace
 
 struct Supervisor::Board : std::enable_shared_from_this<Supervisor::Board> {
-    Board(boost::asio::io_context& io, PlannedBoard planned)
-        : plan(std::move(planned)), pause(kFirstPause, kLongestPause), start_timer(io) {}
+    Board(boost::asio::io_context& io, PlannedBoard planned, bool several)
+        : plan(std::move(planned)),
+          pause(several ? kFirstPause : kFirstPauseAlone, several ? kLongestPause : kLongestPauseAlone),
+          start_timer(io) {}
 
     PlannedBoard plan;
     std::unique_ptr<BoardAgent> agent;  // none: it waits to be started
@@ -72,7 +90,7 @@ Supervisor::Supervisor(Plan plan, std::function<Expected<Plan>()> read_again)
       reload_signal_(io_),
       report_timer_(io_) {
     for (auto& board : plan.boards)
-        boards_.push_back(std::make_shared<Board>(io_, std::move(board)));
+        boards_.push_back(std::make_shared<Board>(io_, std::move(board), several_));
 }
 
 Supervisor::~Supervisor() {
@@ -125,8 +143,9 @@ void Supervisor::serve(Board& board) {
 void Supervisor::ended(Board& board, int status) {
     board.agent.reset();
     report_soon();
-    if (!several_) {
-        status_ = status;
+    if (!stopping_ && board.wanted && status == BoardAgent::kBeginAnew) return start(board, {});
+    if (!several_ && !(program::supervised() && !stopping_ && status != program::kExitOk)) {
+        status_ = std::max(status, program::kExitOk);
         stopping_ = true;
         stop_signal_.cancel();
         return io_.stop();
@@ -230,7 +249,7 @@ void Supervisor::apply(Plan plan) {
     }
     Duration after{};
     for (auto& [key, board] : planned) {
-        boards_.push_back(std::make_shared<Board>(io_, std::move(*board)));
+        boards_.push_back(std::make_shared<Board>(io_, std::move(*board), several_));
         start(*boards_.back(), after);
         after += kBetweenStarts;
     }
@@ -258,6 +277,8 @@ std::string Supervisor::status_text() const {
                      std::to_string(board->last_status) + ")";
         }
     }
+    if (!several_ && ended > 0)
+        return std::string(why_ended(boards_.front()->last_status)) + "; asking again, see the log";
     if (!several_) return online > 0 ? "on the bus" : "waiting for the board or the broker";
     auto text = std::to_string(online) + " of " + std::to_string(boards_.size()) + " boards on the bus";
     if (ended > 0) text += "; ended and to be started again: " + names;

@@ -6,6 +6,7 @@
 #include "agent/command/error_report.hpp"
 #include "asip/model/event_decoder.hpp"
 #include "asip/model/json.hpp"
+#include "asip/text/printable.hpp"
 
 namespace asip::agent {
 
@@ -32,12 +33,26 @@ void Context::on_line(const protocol::ParsedLine& line, Effects& out, std::strin
     const auto value =
         service->model ? model::decode_event(*service->model, event, {&identity.port_map, identity.pin_modes})
                        : model::raw_event(event);
-    if (!value) return;
+    if (!value) return undecoded(service->name, line.text(), value.error(), out);
     mqtt::Message message;
     message.topic = topics.service_out(board_.name, service->name);
     message.payload = model::dump_json(*value);
     message.retain = options_.retain_values;
     out.publish.push_back({std::move(message), mqtt::Priority::kContext});
+}
+
+void Context::undecoded(const std::string& service, std::string_view line, const std::string& why,
+                        Effects& out) {
+    ++undecoded_;
+    const auto count = ++undecoded_of_[service];
+    if (count == 1)
+        out.log(program::log::Level::kWarning,
+                "a report does not fit its service's model; only its line is published (further ones are "
+                "counted)",
+                {{"service", service}, {"line", text::printable(line)}, {"why", text::printable(why)}});
+    if (count == kOften)
+        warning_ = "reports of " + service +
+                   " do not fit its model and are not published as values: " + text::printable(why);
 }
 
 }  // namespace asip::agent

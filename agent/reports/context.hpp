@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -26,9 +28,22 @@ class Context {
     /// `by`: who sent the request that the line is an error of; empty: not known.
     void on_line(const protocol::ParsedLine& line, Effects& out, std::string_view by = {});
 
+    /// Events that do not fit the model of their service.
+    std::uint64_t undecoded() const { return undecoded_; }
+    /// What people are to be told of a service whose events often do not; empty: nothing.
+    const std::string& warning() const { return warning_; }
+
   private:
+    void undecoded(const std::string& service, std::string_view line, const std::string& why, Effects& out);
+
+    /// A line that was damaged once is not worth a warning.
+    static constexpr std::uint64_t kOften = 10;
+
     const Board& board_;
     ContextOptions options_;
+    std::uint64_t undecoded_ = 0;
+    std::map<std::string, std::uint64_t> undecoded_of_;  // a service each: a board has few
+    std::string warning_;
 };
 
 }  // namespace asip::agent

@@ -189,5 +189,27 @@ TEST(AgentOptions, BadOnes_EndWithStatus2) {
     EXPECT_THAT(help.output, HasSubstr("Examples:"));
 }
 
+TEST(AgentService, PortThatIsNone_IsAskedAgainAndAStopEndsItAtOnce) {
+    for (const std::map<std::string, std::string>& manager :
+         {std::map<std::string, std::string>{{"NOTIFY_SOCKET", "/nonexistent/socket"}},
+          {{"INVOCATION_ID", "1"}}}) {
+        ChildProcess agent({ASIP_PROGRAMS "/asip-agent", "--serial", "/dev/null", "--name", "uno1"}, manager);
+        ASSERT_TRUE(agent.wait_for_errors("starting it again")) << agent.errors();
+        EXPECT_THAT(agent.errors(), HasSubstr("/dev/null is not a serial port"));
+        EXPECT_TRUE(agent.running());
+        agent.signal(15);
+        EXPECT_EQ(agent.wait_exit(), 0);
+    }
+}
+
+TEST(AgentService, PortThatIsNoPortOfThisMachine_IsRefusedWithWhatToWrite) {
+    for (const auto& [port, advice] : std::vector<std::pair<std::string, std::string>>{
+             {"COM3", "/dev/ttyACM0"}, {"socket://pi:6789", "--tcp pi:6789"}, {"ttyACM0", "/dev/ttyACM0"}}) {
+        const auto ended = run({ASIP_PROGRAMS "/asip-agent", "--serial", port});
+        EXPECT_EQ(ended.status, 2) << port;
+        EXPECT_THAT(ended.errors, HasSubstr(advice)) << port;
+    }
+}
+
 }  // namespace
 }  // namespace asip::test

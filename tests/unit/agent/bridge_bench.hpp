@@ -35,7 +35,9 @@ class BridgeBench {
     std::vector<std::string> client_lines;  ///< for all of them
     std::vector<ClientLine> lines_for_one;
     std::vector<std::string> notices;
+    std::size_t logged = 0;  ///< of these, unless one asks for more
     std::optional<Fatal> fatal;
+    bool begin_anew = false;
     std::vector<model::Labels> to_keep;         ///< what was to be written to the disk
     Effects::Port port = Effects::Port::kKeep;  ///< what the agent did last with the port
 
@@ -135,9 +137,10 @@ class BridgeBench {
         for (auto& line : effects.lines)
             line.client ? lines_for_one.push_back(line) : client_lines.push_back(line.line);
         for (auto& notice : effects.notices)
-            notices.push_back(notice.text);
+            notices.push_back(notice.text), logged += notice.level >= program::log::Level::kInfo ? 1 : 0;
         if (effects.keep_labels) to_keep.push_back(effects.keep_labels->labels);
         if (effects.fatal) fatal = effects.fatal;
+        begin_anew = begin_anew || effects.begin_anew;
         if (effects.port != Effects::Port::kKeep) port = effects.port;
         if (!answer.empty()) say(answer);
         if (effects.name_claimed && grants_subscriptions)

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which board is at the port: its name, and what is done where it is another one than before.
+#include "agent/bridge/bridge.hpp"
+#include "asip/program/exit_status.hpp"
+
+namespace asip::agent {
+
+using program::log::Level;
+
+namespace {
+
+std::string in_words(const BoardTraits& board, const std::string& services) {
+    std::string text = board.chip + " with " + board.sketch;
+    if (!services.empty()) text += " and services " + services;
+    if (!board.stored_name.empty()) text += ", which calls itself " + board.stored_name;
+    return text;
+}
+
+}  // namespace
+
+std::string Bridge::letters() const {
+    std::string text;
+    for (const auto& entry : board_.services.entries())
+        text += (text.empty() ? "" : ",") + entry.name;
+    return text;
+}
+
+void Bridge::choose_name() {
+    const auto& stored = session().identity().stored_name;
+    named_by_board_ = options_.name.empty() && !stored.empty();
+    board_.name = !options_.name.empty() ? options_.name
+                  : named_by_board_      ? stored
+                                         : describer_.name_from_link();
+}
+
+bool Bridge::is_another_name() const {
+    if (!options_.name.empty()) return false;
+    const auto& stored = session().identity().stored_name;
+    return named_by_board_ ? stored != name() : !stored.empty();
+}
+
+// Whatever is said of, or sent to, the name of before is not for this board.
+void Bridge::leave_for_another(Time now, Effects& out) {
+    const auto& stored = session().identity().stored_name;
+    out.log(Level::kWarning, "the board at this port has another name; beginning anew with that",
+            {{"board", name()}, {"its name", stored.empty() ? "none" : stored}});
+    leaving_ = true;
+    session::Actions actions;
+    board_.session.link_down(now, actions);
+    perform(actions, now, out);
+    // The board of that name may be at another port by now, where it is online.
+    if (!was_away_) announcer_->goodbye(now, out);
+    out.begin_anew = true;
+}
+
+// Another agent has the name that a board once had here.
+void Bridge::yield_name(Effects& out) {
+    if (!out.fatal || out.fatal->status != program::kExitNameConflict) return;
+    if (!named_by_board_ || session().accepts_requests()) return;
+    out.log(Level::kWarning, "the board of this name is at another port; waiting for one here",
+            {{"board", name()}});
+    out.fatal.reset();
+    leaving_ = true;
+    out.begin_anew = true;
+}
+
+// A name that was given stays, whichever board is at the port. `flashed`: it was away to be changed.
+void Bridge::compare_with_first(bool flashed, Effects& out) {
+    const FirstBoard now{traits(), letters()};
+    if (!first_board_ || flashed) first_board_ = now;
+    std::string warning;
+    if (now != *first_board_)
+        warning = "another board than at first is at this port: " + in_words(now.traits, now.services) +
+                  "; it was " + in_words(first_board_->traits, first_board_->services) +
+                  ". If that is right, start the agent again";
+    if (std::exchange(other_board_, warning) != warning && !warning.empty())
+        out.log(Level::kWarning, warning);
+    show_warnings();
+}
+
+void Bridge::show_warnings() {
+    std::vector<std::string> warnings;
+    for (const auto& text : {other_board_, restarts_.text(), context_.warning()})
+        if (!text.empty()) warnings.push_back(text.substr(0, model::kMaxWarningBytes));
+    if (describer_.note_warnings(std::move(warnings))) describe_again();
+}
+
+// True: it gets its line in the log.
+bool Bridge::note_restart(Time now) {
+    return restarts_.restarted(now);
+}
+
+void Bridge::tick_restarts(Time now, Effects& out) {
+    if (!restarts_.tick(now)) return;
+    if (!restarts_.text().empty()) out.log(Level::kWarning, "board " + restarts_.text());
+    show_warnings();
+}
+
+}  // namespace asip::agent

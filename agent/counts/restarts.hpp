@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <string>
+
+#include "asip/time.hpp"
+
+namespace asip::agent {
+
+/// Notices a board that restarts again and again, as one does whose power is too weak: what to say of it, at
+/// most once a minute. Pure.
+class Restarts {
+  public:
+    static constexpr Duration kMinute = std::chrono::minutes(1);
+    /// So many within a minute are no chance.
+    static constexpr std::size_t kMany = 3;
+    /// More are not counted.
+    static constexpr std::size_t kMax = 1000;
+
+    /// True: it has its own line in the log; those of a board that does it again and again have one together.
+    bool restarted(Time now) {
+        forget(now);
+        if (times_.size() < kMax) times_.push_back(now);
+        if (times_.size() >= kMany && !due_) due_ = now;
+        return !many();
+    }
+    bool many() const { return due_.has_value(); }
+    /// What to say has changed: text() is to be logged, where it is not empty, and announced.
+    bool tick(Time now) {
+        if (!due_ || now < *due_) return false;
+        forget(now);
+        if (times_.size() >= kMany) {
+            due_ = now + kMinute;
+            text_ = "restarted " + std::to_string(times_.size()) +
+                    (times_.size() == kMax ? " times or more" : " times") +
+                    " in the last minute: is its power supply strong enough, is a cable loose?";
+        } else {
+            due_.reset();
+            text_.clear();
+        }
+        return true;
+    }
+    std::optional<Time> next_deadline() const { return due_; }
+    /// Empty: nothing.
+    const std::string& text() const { return text_; }
+
+  private:
+    void forget(Time now) {
+        while (!times_.empty() && times_.front() <= now - kMinute)
+            times_.pop_front();
+    }
+
+    std::deque<Time> times_;  // of the last minute
+    std::optional<Time> due_;
+    std::string text_;
+};
+
+}  // namespace asip::agent

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which board is at the port, and how often it restarts.
+#include <gmock/gmock.h>
+
+#include "asip/program/exit_status.hpp"
+#include "tests/unit/agent/bridge_bench.hpp"
+
+namespace asip::agent {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+BridgeOptions without_name() {
+    auto options = BridgeBench::defaults();
+    options.name.clear();
+    return options;
+}
+
+std::vector<std::string> warnings_of(BridgeBench& bench, const std::string& board) {
+    const auto descriptions = bench.on("asip/servicebus/" + board + "/$description");
+    return descriptions.empty() ? std::vector<std::string>()
+                                : model::parse_description(descriptions.back()).value().warnings;
+}
+
+void swap_board(BridgeBench& bench, const std::function<void(session::ScriptedBoard&)>& change) {
+    bench.unplug();
+    bench.pass(3s);
+    change(bench.board);
+    bench.board.executed.clear();
+    bench.published.clear();
+    bench.plug();
+    bench.pass(3s);
+}
+
+TEST(WhichBoard, BoardOfAnotherStoredNameComes_AgentBeginsAnewAndNothingReachesIt) {
+    BridgeBench bench(without_name());
+    bench.board.stored_name = "left";
+    bench.go_online();
+    ASSERT_EQ(bench.bridge.name(), "left");
+    bench.hear("asip/left/in", "I,P,5,3");
+    bench.pass(1s);
+    swap_board(bench, [](auto& board) { board.stored_name = "right"; });
+    EXPECT_TRUE(bench.begin_anew);
+    bench.hear("asip/left/servo/in", R"({"write":[0,90],"id":"1","reply_to":"answers"})");
+    bench.hear("asip/left/$stop", R"({"id":"2","reply_to":"answers"})");
+    EXPECT_EQ(bench.client_says("S,W,0,90"), Bridge::ClientResult::kRefused);
+    bench.pass(5s);
+    EXPECT_THAT(bench.board.executed, IsEmpty()) << "neither commands nor the other board's settings";
+    EXPECT_THAT(bench.on("asip/servicebus/left/$state"), Not(Contains("online")));
+}
+
+TEST(WhichBoard, NamelessBoardComesWhereANamedOneWas_AgentBeginsAnew) {
+    BridgeBench bench(without_name());
+    bench.board.stored_name = "left";
+    bench.go_online();
+    swap_board(bench, [](auto& board) { board.stored_name.clear(); });
+    EXPECT_TRUE(bench.begin_anew);
+}
+
+TEST(WhichBoard, NamedBoardComesWhereANamelessOneWas_AgentBeginsAnew) {
+    BridgeBench bench(without_name());
+    bench.board.stored_name.clear();
+    bench.go_online();
+    ASSERT_EQ(bench.bridge.name(), "ttyACM0");
+    swap_board(bench, [](auto& board) { board.stored_name = "right"; });
+    EXPECT_TRUE(bench.begin_anew);
+}
+
+TEST(WhichBoard, SameBoardComesBack_NothingBeginsAnewAndItsSettingsAreRestored) {
+    BridgeBench bench(without_name());
+    bench.board.stored_name = "left";
+    bench.go_online();
+    bench.hear("asip/left/in", "I,P,5,3");
+    bench.pass(1s);
+    swap_board(bench, [](auto&) {});
+    EXPECT_FALSE(bench.begin_anew);
+    EXPECT_THAT(bench.board.executed, Contains("I,P,5,3"));
+}
+
+TEST(WhichBoard, BoardIsElsewhereAndItsNameIsClaimed_AgentLetsGoOfTheName) {
+    BridgeBench bench(without_name());
+    bench.board.stored_name = "left";
+    bench.go_online();
+    bench.unplug();
+    bench.published.clear();
+    bench.hear("asip/servicebus/$probe", "left");
+    bench.pass(1s);
+    EXPECT_THAT(bench.on("asip/servicebus/left/$description"), IsEmpty()) << "the claim succeeds";
+    const auto other = [](int seq) {
+        return R"({"board":"left","session":"9999999999","seq":)" + std::to_string(seq) +
+               R"(,"services":[]})";
+    };
+    bench.hear("asip/servicebus/left/$description", other(1));
+    bench.hear("asip/servicebus/left/$description", other(2));
+    EXPECT_FALSE(bench.fatal);
+    EXPECT_TRUE(bench.begin_anew);
+}
+
+TEST(WhichBoard, GivenNameAndAnotherSketch_IsAWarningUntilTheFirstBoardIsBack) {
+    BridgeBench bench;
+    bench.go_online();
+    EXPECT_THAT(warnings_of(bench, "uno1"), IsEmpty());
+    for (const auto& change : std::vector<std::function<void(session::ScriptedBoard&)>>{
+             [](auto& board) { board.sketch = "Other"; }, [](auto& board) { board.chip = "ATmega2560"; },
+             [](auto& board) { board.stored_name = "right"; }}) {
+        bench.pass(130s);  // plugged and unplugged too often is a warning of its own
+        const auto first = bench.board;
+        swap_board(bench, change);
+        EXPECT_FALSE(bench.begin_anew);
+        EXPECT_THAT(warnings_of(bench, "uno1"), Contains(HasSubstr("another board than at first")));
+        swap_board(bench, [&](auto& board) { board = first; });
+        EXPECT_THAT(warnings_of(bench, "uno1"), IsEmpty());
+    }
+}
+
+TEST(WhichBoard, RestartsAgainAndAgain_IsAWarningAndOneLineAMinute) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.logged = 0;
+    for (int i = 0; i < 400; ++i) {  // 10 minutes
+        bench.say(bench.board.reboot());
+        bench.pass(1500ms);
+    }
+    EXPECT_LE(bench.logged, 16u) << testing::PrintToString(bench.notices);
+    EXPECT_THAT(bench.notices, Contains(HasSubstr("restarted 40 times in the last minute")));
+    EXPECT_THAT(warnings_of(bench, "uno1"), Contains(HasSubstr("restarted 40 times in the last minute")));
+    bench.pass(130s);
+    EXPECT_THAT(warnings_of(bench, "uno1"), IsEmpty());
+}
+
+TEST(WhichBoard, RestartsOnce_IsToldAsBefore) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.notices.clear();
+    bench.say(bench.board.reboot());
+    bench.pass(5s);
+    EXPECT_THAT(bench.notices, Contains("board restarted by itself"));
+    EXPECT_THAT(bench.notices, Contains("board back"));
+    EXPECT_THAT(warnings_of(bench, "uno1"), IsEmpty());
+}
+
+}  // namespace
+}  // namespace asip::agent
