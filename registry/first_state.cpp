@@ -21,6 +21,7 @@ struct Item {
     std::string_view board;
     std::string_view state;
     std::string_view reported;
+    std::string_view reason;
     std::string_view description;
     std::string_view age;
     std::string_view lease;
@@ -38,6 +39,7 @@ bool read_item(std::string_view text, Item& item) {
         if (key == "board") item.board = value;
         if (key == "state") item.state = value;
         if (key == "reported") item.reported = value;
+        if (key == "reason") item.reason = value;
         if (key == "description") item.description = value;
         if (key == "age") item.age = value;
         if (key == "lease") item.lease = value;
@@ -196,7 +198,12 @@ bool FirstState::apply(std::string_view text) {
     Item item;
     if (!read_item(text, item) || item.board <= last_) return false;
     last_ = item.board;
-    const auto said = item.reported.empty() ? item.state : item.reported;
+    // That the lease is over is the other registry's judgement: nothing was said of the board but its
+    // description.
+    const bool judged = item.reported.empty() && item.reason == model::to_text(model::StateReason::kExpired);
+    const auto said = judged                  ? model::to_text(model::BoardState::kOnline)
+                      : item.reported.empty() ? item.state
+                                              : item.reported;
     if (item.description.empty() && is_there(said)) return true;
     Announcement announcement{bus::TopicKind::kState, item.board, said, true, state_expiry(item), true};
     dependencies_.apply(announcement);

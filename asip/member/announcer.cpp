@@ -217,6 +217,7 @@ void Announcer::on_message(const mqtt::Message& message, Time now, Announcements
         return;
     // Our own words of a moment ago come back, too; saying the newest once more does no harm.
     out.log(program::log::Level::kDebug, "state put right", {{"was", message.payload.substr(0, 32)}});
+    retained_until_.reset();  // the broker keeps the other word now
     announce_board(now, out);
 }
 

@@ -133,7 +133,7 @@ class Flasher {
             return failure(program::kExitFailure,
                            call.front() + " did not end within " + options_.limit +
                                " and was stopped; does the boot loader answer? Reset the board "
-                               "and try again, or give it longer: --limit TIME");
+                               "and try again, or give it longer: --limit DURATION");
         if (*status == 0) return {};
         return failure(program::kExitFailure, call.front() + " failed with status " +
                                                   std::to_string(*status) +
@@ -188,7 +188,7 @@ Run declare_flash(Declaration& verb) {
                 "This programmer, called as avrdude is, also at a pseudo-terminal");
     verb.option("--simulated", "NAME", options->simulated,
                 "A board of asip-sim of this name; default for pseudo-terminals: the board's name");
-    verb.option("--limit", "TIME", options->limit, "A programmer that takes longer is stopped");
+    verb.option("--limit", "DURATION", options->limit, "A programmer that takes longer is stopped");
     verb.option("--socket", "FILE", options->socket, "Control socket of asip-sim; default: its usual one");
     verb.output(
         options->output, {Output::kText},

@@ -49,8 +49,8 @@ TEST(Journal, RegistryStartsAgain_WhatChangedMeanwhileIsOneRow) {
     put(catalogue, description("uno3"));
     Journal::Rows rows;
     journal.complete(catalogue, wall(6000), rows);
-    EXPECT_THAT(texts(rows), testing::UnorderedElementsAre("uno1 state online->offline retained",
-                                                           "uno3 added online retained"));
+    EXPECT_THAT(texts(rows), testing::UnorderedElementsAre("uno1 state online->offline stopped",
+                                                           "uno3 added online"));
     EXPECT_EQ(journal.find("uno1")->since, wall(6000));
     EXPECT_EQ(journal.find("uno1")->first, wall(1000));
 }
@@ -62,7 +62,7 @@ TEST(Journal, BoardHeardAgainAfterCompletion_IsNotAddedTwice) {
     journal.change(
         {Event::Kind::kAdded, "esp1", 1, BoardState::kOnline, BoardState::kLost, model::StateReason::kNone},
         wall(7000), rows);
-    EXPECT_THAT(texts(rows), testing::ElementsAre("esp1 state lost->online announced"));
+    EXPECT_THAT(texts(rows), testing::ElementsAre("esp1 state lost->online"));
 }
 
 TEST(Journal, NamesOnlyBoardThatLeftWhileNobodyListened_BecomesLost) {
@@ -73,7 +73,7 @@ TEST(Journal, NamesOnlyBoardThatLeftWhileNobodyListened_BecomesLost) {
     EXPECT_THAT(texts(rows), IsEmpty()) << "it may just be silent";
     put(catalogue, board_name("esp2"));
     journal.end_absent(catalogue, wall(70'000), rows);
-    EXPECT_THAT(texts(rows), testing::ElementsAre("esp1 state online->lost lease"));
+    EXPECT_THAT(texts(rows), testing::ElementsAre("esp1 state online->lost expired"));
 }
 
 TEST(Journal, ForgottenBoardSeenAgain_IsAdded) {
