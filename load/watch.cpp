@@ -24,7 +24,7 @@ std::optional<Time> happened(const Fleet& fleet, const bus::ChangeEvent& event) 
     const auto board = fleet.number(event.board.board);
     if (!board || event.board.state != fleet.expected(*board)) return std::nullopt;
     const bool told =
-        event.board.state == "online" || (event.board.state == "lost" && event.reason == "will");
+        event.board.state == "online" || (event.board.state == "lost" && event.reason == "agent-gone");
     return told ? std::optional(fleet.since(*board)) : std::nullopt;
 }
 

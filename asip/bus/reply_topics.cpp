@@ -30,6 +30,12 @@ ReplyTopics ReplyTopics::below(std::string_view level) const {
     return made;
 }
 
+ReplyTopics ReplyTopics::beside(std::string_view suffix) const {
+    ReplyTopics made = *this;
+    made.client_.append("-").append(suffix);
+    return made;
+}
+
 std::string ReplyTopics::to(std::string_view request_topic) const {
     if (request_topic.starts_with(root_)) request_topic.remove_prefix(root_.size());
     return of(request_topic.substr(0, request_topic.find('/')));

@@ -22,6 +22,8 @@ class ReplyTopics {
 
     /// Of the answers to a part of the program's requests: CLIENT becomes CLIENT/`level`.
     ReplyTopics below(std::string_view level) const;
+    /// Of another client of the same program: CLIENT becomes CLIENT-`suffix`.
+    ReplyTopics beside(std::string_view suffix) const;
 
     /// Subscribe to it before the first request: answers of everybody.
     std::string filter() const { return of("+"); }

@@ -111,7 +111,7 @@ void ClientCore::look_for_stand_still(bool unread, Time now, Actions& out) {
     const auto qos = stand_still_.due(now);
     if (!qos || qos_limit_.of(1) == 0 || !writable_ || !outbox_.empty()) return;
     if (!own_subscription_) {
-        own_subscription_.emplace();
+        own_subscription_ = OwnSubscription{};
         out.push_back(action::Subscribe{own_topic_, {.qos = 1, .retained = false}});
     } else if (own_subscription_->granted) {
         Message message;

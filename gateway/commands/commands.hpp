@@ -66,7 +66,7 @@ class Commands {
     explicit Commands(bus::ReplyTopics replies) : replies_(std::move(replies)) {}
 
     /// Those of urgent commands.
-    static bus::ReplyTopics urgent(const bus::ReplyTopics& replies) { return replies.below("urgent"); }
+    static bus::ReplyTopics urgent(const bus::ReplyTopics& replies) { return replies.beside("urgent"); }
 
     /// kPublish: `message` is to be published; `start` has its id. kRepeated: nothing is, `done` is called
     /// with the first one's answer, now or later. Else `done` is not called. What was refused is not

@@ -275,7 +275,11 @@ std::optional<std::string> BusProbe::request(const std::string& topic, const std
     message.topic = topic;
     message.payload = payload;
     message.qos = 1;
-    const auto answers = "test-answers/" + std::to_string(reinterpret_cast<std::uintptr_t>(this)) + "/" + id;
+    // ROOT/reply/USER/ASKED/CLIENT: programs with a user answer nowhere else.
+    const auto root = topic.find('/');
+    const auto asked = topic.substr(root + 1, topic.find('/', root + 1) - root - 1);
+    const auto answers = topic.substr(0, root) + "/reply/probe/" + asked + "/" +
+                         std::to_string(reinterpret_cast<std::uintptr_t>(this)) + "-" + id;
     subscribe(answers);
     if (state_->v5) {
         message.response_topic = answers;

@@ -80,8 +80,8 @@ TEST(ExampleLamp, PythonWithPlainMqtt_SwitchesTheLedByTheButton) {
     SimulatedBoards boards({"asip_uno_services"});
     ChildProcess agent(
         {ASIP_TEST_AGENT, "--serial", boards.serial(), "--name", "uno1", "--broker", broker.address()});
-    ChildProcess lamp({"/usr/bin/python3", "-u", ASIP_TEST_SOURCE "/examples/plain_mqtt.py", "uno1", "127.0.0.1",
-                       std::to_string(broker.port())});
+    ChildProcess lamp({"/usr/bin/python3", "-u", ASIP_TEST_SOURCE "/examples/plain_mqtt.py", "uno1",
+                       "127.0.0.1", std::to_string(broker.port())});
     ASSERT_TRUE(lamp.wait_for_output("uno1 is online")) << agent.errors() << lamp.errors();
     ASSERT_TRUE(lamp.wait_for_output("distance \\[")) << lamp.output() << lamp.errors();
     boards.press();
@@ -92,7 +92,8 @@ TEST(ExampleLamp, PythonWithPlainMqtt_SwitchesTheLedByTheButton) {
 }
 
 TEST(Examples, ShownInTheDocumentation_AreTheOnesThatAreTested) {
-    EXPECT_NE(text_of("docs/python-and-node-red.md").find(text_of("examples/plain_mqtt.py")), std::string::npos);
+    EXPECT_NE(text_of("docs/python-and-node-red.md").find(text_of("examples/plain_mqtt.py")),
+              std::string::npos);
 }
 
 }  // namespace

@@ -178,8 +178,8 @@ TEST_F(SecuredBus, AnswerToTheOperator_IsReadByNobodyElse) {
     ASSERT_TRUE(board->set_pin_mode(13, protocol::PinMode::kOutput));
     const auto is_answer = [](const mqtt::Message& m) { return m.topic.starts_with("asip/reply/operator/"); };
     ASSERT_TRUE(own.wait_for(is_answer));
-    viewer.publish("asip/reply/viewer/x", "mark");
-    ASSERT_TRUE(viewer.wait_for("asip/reply/viewer/x"));
+    viewer.publish("asip/reply/viewer/uno/x", "mark");
+    ASSERT_TRUE(viewer.wait_for("asip/reply/viewer/uno/x"));
     for (const auto& message : viewer.messages())
         EXPECT_FALSE(is_answer(message)) << message.topic;
     for (const auto& message : other_board.messages())
@@ -232,8 +232,8 @@ TEST_F(SecuredBus, NobodyWithoutPassword_GetsIn) {
 TEST_F(SecuredBus, PythonWithPlainMqtt_CommandsTheBoardAndTrustsNoOtherAuthority) {
     const auto lamp = [this](const std::string& ca, const std::string& password) {
         return std::make_unique<ChildProcess>(
-            std::vector<std::string>{"/usr/bin/python3", "-u", ASIP_TEST_SOURCE "/examples/plain_mqtt.py", "uno",
-                                     "127.0.0.1", std::to_string(broker_.port())},
+            std::vector<std::string>{"/usr/bin/python3", "-u", ASIP_TEST_SOURCE "/examples/plain_mqtt.py",
+                                     "uno", "127.0.0.1", std::to_string(broker_.port())},
             std::map<std::string, std::string>{
                 {"ASIP_USER", "operator"}, {"ASIP_PASSWORD", password}, {"ASIP_CA", ca}});
     };

@@ -30,7 +30,7 @@ class GatewayCompression : public GatewayTest {
     }
     /// Ages are of the moment at which they were asked for, and times are worked out from them.
     static std::string without_times(const std::string& text) {
-        return std::regex_replace(text, std::regex(R"("age":[0-9.e-]+|[0-9:.]+Z")"), "");
+        return std::regex_replace(text, std::regex(R"("(state_)?age":[0-9.e-]+|[0-9:.]+Z")"), "");
     }
     /// The head of the answer to HEAD, which has no body.
     std::string head_of(const std::string& target, const std::string& encoding) const {
@@ -68,17 +68,18 @@ TEST_F(GatewayCompression, Headers_SayWhatIsInTheBody) {
     for (const std::string target : {"/main.js", "/api/boards"}) {
         const auto packed = ask_for("gzip", target);
         EXPECT_EQ(packed.headers.at("content-encoding"), "gzip") << target;
-        EXPECT_EQ(packed.headers.at("vary"), "Accept-Encoding") << target;
+        EXPECT_THAT(packed.headers.at("vary"), HasSubstr("Accept-Encoding")) << target;
         for (const std::string encoding : {"identity", "gzip;q=0", "br", "identity;q=1, *;q=0"}) {
             const auto plain = ask_for(encoding, target);
             EXPECT_EQ(plain.headers.count("content-encoding"), 0u) << target << " " << encoding;
-            EXPECT_EQ(plain.headers.at("vary"), "Accept-Encoding") << target << ": a cache must know, too";
+            EXPECT_THAT(plain.headers.at("vary"), HasSubstr("Accept-Encoding"))
+                << target << ": a cache must know, too";
             EXPECT_TRUE(without_times(plain.body) == without_times(get(port(), target).body)) << target;
         }
         const auto unchanged =
             get(port(), target, {{"Accept-Encoding", "gzip"}, {"If-None-Match", packed.headers.at("etag")}});
         EXPECT_EQ(unchanged.status, 304) << target;
-        EXPECT_EQ(unchanged.headers.at("vary"), "Accept-Encoding") << target;
+        EXPECT_THAT(unchanged.headers.at("vary"), HasSubstr("Accept-Encoding")) << target;
         EXPECT_THAT(packed.headers.at("etag"), StartsWith("W/")) << "the same for two forms";
     }
 }

@@ -78,7 +78,7 @@ TEST(RegistryAccess, MayNotClearWhatABoardLeft_ReportsItOnceAndForgettingContinu
     const TempDir folder;
     const std::string rules = folder.write("acl",
                                            "user registry\ntopic read asip/#\ntopic write asip/servicebus/#\n"
-                                           "topic write asip/registry/#\ntopic write test-answers/#\n"
+                                           "topic write asip/registry/#\ntopic write asip/reply/#\n"
                                            "user admin\ntopic readwrite #\n");
     MosquittoBroker::Options options;
     options.users = {{"registry", "r"}, {"admin", "a"}};

@@ -68,7 +68,7 @@ TEST(Registry, WillOfADyingAgent_MakesItsBoardLost) {
     ASSERT_TRUE(becomes(probe, "uno1", "online"));
     agent.drop();
     EXPECT_TRUE(becomes(probe, "uno1", "lost"));
-    EXPECT_EQ(events_of(probe).back().reason, "will");
+    EXPECT_EQ(events_of(probe).back().reason, "agent-gone");
 }
 
 TEST(Registry, LeaseRunsOutWithoutAWill_BoardIsLost) {
