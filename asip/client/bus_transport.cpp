@@ -181,13 +181,14 @@ Awaitable<Json> BusTransport::request(std::string topic, Json payload) {
     const auto asked = requester_->ask(message, client_->v5(),
                                        [this, id](const mqtt::Message& answer) { take_reply(id, answer); });
     calls_.begin(id);
+    const auto unanswered = "neither the board nor its agent answered; the agent may be gone" +
+                            mqtt::unanswered_text(user_, message.topic);
     const auto asked_topics = asked_;
     asked_topics->emplace(id, message.topic);
     if (client_->publish(std::move(message), mqtt::Priority::kReply) == mqtt::PublishResult::kRefused) {
         calls_.finish(id, failure(Error::Kind::kRefused, "the broker is slower than the commands come"));
     }
-    auto outcome = co_await calls_.wait(id, deadline + kAnswerTime,
-                                        "neither the board nor its agent answered; the agent may be gone");
+    auto outcome = co_await calls_.wait(id, deadline + kAnswerTime, unanswered);
     asked_topics->erase(id);  // this may be gone
     co_return outcome;
 }

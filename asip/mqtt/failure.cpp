@@ -81,6 +81,12 @@ std::string cut_off_text(const std::string& user, const std::string& topic, cons
            ": its access rules may not let " + user_named(user) + " write there" + who_may_grant(role);
 }
 
+std::string unanswered_text(const std::string& user, const std::string& topic, const std::string& role) {
+    if (user.empty()) return {};
+    return ", or the broker's access rules do not let " + user_named(user) + " write to " + topic +
+           who_may_grant(role);
+}
+
 std::string advice_on_topic(std::string_view topic) {
     if (topic.find_first_of(". ") == std::string_view::npos) return {};
     return " Some brokers (NATS before 2.10) refuse topics with a dot or a space, such as " +

@@ -39,6 +39,10 @@ std::string denied_text(const std::string& user, const std::string& topic, const
 /// The same where the broker gave no reason, and closed the connection right after the message.
 std::string cut_off_text(const std::string& user, const std::string& topic,
                          const std::string& role = "operator NAME");
+/// What may be said of a message with QoS 0 on `topic` that got no answer: a broker refuses it without a
+/// word. Empty where `user` is.
+std::string unanswered_text(const std::string& user, const std::string& topic,
+                            const std::string& role = "operator NAME");
 
 /// Whether a CONNACK code means that the broker does not know this version of the protocol.
 bool is_version_refusal(int connack_code);

@@ -55,7 +55,7 @@ void HistoryStore::open(Outcome& outcome) {
     if (const auto type = fs::status(options_.path, error).type(); type == fs::file_type::directory)
         throw HistoryFault("it is a folder");
     history_ = std::make_unique<History>(options_);
-    if (!outcome.opened) outcome.opened.emplace();
+    if (!outcome.opened) outcome.opened = Opened{};
     outcome.opened->boards = history_->boards();
     outcome.opened->mark = history_->mark();
     outcome.opened->made = !outcome.opened->mark && outcome.opened->boards.empty();

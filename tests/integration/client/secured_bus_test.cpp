@@ -178,8 +178,8 @@ TEST_F(SecuredBus, AnswerToTheOperator_IsReadByNobodyElse) {
     ASSERT_TRUE(board->set_pin_mode(13, protocol::PinMode::kOutput));
     const auto is_answer = [](const mqtt::Message& m) { return m.topic.starts_with("asip/reply/operator/"); };
     ASSERT_TRUE(own.wait_for(is_answer));
-    viewer.publish("asip/reply/viewer/uno/x", "mark");
-    ASSERT_TRUE(viewer.wait_for("asip/reply/viewer/uno/x"));
+    viewer.publish("asip/reply/viewer/$self/x", "mark");
+    ASSERT_TRUE(viewer.wait_for("asip/reply/viewer/$self/x"));
     for (const auto& message : viewer.messages())
         EXPECT_FALSE(is_answer(message)) << message.topic;
     for (const auto& message : other_board.messages())

@@ -30,10 +30,10 @@ HttpAnswer read_head(Wire& wire, std::chrono::milliseconds limit) {
         const auto end = head.find("\r\n", at + 2);
         const auto line = head.substr(at + 2, end - at - 2);
         const auto colon = line.find(": ");
+        at = end;
         if (colon == std::string::npos) continue;
         auto& value = answer.headers[lower(line.substr(0, colon))];
         value += (value.empty() ? "" : ", ") + line.substr(colon + 2);  // of one that is repeated both count
-        at = end;
     }
     return answer;
 }
