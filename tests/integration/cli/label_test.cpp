@@ -139,7 +139,7 @@ TEST_F(LabelTest, LabelsOfTheConfiguration_AreThereAndADamagedFileIsKept) {
     EXPECT_EQ(changed.status, 1);
     EXPECT_THAT(changed.errors, HasSubstr("desk: the label room is set in the configuration"));
     EXPECT_EQ(labels("desk"), "{\"floor\":\"2\",\"room\":\"lab\"}\n");
-    const auto wrong = run({ASIP_PROGRAMS "/asip-agent", "--serial", "x", "--label", "room"});
+    const auto wrong = run({ASIP_PROGRAMS "/asip-agent", "--serial", "/dev/x", "--label", "room"});
     EXPECT_EQ(wrong.status, 2);
     EXPECT_THAT(wrong.errors, HasSubstr("--label: \"room\" is not KEY=VALUE"));
     kill_agent("desk");

@@ -48,6 +48,7 @@ TEST_F(ServicesOnSecuredBus, Labels_AreSetByOperatorsAndReadByViewers) {
     for (const char* version : {"5", "3.1.1"}) {
         const auto denied = label("bob", {"uno", "room=hall", "--timeout", "3s", "--mqtt-version", version});
         EXPECT_NE(denied.status, 0) << version;
+        if (version == std::string_view("3.1.1")) continue;  // no acknowledgement there says why
         EXPECT_THAT(denied.errors, HasSubstr("asipctl secure add operator NAME")) << version;
     }
     const auto read = label("bob", {"uno", "--format", "{labels.room}"});

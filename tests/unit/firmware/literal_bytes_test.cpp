@@ -37,7 +37,7 @@ TEST(LiteralBytes, ModelOf04_MakesOneRequestOfTwoHalves) {
 }
 
 /// A service of a robot that notes each request that it takes.
-class Noting : public Service {
+class Noting final : public Service {
   public:
     Noting(char letter, Requests& noted) : Service(letter, 0), noted_(noted) {}
     FlashText name() const override { return F("Noting"); }
