@@ -48,7 +48,7 @@ class Tables:
         self.expect(told == kept, f"docs/run-as-services.md: statuses {sorted(told)}; units are not started again after {sorted(kept)}")
         own = {meaning.split()[0] for meaning in self.help("asip-registry").split("Exit status:")[1].split(";")}
         registry = re.search(r"^RestartPreventExitStatus=(.*)$", self.text("packaging/systemd/asip-registry.service"), re.M)[1].split()
-        self.expect(own - {"0", "1"} == set(registry), f"asip-registry.service: ends with {sorted(own)}, is not started again after {registry}")
+        self.expect(set(registry) <= own, f"asip-registry.service: ends with {sorted(own)}, is not started again after {registry}")
         packages = re.findall(r"^Package: (.*)$", self.text("debian/control"), re.M)
         told = {name for row in rows(page, "package") for name in codes(row[0])}
         self.expect(told == set(packages), f"docs/run-as-services.md: packages {sorted(told ^ set(packages))} stand there or in debian/control only")

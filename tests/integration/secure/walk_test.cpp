@@ -96,7 +96,8 @@ TEST_F(WalkOnSecuredBus, ViewerWhoPings_IsToldWhoWhatAndWhoMayGrantIt) {
 
 TEST_F(WalkOnSecuredBus, AgentWithTheCredentialsOfAnotherBoard_SaysWhoWhatAndWhoMayGrantIt) {
     add({"board", "uno2"});
-    for (const char* version : {"5", "3.1.1"}) {
+    // Only MQTT 5 tells a client that what it published was denied.
+    for (const char* version : {"5"}) {
         SimulatedBoards second{{"asip_uno"}};
         ChildProcess wrong(
             Words{ASIP_TEST_AGENT, "--serial", second.serial(), "--name", "uno3", "--mqtt-version", version} +
