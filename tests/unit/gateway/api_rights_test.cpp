@@ -69,7 +69,7 @@ TEST_F(OperatorsApi, Stop_ItsAnswerComesPastThoseOfOthersWhereThereIsAConnection
     urgent_ready_ = true;
     const auto stopped = ask("POST", "/api/boards/uno1/stop");
     ASSERT_EQ(published_.size(), 2u);
-    EXPECT_EQ(published_.back().response_topic, "asip/reply/gate/uno1/gw/urgent/stop");
+    EXPECT_EQ(published_.back().response_topic, "asip/reply/gate/uno1/gw-urgent/stop");
     answer(R"({"status":"ok","proof":"fence"})");
     EXPECT_EQ(stopped->status(), 200);
 }

@@ -63,7 +63,7 @@ TEST_F(CommandsTest, Urgent_ItsAnswerComesPastThoseOfOthers) {
         commands_.start(
             start, true, at(0ms), [this](const CommandRecord& record) { done_.push_back(record); }, message_),
         Commands::Started::kPublish);
-    EXPECT_EQ(message_.response_topic, "asip/reply/gate/uno1/gw/urgent/stop");
+    EXPECT_EQ(message_.response_topic, "asip/reply/gate/uno1/gw-urgent/stop");
     EXPECT_EQ(message_.expiry_seconds, std::nullopt);
     EXPECT_TRUE(commands_.take(answer(R"({"status":"ok","proof":"fence"})"), at(5ms)));
     ASSERT_EQ(done_.size(), 1u);
