@@ -14,7 +14,8 @@ std::string refusal_text(session::Refusal refusal) {
         case session::Refusal::kTooLong:
             return "the request is longer than the board takes; send it in parts";
         case session::Refusal::kTooManyNames:
-            return "this board was given a name too often: its memory wears out. One more is taken in 10 minutes";
+            return "this board was given a name too often: its memory wears out. One more is taken in 10 "
+                   "minutes";
         case session::Refusal::kInvalid:
             return "not a request that may be sent to the board";
     }

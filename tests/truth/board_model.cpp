@@ -97,7 +97,8 @@ void BoardModel::consume(Micros now) {
         received_from_.begin(),
         received_from_.begin() + static_cast<std::ptrdiff_t>(std::min(read.size(), received_from_.size())));
     reading_.text += read;
-    // A request whose line end was lost ends where the next one begins: its effects come before the line's end.
+    // A request whose line end was lost ends where the next one begins: its effects come before the line's
+    // end.
     reading_.effects.insert(reading_.effects.end(), pass_.effects.begin(), pass_.effects.end());
     if (reading_.text.empty() || reading_.text.back() != '\n') return;
     reading_.text.pop_back();

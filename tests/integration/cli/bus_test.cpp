@@ -79,7 +79,8 @@ TEST_F(BusTest, NoRegistry_ListReadsTheBusAndReportsThat) {
     announce("uno2", "lost");
     const auto list = asipctl({"list"});
     EXPECT_EQ(list.status, 0);
-    EXPECT_THAT(list.output, testing::ContainsRegex("uno1   online +ATmega328P  AsipHello  io distance servo X"));
+    EXPECT_THAT(list.output,
+                testing::ContainsRegex("uno1   online +ATmega328P  AsipHello  io distance servo X"));
     EXPECT_THAT(list.output, HasSubstr("uno2   lost"));
     EXPECT_THAT(list.output, Not(HasSubstr("\033["))) << "no colours but on a terminal";
     EXPECT_THAT(list.errors, HasSubstr("no registry"));

@@ -49,8 +49,8 @@ TEST(Journal, RegistryStartsAgain_WhatChangedMeanwhileIsOneRow) {
     put(catalogue, description("uno3"));
     Journal::Rows rows;
     journal.complete(catalogue, wall(6000), rows);
-    EXPECT_THAT(texts(rows), testing::UnorderedElementsAre("uno1 state online->offline stopped",
-                                                           "uno3 added online"));
+    EXPECT_THAT(texts(rows),
+                testing::UnorderedElementsAre("uno1 state online->offline stopped", "uno3 added online"));
     EXPECT_EQ(journal.find("uno1")->since, wall(6000));
     EXPECT_EQ(journal.find("uno1")->first, wall(1000));
 }
