@@ -24,7 +24,7 @@ how = sys.argv[1]
 bus = asip.connect(timeout=20)
 desk = bus.board("desk", timeout=20)
 desk.pin(13).mode("output", timeout=20)
-with desk.io.hold(write=[13, 1], seconds=0.5, feed=1.0 if how == "hang" else None) as hold:
+with desk.io.hold(write=[13, 1], seconds=1.5, feed=1.0 if how == "hang" else None) as hold:
     print("held", flush=True)
     if how == "exit": os._exit(3)
     if how == "raise": raise RuntimeError("the block fails")
@@ -134,7 +134,7 @@ class Deaths(Live):
                 child = self.held(how)
                 if kill is not None:
                     eventually(lambda: self.part("led") == "on", "the LED on")
-                    time.sleep(0.8)  # longer than one hold: it was renewed
+                    time.sleep(2)  # longer than one hold: it was renewed
                     self.assertEqual(self.part("led"), "on")
                     child.send_signal(kill)
                 self.led_goes_off()
