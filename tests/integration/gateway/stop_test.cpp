@@ -51,7 +51,9 @@ class GatewayStop : public testing::Test {
     MosquittoBroker broker_{{.extra_lines = {"max_queued_messages 0"}}};
     SimulatedUno uno_;
     Agent agent_{broker_, uno_.port()};
-    RunningGateway gateway_{broker_.address(), {"--commands-per-second", "1000000"}};
+    /// Eighty thousand commands within a minute are more than one client may have kept.
+    RunningGateway gateway_{broker_.address(),
+                            {"--commands-per-second", "1000000", "--max-client-bytes", "1000000000"}};
 };
 
 TEST_F(GatewayStop, UnderTenThousandCommandsOfAnother_IsAnsweredAheadOfThem) {
