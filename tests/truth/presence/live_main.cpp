@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "asip/time.hpp"
 #include "tests/integration/agent/rig.hpp"
 #include "tests/integration/gateway/running_gateway.hpp"
 #include "tests/support/dice.hpp"
