@@ -3,6 +3,8 @@
 // status is driven from it (openapi/drive.mjs).
 #include <gmock/gmock.h>
 
+#include <csignal>
+
 #include "running_gateway.hpp"
 #include "tests/integration/agent/rig.hpp"
 
@@ -36,10 +38,11 @@ class GatewayOpenapi : public testing::Test {
         probe.publish("asip/servicebus/" + board + "/$description", described(board));
         probe.publish("asip/servicebus/" + board + "/$state", state);
     }
-    bool sees(const std::string& board, const std::string& state) {
+    bool sees(const std::string& board, const std::string& state) { return sees(gateway_, board, state); }
+    bool sees(const RunningGateway& gateway, const std::string& board, const std::string& state) {
         return wait_until([&] {
             const auto answer =
-                get(gateway_.port(), "/api/boards/" + board, {{"Authorization", "Bearer " + admin_}});
+                get(gateway.port(), "/api/boards/" + board, {{"Authorization", "Bearer " + admin_}});
             return answer.status == 200 && answer.json().value("state", "") == state &&
                    (board == "mute" || answer.json().contains("description"));
         });
@@ -79,6 +82,14 @@ TEST_F(GatewayOpenapi, EachOperationAndStatus_IsAsDocumented) {
     EXPECT_EQ(no_metrics.status, 0) << no_metrics.errors;
     const auto flood = drive("flood");
     EXPECT_EQ(flood.status, 0) << flood.errors;
+    RunningGateway narrow(broker_.address(), {"--tokens", tokens_, "--max-client-bytes", "262144"});
+    announce(probe, "lost", "lost");
+    ASSERT_TRUE(sees(narrow, "lost", "lost"));
+    ASSERT_TRUE(sees(narrow, "uno1", "online"));
+    registry_->signal(SIGSTOP);
+    const auto stalled = drive("stalled", narrow);
+    registry_->signal(SIGCONT);
+    EXPECT_EQ(stalled.status, 0) << stalled.errors;
     probe.publish("asip/servicebus/frozen/$state", "offline");
     ASSERT_TRUE(sees("frozen", "offline"));
     const auto quiet = drive("quiet");

@@ -59,6 +59,11 @@ async function flood(path, body) {
   }
   return answers.at(-1);
 }
+// All of them at once: what the first ones wait for has not come when the last ones ask.
+async function crowd(ask) {
+  const answers = await Promise.all(Array.from({ length: 70 }, ask));
+  return answers.find((answer) => answer.status === 429) ?? answers.at(-1);
+}
 async function streams(path, headers = {}) {
   const held = [];
   let last;
@@ -128,6 +133,13 @@ const cases = {
     sendCommand: { 429: () => flood(write, [0, 900 / 10]) },
     sendRaw: { 429: () => flood("/api/boards/uno1/raw", { lines: ["I,P,13,3"] }) },
     makeCode: { 429: () => flood("/api/codes", {}) },
+  },
+  // The registry is stopped, and one client may keep 256 kB.
+  stalled: {
+    forgetBoard: { 429: () => crowd(() => send("DELETE", "/api/boards/lost")) },
+    getBoardHistory: { 429: () => crowd(get("/api/boards/uno1/history")) },
+    getHistory: { 429: () => crowd(get("/api/history")) },
+    getValue: { 429: () => crowd(get("/api/boards/uno1/services/servo/value?wait=2")) },
   },
   nometrics: { getMetrics: { 404: get("/metrics") } },
   quiet: { stopAll: { 200: post("/api/stop") } },
