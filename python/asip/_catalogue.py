@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The boards that this program looks at: their state, why, and since when (docs/service-bus.md, "Liveness"). Pure.
+"""The boards that this program looks at: their state, why, and since when (docs/guarantees.md, "Presence"). Pure.
 
 The agent that holds a board's name says its state, in the description and on `$state`; the broker says `lost` on its behalf.
 This module adds one judgement only: the lease is over. A renewed description changes no state.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a program knows of the clocks of the agents that it commands (docs/service-bus.md, "A command tells its age"). Pure.
+"""What a program knows of the clocks of the agents that it commands (docs/guarantees.md, "The life of a command", 12). Pure.
 
 An agent answers with a reading of its clock, `1f3c09aa-123456`: which start of which agent, and milliseconds. The reading was
 taken between the question and the answer, so each answer bounds how far that clock is ahead of ours. A command says when it was

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tables of the how-to pages claim, compared with the files and programs that they are about: check_tables.py ROOT BIN"""
+"""What pages claim in tables and links, compared with the files and programs that they are about: check_tables.py ROOT BIN"""
 import glob
 import os
 import re
@@ -74,9 +74,27 @@ class Tables:
                 self.expect(part in shown, f"docs/raspberry-pi.md: nothing prints \"{part}\"")
 
 
+    def pages(self):
+        """No line of prose is longer than 160 characters, and each link within the project leads to a file and heading that exist."""
+        names = ["README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md"] + sorted(
+            os.path.relpath(each, self.root) for each in glob.glob(os.path.join(self.root, "docs", "*.md")))
+        prose = {name: re.sub(r"^ *```.*?^ *```", lambda block: "\n" * block[0].count("\n"), self.text(name), flags=re.M | re.S) for name in names}
+        anchors = {name: {re.sub(r"[^\w -]", "", each.lower()).replace(" ", "-") for each in re.findall(r"^#+ (.*)$", text, re.M)} for name, text in prose.items()}
+        for name, text in prose.items():
+            for number, line in enumerate(text.split("\n"), 1):
+                self.expect(len(line) <= 160 or line.lstrip().startswith(("|", "<")), f"{name}:{number}: longer than 160 characters")
+            for target in re.findall(r"\]\(([^)\s]+)\)", text):
+                if re.match(r"\w+:", target):
+                    continue
+                path, _, anchor = target.partition("#")
+                page = os.path.normpath(os.path.join(os.path.dirname(name), path)) if path else name
+                self.expect(os.path.exists(os.path.join(self.root, page)), f"{name}: {target} leads nowhere")
+                self.expect(not anchor or page not in anchors or anchor in anchors[page], f"{name}: {target}: no such heading")
+
+
 def main(root, programs):
     tables = Tables(root, programs)
-    for check in (tables.compose, tables.services, tables.options, tables.messages):
+    for check in (tables.compose, tables.services, tables.options, tables.messages, tables.pages):
         check()
     print("\n".join(tables.faults + [f"{len(tables.faults)} faults"]))
     return 1 if tables.faults else 0
