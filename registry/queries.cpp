@@ -50,13 +50,33 @@ bus::Answer Queries::refuse_history() const {
 bus::Answer Queries::find(bus::Query query, std::size_t max_bytes) {
     if (query.full) query.limit = std::min(query.limit, bus::Query::kMaxFullPage);
     for (;;) {
-        auto answer = dependencies_.catalogue.find(query, dependencies_.now());
+        Expected<bus::Answer> answer = query.find == bus::Find::kModels
+                                           ? models(query)
+                                           : dependencies_.catalogue.find(query, dependencies_.now());
         if (!answer) return refusal("invalid", answer.error());
         if (max_bytes == 0 || query.limit == 1 || bus::encode(*answer).size() + kEnvelopeBytes <= max_bytes) {
             return std::move(*answer);
         }
         query.limit = std::max<std::size_t>(1, std::min(query.limit, bus::Query::kMaxPage) / 2);
     }
+}
+
+bus::Answer Queries::models(const bus::Query& query) const {
+    bus::Answer answer;
+    answer.find = bus::Find::kModels;
+    std::string last;
+    for (const auto& model : dependencies_.models.all()) {
+        const bool wanted = query.kind.empty() ||
+                            std::find(query.kind.begin(), query.kind.end(), model->name) != query.kind.end();
+        if (!wanted || model->name <= query.cursor) continue;
+        if (answer.models.size() == query.limit) {
+            answer.cursor = last;
+            break;
+        }
+        answer.models.push_back(model->source);
+        last = model->name;
+    }
+    return answer;
 }
 
 bus::Answer Queries::forget(const bus::Forget& forget) {

@@ -7,6 +7,7 @@
 
 #include "asip/bus/answer.hpp"
 #include "asip/bus/query.hpp"
+#include "asip/model/model_set.hpp"
 #include "registry/catalogue_types.hpp"
 
 namespace asip::registry {
@@ -26,6 +27,8 @@ class Queries {
         std::function<void(const std::vector<Event>&)> forgotten;
         /// A page of history, or a refusal; may call back later. Empty: none is kept.
         std::function<void(bus::Query, Done)> history;
+        /// The service models that are told.
+        model::ModelSet models{};
     };
 
     Queries(std::string registry, Dependencies dependencies);
@@ -45,6 +48,7 @@ class Queries {
 
   private:
     bus::Answer find(bus::Query query, std::size_t max_bytes);
+    bus::Answer models(const bus::Query& query) const;
     bus::Answer forget(const bus::Forget& forget);
     bus::Answer complete(bus::Answer answer) const;
 

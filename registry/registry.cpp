@@ -21,7 +21,7 @@ constexpr Duration kStateRepeat = std::chrono::seconds(1);
 
 }  // namespace
 
-Registry::Registry(const RegistryOptions& options, UnitsOf units_of, Random random, Port port,
+Registry::Registry(const RegistryOptions& options, model::ModelSet models, Random random, Port port,
                    HistoryKeeper* history, Instant now)
     : topics_(options.topic_root),
       id_(options.id),
@@ -32,7 +32,7 @@ Registry::Registry(const RegistryOptions& options, UnitsOf units_of, Random rand
       history_(history),
       now_(now),
       run_(random_hex(random_, 8)),
-      catalogue_(catalogue_options(options, std::move(units_of))),
+      catalogue_(catalogue_options(options, models)),
       feed_(id_),
       first_state_(
           topics_, id_,
@@ -46,7 +46,7 @@ Registry::Registry(const RegistryOptions& options, UnitsOf units_of, Random rand
                   return item && item->state != "lost" && item->state != "offline";
               }),
       names_only_(topics_, port_),
-      queries_(id_, query_dependencies()),
+      queries_(id_, query_dependencies(std::move(models))),
       endpoint_(
           queries_,
           [this](mqtt::Message answer) {
@@ -57,11 +57,12 @@ Registry::Registry(const RegistryOptions& options, UnitsOf units_of, Random rand
     catalogue_.suspend();
 }
 
-Catalogue::Options Registry::catalogue_options(const RegistryOptions& options, UnitsOf units_of) {
+Catalogue::Options Registry::catalogue_options(const RegistryOptions& options,
+                                               const model::ModelSet& models) {
     Catalogue::Options result;
     result.forget_after = options.forget_after;
     result.max_boards = options.max_boards;
-    result.units_of = std::move(units_of);
+    result.units_of = [models](std::string_view reference) { return model::units_of(models, reference); };
     result.hash_seed = random_();
     if (history_ != nullptr) {
         result.remembered = [this](std::string_view board) { return history_->remembered(board, now_); };
@@ -69,8 +70,9 @@ Catalogue::Options Registry::catalogue_options(const RegistryOptions& options, U
     return result;
 }
 
-Queries::Dependencies Registry::query_dependencies() {
+Queries::Dependencies Registry::query_dependencies(model::ModelSet models) {
     Queries::Dependencies result{catalogue_, [this] { return now_; }, [this] { return feed_.seq(); }, {}, {}};
+    result.models = std::move(models);
     result.forgotten = [this](const std::vector<Event>& events) { handle(events, true); };
     if (history_ != nullptr) {
         result.history = [this](bus::Query query, Queries::Done done) {

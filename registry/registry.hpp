@@ -28,8 +28,9 @@ namespace asip::registry {
 /// decides is logged here. Every function takes the present; it never decreases.
 class Registry {
   public:
-    /// `history`: null: none is kept. It outlives the registry.
-    Registry(const RegistryOptions& options, UnitsOf units_of, Random random, Port port,
+    /// `models`: those that it tells, and whose units queries may name. `history`: null: none is kept. It
+    /// outlives the registry.
+    Registry(const RegistryOptions& options, model::ModelSet models, Random random, Port port,
              HistoryKeeper* history, Instant now);
 
     /// Topics to subscribe to before connecting, with their quality of service.
@@ -60,8 +61,8 @@ class Registry {
     const std::optional<std::string>& id_taken_by() const { return id_taken_by_; }
 
   private:
-    Catalogue::Options catalogue_options(const RegistryOptions& options, UnitsOf units_of);
-    Queries::Dependencies query_dependencies();
+    Catalogue::Options catalogue_options(const RegistryOptions& options, const model::ModelSet& models);
+    Queries::Dependencies query_dependencies(model::ModelSet models);
     FirstState::Dependencies first_state_dependencies();
     std::string service_bus() const { return topics_.root() + "/servicebus/#"; }
     void announcement(const mqtt::Message& message, const bus::TopicRef& topic);

@@ -44,6 +44,18 @@ std::string encode_items(const json& envelope, const std::vector<Item>& items) {
     return text;
 }
 
+std::string encode_models(const json& envelope, const std::vector<std::string>& models) {
+    std::string text = model::dump_json(envelope);
+    text.pop_back();
+    text += ",\"items\":[";
+    for (const std::string& each : models) {
+        if (&each != &models.front()) text += ',';
+        text += each;
+    }
+    text += "]}";
+    return text;
+}
+
 /// One line, whoever wrote it.
 bool append_line(std::string_view object, std::string& lines) {
     if (object.front() != '{') return false;
@@ -108,6 +120,7 @@ std::string encode(const Answer& answer) {
     if (answer.brief) return encode_brief(object, *answer.brief);
     if (!answer.services.empty()) return encode_items(object, answer.services);
     if (!answer.history.empty()) return encode_items(object, answer.history);
+    if (!answer.models.empty()) return encode_models(object, answer.models);
     return encode_items(object, answer.boards);
 }
 
@@ -126,7 +139,7 @@ Expected<Answer> parse_answer(std::string_view payload) {
     answer.refused = text_of(object, "refused");
     answer.error = text_of(object, "error");
     const std::string find = text_of(object, "find");
-    for (const Find each : {Find::kServices, Find::kHistory}) {
+    for (const Find each : {Find::kServices, Find::kHistory, Find::kModels}) {
         if (find == to_string(each)) answer.find = each;
     }
     if (object.contains("total")) answer.total = number_of(object, "total");
@@ -151,6 +164,8 @@ Expected<Answer> parse_answer(std::string_view payload) {
             answer.services.push_back(read_service_item(item));
         } else if (answer.find == Find::kHistory) {
             answer.history.push_back(read_history_item(item));
+        } else if (answer.find == Find::kModels) {
+            answer.models.push_back(model::dump_json(item));
         } else {
             answer.boards.push_back(read_board_item(item));
         }

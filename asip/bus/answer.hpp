@@ -32,6 +32,7 @@ struct Answer {
     std::optional<BriefRows> brief;
     std::vector<ServiceItem> services;
     std::vector<HistoryItem> history;
+    std::vector<std::string> models;     ///< service models, each a JSON object as text
     std::vector<std::string> forgotten;  ///< board names
     std::string cursor;                  ///< for the next page; empty: this was the last
     /// A word for programs: "invalid", "alive", "unknown-board", "no-history", "too-many"; empty: not

@@ -21,12 +21,13 @@ constexpr std::size_t kMaxChoices = 64;
 
 void read_find(JsonReader& reader, Query& query) {
     const auto word = reader.text("find");
-    for (const Find each : {Find::kBoards, Find::kServices, Find::kHistory}) {
+    for (const Find each : {Find::kBoards, Find::kServices, Find::kHistory, Find::kModels}) {
         if (word == to_string(each)) return void(query.find = each);
     }
-    reader.fault("find", reader.has("find") ? "is not \"boards\", \"services\" or \"history\""
-                                            : "is missing; \"boards\", \"services\" or \"history\" (or "
-                                              "\"forget\", with a board)");
+    reader.fault("find", reader.has("find")
+                             ? "is not \"boards\", \"services\", \"history\" or \"models\""
+                             : "is missing; \"boards\", \"services\", \"history\" or \"models\" (or "
+                               "\"forget\", with a board)");
 }
 
 void read_labels(JsonReader& reader, Query& query) {
@@ -41,22 +42,23 @@ Query query_from(JsonReader& reader) {
     Query query;
     read_find(reader, query);
     const auto filter = [&](const char* key) { return reader.text(key, {}, kMaxFilterBytes); };
+    query.kind = reader.texts("kind", kMaxChoices, kMaxFilterBytes);
+    query.cursor = filter("cursor");
+    if (const auto limit = reader.integer("limit", 1, std::numeric_limits<std::uint64_t>::max()))
+        query.limit = static_cast<std::size_t>(std::min<std::uint64_t>(*limit, Query::kMaxPage));
+    if (query.find == Find::kModels) return query;  // the other members are about boards, and refused
     query.board = filter("board");
     query.service = filter("service");
     query.chip = filter("chip");
     query.sketch = filter("sketch");
     query.unit = filter("unit");
     query.capability = filter("capability");
-    query.cursor = filter("cursor");
     read_labels(reader, query);
     if (auto sort = filter("sort"); !sort.empty()) query.sort = std::move(sort);
-    query.kind = reader.texts("kind", kMaxChoices, kMaxFilterBytes);
     query.state = reader.texts("state", kMaxChoices, kMaxFilterBytes);
     query.count = reader.flag("count");
     query.full = reader.flag("full");
     query.brief = reader.flag("brief");
-    if (const auto limit = reader.integer("limit", 1, std::numeric_limits<std::uint64_t>::max()))
-        query.limit = static_cast<std::size_t>(std::min<std::uint64_t>(*limit, Query::kMaxPage));
     if (query.brief && (query.full || query.find != Find::kBoards))
         reader.fault("brief", "is only for boards, and not together with full");
     return query;
@@ -94,7 +96,17 @@ json to_object(const Query& query) {
 }  // namespace
 
 std::string_view to_string(Find find) {
-    return find == Find::kBoards ? "boards" : find == Find::kServices ? "services" : "history";
+    switch (find) {
+        case Find::kBoards:
+            return "boards";
+        case Find::kServices:
+            return "services";
+        case Find::kHistory:
+            return "history";
+        case Find::kModels:
+            break;
+    }
+    return "models";
 }
 
 std::string encode(const RegistryRequest& request) {

@@ -18,17 +18,17 @@
 namespace asip::bus {
 
 /// What a query lists.
-enum class Find { kBoards, kServices, kHistory };
-/// "boards", "services", "history"
+enum class Find { kBoards, kServices, kHistory, kModels };
+/// "boards", "services", "history", "models"
 std::string_view to_string(Find find);
 
 /// A question. Every filter left empty lets everything pass; those given must all hold; a filter with several
 /// values holds if one of them does. For Find::kServices the filters on boards hold for the board the service
 /// is on; for Find::kBoards `service`, `kind` and `unit` ask for boards with such a service.
 struct Query {
-    Find find = Find::kBoards;
-    std::string board;    ///< board name; `*` any text, `?` any one character
-    std::string service;  ///< service name, the same wildcards
+    Find find = Find::kBoards;  ///< of models only `kind`, `limit` and `cursor` are asked
+    std::string board;          ///< board name; `*` any text, `?` any one character
+    std::string service;        ///< service name, the same wildcards
     /// Model names ("distance"); a service without a model has its letter as kind.
     std::vector<std::string> kind;
     std::vector<std::string> state;  ///< effective states of the board

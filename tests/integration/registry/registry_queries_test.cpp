@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <fstream>
 #include <set>
 
+#include "asip/model/model_set.hpp"
 #include "running_registry.hpp"
 #include "tests/support/temp_dir.hpp"
 
@@ -24,6 +26,23 @@ TEST(Registry, BadQuery_IsAnsweredWithAReason) {
     }
     EXPECT_EQ(ask(probe, R"({"forget":"nobody"})")->refused, "unknown-board");
     EXPECT_EQ(ask(probe, R"({"find":"history"})")->refused, "no-history");
+}
+
+TEST(Registry, TellsTheModelsOfServices_ThoseOfItsFolderToo) {
+    MosquittoBroker broker;
+    const TempDir folder;
+    std::ofstream(folder.path() / "lights.json")
+        << R"({"name":"lights","version":3,"id":"Z","title":"Lights","commands":{"on":{"tag":"O"}}})";
+    RunningRegistry registry(broker.address(), "r1", {"--services", folder.path().string()});
+    ASSERT_TRUE(registry.complete());
+    BusProbe probe(broker.port());
+    const auto all = ask(probe, R"({"find":"models"})");
+    ASSERT_TRUE(all);
+    EXPECT_EQ(all->models.size(), model::ModelSet::standard().all().size() + 1);
+    const auto lights = ask(probe, R"({"find":"models","kind":"lights"})");
+    ASSERT_TRUE(lights);
+    ASSERT_EQ(lights->models.size(), 1U);
+    EXPECT_EQ(model::parse_service_model(lights->models.front())->ref(), "lights@3");
 }
 
 TEST(Registry, QueryOverMqtt311_IsAnsweredByReplyToAndId) {

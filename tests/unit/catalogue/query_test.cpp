@@ -137,7 +137,7 @@ TEST(QueryWire, UnknownMember_IsRefusedWithTheNearestThatIsKnown) {
 }
 
 TEST(QueryWire, AnswerWithoutItems_SaysWhatWasAskedFor) {
-    for (const Find find : {Find::kBoards, Find::kServices, Find::kHistory}) {
+    for (const Find find : {Find::kBoards, Find::kServices, Find::kHistory, Find::kModels}) {
         Answer answer;
         answer.find = find;
         const std::string text = encode(answer);

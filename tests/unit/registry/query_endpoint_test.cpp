@@ -61,5 +61,53 @@ TEST_F(HistoryQuestion, ToOneThatKeepsNone_IsRefusedAtOnce) {
     EXPECT_THAT(answers.later, IsEmpty());
 }
 
+/// The answer of a registry that knows the standard models.
+bus::Answer ask_models(const std::string& query, std::size_t max_bytes = 0) {
+    Catalogue catalogue;
+    Queries::Dependencies dependencies{catalogue, [] { return instant(at(0s)); }, [] { return 0; }, {}, {}};
+    dependencies.models = model::ModelSet::standard();
+    Queries queries("r1", dependencies);
+    bus::Answer result;
+    const auto request = bus::read_registry_request(nlohmann::json::parse(query));
+    if (!request) return queries.refuse("invalid", request.error());
+    queries.answer(*request, max_bytes, [&result](bus::Answer answer) { result = std::move(answer); });
+    return *bus::parse_answer(bus::encode(result));
+}
+
+TEST(ModelsQuestion, GivesTheWholeModelsOfTheKindsThatAreNamed) {
+    const auto answer = ask_models(R"({"find":"models","kind":["servo","tone","nothing"]})");
+    EXPECT_EQ(answer.find, bus::Find::kModels);
+    ASSERT_EQ(answer.models.size(), 2U);
+    const auto servo = model::parse_service_model(answer.models.front());
+    ASSERT_TRUE(servo) << servo.error();
+    EXPECT_EQ(servo->ref(), "servo@1");
+    EXPECT_TRUE(model::ModelSet::is_standard(*servo));
+    EXPECT_THAT(ask_models(R"({"find":"models","kind":"nothing"})").models, IsEmpty());
+}
+
+TEST(ModelsQuestion, PagesHoldEachModelOnce_AndFitIntoAPacket) {
+    for (const auto& [limit, max_bytes] :
+         {std::pair{"3", std::size_t{0}}, std::pair{"100", std::size_t{8192}}}) {
+        std::vector<std::string> names;
+        std::string cursor;
+        do {
+            const auto answer = ask_models(
+                R"({"find":"models","limit":)" + std::string(limit) + R"(,"cursor":")" + cursor + "\"}",
+                max_bytes);
+            EXPECT_LE(bus::encode(answer).size(), max_bytes == 0 ? 1 << 20 : max_bytes);
+            for (const auto& text : answer.models)
+                names.push_back(nlohmann::json::parse(text)["name"].get<std::string>());
+            cursor = answer.cursor;
+        } while (!cursor.empty() && names.size() < 100);
+        EXPECT_EQ(names, model::ModelSet::standard().names());
+    }
+}
+
+TEST(ModelsQuestion, FiltersOfBoards_AreRefused) {
+    EXPECT_EQ(ask_models(R"({"find":"models","board":"uno*"})").refused, "invalid");
+    EXPECT_THAT(ask_models(R"({"find":"models","knd":"servo"})").error,
+                testing::HasSubstr("did you mean \"kind\"?"));
+}
+
 }  // namespace
 }  // namespace asip::registry
