@@ -67,7 +67,7 @@ in_root() {
 copy_sources() { # copy_sources FOLDER
     rm -rf "$1"
     mkdir -p "$1"
-    git ls-files -z --cached --others --exclude-standard | xargs -0 cp --parents --target-directory="$1"
+    git ls-files -z --cached --others --exclude-standard | xargs -0 cp --parents --no-dereference --target-directory="$1"
 }
 
 # What a build for another architecture needs of this one; packaging/install_build_dependencies adds the libraries.
