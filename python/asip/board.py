@@ -32,15 +32,17 @@ def standard_model(name: str) -> _model.Model | None:
     return _standard_models[name]
 
 
-def _model_of(described: dict[str, Any]) -> _model.Model | None:
+def model_of(described: dict[str, Any], known: Mapping[str, _model.Model]) -> _model.Model | None:
+    """The model of a service: the one that the board carries, else the one that it refers to (`servo@1`), of the package's copies
+    or of `known`. A version of a model never changes, so any copy of it does."""
     model = described.get("model")
     try:
         if isinstance(model, dict):
             return _model.Model(model)
         if isinstance(model, str):
             name, _, version = model.partition("@")
-            known = standard_model(name)
-            return known if known and str(known.version) == version else None
+            own = standard_model(name)
+            return own if own and str(own.version) == version else known.get(model)
     except _model.ModelError:
         pass
     return None
@@ -160,10 +162,15 @@ class Board:
             name = described.get("name") if isinstance(described, dict) else None
             if not isinstance(name, str) or not valid_name(name):
                 continue
-            made = class_of(_model_of(described))
+            made = class_of(model_of(described, self.bus._models))
             old = self._services.get(name)
             kept[name] = old if type(old) is made else made(self, name, str(described.get("title", "")))
         self._services = kept
+
+    def _unknown_models(self) -> set[str]:
+        """The models that its description refers to, and that are not known here: `lights@3`."""
+        described = [one for one in self.description.get("services") or [] if isinstance(one, dict) and isinstance(one.get("model"), str)]
+        return {one["model"] for one in described if model_of(one, self.bus._models) is None}
 
     def __getitem__(self, name: str) -> Service:
         """The service of this name; KeyError (NotThere) names the nearest one."""
@@ -226,8 +233,11 @@ class Board:
         return f"<asip board {self.name}: {self.status}>"
 
     def _repr_html_(self) -> str:
-        rows = "".join(f"<tr><td>{html.escape(one.name)}</td><td>{html.escape(one.title)}</td></tr>" for one in self)
-        return f"<b>{html.escape(self.name)}</b>: {html.escape(self.status)}<table><tr><th>service</th><th></th></tr>{rows}</table>"
+        head = "".join(f"<th>{one}</th>" for one in ("service", "", "values", "commands"))
+        rows = "".join("<tr>" + "".join(f"<td>{html.escape(text)}</td>" for text in (one.name, one.title, *_told(one.model))) + "</tr>" for one in self)
+        labels = html.escape(", ".join(f"{name}={value}" if value else name for name, value in sorted(self.labels.items())))
+        return (f"<b>{html.escape(self.name)}</b>: {html.escape(self.status)}{f' ({labels})' if labels else ''}"
+                f"<table><tr>{head}</tr>{rows}</table>")
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *(_model.identifier(name) for name in self.services)})
@@ -240,3 +250,12 @@ class Board:
                 return self[name]
             except errors.NotThere as fault:
                 raise AttributeError(str(fault)) from None
+
+
+def _told(model: _model.Model | None) -> tuple[str, str]:
+    """A service's values and commands, for a table: `distance (cm)`, `measure(), report(period)`."""
+    if model is None:
+        return "", ""
+    values = ", ".join(f"{one.name} ({one.unit})" if one.unit else one.name for one in model.events.values())
+    commands = ", ".join(f"{name}({', '.join(_model.identifier(field.name) for field in one.args)})" for name, one in model.attributes.items())
+    return values, commands

@@ -13,13 +13,17 @@ from typing import Any, Callable, Iterable, TypeVar, overload
 from . import _wait, errors
 from ._callbacks import takes
 from ._engine import Engine
+from ._model import Model, ModelError
 from ._topics import valid_board
 from .board import Board
 from .service import Watch
-from .settings import Settings, find
+from .settings import Settings, announced, find
 
 B = TypeVar("B", bound=Board)
 _REGISTRY_SECONDS = 1.0
+_SEARCH_SECONDS = 1.0
+_ASK_AGAIN_SECONDS = 60.0
+_MAX_MODELS = 4096
 
 
 class Bus:
@@ -32,6 +36,8 @@ class Bus:
         self.timeout = timeout
         self._engine = Engine(settings, by, link) if link else Engine(settings, by)
         self._boards: dict[str, Board] = {}
+        self._models: dict[str, Model] = {}  # by reference: those that a registry told
+        self._not_told: dict[str, float] = {}  # until when no registry is asked again
         self._ended = threading.Event()
         self._end = weakref.finalize(self, self._engine.later, self._engine.close)
         self._end.atexit = False
@@ -81,7 +87,42 @@ class Bus:
                 raise errors.NotThere(self._engine.peek(lambda session: session.catalogue.unknown(name)), board=name, reason="board-not-there")
             why = board.status if not board.online else "online, but its agent published no description"
             raise errors.NotThere(f"{name} is {why}", board=name, reason="board-not-there")
+        self._learn([board], end)
         return board
+
+    def _learn(self, boards: Iterable[Board], end: float) -> None:
+        """Asks a registry for the models that these boards refer to and the package does not have."""
+        now = time.monotonic()
+        wanted = {one for board in boards for one in board._unknown_models() if self._not_told.get(one, now) <= now}
+        if not wanted:
+            return
+        if len(self._models) + len(self._not_told) > _MAX_MODELS:
+            self._models, self._not_told = {}, {}
+        self._not_told.update(dict.fromkeys(wanted, now + _ASK_AGAIN_SECONDS))
+        kinds = sorted({one.partition("@")[0] for one in wanted})
+        for first in range(0, len(kinds), 32):
+            query: dict[str, Any] = {"find": "models", "kind": kinds[first:first + 32]}
+            while True:
+                try:
+                    answer = self.query(query, timeout=max(0.05, min(_REGISTRY_SECONDS, end - time.monotonic())))
+                except errors.Error:  # none answers, or it is of a version that tells no models: such services have no commands here
+                    return
+                for item in answer.get("items", []):
+                    self._told_model(item)
+                if not answer.get("cursor"):
+                    break
+                query["cursor"] = answer["cursor"]
+        for board in boards:
+            board._described = ("", -2)  # its services are made again, of what is known now
+
+    def _told_model(self, item: Any) -> None:
+        try:
+            model = Model(item)
+        except (ModelError, TypeError):
+            return
+        reference = f"{model.name}@{model.version}"
+        self._models[reference] = model
+        self._not_told.pop(reference, None)
 
     def _of(self, name: str, kind: type[Any] = Board) -> Any:
         if not isinstance(self._boards.get(name), kind):
@@ -99,7 +140,9 @@ class Bus:
                 raise errors.NotThere("labels are chosen by a registry, and none answered", reason="no-registry")
             self._know_all(seconds)
             names = self._engine.peek(lambda session: _matching(session.catalogue.names(), pattern))
-        return [self._of(name) for name in sorted(names)]
+        boards = [self._of(name) for name in sorted(names)]
+        self._learn(boards, time.monotonic() + seconds)
+        return boards
 
     def _ask_registry(self, pattern: str, labels: str | None, seconds: float) -> list[str] | None:
         query: dict[str, Any] = {"find": "boards", "full": True, "limit": 500}
@@ -234,11 +277,13 @@ def connect(broker: str | None = None, *, credentials: str | None = None, user: 
     """Connects to a bus, and waits at most `timeout` seconds for it: Disconnected says why there is none.
 
     broker: `HOST`, `HOST:PORT`, `mqtts://HOST`, or several with commas. Without it: ASIP_BROKER and the like, a bus chosen by
-        `asipctl context use`, else 127.0.0.1 (asip.settings).
+        `asipctl context use`, else 127.0.0.1, else the one broker that is announced on the local network (asip.settings).
     credentials: a file made by `asipctl secure`, with all of it.
     by: the name that boards' histories show for what this program does; the login name where none is given.
     """
     settings = find(broker, credentials=credentials, user=user, password=password, ca=ca, root=root)
+    if settings.is_default:
+        settings = announced(settings, min(_SEARCH_SECONDS, timeout))
     bus = Bus(settings, timeout=timeout, by=by or _login_name())
     try:
         bus._engine.wait_connected(timeout)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .board import Board
 
 # Names that stay ours where a model has a command of the same name: service.command("read") reaches that one.
-_OWN = ("name", "title", "board", "model", "unit", "updated", "command", "read", "stream", "on_value", "hold", "begin")
+_OWN = ("name", "title", "board", "model", "unit", "updated", "command", "read", "stream", "on_value", "hold", "begin", "plot")
 _MEASURE_AFTER_SECONDS = 0.3  # where the service reported nothing by then, and can be asked
 
 
@@ -158,6 +158,13 @@ class Service:
         if lost not in ("raise", "wait"):
             raise errors.Invalid(f'lost={lost!r}: "raise" or "wait"')
         return Stream(self, self._event(event), hz=hz, keep=keep, wait_for_board=lost == "wait", details=details, timeout=timeout)
+
+    def plot(self, *, seconds: float = 30, hz: float = 10, event: str | None = None) -> Any:
+        """Draws the values that come within `seconds`, a line for each number in them; in a notebook while they come. Ctrl-C ends
+        it earlier. Returns matplotlib's axes (`.figure.savefig("distance.png")`); without matplotlib ModuleNotFoundError says how to
+        get it. A board that reports nothing by itself is asked."""
+        from . import _plot
+        return _plot.plot(self, seconds, hz, event)
 
     def on_value(self, function: Callable[..., Any], *, hz: float = 10, event: str | None = None) -> Watch:
         """Calls `function(value)` for each report, in the thread `asip-callbacks`, one at a time; it may send commands. While

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the bus is: what was given, else the environment, else a bus that `asipctl context use` has chosen, else 127.0.0.1.
+"""Where the bus is: what was given, else the environment, else a bus that `asipctl context use` has chosen, else 127.0.0.1; where
+no program listens there, the broker that is announced on the local network.
+
+Anybody on a network may announce a broker: one that was found so gets no credentials, its name is logged, and of several none is
+taken. ASIP_NO_MDNS=true searches nothing.
 
 The environment's variables are those of asipctl: ASIP_BROKER, ASIP_USER, ASIP_PASSWORD or ASIP_PASSWORD_FILE, ASIP_CA,
 ASIP_TOPIC_ROOT, or all of it in the file of ASIP_CREDENTIALS (made by `asipctl secure`).
@@ -8,10 +12,15 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import logging
 import pathlib
 import urllib.parse
 from typing import Any, Mapping
 
+from . import errors
+
+log = logging.getLogger("asip")
+DEFAULT = "the default"
 _SCHEMES = {"": None, "mqtt": False, "tcp": False, "mqtts": True, "ssl": True}
 
 
@@ -57,7 +66,12 @@ class Settings:
     certificate: str | None = None
     key: str | None = None
     root: str = "asip"
-    source: str = "the default"
+    source: str = DEFAULT
+
+    @property
+    def is_default(self) -> bool:
+        """Nothing says where the bus is, and there are no credentials: they are for the broker that they were made for."""
+        return self.source == DEFAULT and self.user is None and self.password is None and self.certificate is None and self.ca is None
 
     def with_tls_decided(self) -> "Settings":
         secure = self.ca is not None or self.ca_text is not None
@@ -143,6 +157,23 @@ def find(broker: str | None = None, *, credentials: str | None = None, user: str
         given = {name: environment.get("ASIP_" + name.upper().replace("-", "_"), "")
                  for name in ("broker", "user", "password", "password-file", "ca", "cert", "key", "topic-root", "credentials")}
         chosen = None if given["broker"] or given["credentials"] else _profile(environment)
-        made = chosen or _of_options(given, "the environment" if given["broker"] else "the default")
+        made = chosen or _of_options(given, "the environment" if given["broker"] else DEFAULT)
     changes: dict[str, Any] = {name: value for name, value in (("user", user), ("password", password), ("ca", ca), ("root", root)) if value is not None}
     return dataclasses.replace(made, **changes).with_tls_decided()
+
+
+def announced(settings: Settings, seconds: float, environment: Mapping[str, str] = os.environ) -> Settings:
+    """`settings`, or where no program listens at their broker the one that is announced on the local network. Disconnected where
+    there are several."""
+    from . import _mdns
+    if environment.get("ASIP_NO_MDNS", "").lower() in ("true", "1", "on", "yes") or _mdns.listens_here(settings.brokers[0].port):
+        return settings
+    found = _mdns.search(seconds)
+    if not found:
+        return dataclasses.replace(settings, source="the default: no broker is configured, none is on this machine, and none is announced on this network")
+    every = ", ".join(f"mqtt://{one.host}:{one.port} ({one.name})" for one in found)
+    if len(found) > 1:
+        raise errors.Disconnected(f"several brokers are announced on this network: {every}; choose one: asip.connect(\"{found[0].host}:{found[0].port}\"), "
+                                  "ASIP_BROKER, or asipctl context add", reason="several-brokers")
+    log.warning("asip: no broker is configured: using %s, which is announced on this network", every)
+    return dataclasses.replace(settings, brokers=(Broker(found[0].host, found[0].port, False),), source="an announcement on this network")

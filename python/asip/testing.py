@@ -11,6 +11,7 @@
 """
 from __future__ import annotations
 
+import fnmatch
 import json
 import queue
 import threading
@@ -146,6 +147,8 @@ class MemoryBus:
         self._retained: dict[str, bytes] = {}
         self._links: list[_MemoryLink] = []
         self._buses: list[Bus] = []
+        self.registry_models: list[dict[str, Any]] = []
+        """Service models that its registry tells, beside those that boards carry."""
         self.boards = {name: FakeBoard(self, name, services) for name, services in boards.items()}
         for board in self.boards.values():
             board._announce()
@@ -196,6 +199,9 @@ class MemoryBus:
         if levels[0] == "reply":
             self._publish("/".join(levels), payload.decode())
             return
+        if levels == ["registry", "query"]:
+            self._asked(json.loads(payload))
+            return
         board = self.boards.get(levels[0])
         if board is None or levels[-1] not in ("in", "$stop"):
             return
@@ -206,6 +212,22 @@ class MemoryBus:
             board.commands.append(("", "stop", []))
         if answer is not None and "reply_to" in request:
             self._publish(request["reply_to"].split("/", 1)[1], {**answer, "id": request["id"]})
+
+
+    def _asked(self, query: dict[str, Any]) -> None:
+        """Answers as a registry does: boards and models. Labels and other filters are not there."""
+        answer: dict[str, Any] = {"id": query.get("id"), "registry": "memory", "find": query.get("find"), "items": []}
+        if set(query) - {"find", "id", "reply_to", "board", "kind", "full", "limit"} or query.get("find") not in ("boards", "models"):
+            answer.update(refused="invalid", error="the registry of asip.testing knows boards by name, and models by kind")
+        elif query["find"] == "boards":
+            for topic, payload in sorted(self._retained.items()):
+                name = topic.split("/")[-2]
+                if topic.endswith("/$description") and fnmatch.fnmatchcase(name, query.get("board", "*")):
+                    state = self._retained[f"asip/servicebus/{name}/$state"].decode()
+                    answer["items"].append({"board": name, "state": state, "description": json.loads(payload)})
+        else:
+            answer["items"] = [model for model in self.registry_models if model["name"] in query.get("kind", [model["name"]])]
+        self._publish(query["reply_to"].split("/", 1)[1], answer)
 
 
 class _MemoryLink:

@@ -2,6 +2,8 @@
 """The package with a real broker, registry, agents and real firmware in the simulator: what dies, and what is true then.
 
 ASIP_BUILD is the build folder."""
+import contextlib
+import json
 import os
 import pathlib
 import signal
@@ -14,7 +16,7 @@ import unittest
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1] / "tests" / "support"))
 from bus import Bus as RealBus  # noqa: E402
-from bus import eventually  # noqa: E402
+from bus import eventually, paho_client  # noqa: E402
 
 import asip  # noqa: E402
 
@@ -32,6 +34,23 @@ with desk.io.hold(write=[13, 1], seconds=1.5, feed=1.0 if how == "hang" else Non
     while True:
         hold.feed(); time.sleep(0.05)
 """
+
+
+@contextlib.contextmanager
+def paho_publisher(real):
+    """publish(topic, content) retains it at the broker, and returns when the broker has it."""
+    client = paho_client()
+    client.connect("127.0.0.1", real.broker_port)
+    client.loop_start()
+
+    def publish(topic, content):
+        text = json.dumps(content) if isinstance(content, dict) else content
+        client.publish(topic, text, qos=1, retain=True).wait_for_publish(20)
+    try:
+        yield publish
+    finally:
+        client.disconnect()
+        client.loop_stop()
 
 
 class Live(unittest.TestCase):
@@ -84,13 +103,33 @@ class Board(Live):
             self.assertEqual([one.name for one in self.bus.boards()], names)
         finally:
             self.real.start("registry", "asip-registry", "--id", "first", "--history", str(self.real.work / "history.db"))
-        eventually(lambda: self.answers(), "the registry's return", 20)
+        eventually(self.answers, "the registry's return", 20)
 
     def answers(self):
         try:
             return self.bus.query({"find": "boards"}, timeout=1)["total"] == 2
         except asip.NotThere:
             return False
+
+    def test_registry_tells_models_that_the_package_lacks(self):
+        (self.real.work / "models").mkdir()
+        (self.real.work / "models" / "lights.json").write_text(json.dumps({"name": "lights", "version": 3, "id": "Z", "title": "Lights", "commands": {
+            "shine": {"tag": "S", "title": "Shine", "args": [{"name": "lamp", "type": "integer", "min": 0, "max": 3}]}}}))
+        self.real.end("registry")
+        self.real.start("registry", "asip-registry", "--id", "first", "--services", str(self.real.work / "models"))
+        eventually(self.answers, "the registry's return", 20)
+        with paho_publisher(self.real) as publish:
+            publish("asip/servicebus/shed/$description", {"board": "shed", "session": "1", "seq": 1, "lease": 60, "services": [
+                {"name": "lights", "id": "Z", "model": "lights@3"}]})
+            publish("asip/servicebus/shed/$state", "online")
+            try:
+                lights = self.bus.board("shed", timeout=20).lights
+                self.assertIn("lamp: integer, 0 to 3", lights.shine.__doc__)
+                with self.assertRaises(asip.Invalid):
+                    lights.shine(4)
+            finally:
+                publish("asip/servicebus/shed/$description", b"")
+                publish("asip/servicebus/shed/$state", b"")
 
     def test_labels_choose_boards(self):
         self.desk.label(room="lab")

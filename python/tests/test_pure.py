@@ -7,7 +7,7 @@ import pickle
 import tempfile
 import unittest
 
-from asip import _catalogue, _clock, _envelope, _model, _topics, errors, settings
+from asip import _catalogue, _clock, _envelope, _mdns, _model, _topics, errors, settings
 from asip._session import DEMAND_LEASE, Drop, Hold, Publish, Resolve, Session, Subscribe, Tell, Unsubscribe
 from asip.board import standard_model
 
@@ -364,6 +364,48 @@ class Conversation(unittest.TestCase):
         self.assertFalse(_topics.valid_board("servicebus"))
         self.assertEqual(_topics.user_level("a/b"), "$nobody")
         self.assertIsNone(_envelope.read_object(b"[]"))
+
+
+class Announcements(unittest.TestCase):
+    """An answer of Avahi 0.8 to question(0x1234), and what no packet may do."""
+
+    ANSWER = bytes.fromhex(
+        "123484000001000500000000055f6d717474045f746370056c6f63616c00000c0001c00c000c00010000000a00141142"
+        "726f6b6572206f6620746865206c6162c00cc02e001000010000000a000100c02e002100010000000a000b0000000007"
+        "6b027069c017c061001c00010000000a001000000000000000000000000000000001c061000100010000000a00040a09"
+        "0801")
+
+    def test_an_answer_names_broker_address_and_port(self):
+        self.assertEqual(_mdns.announced(self.ANSWER, 0x1234, "10.0.0.9"), [_mdns.Announced("Broker of the lab", "10.9.8.1", 1899)])
+
+    def test_without_an_address_the_sender_is_meant(self):
+        packet = bytearray(self.ANSWER)
+        packet[-13] = 16  # the address record becomes a text
+        self.assertEqual(_mdns.announced(bytes(packet), 0x1234, "10.0.0.9"), [_mdns.Announced("Broker of the lab", "10.0.0.9", 1899)])
+
+    def test_what_was_not_asked_is_no_answer(self):
+        self.assertEqual(_mdns.announced(self.ANSWER, 0x1235, "10.0.0.9"), [])
+        self.assertEqual(_mdns.announced(_mdns.question(0x1234), 0x1234, "10.0.0.9"), [])
+
+    def test_cut_and_damaged_packets_harm_nothing(self):
+        for size in range(len(self.ANSWER)):
+            self.assertLessEqual(len(_mdns.announced(self.ANSWER[:size], 0x1234, "10.0.0.9")), 1)
+        for at in range(len(self.ANSWER)):
+            for bit in range(8):
+                packet = bytearray(self.ANSWER)
+                packet[at] ^= 1 << bit
+                self.assertLessEqual(len(_mdns.announced(bytes(packet), 0x1234, "10.0.0.9")), 1)
+        loop = self.ANSWER[:12] + b"\xc0\x0c" * 40
+        self.assertEqual(_mdns.announced(loop, 0x1234, "10.0.0.9"), [])
+
+    def test_the_question_is_as_the_standard_wants_it(self):
+        self.assertEqual(_mdns.question(0xABCD), b"\xab\xcd\0\0\0\1\0\0\0\0\0\0\5_mqtt\4_tcp\5local\0\0\x0c\0\1")
+
+    def test_only_a_bus_that_nothing_names_is_searched(self):
+        for given, environment in (({"broker": "pi"}, {}), ({}, {"ASIP_BROKER": "pi"}), ({"user": "ann", "password": "x"}, {}), ({}, {"ASIP_USER": "ann"}),
+                                   ({}, {"ASIP_CERT": "x", "ASIP_KEY": "y"})):
+            self.assertFalse(settings.find(**given, environment=environment).is_default, (given, environment))
+        self.assertTrue(settings.find(environment={}).is_default)
 
 
 if __name__ == "__main__":
