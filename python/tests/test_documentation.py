@@ -2,6 +2,7 @@
 """Each block of docs/python.md and of python/README.md is run as it stands there, on a real bus."""
 import os
 import pathlib
+import pydoc
 import re
 import signal
 import subprocess
@@ -30,6 +31,15 @@ class Pages(unittest.TestCase):
                         self.assertIn("[42, 0]", done.stdout)
                     run += 1
         self.assertGreaterEqual(run, 7)
+
+
+    def test_help_is_what_the_page_shows(self):
+        from asip import testing
+        shown = re.search(r"```console\n(write\(servo.*?)```", (ROOT / "docs" / "python.md").read_text(), re.DOTALL)[1]
+        with testing.MemoryBus(desk=["servo"]) as memory:
+            text = pydoc.plain(pydoc.render_doc(memory.connect().board("desk").servo.write))
+        for line in filter(None, shown.splitlines()):
+            self.assertIn(line, text)
 
 
 class Examples(unittest.TestCase):
