@@ -65,7 +65,8 @@ std::optional<double> number_at(const json& schema, const char* keyword) {
 }
 
 std::string plain(double number) {
-    return dump_json(json(static_cast<std::int64_t>(number)));
+    const auto whole = static_cast<std::int64_t>(number);
+    return static_cast<double>(whole) == number ? dump_json(json(whole)) : dump_json(json(number));
 }
 
 bool matches_pattern(const std::string& text, const std::string& pattern) {

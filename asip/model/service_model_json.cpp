@@ -6,6 +6,7 @@
 
 #include "asip/model/argument_writer.hpp"
 #include "asip/model/command_encoder.hpp"
+#include "asip/model/hints.hpp"
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
 #include "asip/model/schema.hpp"
@@ -262,6 +263,7 @@ Expected<ServiceModel> service_model_from_json(const nlohmann::json& document) {
     if (!reader.ok()) return fail(std::move(fault));
     if (fault = model_fault(model); !fault.empty()) return fail(std::move(fault));
     if (fault = read_safe_forms(model, document); !fault.empty()) return fail(std::move(fault));
+    if (fault = hints_fault(model, document); !fault.empty()) return fail(std::move(fault));
     auto source = document;
     if (document.contains("examples")) {
         model.example_source = dump_json(document["examples"]);
