@@ -118,7 +118,8 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
         b.retained_without_expiry = !a.expiry_seconds;
         b.names_only = false;
         listen(b, false, events);
-        heard(b, now);
+        // One that does not speak of the state makes what is retained of it no older.
+        b.says_state ? heard(b, now) : void(b.last_heard = now);
     } else if (model::is_there(b.reported)) {
         b.retained_without_expiry = !a.expiry_seconds;
         if (a.expiry_seconds) {
@@ -154,11 +155,13 @@ void Catalogue::Impl::take_said_state(Board& b, const DescriptionMembers& member
     }
     const bool newer = b.reported_since != Time{} && now - on_the_way > b.reported_since + kApart;
     const bool gone_since = a.retained && b.epoch_gone == epoch_ && !model::is_there(b.reported) &&
-                            model::is_there(members.state->state) && !newer;
+                            members.state->state != b.reported && !newer;
     b.described_at = now - on_the_way;
     if (gone_since) return;
     const auto age =
         on_the_way + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(members.state->age));
+    // Another session came into its state when it says, though the one before it had been in the same.
+    if (succeeds) b.reported_since = Time{};
     say(b, *members.state, now - age, now);
 }
 
@@ -201,7 +204,11 @@ std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, E
     // A bridge delivers what it has stored again: the agent has said more since then.
     if (b.says_state && !there && published && *published + kApart < b.described_at) return Refusal::kOldHint;
     if (!there) b.epoch_gone = epoch_;
-    if (!b.says_state || (!there && model::is_there(b.reported))) {
+    // The newer of two words counts, also where both say that it is not there: a will comes after a stop,
+    // too, and the description that came with a stop may have come and gone while nothing was heard.
+    const bool gone_otherwise = !there && !model::is_there(b.reported) && *reported != b.reported &&
+                                (live || (published && *published > b.described_at + kApart));
+    if (!b.says_state || (!there && model::is_there(b.reported)) || gone_otherwise) {
         Time since = live && (added || *reported != b.reported) ? now : Time{};
         if (!live && published) since = *published;
         say(b, {*reported, model::reason_of_word(*reported)}, since, now);

@@ -180,7 +180,7 @@ void Catalogue::Impl::update_state(std::uint32_t slot, Time now, Events& events,
     }
     if (is != was || added) {
         const bool unknown = judged ? added : !model::is_there(is) && b.reported_since == Time{};
-        b.since = unknown ? Time{} : now;
+        b.since = unknown ? Time{} : judged ? b.deadline : now;
     }
     const bool told = b.says_state || !model::is_there(is);
     if (!judged && told && b.reported_since != Time{}) b.since = b.reported_since;

@@ -95,11 +95,11 @@ class Round {
                 gateway_.emplace(broker_.address());
                 return expect(really_, 3s, "a gateway starts");
             case 6:
-                probe_.publish("asip/servicebus/$probe", "");
+                probe_->publish("asip/servicebus/$probe", "");
                 return expect(really_, 2s, "a probe");
             default:
-                broker_.stop();
-                broker_.start();
+                broker_.restart();
+                probe_.emplace(broker_.port(), std::vector<std::string>{"asip/#"});
                 return expect(really_, 6s, "the broker restarts");
         }
     }
@@ -136,7 +136,7 @@ class Round {
 
     Said by_registry(const std::string& id) {
         const auto answer = json::parse(
-            probe_.request("asip/registry/" + id + "/query", R"({"find":"boards","board":"uno1"})", 2s)
+            probe_->request("asip/registry/" + id + "/query", R"({"find":"boards","board":"uno1"})", 2s)
                 .value_or("{}"),
             nullptr, false);
         const auto items = answer.is_object() ? answer.value("items", json::array()) : json::array();
@@ -198,7 +198,8 @@ class Round {
     asip::test::Dice dice_;
     asip::test::MosquittoBroker broker_{{.persistence = true}};
     asip::test::SimulatedUno uno_;
-    asip::test::BusProbe probe_{broker_.port(), {"asip/#"}};
+    std::optional<asip::test::BusProbe> probe_{std::in_place, broker_.port(),
+                                               std::vector<std::string>{"asip/#"}};
     std::unique_ptr<ChildProcess> registries_[2];
     std::optional<asip::test::RunningGateway> gateway_;
     std::optional<asip::test::Agent> agent_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/truth/presence/sim_agent.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <utility>
@@ -9,6 +11,7 @@ namespace truth::presence {
 namespace {
 
 using asip::member::Announcements;
+using asip::model::to_text;
 
 constexpr std::uint64_t kStartOfTime = 1'790'000'000;  // of the day, when the simulation begins
 
@@ -23,6 +26,15 @@ void leave_out_state(std::string& description) {
 
 bool BoardTruth::is_heard() const {
     return std::any_of(agents.begin(), agents.end(), [](const SimAgent* one) { return one->is_heard(); });
+}
+
+bool BoardTruth::is_disputed() const {
+    return std::count_if(agents.begin(), agents.end(), [](const SimAgent* one) { return one->claims(); }) > 1;
+}
+
+void BoardTruth::say(const Really& what) {
+    said = what;
+    words.push_back(fmt::format("{} {}", to_text(what.state), to_text(what.reason)));
 }
 
 Really BoardTruth::really(Time now) const {
@@ -86,7 +98,7 @@ void SimAgent::stop(Time now) {
     announcer_->goodbye(now, out);
     const bool told = client_ != 0 && !out.publish.empty();
     perform(out, now);
-    if (told) truth_.said = {true, BoardState::kOffline, StateReason::kStopped, now};
+    if (told) truth_.say({true, BoardState::kOffline, StateReason::kStopped, now});
     broker_.end(std::exchange(client_, 0), false, now);
     announcer_.reset();
 }
@@ -99,11 +111,14 @@ void SimAgent::kill(Time now) {
     die(now);
 }
 
-/// The broker says so. An agent that is heard takes it back.
+/// The broker says so, also of a name that was claimed and not announced yet. An agent that is heard takes it
+/// back.
 void SimAgent::die(Time now) {
-    Really& said = truth_.said;
-    if (said.announced && asip::model::is_there(said.state) && !truth_.is_heard())
-        said = {true, BoardState::kLost, StateReason::kAgentGone, now};
+    const Really said = truth_.said;
+    truth_.say({true, BoardState::kLost, StateReason::kAgentGone, now});
+    truth_.last_will = now;
+    if ((!said.announced || said.state != BoardState::kLost) && !truth_.is_heard()) return;
+    truth_.said = said;
 }
 
 void SimAgent::cut_off(Time now) {
@@ -111,6 +126,11 @@ void SimAgent::cut_off(Time now) {
     announcer_->on_disconnected();
     lingering_ = std::exchange(client_, 0);
     will_due_ = now + std::chrono::milliseconds(dice_.between(2000, 40'000));
+}
+
+void SimAgent::lose_broker(Time now) {
+    announcer_->on_disconnected();
+    broker_.end(std::exchange(client_, 0), false, now);
 }
 
 void SimAgent::heal(Time now) {
@@ -131,7 +151,7 @@ void SimAgent::becomes(BoardState state, StateReason reason, Time now) {
 }
 
 void SimAgent::take(const Message& message, Time now) {
-    if (!announcer_) return;
+    if (!announcer_ || client_ == 0) return;  // of a connection that is cut, nothing arrives
     Announcements out;
     announcer_->on_message(message, now, out);
     perform(out, now);
@@ -161,10 +181,13 @@ void SimAgent::perform(Announcements& out, Time now) {
     for (auto& publication : out.publish) {
         auto& message = publication.message;
         if (message.topic == description_topic_) {
-            truth_.said = {true, state_, reason_, since_};
+            truth_.say({true, state_, reason_, since_});
             truth_.lease_end = now + std::chrono::seconds(lease_seconds_);
             if (!says_state_) leave_out_state(message.payload);
         }
+        // Of two agents with one name, the words of the one that is not believed.
+        if (truth_.is_disputed() && message.topic.ends_with("/$state") && message.payload == "lost")
+            truth_.words.push_back("lost agent-gone");
         if (client_ != 0) broker_.publish(client_, std::move(message), now);
     }
     if (!out.fatal) return;

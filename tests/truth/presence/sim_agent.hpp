@@ -28,9 +28,15 @@ class SimAgent;
 struct BoardTruth {
     Really said;       ///< the last words, of an agent or of the broker in its place
     Time lease_end{};  ///< of them
+    Time last_will{};
     std::vector<const SimAgent*> agents;
+    /// All that was said, as "lost unplugged".
+    std::vector<std::string> words;
 
+    void say(const Really& what);
     bool is_heard() const;
+    /// Several agents run for the name.
+    bool is_disputed() const;
     Really really(Time now) const;
 };
 
@@ -52,6 +58,8 @@ class SimAgent {
     /// The machine is gone, or the network: the broker notices after a while.
     void cut_off(Time now);
     void heal(Time now);
+    /// The broker is gone: nothing is said in its place.
+    void lose_broker(Time now);
     bool is_cut_off() const { return announcer_ && client_ == 0; }
 
     /// What happens to the board. Nothing is said of one that was never there.
@@ -60,8 +68,10 @@ class SimAgent {
     void tick(Time now);
     std::optional<Time> next() const;
 
-    /// Its words reach the bus.
-    bool is_heard() const { return announcer_ && client_ != 0 && announcer_->may_publish(); }
+    /// It runs, or a broker takes it for alive.
+    bool claims() const { return runs() || will_due_; }
+    /// It has something to say of its board, and that reaches the bus.
+    bool is_heard() const { return announcer_ && identified_ && client_ != 0 && announcer_->may_publish(); }
     const std::string& description_topic() const { return description_topic_; }
 
   private:

@@ -52,7 +52,7 @@ void SimBroker::subscribe(Client client, const std::string& filter, bool no_loca
         if (!matches(filter, topic)) continue;
         if (auto message = left_of(stored, now)) {
             message->retain = true;
-            send(client, found->second, std::make_shared<const Message>(std::move(*message)), now);
+            send(client, found->second, std::make_shared<const Message>(std::move(*message)), {}, now);
         }
     }
 }
@@ -73,7 +73,10 @@ std::optional<Message> SimBroker::left_of(const Stored& stored, Time now) const 
 }
 
 void SimBroker::publish(Client from, Message message, Time now) {
-    if (!sessions_.contains(from)) return;
+    if (sessions_.contains(from)) publish(From{from, false}, std::move(message), now);
+}
+
+void SimBroker::publish(From from, Message message, Time now) {
     if (message.retain && message.payload.empty()) stored_.erase(message.topic);
     if (message.retain && !message.payload.empty()) stored_[message.topic] = {message, now};
     message.retain = false;
@@ -84,30 +87,36 @@ void SimBroker::publish(Client from, Message message, Time now) {
     const auto shared = std::make_shared<const Message>(std::move(message));
     for (auto& [client, session] : sessions_) {
         const auto wants = [&](const Subscription& one) {
-            return !(one.no_local && client == from) && matches(one.filter, shared->topic);
+            return !(one.no_local && client == from.client) && matches(one.filter, shared->topic);
         };
         if (std::any_of(session.subscriptions.begin(), session.subscriptions.end(), wants))
-            send(client, session, shared, now);
+            send(client, session, shared, from, now);
     }
 }
 
-void SimBroker::send(Client client, Session& session, std::shared_ptr<const Message> message, Time now) {
+void SimBroker::send(Client client, Session& session, std::shared_ptr<const Message> message, From from,
+                     Time now) {
     const auto longest = in_order_ ? 20 : 400;
     Time& last = in_order_ ? session.last : session.last_of_topic[message->topic];
     last = std::max(last, now + std::chrono::milliseconds(dice_.between(1, longest)));
+    if (!in_order_ && from.client != 0) {
+        Time& before = session.last_from[from.client];
+        if (from.will) last = std::max(last, before);
+        before = std::max(before, last);
+    }
     under_way_.push({last, ++number_, client, std::move(message)});
 }
 
 void SimBroker::replay(Client to, const Message& message, Time now) {
     if (const auto found = sessions_.find(to); found != sessions_.end())
-        send(to, found->second, std::make_shared<const Message>(message), now);
+        send(to, found->second, std::make_shared<const Message>(message), {}, now);
 }
 
 void SimBroker::end(Client client, bool will, Time now) {
     const auto found = sessions_.find(client);
     if (found == sessions_.end()) return;
     auto last_words = std::exchange(found->second.will, std::nullopt);
-    if (will && last_words) publish(client, std::move(*last_words), now);
+    if (will && last_words) publish(From{client, true}, std::move(*last_words), now);
     sessions_.erase(client);
 }
 

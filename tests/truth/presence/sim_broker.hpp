@@ -23,7 +23,8 @@ using asip::test::Dice;
 
 /// An MQTT 5 broker in simulated time: it retains, lets messages expire, publishes wills, and delivers each
 /// message after a random time; to one client in the order in which they came, or, `in_order` false, only
-/// those of one topic in their order, as bridged brokers do.
+/// those of one topic in their order, as bridged brokers do. There, too, a will comes behind all that its
+/// client sent: it takes the same way.
 class SimBroker {
   public:
     using Client = int;
@@ -58,7 +59,12 @@ class SimBroker {
         std::optional<Message> will;
         std::vector<Subscription> subscriptions;
         Time last{};
-        std::map<std::string, Time> last_of_topic;
+        std::map<std::string, Time, std::less<>> last_of_topic;
+        std::map<Client, Time> last_from;
+    };
+    struct From {
+        Client client;  // 0: none
+        bool will;
     };
     struct Delivery {
         Time due;
@@ -75,7 +81,8 @@ class SimBroker {
     };
 
     std::optional<Message> left_of(const Stored& stored, Time now) const;
-    void send(Client client, Session& session, std::shared_ptr<const Message> message, Time now);
+    void publish(From from, Message message, Time now);
+    void send(Client client, Session& session, std::shared_ptr<const Message> message, From from, Time now);
 
     Dice& dice_;
     bool in_order_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/truth/presence/views.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -25,7 +26,15 @@ void View::connect(Time now) {
     on_connected(now);
 }
 
+bool View::heard(Time time) const {
+    const Time until = time + std::chrono::seconds(1);
+    return (is_connected() && connected_at_ < time) ||
+           std::any_of(connections_.begin(), connections_.end(),
+                       [&](const auto& one) { return one.first < time && until < one.second; });
+}
+
 void View::disconnect(Time now) {
+    connections_.emplace_back(connected_at_, now);
     broker_.end(std::exchange(client_, 0), false, now);
     on_disconnected(now);
 }
@@ -34,11 +43,12 @@ namespace {
 
 class RegistryView final : public View {
   public:
-    RegistryView(SimBroker& broker, Dice& dice, const std::string& id, bool copies, Time now)
-        : View(broker, "registry " + id), id_(id), now_(now) {
+    RegistryView(SimBroker& broker, Dice& dice, const RegistryKind& kind, Time now)
+        : View(broker, "registry " + kind.id), id_(kind.id), now_(now) {
         asip::registry::RegistryOptions options;
-        options.id = id;
-        options.copy_boards = copies ? 1 : 1'000'000;
+        options.id = id_;
+        options.copy_boards = kind.copies ? 1 : 1'000'000;
+        if (!kind.tells_what_it_has) options.stats_interval = std::chrono::hours(1);
         asip::registry::Port port;
         port.publish = [this](Message message) {
             if (message.topic == kAnswers) return answer(message);
@@ -167,7 +177,7 @@ class ViewOfBus final : public View {
   public:
     explicit ViewOfBus(SimBroker& broker) : View(broker, "bus view"), view_(asip::bus::Topics()) {}
 
-    void tick(Time) override {}
+    void tick(Time now) override { view_.expired(now); }  // as asipctl watch does
     bool is_complete() const override { return complete_; }
     std::optional<asip::bus::BoardItem> board(const std::string& name, Time now) override {
         return view_.board(name, instant(now));
@@ -197,9 +207,8 @@ class ViewOfBus final : public View {
 
 }  // namespace
 
-std::unique_ptr<View> make_registry(SimBroker& broker, Dice& dice, const std::string& id, bool copies,
-                                    Time now) {
-    return std::make_unique<RegistryView>(broker, dice, id, copies, now);
+std::unique_ptr<View> make_registry(SimBroker& broker, Dice& dice, const RegistryKind& kind, Time now) {
+    return std::make_unique<RegistryView>(broker, dice, kind, now);
 }
 std::unique_ptr<View> make_gateway(SimBroker& broker, Dice& dice) {
     return std::make_unique<GatewayView>(broker, dice);

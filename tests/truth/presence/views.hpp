@@ -21,8 +21,9 @@ class View {
     SimBroker::Client client() const { return client_; }
     bool is_connected() const { return client_ != 0; }
     Time connected_at() const { return connected_at_; }
-    /// When it began to look: what came before it may never learn.
     Time started_at() const { return started_at_; }
+    /// Whether it was connected then and for a second after: what came at other times it may never learn.
+    bool heard(Time time) const;
 
     void start(Time now) {
         started_at_ = now;
@@ -49,14 +50,18 @@ class View {
     std::string name_;
     Time connected_at_{};
     Time started_at_{};
+    std::vector<std::pair<Time, Time>> connections_;  // that are over
 };
 
 asip::catalogue::Instant instant(Time now);
 
-/// asip-registry, with the answers to queries and the change events that it publishes. `copies`: it reads
-/// another registry's pages when it starts.
-std::unique_ptr<View> make_registry(SimBroker& broker, Dice& dice, const std::string& id, bool copies,
-                                    Time now);
+struct RegistryKind {
+    std::string id;
+    bool copies = false;             ///< it reads another registry's pages when it starts
+    bool tells_what_it_has = false;  ///< as often as asip-registry: so that another one may copy it
+};
+/// asip-registry, with the answers to queries and the change events that it publishes.
+std::unique_ptr<View> make_registry(SimBroker& broker, Dice& dice, const RegistryKind& kind, Time now);
 /// asip-gateway.
 std::unique_ptr<View> make_gateway(SimBroker& broker, Dice& dice);
 /// asipctl without a registry, and the client library.

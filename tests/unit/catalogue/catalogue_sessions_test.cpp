@@ -162,7 +162,7 @@ TEST_F(CatalogueTest, RetainedLostAndDescriptionInEitherOrder_IsLost) {
 }
 
 TEST_F(CatalogueTest, ReplayedStateAgainstALivingBoard_IsOnlyAHint) {
-    give(description("uno1"));
+    give(description("uno1", {.more = R"("state":{"is":"online","age":0})"}));
     give(retained(state("uno1", "lost")));
     EXPECT_EQ(refused, Refusal::kOldHint);
     EXPECT_EQ(state_of("uno1"), "online");
@@ -170,6 +170,18 @@ TEST_F(CatalogueTest, ReplayedStateAgainstALivingBoard_IsOnlyAHint) {
     catalogue.resume(at(5s));
     give(retained(state("uno1", "offline")), 5s);
     EXPECT_EQ(state_of("uno1"), "offline") << "it may have said so while we were away";
+}
+
+TEST_F(CatalogueTest, StoredStateBehindADescriptionThatHoldsNone_Counts) {
+    give(description("uno1"));
+    give(retained(state("uno1", "lost")));
+    EXPECT_EQ(state_of("uno1"), "lost") << "a renewal came between the subscription and what is stored";
+    give(description("uno1", {.seq = 2}), 5s);
+    EXPECT_EQ(state_of("uno1"), "lost");
+    give(state("uno1", "online"), 6s);
+    EXPECT_EQ(state_of("uno1"), "online");
+    give(retained(state("uno1", "lost")), 6s);
+    EXPECT_EQ(refused, Refusal::kOldHint);
 }
 
 TEST_F(CatalogueTest, RetainedDescriptionOfAnUnknownSessionAgainstALivingBoard_IsRefused) {

@@ -193,6 +193,45 @@ TEST_F(CatalogueTest, StoredStateThatABridgeDeliversAgain_IsOlderThanWhatItsAgen
     EXPECT_EQ(state_of("uno1"), "lost");
 }
 
+TEST_F(CatalogueTest, WillBehindAStop_CountsForThoseThatHeardBothAndThoseThatCameLater) {
+    give(description("uno1", {.more = kOnline}));
+    give(description("uno1", {.seq = 2, .more = said("offline", "stopped", 0)}), 5s);
+    give(state("uno1", "offline"), 5s);
+    EXPECT_EQ(board("uno1").reason, "stopped");
+    give(state("uno1", "lost"), 20s);  // of an agent that claimed the name and died
+    EXPECT_EQ(state_of("uno1"), "lost");
+    EXPECT_EQ(board("uno1").reason, "agent-gone");
+    give(description("uno1", {.session = "t", .seq = 1, .more = kOnline}), 30s);
+    EXPECT_EQ(state_of("uno1"), "online");
+}
+
+TEST_F(CatalogueTest, StopWhileTheBusWasNotHeard_CountsWhereItsDescriptionHasExpired) {
+    give(description("uno1", {.more = said("lost", "silent", 0)}));
+    catalogue.suspend();
+    catalogue.resume(at(100s));
+    auto stopped = retained(state("uno1", "offline"));
+    stopped.expiry_seconds = model::kStateExpirySeconds - 60;
+    give(stopped, 100s);
+    EXPECT_EQ(state_of("uno1"), "offline");
+    EXPECT_EQ(board("uno1", 100s).state_age, 60);
+    auto older = retained(state("uno1", "lost"));
+    older.expiry_seconds = model::kStateExpirySeconds - 200;
+    give(older, 100s);
+    EXPECT_EQ(state_of("uno1"), "offline") << "stored before it was stopped";
+}
+
+TEST_F(CatalogueTest, LaterSessionInTheSameState_IsInItSinceItSaysSo) {
+    give(description("uno1", {.more = kOnline}));
+    give(description("uno1", {.session = "t", .seq = 1, .more = kOnline}), 3s);
+    EXPECT_EQ(board("uno1", 10s).state_age, 7);
+}
+
+TEST_F(CatalogueTest, LeaseThatIsJudgedLate_RanOutWhenItDid) {
+    give(description("uno1", {.lease = 10, .more = kOnline}));
+    catalogue.expire(at(100s));
+    EXPECT_EQ(board("uno1", 100s).state_age, 90);
+}
+
 TEST_F(CatalogueTest, StateThatCannotBeRead_IsRefusedAndTheNextOneCounts) {
     give(description("uno1", {.seq = 1, .more = kOnline}));
     for (const char* bad :
