@@ -38,7 +38,7 @@ bool is_announcement(const std::string& topic) {
 }  // namespace
 
 SimBroker::Client SimBroker::connect(Receive receive, std::optional<Message> will) {
-    sessions_[++last_client_] = {std::move(receive), std::move(will), {}, {}, {}};
+    sessions_[++last_client_] = {std::move(receive), std::move(will), {}, {}, {}, {}};
     return last_client_;
 }
 

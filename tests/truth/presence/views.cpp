@@ -60,8 +60,7 @@ class RegistryView final : public View {
         };
         port.unsubscribe = [this](const std::string& filter) { broker_.unsubscribe(client_, filter); };
         registry_.emplace(
-            options, asip::catalogue::UnitsOf{}, [&dice] { return dice.draw(); }, port, nullptr,
-            instant(now));
+            options, asip::model::ModelSet{}, [&dice] { return dice.draw(); }, port, nullptr, instant(now));
     }
 
     void tick(Time now) override {
