@@ -7,7 +7,6 @@ replaced by newer ones; changes of boards and pins never are, up to MAX_WAITING 
 from __future__ import annotations
 
 import collections
-import inspect
 import logging
 import threading
 import time
@@ -21,6 +20,7 @@ SLOW_SECONDS = 1.0
 def takes(function: Callable[..., Any], given: int) -> int:
     """How many of `given` arguments the function takes: one may write `led.on` where a value is offered. Raises TypeError at
     once for what cannot be called so."""
+    import inspect
     if not callable(function):
         raise TypeError(f"{function!r} is no function")
     try:

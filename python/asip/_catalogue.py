@@ -6,7 +6,6 @@ This module adds one judgement only: the lease is over. A renewed description ch
 """
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 from . import _model
@@ -22,21 +21,20 @@ _WORDS = {"unplugged": "cable unplugged", "silent": "the board does not answer",
 _REASON_OF_WORD = {"lost": "agent-gone", "offline": "stopped", "updating": "released"}
 
 
-@dataclasses.dataclass
 class Entry:
     """What is known of one board. Times are of the monotonic clock."""
 
-    name: str
-    state: str = "unknown"
-    reason: str = ""
-    since: float | None = None
-    said: str = "unknown"
-    session: str = ""
-    seq: int = -1
-    lease: float = DEFAULT_LEASE
-    deadline: float | None = None
-    description: dict[str, Any] = dataclasses.field(default_factory=dict)
-    says_state: bool = False
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.state = self.said = "unknown"
+        self.reason = ""
+        self.since: float | None = None
+        self.session = ""
+        self.seq = -1
+        self.lease = DEFAULT_LEASE
+        self.deadline: float | None = None
+        self.description: dict[str, Any] = {}
+        self.says_state = False
 
     def words(self, now: float) -> str:
         """`lost 3 min ago: cable unplugged`"""

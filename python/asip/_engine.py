@@ -16,7 +16,7 @@ import time
 import uuid
 import weakref
 from concurrent.futures import InvalidStateError
-from typing import Any, Callable
+from typing import Any, Callable, Protocol
 
 from . import _wait, errors
 from ._callbacks import Dispatcher
@@ -31,6 +31,10 @@ MAX_BACKOFF = 5.0
 _all: "weakref.WeakSet[Engine]" = weakref.WeakSet()
 
 
+class Listener(Protocol):
+    def _told(self) -> None: ...
+
+
 class Engine:
     """Owns the connection and the session of one bus. All methods may be called from any thread."""
 
@@ -43,7 +47,7 @@ class Engine:
         self.changed = threading.Condition(threading.RLock())  # told after each change of a board, and at the end
         self.forked = False
         self.closed = False
-        self._listeners: "weakref.WeakSet[threading.Condition]" = weakref.WeakSet()
+        self._listeners: "weakref.WeakSet[Listener]" = weakref.WeakSet()
         self._chores: "collections.deque[Callable[[], None]]" = collections.deque()
         self._lock = threading.RLock()
         self._sending = threading.RLock()
@@ -94,10 +98,10 @@ class Engine:
         with self._lock:
             return look(self.session)
 
-    def listen(self, condition: threading.Condition) -> None:
-        """`condition` is told after each change of a board, and at the end."""
+    def listen(self, listener: Listener) -> None:
+        """It is told after each change of a board, and at the end, as long as it lives."""
         with self._lock:
-            self._listeners.add(condition)
+            self._listeners.add(listener)
 
     def later(self, chore: Callable[[], None]) -> None:
         """`asip-clock` runs it soon. May be called anywhere, also while garbage is collected."""
@@ -107,9 +111,10 @@ class Engine:
     def _notify(self) -> None:
         with self._lock:
             listeners = list(self._listeners)
-        for condition in (self.changed, *listeners):
-            with condition:
-                condition.notify_all()
+        with self.changed:
+            self.changed.notify_all()
+        for listener in listeners:
+            listener._told()
 
     def keep_hold(self, hold: Hold) -> None:
         with self._lock:
@@ -184,6 +189,18 @@ class Engine:
             else:
                 _tell(action)
 
+    def _message(self, link: Link, topic: str, payload: bytes, retained: bool, expiry: int | None) -> None:
+        """In paho's thread. Values, which come by the thousand, need nothing but to be told."""
+        if self.session.is_value(topic):
+            with self._lock:
+                if link is not self._link or self.closed:
+                    return
+                actions = self.session.message(topic, payload, retained, expiry, time.monotonic())
+            for action in actions:
+                _tell(action)
+        else:
+            self._happened(link, lambda now: self.session.message(topic, payload, retained, expiry, now))
+
     def _happened(self, link: Link, event: Callable[[float], list[Action]]) -> None:
         """In paho's thread: a message, or the beginning of a connection."""
         with self._lock:
@@ -192,8 +209,9 @@ class Engine:
             was_ready = self.session.ready
             actions = event(time.monotonic())
             ready = self.session.ready
-            sends = [action for action in actions if not isinstance(action, (Resolve, Tell))]
-            self._late.extend(sends)
+            sends = [action for action in actions if not isinstance(action, (Tell, Resolve))]
+            if sends:
+                self._late.extend(sends)
         for action in actions:
             _tell(action)
         if sends:
@@ -271,8 +289,7 @@ class Engine:
         try:
             link: Link = self._new_link(broker, self.settings, client_id, v5, lambda is_v5: self._happened(link, lambda now: self._up(now, is_v5)),
                         lambda why, version: self._went_down(link, why, version),
-                        lambda topic, payload, retained, expiry: self._happened(
-                            link, lambda now: self.session.message(topic, payload, retained, expiry, now)))
+                        lambda *message: self._message(link, *message))
             with self._lock:
                 self._link = link
                 self._link_began = time.monotonic()
@@ -300,7 +317,9 @@ class Engine:
 
 def _tell(action: Action) -> None:
     """Futures and sinks: neither blocks."""
-    if isinstance(action, Resolve):
+    if isinstance(action, Tell):
+        action.sink(*action.args)
+    elif isinstance(action, Resolve):
         try:
             if action.error is not None:
                 action.future.set_exception(action.error)
@@ -308,8 +327,6 @@ def _tell(action: Action) -> None:
                 action.future.set_result(action.result)
         except InvalidStateError:
             pass  # cancelled meanwhile
-    elif isinstance(action, Tell):
-        action.sink(*action.args)
 
 
 def _close_all() -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+_decode = json.JSONDecoder().decode
 MAX_REQUEST_BYTES = 16_384
 MAX_ANSWER_BYTES = 1 << 20
 
@@ -40,7 +41,7 @@ def read_object(payload: bytes, limit: int = MAX_ANSWER_BYTES) -> dict[str, Any]
     if len(payload) > limit:
         return None
     try:
-        value = json.loads(payload)
+        value = _decode(payload.decode())
     except (ValueError, RecursionError):
         return None
     return value if isinstance(value, dict) else None

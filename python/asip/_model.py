@@ -5,13 +5,14 @@ The checks are those that agents make, in the same words, so that a mistake is a
 """
 from __future__ import annotations
 
-import difflib
-import inspect
 import json
 import keyword
 import math
 import re
-from typing import Any, Iterable
+from typing import TYPE_CHECKING, Any, Iterable
+
+if TYPE_CHECKING:
+    import inspect
 
 _INT32 = (-2**31, 2**31 - 1)
 _MAX_REQUEST_BYTES = 62
@@ -27,6 +28,7 @@ class UnknownCommand(ModelError):
 
 def near(word: str, names: Iterable[str], quote: str = "'") -> str:
     """`; did you mean 'write'?`, or nothing."""
+    import difflib
     lower = {name.lower(): name for name in names}
     found = difflib.get_close_matches(word.lower(), lower, 1, 0.6)
     return f"; did you mean {quote}{lower[found[0]]}{quote}?" if found else ""
@@ -235,6 +237,7 @@ class Command:
     @property
     def signature(self) -> inspect.Signature:
         """As `help()` shows it: the model's arguments, then `timeout`."""
+        import inspect
         kind = inspect.Parameter
         own = [kind(identifier(field.name), kind.POSITIONAL_OR_KEYWORD, annotation=field.annotation) for field in self.args]
         return inspect.Signature([kind("self", kind.POSITIONAL_OR_KEYWORD), *own,

@@ -43,6 +43,7 @@ class Link:
         self._v5 = v5
         self._on_up, self._on_down, self._on_message = on_up, on_down, on_message
         self._down = False
+        self._socket: Any = None
         extra: dict[str, Any] = {}
         if hasattr(mqtt, "CallbackAPIVersion"):
             extra["callback_api_version"] = mqtt.CallbackAPIVersion.VERSION2
@@ -96,6 +97,7 @@ class Link:
     def close(self) -> None:
         """Says goodbye to the broker, and ends paho's thread within a second. Not from paho's thread."""
         self._down = True
+        self._socket = None
         client, self._client = self._client, None
         if client is None:
             return
@@ -113,16 +115,17 @@ class Link:
         return Properties(packet)
 
     def _opened(self, _client: Any, _data: Any, sock: Any) -> None:
+        self._socket = sock if _QUICKACK is not None else None
         with contextlib.suppress(OSError, AttributeError):
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def _acknowledge_at_once(self) -> None:
         """Without it Linux acknowledges up to 40 ms late, and a broker without TCP_NODELAY waits for that."""
-        client = self._client
-        sock = client.socket() if client is not None else None
-        if _QUICKACK is not None and sock is not None:
-            with contextlib.suppress(OSError, AttributeError, ValueError):
-                sock.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
+        if self._socket is not None:
+            try:
+                self._socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
+            except (OSError, AttributeError, ValueError):
+                pass
 
     def _connected(self, _client: Any, _data: Any, _flags: Any, reason: Any, *_: Any) -> None:
         if reason == 0:
@@ -145,7 +148,7 @@ class Link:
 
     def _received(self, _client: Any, _data: Any, message: Any) -> None:
         self._acknowledge_at_once()
-        expiry = getattr(getattr(message, "properties", None), "MessageExpiryInterval", None)
+        expiry = getattr(getattr(message, "properties", None), "MessageExpiryInterval", None) if message.retain else None
         try:
             topic = message.topic
         except UnicodeDecodeError:

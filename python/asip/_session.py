@@ -6,10 +6,9 @@ the actions in their order, on one connection at a time; a call that was sent on
 """
 from __future__ import annotations
 
-import dataclasses
 import itertools
 from concurrent.futures import Future
-from typing import Any, Callable, Union
+from typing import Any, Callable, NamedTuple, Union
 
 from . import _envelope, errors
 from ._catalogue import THERE, Catalogue
@@ -23,27 +22,23 @@ MAX_OPEN_CALLS = 4096
 Sink = Callable[..., None]
 
 
-@dataclasses.dataclass(frozen=True)
-class Publish:
+class Publish(NamedTuple):
     topic: str
     payload: bytes
     qos: int = 1
     expiry: int | None = None  # seconds, for MQTT 5
 
 
-@dataclasses.dataclass(frozen=True)
-class Subscribe:
+class Subscribe(NamedTuple):
     topic: str
     qos: int
 
 
-@dataclasses.dataclass(frozen=True)
-class Unsubscribe:
+class Unsubscribe(NamedTuple):
     topic: str
 
 
-@dataclasses.dataclass(frozen=True)
-class Resolve:
+class Resolve(NamedTuple):
     """`future` ends with `result`, or with the error."""
 
     future: "Future[Any]"
@@ -51,16 +46,14 @@ class Resolve:
     error: errors.Error | None = None
 
 
-@dataclasses.dataclass(frozen=True)
-class Tell:
+class Tell(NamedTuple):
     """`sink` is called with `args`; it only puts something into a queue or sets an event."""
 
     sink: Sink
     args: tuple[Any, ...]
 
 
-@dataclasses.dataclass(frozen=True)
-class Drop:
+class Drop(NamedTuple):
     """The connection is of no use: close it, try the next broker. `why` is one sentence."""
 
     why: str
@@ -69,22 +62,16 @@ class Drop:
 Action = Union[Publish, Subscribe, Unsubscribe, Resolve, Tell, Drop]
 
 
-@dataclasses.dataclass
 class Call:
-    """One request whose answer is awaited."""
+    """One request whose answer is awaited. `asked`: the board, or `registry`."""
 
-    id: str
-    topic: str
-    asked: str  # the board, or `registry`
-    members: dict[str, Any]
-    future: "Future[Any]"
-    deadline: float
-    service: str | None = None
-    command: str | None = None
-    hold: float | None = None
-    is_command: bool = True
-    is_query: bool = False
-    sent_at: float | None = None
+    def __init__(self, id: str, topic: str, asked: str, members: dict[str, Any], deadline: float, *, service: str | None = None,
+                 command: str | None = None, hold: float | None = None, is_command: bool = True, is_query: bool = False):
+        self.id, self.topic, self.asked, self.members, self.deadline = id, topic, asked, members, deadline
+        self.service, self.command, self.hold = service, command, hold
+        self.is_command, self.is_query = is_command, is_query
+        self.future: "Future[Any]" = Future()
+        self.sent_at: float | None = None
 
     @property
     def names(self) -> dict[str, Any]:
@@ -95,18 +82,13 @@ class Call:
         return " ".join(filter(None, ["/".join(filter(None, [self.asked, self.service])), self.command]))
 
 
-@dataclasses.dataclass
 class Hold:
     """A command that is undone by the agent unless it is renewed."""
 
-    board: str
-    topic: str
-    id: str
-    seconds: float
-    next_renewal: float
-    feed: float | None = None
-    fed: float = 0.0
-    lost: Sink | None = None
+    def __init__(self, board: str, topic: str, id: str, seconds: float, next_renewal: float, feed: float | None = None, fed: float = 0.0,
+                 lost: Sink | None = None):
+        self.board, self.topic, self.id, self.seconds, self.next_renewal = board, topic, id, seconds, next_renewal
+        self.feed, self.fed, self.lost = feed, fed, lost
 
 
 class Session:
@@ -164,14 +146,13 @@ class Session:
                 hold: float | None = None) -> tuple[Call, list[Action]]:
         """`service` None: a request to the board itself (`raw`, labels)."""
         topic = self.topics.command(board, service) if service else self.topics.lines_in(board)
-        return self._begin(Call(self._next_id(), topic, board, members, Future(), now + timeout, service, command, hold), now)
+        return self._begin(Call(self._next_id(), topic, board, members, now + timeout, service=service, command=command, hold=hold), now)
 
     def stop(self, now: float, board: str, timeout: float) -> tuple[Call, list[Action]]:
-        return self._begin(Call(self._next_id(), self.topics.stop(board), board, {}, Future(), now + timeout, None, "stop"), now)
+        return self._begin(Call(self._next_id(), self.topics.stop(board), board, {}, now + timeout, command="stop"), now)
 
     def query(self, now: float, members: dict[str, Any], timeout: float) -> tuple[Call, list[Action]]:
-        return self._begin(Call(self._next_id(), self.topics.query(), "registry", members, Future(), now + timeout,
-                                is_command=False, is_query=True), now)
+        return self._begin(Call(self._next_id(), self.topics.query(), "registry", members, now + timeout, is_command=False, is_query=True), now)
 
     def _next_id(self) -> str:
         return f"{self._client}-{next(self._count)}"
@@ -294,7 +275,15 @@ class Session:
 
     # Messages and time --------------------------------------------------------------------------------------------------
 
+    def is_value(self, topic: str) -> bool:
+        """Whether reports of a service that is watched come on this topic."""
+        return topic in self._values
+
     def message(self, topic: str, payload: bytes, retained: bool, expiry: int | None, now: float) -> list[Action]:
+        sinks = self._values.get(topic)
+        if sinks is not None:
+            value = _envelope.read_object(payload)
+            return [] if value is None else [Tell(sink, (value, now)) for sink in sinks]
         levels = self.topics.split(topic)
         if levels is None:
             return []
@@ -302,11 +291,6 @@ class Session:
             return self._on_own(now) if topic == self.topics.own() else self._on_reply(topic, payload, now)
         if levels[0] == "servicebus" and len(levels) == 3:
             return self._on_board(levels[1], levels[2], payload, retained, expiry, now)
-        sinks = self._values.get(topic)
-        if sinks:
-            value = _envelope.read_object(payload)
-            if value is not None:
-                return [Tell(sink, (value, now)) for sink in list(sinks)]
         return []
 
     def _on_own(self, now: float) -> list[Action]:

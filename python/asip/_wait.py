@@ -2,6 +2,7 @@
 """The one place where a caller's thread waits."""
 from __future__ import annotations
 
+import queue
 import sys
 import threading
 import time
@@ -28,6 +29,19 @@ def result(future: "Future[Any]") -> Any:
         except FutureTimeout:
             if future.done():
                 raise
+
+
+def for_bell(bell: "queue.SimpleQueue[None]", end: float | None) -> bool:
+    """Waits until something is put into `bell`, or until the time `end`; whether it was."""
+    while True:
+        left = _SLICE if end is None else min(_SLICE, end - time.monotonic())
+        if left <= 0:
+            return False
+        try:
+            bell.get(timeout=left)
+            return True
+        except queue.Empty:
+            continue
 
 
 def until(condition: threading.Condition, true: Any, seconds: float | None) -> bool:

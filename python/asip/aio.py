@@ -14,6 +14,8 @@ from __future__ import annotations
 
 import asyncio
 import functools
+import threading
+from concurrent.futures import Future
 from typing import Any, AsyncIterator, Callable, Iterable, Mapping, Sequence
 
 from . import bus as _bus
@@ -27,7 +29,18 @@ from .stream import Reading
 
 
 async def _run(function: Callable[..., Any], *args: Any, **named: Any) -> Any:
-    return await asyncio.get_running_loop().run_in_executor(None, functools.partial(function, *args, **named))
+    """In a thread of its own: the loop's threads are few, and calls that wait for a pin would take all of them. It is a daemon, so
+    that a program which was interrupted does not wait for it."""
+    future: "Future[Any]" = Future()
+    future.set_running_or_notify_cancel()
+
+    def work() -> None:
+        try:
+            future.set_result(function(*args, **named))
+        except BaseException as error:  # noqa: BLE001: the caller gets it
+            future.set_exception(error)
+    threading.Thread(target=work, name="asip-aio", daemon=True).start()
+    return await asyncio.wrap_future(future)
 
 
 class Bus:

@@ -2,10 +2,9 @@
 """One board: its state, its services as attributes, its pins."""
 from __future__ import annotations
 
-import html
 import json
+import os
 import time
-from importlib import resources
 from typing import TYPE_CHECKING, Any, Iterator, Mapping
 
 from . import _model, _wait, errors
@@ -25,10 +24,11 @@ _standard_models: dict[str, _model.Model] = {}
 def standard_model(name: str) -> _model.Model | None:
     """The model of a standard service (`servo`), from the package's own files; None where there is none."""
     if name not in _standard_models:
-        file = resources.files(__package__) / "models" / f"{name}.json"
-        if not valid_name(name) or name == "schema" or not file.is_file():
+        file = os.path.join(os.path.dirname(__file__), "models", f"{name}.json")
+        if not valid_name(name) or name == "schema" or not os.path.isfile(file):
             return None
-        _standard_models[name] = _model.Model(json.loads(file.read_text(encoding="utf-8")))
+        with open(file, encoding="utf-8") as text:
+            _standard_models[name] = _model.Model(json.load(text))
     return _standard_models[name]
 
 
@@ -233,6 +233,7 @@ class Board:
         return f"<asip board {self.name}: {self.status}>"
 
     def _repr_html_(self) -> str:
+        import html
         head = "".join(f"<th>{one}</th>" for one in ("service", "", "values", "commands"))
         rows = "".join("<tr>" + "".join(f"<td>{html.escape(text)}</td>" for text in (one.name, one.title, *_told(one.model))) + "</tr>" for one in self)
         labels = html.escape(", ".join(f"{name}={value}" if value else name for name, value in sorted(self.labels.items())))

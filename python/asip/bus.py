@@ -2,9 +2,6 @@
 """A connection to a bus."""
 from __future__ import annotations
 
-import getpass
-import html
-import signal
 import threading
 import time
 import weakref
@@ -229,6 +226,7 @@ class Bus:
 
     def run(self, seconds: float | None = None) -> None:
         """Waits, while callbacks go on, until Ctrl-C, a SIGTERM, `close()` in another thread, or for `seconds`."""
+        import signal
         end = None if seconds is None else time.monotonic() + seconds
         before = None
         if threading.current_thread() is threading.main_thread():
@@ -262,6 +260,7 @@ class Bus:
         return f"<asip bus {where}: {'connected' if self.connected else self._engine.session.trouble or 'not connected'}>"
 
     def _repr_html_(self) -> str:
+        import html
         rows = "".join(f"<tr><td>{html.escape(one.name)}</td><td>{html.escape(one.status)}</td><td>{html.escape(' '.join(one.services))}</td></tr>"
                        for one in self.boards())
         return f"<table><tr><th>board</th><th>state</th><th>services</th></tr>{rows}</table>"
@@ -294,6 +293,7 @@ def connect(broker: str | None = None, *, credentials: str | None = None, user: 
 
 
 def _login_name() -> str | None:
+    import getpass
     try:
         return getpass.getuser()[:64]
     except Exception:  # noqa: BLE001: an account without a name

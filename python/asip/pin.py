@@ -84,7 +84,8 @@ class Pin:
         self._listen(pull_up, timeout)
         seconds = self.board._timeout(timeout)
         with self._changed:
-            if not _wait.until(self._changed, lambda: self._level is not None, seconds):
+            if not _wait.until(self._changed, lambda: self._level is not None or self.board._engine.closed, seconds) or self._level is None:
+                self.board._engine.check_open()
                 raise errors.Unproven(f"{self}: the board told no level within {seconds:g} s", board=self.board.name, reason="no-value")
         return bool(self._level)
 
@@ -124,6 +125,7 @@ class Pin:
         word = "input-pullup" if pull_up else "input"
         if self._watch is None:
             self._watch = self._io()._watched(self._reported, 10)
+            self.board._engine.listen(self)
             self.board._engine.peek(lambda session: session.watch_boards(self._board_changed))
         if self._mode != word:
             self._level = None
@@ -150,6 +152,11 @@ class Pin:
         came_back, self._was_there = there and not self._was_there, there
         if came_back and self._mode in ("input", "input-pullup"):
             self.board._engine.dispatcher.put(self._set_again, ())
+
+    def _told(self) -> None:
+        """The bus ended, or a board changed: `wait_for()` looks again."""
+        with self._changed:
+            self._changed.notify_all()
 
     def _set_again(self) -> None:
         word = self._mode

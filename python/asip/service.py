@@ -255,7 +255,10 @@ class Held:
         try:
             self.set(**self._commands)
         except BaseException:
-            self._undo()
+            try:
+                self._undo()
+            except errors.Error:
+                pass  # the first fault counts; the agent undoes it in any case
             raise
         return self
 

@@ -10,12 +10,10 @@ ASIP_TOPIC_ROOT, or all of it in the file of ASIP_CREDENTIALS (made by `asipctl 
 """
 from __future__ import annotations
 
-import dataclasses
-import os
 import logging
-import pathlib
+import os
 import urllib.parse
-from typing import Any, Mapping
+from typing import Any, Mapping, NamedTuple
 
 from . import errors
 
@@ -24,8 +22,7 @@ DEFAULT = "the default"
 _SCHEMES = {"": None, "mqtt": False, "tcp": False, "mqtts": True, "ssl": True}
 
 
-@dataclasses.dataclass(frozen=True)
-class Broker:
+class Broker(NamedTuple):
     """`tls` None: TLS is used where a certificate authority is given."""
 
     host: str
@@ -54,8 +51,7 @@ class Broker:
         return Broker(parts.hostname, port or (8883 if tls else 1883), tls)
 
 
-@dataclasses.dataclass(frozen=True)
-class Settings:
+class Settings(NamedTuple):
     """How the bus is reached. `source` says where that was read, for error texts."""
 
     brokers: tuple[Broker, ...] = (Broker("127.0.0.1", 1883),)
@@ -68,6 +64,11 @@ class Settings:
     root: str = "asip"
     source: str = DEFAULT
 
+    def __repr__(self) -> str:
+        """Without the password: what is shown in a notebook is copied into reports."""
+        where = ", ".join(f"{one.host}:{one.port}" for one in self.brokers)
+        return f"<settings of {self.source}: {where}, user {self.user or 'none'}, {'TLS' if self.ca or self.ca_text else 'no TLS'}, topics {self.root}/...>"
+
     @property
     def is_default(self) -> bool:
         """Nothing says where the bus is, and there are no credentials: they are for the broker that they were made for."""
@@ -75,12 +76,13 @@ class Settings:
 
     def with_tls_decided(self) -> "Settings":
         secure = self.ca is not None or self.ca_text is not None
-        return dataclasses.replace(self, brokers=tuple(dataclasses.replace(one, tls=secure if one.tls is None else one.tls) for one in self.brokers))
+        return self._replace(brokers=tuple(one._replace(tls=secure if one.tls is None else one.tls) for one in self.brokers))
 
 
-def _lines(path: pathlib.Path) -> tuple[dict[str, str], str]:
+def _lines(path: str) -> tuple[dict[str, str], str]:
     """Lines `NAME = VALUE`, and the text of all certificates. Quotes around a value are taken off."""
-    text = path.read_text(encoding="utf-8-sig")
+    with open(path, encoding="utf-8-sig") as file:
+        text = file.read()
     found: dict[str, str] = {}
     inside = False
     for number, raw in enumerate(text.splitlines(), 1):
@@ -96,7 +98,7 @@ def _lines(path: pathlib.Path) -> tuple[dict[str, str], str]:
 
 
 def _of_credentials(path: str) -> Settings:
-    values, certificates = _lines(pathlib.Path(path))
+    values, certificates = _lines(path)
     for name in ("broker", "user", "password"):
         if not values.get(name):
             raise ValueError(f"{path}: the line {name} = ... is missing")
@@ -130,17 +132,17 @@ def _profile(environment: Mapping[str, str]) -> Settings | None:
     base = environment.get("XDG_CONFIG_HOME") or (os.path.join(environment["HOME"], ".config") if environment.get("HOME") else None)
     if base is None:
         return None
-    folder = pathlib.Path(base) / "asip"
+    folder = os.path.join(base, "asip")
     name = environment.get("ASIP_CONTEXT") or ""
     if not name:
         try:
-            name = (folder / "context").read_text(encoding="utf-8").strip()
+            name = _first_line(os.path.join(folder, "context")).strip()
         except OSError:
             return None
-    file = folder / "contexts" / f"{name}.conf"
+    file = os.path.join(folder, "contexts", f"{name}.conf")
     if not name or "/" in name:
         return None
-    if not file.exists():
+    if not os.path.exists(file):
         raise ValueError(f'there is no context "{name}"; see asipctl context list')
     return _of_options(_lines(file)[0], f"the context {name} of asipctl")
 
@@ -159,7 +161,7 @@ def find(broker: str | None = None, *, credentials: str | None = None, user: str
         chosen = None if given["broker"] or given["credentials"] else _profile(environment)
         made = chosen or _of_options(given, "the environment" if given["broker"] else DEFAULT)
     changes: dict[str, Any] = {name: value for name, value in (("user", user), ("password", password), ("ca", ca), ("root", root)) if value is not None}
-    return dataclasses.replace(made, **changes).with_tls_decided()
+    return made._replace(**changes).with_tls_decided()
 
 
 def announced(settings: Settings, seconds: float, environment: Mapping[str, str] = os.environ) -> Settings:
@@ -170,10 +172,10 @@ def announced(settings: Settings, seconds: float, environment: Mapping[str, str]
         return settings
     found = _mdns.search(seconds)
     if not found:
-        return dataclasses.replace(settings, source="the default: no broker is configured, none is on this machine, and none is announced on this network")
+        return settings._replace(source="the default: no broker is configured, none is on this machine, and none is announced on this network")
     every = ", ".join(f"mqtt://{one.host}:{one.port} ({one.name})" for one in found)
     if len(found) > 1:
         raise errors.Disconnected(f"several brokers are announced on this network: {every}; choose one: asip.connect(\"{found[0].host}:{found[0].port}\"), "
                                   "ASIP_BROKER, or asipctl context add", reason="several-brokers")
     log.warning("asip: no broker is configured: using %s, which is announced on this network", every)
-    return dataclasses.replace(settings, brokers=(Broker(found[0].host, found[0].port, False),), source="an announcement on this network")
+    return settings._replace(brokers=(Broker(found[0].host, found[0].port, False),), source="an announcement on this network")

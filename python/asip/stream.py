@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import collections
-import dataclasses
-import threading
+import contextlib
+import queue
 import time
 import weakref
-from typing import TYPE_CHECKING, Any, Callable, Iterator
+from typing import TYPE_CHECKING, Any, Callable, Iterator, NamedTuple
 
 from . import _model, _wait, errors
 
 if TYPE_CHECKING:
     from .service import Service
 
+# A loop that is woken for each of many values does little else. So where values that are kept come faster than one in
+# _FAST_SECONDS, it takes those of _GATHER_SECONDS together.
+_FAST_SECONDS = 0.001
+_GATHER_SECONDS = 0.004
 
-@dataclasses.dataclass(frozen=True)
-class Reading:
+
+class Reading(NamedTuple):
     """One value: plain Python, its unit, and when it came, in seconds as `time.time()`."""
 
     value: Any
@@ -34,8 +38,9 @@ class Stream(Iterator[Any]):
         self._service, self._event, self._details, self._timeout = service, event, details, timeout
         self._wait_for_board = wait_for_board
         self._waiting: "collections.deque[Reading]" = collections.deque()
-        self._keep = max(1, keep)
-        self._changed = threading.Condition()
+        self._keep, self._unit = max(1, keep), event.unit
+        self._busy = False
+        self._bell: "queue.SimpleQueue[None]" = queue.SimpleQueue()
         self._closed = False
         self._news: Callable[[], object] | None = None
         engine, this = service.board._engine, weakref.ref(self)
@@ -45,7 +50,7 @@ class Stream(Iterator[Any]):
             if stream is not None and event.name in payload:
                 stream._take(payload[event.name])
         self._watch = service._watched(sink, hz)
-        engine.listen(self._changed)
+        engine.listen(self)
         # Garbage may be collected in any thread: the clock's ends what nothing refers to any more.
         self._end = weakref.finalize(self, engine.later, self._watch.cancel)
         self._end.atexit = False
@@ -53,12 +58,17 @@ class Stream(Iterator[Any]):
     def _take(self, value: Any) -> None:
         at = time.time()
         self._service.updated = at
-        with self._changed:
-            if len(self._waiting) >= self._keep:
+        if len(self._waiting) >= self._keep:
+            with contextlib.suppress(IndexError):  # the loop took it meanwhile
                 self._waiting.popleft()
                 self.dropped += 1
-            self._waiting.append(Reading(value, self._event.unit, at))
-            self._changed.notify()
+        self._waiting.append(Reading(value, self._unit, at))
+        self._told()
+
+    def _told(self) -> None:
+        """Something happened: a value, a change of a board, the end. Wakes the loop."""
+        if self._bell.empty():
+            self._bell.put(None)
         if self._news is not None:
             self._news()
 
@@ -68,14 +78,26 @@ class Stream(Iterator[Any]):
 
     def wait(self, seconds: float | None) -> Reading | None:
         """The next value; None where none came within `seconds`. Raises NotThere, Closed."""
-        board = self._service.board
-        with self._changed:
-            _wait.until(self._changed, lambda: self._waiting or self._closed or board._engine.closed or self._gone(), seconds)
-            if self._waiting:
+        engine, end = self._service.board._engine, None if seconds is None else time.monotonic() + seconds
+        while True:
+            try:
                 return self._waiting.popleft()
-        board._engine.check_open()
+            except IndexError:
+                pass
+            if self._busy:
+                time.sleep(_GATHER_SECONDS)
+                self._busy = bool(self._waiting)
+                continue
+            if self._closed or engine.closed or self._gone():
+                self._bell.put(None)  # for others that wait here
+                break
+            began = time.monotonic()
+            if not _wait.for_bell(self._bell, end):
+                return None
+            self._busy = self._keep > 1 and time.monotonic() - began < _FAST_SECONDS
+        engine.check_open()
         if self._gone():
-            board._must_be_there()
+            self._service.board._must_be_there()
         return None
 
     def _gone(self) -> bool:
@@ -85,7 +107,9 @@ class Stream(Iterator[Any]):
         if self._closed:
             raise StopIteration
         try:
-            reading = self.wait(self._timeout)
+            reading = self._waiting.popleft() if self._waiting else self.wait(self._timeout)
+        except IndexError:  # another thread took it
+            return next(self)
         except BaseException:
             self.close()
             raise
@@ -102,8 +126,7 @@ class Stream(Iterator[Any]):
             self._closed = True
             self._end.detach()
             self._watch.cancel()
-            with self._changed:
-                self._changed.notify_all()
+            self._bell.put(None)
 
     def __enter__(self) -> "Stream":
         return self

@@ -412,6 +412,17 @@ class Asynchronous(unittest.IsolatedAsyncioTestCase):
         with self.assertRaises(asip.Invalid):
             await self.desk.servo.write(0, 200)
 
+    async def test_many_calls_that_wait_keep_no_other_from_its_end(self):
+        waiting = [asyncio.create_task(self.desk.pin(2).wait_for(True)) for _ in range(100)]
+        await asyncio.sleep(0.1)
+        self.memory.desk.report("distance", [3, 4])
+        self.memory.desk._values["distance", "distance"] = [3, 4]
+        self.assertEqual(await asyncio.wait_for(self.desk.distance.read(), 5), [3, 4])
+        waiting[0].cancel()
+        await self.bus.close()
+        ends = await asyncio.wait_for(asyncio.gather(*waiting, return_exceptions=True), 5)
+        self.assertEqual({type(end) for end in ends}, {asyncio.CancelledError, asip.Closed})
+
     async def test_cancelled_command(self):
         self.memory.desk.silence()
         task = asyncio.create_task(self.desk.servo.write(0, 90))
@@ -482,6 +493,32 @@ class End(Memory):
                 "bus = memory.connect()\ndesk = bus.board('desk')\ndesk.servo.write(0, 90)\nprint('done')\n")
         done = subprocess.run([sys.executable, "-X", "dev", "-W", "error", "-c", text], capture_output=True, text=True, timeout=20)
         self.assertEqual((done.stdout, done.stderr, done.returncode), ("done\n", "", 0))
+
+    def test_calls_that_wait_end_when_the_bus_is_closed(self):
+        stream, ends = self.desk.distance.stream(), []
+        calls = [lambda: self.desk.pin(2).wait_for(True), lambda: next(stream), lambda: next(stream), lambda: self.desk.wait_for("lost", timeout=None),
+                 lambda: self.bus.board("nowhere", timeout=60), self.bus.run]
+
+        def wait(call):
+            try:
+                call()
+            except (asip.Closed, StopIteration) as end:
+                ends.append(type(end).__name__)
+            else:
+                ends.append("returned")
+        threads = [threading.Thread(target=wait, args=(call,)) for call in calls]
+        for thread in threads:
+            thread.start()
+        time.sleep(0.2)
+        self.bus.close()
+        for thread in threads:
+            thread.join(5)
+        self.assertEqual(sorted(ends), ["Closed"] * 5 + ["returned"])
+
+    def test_settings_are_shown_without_the_password(self):
+        from asip import settings
+        self.assertNotIn("secret", repr(settings.find("pi", user="ann", password="secret")))
+        self.assertIn("ann", repr(settings.find("pi", user="ann", password="secret")))
 
     def test_run_ends_by_close_and_by_time(self):
         self.bus.run(0.05)
