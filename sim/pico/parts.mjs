@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// What can be wired to a simulated Pico: as the parts of the same names in sim/parts, for what a bench needs.
+import { CHANNELS, FIRST_ANALOG_PIN, PINS } from './chip.mjs'
+
+/** Members, verbs and behaviour of each kind. A part shows its state by `changed(text)`. */
+const kinds = {
+  led: {
+    members: { active_low: 'flag' },
+    make: (pico, { pin, active_low: low }, changed) => {
+      const state = () => {
+        const duty = pico.duty(pin)
+        if (duty !== null && duty > 0 && duty < 255) return `pwm ${low ? 255 - duty : duty}`
+        return (pico.isOutput(pin) && pico.level(pin)) !== (low ?? false) ? 'on' : 'off'
+      }
+      pico.watchers.push((which) => which === pin && changed(state()))
+      return { state }
+    }
+  },
+  button: {
+    members: { to_vcc: 'flag' },
+    make: (pico, { pin, to_vcc: high }, changed) => {
+      let pressed = false
+      const apply = () => pico.drive(pin, pressed ? (high ?? false) : high ? false : null)
+      apply()
+      const set = (to) => {
+        pressed = to
+        apply()
+        changed(state())
+      }
+      const state = () => (pressed ? 'pressed' : 'released')
+      return { state, press: () => set(true), release: () => set(false) }
+    }
+  },
+  potentiometer: {
+    members: { position: 'share' },
+    make: (pico, { pin, position = 0.5 }, changed) => {
+      const set = (to) => {
+        position = to
+        pico.setAnalog(pin - FIRST_ANALOG_PIN, Math.round(position * 4095))
+      }
+      set(position)
+      return {
+        state: () => String(position),
+        set: (argument) => {
+          const to = Number(argument)
+          if (argument === '' || !(to >= 0 && to <= 1)) throw new Error(`set takes a number from 0 to 1, not "${argument}"`)
+          set(to)
+          changed(String(to))
+        }
+      }
+    }
+  }
+}
+
+function pinOf(value) {
+  const analog = typeof value === 'string' && /^[Aa]\d+$/.test(value)
+  const number = analog ? FIRST_ANALOG_PIN + Number(value.slice(1)) : value
+  const end = analog ? FIRST_ANALOG_PIN + CHANNELS : PINS
+  if (!Number.isInteger(number) || number < 0 || number >= end)
+    throw new Error(`there is no pin ${value} on the pico (0 to ${PINS - 1}, A0 to A${CHANNELS - 1})`)
+  return number
+}
+
+const good = { flag: (value) => typeof value === 'boolean', share: (value) => value >= 0 && value <= 1 }
+
+/** The parts of a board file. Throws an Error whose text begins with the place: "/parts/1/pin: ...". */
+export function wire(pico, configured, changed) {
+  const parts = new Map(), taken = new Set()
+  for (const [i, { kind, name, ...settings }] of configured.entries()) {
+    const refuse = (member, why) => {
+      throw new Error(`/parts/${i}/${member}: ${why}`)
+    }
+    if (!(kind in kinds)) refuse('kind', `a Pico has no "${kind}"; one of ${Object.keys(kinds).join(', ')}`)
+    const { members, make } = kinds[kind]
+    if (!('pin' in settings)) refuse('pin', 'is missing')
+    for (const [member, value] of Object.entries(settings)) {
+      if (member === 'pin') continue
+      if (!(member in members)) refuse(member, `a ${kind} has no such member`)
+      if (!good[members[member]](value)) refuse(member, members[member] === 'flag' ? 'true or false' : 'a number from 0 to 1')
+    }
+    try {
+      settings.pin = pinOf(settings.pin)
+    } catch (error) {
+      refuse('pin', error.message)
+    }
+    if (kind === 'potentiometer' && settings.pin < FIRST_ANALOG_PIN) refuse('pin', 'not an analog input')
+    if (settings.pin < 2) refuse('pin', 'the serial line has this pin')
+    if (taken.has(settings.pin)) refuse('pin', 'has a part already')
+    taken.add(settings.pin)
+    const called = name ?? `${kind}${settings.pin}`
+    if (parts.has(called)) refuse('name', `another part is called ${called}`)
+    let shown
+    const part = make(pico, settings, (state) => {
+      if (state === shown) return
+      shown = state
+      changed(called, kind, state)
+    })
+    shown = part.state()
+    parts.set(called, { kind, ...part })
+  }
+  return parts
+}
+
+/** Carries a command out. Throws an Error that says what is wrong. */
+export function command(parts, name, verb, argument = '') {
+  const part = parts.get(name)
+  if (part === undefined) throw new Error(`there is no part ${name}`)
+  const verbs = Object.keys(part).filter((key) => key !== 'kind' && key !== 'state')
+  if (!verbs.includes(verb))
+    throw new Error(`a ${part.kind} cannot ${verb}${verbs.length > 0 ? `, but ${verbs.join(', ')}` : ''}`)
+  if (verb !== 'set' && argument !== '') throw new Error(`${verb} takes nothing behind the part`)
+  part[verb](argument)
+}
