@@ -50,7 +50,7 @@ Error Encoders::processRequest(Request&) {
     return Error::kUnknownRequest;
 }
 
-void Encoders::onPinChange() {
+void ASIP_FROM_INTERRUPT Encoders::onPinChange() {
     Wheel* wheel = counting->wheels_;
     uint32_t now = 0;  // one for all: reading the clock takes most of the time of an edge
     for (uint8_t left = counting->count(); left != 0; --left, ++wheel) {
@@ -60,7 +60,7 @@ void Encoders::onPinChange() {
     }
 }
 
-void Encoders::countEdge(Wheel& wheel, uint32_t now) {
+void ASIP_FROM_INTERRUPT Encoders::countEdge(Wheel& wheel, uint32_t now) {
     const bool high = !wheel.wasHigh;
     wheel.wasHigh = high;
     if (high != wheel.second.isHigh()) {

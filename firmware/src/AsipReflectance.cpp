@@ -3,6 +3,8 @@
 
 #ifdef ARDUINO
 
+#include "asip/Hardware.h"
+
 namespace asip {
 
 static constexpr uint16_t kWarmMicroseconds = 200;  // until the sensors show the light
@@ -38,7 +40,7 @@ void Reflectance::poll() {
 }
 
 void Reflectance::reportValue(uint8_t index) {
-    out.number(static_cast<uint16_t>(analogRead(pins_[index])));
+    out.number(hw::readAnalogPin(pins_[index]));
     if (index == count() - 1 && !warming_) digitalWrite(emitter_, LOW);
 }
 

@@ -22,6 +22,22 @@
 #endif
 
 namespace asip {
+namespace coreCheck {
+
+template <typename Port>
+auto isPort(Port* port) -> decltype(port->begin(57600UL), port->read() + port->availableForWrite(),
+                                    port->write(static_cast<uint8_t>(0)), port->flush(), true);
+struct NoPort {
+    char twoBytes[2];
+};
+NoPort isPort(...);
+static_assert(
+    sizeof(isPort(&ASIP_SERIAL)) == sizeof(bool),
+    "Asip needs a serial port with begin(baud), read(), write(byte), availableForWrite() and flush(): "
+    "ASIP_SERIAL lacks one of them");
+
+}  // namespace coreCheck
+
 namespace line {
 
 void begin() {
@@ -31,7 +47,12 @@ int16_t read() {
     return ASIP_SERIAL.read();
 }
 uint8_t room() {
+#ifdef __AVR__
     return static_cast<uint8_t>(ASIP_SERIAL.availableForWrite());
+#else
+    const int room = ASIP_SERIAL.availableForWrite();
+    return static_cast<uint8_t>(room > 255 ? 255 : room);
+#endif
 }
 void write(uint8_t byte) {
     ASIP_SERIAL.write(byte);
@@ -68,6 +89,8 @@ bool usesPin(uint8_t pin) {
 #elif defined(__AVR_ATmega1284P__) || defined(__AVR_ATmega1284__) || defined(__AVR_ATmega644P__) || \
     defined(__AVR_ATmega644__)
     return digitalPinToPort(pin) == 4 /* D */ && digitalPinToBitMask(pin) <= 2;
+#elif defined(ESP8266) || defined(ESP32)
+    return pin == TX || pin == RX;
 #else
     return pin < 2;
 #endif

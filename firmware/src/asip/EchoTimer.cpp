@@ -18,10 +18,10 @@ static uint8_t echoPin;
 static uint8_t echoPort, echoMask;
 #endif
 
-static uint16_t now() {
+static uint16_t ASIP_FROM_INTERRUPT now() {
     return static_cast<uint16_t>(micros());
 }
-static bool isHigh() {
+static bool ASIP_FROM_INTERRUPT isHigh() {
 #ifdef __AVR__
     return *portInputRegister(echoPort) & echoMask;
 #else
@@ -70,7 +70,7 @@ bool EchoTimer::finished(uint16_t& microseconds) {
 }
 
 // Encoders call it at each of their edges too: it must not take long where there is no echo to wait for.
-void EchoTimer::onPinChange() {
+void ASIP_FROM_INTERRUPT EchoTimer::onPinChange() {
     const uint8_t before = phase;
     if (before != kBeforeEcho && before != kInEcho) return;
     if (isHigh() == (before == kInEcho)) return;

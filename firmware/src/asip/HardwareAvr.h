@@ -119,6 +119,11 @@ inline bool isAnalog(uint8_t pin) {
     return pin >= kFirstAnalogPin && pin < kEndOfAnalogPins;
 }
 
+// Every pin is there to be used.
+inline bool isHidden(uint8_t) {
+    return false;
+}
+
 // A second name of a pin that has a number of its own (A6 to A11 of a Leonardo).
 inline bool isAlias(uint8_t pin) {
 #if defined(__AVR_ATmega32U4__)
@@ -146,8 +151,11 @@ inline void writePwm(uint8_t pin, uint8_t duty) {
 }
 
 // Takes 110 microseconds, in which interrupts go on.
+inline uint16_t readAnalogPin(uint8_t pin) {
+    return static_cast<uint16_t>(::analogRead(pin));
+}
 inline uint16_t readAnalog(uint8_t channel) {
-    return static_cast<uint16_t>(::analogRead(static_cast<uint8_t>(kFirstAnalogPin + channel)));
+    return readAnalogPin(static_cast<uint8_t>(kFirstAnalogPin + channel));
 }
 
 // The lowest byte of millis(), which takes no interrupt lock to read.

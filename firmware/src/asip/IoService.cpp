@@ -13,7 +13,7 @@ FlashText IoService::name() const {
 void IoService::begin() {
     preparedPin_ = kNoPin;
     for (uint8_t pin = 0; pin < hw::kPins; ++pin) {
-        if (line::usesPin(pin)) {
+        if (line::usesPin(pin) || hw::isHidden(pin)) {
             modes_[pin] = static_cast<uint8_t>(PinMode::kReserved);
             continue;
         }

@@ -6,6 +6,14 @@
 
 #include <stdint.h>
 
+// Functions that interrupts call are in RAM, where the flash cannot always be read.
+#if defined(ESP8266) || defined(ESP32)
+#include <Arduino.h>
+#define ASIP_FROM_INTERRUPT IRAM_ATTR
+#else
+#define ASIP_FROM_INTERRUPT
+#endif
+
 namespace asip {
 
 class PinInterrupts {

@@ -23,8 +23,9 @@ class QuickPin {
     constexpr QuickPin() : pin_(kNone) {}
     explicit QuickPin(uint8_t pin) : pin_(pin) {}
 
-    bool isConnected() const { return pin_ != kNone; }
-    bool isHigh() const { return digitalRead(pin_) == HIGH; }
+    // Inline where an interrupt calls them, wherever that is kept.
+    bool isConnected() const __attribute__((always_inline)) { return pin_ != kNone; }
+    bool isHigh() const __attribute__((always_inline)) { return digitalRead(pin_) == HIGH; }
 
   private:
     static constexpr uint8_t kNone = 255;

@@ -6,8 +6,10 @@
 
 #include <cstdio>
 #include <fstream>
-#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <sstream>
+#include <stdexcept>
 
 #include "quadrature.hpp"
 
@@ -16,37 +18,21 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::uint16_t kOcr0a = 0x47, kOcr0b = 0x48, kOcr1a = 0x88;
-
-struct Fact {
-    const char* request;
-    const char* of_04;           // its answer, and the effect where one is looked at
-    const char* ours = nullptr;  // where that is another
-    const char* listed = "";     // how the difference is listed in docs/protocol.md
-    std::function<std::string(FirmwareBoard&)> effect = nullptr;
-};
-
-std::string duty(FirmwareBoard& board, std::uint16_t address) {
-    return " duty " + std::to_string(board->peek(address));
-}
-
-std::function<std::string(FirmwareBoard&)> duty_at(std::uint16_t address) {
-    return [address](FirmwareBoard& board) { return duty(board, address); };
-}
-
-std::function<std::string(FirmwareBoard&)> level_of(int pin) {
-    return [pin](FirmwareBoard& board) {
-        return board->pin(pin) == sim::Level::kHigh ? std::string(" high") : std::string(" low");
-    };
-}
-
-std::function<std::string(FirmwareBoard&)> angle_of(const char* part) {
-    return [part](FirmwareBoard& board) {
-        board->run_for(milliseconds(60));
-        // A pulse is some microseconds off, whose degree is rounded here.
-        const int angle = std::stoi(board->part(part).state());
-        return " angle " + std::to_string((angle + 1) / 5 * 5);
-    };
+/// What is looked at behind an answer: "level 13", "duty 6", "angle pan", "next".
+std::string look(FirmwareBoard& board, const std::string& at) {
+    const auto what = at.substr(0, at.find(' '));
+    const auto where = at.substr(at.find(' ') + 1);
+    if (what == "next") return board.next_line();
+    if (what == "level") return board->pin(std::stoi(where)) == sim::Level::kHigh ? " high" : " low";
+    if (what == "duty") {
+        static const std::map<std::string, std::uint16_t> kRegisters = {
+            {"5", 0x48}, {"6", 0x47}, {"9", 0x88}};
+        return " duty " + std::to_string(board->peek(kRegisters.at(where)));
+    }
+    if (what != "angle") throw std::runtime_error("differential.json: cannot look at " + at);
+    board->run_for(milliseconds(60));
+    // A pulse is some microseconds off, whose degree is rounded here.
+    return " angle " + std::to_string((std::stoi(board->part(where).state()) + 1) / 5 * 5);
 }
 
 std::string protocol_page() {
@@ -56,33 +42,25 @@ std::string protocol_page() {
     return text.str();
 }
 
-void expect_facts(FirmwareBoard& board, const std::vector<Fact>& facts) {
+/// The facts of one script of tests/literal/differential.json.
+void expect_facts(FirmwareBoard& board, const std::string& script) {
     const auto page = protocol_page();
-    for (const auto& fact : facts) {
-        auto seen = board.ask(fact.request);
-        if (fact.effect) seen += fact.effect(board);
-        EXPECT_EQ(seen, fact.ours == nullptr ? fact.of_04 : fact.ours) << fact.request;
-        if (fact.ours == nullptr) continue;
-        EXPECT_STRNE(fact.ours, fact.of_04) << fact.request << " does not differ";
-        EXPECT_NE(page.find(fact.listed), std::string::npos) << fact.request << " is not listed";
+    std::ifstream file(ASIP_SOURCE_DIR "/tests/literal/differential.json");
+    for (const auto& fact : nlohmann::json::parse(file).at("scripts").at(script)) {
+        const std::string request = fact.at("request"), of_04 = fact.at("of_04");
+        auto seen = board.ask(request);
+        if (fact.contains("look")) seen += look(board, fact.at("look"));
+        EXPECT_EQ(seen, fact.value("ours", of_04)) << request;
+        if (!fact.contains("ours")) continue;
+        EXPECT_NE(fact.at("ours"), of_04) << request << " does not differ";
+        EXPECT_NE(page.find(fact.at("listed").get<std::string>()), std::string::npos)
+            << request << " is not listed";
     }
 }
 
 TEST(DifferentialTest, InputAndOutput) {
     FirmwareBoard board("asip_uno");
-    expect_facts(board, {
-                            {"Z,x", "~Z,?,1{INVALID_SERVICE}"},
-                            {"I,P,13,3", ""},
-                            {"I,d,13,7", " high", nullptr, "", level_of(13)},
-                            {"I,d,13,0", " low", nullptr, "", level_of(13)},
-                            {"I,a,6,200", " duty 200", nullptr, "", duty_at(kOcr0a)},
-                            {"I,a,9, 64", " duty 64", nullptr, "", duty_at(kOcr1a)},
-                            {"I,a,2,64", "~I,a,3{INVALID_PIN}"},
-                            {"I,P,25,1", "~I,P,5{INVALID_MODE}", "~I,P,3{INVALID_PIN}",
-                             "| `I,P` with a pin or a capability that is not there |"},
-                            {"I,P,2,5", "~I,P,5{INVALID_MODE}", "~I,P,4{MODE_UNAVAILABLE}",
-                             "| `I,P` with a pin or a capability that is not there |"},
-                        });
+    expect_facts(board, "input and output");
 }
 
 TEST(DifferentialTest, PinsThatAreHighAtStart_AreAFirstEvent) {
@@ -98,25 +76,12 @@ TEST(DifferentialTest, PinsThatAreHighAtStart_AreAFirstEvent) {
 
 TEST(DifferentialTest, Servos) {
     FirmwareBoard board("asip_uno_services", "uno", {{"servo", {{"pin", 9}}, "pan"}});
-    expect_facts(board, {
-                            {"#,N", "@#,N,3,{I:ASIP core IO,D:Distance,S:Servos} angle 90", nullptr, "",
-                             angle_of("pan")},
-                            {"S,W,0,30", " angle 30", nullptr, "", angle_of("pan")},
-                            {"S,W,0,200", " angle 180", nullptr, "", angle_of("pan")},
-                        });
+    expect_facts(board, "servos");
 }
 
 TEST(DifferentialTest, Robot) {
     FirmwareBoard board("asip_uno_robot", "uno", {{"button", {{"pin", 10}}, "left"}});
-    const auto next = [](FirmwareBoard& of) { return of.next_line(); };
-    expect_facts(board, {
-                            {"M,m,0,100", " duty 100", nullptr, "", duty_at(kOcr0b)},
-                            {"M,m,0,12.5", " duty 12", nullptr, "", duty_at(kOcr0b)},
-                            {"M,m,0,300", " high", nullptr, "", level_of(5)},
-                            {"M,m,9,10", "", "~M,m,7{INVALID_DEVICE_NUMBER}",
-                             "| `M,m,id,..` with an `id` that is not there |"},
-                            {"B,A,20", "@B,e,2,{1,1}", nullptr, "", next},
-                        });
+    expect_facts(board, "robot");
     EXPECT_NE(board.ask("#,N").find("B:Bump Sensors,R:IR Sensors"), std::string::npos);
 }
 
@@ -141,8 +106,7 @@ TEST(DifferentialTest, DistanceBeyondAMetre_IsMeasured) {
     FirmwareBoard board("asip_uno_services", "uno",
                         {{"ultrasonic", {{"pin", 7}, {"distance", 42}}, "near"},
                          {"ultrasonic", {{"pin", 8}, {"distance", 250}}, "far"}});
-    const auto next = [](FirmwareBoard& of) { return of.next_line(); };
-    expect_facts(board, {{"D,M", "@D,e,2,{42,0}", "@D,e,2,{42,250}", "| `@D,e` beyond 100 cm |", next}});
+    expect_facts(board, "distance");
 }
 
 }  // namespace

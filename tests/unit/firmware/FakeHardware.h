@@ -54,6 +54,9 @@ std::uint8_t readPort(std::uint8_t port);
 bool hasPwm(std::uint8_t pin);
 bool isAnalog(std::uint8_t pin);
 bool isAlias(std::uint8_t pin);
+inline bool isHidden(std::uint8_t) {
+    return false;
+}
 inline bool isAnalogOnly(std::uint8_t) {
     return false;
 }

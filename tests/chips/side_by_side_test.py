@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A Pico in the emulator and an Uno in the simulator, on one bus: both are listed, and a button on each lights an LED on the other.
+NODE_PATH leads to the emulator."""
+
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+
+from bus import BIN, IMAGES, Bus, eventually
+
+UNO = {"name": "uno1", "board": "uno", "image": str(IMAGES / "asip_uno.elf"), "link": "uno1.port",
+       "parts": [{"kind": "button", "name": "switch", "pin": 2}, {"kind": "led", "name": "lamp", "pin": 13}]}
+PICO = {"name": "pico1", "board": "pico", "image": str(IMAGES / "asip_pico.elf"), "link": "pico1.port",
+        "parts": [{"kind": "button", "name": "knob", "pin": 5}, {"kind": "led", "name": "led", "pin": 25},
+                  {"kind": "potentiometer", "name": "pot", "pin": "A0", "position": 1}]}
+
+
+class SideBySide(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.bus = Bus((UNO, PICO))
+        cls.addClassCleanup(cls.bus.close)
+
+    def setUp(self):
+        self.addCleanup(lambda: self._outcome.success or print(self.bus.logs()))
+
+    def asipctl(self, *words):
+        return subprocess.run([str(BIN / "asipctl"), "--broker", f"127.0.0.1:{self.bus.broker_port}", *words], check=True,
+                              capture_output=True, text=True, timeout=60).stdout
+
+    def switch(self, button, led, *pins):
+        address = f"mqtt://127.0.0.1:{self.bus.broker_port}/"
+        name = f"switch-{button}"
+        self.bus.start(name, str(BIN / "example-two_board_switch"), address + button, address + led, *pins)
+        self.addCleanup(self.bus.end, name)
+        eventually(lambda: "switches pin" in (self.bus.work / f"{name}.log").read_text(), f"the start of {name}", 60)
+
+    def lights(self, button, led):
+        for verb, state in (("press", "on"), ("release", "off"), ("press", "on"), ("release", "off")):
+            self.bus.sim(verb, button)
+            eventually(lambda: self.bus.part(led) == state, f"{led} {state}")
+
+    def test_both_are_listed(self):
+        rows = {words[0]: words for words in map(str.split, self.asipctl("list").splitlines())}
+        self.assertEqual(rows["uno1"][1:4], ["online", "ATmega328P", "AsipHello"])
+        self.assertEqual(rows["pico1"][1:4], ["online", "RP2040", "AsipPlainSerial"])
+
+    def test_a_button_of_the_uno_lights_the_led_of_the_pico(self):
+        self.switch("uno1", "pico1", "2", "25")
+        self.lights("uno1/switch", "pico1/led")
+
+    def test_a_button_of_the_pico_lights_the_led_of_the_uno(self):
+        self.switch("pico1", "uno1", "5", "13")
+        self.lights("pico1/knob", "uno1/lamp")
+
+    def test_the_potentiometer_is_ten_bits(self):
+        eventually(lambda: "1023" in self.asipctl("get", "pico1/io/analog/0"), "the end of its range")
+        self.bus.sim("set", "pico1/pot", "0.25")
+        eventually(lambda: any(value in self.asipctl("get", "pico1/io/analog/0") for value in ("255", "256")), "a quarter of it")
+
+    def test_what_a_person_types_is_refused_with_a_reason(self):
+        for words, why in ((("set", "pico1/pot", "2"), "a number from 0 to 1"), (("press", "pico1/led"), "cannot press"),
+                           (("load", "pico1", str(IMAGES / "asip_uno.elf")), "an image for another chip")):
+            with self.assertRaises(subprocess.CalledProcessError) as refused:
+                self.bus.sim(*words)
+            self.assertIn(why, refused.exception.stderr)
+
+    def test_unplugged_and_replugged_it_comes_back(self):
+        self.bus.sim("unplug", "pico1")
+        eventually(lambda: self.bus.state("pico1") != "online", "pico1 away", 60)
+        self.bus.sim("replug", "pico1")
+        eventually(lambda: self.bus.state("pico1") == "online", "pico1 back", 60)
+
+
+class BadBoards(unittest.TestCase):
+    def refused(self, board, **environment):
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "pico.json")
+            with open(file, "w", encoding="utf-8") as stream:
+                json.dump({**PICO, **board}, stream)
+            run = subprocess.run([str(BIN / "asip-sim"), "--no-socket", file], stdin=subprocess.DEVNULL, capture_output=True,
+                                 text=True, timeout=60, env={**os.environ, **environment})
+        self.assertEqual(run.returncode, 2, run.stderr)
+        return run.stderr
+
+    def test_each_fault_is_named(self):
+        led = {"kind": "led", "pin": 25}
+        for board, why in (({"parts": [{"kind": "servo", "pin": 9}]}, "/parts/0/kind: a Pico has no \"servo\""),
+                           ({"parts": [led, {**led, "pin": 30}]}, "/parts/1/pin: there is no pin 30 on the pico (0 to 29, A0 to A3)"),
+                           ({"parts": [led, led]}, "/parts/1/pin: has a part already"),
+                           ({"parts": [{**led, "pin": 1}]}, "/parts/0/pin: the serial line has this pin"),
+                           ({"parts": [{"kind": "potentiometer", "pin": 3}]}, "/parts/0/pin: not an analog input"),
+                           ({"parts": [{**led, "low": True}]}, "/parts/0/low: a led has no such member"),
+                           ({"image": str(IMAGES / "asip_uno.elf")}, "an image for another chip"),
+                           ({"image": "/nowhere.elf"}, "/nowhere.elf"),
+                           ({"frequency": 1e9}, "/frequency")):
+            self.assertIn(why, self.refused(board))
+
+    def test_without_its_emulator_it_says_what_to_install(self):
+        if any(os.path.exists(f"{folder}/rp2040js") for folder in ("/usr/lib/node_modules", "/usr/local/lib/node_modules")):
+            self.skipTest("rp2040js is installed for all")
+        self.assertIn("npm install --global rp2040js@", self.refused({}, NODE_PATH=""))
+
+    def test_without_node_it_says_what_to_install(self):
+        self.assertIn("apt install nodejs", self.refused({}, PATH="/nowhere"))
+
+
+if __name__ == "__main__":
+    unittest.main()
