@@ -36,7 +36,7 @@ make_root() {
     local name=$1 release=$2 packages=$3 root=$roots_folder/$1
     [ -f "$root/.made" ] && return
     remove_root "$name"
-    mmdebstrap --quiet --mode=root --variant=apt --aptopt='Acquire::Languages "none"' --dpkgopt='path-exclude=/usr/share/man/*' \
+    mmdebstrap --quiet --mode=root --variant=apt --aptopt='Acquire::Languages "none"' --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt=force-unsafe-io \
         --architectures="$(dpkg --print-architecture)${4:+,$4}" ${packages:+"--include=$packages"} "$(codename "$release")" "$root" "$mirror" || return
     printf '127.0.0.1 localhost\n' >"$root/etc/hosts"
     touch "$root/.made"
