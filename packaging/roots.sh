@@ -45,13 +45,13 @@ make_root() {
 remove_root() { rm -rf --one-file-system "${roots_folder:?}/${1:?}"; }
 
 # in_root NAME COMMAND...: in the root's folder /asip, with processes and mounts of its own, which end with it. Where
-# ROOT_SOURCE is set, that folder is seen at /asip.
+# ROOT_SOURCE is set, that folder is seen at /asip; where ROOT_ALONE is, the network is its own loopback and nothing more.
 in_root() {
     local root=$roots_folder/$1
     shift
     mkdir -p "$root/asip"
     cp --dereference /etc/resolv.conf "$root/etc/resolv.conf"
-    unshare --mount --pid --fork --kill-child bash -c '
+    unshare --mount --pid ${ROOT_ALONE:+--net} --fork --kill-child bash -c '
         set -e
         root=$1
         shift
@@ -59,6 +59,7 @@ in_root() {
         mount -t proc proc "$root/proc"
         mount --rbind /sys "$root/sys"
         mount --rbind /dev "$root/dev"
+        [ -z "${ROOT_ALONE:-}" ] || ip link set lo up
         [ -z "${ROOT_SOURCE:-}" ] || mount --bind "$ROOT_SOURCE" "$root/asip"
         exec chroot "$root" /bin/bash -c "cd /asip && exec \"\$@\"" - "$@"' - "$root" "$@"
 }
