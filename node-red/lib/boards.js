@@ -27,6 +27,7 @@ class Boards {
     }
     if (!STATES.includes(word)) return undefined;
     const board = this.of(name);
+    board.word = word;
     // A description says the state with its reason; only the broker's word for a board that was there is news.
     if (board.saysState && (THERE.includes(word) || !THERE.includes(board.state))) return undefined;
     return this.become(board, word, REASON_OF_WORD[word] || '', now);
@@ -45,7 +46,9 @@ class Boards {
     Object.assign(board, { session: String(document.session), seq: document.seq, description: document });
     const said = document.state;
     board.saysState = Boolean(said && STATES.includes(said.is));
-    const changed = board.saysState ? this.become(board, said.is, String(said.reason || ''), now)
+    // What is retained on `$state` is newer than a description that is retained: a will does not change that.
+    const older = retained && board.word && !THERE.includes(board.word) && board.saysState && THERE.includes(said.is);
+    const changed = older ? undefined : board.saysState ? this.become(board, said.is, String(said.reason || ''), now)
       : board.state === 'unknown' ? this.become(board, 'online', '', now) : undefined;
     return changed || board;
   }
@@ -79,4 +82,4 @@ const isThere = (board) => Boolean(board) && THERE.includes(board.state);
 // `lost: cable unplugged`
 const words = (board) => (board.reason && board.state !== 'online' ? `${board.state}: ${WORDS[board.reason] || board.reason}` : board.state);
 
-module.exports = { Boards, isThere, words };
+module.exports = { Boards, THERE, isThere, words };

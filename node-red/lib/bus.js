@@ -8,6 +8,7 @@ const { EventEmitter } = require('node:events');
 const { AsipError, Clocks, errorOf, makeRequest, makeTopics, readObject } = require('./protocol');
 const { Boards, isThere, words } = require('./boards');
 const { addressOf } = require('./bus-address');
+const { Models, askerOf } = require('./models');
 
 const LEASE_SECONDS = 15; // of a demand
 const GRACE_SECONDS = 0.5; // for an answer behind the deadline that the agent knows
@@ -29,8 +30,10 @@ class Bus extends EventEmitter {
     this.topics = makeTopics(options.root || 'asip', options.user, this.client);
     this.boards = new Boards();
     this.clocks = new Clocks();
+    this.models = new Models();
     this.ready = false;
     this.open = new Map();
+    this.queries = new Map(); // id -> function of the answer
     this.values = new Map(); // topic -> Set of functions
     this.newest = new Map(); // topic -> payload
     this.demands = new Map(); // board -> Map(function -> [service, hz])
@@ -143,6 +146,30 @@ class Bus extends EventEmitter {
     });
   }
 
+  // The model of a service of a board; undefined where none is known.
+  modelOf(board, service) {
+    return this.models.of(this.boards.get(board)?.description.services.find((one) => one?.name === service));
+  }
+
+  // Asks a registry for the models that a description refers to and this package does not have.
+  learn(description) {
+    const kind = this.ready ? this.models.unknown(description) : [];
+    for (let first = 0; first < kind.length; first += 32) {
+      const id = `${this.client}-${this.count += 1}`;
+      const forget = setTimeout(() => this.queries.delete(id), 5000);
+      this.queries.set(id, (answer) => { clearTimeout(forget); this.models.take(answer.items); });
+      this.publish(this.topics.query(), { find: 'models', kind: kind.slice(first, first + 32), id, reply_to: this.topics.reply('registry') }, 5);
+    }
+  }
+
+  // Asks the board for a value that it does not report by itself; resolves to nothing where it cannot be asked.
+  async askFor(board, service, event) {
+    const asker = askerOf(this.modelOf(board, service), event);
+    if (!asker) return undefined;
+    const { answer } = await this.command(board, service, { [asker]: [] });
+    return answer;
+  }
+
   // Calls `take(payload, retained)` for each report; returns a function that ends it.
   onValue(board, service, hz, take) {
     const topic = this.topics.event(board, service);
@@ -199,11 +226,17 @@ class Bus extends EventEmitter {
     this.ready = true;
     this.failures = 0;
     for (const board of this.demands.keys()) this.demand(board);
+    for (const board of this.boards.all.values()) this.learn(board.description);
     this.emit('connected');
   }
 
   onReply(topic, payload) {
     const answer = readObject(payload);
+    if (answer && topic === this.topics.reply('registry')) {
+      this.queries.get(answer.id)?.(answer);
+      this.queries.delete(answer.id);
+      return;
+    }
     const call = answer && typeof answer.id === 'string' ? this.open.get(answer.id) : undefined;
     if (!call || topic !== this.topics.reply(call.board)) return;
     this.clocks.note(call.board, answer.clock, call.asked, now());
@@ -212,6 +245,7 @@ class Bus extends EventEmitter {
 
   changed(board) {
     if (!board) return;
+    this.learn(board.description);
     if (this.demands.has(board.name)) this.demand(board.name);
     this.emit('board', board);
   }

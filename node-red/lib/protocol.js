@@ -18,6 +18,7 @@ function makeTopics(root, user, client) {
     description: (board) => `${root}/servicebus/${board}/$description`,
     demand: (board) => `${root}/servicebus/${board}/$demand/${userLevel(user)}/${client}`,
     probe: () => `${root}/servicebus/$probe`,
+    query: () => `${root}/registry/query`,
     lines: (board) => `${root}/${board}/in`,
     command: (board, service) => `${root}/${board}/${service}/in`,
     stop: (board) => `${root}/${board}/$stop`,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 'use strict';
 
-const { isThere, words } = require('../lib/boards');
+const { THERE, isThere, words } = require('../lib/boards');
 const { matches } = require('../lib/protocol');
 const { withBus } = require('../lib/node');
 
@@ -22,6 +22,7 @@ module.exports = (RED) => {
         if (!chosen(board) || board.state === 'unknown' || seen.get(board.name) === board.state) return;
         const before = seen.get(board.name);
         seen.set(board.name, board.state);
+        if (THERE.includes(before) && isThere(board)) return; // asleep, or at an update
         const event = !isThere(board) ? board.state : before === undefined ? 'joined' : 'returned';
         this.send({ topic: board.name, payload: event, state: board.state, reason: board.reason, text: words(board), labels: board.description.labels || {} });
       };

@@ -5,6 +5,7 @@
 const { Bus } = require('../lib/bus');
 const { readCredentials } = require('../lib/bus-address');
 const { isThere } = require('../lib/boards');
+const { commandsOf } = require('../lib/models');
 
 module.exports = (RED) => {
   RED.nodes.registerType('asip-bus', function AsipBus(config) {
@@ -33,4 +34,5 @@ module.exports = (RED) => {
   const services = (bus, query) => bus.boards.get(query.board)?.description.services || [];
   RED.httpAdmin.get('/asip/:bus/boards', may, list((bus) => [...bus.boards.all.values()].map((board) => ({ name: board.name, there: isThere(board) }))));
   RED.httpAdmin.get('/asip/:bus/services', may, list((bus, query) => services(bus, query).map((one) => ({ name: one.name, title: one.title || '' }))));
+  RED.httpAdmin.get('/asip/:bus/commands', may, list((bus, query) => commandsOf(bus.modelOf(query.board, query.service))));
 };

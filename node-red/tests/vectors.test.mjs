@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The vectors that every implementation of the bus reads, the units of the standard models, and the presence of boards.
+// The vectors that every implementation of the bus reads, the standard models, and the presence of boards.
 import assert from 'node:assert/strict';
-import { readFileSync, readdirSync } from 'node:fs';
+import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import test from 'node:test';
+import { EventEmitter } from 'node:events';
 
 const require = createRequire(import.meta.url);
 const protocol = require('../lib/protocol.js');
 const { Boards, words } = require('../lib/boards.js');
+const { Bus } = require('../lib/bus.js');
 const { addressOf } = require('../lib/bus-address.js');
+const { Models, askerOf, commandsOf, unitOf } = require('../lib/models.js');
 const json = (path) => JSON.parse(readFileSync(new URL(path, import.meta.url)));
 const vectors = json('../../tests/vectors/bus.json');
 
@@ -49,15 +52,77 @@ test('clock', () => {
   }
 });
 
-test('units are those of the standard models', () => {
-  const units = {};
-  for (const file of readdirSync(new URL('../../services/', import.meta.url)).filter((name) => name !== 'schema.json')) {
-    const model = json(`../../services/${file}`);
-    for (const event of Object.values(model.events || {})) {
-      if (event.fields?.[0]?.unit) (units[model.name] ||= {})[event.name] = event.fields[0].unit;
-    }
+test('models are the standard ones', () => {
+  const known = new Models();
+  const distance = known.of({ name: 'distance', model: 'distance@1' });
+  assert.deepEqual([unitOf(distance, 'distance'), askerOf(distance), askerOf(distance, 'nothing')], ['cm', 'measure', undefined]);
+  assert.deepEqual(commandsOf(known.of({ model: 'servo@1' })).find((one) => one.name === 'write').args.map((arg) => [arg.name, arg.min, arg.max, arg.unit]),
+    [['servo', 0, 255, undefined], ['angle', 0, 180, 'degrees']]);
+  assert.deepEqual(commandsOf(known.of({ model: 'servo@1' })).find((one) => one.name === 'remap').args.map((arg) => arg.name), ['pins'], 'a count is not asked');
+});
+
+// A broker that answers what this program sends to itself, and remembers the rest.
+class Broker extends EventEmitter {
+  sent = [];
+
+  connected = true;
+
+  subscribe() {}
+
+  unsubscribe() {}
+
+  publish(topic, text) {
+    if (topic.includes('/$self/')) setImmediate(() => this.tell(topic, text));
+    else this.sent.push([topic, JSON.parse(text)]);
   }
-  assert.deepEqual(json('../lib/units.json'), units);
+
+  tell(topic, content) { this.emit('message', topic, Buffer.from(typeof content === 'string' ? content : JSON.stringify(content)), { retain: false }); }
+
+  end() {}
+}
+
+test('a board that reports nothing is asked, and a registry for a model that is not known', async () => {
+  const broker = new Broker();
+  const bus = new Bus({ brokers: 'pi' }, () => broker);
+  bus.start();
+  broker.emit('connect');
+  await new Promise((done) => { bus.once('connected', done); });
+  broker.tell('asip/servicebus/desk/$description', { board: 'desk', session: '1', seq: 1, lease: 60, state: { is: 'online' }, services: [
+    { name: 'distance', model: 'distance@1' }, { name: 'lights', model: 'lights@3' }] });
+  const asked = broker.sent.find(([topic]) => topic === 'asip/registry/query')[1];
+  assert.deepEqual([asked.find, asked.kind], ['models', ['lights']]);
+  broker.tell(asked.reply_to, { id: asked.id, items: [{ name: 'lights', version: 3 }] });
+  assert.equal(bus.modelOf('desk', 'lights').version, 3);
+  const value = bus.askFor('desk', 'distance');
+  const [topic, request] = broker.sent.at(-1);
+  assert.deepEqual([topic, request.measure], ['asip/desk/distance/in', []]);
+  broker.tell(request.reply_to, { id: request.id, status: 'ok', answer: { distance: [42, 0] } });
+  assert.deepEqual(await value, { distance: [42, 0] });
+  assert.equal(await bus.askFor('desk', 'lights'), undefined);
+  bus.close();
+});
+
+test('a registry is asked once for a model that is not known, and odd models harm nothing', () => {
+  const known = new Models();
+  const description = { services: [{ name: 'lights', model: 'lights@3' }, { name: 'servo', model: 'servo@1' }, { name: 'own', model: { name: 'own' } }, null, { name: 'bare' }] };
+  assert.deepEqual(known.unknown(description), ['lights']);
+  assert.deepEqual(known.unknown(description), []);
+  known.take([null, 7, { name: 'lights', version: 2 }, { name: 'lights', version: 3, commands: 7, events: [] }]);
+  assert.equal(known.of(description.services[0]).version, 3);
+  for (const model of [undefined, {}, { commands: 7, events: 'x' }, { commands: { go: null }, events: { d: null } }, { commands: { go: { args: [{}] } } }]) {
+    assert.doesNotThrow(() => [commandsOf(model), unitOf(model, 'x'), askerOf(model), askerOf(model, 'x')], JSON.stringify(model));
+  }
+  known.take(undefined);
+});
+
+test('what the broker says last of a board is newer than a description that it keeps', () => {
+  const boards = new Boards();
+  const say = (session, retained) => boards.onDescription('desk', Buffer.from(JSON.stringify({ board: 'desk', session, seq: 1, lease: 60, services: [], state: { is: 'online' } })), retained, 50, 1);
+  boards.onState('desk', Buffer.from('lost'), 0);
+  say('1', true);
+  assert.equal(boards.get('desk').state, 'lost');
+  say('2', false);
+  assert.equal(boards.get('desk').state, 'online', 'its agent is back');
 });
 
 test('a lost board stays lost over many renewals, and damaged documents change nothing', () => {

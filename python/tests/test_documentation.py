@@ -4,10 +4,14 @@ import os
 import pathlib
 import pydoc
 import re
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import unittest
+
+import paho.mqtt
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -15,16 +19,37 @@ sys.path.insert(0, str(ROOT / "tests" / "support"))
 from bus import Bus, eventually  # noqa: E402
 
 
+def other_pythons():
+    """The oldest Python that the package supports and Debian 13's, where they are on this machine and are not the one that runs."""
+    for version in ("3.9", "3.13"):
+        places = [shutil.which(f"python{version}"), *sorted(pathlib.Path.home().glob(f".pyenv/versions/{version}.*/bin/python3"))]
+        for place in filter(None, places):
+            done = subprocess.run([place, "-c", "import sys; print('%d.%d' % sys.version_info[:2])"], capture_output=True, text=True)
+            if done.stdout.strip() == version != "%d.%d" % sys.version_info[:2]:
+                yield str(place)
+                break
+
+
 class Pages(unittest.TestCase):
     def test_each_block_runs(self):
+        self.run_blocks(sys.executable, [str(HERE.parent)])
+
+    def test_each_block_runs_with_other_pythons(self):
+        with tempfile.TemporaryDirectory() as folder:  # paho-mqtt of this Python: it is the same files for all of them
+            pathlib.Path(folder, "paho").symlink_to(pathlib.Path(paho.mqtt.__file__).parents[1])
+            for python in other_pythons():
+                with self.subTest(python):
+                    self.run_blocks(python, [str(HERE.parent), folder])
+
+    def run_blocks(self, python, path):
         real = Bus()
         self.addCleanup(real.close)
-        environment = {**os.environ, "ASIP_BROKER": f"127.0.0.1:{real.broker_port}", "PYTHONPATH": str(HERE.parent)}
+        environment = {**os.environ, "ASIP_BROKER": f"127.0.0.1:{real.broker_port}", "PYTHONPATH": os.pathsep.join(path)}
         run = 0
         for page in (ROOT / "docs" / "python.md", ROOT / "python" / "README.md"):
             for block in re.findall(r"```python\n(.*?)```", page.read_text(), re.DOTALL):
                 with self.subTest(page=page.name, block=block.splitlines()[:4]):
-                    done = subprocess.run([sys.executable, "-X", "dev", "-W", "error::DeprecationWarning", "-c", block], env=environment,
+                    done = subprocess.run([python, "-X", "dev", "-W", "error::DeprecationWarning", "-c", block], env=environment,
                                           capture_output=True, text=True, timeout=60)
                     self.assertEqual((done.returncode, done.stderr), (0, ""))
                     if "distance.read()" in block and "testing" not in block:

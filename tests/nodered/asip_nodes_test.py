@@ -5,6 +5,7 @@ import json
 import re
 import shutil
 import signal
+import subprocess
 import sys
 import unittest
 import urllib.error
@@ -33,6 +34,7 @@ def flow(broker_port):
         node("lamp", "asip-pin-out", ["", "", ""], bus="bus", board="lamp", pin="13", mode="output", restore=True),
         node("value", "asip-value", ["saw-value"], bus="bus", board="desk", service="distance", hz=10, initial=True),
         debug("saw-value"),
+        node("silent", "asip-value", ["saw-first"], bus="bus", board="desk", service="distance", element="0", hz=1, initial=True),
         node("good", "inject", ["turn"], payload="[0,90]", payloadType="json", props=[{"p": "payload"}], repeat="", once=False),
         node("bad", "inject", ["turn"], payload="[9,90]", payloadType="json", props=[{"p": "payload"}], repeat="", once=False),
         node("turn", "asip-command", ["saw-executed", "saw-failed", "saw-unknown"], bus="bus", board="desk", service="servo", command="write", timeout=5),
@@ -40,7 +42,7 @@ def flow(broker_port):
         node("reporting", "asip-command", ["", "", ""], bus="bus", board="desk", service="distance", command="report", timeout=5),
         node("watch", "asip-boards", ["saw-board"], bus="bus", pattern="la*"),
         node("catch", "catch", ["saw-caught"], scope=None, uncaught=False),
-        *(debug(name) for name in ("saw-executed", "saw-failed", "saw-unknown", "saw-board", "saw-caught")),
+        *(debug(name) for name in ("saw-executed", "saw-failed", "saw-unknown", "saw-board", "saw-caught", "saw-first")),
     ]
 
 
@@ -51,6 +53,7 @@ class Nodes(unittest.TestCase):
         cls.addClassCleanup(cls.bus.close)
         package = cls.bus.work / "node_modules" / "@asip-bus" / "node-red-asip"
         shutil.copytree(ROOT / "node-red", package, ignore=shutil.ignore_patterns("node_modules", "tests"))
+        subprocess.run(["node", ROOT / "node-red" / "generate_models.mjs", package / "lib" / "models.json"], check=True)
         (cls.bus.work / "node_modules" / "mqtt").symlink_to(BUILD / "node-red" / "node_modules" / "mqtt")
         (cls.bus.work / "package.json").write_text(json.dumps({"name": "flows", "version": "0.0.1", "dependencies": {"@asip-bus/node-red-asip": "*"}}))
         (cls.bus.work / "flow.json").write_text(json.dumps(flow(cls.bus.broker_port)))
@@ -89,6 +92,30 @@ class Nodes(unittest.TestCase):
         self.assertIn("code: 7", self.shown("saw-failed")[-1])
         eventually(lambda: self.shown("saw-caught"), "the message of the Catch node")
         self.assertEqual(self.shown("saw-unknown"), [])
+
+    def test_first_the_present_value_of_a_board_that_reports_nothing(self):
+        eventually(lambda: self.shown("saw-first"), "the present value")
+        self.assertIn("payload: 42", self.shown("saw-first")[0])
+
+    def test_form_of_a_command_is_made_of_its_model(self):
+        browser = Browser()
+        self.addCleanup(browser.close)
+        browser.driver.get(f"http://127.0.0.1:{self.port}/admin/")
+        eventually(lambda: browser.run("return Boolean(window.RED?.nodes?.node?.('turn'))"), "the editor", 60)
+        browser.run("RED.editor.edit(RED.nodes.node('turn'))")
+        eventually(lambda: "write" in browser.run("return [...document.querySelectorAll('#asip-commands option')].map((one) => one.value)"), "the commands")
+        self.assertFalse(browser.run("return $('#asip-form').is(':visible')"), "its arguments come with the message")
+        browser.run("$('#asip-args-from').val('form').trigger('change')")
+        self.assertEqual(browser.run("return $('#asip-form label').get().map((one) => one.textContent)"), ["servo", "angle"])
+        self.assertEqual(browser.run("const at = document.querySelector('#asip-arg-1'); return [at.type, at.min, at.max, at.title]"),
+                         ["number", "0", "180", "integer 0 to 180 degrees"])
+        browser.run("$('#asip-arg-0').val('0'); $('#asip-arg-1').val('45')")
+        browser.screenshot("node-red-command")
+        browser.run("document.querySelector('#node-dialog-ok').click()")
+        eventually(lambda: browser.run("return RED.nodes.node('turn').args") == "[0,45]", "the arguments in the node")
+        eventually(lambda: not browser.run("return Boolean(document.querySelector('#node-input-bus'))"), "the end of the dialog")
+        browser.run("RED.editor.edit(RED.nodes.node('turn'))")
+        eventually(lambda: browser.run("return $('#asip-arg-1').val()") == "45", "the form again, with its values")
 
     def test_value_with_its_unit(self):
         self.admin("/inject/report", b"")
@@ -129,6 +156,9 @@ class Nodes(unittest.TestCase):
         boards = json.loads(self.admin("/asip/bus/boards"))
         self.assertEqual(sorted(one["name"] for one in boards), ["desk", "lamp"])
         self.assertIn("servo", [one["name"] for one in json.loads(self.admin("/asip/bus/services?board=desk"))])
+        commands = json.loads(self.admin("/asip/bus/commands?board=desk&service=servo"))
+        self.assertEqual([one["args"][1]["unit"] for one in commands if one["name"] == "write"], ["degrees"])
+        self.assertEqual(json.loads(self.admin("/asip/bus/commands?board=desk&service=nothing")), [])
         self.assertEqual(json.loads(self.admin("/asip/bus/services?board=nowhere")), [])
         with self.assertRaises(urllib.error.HTTPError) as raised:
             self.admin("/asip/nowhere/boards")
