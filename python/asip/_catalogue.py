@@ -15,6 +15,10 @@ STATES = (*THERE, "offline", "lost")
 DEFAULT_LEASE = 60.0
 # Agents publish `$state` with this expiry, in seconds: what is left of it says how old a retained one is.
 _STATE_EXPIRY = 3_000_000_000
+# Of two messages whose ages are whole seconds, the one that is this much older was published first.
+_APART = 2.0
+# After the broker was away, leases get this time to be renewed.
+_GRACE = 10.0
 _WORDS = {"unplugged": "cable unplugged", "silent": "the board does not answer", "agent-gone": "its agent ended or lost the broker",
           "expired": "nothing renewed its lease", "released": "another program has its port", "stopped": "its agent was stopped",
           "conflict": "two agents claim its name"}
@@ -35,6 +39,8 @@ class Entry:
         self.deadline: float | None = None
         self.description: dict[str, Any] = {}
         self.says_state = False
+        self.described_at: float | None = None  # when its description was published
+        self.gone_at: float | None = None  # when `$state` said over this connection that it is not there
 
     def words(self, now: float) -> str:
         """`lost 3 min ago: cable unplugged`"""
@@ -55,6 +61,18 @@ class Catalogue:
 
     def __init__(self) -> None:
         self.boards: dict[str, Entry] = {}
+        self.unheard_since: float | None = None  # the broker is not heard: no state is known, and no lease is judged
+
+    def connected(self, now: float) -> None:
+        self.unheard_since = None
+        for entry in self.boards.values():
+            entry.gone_at = None
+            if entry.deadline is not None and entry.state in THERE:
+                entry.deadline = max(entry.deadline, now + min(_GRACE, entry.lease))
+
+    def disconnected(self, now: float) -> None:
+        if self.unheard_since is None:
+            self.unheard_since = now
 
     def names(self) -> list[str]:
         return [name for name, entry in self.boards.items() if entry.state != "unknown"]
@@ -67,11 +85,17 @@ class Catalogue:
             return False
         entry = self.boards.setdefault(board, Entry(board))
         there = word in THERE
+        published = now - (_STATE_EXPIRY - expiry) if expiry is not None and expiry <= _STATE_EXPIRY else None
+        if entry.says_state and not there and published is not None and entry.described_at is not None \
+                and published + _APART < entry.described_at:
+            return False  # stored before what the agent has said since
+        if not there:
+            entry.gone_at = now if published is None else published
         if entry.says_state and (there or entry.said not in THERE):
             return False  # the description says it, with the reason; only the broker's word for a board that was there is news
         since = now if not retained and word != entry.said else entry.since
-        if retained and expiry is not None and expiry <= _STATE_EXPIRY:
-            since = now - (_STATE_EXPIRY - expiry)
+        if retained and published is not None:
+            since = published
         entry.said, entry.reason, entry.since = word, _REASON_OF_WORD.get(word, ""), since
         if there and not retained:
             entry.deadline = now + entry.lease
@@ -93,18 +117,22 @@ class Catalogue:
         entry.deadline = now + left
         if news:
             entry.session, entry.seq, entry.description = session, seq, document
-            self._take_state(entry, document.get("state"), entry.lease - left, now)
+            self._take_state(entry, document.get("state"), retained, now - (entry.lease - left), now)
         return self._judge(entry, now) or news
 
     @staticmethod
-    def _take_state(entry: Entry, said: Any, older: float, now: float) -> None:
+    def _take_state(entry: Entry, said: Any, retained: bool, published: float, now: float) -> None:
         entry.says_state = isinstance(said, dict) and said.get("is") in STATES
         if not entry.says_state:
             if entry.said == "unknown":
                 entry.said = "online"
             return
+        entry.described_at = published
+        if retained and said["is"] in THERE and entry.said not in (*THERE, "unknown") and entry.gone_at is not None \
+                and published <= entry.gone_at + _APART:
+            return  # the broker's word for an agent that is gone came behind the description that is stored
         age = said.get("age")
-        since = now - older - (float(age) if isinstance(age, (int, float)) else 0.0)
+        since = published - (float(age) if isinstance(age, (int, float)) else 0.0)
         if entry.said != said["is"] or entry.since is None or abs(entry.since - since) > 5:
             entry.since = since
         entry.said, entry.reason = said["is"], str(said.get("reason", ""))
@@ -125,6 +153,8 @@ class Catalogue:
 
     def expire(self, now: float) -> list[str]:
         """Boards whose lease is over since the last call."""
+        if self.unheard_since is not None:
+            return []
         return [entry.name for entry in self.boards.values() if entry.deadline is not None and self._judge(entry, now)]
 
     def next_expiry(self) -> float | None:

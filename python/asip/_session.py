@@ -123,6 +123,7 @@ class Session:
         """The broker let us in. Nothing is sent for calls until a message to ourselves has come back: access rules may
         keep answers from us without a word."""
         self._connected, self._v5, self.ready = True, v5, False
+        self.catalogue.connected(now)
         self._hello_due = now + HELLO_SECONDS
         actions: list[Action] = [Subscribe(self.topics.replies(), 1)]
         actions += [Subscribe(topic, qos) for topic, (_, qos) in self._filters.items()]
@@ -130,6 +131,7 @@ class Session:
 
     def disconnected(self, now: float, why: str) -> list[Action]:
         self._connected = self.ready = False
+        self.catalogue.disconnected(now)
         self._hello_due = None
         self.not_ready_since = now
         self.trouble = why
@@ -377,7 +379,7 @@ class Session:
                 due = min(due, until - DEMAND_LEASE * 2 / 3)
         for board in self.catalogue.expire(now):
             actions += [Tell(sink, (board,)) for sink in list(self._board_sinks)]
-        expiry = self.catalogue.next_expiry()
+        expiry = self.catalogue.next_expiry() if self._connected else None
         return actions, max(now + 0.001, min(due, expiry if expiry is not None else due))
 
     def _unanswered(self, call: Call) -> errors.Error:

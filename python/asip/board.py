@@ -87,6 +87,10 @@ class Board:
         entry: Entry | None = self._engine.peek(lambda session: session.catalogue.boards.get(self.name))
         return entry
 
+    def _unheard_since(self) -> float | None:
+        since: float | None = self._engine.peek(lambda session: session.catalogue.unheard_since)
+        return since
+
     def _follow(self) -> None:
         if not self._followed:
             self._followed = True
@@ -94,21 +98,26 @@ class Board:
 
     @property
     def state(self) -> str:
-        """`online`, `sleeping`, `updating`, `offline`, `lost`, or `unknown` while nothing was heard of it."""
+        """`online`, `sleeping`, `updating`, `offline`, `lost`, or `unknown` while nothing was heard of it, or the broker is not heard."""
         entry = self._entry()
-        return entry.state if entry else "unknown"
+        return entry.state if entry and self._unheard_since() is None else "unknown"
 
     @property
     def reason(self) -> str:
         """Why it is in its state: `unplugged`, `silent`, `agent-gone`, `expired`, `released`, `stopped`, `conflict`, or empty."""
         entry = self._entry()
-        return entry.reason if entry else ""
+        return entry.reason if entry and self._unheard_since() is None else ""
 
     @property
     def status(self) -> str:
         """State, since when and why, for people: `lost 3 min ago: cable unplugged`."""
-        entry = self._entry()
-        return entry.words(time.monotonic()) if entry else "unknown"
+        entry, unheard, now = self._entry(), self._unheard_since(), time.monotonic()
+        if entry is None:
+            return "unknown"
+        if unheard is None:
+            return entry.words(now)
+        at = time.strftime("%H:%M:%S", time.localtime(time.time() - (now - unheard)))
+        return f"not known since {at}, when the broker was heard last; it was {entry.words(unheard)}"
 
     @property
     def online(self) -> bool:

@@ -79,7 +79,7 @@ class Bus:
             _wait.until(changed, lambda: board.online and board.description or self._engine.closed, max(0.0, end - time.monotonic()))
         self._engine.check_open()
         if not board.online or not board.description:
-            if board.state == "unknown":
+            if board.status == "unknown":
                 self._know_all(_REGISTRY_SECONDS)
                 raise errors.NotThere(self._engine.peek(lambda session: session.catalogue.unknown(name)), board=name, reason="board-not-there")
             why = board.status if not board.online else "online, but its agent published no description"

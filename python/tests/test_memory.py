@@ -85,6 +85,22 @@ class Commands(Memory):
         self.desk.servo.write(0, 91)
         self.assertEqual(self.commands(), [("servo", "write", [0, 91])])  # the first one was not sent again
 
+    def test_state_is_not_known_while_the_broker_is_not_heard(self):
+        seen = []
+        disconnected = self.desk._engine.session.disconnected
+
+        def while_disconnected(now, why):
+            actions = disconnected(now, why)
+            seen.append((self.desk.state, self.desk.reason, self.desk.online, self.desk.status))
+            return actions
+        with unittest.mock.patch.object(self.desk._engine.session, "disconnected", while_disconnected):
+            self.memory.cut()
+            eventually(lambda: seen)
+        state, reason, online, status = seen[0]
+        self.assertEqual((state, reason, online), ("unknown", "", False))
+        self.assertRegex(status, r"^not known since \d\d:\d\d:\d\d, when the broker was heard last; it was online")
+        self.desk.wait_for("online")
+
     def test_stop_of_all_boards(self):
         self.bus.stop(["desk", "lamp"])
         self.assertEqual(self.commands("lamp")[-1], ("", "stop", []))

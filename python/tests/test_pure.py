@@ -189,6 +189,40 @@ class Presence(unittest.TestCase):
         self.assertTrue(self.state("lost", 3))
         self.assertEqual((self.entry.state, self.entry.reason), ("lost", "agent-gone"))
 
+    def test_stored_will_counts_whichever_comes_first(self):
+        never = 3_000_000_000
+        for will_first in (True, False):
+            with self.subTest(will_first=will_first):
+                self.setUp()
+                steps = [lambda: self.state("lost", 100, retained=True, expiry=never - 5),
+                         lambda: self.describe(100, retained=True, expiry=50, state={"is": "online", "age": 30})]
+                for step in steps if will_first else reversed(steps):
+                    step()
+                self.assertEqual((self.entry.state, self.entry.reason), ("lost", "agent-gone"))
+                self.assertAlmostEqual(self.entry.since, 95)
+                self.describe(101, seq=2, state={"is": "online", "age": 0})  # its agent lives
+                self.assertEqual(self.entry.state, "online")
+
+    def test_stored_will_of_before_does_not_undo_what_its_agent_said_since(self):
+        for will_first in (True, False):
+            with self.subTest(will_first=will_first):
+                self.setUp()
+                steps = [lambda: self.state("lost", 100, retained=True, expiry=3_000_000_000 - 40),
+                         lambda: self.describe(100, retained=True, expiry=50, state={"is": "online", "age": 1})]
+                for step in steps if will_first else reversed(steps):
+                    step()
+                self.assertEqual(self.entry.state, "online")
+
+    def test_no_lease_is_judged_while_the_broker_is_not_heard(self):
+        self.describe(0, state={"is": "online", "age": 0})
+        self.catalogue.disconnected(50)
+        self.assertEqual(self.catalogue.expire(100), [])
+        self.assertEqual(self.catalogue.unheard_since, 50)
+        self.catalogue.connected(200)
+        self.assertIsNone(self.catalogue.unheard_since)
+        self.assertEqual(self.catalogue.expire(205), [])
+        self.assertEqual(self.catalogue.expire(210), ["desk"])
+
     def test_lease_that_runs_out_and_an_agent_that_comes_back(self):
         self.describe(0, state={"is": "online", "age": 0})
         self.assertEqual(self.catalogue.expire(59), [])
