@@ -181,6 +181,7 @@ void Registry::message(const mqtt::Message& message, Instant now) {
         case TopicKind::kStats:
         case TopicKind::kLog:
         case TopicKind::kDemand:
+        case TopicKind::kServiceSet:
             if (message.retain) tidier_.retained(message.topic, topic->board);
             return;
         case TopicKind::kCommands:

@@ -20,10 +20,11 @@ Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
       models_(std::move(models)),
       random_(std::move(random)),
       board_{bus::Topics(options_.topic_root), session::BoardSession(options_.session, random_)},
-      safety_(board_, statistics_),
+      set_(board_),
+      safety_(board_, statistics_, set_),
       periods_(options_.reports),
       age_(random_),
-      control_(board_, age_, statistics_, safety_, periods_),
+      control_(board_, age_, statistics_, safety_, periods_, set_),
       context_(board_, options_.context),
       labels_(board_, options_.labels),
       describer_(board_, models_, options_.reports) {}
@@ -55,6 +56,9 @@ void Bridge::link_down(const std::string& why, Time now, Effects& out) {
     session::Actions actions;
     board_.session.link_down(now, actions);
     perform(actions, now, out);
+    // It may have lost its power, or another one comes back.
+    set_.forget(now);
+    publish_set(now, out);
 }
 
 void Bridge::not_watched(Time since, Time now) {
@@ -69,6 +73,7 @@ void Bridge::receive(std::string_view bytes, Time now, Effects& out) {
     send_safe_lines(now, out);
     send_periods(now, out);
     if (port_.phase() == PortLoan::Phase::kMakingSafe) tick_port(now, out);
+    publish_set(now, out);
 }
 
 void Bridge::line_rate_set(bool ok, Time now, Effects& out) {
@@ -89,6 +94,10 @@ void Bridge::send_periods(Time now, Effects& out) {
     session::Actions actions;
     periods_.tick(board_.session, now, actions);
     perform(actions, now, out);
+}
+
+void Bridge::publish_set(Time now, Effects& out) {
+    if (announcer_ && announcer_->may_publish() && name_claimed_ && !leaving_) set_.publish(now, out);
 }
 
 void Bridge::perform(session::Actions& actions, Time now, Effects& out) {
@@ -171,6 +180,7 @@ void Bridge::name_board(Effects& out) {
 
 void Bridge::on_action(const session::BoardReset& reset, Time now, Effects& out) {
     safety_.board_restarted(out);
+    set_.forget(now);
     out.log(note_restart(now) ? Level::kWarning : Level::kDebug, "board restarted by itself",
             {{"why", reset.why}});
 }
@@ -219,6 +229,7 @@ void Bridge::on_action(const session::Garbage& garbage, Time now, Effects& out) 
 }
 
 void Bridge::on_action(const session::Finished& end, Time now, Effects& out) {
+    set_.on_finished(end, now);
     safety_.on_finished(end, now, out);
     periods_.on_finished(end, now, out);
     control_.on_finished(end, now, out);
@@ -255,12 +266,14 @@ void Bridge::tick(Time now, Effects& out) {
     if (announcer_) announcer_->tick(now, out);
     yield_name(out);
     start_publishing(out);
+    publish_set(now, out);
 }
 
 std::optional<Time> Bridge::next_deadline() const {
     auto deadline = board_.session.next_deadline();
+    const auto set = name_claimed_ && may_publish() ? set_.next_deadline() : std::nullopt;
     for (const auto& other :
-         {safety_.next_deadline(), port_.next_deadline(), periods_.next_deadline(), restarts_.next_deadline(),
+         {set, safety_.next_deadline(), port_.next_deadline(), periods_.next_deadline(), restarts_.next_deadline(),
           announcer_ ? announcer_->next_deadline() : std::nullopt})
         if (other && (!deadline || *other < *deadline)) deadline = other;
     return deadline;
@@ -282,6 +295,10 @@ void Bridge::goodbye(Time now, Effects& out) {
     session::Actions actions;
     board_.session.link_down(now, actions);
     perform(actions, now, out);
+    // From now on nobody follows what the board does.
+    set_.forget(now);
+    set_.hurry(now);
+    publish_set(now, out);
     if (announcer_) announcer_->goodbye(now, out);
 }
 

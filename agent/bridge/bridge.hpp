@@ -23,6 +23,7 @@
 #include "agent/reports/context.hpp"
 #include "agent/reports/offline_values.hpp"
 #include "agent/reports/report_periods.hpp"
+#include "agent/reports/set_values.hpp"
 #include "agent/safety/safety.hpp"
 #include "asip/member/announcer.hpp"
 #include "asip/model/model_set.hpp"
@@ -135,6 +136,8 @@ class Bridge {
     std::vector<member::Announcer::Subscription> subscriptions() const;
     /// To be added once the name is claimed: until then another agent may be meant.
     std::vector<std::string> control_subscriptions() const;
+    /// As control_subscriptions(), but the agent does without it where the broker refuses it.
+    std::string set_subscription() const { return board_.topics.service_set(name(), "+"); }
     const session::BoardSession& session() const { return board_.session; }
 
   private:
@@ -144,6 +147,7 @@ class Bridge {
     void on_message(const PortRequest& request, Time now, Effects& out);
     void on_message(const LabelRequest& request, Time now, Effects& out);
     void on_message(const DemandMessage& demand, Time now, Effects& out);
+    void on_message(const StoredSet& stored, Time now, Effects& out);
     void on_message(const Announcement& announcement, Time now, Effects& out);
     void name_board(Effects& out);
     void tick_port(Time now, Effects& out);
@@ -152,6 +156,7 @@ class Bridge {
     void perform(session::Actions& actions, Time now, Effects& out);
     void send_safe_lines(Time now, Effects& out);
     void send_periods(Time now, Effects& out);
+    void publish_set(Time now, Effects& out);
     void on_action(const session::BoardLine& line, Time now, Effects& out);
     void on_action(const session::Identified& identified, Time now, Effects& out);
     void on_action(const session::BoardReset& reset, Time now, Effects& out);
@@ -178,6 +183,7 @@ class Bridge {
     Random random_;
     Board board_;
     Statistics statistics_;
+    SetValues set_;
     Safety safety_;
     ReportPeriods periods_;
     CommandAge age_;

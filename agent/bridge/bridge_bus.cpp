@@ -37,6 +37,8 @@ void Bridge::bus_connected(Time now, const std::string& client_id, bool expires,
     if (describer_.note_agent({ASIP_VERSION, program::host_name(), client_id})) describe_again();
     announcer_->on_connected(now, out, expires);
     start_publishing(out);
+    set_.connected(now);
+    publish_set(now, out);
 }
 
 void Bridge::bus_subscribed(Time now, Effects& out) {
@@ -95,6 +97,11 @@ void Bridge::on_message(const DemandMessage& demand, Time now, Effects& out) {
     send_periods(now, out);
 }
 
+void Bridge::on_message(const StoredSet& stored, Time now, Effects& out) {
+    set_.stored(stored.service, stored.payload, now);
+    publish_set(now, out);
+}
+
 void Bridge::on_message(const Announcement& announcement, Time now, Effects& out) {
     announcer_->on_message(announcement.message, now, out);
     yield_name(out);
@@ -142,6 +149,8 @@ void Bridge::let_go_of_port(Time now, Effects& out) {
     session::Actions actions;
     board_.session.link_down(now, actions);
     perform(actions, now, out);
+    set_.forget(now);
+    publish_set(now, out);
     port_.let_go(out);
     announcer_->set_updating(port_.updating());
 }
@@ -165,6 +174,7 @@ Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_v
             client_requests_.sent(*id, client);
             safety_.queued(*id, line, safe_form_of(board_.services, *request));
             periods_.queued(*id, *request);
+            set_.queued(*id, line);
         }
         perform(actions, now, out);
         if (id) return ClientResult::kAccepted;

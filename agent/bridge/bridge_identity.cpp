@@ -44,6 +44,9 @@ void Bridge::leave_for_another(Time now, Effects& out) {
     const auto& stored = session().identity().stored_name;
     out.log(Level::kWarning, "the board at this port has another name; beginning anew with that",
             {{"board", name()}, {"its name", stored.empty() ? "none" : stored}});
+    set_.forget(now);
+    set_.hurry(now);
+    publish_set(now, out);
     leaving_ = true;
     session::Actions actions;
     board_.session.link_down(now, actions);

@@ -14,6 +14,7 @@
 #include "agent/inbound/command_age.hpp"
 #include "agent/inbound/inbound.hpp"
 #include "agent/reports/report_periods.hpp"
+#include "agent/reports/set_values.hpp"
 #include "agent/safety/safety.hpp"
 #include "asip/model/event_decoder.hpp"
 #include "asip/protocol/request.hpp"
@@ -31,8 +32,8 @@ class Control {
   public:
     /// All references must outlive it.
     Control(Board& board, const CommandAge& age, Statistics& statistics, Safety& safety,
-            ReportPeriods& periods)
-        : board_(board), age_(age), statistics_(statistics), safety_(safety), periods_(periods) {}
+            ReportPeriods& periods, SetValues& set)
+        : board_(board), age_(age), statistics_(statistics), safety_(safety), periods_(periods), set_(set) {}
 
     /// Queues the command for the board, or refuses it.
     void on_command(const Command& command, Time now, session::Actions& actions, Effects& out);
@@ -112,6 +113,7 @@ class Control {
     Statistics& statistics_;
     Safety& safety_;
     ReportPeriods& periods_;
+    SetValues& set_;
     RecentAnswers recent_;
     std::unordered_map<session::RequestId, Open> open_;  // bounded by the session's queue
 };

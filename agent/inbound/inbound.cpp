@@ -104,6 +104,9 @@ std::optional<Inbound> read_inbound(const mqtt::Message& message, const Addresse
         case TopicKind::kDemand:
             if (!to.on_demand) return std::nullopt;
             return DemandMessage{std::string(topic->demander), message.payload, message.retain};
+        case TopicKind::kServiceSet:
+            if (!message.retain) return std::nullopt;
+            return StoredSet{std::string(topic->service), message.payload};
         case TopicKind::kStop:
             return Stop{read_request(message, {}, age, now)};
         case TopicKind::kServiceIn:

@@ -59,12 +59,18 @@ struct DemandMessage {
     std::string payload;
     bool retained = false;
 };
+/// What the broker keeps of what was set on this board.
+struct StoredSet {
+    std::string service;
+    std::string payload;
+};
 /// A message for the announcer: a probe, or another announcement of this board. Not parsed yet.
 struct Announcement {
     mqtt::Message message;
 };
 
-using Inbound = std::variant<Command, Renewal, Stop, PortRequest, LabelRequest, DemandMessage, Announcement>;
+using Inbound = std::variant<Command, Renewal, Stop, PortRequest, LabelRequest, DemandMessage, StoredSet,
+                             Announcement>;
 
 /// The board and its agent, as far as they decide what a message is.
 struct Addressee {

@@ -42,6 +42,7 @@ void BoardAgent::connect_bus() {
 void BoardAgent::subscribe_to_commands() {
     for (const auto& filter : bridge_.control_subscriptions())
         bus_->subscribe(filter, {.qos = 1, .no_local = true, .required = true});
+    bus_->subscribe(bridge_.set_subscription(), {.qos = 1, .no_local = true});
 }
 
 Expected<void> BoardAgent::use_credentials(const std::string& file) {

@@ -12,6 +12,7 @@
 #include "agent/bridge/effects.hpp"
 #include "agent/counts/statistics.hpp"
 #include "agent/inbound/inbound.hpp"
+#include "agent/reports/set_values.hpp"
 #include "agent/safety/holds.hpp"
 #include "agent/safety/outputs.hpp"
 #include "agent/safety/safe_lines.hpp"
@@ -32,8 +33,9 @@ class Safety {
     /// Stops whose answers are open. One more is obeyed, too, and answered at once as not confirmed.
     static constexpr std::size_t kMaxStops = 256;
 
-    /// Both must outlive it.
-    Safety(Board& board, Statistics& statistics) : board_(board), statistics_(statistics) {}
+    /// All must outlive it.
+    Safety(Board& board, Statistics& statistics, SetValues& set)
+        : board_(board), statistics_(statistics), set_(set) {}
 
     // --- commands
     /// A request of anybody was queued. `safe`: safe_form_of() it.
@@ -83,6 +85,7 @@ class Safety {
 
     Board& board_;
     Statistics& statistics_;
+    SetValues& set_;
     Holds holds_;
     Outputs outputs_;
     SafeLines lines_;

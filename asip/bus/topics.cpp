@@ -68,6 +68,7 @@ std::optional<TopicRef> parse_board(std::string_view board, std::string_view sec
     if (rest == "out") return TopicRef{TopicKind::kServiceOut, board, second};
     if (rest == "in") return TopicRef{TopicKind::kServiceIn, board, second};
     if (rest == "error") return TopicRef{TopicKind::kServiceError, board, second};
+    if (rest == "set") return TopicRef{TopicKind::kServiceSet, board, second};
     return std::nullopt;
 }
 

@@ -23,6 +23,7 @@ enum class TopicKind {
     kServiceOut,       ///< ROOT/BOARD/SERVICE/out
     kServiceIn,        ///< ROOT/BOARD/SERVICE/in
     kServiceError,     ///< ROOT/BOARD/SERVICE/error
+    kServiceSet,       ///< ROOT/BOARD/SERVICE/set: what was set, retained
     kRegistryState,    ///< ROOT/registry/ID/$state
     kRegistryStats,    ///< ROOT/registry/ID/$stats
     kRegistryEvents,   ///< ROOT/registry/ID/events
@@ -77,6 +78,9 @@ class Topics {
     }
     std::string service_error(std::string_view board, std::string_view service) const {
         return join(board, service, "error");
+    }
+    std::string service_set(std::string_view board, std::string_view service) const {
+        return join(board, service, "set");
     }
 
     std::string registry_state(std::string_view id) const { return join("registry", id, "$state"); }

@@ -8,6 +8,7 @@
 #include "asip/model/argument_writer.hpp"
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
+#include "asip/model/request_values.hpp"
 #include "asip/protocol/body.hpp"
 #include "asip/protocol/limits.hpp"
 #include "asip/protocol/request.hpp"
@@ -214,6 +215,47 @@ Expected<EncodedCommand> encode_text_command(const ServiceModel& model, std::str
     }
     if (reason) return fail(*reason);
     return fail(model.name + " has no command with tag '" + request->tag + "'");
+}
+
+namespace {
+
+/// A value that was read from text and checked, as JSON has it.
+json typed(const Field& field, const json& value) {
+    if (field.type == ValueType::kList) {
+        json items = json::array();
+        for (const auto& item : value) {
+            const auto parts = protocol::split_fields(item.get_ref<const std::string&>());
+            json fields = json::array();
+            for (std::size_t i = 0; i < parts.size() && i < field.items.size(); ++i)
+                fields.push_back(typed(field.items[i], std::string(parts[i])));
+            items.push_back(fields.size() == 1 ? fields.front() : std::move(fields));
+        }
+        return items;
+    }
+    if (field.type == ValueType::kText) return value;
+    const auto& text = value.get_ref<const std::string&>();
+    for (const auto& [name, number] : field.names)
+        if (name == text) return number;
+    auto number = json::parse(text, nullptr, false);
+    return number.is_number() ? number : value;
+}
+
+}  // namespace
+
+Expected<RequestValues> request_values(const ServiceModel& model, std::string_view text) {
+    const auto encoded = encode_text_command(model, text);
+    if (!encoded) return fail(encoded.error());
+    const auto& command = *model.command(encoded->command);
+    // What the encoder wrote: without the sender's names and spellings.
+    const auto request = protocol::parse_request(encoded->line);
+    if (!request) return fail(request.error());
+    const auto values = values_from_text(command, request->parameters, encoded->line.size() > 3);
+    if (!values) return fail(values.error());
+    const auto args = given_arguments(command);
+    RequestValues result{&command, json::array()};
+    for (std::size_t i = 0; i < args.size() && i < values->size(); ++i)
+        result.values.push_back(typed(*args[i], (*values)[i]));
+    return result;
 }
 
 Expected<EncodedCommand> encode_word_command(const ServiceModel& model, std::span<const std::string> words) {

@@ -11,9 +11,11 @@
 #include "asip/protocol/pin.hpp"
 #include "asip/text/duration.hpp"
 #include "asip/text/wall_time.hpp"
+#include "cli/ask/retained.hpp"
 #include "cli/commands/list.hpp"
 #include "cli/declaration.hpp"
 #include "cli/find/target.hpp"
+#include "cli/text/set_text.hpp"
 #include "cli/text/state_text.hpp"
 #include "cli/text/width.hpp"
 
@@ -108,15 +110,33 @@ std::string updating_text(const bus::BoardItem& item) {
     return "with " + value_at(*document, "updating.by") + " until " + value_at(*document, "updating.until");
 }
 
-nlohmann::json board_json(const KnownBoard& board) {
+nlohmann::json set_json(const WhatWasSet& set, std::string_view service) {
+    const auto known = set.find(service);
+    auto document = known == set.end() ? Expected<nlohmann::json>() : model::parse_json(known->second);
+    return document ? std::move(*document) : nlohmann::json();
+}
+
+WhatWasSet read_set(const Environment& environment, BusSession& session, const std::string& board) {
+    WhatWasSet result;
+    const auto retained = read_retained(environment, session, {environment.topics.service_set(board, "+")});
+    for (const auto& message : retained ? *retained : std::vector<Retained>())
+        if (const auto topic = environment.topics.parse(message.topic))
+            result[std::string(topic->service)] = message.payload;
+    return result;
+}
+
+nlohmann::json board_json(const KnownBoard& board, const WhatWasSet& set) {
     auto result = bus::to_json(board.item);
     if (board.description) result["description"] = model::to_json(*board.description);
     if (!board.description_fault.empty()) result["description_fault"] = board.description_fault;
+    for (const auto& [service, text] : set)
+        if (auto document = set_json(set, service); document.is_object())
+            result["set"][service] = std::move(document);
     return result;
 }
 
 nlohmann::json service_json(const KnownBoard& board, const model::ServiceInfo& service,
-                            const model::ServiceModel* model) {
+                            const model::ServiceModel* model, const WhatWasSet& set) {
     auto result = nlohmann::json::object();
     for (const auto& item : board.item.services) {
         if (item.name == service.name) result = bus::to_json(item);
@@ -124,6 +144,7 @@ nlohmann::json service_json(const KnownBoard& board, const model::ServiceInfo& s
     if (model != nullptr) {
         if (auto source = model::parse_json(model->source)) result["definition"] = std::move(*source);
     }
+    if (auto document = set_json(set, service.name); document.is_object()) result["set"] = std::move(document);
     return result;
 }
 
@@ -224,7 +245,7 @@ std::string model_text(const model::ServiceModel& model, std::size_t width, bool
 
 std::string service_text(const std::string& board, const model::ServiceInfo& service,
                          const std::string& label, const model::ServiceModel* model, std::size_t width,
-                         bool colour) {
+                         bool colour, const WhatWasSet& set) {
     auto text = painted(for_terminal(board + "/" + service.name), Colour::kBold, colour);
     const auto title = model != nullptr ? model->title : service.title;
     if (!title.empty()) text += "  " + for_terminal(title);
@@ -239,6 +260,9 @@ std::string service_text(const std::string& board, const model::ServiceInfo& ser
     if (service.period)
         text += labelled("period", *service.period == 0 ? "off" : std::to_string(*service.period) + " ms",
                          colour);
+    if (const auto known = set.find(service.name); known != set.end())
+        if (const auto document = model::parse_json(known->second))
+            text += labelled("set", set_text(*document, model), colour);
     if (model == nullptr) {
         return text + labelled("model",
                                "none known: events come as tag and body, commands go as tag and parameters, "
@@ -249,8 +273,8 @@ std::string service_text(const std::string& board, const model::ServiceInfo& ser
     return text + labelled("model", model->ref(), colour) + model_text(*model, width, colour);
 }
 
-std::string board_text(const KnownBoard& board, const model::ModelSet& models, std::size_t width,
-                       bool colour) {
+std::string board_text(const KnownBoard& board, const model::ModelSet& models, std::size_t width, bool colour,
+                       const WhatWasSet& set) {
     const auto& item = board.item;
     auto text = painted(for_terminal(item.board), Colour::kBold, colour) + "  " +
                 painted(for_terminal(state_text(item)), state_colour(item.state), colour) + "\n";
@@ -295,7 +319,7 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
         for (const auto& service : board.description->services) {
             const auto model = bus::model_of(service, models);
             text += "\n" + service_text(item.board, service, board.description->labels.service(service.name),
-                                        model.get(), width, colour);
+                                        model.get(), width, colour, set);
         }
     } else {
         for (const auto& service : item.services)
@@ -318,23 +342,24 @@ int run_show(const ShowOptions& options, Environment& environment) {
         if (auto retained = source.retained_board(target->board))
             board->item.description = std::move(retained->item.description);
     }
+    const auto set = read_set(environment, session, target->board);
     const bool people = options.output.for_people();
     RecordPrinter records(options.output, RecordPrinter::Count::kOne, environment.out);
     if (target->service.empty()) {
-        if (!people) records.print(board_json(*board));
+        if (!people) records.print(board_json(*board, set));
         if (people)
-            environment.out << board_text(*board, environment.models(), environment.width, environment.colour)
+            environment.out << board_text(*board, environment.models(), environment.width, environment.colour, set)
                             << std::flush;
         return program::kExitOk;
     }
     const auto service = find_service(*board, target->service);
     if (!service) return environment.fail_with(service.error());
     const auto model = bus::model_of(*service, environment.models());
-    if (!people) records.print(service_json(*board, *service, model.get()));
+    if (!people) records.print(service_json(*board, *service, model.get(), set));
     const auto label = board->description ? board->description->labels.service(service->name) : std::string();
     if (people)
         environment.out << service_text(target->board, *service, label, model.get(), environment.width,
-                                        environment.colour)
+                                        environment.colour, set)
                         << std::flush;
     return program::kExitOk;
 }
@@ -348,7 +373,7 @@ Run declare_show(Declaration& verb) {
                 {"board",  "state", "chip",     "sketch",      "protocol",          "lease",
                  "link",   "agent", "services", "description", "description_fault", "name",
                  "kind",   "title", "count",    "period",      "definition",        "label",
-                 "labels", "names"});
+                 "labels", "names", "set"});
     return [options](Environment& environment) { return run_show(*options, environment); };
 }
 

@@ -114,6 +114,9 @@ TopicRule rule_of(TopicKind kind) {
                                   "agent and board: 64 commands a client wait, in turn");
         case TopicKind::kServiceError:
             return reported("BOARD/SERVICE/error", kQueue, "each reader", "-");
+        case TopicKind::kServiceSet:
+            return announced("BOARD/SERVICE/set", "broker: one message of 8 KiB, retained; gateway: the last",
+                             "each reader, at most twice a second", "-");
         case TopicKind::kRegistryState:
             return of_registry("registry/ID/$state", kRetained, "-");
         case TopicKind::kRegistryStats:

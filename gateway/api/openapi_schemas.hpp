@@ -58,13 +58,14 @@ inline constexpr std::string_view kComponents = R"json({
     "model": {"description": "The model; the reference to it where it is not known here"}}},
   "Value": {"type": "object", "required": ["board", "service", "place", "events"], "properties": {
     "board": {"type": "string"}, "service": {"type": "string"}, "place": {"type": "string"},
+    "set": {"type": "object", "description": "What was set, by command and element; missing: nothing that is known"},
     "events": {"type": "object", "additionalProperties": {"type": "object", "required": ["value", "at", "age"],
       "properties": {"value": {}, "at": {"type": "string"}, "age": {"type": "number"}}}}}},
   "Values": {"type": "object", "required": ["items", "complete", "place"], "properties": {
     "complete": {"type": "boolean", "description": "Nothing behind `since` is missing"},
     "place": {"type": "string"},
     "items": {"type": "array", "items": {"type": "object", "required": ["place", "at"],
-      "properties": {"place": {"type": "string"}, "at": {"type": "string"}, "value": {}, "error": {}}}}}},
+      "properties": {"place": {"type": "string"}, "at": {"type": "string"}, "value": {}, "error": {}, "set": {}}}}}},
   "Arguments": {"description": "An array of arguments, an object by their names, or nothing"},
   "RawLines": {"type": "object", "required": ["lines"], "additionalProperties": false, "properties": {
     "lines": {"type": "array", "minItems": 1, "maxItems": 64, "items": {"type": "string", "maxLength": 62}}}},

@@ -19,6 +19,9 @@ constexpr std::size_t kMaxStatsBytes = 64 * 1024;
 constexpr std::size_t kSnapshotNames = 500;
 constexpr std::size_t kSnapshotBytes = 16 * 1024;
 constexpr std::size_t kMaxKnown = 500;
+constexpr std::size_t kMaxEarly = 2000;
+constexpr std::size_t kMaxSeen = 200'000;
+constexpr std::size_t kMaxSetBytes = 16 * 1024;
 constexpr std::size_t kMaxBoardStatsBytes = 8 * 1024;
 constexpr Duration kStatsTime = std::chrono::seconds(45);  // three of the agents' intervals
 
@@ -69,6 +72,7 @@ std::vector<std::pair<std::string, bool>> Mirror::subscriptions() const {
     return {{topics_.root() + "/servicebus/#", true},
             {topics_.service_out("+", "+"), true},
             {topics_.service_error("+", "+"), false},
+            {topics_.service_set("+", "+"), true},
             {topics_.registry_state("+"), true},
             {topics_.registry_stats("+"), true}};
 }
@@ -84,6 +88,7 @@ void Mirror::subscribed(const Instant& now) {
     since_ = now;
     catalogue_.resume(now.time);
     status(now, "connected");
+    set_seen_.clear();
     mark_ = random_hex(random_, 16);
     mark_sent_ = now.time;
     mqtt::Message mark;
@@ -123,6 +128,8 @@ void Mirror::message(const mqtt::Message& message, const Instant& now) {
         case TopicKind::kCommands:
         case TopicKind::kDemand:
             return;
+        case TopicKind::kServiceSet:
+            return set(*topic, message.payload, now);
         case TopicKind::kServiceError:
         case TopicKind::kServiceOut: {
             announcement(message, *topic, now);
@@ -134,6 +141,15 @@ void Mirror::message(const mqtt::Message& message, const Instant& now) {
         default:
             announcement(message, *topic, now);
     }
+}
+
+// Of what is retained it may come ahead of its board.
+void Mirror::set(const bus::TopicRef& topic, const std::string& payload, const Instant& now) {
+    if (!mark_.empty() && set_seen_.size() < kMaxSeen)
+        set_seen_.emplace(std::string(topic.board), std::string(topic.service));
+    if (catalogue_.knows(topic.board)) return values_.set(topic.board, topic.service, payload, now);
+    if (!mark_.empty() && early_set_.size() < kMaxEarly && payload.size() <= kMaxSetBytes)
+        early_set_[{std::string(topic.board), std::string(topic.service)}] = payload;
 }
 
 void Mirror::announcement(const mqtt::Message& message, const bus::TopicRef& topic, const Instant& now) {
@@ -187,6 +203,12 @@ void Mirror::complete_now(const Instant& now) {
     mark_.clear();
     complete_ = true;
     catalogue_.settle();
+    for (const auto& [where, payload] : std::exchange(early_set_, {}))
+        if (catalogue_.knows(where.first)) values_.set(where.first, where.second, payload, now);
+    // What the broker does not retain any more was cleared while it was not heard.
+    const auto seen = std::exchange(set_seen_, {});
+    for (const auto& where : values_.with_set())
+        if (!seen.contains(where)) values_.set(where.first, where.second, {}, now);
     values_.expire(now);
 }
 

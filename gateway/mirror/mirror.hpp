@@ -4,7 +4,9 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "asip/bus/answer.hpp"
@@ -97,6 +99,7 @@ class Mirror {
     const bus::Topics& topics() const { return topics_; }
 
   private:
+    void set(const bus::TopicRef& topic, const std::string& payload, const Instant& now);
     void announcement(const mqtt::Message& message, const bus::TopicRef& topic, const Instant& now);
     void handle(const std::vector<catalogue::Event>& events, const Instant& now);
     void change(const catalogue::Event& event, const Instant& now);
@@ -115,6 +118,8 @@ class Mirror {
     std::map<std::string, std::shared_ptr<const bus::BoardItem>> known_;
     std::map<std::string, RegistryInfo> registries_;
     std::map<std::string, BoardStats> board_stats_;
+    std::map<std::pair<std::string, std::string>, std::string> early_set_;  // board, service
+    std::set<std::pair<std::string, std::string>> set_seen_;                // since the connection began
     std::string mark_;
     Time mark_sent_{};
     bool subscribed_ = false;

@@ -211,6 +211,34 @@ std::size_t Values::room_for(const Board& board, std::size_t bytes) const {
 
 void Values::value(std::string_view board, std::string_view service, std::string_view payload, bool error,
                    const Instant& now) {
+    report(board, service, payload, error ? Kind::kError : Kind::kValue, now);
+}
+
+void Values::set(std::string_view board, std::string_view service, std::string_view payload,
+                 const Instant& now) {
+    const auto* known = this->known(board, service);
+    const ChannelValue* before = nullptr;
+    for (std::size_t i = 0; known != nullptr && i < known->channels.size(); ++i)
+        if (known->channels[i].set) before = &known->channels[i];
+    if (payload.empty() && before == nullptr) return;
+    if (payload.empty()) payload = "null";
+    // Brokers deliver it again on each connection.
+    if (before == nullptr || before->json() != payload) report(board, service, payload, Kind::kSet, now);
+}
+
+std::vector<std::pair<std::string, std::string>> Values::with_set() const {
+    std::vector<std::pair<std::string, std::string>> all;
+    for (const auto& [name, board] : boards_)
+        for (const auto& service : board.services)
+            for (const auto& channel : service->channels)
+                if (channel.set && channel.json() != "null") all.emplace_back(name, service->service);
+    return all;
+}
+
+void Values::report(std::string_view board, std::string_view service, std::string_view payload, Kind kind,
+                    const Instant& now) {
+    const bool error = kind == Kind::kError;
+    const bool set = kind == Kind::kSet;
     ++received_;
     Board* of = nullptr;
     auto* values = make(board, service, of);
@@ -219,13 +247,14 @@ void Values::value(std::string_view board, std::string_view service, std::string
     auto report = payload.size() > limits_.value ? long_report(payload) : report_of(payload);
     auto& channels = values->channels;
     auto channel = std::find_if(channels.begin(), channels.end(), [&](const ChannelValue& each) {
-        return each.error == error && (error || each.event == report.event);
+        return each.error == error && each.set == set && (error || set || each.event == report.event);
     });
     if (channel == channels.end()) {
         if (channels.size() >= limits_.channels || last_bytes_ >= 2 * limits_.last_bytes) return;
         channel = channels.emplace(channels.end());
         channel->error = error;
-        if (!error) channel->event = report.event;
+        channel->set = set;
+        if (kind == Kind::kValue) channel->event = report.event;
     }
     const auto cut = cut_to(room_for(of_board, std::min(payload.size(), limits_.value)), payload, report);
     const auto index = static_cast<std::uint32_t>(channel - channels.begin());
@@ -233,7 +262,7 @@ void Values::value(std::string_view board, std::string_view service, std::string
     channel->number = point.number;
     channel->seen = now;
     channel->cut = cut;
-    channel->report(point.json, !error && report.part);
+    channel->report(point.json, kind == Kind::kValue && report.part);
     bytes_ += heap_bytes(point.json);
     bytes_ -= values->points.block_bytes();
     values->points.push_back(std::move(point));

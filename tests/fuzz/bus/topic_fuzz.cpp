@@ -42,6 +42,8 @@ std::string rebuilt(const asip::bus::Topics& topics, const asip::bus::TopicRef& 
             return topics.service_in(ref.board, ref.service);
         case kServiceError:
             return topics.service_error(ref.board, ref.service);
+        case kServiceSet:
+            return topics.service_set(ref.board, ref.service);
         case kRegistryState:
             return topics.registry_state(ref.board);
         case kRegistryStats:

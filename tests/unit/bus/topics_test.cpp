@@ -31,6 +31,7 @@ std::vector<Row> all_rows(const Topics& topics) {
         {topics.service_out("uno1", "distance"), {kServiceOut, "uno1", "distance"}},
         {topics.service_in("uno1", "distance"), {kServiceIn, "uno1", "distance"}},
         {topics.service_error("uno1", "distance"), {kServiceError, "uno1", "distance"}},
+        {topics.service_set("uno1", "distance"), {kServiceSet, "uno1", "distance"}},
         {topics.registry_state("r1"), {kRegistryState, "r1", {}}},
         {topics.registry_stats("r1"), {kRegistryStats, "r1", {}}},
         {topics.registry_events("r1"), {kRegistryEvents, "r1", {}}},
@@ -64,6 +65,9 @@ TEST(Topics, LiteralTopicsOfTheProtocol_AreWhatTheBuildersMake) {
 TEST(Topics, ServiceNamedLikeADirection_IsStillAService) {
     const Topics topics;
     EXPECT_EQ(topics.parse("asip/uno1/in/out"), (TopicRef{TopicKind::kServiceOut, "uno1", "in"}));
+    EXPECT_EQ(topics.parse("asip/uno1/set/out"), (TopicRef{TopicKind::kServiceOut, "uno1", "set"}));
+    EXPECT_EQ(topics.parse("asip/uno1/set/set"), (TopicRef{TopicKind::kServiceSet, "uno1", "set"}));
+    EXPECT_EQ(topics.parse("asip/uno1/set"), std::nullopt);
 }
 
 TEST(Topics, ForeignOrInvalid_IsNothing) {

@@ -55,6 +55,7 @@ TEST(BusVectors, Topics_AreBuiltAlike) {
                         {"stop", topics.stop(board)},
                         {"event", topics.service_out(board, service)},
                         {"fault", topics.service_error(board, service)},
+                        {"set", topics.service_set(board, service)},
                         {"reply", replies.to(topics.service_in(board, service))},
                         {"replies", replies.filter()},
                         {"own", replies.own()}};
