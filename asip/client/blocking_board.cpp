@@ -39,6 +39,7 @@ class BlockingBoard::Runner {
         asio::post(io_, [this] {
             board_.close();
             streams_.clear();
+            inputs_.clear();
             board_ = Board();
             idle_.reset();
         });
@@ -57,6 +58,12 @@ class BlockingBoard::Runner {
     asio::io_context& io() { return io_; }
     Board& board() { return board_; }
     std::map<std::string, Stream<Json>>& streams() { return streams_; }
+    /// An input that is waited for, and its level as it was told last.
+    struct Input {
+        Stream<bool> changes;
+        bool level = false;
+    };
+    std::map<int, Input>& inputs() { return inputs_; }
 
   private:
     static constexpr std::chrono::seconds kMaxClosing{2};
@@ -65,6 +72,7 @@ class BlockingBoard::Runner {
     asio::executor_work_guard<asio::io_context::executor_type> idle_ = asio::make_work_guard(io_);
     Board board_;
     std::map<std::string, Stream<Json>> streams_;
+    std::map<int, Input> inputs_;
     std::promise<void> ended_;
     // Last: it runs as soon as it is made.
     std::thread thread_{[this] {
@@ -165,6 +173,39 @@ Result<Json> BlockingBoard::command(const std::string& service, const std::strin
 
 Result<Json> BlockingBoard::command(const std::string& service, const std::string& name) {
     return command(service, name, Json::array());
+}
+
+Json BlockingBoard::was_set(const std::string& service) const {
+    return call<Json>([service](Runner& own) -> Awaitable<Json> {
+               const auto found = own.board().service(service);
+               co_return found ? found->was_set() : Json();
+           })
+        .value_or(Json());
+}
+
+Result<bool> BlockingBoard::wait_for_change(int pin, std::chrono::milliseconds timeout) {
+    return call<bool>([=](Runner& own) -> Awaitable<bool> {
+        const Time end = Clock::now() + timeout;
+        if (!own.inputs().contains(pin)) {
+            Runner::Input input{own.board().digital_changes(pin)};
+            const auto level = co_await own.board().digital_read(pin);
+            if (!level) {
+                co_return Unexpected<Error>(level.error());
+            }
+            input.level = *level;
+            own.inputs().emplace(pin, std::move(input));
+        }
+        auto& input = own.inputs().at(pin);
+        while (true) {
+            const auto level = co_await input.changes.next(end - Clock::now());
+            if (!level) {
+                co_return Unexpected<Error>(level.error());
+            }
+            if (std::exchange(input.level, *level) != *level) {
+                co_return *level;
+            }
+        }
+    });
 }
 
 Result<void> BlockingBoard::watch(const std::string& service, double wanted_hz) {

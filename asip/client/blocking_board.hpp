@@ -2,7 +2,7 @@
 #pragma once
 #include <chrono>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,6 +48,14 @@ class BlockingBoard {
     Result<nlohmann::json> command(const std::string& service, const std::string& name,
                                    const nlohmann::json& arguments);
     Result<nlohmann::json> command(const std::string& service, const std::string& name);
+
+    /// As Service::was_set; null, too, where there is no such service.
+    nlohmann::json was_set(const std::string& service) const;
+
+    /// Waits until the level of an input is another one than `digital_read` returned last, or this call; the
+    /// first call waits for a change from the level that it finds. Returns the new level; kTimeout where it
+    /// stayed as it was. No change is missed between two calls.
+    Result<bool> wait_for_change(int pin, std::chrono::milliseconds timeout);
 
     /// From now on, keep the events of this service for next_event: the newest 256, older ones are dropped.
     /// kInvalid if the board has no such service. `wanted_hz`: as of Service::on_event.

@@ -164,6 +164,14 @@ Subscription Service::on_event(std::function<void(const nlohmann::json&)> happen
                  : Subscription();
 }
 
+nlohmann::json Service::was_set() const {
+    return core_ ? core_->transport().was_set(info_.name) : Json();
+}
+
+Subscription Service::on_set(std::function<void(const nlohmann::json&)> changed) const {
+    return core_ ? core_->set(info_.name).connect(std::move(changed)) : Subscription();
+}
+
 Stream<nlohmann::json> Service::events(double wanted_hz) const {
     return core_ ? stream_of<Json>(core_->transport(), core_->events(info_.name), core_->ended(),
                                    core_->transport().demand(info_.name, wanted_hz))

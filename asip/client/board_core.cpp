@@ -58,6 +58,10 @@ Board::Core::~Core() {
     close();
 }
 
+nlohmann::json Transport::was_set(const std::string&) const {
+    return {};
+}
+
 void Board::Core::opened() {
     online_ = true;
 }
@@ -100,6 +104,17 @@ void Board::Core::on_presence(bool there) {
     levels_.clear();
     samples_.clear();
     presence_.emit(there);
+    wake();
+}
+
+void Board::Core::on_set(const std::string& service) {
+    if (closed_) {
+        return;
+    }
+    const auto self = shared_from_this();
+    if (const auto found = set_.find(service); found != set_.end()) {
+        found->second.emit(transport_->was_set(service));
+    }
     wake();
 }
 

@@ -17,6 +17,8 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr PendingCalls::Id kOpening = 0;
+// What is set in more of them is not kept.
+constexpr std::size_t kMaxServices = 256;
 // Beyond a command's deadline, for the way of its answer.
 constexpr auto kAnswerTime = std::chrono::milliseconds(500);
 // Closing tells boards that nothing is wanted of them any more.
@@ -129,6 +131,7 @@ Expected<void> BusTransport::make_client() {
     client_->subscribe(topics_.description(address_.board), {.qos = 1});
     client_->subscribe(topics_.service_out(address_.board, "+"),
                        {.qos = 0, .no_local = false, .retained = false});
+    client_->subscribe(topics_.service_set(address_.board, "+"), {.qos = 1});
     return {};
 }
 
@@ -278,6 +281,8 @@ void BusTransport::take(const mqtt::Message& message) {
         demander_->take(message, Clock::now());
         publish_demands();
         look_again();
+    } else if (topic->kind == bus::TopicKind::kServiceSet) {
+        take_set(topic->service, message);
     } else if (topic->kind == bus::TopicKind::kServiceOut && !message.retain) {
         take_event(topic->service, message);
     }
@@ -294,6 +299,21 @@ void BusTransport::take_reply(PendingCalls::Id id, const mqtt::Message& message)
     }
     auto answer = reply->answer.empty() ? Expected<Json>(Json()) : model::parse_json(reply->answer);
     calls_.finish(id, answer ? std::move(*answer) : Json());
+}
+
+nlohmann::json BusTransport::was_set(const std::string& service) const {
+    const auto known = set_.find(service);
+    return known == set_.end() ? Json() : known->second;
+}
+
+void BusTransport::take_set(std::string_view service, const mqtt::Message& message) {
+    auto set = message.payload.empty() ? Expected<Json>(Json()) : model::parse_json(message.payload);
+    const std::string name(service);
+    if (!set || (set_.size() >= kMaxServices && !set_.contains(name)) || was_set(name) == *set) {
+        return;
+    }
+    set_[name] = std::move(*set);
+    listener_->on_set(name);
 }
 
 void BusTransport::take_event(std::string_view service, const mqtt::Message& message) {
@@ -354,6 +374,7 @@ void BusTransport::failed(const mqtt::ConnectionFailure& why) {
         calls_.finish(kOpening, failure(Error::Kind::kUnreachable, why.text));
     }
     view_.disconnected();
+    set_.clear();  // it comes again with the next connection, where it still holds
     told_ = false;
     if (there_) {
         look_again();

@@ -6,6 +6,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "asip/bus/demander.hpp"
@@ -35,6 +36,7 @@ class BusTransport final : public Transport {
     std::string board_name() const override { return address_.board; }
     std::vector<ServiceInfo> services() const override;
     std::map<std::string, std::string> labels() const override;
+    nlohmann::json was_set(const std::string& service) const override;
     std::shared_ptr<void> demand(const std::string& service, double hz) override;
     void close() override;
 
@@ -54,6 +56,7 @@ class BusTransport final : public Transport {
     void publish_demands();
     void take(const mqtt::Message& message);
     void take_reply(PendingCalls::Id id, const mqtt::Message& message);
+    void take_set(std::string_view service, const mqtt::Message& message);
     void take_event(std::string_view service, const mqtt::Message& message);
     const model::Description* description() const { return view_.description(address_.board); }
     void look_again();
@@ -78,6 +81,7 @@ class BusTransport final : public Transport {
     std::string user_;
     mutable catalogue::BusView view_;  // of this board alone; leases are judged by looking
     boost::asio::steady_timer lease_timer_;
+    std::map<std::string, nlohmann::json, std::less<>> set_;      // by service
     std::string failure_;                                         // of the last attempt to connect
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // until close()
     bool told_ = false;  // over this connection: of what is stored the state may come behind the description

@@ -41,6 +41,8 @@ class Transport {
         /// agent lost, the broker away. After `true` nothing reported before still holds: a board that came
         /// back may have been reset.
         virtual void on_presence(bool there) = 0;
+        /// Transport::was_set() of this service is another one now.
+        virtual void on_set(const std::string& service) { (void)service; }
 
       protected:
         ~Listener() = default;
@@ -72,6 +74,10 @@ class Transport {
     virtual std::vector<ServiceInfo> services() const = 0;
     /// As its agent announced them last; none where there is no agent.
     virtual std::map<std::string, std::string> labels() const { return {}; }
+
+    /// What was set in a service, by command and element, whoever did it: {"write":{"13":1}}; null: nothing
+    /// that is known. As its agent says; null where there is no agent.
+    virtual nlohmann::json was_set(const std::string& service) const;
 
     /// As long as the handle lives, `hz` values a second of this service are wanted; asked of an agent that
     /// makes its board report on demand (asip-agent --reports). Null where nothing has to be asked.
