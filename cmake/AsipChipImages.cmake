@@ -18,6 +18,14 @@ set(asip_chip_rp2040_flags -mcpu=cortex-m0plus -mthumb --specs=picolibc.specs)
 set(asip_chip_rp2040_defines -DARDUINO_ARCH_RP2040 -DASIP_ANALOG_BITS=12)
 set(asip_chip_rp2040_sources core/runtime.cpp rp2040/core.cpp rp2040/flash.cpp rp2040/start.cpp rp2040/uart.cpp)
 
+# A FE310 has no converter; its first UART is on 16 and 17.
+set(asip_chip_riscv_tool riscv64-unknown-elf)
+# Libraries are there for rv32imac, of which the control registers are an extension since GCC 12.
+set(asip_chip_riscv_link -march=rv32imac)
+set(asip_chip_riscv_flags -march=rv32imac_zicsr -mabi=ilp32 --specs=picolibc.specs -msmall-data-limit=0)
+set(asip_chip_riscv_defines "-DASIP_CHIP=\"FE310\"" -DASIP_FIRST_ANALOG_PIN=0 -DASIP_ANALOG_PINS=0 -DASIP_TX_PIN=17 -DASIP_RX_PIN=16)
+set(asip_chip_riscv_sources core/runtime.cpp riscv/core.cpp)
+
 function(asip_add_chip_image name)
   cmake_parse_arguments(arg "" "CHIP;SKETCH" "DEFINES" ${ARGN})
   set(chip ${arg_CHIP})
@@ -56,7 +64,7 @@ function(asip_add_chip_image name)
   set(elf "${ASIP_IMAGES}/${name}.elf")
   set(script "${ASIP_CHIPS}/${chip}/${chip}.ld")
   add_custom_command(OUTPUT "${elf}"
-    COMMAND ${tool}-gcc ${asip_chip_${chip}_flags} -nostartfiles -Wl,--gc-sections -Wl,--nmagic -T "${script}" -o "${elf}" ${objects} -lm
+    COMMAND ${tool}-gcc ${asip_chip_${chip}_flags} ${asip_chip_${chip}_link} -nostartfiles -Wl,--gc-sections -Wl,--nmagic -T "${script}" -o "${elf}" ${objects} -lm
     DEPENDS ${objects} "${script}" COMMENT "image ${name}.elf" VERBATIM)
   add_custom_target(${name}_image DEPENDS "${elf}")
 endfunction()

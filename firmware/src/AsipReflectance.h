@@ -35,7 +35,7 @@ class Reflectance : public Service {
     void poll() override;          // and reports a little later
 
   private:
-    uint8_t pins_[kMaxSensors];
+    uint8_t pins_[kMaxSensors == 0 ? 1 : kMaxSensors];  // a chip may have no converter
     uint8_t emitter_;
     uint8_t sensors_;
     bool warming_;

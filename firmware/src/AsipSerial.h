@@ -4,6 +4,9 @@
 //   #define ASIP_SERIAL Serial1
 //   #include <AsipSerial.h>
 //
+// On chips that are not AVR, define ASIP_TX_PIN and ASIP_RX_PIN, too, if the port's pins are not 0 and 1 (an
+// ESP8266 or ESP32 knows those of Serial).
+//
 // Its availableForWrite() must give 42 or more when nothing waits to be sent: no request is executed before.
 //
 // Include it in the sketch, once, instead of <AsipFastSerial.h>. Unlike that, it does not notice when bytes
@@ -89,6 +92,8 @@ bool usesPin(uint8_t pin) {
 #elif defined(__AVR_ATmega1284P__) || defined(__AVR_ATmega1284__) || defined(__AVR_ATmega644P__) || \
     defined(__AVR_ATmega644__)
     return digitalPinToPort(pin) == 4 /* D */ && digitalPinToBitMask(pin) <= 2;
+#elif defined(ASIP_TX_PIN) && defined(ASIP_RX_PIN)
+    return pin == ASIP_TX_PIN || pin == ASIP_RX_PIN;
 #elif defined(ESP8266) || defined(ESP32)
     return pin == TX || pin == RX;
 #else

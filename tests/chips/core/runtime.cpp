@@ -33,6 +33,8 @@ void startProgram() {
     for (const Constructor* next = constructorsStart; next != constructorsEnd; ++next)
         (*next)();
     setup();
-    for (;;)
+    for (;;) {
         loop();
+        betweenLoops();
+    }
 }

@@ -7,4 +7,7 @@
 // Clocks, pins, timer: before any object is made. Each chip has its own.
 void startChip();
 
+// Whatever the chip has no interrupt for.
+void betweenLoops();
+
 [[noreturn]] void stopForGood();

@@ -2,6 +2,7 @@
 // The Arduino core's functions on the RP2040: pins, converter, PWM, time, interrupts of pins, tones.
 #include <Arduino.h>
 
+#include "core/runtime.h"
 #include "registers.h"
 
 using namespace rp2040;
@@ -86,6 +87,8 @@ void delayMicroseconds(unsigned int microseconds) {
     while (at(kNow) - since < microseconds) {
     }
 }
+
+void betweenLoops() {}
 
 void noInterrupts() {
     asm volatile("cpsid i" ::: "memory");
