@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Each block of docs/python.md and of python/README.md is run as it stands there, on a real bus."""
+import io
 import os
 import pathlib
 import pydoc
@@ -9,6 +10,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import tokenize
 import unittest
 
 import paho.mqtt
@@ -46,8 +48,10 @@ class Pages(unittest.TestCase):
         self.addCleanup(real.close)
         environment = {**os.environ, "ASIP_BROKER": f"127.0.0.1:{real.broker_port}", "PYTHONPATH": os.pathsep.join(path)}
         run = 0
-        for page in (ROOT / "docs" / "python.md", ROOT / "python" / "README.md"):
+        for page in (*(ROOT / "docs" / name for name in ("python.md", "tutorial.md", "python-and-node-red.md")), ROOT / "python" / "README.md"):
             for block in re.findall(r"```python\n(.*?)```", page.read_text(), re.DOTALL):
+                if "import paho" in block:
+                    continue  # examples/plain_mqtt.py, which has a test of its own
                 with self.subTest(page=page.name, block=block.splitlines()[:4]):
                     done = subprocess.run([python, "-X", "dev", "-W", "error::DeprecationWarning", "-c", block], env=environment,
                                           capture_output=True, text=True, timeout=60)
@@ -65,6 +69,25 @@ class Pages(unittest.TestCase):
             text = pydoc.plain(pydoc.render_doc(memory.connect().board("desk").servo.write))
         for line in filter(None, shown.splitlines()):
             self.assertIn(line, text)
+
+
+def lines_of_code(path):
+    """Without comments, blank lines and texts for the reader."""
+    found = set()
+    for token in tokenize.generate_tokens(io.StringIO(path.read_text()).readline):
+        if token.type in (tokenize.NAME, tokenize.OP, tokenize.NUMBER) or token.type == tokenize.STRING and not token.string.startswith('"""'):
+            found.update(range(token.start[0], token.end[0] + 1))
+    return len(found)
+
+
+class Lines(unittest.TestCase):
+    def test_each_program_has_the_lines_that_the_page_says_and_fewer_than_the_published_one(self):
+        rows = re.findall(r"^\| \[(\w+\.py)\].*?\| (\d+) \|.*?\| (\d*) ?\|$", (ROOT / "docs" / "python.md").read_text(), re.MULTILINE)
+        self.assertEqual(len(rows), 3)
+        for name, ours, published in rows:
+            self.assertEqual(lines_of_code(ROOT / "examples" / name), int(ours), name)
+            self.assertLessEqual(int(ours), int(published or ours))
+        self.assertLessEqual(lines_of_code(ROOT / "examples" / "two_board_switch.py"), 6)
 
 
 class Examples(unittest.TestCase):

@@ -16,7 +16,7 @@ SETTINGS = """module.exports = {{ uiPort: {port}, uiHost: "127.0.0.1", flowFile:
 
 def documented_flow():
     text = (ROOT / "docs" / "python-and-node-red.md").read_text()
-    return json.loads(re.search(r"## Node-RED.*?```json\n(.*?)```", text, re.DOTALL)[1])
+    return json.loads(re.search(r"### Node-RED.*?```json\n(.*?)```", text, re.DOTALL)[1])
 
 
 class Flow(unittest.TestCase):
