@@ -55,6 +55,7 @@ class Engine:
         self._late: "collections.deque[Action]" = collections.deque()
         self._late_links: "collections.deque[Link]" = collections.deque()
         self._wake = threading.Event()
+        self._due = 0.0  # when `asip-clock` looks again, at the latest
         self._v5 = True
         self._next = 0
         self._link_began = 0.0
@@ -80,8 +81,10 @@ class Engine:
         with self._sending:
             with self._lock:
                 call, actions = begin(self.session, time.monotonic())
+                sooner = call.deadline < self._due
             self._perform(actions)
-        self._wake.set()
+        if sooner:
+            self._wake.set()
         return call
 
     def do(self, change: Callable[[Session, float], list[Action]]) -> None:
@@ -91,7 +94,6 @@ class Engine:
             with self._lock:
                 actions = change(self.session, time.monotonic())
             self._perform(actions)
-        self._wake.set()
 
     def peek(self, look: Callable[[Session], Any]) -> Any:
         """What `look` says of the session at this moment."""
@@ -268,6 +270,7 @@ class Engine:
                 late = [*self._late]
                 self._late.clear()
                 actions, due = self.session.tick(now)
+                self._due = due
             self._perform(late + actions)
         if self._replace is not None:
             why, self._replace = self._replace, None

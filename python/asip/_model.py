@@ -289,7 +289,7 @@ class Model:
         found = self.commands.get(name) or self.attributes.get(name)
         if found is None:
             all_names = ", ".join(self.commands)
-            hint = near(name, self.commands) or (f"; {self.name} has {all_names}" if all_names else f"; {self.name} takes none")
+            hint = near(str(name), self.commands) or (f"; {self.name} has {all_names}" if all_names else f"; {self.name} takes none")
             raise UnknownCommand(f"no command '{name}'{hint}")
         return found
 
@@ -300,7 +300,7 @@ class Model:
                 return first
             raise ModelError(f"{self.name} reports no values")
         if name not in self.events:
-            raise ModelError(f"{self.name} has no event '{name}'" + (near(name, self.events) or "; it has " + ", ".join(self.events)))
+            raise ModelError(f"{self.name} has no event '{name}'" + (near(str(name), self.events) or "; it has " + ", ".join(self.events)))
         return self.events[name]
 
     def answer_of(self, command: Command) -> Event | None:

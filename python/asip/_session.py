@@ -175,9 +175,12 @@ class Session:
                                                      reason="board-not-there", **call.names))]
         left = call.deadline - now
         clock = self._clocks.reading(call.asked, now) if call.is_command and call.command != "stop" else None
-        payload = _envelope.request_text(call.members, reply_to=self.topics.reply(call.asked), id=call.id,
-                                         timeout=left if call.is_command else None, clock=clock,
-                                         by=self._by if call.is_command else None, hold=call.hold)
+        try:
+            payload = _envelope.request_text(call.members, reply_to=self.topics.reply(call.asked), id=call.id,
+                                             timeout=left if call.is_command else None, clock=clock,
+                                             by=self._by if call.is_command else None, hold=call.hold)
+        except (TypeError, ValueError, RecursionError) as fault:
+            return [self._fail(call, errors.Invalid(f"{call.what}: it cannot be written as JSON: {fault}", reason="invalid", **call.names))]
         if len(payload) > _envelope.MAX_REQUEST_BYTES:
             return [self._fail(call, errors.Invalid(f"{call.what}: {len(payload)} bytes are more than {_envelope.MAX_REQUEST_BYTES}", **call.names))]
         call.sent_at = now
@@ -320,7 +323,8 @@ class Session:
         del self._open[call.id]
         if call.is_query:
             if "refused" in answer:
-                return [self._fail(call, errors.Refused(f"registry: {answer.get('error') or answer['refused']}", reason=str(answer["refused"]), **call.names))]
+                kind = errors.Invalid if answer["refused"] == "invalid" else errors.Refused
+                return [self._fail(call, kind(f"registry: {answer.get('error') or answer['refused']}", reason=str(answer["refused"]), **call.names))]
             return [Resolve(call.future, answer)]
         if call.is_command:
             self._clocks.note(call.asked, answer.get("clock"), now if call.sent_at is None else call.sent_at, now)

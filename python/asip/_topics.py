@@ -10,7 +10,7 @@ _RESERVED = ("servicebus", "registry")
 
 def valid_name(name: str) -> bool:
     """Whether a board or service can have this name."""
-    return bool(_NAME.match(name)) and name not in (".", "..")
+    return isinstance(name, str) and bool(_NAME.match(name)) and name not in (".", "..")
 
 
 def valid_board(name: str) -> bool:

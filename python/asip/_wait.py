@@ -9,9 +9,18 @@ import time
 from concurrent.futures import Future, TimeoutError as FutureTimeout
 from typing import Any
 
+from . import errors
+
 # On Windows a thread that waits without a limit does not see Ctrl-C before Python 3.14, so it wakes up now and then.
 _SLICE = 0.1 if sys.platform == "win32" else 3600.0
 _forbidden = threading.local()
+
+
+def seconds(value: Any, what: str = "timeout", least: float = 0.0, most: float = 86_400.0) -> float:
+    """`value` as a number of seconds (or of `what` else) within the limits; Invalid names what is wrong."""
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and least <= value <= most:
+        return float(value)
+    raise errors.Invalid(f"{what}: {value!r} is not a number from {least:g} to {most:g}", reason="invalid")
 
 
 def forbid() -> None:

@@ -8,7 +8,7 @@ import time
 from typing import TYPE_CHECKING, Any, Iterator, Mapping
 
 from . import _model, _wait, errors
-from ._catalogue import THERE, Entry
+from ._catalogue import STATES, THERE, Entry
 from ._topics import valid_name
 from .pin import Pin
 from .service import Service, class_of
@@ -143,6 +143,10 @@ class Board:
 
     def wait_for(self, state: str = "online", *, timeout: float | None = 60) -> None:
         """Waits until the board is in this state; NotThere after `timeout` seconds (None: no limit)."""
+        if state not in STATES:
+            raise errors.Invalid(f"there is no state {state!r}" + (_model.near(str(state), STATES) or f"; there are {', '.join(STATES)}"), board=self.name)
+        if timeout is not None:
+            _wait.seconds(timeout)
         self._follow()
         changed = self._engine.changed
         with changed:
@@ -186,9 +190,12 @@ class Board:
         services = self.services
         found = services.get(name) or next((one for own, one in services.items() if _model.identifier(own) == name), None)
         if found is None:
-            raise errors.NotThere(f"{self.name} has no service {name!r}" + (_model.near(name, services) or (
+            raise errors.NotThere(f"{self.name} has no service {name!r}" + (_model.near(str(name), services) or (
                 f"; it has {', '.join(services)}" if services else "; it has none")), board=self.name, service=name)
         return found
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.services
 
     def __iter__(self) -> Iterator[Service]:
         return iter(list(self.services.values()))
@@ -202,10 +209,23 @@ class Board:
     def label(self, **labels: str | None) -> None:
         """Sets labels, which the board's agent keeps; None removes one: `board.label(room="lab", shelf=None)`."""
         self._ask({"labels": labels}, "label", timeout=None)
+        self._until_told(lambda: all(self.labels.get(name) == value for name, value in labels.items()))
 
     def name_pins(self, names: Mapping[int, str | None]) -> None:
         """Gives pins friendly names: `board.name_pins({13: "status lamp"})`. None removes one."""
-        self._ask({"names": {"pins": {str(number): name for number, name in names.items()}}}, "name", timeout=None)
+        wanted = {str(number): name for number, name in names.items()}
+        self._ask({"names": {"pins": wanted}}, "name", timeout=None)
+        self._until_told(lambda: all(self._pin_names().get(number) == name for number, name in wanted.items()))
+
+    def _pin_names(self) -> dict[str, str]:
+        return (self.description.get("names") or {}).get("pins") or {}
+
+    def _until_told(self, true: Any) -> None:
+        """What was accepted stands in the next description: it comes soon, and what follows here may count on it."""
+        self._follow()
+        changed = self._engine.changed
+        with changed:
+            _wait.until(changed, lambda: true() or self._engine.closed, 2.0)
 
     def _ask(self, members: dict[str, Any], what: str, timeout: float | None) -> dict[str, Any]:
         seconds = self._timeout(timeout)
@@ -221,20 +241,19 @@ class Board:
     def pin(self, which: int | str) -> Pin:
         """A pin by its number, or by the friendly name that people gave it."""
         if isinstance(which, str):
-            names = (self.description.get("names") or {}).get("pins") or {}
+            names = self._pin_names()
             number = next((int(key) for key, name in names.items() if name == which and key.isdigit()), None)
             if number is None:
                 raise errors.Invalid(f"{self.name} has no pin named {which!r}" + _model.near(which, names.values()), board=self.name)
             which = number
+        if not isinstance(which, int) or isinstance(which, bool) or not 0 <= which <= 255:
+            raise errors.Invalid(f"{self.name}: {which!r} is no pin: a number from 0 to 255, or a name", board=self.name)
         if which not in self._pins:
             self._pins[which] = Pin(self, which)
         return self._pins[which]
 
     def _timeout(self, given: float | None) -> float:
-        seconds = self.bus.timeout if given is None else given
-        if not 0 < seconds <= 60:
-            raise errors.Invalid(f"timeout: {seconds} s is not within 0.05 to 60", board=self.name)
-        return max(0.05, seconds)
+        return max(0.05, _wait.seconds(self.bus.timeout if given is None else given, "timeout", 0.001, 60))
 
     # For people ---------------------------------------------------------------------------------------------------------
 

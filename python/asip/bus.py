@@ -69,7 +69,7 @@ class Bus:
         name. `kind`: a subclass of Board, as `asipctl model python` makes them."""
         if not valid_board(name):
             raise errors.Invalid(f"{name!r} cannot be the name of a board: 1 to 64 of A-Z a-z 0-9 . _ -", board=name)
-        seconds = self.timeout if timeout is None else timeout
+        seconds = self._seconds(timeout)
         end = time.monotonic() + seconds
         self._engine.wait_connected(seconds)
         board = self._of(name, kind)
@@ -121,6 +121,9 @@ class Bus:
         self._models[reference] = model
         self._not_told.pop(reference, None)
 
+    def _seconds(self, timeout: float | None) -> float:
+        return _wait.seconds(self.timeout if timeout is None else timeout)
+
     def _of(self, name: str, kind: type[Any] = Board) -> Any:
         if not isinstance(self._boards.get(name), kind):
             self._boards[name] = kind(self, name)
@@ -129,7 +132,7 @@ class Bus:
     def boards(self, pattern: str = "*", *, labels: str | None = None, timeout: float | None = None) -> list[Board]:
         """The boards that there are, by name; `pattern` with `*` and `?`, `labels` a selector such as `room=lab,!old`. A registry is
         asked; where there is none, what the broker keeps. A board's state is that of this moment, until `bus.board()` follows it."""
-        seconds = self.timeout if timeout is None else timeout
+        seconds = self._seconds(timeout)
         self._engine.wait_connected(seconds)
         names = self._ask_registry(pattern, labels, seconds)
         if names is None:
@@ -206,7 +209,8 @@ class Bus:
     def stop(self, boards: Iterable[str] | None = None, *, timeout: float | None = None) -> None:
         """Makes boards safe, all of them where none are named. It asks every board before it raises: the error names each that
         did not confirm."""
-        seconds = self.timeout if timeout is None else timeout
+        seconds = self._seconds(timeout)
+        boards = [boards] if isinstance(boards, str) else boards
         names = list(boards) if boards is not None else [one.name for one in self.boards() if one.state in ("online", "sleeping")]
         calls = [self._engine.stop(name, seconds) for name in names]
         failed = []
@@ -220,13 +224,17 @@ class Bus:
 
     def query(self, query: dict[str, Any], *, timeout: float | None = None) -> dict[str, Any]:
         """Asks a registry (docs/service-bus.md, "The registry") and returns its answer. NotThere where none answers."""
-        seconds = self.timeout if timeout is None else timeout
+        seconds = self._seconds(timeout)
+        if not isinstance(query, dict):
+            raise errors.Invalid(f'a query is a dict, {{"find": "boards"}}, not {query!r}', reason="invalid")
         answer: dict[str, Any] = _wait.result(self._engine.ask(lambda session, now: session.query(now, dict(query), seconds)).future)
         return answer
 
     def run(self, seconds: float | None = None) -> None:
         """Waits, while callbacks go on, until Ctrl-C, a SIGTERM, `close()` in another thread, or for `seconds`."""
         import signal
+        if seconds is not None:
+            _wait.seconds(seconds, "seconds", most=1e9)
         end = None if seconds is None else time.monotonic() + seconds
         before = None
         if threading.current_thread() is threading.main_thread():
@@ -280,6 +288,7 @@ def connect(broker: str | None = None, *, credentials: str | None = None, user: 
     credentials: a file made by `asipctl secure`, with all of it.
     by: the name that boards' histories show for what this program does; the login name where none is given.
     """
+    _wait.seconds(timeout)
     settings = find(broker, credentials=credentials, user=user, password=password, ca=ca, root=root)
     if settings.is_default:
         settings = announced(settings, min(_SEARCH_SECONDS, timeout))

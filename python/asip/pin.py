@@ -56,9 +56,19 @@ class Pin:
 
     def write(self, level: bool | int, *, timeout: float | None = None) -> None:
         """Sets an output. Returns when the board has executed it."""
+        wanted = self._level_of(level)
         self._need("output", timeout)
-        self._io().command("write", self.number, 1 if level else 0, timeout=timeout)
-        self._level = bool(level)
+        self._io().command("write", self.number, 1 if wanted else 0, timeout=timeout)
+        self._level = wanted
+
+    def _level_of(self, level: Any) -> bool:
+        """True, False, 1 and 0, of NumPy too, or the words of the model; `"off"` is not true as other texts are."""
+        words = {"high": True, "on": True, "low": False, "off": False}
+        if isinstance(level, str) and level in words:
+            return words[level]
+        if isinstance(level, (str, bytes)) or level is None or level not in (0, 1):
+            raise errors.Invalid(f"{self}: {level!r} is no level: True or False, 1 or 0, {', '.join(map(repr, words))}", board=self.board.name)
+        return bool(level)
 
     def on(self, *, timeout: float | None = None) -> None:
         self.write(True, timeout=timeout)
@@ -72,6 +82,8 @@ class Pin:
 
     def pwm(self, duty: int, *, timeout: float | None = None) -> None:
         """Sets the duty of a PWM pin, 0 to 255."""
+        if isinstance(duty, bool) or not isinstance(duty, int) or not 0 <= duty <= 255:
+            raise errors.Invalid(f"{self}: {duty!r} is no duty: a whole number from 0 to 255", board=self.board.name)
         self._need("pwm", timeout)
         self._io().command("pwm", self.number, duty, timeout=timeout)
 
@@ -91,10 +103,13 @@ class Pin:
 
     def wait_for(self, level: bool, *, pull_up: bool = True, timeout: float | None = None) -> None:
         """Waits until the input has this level; Unproven after `timeout` seconds (None: no limit)."""
+        wanted = self._level_of(level)
+        if timeout is not None:
+            _wait.seconds(timeout)
         self._listen(pull_up, None)
         with self._changed:
-            if not _wait.until(self._changed, lambda: self._level is level or self.board._engine.closed, timeout):
-                raise errors.Unproven(f"{self}: not {'high' if level else 'low'} within {timeout:g} s", board=self.board.name, reason="no-value")
+            if not _wait.until(self._changed, lambda: self._level is wanted or self.board._engine.closed, timeout):
+                raise errors.Unproven(f"{self}: not {'high' if wanted else 'low'} within {timeout:g} s", board=self.board.name, reason="no-value")
         self.board._engine.check_open()
 
     def on_change(self, function: Callable[..., Any] | None, *, initial: bool = False, pull_up: bool = True) -> None:

@@ -127,7 +127,7 @@ class Service:
                 return self.command(asker.name, timeout=max(0.05, end - time.monotonic()))
             reading = values.wait(seconds)
         if reading is None:
-            hint = "; it reports at the period that its command `report` sets" if self.model and "report" in self.model.commands else ""
+            hint = "; pins report when they change: board.pin(2).read() sets the mode of one, and reads it" if found.name == "digital" else "; it reports at the period that its command `report` sets" if self.model and "report" in self.model.commands else ""
             raise errors.Unproven(f"{self.board.name}/{self.name}: no value within {seconds:g} s{hint}", board=self.board.name,
                                   service=self.name, reason="no-value")
         return reading.value
@@ -155,6 +155,11 @@ class Service:
         details: gives Reading(value, unit, at) in place of plain values.
         timeout: the longest time between two values in seconds; then Unproven. None: no limit.
         """
+        _check_hz(hz)
+        if not isinstance(keep, int) or keep < 1:
+            raise errors.Invalid(f"keep: {keep!r} is not a whole number above 0")
+        if timeout is not None:
+            _wait.seconds(timeout)
         if lost not in ("raise", "wait"):
             raise errors.Invalid(f'lost={lost!r}: "raise" or "wait"')
         return Stream(self, self._event(event), hz=hz, keep=keep, wait_for_board=lost == "wait", details=details, timeout=timeout)
@@ -169,6 +174,7 @@ class Service:
     def on_value(self, function: Callable[..., Any], *, hz: float = 10, event: str | None = None) -> Watch:
         """Calls `function(value)` for each report, in the thread `asip-callbacks`, one at a time; it may send commands. While
         it takes long the newest value waits. Returns a Watch; `cancel()` ends it."""
+        _check_hz(hz)
         found, count, engine = self._event(event), takes(function, 1), self.board._engine
         key = object()
 
@@ -199,8 +205,11 @@ class Service:
         those. With `feed=1.0` it is renewed only while the block calls `feed()` or `set()` of what it got at least once a
         second: then a loop that hangs stops the motor, too.
         """
-        if not 0.05 <= seconds <= 60:
-            raise errors.Invalid(f"hold: {seconds} s is not within 0.05 to 60")
+        _wait.seconds(seconds, "seconds", 0.05, 60)
+        if feed is not None:
+            _wait.seconds(feed, "feed", 0.05)
+        if not commands:
+            raise errors.Invalid("hold: no command is given: hold(power=[[0, 60], [1, 60]])", board=self.board.name, service=self.name)
         return Held(self, seconds, feed, timeout, commands)
 
     def __getitem__(self, index: int) -> "Element":
@@ -317,6 +326,10 @@ class Held:
         if kind is None and self.lost:
             raise errors.Refused(f"{self._service.board.name}/{self._service.name}: the hold ended before the block did: {self.lost}",
                                  board=self._service.board.name, service=self._service.name, reason="not-held")
+
+
+def _check_hz(hz: Any) -> None:
+    _wait.seconds(hz, "hz", 0.001, 1000)
 
 
 def _argument_lists(given: Any) -> list[tuple[Any, ...]]:

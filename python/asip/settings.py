@@ -35,18 +35,18 @@ class Broker(NamedTuple):
         scheme, _, rest = text.strip().rpartition("://")
         shown = f"{scheme}://...@{rest.rsplit('@', 1)[1]}" if "@" in rest else text
         if scheme not in _SCHEMES:
-            raise ValueError(f'broker "{shown}": only mqtt:// and mqtts:// are supported')
+            raise errors.Invalid(f'broker "{shown}": only mqtt:// and mqtts:// are supported')
         if "@" in rest:
-            raise ValueError(f'broker "{shown}": give user and password as user= and password= (ASIP_USER, ASIP_PASSWORD_FILE)')
+            raise errors.Invalid(f'broker "{shown}": give user and password as user= and password= (ASIP_USER, ASIP_PASSWORD_FILE)')
         if rest.count(":") > 1 and not rest.startswith("["):
-            raise ValueError(f'broker "{shown}": an IPv6 address stands in brackets, [{rest}]')
+            raise errors.Invalid(f'broker "{shown}": an IPv6 address stands in brackets, [{rest}]')
         try:
             parts = urllib.parse.urlsplit("//" + rest.rstrip("/"))
             port = parts.port
         except ValueError as fault:
-            raise ValueError(f'broker "{shown}": {fault}') from None
+            raise errors.Invalid(f'broker "{shown}": {fault}') from None
         if not parts.hostname or parts.path:
-            raise ValueError(f'broker "{shown}" is not HOST, HOST:PORT or mqtt://HOST:PORT')
+            raise errors.Invalid(f'broker "{shown}" is not HOST, HOST:PORT or mqtt://HOST:PORT')
         tls = _SCHEMES[scheme]
         return Broker(parts.hostname, port or (8883 if tls else 1883), tls)
 
@@ -92,7 +92,7 @@ def _lines(path: str) -> tuple[dict[str, str], str]:
         elif line and line[0] not in "#;[":
             name, equals, value = line.partition("=")
             if not equals:
-                raise ValueError(f"{path}:{number}: expected NAME = VALUE")
+                raise errors.Invalid(f"{path}:{number}: expected NAME = VALUE")
             found[name.strip()] = value.strip().strip('"')
     return found, text if "-----BEGIN CERTIFICATE-----" in text else ""
 
@@ -101,15 +101,17 @@ def _of_credentials(path: str) -> Settings:
     values, certificates = _lines(path)
     for name in ("broker", "user", "password"):
         if not values.get(name):
-            raise ValueError(f"{path}: the line {name} = ... is missing")
+            raise errors.Invalid(f"{path}: the line {name} = ... is missing")
     return Settings(_brokers(values["broker"]), values["user"], values["password"], None, certificates or None,
                     root=values.get("topic-root") or "asip", source=path)
 
 
 def _brokers(text: str) -> tuple[Broker, ...]:
+    if not isinstance(text, str):
+        raise errors.Invalid(f"broker {text!r} is no text: HOST, HOST:PORT or mqtt://HOST:PORT")
     made = tuple(Broker.parse(one) for one in text.split(",") if one.strip())
     if not made:
-        raise ValueError("the list of brokers is empty")
+        raise errors.Invalid("the list of brokers is empty")
     return made
 
 
@@ -143,7 +145,7 @@ def _profile(environment: Mapping[str, str]) -> Settings | None:
     if not name or "/" in name:
         return None
     if not os.path.exists(file):
-        raise ValueError(f'there is no context "{name}"; see asipctl context list')
+        raise errors.Invalid(f'there is no context "{name}"; see asipctl context list')
     return _of_options(_lines(file)[0], f"the context {name} of asipctl")
 
 

@@ -8,6 +8,7 @@ import inspect
 import multiprocessing
 import pickle
 import pydoc
+import re
 import subprocess
 import sys
 import threading
@@ -116,6 +117,50 @@ class Commands(Memory):
             thread.join()
         for servo in range(8):
             self.assertEqual([values[1] for _, _, values in self.commands() if values[0] == servo], list(range(50)))
+
+
+class OddInput(Memory):
+    """What people type by mistake: each is an error at once that says what is wrong, and nothing is sent."""
+
+    CALLS = """
+        desk.servo.write(0, 90, timeout="x")    desk.servo.write(0, 90, timeout=True)   desk.servo.write(0, 90, timeout=float("nan"))
+        desk.pin(13).write("up")                desk.pin(13).write(None)                desk.pin(13).write(2)
+        desk.pin(None)                          desk.pin(13.5)                          desk.pin(True)
+        desk.pin(-1)                            desk.pin("13")                          desk.pin(3).pwm(300)
+        desk.pin(3).pwm("5")                    desk.pin(2).wait_for("x")               desk.pin(2).wait_for(True, timeout="x")
+        bus.board(5)                            bus.board(None)                         bus.board("desk", timeout="5")
+        bus.boards(timeout="5")                 bus.query("x")                          bus.query({"find": "boards", "x": object()})
+        bus.query({"find": "shoes"})            desk.raw(b"x")                          desk.wait_for("onlin")
+        desk.io.hold()                          desk.io.hold(write=[13, 1], seconds=0)  desk.io.hold(write=[13, 1], seconds="a")
+        desk.io.hold(write=[13, 1], feed=-1)    desk.distance.stream(hz=0)              desk.distance.stream(hz="a")
+        desk.distance.stream(hz=float("nan"))   desk.distance.stream(keep="a")          desk.distance.stream(keep=0)
+        desk.distance.stream(timeout="a")       desk.distance.stream(event=5)           desk.distance.on_value(print, hz=-1)
+        bus.run("x")                            asip.connect(5)                         asip.connect("")
+        asip.connect(timeout="a")               asip.connect("http://pi")               desk.distance.read("nothing")
+    """
+
+    def test_each_is_invalid(self):
+        calls = [one for line in self.CALLS.strip().splitlines() for one in re.split(r"\s{2,}", line.strip())]
+        self.assertGreater(len(calls), 40)
+        for call in calls:
+            with self.subTest(call), self.assertRaises(asip.Invalid) as raised:
+                eval(call, {"desk": self.desk, "bus": self.bus, "asip": asip})
+            self.assertNotRegex(str(raised.exception), r"object has no|unsupported operand|not supported between")
+        self.assertEqual(self.commands(), [])
+
+    def test_what_is_meant_works(self):
+        self.desk.pin(13).write("off")
+        self.assertEqual(self.memory.desk.levels[13], 0)
+        self.desk.pin(13).write("on")
+        self.assertEqual(self.memory.desk.levels[13], 1)
+        self.memory.desk.press(2)
+        self.desk.pin(2).wait_for(1, timeout=5)
+        self.assertIn("servo", self.desk)
+        self.assertNotIn("sevro", self.desk)
+        self.bus.stop("desk")
+        self.assertEqual(self.commands()[-1], ("", "stop", []))
+        with self.assertRaises(LookupError):
+            self.desk[0]
 
 
 class Values(Memory):
