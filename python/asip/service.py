@@ -127,10 +127,16 @@ class Service:
                 return self.command(asker.name, timeout=max(0.05, end - time.monotonic()))
             reading = values.wait(seconds)
         if reading is None:
-            hint = "; pins report when they change: board.pin(2).read() sets the mode of one, and reads it" if found.name == "digital" else "; it reports at the period that its command `report` sets" if self.model and "report" in self.model.commands else ""
-            raise errors.Unproven(f"{self.board.name}/{self.name}: no value within {seconds:g} s{hint}", board=self.board.name,
+            hint = "; pins report when they change: board.pin(2).read() sets the mode of one, and reads it" if found.name == "digital" else None
+            raise errors.Unproven(f"{self.board.name}/{self.name}: no value within {seconds:g} s{hint or self._how_to_report()}", board=self.board.name,
                                   service=self.name, reason="no-value")
         return reading.value
+
+    def _how_to_report(self) -> str:
+        """What to do about a service that tells nothing; empty where nothing is known."""
+        if self.board.description.get("on_demand") or not self.model or "report" not in self.model.commands:
+            return ""
+        return f": it reports when its period is set, each 100 ms by {self.board.name}.{_model.identifier(self.name)}.report(100)"
 
     def _event(self, name: str | None) -> _model.Event:
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import collections
 import contextlib
+import logging
 import queue
 import time
 import weakref
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 # _FAST_SECONDS, it takes those of _GATHER_SECONDS together.
 _FAST_SECONDS = 0.001
 _GATHER_SECONDS = 0.004
+_SILENCE_SECONDS = 3.0
+log = logging.getLogger("asip")
 
 
 class Reading(NamedTuple):
@@ -40,6 +43,7 @@ class Stream(Iterator[Any]):
         self._waiting: "collections.deque[Reading]" = collections.deque()
         self._keep, self._unit = max(1, keep), event.unit
         self._busy = False
+        self._silent = True  # no value came yet
         self._bell: "queue.SimpleQueue[None]" = queue.SimpleQueue()
         self._closed = False
         self._news: Callable[[], object] | None = None
@@ -107,7 +111,7 @@ class Stream(Iterator[Any]):
         if self._closed:
             raise StopIteration
         try:
-            reading = self._waiting.popleft() if self._waiting else self.wait(self._timeout)
+            reading = self._waiting.popleft() if self._waiting else self._next()
         except IndexError:  # another thread took it
             return next(self)
         except BaseException:
@@ -117,9 +121,22 @@ class Stream(Iterator[Any]):
             if self._closed:
                 raise StopIteration
             self.close()
-            raise errors.Unproven(f"{self._service.board.name}/{self._service.name}: no value within {self._timeout:g} s",
+            raise errors.Unproven(f"{self._service.board.name}/{self._service.name}: no value within {self._timeout:g} s{self._service._how_to_report()}",
                                   board=self._service.board.name, service=self._service.name, reason="no-value")
         return reading if self._details else reading.value
+
+    def _next(self) -> Reading | None:
+        """As wait(); a loop that hears nothing is told why, once."""
+        if not self._silent:
+            return self.wait(self._timeout)
+        self._silent = False
+        patience = _SILENCE_SECONDS if self._timeout is None else min(_SILENCE_SECONDS, self._timeout)
+        reading = self.wait(patience)
+        hint = self._service._how_to_report()
+        if reading is not None or self._closed or not hint or self._timeout == patience:
+            return reading
+        log.warning("asip: %s/%s has told nothing for %g s%s", self._service.board.name, self._service.name, patience, hint)
+        return self.wait(None if self._timeout is None else self._timeout - patience)
 
     def close(self) -> None:
         if not self._closed:

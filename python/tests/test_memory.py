@@ -184,6 +184,15 @@ class Values(Memory):
         stream.close()
         self.assertEqual(list(stream), [])
 
+    def test_stream_of_a_board_that_reports_nothing_says_what_to_do(self):
+        with unittest.mock.patch("asip.stream._SILENCE_SECONDS", 0.1), self.assertLogs("asip", "WARNING") as logged:
+            threading.Timer(0.5, lambda: self.memory.desk.report("distance", [1, 2])).start()
+            self.assertEqual(next(self.desk.distance.stream()), [1, 2])
+        self.assertIn("desk.distance.report(100)", logged.output[0])
+        with self.assertRaises(asip.Unproven) as raised:
+            next(self.desk.distance.stream(timeout=0.1))
+        self.assertIn("desk.distance.report(100)", str(raised.exception))
+
     def test_stream_that_keeps_loses_nothing(self):
         with self.desk.distance.stream(keep=2000) as stream:
             for value in range(1000):
