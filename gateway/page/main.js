@@ -4,13 +4,14 @@ import "./ui/board.js";
 import "./ui/boards.js";
 import "./ui/shell.js";
 import "./ui/system.js";
+import { attention_of, title_badge } from "./core/attention.js";
 import { base, request } from "./net/bus.js";
 import { h, set_text } from "./ui/dom.js";
-import { status } from "./ui/model.js";
+import { boards, status } from "./ui/model.js";
 
 const main = document.getElementById("main");
 const screens = [
-  [/^$/, () => ["Boards", document.createElement("asip-boards")]],
+  [/^(?:\?(.*))?$/, (query) => ["Boards", document.createElement("asip-boards").begin(query)]],
   [/^board\/([^/]+)$/, (name) => [name, document.createElement("asip-board").begin(name)]],
   [/^history$/, () => ["History", h("div", {}, h("h1", { tabindex: "-1" }, "History"), document.createElement("asip-history").begin("api/history", true))]],
   [/^bus$/, () => ["Bus", document.createElement("asip-system")]],
@@ -51,22 +52,27 @@ function screen_of(path) {
   if (status.refused) return status.problem.status === 401 ? sign_in() : link_is_over();
   for (const [pattern, make] of screens) {
     const match = pattern.exec(path);
-    if (match) return make(...match.slice(1).map(decoded));
+    if (match) return make(...match.slice(1).map((part) => (path.startsWith("?") ? part : decoded(part))));
   }
   return ["Not found", h("div", {}, h("h1", { tabindex: "-1" }, "There is no such page"), h("a", { href: "#/" }, "All boards"))];
 }
 
 let path;
+let screen_title = "";
+function show_title() { document.title = `${title_badge(attention_of(boards.catalogue.rows.values()))}${screen_title} – ASIP`; }
+boards.addEventListener("change", show_title);
+
 function show(first = false) {
   const wanted = location.hash.replace(/^#\/?/, "");
   if (wanted === "main") return main.focus(); // the link that skips the header
   path = wanted;
   const [title, screen] = screen_of(path);
   main.replaceChildren(screen);
-  document.title = `${title} – ASIP`;
+  screen_title = title;
+  show_title();
   for (const link of document.querySelectorAll("nav a")) {
     const target = link.getAttribute("href").slice(2);
-    const here = target === path || (target === "" && path.startsWith("board/"));
+    const here = target === path || (target === "" && (path.startsWith("board/") || path.startsWith("?")));
     if (here) link.setAttribute("aria-current", "page");
     else link.removeAttribute("aria-current");
   }

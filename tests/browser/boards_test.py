@@ -32,6 +32,26 @@ class Boards(PageTest):
         self.row_has("lamp", "online")
         self.assertTrue(self.browser.run("return window.same_page"))
 
+    def test_View_StandsInTheAddressAndIsFoundByIt(self):
+        self.open()
+        self.row_has("lamp", "online")
+        self.browser.shown("input[type=search]").send_keys("lamp")
+        eventually(lambda: list(self.browser.table()) == ["lamp"], "only lamp")
+        self.assertIn("text=lamp", self.browser.driver.current_url)
+        self.open("?text=desk", anew=True)
+        eventually(lambda: list(self.browser.table()) == ["desk"], "only desk")
+        self.open("?sort=name", anew=True)
+
+    def test_Forget_AsksFirst(self):
+        self.bus.end("agent-lamp")
+        self.open("board/lamp")
+        self.browser.button("Forget this board").click()
+        self.assertIn("Forget lamp", self.browser.text(".tools"))
+        self.browser.button("Keep it").click()
+        self.browser.button("Forget this board")
+        self.bus.start_agent("lamp")
+        eventually(lambda: self.bus.state("lamp") == "online", "lamp online again", 30)
+
     def test_SearchAndFilters_ShowOnlyWhatFits(self):
         self.open()
         self.row_has("lamp", "online")

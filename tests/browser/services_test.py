@@ -5,6 +5,7 @@ import csv
 import io
 import json
 import unittest
+import urllib.request
 
 from selenium.webdriver.common.by import By
 
@@ -65,17 +66,30 @@ class Services(PageTest):
         self.send(form)
         self.answered(form, "error", "The board's error")
 
-    def test_BoardUnplugged_CommandIsNoSuccess(self):
+    def test_BoardUnplugged_ItsFormsAreOffUntilItIsBack(self):
         self.open_board("lamp")
-        self.all_commands()
-        form = self.form("io", "Report analog pins periodically; 0 stops")
-        self.fill(form, "Period", "0")
+        off = lambda: self.browser.run("return [...document.querySelectorAll('asip-service > .commands')].every((each) => each.inert)")
+        eventually(lambda: not off(), "the forms can be used")
         self.bus.sim("unplug", "lamp")
-        self.send(form)
-        output = form.find_element(By.TAG_NAME, "output")
-        eventually(lambda: any(kind in output.get_attribute("class") for kind in ("timeout", "refused")), "an answer that is no success", 30)
+        eventually(off, "the forms are off", 30)
+        self.assertIn("Commands are off until the board is back", self.browser.text(".unusable"))
+        eventually(lambda: "(1 lost)" in self.browser.driver.title, "the tab's title")
+        self.browser.run("location.hash = '#/'")
+        eventually(lambda: "1 board lost" in self.browser.text(".attention") and "cable unplugged" in self.browser.text(".attention"), "lost boards first")
         self.bus.sim("replug", "lamp")
         eventually(lambda: self.bus.state("lamp") == "online", "lamp online again", 30)
+        eventually(lambda: self.browser.text(".attention") == "", "nothing to look after")
+        self.open_board("lamp")
+        eventually(lambda: not off(), "the forms can be used again")
+
+    def test_WhatAnotherProgramSet_IsShownAlsoAfterAReload(self):
+        self.open_board()
+        urllib.request.urlopen(urllib.request.Request(f"{self.bus.url}/api/boards/desk/services/servo/commands/write", b"[0,33]",
+                                                      {"Content-Type": "application/json"}), timeout=10)
+        known = lambda: self.browser.shown("form[aria-label^='servo'] .now-set").text
+        eventually(lambda: "33" in known(), "what was set by another program")
+        self.open_board(anew=True)
+        eventually(lambda: "33" in known(), "and after a reload")
 
     def test_DistanceReported_ValueAndPlotMove(self):
         self.open_board()

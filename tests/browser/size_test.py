@@ -7,8 +7,8 @@ import re
 import unittest
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "gateway" / "page"
-LIMIT = 80_000
-AIM = 46_000
+LIMIT = 100_000
+AIM = 56_000
 
 
 def served(name, content):

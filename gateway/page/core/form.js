@@ -114,6 +114,26 @@ export function arguments_of(fields, entered) {
 
 function words_of(field) { return field.name.replace(/[-_]/g, " "); }
 
+function set_value(value, fields) {
+  if (value !== null && typeof value === "object" && !Array.isArray(value)) {
+    return Object.entries(value).map(([name, each]) => `${name} ${set_value(each, fields.filter((field) => field.name === name))}`).join(" ");
+  }
+  const field = fields.at(-1);
+  const named = Object.entries(field?.names ?? {}).find(([, number]) => number === value)?.[0];
+  return named ?? `${typeof value === "string" ? value : JSON.stringify(value)}${field?.unit ? ` ${field.unit}` : ""}`;
+}
+
+/// What was set by one command, for a person: "0: 90 degrees, 1: 45 degrees"; "" where nothing is known.
+export function set_text(set, model, name) {
+  const value = set?.[name];
+  if (value === undefined) return "";
+  const fields = (model?.commands?.[name]?.args ?? []).filter((argument) => argument.type !== "count");
+  const keys = value !== null && typeof value === "object" && !Array.isArray(value) ? Object.keys(value) : [];
+  if (keys.length === 0 || !keys.every((key) => /^\d+$/.test(key))) return value === true ? "done" : set_value(value, fields);
+  const text = (key) => (value[key] === true ? key : `${key}: ${set_value(value[key], fields)}`);
+  return keys.sort((a, b) => a - b).map(text).join(", ");
+}
+
 /// The command that undoes `name` with `args` (by name), as its model says: {command, args}. Undefined: none.
 export function safe_form(model, name, args) {
   const command = model.commands[name];

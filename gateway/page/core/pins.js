@@ -119,8 +119,19 @@ export class PinValues {
     this.duties.clear();
   }
 
+  /// What the board's agent says of its outputs: {"write":{"13":1},"pwm":{"3":128}}; null: nothing that is known.
+  set_is(set) {
+    this.stopped();
+    for (const [pin, level] of numbers_by_pin(set?.write)) {
+      this.levels.set(pin, level);
+      this.written.add(pin);
+    }
+    for (const [pin, duty] of numbers_by_pin(set?.pwm)) this.duties.set(pin, duty);
+    for (const [pin, mode] of numbers_by_pin(set?.mode)) this.modes.set(pin, mode);
+  }
+
   /// {mode, text, level, told}: level 0..1 for the light of the pin, undefined where nothing is known. `told`: the board does not
-  /// report it; it is what this browser's last command set, and others may have set another one since.
+  /// report it; it is what was set, by whoever did that last.
   state_of(pin) {
     const mode = mode_names[this.modes.get(pin.number) ?? pin.mode];
     if (mode === "analog") {

@@ -2,7 +2,7 @@
 // One board: what it is, its pins, its services, its history.
 import { alive, label_texts } from "../core/catalogue.js";
 import { duration_text, moment_text, time_of, reason_text } from "../core/text.js";
-import { path_of, request } from "../net/bus.js";
+import { bus, path_of, request } from "../net/bus.js";
 import { h, Part, set_text, state_mark } from "./dom.js";
 import { boards, status } from "./model.js";
 import "./history.js";
@@ -32,9 +32,10 @@ class Board extends Part {
     this.no_service = h("p", { class: "empty", hidden: true }, "This board offers no service.");
     this.services = h("section", { class: "services", "aria-label": "Services" }, h("h2", {}, "Services"), this.no_service);
     this.problem = h("p", { class: "empty", role: "status", hidden: true });
+    this.unusable = h("p", { class: "unusable muted", role: "status" });
     this.tools = h("span", { class: "tools" });
     this.append(h("p", { class: "back" }, h("a", { href: "#/" }, "← All boards")), h("div", { class: "title-row" }, this.heading, this.mark, this.since, this.tools),
-      this.problem, this.facts, this.pins_box, this.world_box, this.services,
+      this.problem, this.unusable, this.facts, this.pins_box, this.world_box, this.services,
       h("section", {}, h("h2", {}, "History"), document.createElement("asip-history").begin(path_of("boards", this.name, "history"), false)));
     this.listen(boards, "board", (event) => { if (event.board === this.name) this.reload(event.kind); });
     this.listen(boards, "change", () => this.show_state());
@@ -75,15 +76,33 @@ class Board extends Part {
     const time = since === undefined ? "" : `since ${moment_text(since)} (${duration_text(Date.now() - since)})`;
     set_text(this.since, [time, reason_text(row?.reason ?? this.board?.reason)].filter(Boolean).join(": "));
     this.classList.toggle("gone", Boolean(state) && !alive(state));
+    this.show_usable(state);
     if (this.tools_for !== rights()) this.show_tools();
+  }
+
+  /// Commands cannot reach a board that is not there, whose port is lent, or that is behind a lost broker: then its forms are off.
+  show_usable(state) {
+    const reachable = bus.link.state === "open" && status.now?.broker?.connected !== false;
+    const usable = reachable && (state === undefined || (alive(state) && state !== "updating"));
+    for (const element of this.shown_services.values()) if (element.commands) element.commands.inert = !usable;
+    if (this.pins.panel) this.pins.panel.inert = !usable;
+    set_text(this.unusable, usable ? "" : !reachable ? "Commands are off: the bus cannot be reached." : state === "updating" ? "Commands are off: its port is in other hands." : "Commands are off until the board is back.");
   }
 
   show_tools() {
     this.tools_for = rights();
     const stop = () => status.may_command && h("asip-stop", { board: this.name });
-    const forget = () => status.may_forget && h("button", { onclick: () => this.forget() }, "Forget this board");
+    const forget = () => status.may_forget && h("button", { onclick: () => this.ask_to_forget() }, "Forget this board");
     const tool = this.state && (alive(this.state) ? stop() : forget());
     this.tools.replaceChildren(...(tool ? [tool] : []));
+  }
+
+  /// Everything that is kept of it on the bus is cleared: nobody does that by one wrong click.
+  ask_to_forget() {
+    const no = h("button", { onclick: () => this.show_tools() }, "Keep it");
+    this.tools.replaceChildren(h("span", {}, `Forget ${this.name}, and clear all that the bus keeps of it?`), " ",
+      h("button", { class: "danger", onclick: () => this.forget() }, "Yes, forget"), " ", no);
+    no.focus();
   }
 
   async forget() {
@@ -143,7 +162,8 @@ class Board extends Part {
     this.shown_services = new Map(order.map((service) => {
       const key = JSON.stringify([service.name, service.model, pins]);
       const element = known.get(key) ?? document.createElement("asip-service").begin(this.name, service, {
-        pins: pins && service.name === "io", on_value: this.listener_of(service) });
+        pins: pins && service.name === "io", on_value: this.listener_of(service),
+        on_set: service.name === "io" ? (set) => this.pins.set_is?.(set) : undefined });
       if (known.has(key)) element.update(service);
       return [key, element];
     }));

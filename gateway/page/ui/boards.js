@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The table of all boards.
+import { attention_of, filter_of, named, query_of } from "../core/attention.js";
 import { alive, states } from "../core/catalogue.js";
 import { duration_text, moment_text, plural, reason_text } from "../core/text.js";
 import { moved_row, scroll_to_show, visible_rows } from "../core/virtual.js";
@@ -7,15 +8,22 @@ import { boards } from "./model.js";
 import { h, Part, set_class, set_text } from "./dom.js";
 
 const columns = [["name", "Board"], ["state", "State"], ["since", "Since"], ["services", "Services"], ["chip", "Chip, sketch"]];
-const filter = { text: "", kind: "", state: "", sort: "name", descending: false }; // kept from visit to visit
+const filter = filter_of(""); // kept from visit to visit
 
 class Boards extends Part {
+  /// `query`: the view that stands in the address; "" for the one that was seen last.
+  begin(query) {
+    if (query) Object.assign(filter, filter_of(query));
+    return this;
+  }
+
   shown() {
     this.rows = [];
     this.drawn = new Map(); // index -> row element
     this.spare = [];
     this.current = 0;
-    this.append(h("h1", { class: "hidden" }, "Boards"), this.toolbar(), this.table());
+    this.append(h("h1", { class: "hidden" }, "Boards"), this.attention = h("div", { class: "attention", role: "status", hidden: true }), this.toolbar(), this.table());
+    this.keep_address();
     this.row_height = parseFloat(getComputedStyle(this).getPropertyValue("--row"));
     this.listen(boards, "change", () => this.refresh());
     this.listen(this.scroll, "scroll", () => this.draw());
@@ -47,9 +55,33 @@ class Boards extends Part {
 
   filtered(change) {
     Object.assign(filter, change);
+    this.keep_address();
     this.scroll.scrollTop = 0;
     this.current = 0;
     this.refresh();
+  }
+
+  // A view can be bookmarked and sent to others; it is no step of its own for the browser's way back.
+  keep_address() {
+    const query = query_of(filter);
+    history.replaceState(null, "", query ? `#/?${query}` : "#/");
+  }
+
+  /// Lost boards first, with the reason and since when.
+  show_attention(catalogue) {
+    const { lost, stopped, reasons } = attention_of(catalogue.rows.values());
+    const key = JSON.stringify([lost.map((row) => [row.name, row.reason, row.since]).slice(0, 5), lost.length, stopped.length, named(stopped).map((row) => row.name)]);
+    if (key === this.shown_attention) return;
+    this.shown_attention = key;
+    const link = (row, more = "") => h("a", { href: `#/board/${encodeURIComponent(row.name)}` }, row.name, more);
+    const list = (rows, text) => named(rows).map((row, i) => [i > 0 ? ", " : "", link(row), text(row)]);
+    const rest = (rows, state) => rows.length > named(rows).length && [" … ", h("button", { onclick: () => this.filtered({ state, text: "" }) }, "Show all")];
+    const all_alike = reasons.length === 1 && lost.length > 1 ? ` (all: ${reason_text(reasons[0][0])})` : "";
+    const why = (row) => [reason_text(row.reason), row.since && `since ${moment_text(row.since)}`].filter(Boolean).join(", ");
+    this.attention.hidden = lost.length + stopped.length === 0;
+    this.attention.replaceChildren(
+      lost.length > 0 ? h("p", {}, h("strong", { class: "state lost" }, `${plural(lost.length, "board")} lost${all_alike}: `), list(lost, (row) => ` (${why(row)})`), rest(lost, "lost")) : "",
+      stopped.length > 0 ? h("p", {}, h("strong", { class: "state latched" }, `${plural(stopped.length, "board")} stopped: `), list(stopped, () => ""), rest(stopped, "")) : "");
   }
 
   measure() {
@@ -62,6 +94,7 @@ class Boards extends Part {
     this.rows = catalogue.view(filter);
     this.current = Math.max(0, Math.min(this.current, this.rows.length - 1));
     this.show_filters(catalogue);
+    this.show_attention(catalogue);
     this.heads.forEach((head, i) => {
       if (columns[i][0] === filter.sort) head.setAttribute("aria-sort", filter.descending ? "descending" : "ascending");
       else head.removeAttribute("aria-sort");
@@ -145,8 +178,9 @@ class Boards extends Part {
     set_text(name.lastChild, board.labels.join("  "));
     name.title = board.labels.join(", ");
     link.tabIndex = index === this.current ? 0 : -1;
-    set_text(state.firstChild, board.conflict ? `${board.state}, conflict` : board.state);
-    set_class(state.firstChild, `state ${board.state}`);
+    const stopped = board.reason === "latched" && alive(board.state);
+    set_text(state.firstChild, board.conflict ? `${board.state}, conflict` : stopped ? "stopped" : board.state);
+    set_class(state.firstChild, `state ${stopped ? "latched" : board.state}`);
     set_text(since, board.since === undefined ? "" : duration_text(now - board.since));
     const why = reason_text(board.reason);
     since.title = [board.since === undefined ? board.state : `${board.state} since ${moment_text(board.since, now)}`, why].filter(Boolean).join(": ");

@@ -24,12 +24,16 @@ class Command extends Part {
     const title = this.command.title ?? words(this.name);
     this.inputs = new Map();
     this.output = h("output", { class: "answer", "aria-live": "polite" });
+    this.known = h("span", { class: "muted now-set" });
     this.actions = h("span", { class: "actions" }, this.buttons());
     this.form = h("form", { "aria-label": `${this.service.name}: ${title}`, novalidate: true, class: this.fields.length === 0 ? "bare" : "",
       onsubmit: (event) => { event.preventDefault(); this.send(); } },
-      h("div", { class: "title" }, h("span", {}, title), this.output), this.fields.map((field) => this.control(field)), this.actions);
+      h("div", { class: "title" }, h("span", {}, title), this.known, this.output), this.fields.map((field) => this.control(field)), this.actions);
     this.append(this.form);
   }
+
+  /// What was set by this command, and is in force as far as is known.
+  now_set(text) { set_text(this.known, text && `set: ${text}`); }
 
   get held_kind() { return this.command.safe !== undefined; }
 

@@ -62,6 +62,11 @@ class Pins extends Part {
     this.refresh?.();
   }
 
+  set_is(set) {
+    this.values.set_is(set);
+    this.refresh?.();
+  }
+
   happened({ board, service, command, args, answer, stopped }) {
     if (stopped === "*" || stopped === this.board) {
       this.values.stopped();
@@ -81,7 +86,7 @@ class Pins extends Part {
       set_class(button, `pin${taken ? " taken" : ""}${pin.number === this.opened ? " open" : ""} ${mode ?? ""}`);
       set_class(light, `light ${level === undefined ? "unknown" : level > 0 ? "on" : "off"}${told ? " told" : ""}`);
       light.style.opacity = level > 0 ? String(0.35 + 0.65 * level) : "";
-      const label = this.label_of(pin, mode, value && (told ? `last set here: ${value}` : value));
+      const label = this.label_of(pin, mode, value && (told ? `set to ${value}` : value));
       if (button.getAttribute("aria-label") !== label) {
         button.setAttribute("aria-label", label);
         button.title = label;
@@ -127,7 +132,7 @@ class Pins extends Part {
     const { pin } = this.cells.get(this.opened);
     const { mode, text, told } = this.values.state_of(pin);
     const owner = { "": "Free", system: "Used by the board itself" }[pin.owner] ?? `Belongs to the service ${pin.owner}`;
-    set_text(this.state_line, [owner, mode && pin.owner === "" ? `mode ${words(mode).toLowerCase()}` : "", text && (told ? `last set here: ${text} (others may have changed it)` : `now ${text}`)].filter(Boolean).join(", ") + ".");
+    set_text(this.state_line, [owner, mode && pin.owner === "" ? `mode ${words(mode).toLowerCase()}` : "", text && (told ? `set to ${text}` : `now ${text}`)].filter(Boolean).join(", ") + ".");
     if (pin.owner !== "") return;
     for (const [each, button] of this.mode_buttons) button.setAttribute("aria-pressed", String(each === mode));
     if (!this.may_command) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One service of a board: its live values, a plot, and a form for each command.
-import { command_order } from "../core/form.js";
+import { command_order, set_text as words_of_set } from "../core/form.js";
 import { make_room, numbers_of, Series } from "../core/series.js";
 import { duration_text, moment_text, plural, time_of, with_unit, words } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
@@ -17,8 +17,8 @@ const shortened = (text) => (text.length > kMaxText ? `${text.slice(0, kMaxText)
 
 class Service extends Part {
   /// Call before it is put into the page. `on_value` gets each value and whether it is of the past, `pins` says that the board's pins show them.
-  begin(board, service, { on_value, pins = false } = {}) {
-    Object.assign(this, { board, service, on_value, pins });
+  begin(board, service, { on_value, on_set, pins = false } = {}) {
+    Object.assign(this, { board, service, on_value, on_set, pins });
     return this;
   }
 
@@ -82,9 +82,19 @@ class Service extends Part {
   add_commands() {
     const names = command_order(this.model);
     const first = names.filter((name) => !(this.pins && kOwnCommands.has(name)));
-    const form = (name) => document.createElement("asip-command").begin(this.board, this.service, this.model, name);
-    if (!this.pins) return this.commands.append(...first.map(form));
+    this.forms = new Map();
+    const form = (name) => {
+      const made = document.createElement("asip-command").begin(this.board, this.service, this.model, name);
+      this.forms.set(name, made);
+      return made;
+    };
+    if (!this.pins) {
+      this.commands.append(...first.map(form));
+      if (this.set) this.set_is(this.set);
+      return;
+    }
     this.commands.append(h("details", {}, h("summary", {}, "All commands"), h("div", { class: "commands" }, names.map(form))));
+    if (this.set) this.set_is(this.set);
   }
 
   // First the subscription, then the past: so nothing falls between, and the series skips what comes twice.
@@ -94,14 +104,22 @@ class Service extends Part {
     this.while_shown(bus.subscribe({ subscribe: `${this.board}/${this.service.name}` }, received));
     const past = request(path_of("boards", this.board, "services", this.service.name, "values")).catch(() => undefined);
     past.then((answer) => {
-      for (const item of answer?.items ?? []) this.received({ event: "value", ...item }, true);
+      for (const item of answer?.items ?? []) if (item.set === undefined) this.received({ event: "value", ...item }, true);
       const messages = early;
       early = undefined;
       messages.forEach((message) => this.received(message));
     });
   }
 
+  /// What the board's agent says that was set, by whoever did it.
+  set_is(set) {
+    this.set = set;
+    this.on_set?.(set);
+    for (const [name, form] of this.forms ?? []) form.now_set?.(words_of_set(set, this.model, name));
+  }
+
   received(message, past = false) {
+    if (message.event === "set") return past ? undefined : this.set_is(message.value);
     if (message.event === "error") return this.board_error(message);
     if (message.cut !== undefined) set_text(this.note, `The value of ${moment_text(time_of(message.at))} is too long to be shown: ${plural(message.cut, "byte")}.`);
     if (message.event !== "value" || message.value === null || typeof message.value !== "object") return;

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// What somebody has to look after: boards that are lost, and boards that were stopped. And a view of the table in an address.
+
+const kNamed = 5;
+
+/// Of the rows of the catalogue: {lost: [row], stopped: [row], reasons: [[reason, count]]}; lost ones the newest first.
+export function attention_of(rows) {
+  const lost = [];
+  const stopped = [];
+  const reasons = new Map();
+  for (const row of rows) {
+    if (row.state === "lost") {
+      lost.push(row);
+      reasons.set(row.reason, (reasons.get(row.reason) ?? 0) + 1);
+    } else if (row.reason === "latched") {
+      stopped.push(row);
+    }
+  }
+  lost.sort((a, b) => (b.since ?? 0) - (a.since ?? 0));
+  return { lost, stopped, reasons: [...reasons].sort((a, b) => b[1] - a[1]) };
+}
+
+/// The boards that are named; of many only the first ones.
+export const named = (rows) => rows.slice(0, kNamed);
+
+/// In front of the page's title: "(2 lost) ".
+export function title_badge({ lost, stopped }) {
+  const parts = [lost.length > 0 && `${lost.length} lost`, stopped.length > 0 && `${stopped.length} stopped`].filter(Boolean);
+  return parts.length > 0 ? `(${parts.join(", ")}) ` : "";
+}
+
+const defaults = { text: "", kind: "", state: "", sort: "name", descending: false };
+
+/// What differs from the usual view, as it stands behind `#/?`; "" for the usual one.
+export function query_of(filter) {
+  const query = new URLSearchParams();
+  for (const [name, usual] of Object.entries(defaults)) if (filter[name] !== usual) query.set(name, String(filter[name]));
+  return query.toString();
+}
+
+/// The view that stands there; unknown members and values of anybody's address are passed over.
+export function filter_of(query) {
+  const given = new URLSearchParams(query);
+  const filter = { ...defaults };
+  for (const name of ["text", "kind", "state"]) filter[name] = given.get(name) ?? "";
+  if (["name", "state", "since", "services", "chip"].includes(given.get("sort"))) filter.sort = given.get("sort");
+  filter.descending = given.get("descending") === "true";
+  return filter;
+}
