@@ -14,18 +14,24 @@ from __future__ import annotations
 
 import asyncio
 import functools
+import inspect
+import logging
 import threading
 from concurrent.futures import Future
-from typing import Any, AsyncIterator, Callable, Iterable, Mapping, Sequence
+from typing import Any, AsyncIterator, Callable, Iterable, Iterator, Mapping, Sequence
 
 from . import bus as _bus
 from . import errors, settings
+from ._callbacks import takes
 from .board import Board as _Board
 from .pin import Pin as _Pin
+from .service import Element as _Element
 from .service import Held as _Held
 from .service import Service as _Service
 from .service import Watch
 from .stream import Reading
+
+log = logging.getLogger("asip")
 
 
 async def _run(function: Callable[..., Any], *args: Any, **named: Any) -> Any:
@@ -43,12 +49,46 @@ async def _run(function: Callable[..., Any], *args: Any, **named: Any) -> Any:
     return await asyncio.wrap_future(future)
 
 
+def _in_loop(bus: "Bus", function: Callable[..., Any], given: int) -> Callable[..., None]:
+    """What calls `function`, a coroutine function too, in the event loop of `bus`. Its exceptions are logged and given to `on_error`."""
+    count, loop = takes(function, given), bus._loop
+
+    def failed(error: BaseException) -> None:
+        log.error("asip: %s failed", getattr(function, "__qualname__", function), exc_info=error)
+        if bus.on_error is not None:
+            bus.on_error(error)
+
+    def ended(task: "asyncio.Future[Any]") -> None:
+        tasks.discard(task)
+        error = None if task.cancelled() else task.exception()
+        if error is not None:
+            failed(error)
+
+    def run(args: tuple[Any, ...]) -> None:
+        try:
+            result = function(*args)
+        except Exception as error:  # noqa: BLE001: a function of the user's may raise anything
+            failed(error)
+            return
+        if inspect.isawaitable(result):
+            task = asyncio.ensure_future(result)
+            tasks.add(task)  # the loop itself keeps no task alive
+            task.add_done_callback(ended)
+    tasks: "set[asyncio.Future[Any]]" = set()
+
+    def call(*args: Any) -> None:
+        if not loop.is_closed():
+            loop.call_soon_threadsafe(run, args[:count])
+    return call
+
+
 class Bus:
     """As `asip.Bus`. It belongs to the event loop in which it was entered."""
 
     def __init__(self, bus: _bus.Bus):
         self._bus = bus
         self._loop = asyncio.get_running_loop()
+        self.on_error: Callable[[BaseException], None] | None = None
 
     def _check_loop(self) -> None:
         if asyncio.get_running_loop() is not self._loop:
@@ -77,7 +117,8 @@ class Bus:
     def watch(self, function: Callable[..., Any]) -> Watch:
         """Calls `function(board, state)` in the event loop."""
         self._check_loop()
-        return self._bus.watch(lambda board, state: self._loop.call_soon_threadsafe(function, Board(self, board), state))
+        call = _in_loop(self, function, 2)
+        return self._bus.watch(lambda board, state: call(Board(self, board), state))
 
     async def stop(self, boards: Iterable[str] | None = None, *, timeout: float | None = None) -> None:
         self._check_loop()
@@ -141,6 +182,12 @@ class Board:
     def __getitem__(self, name: str) -> "Service":
         return Service(self, self._board[name])
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._board
+
+    def __iter__(self) -> "Iterator[Service]":
+        return iter([Service(self, one) for one in self._board])
+
     def __getattr__(self, name: str) -> "Service":
         if name.startswith("_"):
             raise AttributeError(name)
@@ -164,6 +211,7 @@ class Service:
     title = property(lambda self: self._service.title)
     unit = property(lambda self: self._service.unit)
     updated = property(lambda self: self._service.updated)
+    model = property(lambda self: self._service.model)
 
     async def command(self, name: str, *args: Any, timeout: float | None = None, **named: Any) -> Any:
         self.board.bus._check_loop()
@@ -195,15 +243,23 @@ class Service:
 
     def on_value(self, function: Callable[..., Any], *, hz: float = 10, event: str | None = None) -> Watch:
         """Calls `function(value)` in the event loop."""
-        loop = self.board.bus._loop
-        return self._service.on_value(lambda value: loop.call_soon_threadsafe(function, value), hz=hz, event=event)
+        call = _in_loop(self.board.bus, function, 1)
+        return self._service.on_value(lambda value: call(value), hz=hz, event=event)
 
     def hold(self, *, seconds: float = 0.5, feed: float | None = None, timeout: float | None = None, **commands: Sequence[Any]) -> "Held":
         return Held(self._service.hold(seconds=seconds, feed=feed, timeout=timeout, **commands))
 
+    def __getitem__(self, index: int) -> "Element":
+        return Element(self._service[index])
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self._service)
+
     def __getattr__(self, name: str) -> Callable[..., Any]:
         method = getattr(self._service, name)
-        command = method.asip_command
+        if not hasattr(method, "asip_command"):
+            raise AttributeError(f"asip.aio has no {name}; asip has it, without asyncio")
+        command: str = method.asip_command
 
         @functools.wraps(method)
         async def call(*args: Any, timeout: float | None = None, **named: Any) -> Any:
@@ -215,6 +271,16 @@ class Service:
 
     def __dir__(self) -> list[str]:
         return dir(self._service)
+
+
+class Element:
+    """As `asip.service.Element`."""
+
+    def __init__(self, element: _Element):
+        self._element = element
+
+    async def read(self, event: str | None = None, *, timeout: float | None = None) -> Any:
+        return await _run(self._element.read, event, timeout=timeout)
 
 
 class Held:
@@ -275,9 +341,11 @@ class Pin:
 
     async def on_change(self, function: Callable[..., Any] | None, *, initial: bool = False, pull_up: bool = True) -> None:
         """Calls `function(level)` in the event loop."""
-        loop = self.board.bus._loop
-        wrapped = None if function is None else lambda level: loop.call_soon_threadsafe(function, level)
-        await _run(self._pin.on_change, wrapped, initial=initial, pull_up=pull_up)
+        if function is None:
+            await _run(self._pin.on_change, None)
+            return
+        call = _in_loop(self.board.bus, function, 1)
+        await _run(self._pin.on_change, lambda level: call(level), initial=initial, pull_up=pull_up)
 
 
 class _Connecting:

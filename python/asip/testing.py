@@ -38,6 +38,8 @@ class FakeBoard:
         self.unanswered = 0  # requests that came while the board was silent
         self.levels: dict[int, int] = {}
         self.modes: dict[int, int] = {}
+        self.labels: dict[str, str] = {}
+        self._pin_names: dict[str, str] = {}
         self.state = "online"
         self._memory = memory
         self._seq = 0
@@ -98,9 +100,19 @@ class FakeBoard:
     def _announce(self, reason: str = "") -> None:
         described = [{"name": name, "id": model.letter, "title": model.title, "model": model.document} for name, model in self._models.items()]
         self._memory._publish(f"servicebus/{self.name}/$description", {
-            "board": self.name, "session": "00000000000000aa", "seq": self._seq, "lease": 86400, "services": described,
+            "board": self.name, "session": "00000000000000aa", "seq": self._seq, "lease": 86400, "services": described, "labels": self.labels, "names": {"pins": self._pin_names},
             "state": {"is": self.state, "reason": reason, "age": 0}}, retained=True)
         self._memory._publish(f"servicebus/{self.name}/$state", self.state, retained=True)
+
+    def _name(self, request: dict[str, Any]) -> None:
+        """Labels and names of pins: None takes one away."""
+        for kept, given in ((self.labels, request.get("labels")), (self._pin_names, (request.get("names") or {}).get("pins"))):
+            for key, value in (given or {}).items():
+                kept.pop(key, None)
+                if value is not None:
+                    kept[key] = value
+        if "labels" in request or "names" in request:
+            self._say(self.state, "")
 
     def _asked(self, service: str | None, request: dict[str, Any]) -> Answer | None:
         if self._silent:
@@ -111,6 +123,7 @@ class FakeBoard:
         if "renew" in request:
             return {"status": "ok", "proof": "renewed"}
         if service is None:
+            self._name(request)
             return {"status": "ok", "proof": "fence"}
         model = self._models.get(service)
         names = [name for name in request if model and name in model.commands]

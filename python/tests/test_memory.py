@@ -437,7 +437,7 @@ class Plots(Memory):
 
 class Twins(unittest.TestCase):
     def test_asynchronous_names_have_the_same_arguments(self):
-        pairs = [(asip.Bus, aio.Bus, {"on_error", "run"}), (asip.Board, aio.Board, set()), (asip.Service, aio.Service, {"model", "begin", "plot"}),
+        pairs = [(asip.Bus, aio.Bus, {"on_error", "run"}), (asip.Board, aio.Board, set()), (asip.Service, aio.Service, {"begin", "plot"}),
                  (asip.Pin, aio.Pin, {"when_changed"})]
         for sync, other, missing in pairs:
             for name, member in inspect.getmembers(sync):
@@ -481,6 +481,39 @@ class Asynchronous(unittest.IsolatedAsyncioTestCase):
         await self.desk.pin(13).on()
         with self.assertRaises(asip.Invalid):
             await self.desk.servo.write(0, 200)
+
+    async def test_functions_and_coroutines_are_called_in_the_loop(self):
+        seen, failures = [], []
+        self.bus.on_error = failures.append
+
+        async def take(value):
+            await asyncio.sleep(0)
+            seen.append(value)
+        for wrong in (5, None, lambda one, two: 0):
+            with self.assertRaises(TypeError):
+                self.desk.distance.on_value(wrong)
+        self.desk.distance.on_value(take)
+        self.desk.distance.on_value(lambda: seen.append("called"))
+        self.desk.distance.on_value(lambda value: 1 / 0)
+        with self.assertLogs("asip", "ERROR"):
+            self.memory.desk.report("distance", [1, 2])
+            for _ in range(200):
+                await asyncio.sleep(0.01)
+                if len(seen) == 2 and failures:
+                    break
+        self.assertEqual((sorted(map(str, seen)), [type(one) for one in failures]), (["[1, 2]", "called"], [ZeroDivisionError]))
+
+    async def test_what_is_in_a_board(self):
+        self.assertIn("servo", self.desk)
+        self.assertEqual([one.name for one in self.desk], ["io", "distance", "servo", "motors"])
+        self.memory.desk._values["distance", "distance"] = [3, 4]
+        self.assertEqual(await self.desk.distance[1].read(), 4)
+        with self.assertRaisesRegex(AttributeError, "asip.aio has no plot"):
+            self.desk.distance.plot()
+        await self.desk.name_pins({13: "status lamp"})
+        await self.desk.label(room="lab")
+        await self.desk.pin("status lamp").on()
+        self.assertEqual((self.memory.desk.levels[13], self.desk.labels), (1, {"room": "lab"}))
 
     async def test_many_calls_that_wait_keep_no_other_from_its_end(self):
         waiting = [asyncio.create_task(self.desk.pin(2).wait_for(True)) for _ in range(100)]
