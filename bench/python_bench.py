@@ -94,7 +94,7 @@ class QuickBoard:
         from asip import _paho, settings
         broker = settings.find(address).brokers[0]
         self.up = threading.Event()
-        self.link = _paho.Link(broker, settings.find(address), "bench-quick", True, lambda _: self.up.set(), lambda *_: None, self.asked)
+        self.link = _paho.Link(broker, settings.find(address), "bench-quick", True, lambda _: self.up.set(), lambda *_: None, self.asked, lambda *_: None)
         self.link.start()
         self.up.wait(20)
         self.link.subscribe("asip/quick/servo/in", 1)

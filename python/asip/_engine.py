@@ -179,7 +179,7 @@ class Engine:
             link = self._link
             if isinstance(action, Publish):
                 if link is not None:
-                    link.publish(action.topic, action.payload, action.qos, action.expiry)
+                    link.publish(action.topic, action.payload, action.qos, action.expiry, action.key)
             elif isinstance(action, Subscribe):
                 if link is not None:
                     link.subscribe(action.topic, action.qos)
@@ -292,7 +292,8 @@ class Engine:
         try:
             link: Link = self._new_link(broker, self.settings, client_id, v5, lambda is_v5: self._happened(link, lambda now: self._up(now, is_v5)),
                         lambda why, version: self._went_down(link, why, version),
-                        lambda *message: self._message(link, *message))
+                        lambda *message: self._message(link, *message),
+                                        lambda key: self._happened(link, lambda now: self.session.denied(key)))
             with self._lock:
                 self._link = link
                 self._link_began = time.monotonic()

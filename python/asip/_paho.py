@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import socket
 import ssl
+import threading
 from typing import Any, Callable
 
 import paho.mqtt.client as mqtt
@@ -34,13 +35,18 @@ class Refused(Exception):
 class Link:
     """One connection, from its first packet to its end.
 
-    `on_up(v5)`, `on_down(why, version)`, `on_message(topic, payload, retained, expiry)`: in paho's thread. `on_down` comes at most
-    once, also where the connection was never up.
+    `on_up(v5)`, `on_down(why, version)`, `on_message(topic, payload, retained, expiry)`, `on_denied(key)`: in paho's thread. `on_down`
+    comes at most once, also where the connection was never up. paho-mqtt 1.6 tells of no denied message.
     """
 
     def __init__(self, broker: Broker, settings: Settings, client_id: str, v5: bool, on_up: Callable[[bool], None],
-                 on_down: Callable[[str, bool], None], on_message: Callable[[str, bytes, bool, "int | None"], None]):
+                 on_down: Callable[[str, bool], None], on_message: Callable[[str, bytes, bool, "int | None"], None],
+                 on_denied: Callable[[str], None]):
         self._v5 = v5
+        self._on_denied = on_denied
+        self._mids = threading.Lock()
+        self._asked: dict[int, str] = {}  # by the number of its packet: what is told as denied
+        self._denied: set[int] = set()    # before publish() said which number a packet has
         self._on_up, self._on_down, self._on_message = on_up, on_down, on_message
         self._down = False
         self._socket: Any = None
@@ -52,7 +58,7 @@ class Link:
         client.on_connect = self._connected
         client.on_disconnect = self._disconnected
         client.on_message = self._received
-        client.on_publish = lambda *_: self._acknowledge_at_once()
+        client.on_publish = self._published
         client.on_socket_open = self._opened
         client.max_queued_messages_set(0)
         client.max_inflight_messages_set(1000)
@@ -75,14 +81,35 @@ class Link:
         self._client.connect(self._broker.host, self._broker.port, KEEPALIVE_SECONDS, **options)
         self._client.loop_start()
 
-    def publish(self, topic: str, payload: bytes, qos: int, expiry: int | None) -> None:
+    def publish(self, topic: str, payload: bytes, qos: int, expiry: int | None, key: str | None = None) -> None:
+        """`key`: what `on_denied` is told where the broker denies this message."""
         properties = None
         if self._v5 and expiry is not None:
             properties = self._properties(PacketTypes.PUBLISH)
             properties.MessageExpiryInterval = expiry
         client = self._client
-        if client is not None:
-            client.publish(topic, payload, qos, False, properties)
+        if client is None:
+            return
+        mid = client.publish(topic, payload, qos, False, properties).mid
+        if key is not None and qos > 0 and self._v5:
+            with self._mids:
+                denied = mid in self._denied
+                self._denied.discard(mid)
+                if not denied:
+                    self._asked[mid] = key
+            if denied:
+                self._on_denied(key)
+
+    def _published(self, _client: Any, _data: Any, mid: int, *rest: Any) -> None:
+        self._acknowledge_at_once()
+        reason = rest[0] if rest else 0
+        denied = getattr(reason, "value", reason) >= 128
+        with self._mids:
+            key = self._asked.pop(mid, None)
+            if denied and key is None:
+                self._denied.add(mid)
+        if denied and key is not None:
+            self._on_denied(key)
 
     def subscribe(self, topic: str, qos: int) -> None:
         client = self._client
@@ -108,7 +135,7 @@ class Link:
         # paho closes its inner sockets when nothing refers to the client any more.
         for name in ("on_connect", "on_disconnect", "on_message", "on_publish", "on_socket_open"):
             setattr(client, name, None)
-        del self._on_up, self._on_down, self._on_message
+        del self._on_up, self._on_down, self._on_message, self._on_denied
 
     @staticmethod
     def _properties(packet: int) -> Any:

@@ -27,6 +27,7 @@ class Publish(NamedTuple):
     payload: bytes
     qos: int = 1
     expiry: int | None = None  # seconds, for MQTT 5
+    key: str | None = None     # given to denied() where the broker denies it
 
 
 class Subscribe(NamedTuple):
@@ -185,11 +186,19 @@ class Session:
             return [self._fail(call, errors.Invalid(f"{call.what}: {len(payload)} bytes are more than {_envelope.MAX_REQUEST_BYTES}", **call.names))]
         call.sent_at = now
         self._open[call.id] = call
-        return [Publish(call.topic, payload, 1, max(1, -int(-left // 1)))]
+        return [Publish(call.topic, payload, 1, max(1, -int(-left // 1)), call.id)]
 
     @staticmethod
     def _fail(call: Call, error: errors.Error) -> Action:
         return Resolve(call.future, error=error)
+
+    def denied(self, key: str) -> list[Action]:
+        """The broker did not take the request of a call."""
+        call = self._open.pop(key, None)
+        if call is None:
+            return []
+        return [self._fail(call, errors.Refused(f"{call.what}: the broker denies it to this user (see its access rules); nothing was sent",
+                                                reason="denied", **call.names))]
 
     # Subscriptions ------------------------------------------------------------------------------------------------------
 

@@ -247,7 +247,8 @@ class _MemoryLink:
     """What asip._paho.Link is for a broker."""
 
     def __init__(self, memory: MemoryBus, _broker: Any, _settings: Any, _client_id: str, _v5: bool, on_up: Callable[[bool], None],
-                 on_down: Callable[[str, bool], None], on_message: Callable[[str, bytes, bool, "int | None"], None]):
+                 on_down: Callable[[str, bool], None], on_message: Callable[[str, bytes, bool, "int | None"], None],
+                 _on_denied: Callable[[str], None]):
         self._memory, self._on_up, self._on_down, self._on_message = memory, on_up, on_down, on_message
         self._filters: set[str] = set()
         self._work: "queue.Queue[Callable[[], None] | None]" = queue.Queue()
@@ -259,7 +260,7 @@ class _MemoryLink:
         self._work.put(lambda: self._on_up(True))
         self._thread.start()
 
-    def publish(self, topic: str, payload: bytes, _qos: int, _expiry: int | None) -> None:
+    def publish(self, topic: str, payload: bytes, _qos: int, _expiry: int | None, _key: str | None = None) -> None:
         self._work.put(lambda: self._memory._received(topic, payload))
 
     def subscribe(self, topic: str, _qos: int) -> None:

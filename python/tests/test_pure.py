@@ -317,6 +317,13 @@ class Conversation(unittest.TestCase):
         (done,), _ = self.session.tick(1.6)
         self.assertIsInstance(done.error, errors.Unproven)
 
+    def test_what_the_broker_denies_was_not_sent(self):
+        self.ready()
+        call, _ = self.session.command(0, "desk", "servo", "write", {"write": [0, 90]}, 5)
+        ends = self.session.denied(call.id)
+        self.assertEqual((type(ends[0].error), ends[0].error.reason, ends[0].error.sent), (errors.Refused, "denied", False))
+        self.assertEqual(self.session.denied(call.id), [])
+
     def test_lost_board_is_refused_here(self):
         self.ready()
         self.session.message("asip/servicebus/desk/$state", b"lost", True, None, 0)
