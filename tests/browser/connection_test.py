@@ -94,7 +94,8 @@ class Connection(PageTest):
         before = self.bus.part("desk/servo")
         self.bus.end("gateway", signal.SIGKILL)
         eventually(lambda: "lost since" in self.browser.text("asip-banner"), "the sign")
-        form.find_element(By.CSS_SELECTOR, "button.main").click()
+        eventually(lambda: "Commands are off" in self.browser.text(".unusable"), "the forms are off")
+        self.browser.run("arguments[0].requestSubmit()", form) # somebody was quicker
         eventually(lambda: "no connection" in form.text, "the refusal")
         self.bus.start_gateway()
         eventually(lambda: self.browser.text("asip-link") == "live", "live", 30)
