@@ -12,6 +12,13 @@ const WORDS = {
 };
 const REASON_OF_WORD = { lost: 'agent-gone', offline: 'stopped', updating: 'released' };
 
+// A description whose services and labels have the form that nodes count on: anybody may publish anything.
+function readable(document) {
+  const services = document.services.map((one) => (typeof one === 'string' ? { name: one } : one)).filter((one) => one && typeof one.name === 'string');
+  const labels = document.labels && typeof document.labels === 'object' && !Array.isArray(document.labels) ? document.labels : {};
+  return { ...document, services, labels };
+}
+
 class Boards {
   constructor() { this.all = new Map(); }
 
@@ -43,7 +50,7 @@ class Boards {
     const lease = document.lease >= 1 && document.lease <= 86400 ? document.lease : 60;
     board.deadline = now + (retained && expiry !== undefined ? Math.min(expiry, lease) : lease);
     if (!news) return undefined;
-    Object.assign(board, { session: String(document.session), seq: document.seq, description: document });
+    Object.assign(board, { session: String(document.session), seq: document.seq, description: readable(document) });
     const said = document.state;
     board.saysState = Boolean(said && STATES.includes(said.is));
     // What is retained on `$state` is newer than a description that is retained: a will does not change that.

@@ -24,8 +24,8 @@ function readCredentials(path) {
 
 // HOST, HOST:PORT, mqtt://HOST or mqtts://HOST -> an address for mqtt.js.
 function addressOf(broker, secure) {
-  const parts = /^(?:(mqtts?|tcp|ssl):\/\/)?(\[[^\]]+\]|[^:/@]+)(?::(\d+))?\/?$/.exec(broker.trim());
-  if (!parts) throw new Error(`broker "${broker.replace(/\/\/.*@/, '//...@')}" is not HOST, HOST:PORT or mqtt://HOST:PORT`);
+  const parts = /^(?:(mqtts?|tcp|ssl):\/\/)?(\[[^\]]+\]|[^:/@\s]+)(?::(\d+))?\/?$/.exec(broker.trim());
+  if (!parts || (parts[3] && !(parts[3] > 0 && parts[3] < 65536))) throw new Error(`broker "${broker.replace(/\/\/.*@/, '//...@')}" is not HOST, HOST:PORT or mqtt://HOST:PORT`);
   const tls = parts[1] ? ['mqtts', 'ssl'].includes(parts[1]) : secure;
   return `${tls ? 'mqtts' : 'mqtt'}://${parts[2]}:${parts[3] || (tls ? 8883 : 1883)}`;
 }

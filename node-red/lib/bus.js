@@ -5,7 +5,7 @@
 
 const { randomBytes } = require('node:crypto');
 const { EventEmitter } = require('node:events');
-const { AsipError, Clocks, errorOf, makeRequest, makeTopics, readObject } = require('./protocol');
+const { AsipError, Clocks, errorOf, makeRequest, makeTopics, readObject, validBoard, validName } = require('./protocol');
 const { Boards, isThere, words } = require('./boards');
 const { addressOf } = require('./bus-address');
 const { Models, askerOf } = require('./models');
@@ -26,6 +26,7 @@ class Bus extends EventEmitter {
     this.options = options;
     this.connectTo = connect;
     this.addresses = String(options.brokers || '127.0.0.1').split(',').filter((one) => one.trim()).map((one) => addressOf(one, Boolean(options.ca)));
+    if (!this.addresses.length) throw new Error('no broker is given');
     this.client = `node-red-${randomBytes(6).toString('hex')}`;
     this.topics = makeTopics(options.root || 'asip', options.user, this.client);
     this.boards = new Boards();
@@ -121,6 +122,14 @@ class Bus extends EventEmitter {
   command(board, service, members, { timeout = 5, hold, by = this.options.by } = {}) {
     const where = service ? `${board}/${service}` : board;
     const names = { board, service };
+    if (!validBoard(String(board)) || (service && !validName(String(service)))) {
+      return Promise.reject(new AsipError('Invalid', `${where}: no name of a board and its service`, { ...names, reason: 'invalid' }));
+    }
+    try {
+      JSON.stringify(members);
+    } catch (error) {
+      return Promise.reject(new AsipError('Invalid', `${where}: the arguments cannot be written as JSON: ${error.message}`, { ...names, reason: 'invalid' }));
+    }
     if (!this.ready) return Promise.reject(new AsipError('Disconnected', `${where}: not connected to a broker; nothing was sent`, names));
     const known = this.boards.get(board);
     if (known && known.state !== 'unknown' && !isThere(known)) {

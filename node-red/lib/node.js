@@ -70,9 +70,9 @@ function outcome(node, bus, board, msg, send, done) {
       send([{ ...msg, asip: { status: 'ok', proof: answer.proof }, payload: answer.answer ?? msg.payload }, null, null]);
       done();
     },
-    failed: (error) => {
-      node.status({ fill: 'red', shape: 'dot', text: short(error.code ? `error ${error.code}` : error.reason || error.kind) });
-      const told = { ...msg, asip: { status: error.kind, code: error.code, reason: error.reason, text: error.message, sent: error.sent } };
+    failed: (error) => { // an AsipError, or a fault of this package: either ends the message
+      node.status({ fill: 'red', shape: 'dot', text: short(String(error.code ? `error ${error.code}` : error.reason || error.kind || error.message)) });
+      const told = { ...msg, asip: { status: error.kind || error.name, code: error.code, reason: error.reason, text: error.message, sent: error.sent } };
       send(error.sent === null ? [null, null, told] : [null, told, null]);
       done(error);
     },

@@ -24,6 +24,7 @@ function makeTopics(root, user, client) {
     stop: (board) => `${root}/${board}/$stop`,
     event: (board, service) => `${root}/${board}/${service}/out`,
     fault: (board, service) => `${root}/${board}/${service}/error`,
+    set: (board, service) => `${root}/${board}/${service}/set`,
     reply,
     replies: () => reply('+'),
     own: () => reply('$self'),

@@ -19,6 +19,7 @@ module.exports = (RED) => {
       const board = msg.board || config.board;
       const service = msg.service || config.service;
       const command = msg.command || config.command;
+      if (!board || !service || !command) return done(new Error('board, service and command: each stands in the node or in the message'));
       const ends = outcome(this, bus, board, msg, send, done);
       const hold = Number(config.hold) > 0 ? Number(config.hold) : undefined;
       ends.began();

@@ -102,6 +102,19 @@ test('a board that reports nothing is asked, and a registry for a model that is 
   bus.close();
 });
 
+test('odd descriptions and odd commands end as errors', async () => {
+  const boards = new Boards();
+  const say = (seq, more) => boards.onDescription('desk', Buffer.from(JSON.stringify({ board: 'desk', session: '1', seq, lease: 60, ...more })), false, undefined, 1);
+  say(1, { services: [null, 5, 'io', { name: 5 }, { name: 'servo' }], labels: 5, state: { is: 5 } });
+  assert.deepEqual([boards.get('desk').description.services, boards.get('desk').description.labels], [[{ name: 'io' }, { name: 'servo' }], {}]);
+  const bus = new Bus({ brokers: 'pi' }, () => new Broker());
+  const loop = {};
+  loop.loop = loop;
+  for (const [board, service, members] of [['a/+', 'servo', {}], ['', 'servo', {}], ['desk', 'se/rvo', {}], [{}, 'servo', {}], ['desk', 'servo', loop], ['desk', 'servo', { write: 1n }]]) {
+    await assert.rejects(bus.command(board, service, members), { kind: 'Invalid' });
+  }
+});
+
 test('a registry is asked once for a model that is not known, and odd models harm nothing', () => {
   const known = new Models();
   const description = { services: [{ name: 'lights', model: 'lights@3' }, { name: 'servo', model: 'servo@1' }, { name: 'own', model: { name: 'own' } }, null, { name: 'bare' }] };
@@ -142,5 +155,7 @@ test('addresses', () => {
   assert.equal(addressOf('pi', false), 'mqtt://pi:1883');
   assert.equal(addressOf('pi', true), 'mqtts://pi:8883');
   assert.equal(addressOf('mqtts://[::1]:99', false), 'mqtts://[::1]:99');
+  for (const odd of ['', ' ', 'a b', 'http://pi', '::1', 'pi:0', 'pi:99999', 'pi:x']) assert.throws(() => addressOf(odd, false), /is not HOST/, odd);
+  assert.throws(() => new Bus({ brokers: ' , ' }, () => new Broker()), /no broker/);
   assert.throws(() => addressOf('mqtt://ann:secret@pi', false), (error) => !/secret/.test(error.message));
 });
