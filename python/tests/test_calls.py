@@ -166,7 +166,6 @@ class Killed(Rig):
         self.assertLessEqual({name for name, count in ended.items() if count == 0}, {"pin read"}, "calls that were not under way")  # a level that is known is told at once
         desk.wait_for("online", timeout=90)
         eventually(lambda: self.works(desk), "a command after it", 60)
-        eventually(lambda: self.real.part("desk/led") == "off", "what was held is off", 20)
 
     @staticmethod
     def works(desk):
@@ -176,11 +175,12 @@ class Killed(Rig):
         except asip.Error:
             return False
 
-    def test_agent_is_killed(self):
+    def test_agent_is_killed(self):  # nobody undoes the hold of a pin then (docs/guarantees.md, "Motors when something dies")
         self.check(lambda: self.real.end("agent-desk", signal.SIGKILL), lambda: self.real.start_agent("desk"))
 
     def test_broker_is_killed(self):
         self.check(lambda: self.real.end("broker", signal.SIGKILL), self.real.start_broker)
+        eventually(lambda: self.real.part("desk/led") == "off", "what was held is off", 20)
 
 
 class Robot(Rig):
