@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
+#include <boost/asio/buffer.hpp>
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/ssl/stream.hpp>
+#include <concepts>
 #include <memory>
 #include <utility>
 
@@ -25,23 +28,62 @@ class Transport {
 
     template <class Buffers, class Handler>
     void async_read_some(const Buffers& buffers, Handler&& handler) {
-        if (tls_) return tls_->async_read_some(buffers, std::forward<Handler>(handler));
-        socket_->async_read_some(buffers, std::forward<Handler>(handler));
+        read_some(first_of<boost::asio::mutable_buffer, 1>(buffers)[0], Ended(std::forward<Handler>(handler)));
     }
     template <class Buffers, class Handler>
     void async_write_some(const Buffers& buffers, Handler&& handler) {
-        if (tls_) return tls_->async_write_some(buffers, std::forward<Handler>(handler));
-        socket_->async_write_some(buffers, std::forward<Handler>(handler));
+        write_some(first_of<boost::asio::const_buffer, kBuffers>(buffers),
+                   Ended(std::forward<Handler>(handler)));
     }
 
     /// At once, without the good-byes of TLS: what is under way ends with an error.
-    void close() {
-        boost::system::error_code ignored;
-        socket_->shutdown(Socket::shutdown_both, ignored);
-        socket_->close(ignored);
-    }
+    void close();
 
   private:
+    using ErrorCode = boost::system::error_code;
+    static constexpr std::size_t kBuffers = 4;  // of one write; what is behind them is for the next
+
+    /// Is called when a transfer has ended. One type for all handlers: Asio's part of a transfer, the largest
+    /// for a compiler, is compiled once, in transport.cpp.
+    class Ended {
+      public:
+        template <class Handler>
+            requires(!std::same_as<std::decay_t<Handler>, Ended>)
+        explicit Ended(Handler&& handler)
+            : held_(std::make_unique<Held<std::decay_t<Handler>>>(std::forward<Handler>(handler))) {}
+        void operator()(const ErrorCode& error, std::size_t bytes) { held_->call(error, bytes); }
+
+      private:
+        struct Callable {
+            virtual ~Callable() = default;
+            virtual void call(const ErrorCode& error, std::size_t bytes) = 0;
+        };
+        template <class Handler>
+        struct Held final : Callable {
+            template <class From>
+            explicit Held(From&& from) : handler(std::forward<From>(from)) {}
+            void call(const ErrorCode& error, std::size_t bytes) override { handler(error, bytes); }
+            Handler handler;
+        };
+        std::unique_ptr<Callable> held_;
+    };
+
+    /// Those that are not empty.
+    template <class Buffer, std::size_t count, class Buffers>
+    static std::array<Buffer, count> first_of(const Buffers& buffers) {
+        std::array<Buffer, count> result;
+        std::size_t used = 0;
+        const auto end = boost::asio::buffer_sequence_end(buffers);
+        for (auto next = boost::asio::buffer_sequence_begin(buffers); next != end && used < count; ++next) {
+            const Buffer buffer = *next;
+            if (buffer.size() > 0) result[used++] = buffer;
+        }
+        return result;
+    }
+
+    void read_some(boost::asio::mutable_buffer buffer, Ended ended);
+    void write_some(const std::array<boost::asio::const_buffer, kBuffers>& buffers, Ended ended);
+
     std::unique_ptr<Socket> socket_;  // stays where it is when this object moves
     std::unique_ptr<Tls> tls_;
 };
