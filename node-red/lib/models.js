@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What services take and tell: the model that a board carries, else the standard one that it refers to (`servo@1`), of this package's
-// copies or of a registry. A version of a model never changes, so any copy of it does.
+// copies or of a registry. The commands and values of one version are the same everywhere, so any copy will do.
 'use strict';
 
 const { existsSync, readFileSync, readdirSync } = require('node:fs');

@@ -34,7 +34,7 @@ def standard_model(name: str) -> _model.Model | None:
 
 def model_of(described: dict[str, Any], known: Mapping[str, _model.Model]) -> _model.Model | None:
     """The model of a service: the one that the board carries, else the one that it refers to (`servo@1`), of the package's copies
-    or of `known`. A version of a model never changes, so any copy of it does."""
+    or of `known`. The commands and values of one version are the same everywhere, so any copy of it will do."""
     model = described.get("model")
     try:
         if isinstance(model, dict):
