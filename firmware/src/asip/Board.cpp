@@ -284,8 +284,7 @@ void Board::sendList(Service& service, char tag, uint8_t count) {
 }
 
 void Board::startList(Service* service, char id, char tag, uint8_t count) {
-    out.event(id, tag);
-    out.character(',');
+    out.answer(id, tag);
     out.number(count);
     out.character(',');
     out.character('{');
@@ -303,11 +302,12 @@ void Board::continueList() {
         out.end();
         return out.hold(false);
     }
-    if (listIndex_ != 0) out.character(',');
+    const uint8_t index = listIndex_;
+    if (index != 0) out.character(',');
     if (listService_ != nullptr) {
-        listService_->reportValue(listIndex_);
+        listService_->reportValue(index);
     } else {
-        writeSystemElement(listIndex_);
+        writeSystemElement(index);
     }
     ++listIndex_;
 }

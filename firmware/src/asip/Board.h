@@ -83,7 +83,7 @@ class Board {
     void restart();
 
     Service* find(char id);
-    Service* serviceAt(uint8_t number);
+    Service* serviceAt(uint8_t number) __attribute__((noinline));
     uint8_t numberOf(const Service& service) const;
     uint8_t countServices() const;
 
@@ -107,7 +107,7 @@ class Board {
     void continueExtension();
     void storeName();
     void sendName();
-    void useExtensions(bool on);
+    void useExtensions(bool on) __attribute__((noinline));
     void giveUpRate();
 
     // Of the service with the longest requests. Where there is none they are never written, and compiled as

@@ -8,21 +8,18 @@ namespace asip {
 
 static constexpr uint8_t kArgument = 4;  // where the first argument begins: after #,I,
 
-static bool isAlphanumeric(char c) {
-    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+// A letter or digit; in a name also a point, a line or a dash.
+static bool isAllowed(char c, bool inName) {
+    if (static_cast<uint8_t>(c - '0') < 10 || static_cast<uint8_t>((c | 0x20) - 'a') < 26) return true;
+    return inName && (c == '.' || c == '_' || c == '-');
 }
 
-static bool isNameCharacter(char c) {
-    return isAlphanumeric(c) || c == '.' || c == '_' || c == '-';
-}
-
-// Length of `text` if all of it is made of what `allowed` allows, else 255.
-static uint8_t lengthIf(bool (*allowed)(char), const char* text) {
-    uint8_t length = 0;
-    for (; text[length] != '\0'; ++length) {
-        if (!allowed(text[length])) return 255;
-    }
-    return length;
+// Whether `text` is a name, or a token, of 1 to `max` characters.
+static bool isMadeOf(const char* text, bool name, uint8_t max) {
+    const char* next = text;
+    while (isAllowed(*next, name))
+        ++next;
+    return *next == '\0' && static_cast<uint8_t>(next - text - 1) < max;
 }
 
 Error Board::processExtension(Request& request) {
@@ -46,11 +43,11 @@ Error Board::processExtension(Request& request) {
 }
 
 void Board::sendExtensions() {
-    out.event('#', 'X');
+    out.answer('#', 'X');
     if (longLineSize_ == 0) {
-        out.text(F(",5,{E:1,I:1,B:1,C:1,V:1}"));
+        out.text(F("5,{E:1,I:1,B:1,C:1,V:1}"));
     } else {
-        out.text(F(",6,{E:1,I:1,B:1,C:1,V:1,L:"));
+        out.text(F("6,{E:1,I:1,B:1,C:1,V:1,L:"));
         out.number(static_cast<uint8_t>(longLineSize_ - kBehindRequest));
         out.character('}');
     }
@@ -59,11 +56,9 @@ void Board::sendExtensions() {
 
 Error Board::echo(Request& request) {
     const char* const token = request.text();
-    const uint8_t length = lengthIf(isAlphanumeric, token);
-    if (length == 0 || length > kMaxTokenLength) return Error::kBadArgument;
+    if (!isMadeOf(token, false, kMaxTokenLength)) return Error::kBadArgument;
     useExtensions(true);
-    out.event('#', request.tag());
-    out.character(',');
+    out.answer('#', request.tag());
     out.text(token);
     if (request.tag() == 'V') {
         out.character(',');
@@ -97,15 +92,14 @@ static uint8_t storedNameLength() {
     uint8_t check = static_cast<uint8_t>(length ^ hw::readEeprom(kCheckAddress));
     for (uint8_t i = 0; i < length; ++i) {
         const uint8_t c = hw::readEeprom(kNameAddress + i);
-        if (!isNameCharacter(static_cast<char>(c))) return 0;
+        if (!isAllowed(static_cast<char>(c), true)) return 0;
         check ^= c;
     }
     return check == 0x5A ? length : 0;
 }
 
 void Board::sendName() {
-    out.event('#', 'I');
-    out.character(',');
+    out.answer('#', 'I');
     const uint8_t length = storedNameLength();
     for (uint8_t i = 0; i < length; ++i)
         out.character(static_cast<char>(hw::readEeprom(kNameAddress + i)));
@@ -118,8 +112,7 @@ Error Board::identity(Request& request) {
         return Error::kNone;
     }
     const char* const name = request.text();
-    const uint8_t length = lengthIf(isNameCharacter, name);
-    if (length == 0 || length > kMaxNameLength) return Error::kBadArgument;
+    if (!isMadeOf(name, true, kMaxNameLength)) return Error::kBadArgument;
     job_ = kStoreName;
     return Error::kNone;
 }
@@ -131,8 +124,10 @@ void Board::storeName() {
     const uint8_t index = static_cast<uint8_t>(job_++ - kStoreName);
     uint8_t length = 0;
     uint8_t check = 0x5A;
-    for (; name[length] != '\0'; ++length)
-        check ^= static_cast<uint8_t>(name[length]);
+    for (const char* next = name; *next != '\0'; ++next) {
+        check ^= static_cast<uint8_t>(*next);
+        ++length;
+    }
     if (index < length) return hw::writeEeprom(kNameAddress + index, static_cast<uint8_t>(name[index]));
     if (index == length) return hw::writeEeprom(kCheckAddress, check ^ length);
     if (index == length + 1) return hw::writeEeprom(kLengthAddress, length);
@@ -143,19 +138,18 @@ void Board::storeName() {
 // Hundreds of baud asked for by `text`, 0 if it is not a number of whole hundreds.
 static uint16_t parseRate(const char* text) {
     uint16_t hundreds = 0;
-    while (text[0] != '\0' && text[1] != '\0' && text[2] != '\0') {
-        const uint8_t digit = static_cast<uint8_t>(*text++ - '0');
+    for (;; ++text) {
+        if (text[0] == '0' && text[1] == '0' && text[2] == '\0') return hundreds;
+        const uint8_t digit = static_cast<uint8_t>(*text - '0');
         if (digit > 9 || hundreds > 1000) return 0;
         hundreds = static_cast<uint16_t>(hundreds * 10 + digit);
     }
-    return text[0] == '0' && text[1] == '0' ? hundreds : 0;
 }
 
 Error Board::lineRate(Request& request) {
     const char* const text = request.text();
     if (!line::isRate(parseRate(text))) return Error::kBadArgument;
-    out.event('#', 'B');
-    out.character(',');
+    out.answer('#', 'B');
     out.text(text);
     out.end();
     job_ = kSwitchRate;
@@ -197,10 +191,11 @@ Error Board::checksum(Request& request) {
     return Error::kNone;
 }
 
-static uint8_t hexValue(char c) {
-    if (c >= '0' && c <= '9') return static_cast<uint8_t>(c - '0');
-    c = static_cast<char>(c | 0x20);
-    return c >= 'a' && c <= 'f' ? static_cast<uint8_t>(c - 'a' + 10) : 255;
+__attribute__((noinline)) static uint8_t hexValue(char c) {
+    const uint8_t digit = static_cast<uint8_t>(c - '0');
+    if (digit < 10) return digit;
+    const uint8_t letter = static_cast<uint8_t>((c | 0x20) - 'a');
+    return letter < 6 ? static_cast<uint8_t>(letter + 10) : 255;
 }
 
 // Checks *HH at the end of the line of `length` characters and cuts it off.
@@ -209,12 +204,12 @@ bool Board::acceptChecksum(uint8_t& length) {
     if (length < 3 || line[length - 3] != '*') return false;
     const uint8_t high = hexValue(line[length - 2]);
     const uint8_t low = hexValue(line[length - 1]);
-    if (high > 15 || low > 15) return false;
+    if ((high | low) > 15) return false;
     length = static_cast<uint8_t>(length - 3);
-    uint8_t sum = static_cast<uint8_t>(high << 4 | low);
-    for (uint8_t i = 0; i < length; ++i)
-        sum ^= static_cast<uint8_t>(line[i]);
     line[length] = '\0';
+    uint8_t sum = static_cast<uint8_t>(high << 4 | low);
+    for (const char* next = line; *next != '\0'; ++next)
+        sum ^= static_cast<uint8_t>(*next);
     return sum == 0;
 }
 

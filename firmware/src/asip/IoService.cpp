@@ -85,8 +85,7 @@ Error IoService::listRequest(Request& request, uint8_t count) {
 }
 
 bool IoService::canWrite(uint8_t pin) const {
-    const PinMode now = mode(pin);
-    return now >= PinMode::kInput && now <= PinMode::kOutput;
+    return static_cast<uint8_t>(modes_[pin] - 1) < 3;  // nobody else's: an owner's number is in the high half
 }
 
 Error IoService::writeDigital(uint8_t pin, uint8_t high) {
@@ -127,7 +126,7 @@ Error IoService::writePwm(uint8_t pin, uint8_t duty) {
     return Error::kNone;
 }
 
-Error IoService::setMode(uint8_t pin, PinMode wanted) {
+inline Error IoService::setMode(uint8_t pin, PinMode wanted) {
     const uint8_t has = capabilities(pin);
     if (!isFree(pin) || (wanted == PinMode::kAnalog && !(has & kAnalogInput)) ||
         (wanted == PinMode::kPwm && !(has & kPwmOutput)))
@@ -145,7 +144,7 @@ Error IoService::setMode(uint8_t pin, PinMode wanted) {
 
 void IoService::apply(uint8_t pin, PinMode mode) {
     // Ends a PWM that is on, whoever takes the pin now.
-    if (this->mode(pin) == PinMode::kPwm && mode != PinMode::kPwm) hw::writePin(pin, false);
+    if (modes_[pin] == static_cast<uint8_t>(PinMode::kPwm) && mode != PinMode::kPwm) hw::writePin(pin, false);
     modes_[pin] = static_cast<uint8_t>(mode);
     if (hw::isAnalogOnly(pin)) return;
     const uint8_t port = static_cast<uint8_t>(hw::portOf(pin) - hw::kFirstPort);
@@ -159,7 +158,9 @@ void IoService::apply(uint8_t pin, PinMode mode) {
         hw::setInput(pin);
     }
     // A pin counts as reported low when it becomes an input: one that is high is an event.
-    inputs_[port] = static_cast<uint8_t>(isInput ? inputs_[port] | mask : inputs_[port] & ~mask);
+    uint8_t inputs = static_cast<uint8_t>(inputs_[port] & ~mask);
+    if (isInput) inputs |= mask;
+    inputs_[port] = inputs;
     levels_[port] = static_cast<uint8_t>(levels_[port] & ~mask);
 }
 
@@ -175,8 +176,7 @@ void IoService::pollInputs() {
 
 void IoService::sendPort(uint8_t port, uint8_t levels) {
     levels_[port] = levels;
-    out.event('I', 'd');
-    out.character(',');
+    out.answer('I', 'd');
     out.number(static_cast<uint8_t>(hw::kFirstPort + port));
     out.character(',');
     out.hexByte(levels);
@@ -189,7 +189,7 @@ void IoService::reportValues() {
 }
 
 bool IoService::isAnalogInput(uint8_t channel) const {
-    return mode(static_cast<uint8_t>(hw::kFirstAnalogPin + channel)) == PinMode::kAnalog;
+    return modes_[hw::kFirstAnalogPin + channel] == static_cast<uint8_t>(PinMode::kAnalog);
 }
 
 uint8_t IoService::countAnalogInputs() const {
@@ -223,9 +223,10 @@ void IoService::writePortAndMask(uint8_t pin) {
 }
 
 void IoService::writeAnalogInput(uint8_t nth) {
-    uint8_t channel = 0;
-    while (!isAnalogInput(channel) || nth-- > 0)
-        ++channel;
+    uint8_t channel = 255;
+    do {
+        if (isAnalogInput(++channel)) --nth;
+    } while (nth != 255);
     out.number(channel);
     out.character(':');
     out.number(hw::readAnalog(channel));

@@ -37,7 +37,7 @@ class IoService : public Service {
     // time between request and event off its round trip. `line` is what has come so far, of a length from
     // kShortestWrite to kLongestWrite.
     static constexpr uint8_t kShortestWrite = 7, kLongestWrite = 8;
-    void prepare(const char* line, uint8_t length);
+    void prepare(const char* line, uint8_t length) __attribute__((noinline));
     void forgetPrepared() { preparedPin_ = kNoPin; }
 
     // Does what was prepared; false if nothing was.
@@ -51,7 +51,9 @@ class IoService : public Service {
 
     // Number given by claim() to who uses the pin, 0 for the I/O service.
     uint8_t owner(uint8_t pin) const { return modes_[pin] >> 4; }
-    bool isFree(uint8_t pin) const { return pin < hw::kPins && mode(pin) < PinMode::kReserved; }
+    bool isFree(uint8_t pin) const {
+        return pin < hw::kPins && modes_[pin] < static_cast<uint8_t>(PinMode::kReserved);
+    }
     Error claim(uint8_t pin, uint8_t owner);
     void release(uint8_t owner);
 
@@ -64,7 +66,7 @@ class IoService : public Service {
     Error writeDigital(uint8_t pin, uint8_t high);
     Error writePwm(uint8_t pin, uint8_t duty) __attribute__((noinline));
     Error listRequest(Request& request, uint8_t count);
-    Error setMode(uint8_t pin, PinMode wanted);
+    inline Error setMode(uint8_t pin, PinMode wanted) __attribute__((always_inline));
     void free(uint8_t pin);
     bool canWrite(uint8_t pin) const;
     void apply(uint8_t pin, PinMode mode);

@@ -83,7 +83,8 @@ void Out::hundredths(int32_t value) {
 }
 
 void Out::hexDigit(uint8_t value) {
-    character(static_cast<char>(value < 10 ? '0' + value : 'A' - 10 + value));
+    if (value > 9) value = static_cast<uint8_t>(value + 'A' - '0' - 10);
+    character(static_cast<char>('0' + value));
 }
 
 void Out::hexByte(uint8_t value) {
@@ -96,15 +97,22 @@ void Out::head(char kind, char service, char tag) {
     character(service);
     character(',');
     character(tag);
+    character(',');
 }
 
 void Out::event(char service, char tag) {
+    character('@');
+    character(service);
+    character(',');
+    character(tag);
+}
+
+void Out::answer(char service, char tag) {
     head('@', service, tag);
 }
 
 void Out::error(char service, char tag, Error error) {
     head('~', service, tag);
-    character(',');
     number(static_cast<uint8_t>(error));
     character('{');
     text(errorText(error));

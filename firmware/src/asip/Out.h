@@ -28,6 +28,8 @@ class Out {
 
     // Begins an event or an answer: @S,t
     void event(char service, char tag);
+    // The same with a comma behind it: @S,t,
+    void answer(char service, char tag);
 
     // A whole line: ~S,t,NUMBER{TEXT}
     void error(char service, char tag, Error error);
@@ -46,7 +48,7 @@ class Out {
     bool hasRoom() const { return !held_ && hasRoomForPiece(); }
 
     // The same for what may be sent while the line is held.
-    bool hasRoomForPiece() const;
+    bool hasRoomForPiece() const __attribute__((noinline));
 
     // Held for a list (Board::sendList) that is under way, or because the rate is about to change: no line
     // may begin.

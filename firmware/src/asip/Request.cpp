@@ -3,7 +3,7 @@
 
 namespace asip {
 
-void Request::begin() {
+inline void Request::begin() {
     if (!skip(',')) good_ = false;
     while (skip(' ')) {
     }

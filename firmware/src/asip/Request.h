@@ -14,7 +14,7 @@ namespace asip {
 class Request {
   public:
     // `line` ends in '\0', lasts as long as the request, and has at least `S,t`.
-    explicit Request(const char* line) : tag_(line[2]), next_(line + 3), good_(true) {}
+    explicit Request(const char* line) : next_(line + 3), tag_(line[2]), good_(true) {}
 
     char tag() const { return tag_; }
 
@@ -53,13 +53,13 @@ class Request {
     bool skip(char expected);
 
   private:
-    void begin();
+    inline void begin() __attribute__((always_inline));
     uint16_t digits(uint16_t max, bool clamp);
     uint16_t argument(uint16_t max, bool clamp);
     int16_t signedArgument(int16_t max, bool clamp);
 
-    char tag_;
     const char* next_;
+    char tag_;
     bool good_;
 };
 

@@ -40,7 +40,7 @@ class Service {
     virtual void poll();
 
     // Milliseconds between auto-events, 0 for none.
-    void setPeriod(uint16_t ms) {
+    __attribute__((noinline)) void setPeriod(uint16_t ms) {
         period_ = remaining_ = ms;
         setDue(false);
     }

@@ -9,8 +9,7 @@ Error Board::processSystem(Request& request) {
     if (tag == '?' || tag == 'N' || tag == 'S' || tag == 'R') {
         if (!request.complete()) return Error::kBadArgument;
         if (tag == '?') sendVersion();
-        if (tag == 'N') startList(nullptr, '#', tag, countServices());
-        if (tag == 'S') startList(nullptr, '#', tag, hw::kPins);
+        if (tag == 'N' || tag == 'S') startList(nullptr, '#', tag, tag == 'N' ? countServices() : hw::kPins);
         if (tag == 'R') restart();
         return Error::kNone;
     }
@@ -18,8 +17,8 @@ Error Board::processSystem(Request& request) {
 }
 
 void Board::sendVersion() {
-    out.event('#', '?');
-    out.text(F(",0,4,"));
+    out.answer('#', '?');
+    out.text(F("0,4,"));
     out.text(hw::chipName());
     out.character(',');
     out.number(hw::kPins);
