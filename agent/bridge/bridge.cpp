@@ -33,6 +33,7 @@ Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
 
 void Bridge::link_up(const session::LinkTraits& traits, model::LinkInfo link, Time now, Effects& out) {
     describer_.link_opened(std::move(link));
+    unreached_.clear();
     statistics_.link_opened(now);
     session::Actions actions;
     board_.session.link_up(traits, now, actions);
@@ -122,7 +123,7 @@ void Bridge::perform(session::Actions& actions, Time now, Effects& out) {
 void Bridge::on_action(const session::BoardLine& line, Time, Effects& out) {
     client_requests_.on_line(line, session().identity(), out);
     if (line.line.is_error()) statistics_.board_error(line.line.error().code);
-    if (name().empty()) return;
+    if (!found_) return;
     if (describer_.note_line(line.line)) describe_again();
     publish_or_keep(line.line, line.owner ? control_.sender_of(*line.owner) : std::string(), out);
 }
@@ -148,6 +149,7 @@ void Bridge::on_action(const session::Identified& identified, Time now, Effects&
     periods_.board_found(board_.services, now);
     describer_.board_found(identified.changed, periods_);
     if (name().empty()) name_board(out);
+    if (!std::exchange(found_, true) && !options_.keep_outputs) safety_.stop_services();
     out.board_known = true;
     was_away_ = false;
     out.log(restarts_.many() ? Level::kDebug : Level::kInfo,
@@ -157,6 +159,7 @@ void Bridge::on_action(const session::Identified& identified, Time now, Effects&
              {"sketch", board.info.sketch},
              {"services", letters()},
              {"baud", std::to_string(board_.session.baud())}});
+    unreached_.clear();
     describe_again();
     compare_with_first(port_.phase() != PortLoan::Phase::kOurs, out);
     port_.identified(traits(), out);
@@ -165,12 +168,11 @@ void Bridge::on_action(const session::Identified& identified, Time now, Effects&
 }
 
 void Bridge::name_board(Effects& out) {
-    choose_name();
+    if (name().empty()) choose_name();
     auto kept = options_.load_labels ? options_.load_labels(name()) : Expected<model::Labels>();
     if (!kept) out.log(Level::kError, "labels cannot be read", {{"why", kept.error()}});
     labels_.load(std::move(kept));
     describer_.note_labels(labels_);
-    if (!options_.keep_outputs) safety_.stop_services();
     announcer_ = std::make_unique<Announcer>(
         board_.topics,
         AnnouncerOptions{name(), options_.lease_seconds, options_.takeover, options_.started_unix,
@@ -206,11 +208,14 @@ void Bridge::on_action(const session::NoAnswer& none, Time now, Effects& out) {
                            : " does not answer: is an ASIP sketch loaded (asip firmware: AsipHello), and "
                              "is it the right port?";
     // A board that was here may come back; a port where none ever was is more likely the wrong one.
-    if (name().empty()) {
-        out.fatal = Fatal{program::kExitBoard, describer_.link().path + why};
-    } else {
-        out.log(Level::kWarning, describer_.link().path + why + " Asking on");
+    const auto text = describer_.link().path + why;
+    if (!found_ && (!options_.announce_unreached || options_.name.empty())) {
+        out.fatal = Fatal{program::kExitBoard, text};
+        return;
     }
+    out.log(Level::kWarning, text + " Asking on");
+    unreached_ = text;
+    announce_unreached(model::StateReason::kSilent, now, out);
 }
 
 void Bridge::on_action(const session::LineRateChanged& change, Time, Effects& out) {

@@ -44,7 +44,10 @@ struct BridgeOptions {
     std::uint64_t started_unix = 0;
     bool on_shared_topic = true;  ///< see AnnouncerOptions
     bool keep_outputs = false;    ///< do not stop the board's services when it is found first
-    model::Labels labels;         ///< of the configuration: they cannot be changed over the bus
+    /// A board that has a name given, and that cannot be reached at the start, is announced as lost, with the
+    /// reason: for agents that wait for it.
+    bool announce_unreached = false;
+    model::Labels labels;  ///< of the configuration: they cannot be changed over the bus
     /// Labels of a board as they were kept; where none are, empty ones.
     std::function<Expected<model::Labels>(const std::string& board)> load_labels;
     session::SessionOptions session;
@@ -71,6 +74,11 @@ class Bridge {
     void link_up(const session::LinkTraits& traits, model::LinkInfo link, Time now, Effects& out);
     void link_down(const std::string& why, Time now, Effects& out);
     void receive(std::string_view bytes, Time now, Effects& out);
+    /// The link cannot be opened, for a reason that stands in the description until it is.
+    void unreached(model::StateReason reason, const std::string& why, model::LinkInfo link, Time now,
+                   Effects& out);
+    /// That reason; empty: none.
+    const std::string& why_unreached() const { return unreached_; }
     /// As BoardSession::not_watched().
     void not_watched(Time since, Time now);
     /// The answer to session::SetLineRate.
@@ -150,6 +158,7 @@ class Bridge {
     void on_message(const StoredSet& stored, Time now, Effects& out);
     void on_message(const Announcement& announcement, Time now, Effects& out);
     void name_board(Effects& out);
+    void announce_unreached(model::StateReason reason, Time now, Effects& out);
     void tick_port(Time now, Effects& out);
     void let_go_of_port(Time now, Effects& out);
     BoardTraits traits() const;
@@ -194,6 +203,8 @@ class Bridge {
     LabelBook labels_;
     Describer describer_;
     std::unique_ptr<Announcer> announcer_;  // once there is a name
+    bool found_ = false;                    // the board, at least once
+    std::string unreached_;                 // why the link cannot be opened
     bool named_by_board_ = false;           // the name is stored on the board
     bool name_claimed_ = false;
     bool was_away_ = false;  // the board, since it was identified

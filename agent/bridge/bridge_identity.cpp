@@ -81,9 +81,31 @@ void Bridge::compare_with_first(bool flashed, Effects& out) {
     show_warnings();
 }
 
+void Bridge::unreached(model::StateReason reason, const std::string& why, model::LinkInfo link, Time now,
+                       Effects& out) {
+    // Of a board that was here link_down() has said how it went.
+    if (port_.phase() != PortLoan::Phase::kOurs || (found_ && reason == model::StateReason::kUnplugged))
+        return;
+    unreached_ = why;
+    if (!found_) describer_.link_opened(std::move(link));
+    announce_unreached(reason, now, out);
+}
+
+void Bridge::announce_unreached(model::StateReason reason, Time now, Effects& out) {
+    if (!announcer_) {
+        if (!options_.announce_unreached || options_.name.empty()) return;
+        board_.name = options_.name;
+        name_board(out);
+        out.board_known = true;
+        describe_again();
+    }
+    announcer_->set_state(model::BoardState::kLost, reason, now, out);
+    show_warnings();
+}
+
 void Bridge::show_warnings() {
     std::vector<std::string> warnings;
-    for (const auto& text : {other_board_, restarts_.text(), context_.warning()})
+    for (const auto& text : {unreached_, other_board_, restarts_.text(), context_.warning()})
         if (!text.empty()) warnings.push_back(text.substr(0, model::kMaxWarningBytes));
     if (describer_.note_warnings(std::move(warnings))) describe_again();
 }

@@ -34,7 +34,8 @@ std::optional<std::pair<std::string, std::string>> called(bool several, const Ag
     return std::pair{"port", options.serial.empty() ? options.tcp : options.serial};
 }
 
-BridgeOptions bridge_options(BridgeOptions options, const LabelFiles& files) {
+BridgeOptions bridge_options(BridgeOptions options, const LabelFiles& files, bool goes_on) {
+    options.announce_unreached = goes_on;
     options.load_labels = [&files](const std::string& board) { return files.load(board); };
     return options;
 }
@@ -57,7 +58,7 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
                    return BrokerReports::Agent{bridge_.name(), options_.bridge.topic_root, options_.mqtt.user,
                                                options_.mqtt.brokers.front().describe()};
                }),
-      bridge_(bridge_options(options_.bridge, label_files_), options_.models, system_random()),
+      bridge_(bridge_options(options_.bridge, label_files_, host.goes_on), options_.models, system_random()),
       link_(io_, stream_target(options_),
             {[this](const link::StreamOpened& opened) { link_opened(opened); },
              [this](const link::StreamError& error) { link_lost(error); },
@@ -129,6 +130,11 @@ void BoardAgent::perform(Effects& effects) {
             });
         }
     }
+    // Before its answer leaves: the program that asked for the port opens it at once.
+    if (effects.port == Effects::Port::kLetGo) {
+        reset_timer_.cancel();
+        link_.stop();
+    }
     if (effects.board_known) {
         log_.board_is(bridge_.name());
         reset_timer_.cancel();
@@ -147,10 +153,6 @@ void BoardAgent::perform(Effects& effects) {
     if (effects.name_claimed) publish_log();
     if (effects.keep_labels) keep_labels(std::move(*effects.keep_labels));
     if (effects.reopen_link) link_.reopen("the board does not answer");
-    if (effects.port == Effects::Port::kLetGo) {
-        reset_timer_.cancel();
-        link_.stop();
-    }
     if (effects.port == Effects::Port::kTakeBack) link_.start();
     if (effects.begin_anew) return finish(kBeginAnew);
     if (effects.fatal) {
@@ -203,12 +205,24 @@ void BoardAgent::link_failed(const link::StreamError& error) {
     using Kind = link::StreamError::Kind;
     const bool waiting_helps =
         error.kind == Kind::kNotThere || error.kind == Kind::kUnreachable || error.kind == Kind::kClosed;
-    if (outage_.first_attempt() && !waiting_helps) {
+    const bool announced = host_.goes_on && !options_.bridge.name.empty();
+    if (outage_.first_attempt() && !waiting_helps && !announced) {
         log_.error(error.text, {});
         return finish(program::kExitBoard);
     }
     if (outage_.failed(error.kind, Clock::now()))
         log_.warning("board not reachable; waiting for it", {{"why", error.text}});
+    if (bridge_.why_unreached() == error.text) return;
+    with_bridge([&](Time now, Effects& out) {
+        bridge_.unreached(waiting_helps               ? model::StateReason::kUnplugged
+                          : error.kind == Kind::kBusy ? model::StateReason::kReleased
+                                                      : model::StateReason::kNone,
+                          error.text,
+                          {options_.serial.empty() ? "tcp" : "serial",
+                           options_.serial.empty() ? options_.tcp : options_.serial, 0},
+                          now, out);
+    });
+    handlers_.on_changed();
 }
 
 void BoardAgent::link_lost(const link::StreamError& error) {

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "agent/bridge/bridge.hpp"
 #include "agent/clients/point_to_point.hpp"
@@ -34,6 +35,7 @@ class BoardAgent {
     struct Host {
         boost::asio::io_context& io;
         boost::asio::thread_pool& disk;  ///< a slow one must not hold up the boards
+        bool goes_on = false;            ///< does not end over what may pass
         bool several = false;            ///< each line of the log says which board it is about
     };
     /// In place of an exit status: another board is at the port. To be started again at once.
@@ -60,6 +62,10 @@ class BoardAgent {
 
     /// Whether the board answers and is on the bus.
     bool online() const { return presence_ == Presence::kOnline; }
+    /// Why it is not, as far as that is known: why the board cannot be reached, or the broker.
+    const std::string& why_waiting() const {
+        return bridge_.why_unreached().empty() ? why_no_broker_ : bridge_.why_unreached();
+    }
 
   private:
     /// kMakingSafe: asked to end, or has to; the board is made safe first.
@@ -142,6 +148,7 @@ class BoardAgent {
     std::optional<Time> armed_for_;
     Life life_ = Life::kRunning;
     Presence presence_ = Presence::kAway;
+    std::string why_no_broker_;
     std::shared_ptr<const void> alive_ = std::make_shared<char>();  // posted calls hold it weakly
 };
 

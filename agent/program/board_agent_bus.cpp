@@ -2,6 +2,7 @@
 // What is between the bridge and the broker: messages in their order, and what is reported of the connection.
 #include <boost/asio/post.hpp>
 #include <filesystem>
+#include <utility>
 
 #include "agent/program/board_agent.hpp"
 #include "asip/mqtt/policy/closes_when_denied.hpp"
@@ -86,6 +87,7 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
     handlers.on_connected = [this](const mqtt::Connected& connected) {
         reports_.connected(connected, bus_->counters());
         bus_patience_.reset();
+        why_no_broker_.clear();
         bus_->discard_queued(mqtt::Priority::kAnnouncement);
         with_bridge([&](Time now, Effects& out) {
             bridge_.bus_connected(now, connected.client_id, connected.v5, out);
@@ -203,6 +205,7 @@ void BoardAgent::turn() {
 
 void BoardAgent::bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected) {
     if (ended()) return;
+    if (std::exchange(why_no_broker_, failure.text) != failure.text) handlers_.on_changed();
     const bool may_change = !was_connected && look_for_credentials();
     if (failure.hopeless && !may_change) {
         log_.error(failure.text, {{"broker", failure.broker.describe()}});

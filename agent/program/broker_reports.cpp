@@ -48,10 +48,8 @@ void BrokerReports::look_for_rejections(const mqtt::Counters& counters) {
     if (refused == 0 && !too_large) return;
     at_connection_.reset();
     if (too_large) {
-        log_.error(
-            "a message of this agent is larger than the broker takes; raise its limit (Mosquitto: "
-            "max_packet_size)",
-            {{"board", agent_().board}, {"broker's limit", packet_limit_}});
+        log_.error("a message of this agent is larger than the broker takes; raise its limit",
+                   {{"board", agent_().board}, {"broker's limit", packet_limit_}, {"why", denial_}});
         return;
     }
     if (announcing_ != Announcing::kTaken) return announcing_denied();

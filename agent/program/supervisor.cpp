@@ -134,7 +134,7 @@ void Supervisor::serve(Board& board) {
     if (board.name_taken) options.bridge.takeover = false;
     board.started = Clock::now();
     board.agent = std::make_unique<BoardAgent>(
-        BoardAgent::Host{io_, disk_, several_}, std::move(options),
+        BoardAgent::Host{io_, disk_, several_ || program::supervised(), several_}, std::move(options),
         BoardAgent::Handlers{[this, &board](int status) { ended(board, status); },
                              [this] { report_soon(); }});
     board.agent->start();
@@ -267,11 +267,16 @@ void Supervisor::report_soon() {
 }
 
 std::string Supervisor::status_text() const {
-    std::size_t online = 0, ended = 0;
-    std::string names;
+    std::size_t online = 0, ended = 0, waiting = 0;
+    std::string names, reasons;
     for (const auto& board : boards_) {
-        if (board->agent) {
-            online += board->agent->online() ? 1 : 0;
+        if (board->agent && board->agent->online()) {
+            ++online;
+        } else if (board->agent && !board->agent->why_waiting().empty()) {
+            if (++waiting <= kNamedInStatus)
+                reasons += "; " + board->plan.key + " waits: " + board->agent->why_waiting();
+        } else if (board->agent) {
+            continue;
         } else if (board->last_status != 0 && ++ended <= kNamedInStatus) {
             names += (names.empty() ? "" : ", ") + board->plan.key + " (" +
                      std::to_string(board->last_status) + ")";
@@ -279,10 +284,17 @@ std::string Supervisor::status_text() const {
     }
     if (!several_ && ended > 0)
         return std::string(why_ended(boards_.front()->last_status)) + "; asking again, see the log";
-    if (!several_) return online > 0 ? "on the bus" : "waiting for the board or the broker";
+    if (!several_ && online > 0) return "on the bus";
+    if (!several_) {
+        const auto& agent = boards_.front()->agent;
+        return agent && !agent->why_waiting().empty() ? "waiting: " + agent->why_waiting()
+                                                      : "waiting for the board or the broker";
+    }
     auto text = std::to_string(online) + " of " + std::to_string(boards_.size()) + " boards on the bus";
     if (ended > 0) text += "; ended and to be started again: " + names;
     if (ended > kNamedInStatus) text += " and " + std::to_string(ended - kNamedInStatus) + " more";
+    text += reasons;
+    if (waiting > kNamedInStatus) text += "; " + std::to_string(waiting - kNamedInStatus) + " more wait";
     return text;
 }
 

@@ -13,6 +13,8 @@ namespace asip::link {
 namespace {
 
 constexpr auto kRetry = std::chrono::milliseconds(250);
+// Of a port that is there: opening it may move its lines under another program, and is of no use soon.
+constexpr auto kRetryRefused = std::chrono::milliseconds(1000);
 constexpr auto kDtrLow = std::chrono::milliseconds(100);
 constexpr Duration kConnectTimeout = std::chrono::seconds(5);
 
@@ -139,7 +141,10 @@ class KeptStream::Impl : public std::enable_shared_from_this<Impl> {
     }
 
     void failed(const StreamError& error) {
-        open_later(kRetry);
+        using Kind = StreamError::Kind;
+        const bool refused = error.kind == Kind::kBusy || error.kind == Kind::kNoPermission ||
+                             error.kind == Kind::kNotASerialPort;
+        open_later(refused ? kRetryRefused : kRetry);
         handlers_.on_failed(error);
     }
 

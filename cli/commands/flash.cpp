@@ -107,7 +107,7 @@ class Flasher {
     }
 
     Outcome<void> program(const std::vector<std::string>& call, const std::string& path) {
-        const auto lock = PortLock::take(path);
+        const auto lock = PortLock::take(path, [this](Duration time) { session_.run_for(time); });
         if (!lock) return failure(program::kExitFailure, lock.error());
         auto programmer = RunningProgram::start(call);
         if (!programmer) return failure(program::kExitFailure, programmer.error());

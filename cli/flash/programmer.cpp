@@ -129,13 +129,32 @@ int RunningProgram::wait() {
     return exit_status(status);
 }
 
-Expected<PortLock> PortLock::take(const std::string& path) {
+namespace {
+
+constexpr Duration kBetweenAttempts = std::chrono::milliseconds(100);
+
+/// A locked descriptor, or -1 with errno.
+int open_and_lock(const std::string& path) {
     // Not closed on exec: the programmer keeps the lock when this program is killed.
     const int descriptor = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
-    if (descriptor < 0) return fail(path + " cannot be opened: " + std::strerror(errno));
-    PortLock lock(descriptor);
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) return fail(path + " is in use by another program");
-    return lock;
+    if (descriptor < 0 || ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
+    ::close(descriptor);
+    errno = EBUSY;
+    return -1;
+}
+
+}  // namespace
+
+Expected<PortLock> PortLock::take(const std::string& path, const std::function<void(Duration)>& pause) {
+    int descriptor = open_and_lock(path);
+    for (Duration waited{}; descriptor < 0 && errno == EBUSY && waited < kPatience;
+         waited += kBetweenAttempts) {
+        pause(kBetweenAttempts);
+        descriptor = open_and_lock(path);
+    }
+    if (descriptor >= 0) return PortLock(descriptor);
+    if (errno == EBUSY) return fail(path + " is in use by another program (fuser " + path + ")");
+    return fail(path + " cannot be opened: " + std::strerror(errno));
 }
 
 PortLock::PortLock(PortLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "asip/expected.hpp"
+#include "asip/time.hpp"
 
 namespace asip::cli {
 
@@ -54,8 +56,10 @@ class RunningProgram {
 /// meanwhile inherit it, so that it outlives this one.
 class PortLock {
   public:
-    /// Fails where the port is not there, or another program has it.
-    static Expected<PortLock> take(const std::string& path);
+    /// Fails where the port is not there, or another program has it for longer than kPatience: some look for
+    /// their device at each port that became free. `pause` passes the time between two attempts.
+    static Expected<PortLock> take(const std::string& path, const std::function<void(Duration)>& pause);
+    static constexpr Duration kPatience = std::chrono::seconds(2);
     PortLock(PortLock&& other) noexcept;
     PortLock& operator=(PortLock&&) = delete;
     ~PortLock();

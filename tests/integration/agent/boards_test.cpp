@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // One agent process for several boards.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -167,11 +169,12 @@ TEST_F(ManyBoards, OneWithoutPortAndOneWithATakenName_EndAloneAndComeBack) {
     ASSERT_TRUE(is("taken", "online")) << holder.errors();
     agent();
     ASSERT_TRUE(is("good", "online")) << agent().errors();
-    ASSERT_TRUE(agent().wait_for_errors("has ended; starting it again.*board=bad status=5"))
+    ASSERT_TRUE(agent().wait_for_errors("waiting for it.*board=bad .*/dev/null is not a serial port"))
         << agent().errors();
     ASSERT_TRUE(agent().wait_for_errors("has ended; starting it again.*board=taken status=6"))
         << agent().errors();
-    EXPECT_TRUE(systemd_.heard("1 of 3 boards on the bus; ended and to be started again: "))
+    EXPECT_TRUE(
+        systemd_.heard("1 of 3 boards on the bus; ended and to be started again: taken (6); bad waits: "))
         << systemd_.all();
     EXPECT_TRUE(agent().running());
     EXPECT_TRUE(answers("good"));
@@ -182,6 +185,30 @@ TEST_F(ManyBoards, OneWithoutPortAndOneWithATakenName_EndAloneAndComeBack) {
     ASSERT_TRUE(is("taken", "online")) << "tried again by itself\n" << agent().errors();
     EXPECT_TRUE(answers("taken"));
     EXPECT_TRUE(answers("good"));
+}
+
+TEST_F(ManyBoards, PortInUse_TheReasonIsOnTheBusUntilItIsFree) {
+    FakePort port;
+    const int other = open(port.path().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    ASSERT_EQ(flock(other, LOCK_EX | LOCK_NB), 0);
+    write(section("desk", port.path()));
+    agent();
+    const auto described = [this](const std::string& text) {
+        return wait_until([&] {
+            return probe_.last("asip/servicebus/desk/$description").value_or("").find(text) !=
+                   std::string::npos;
+        });
+    };
+    ASSERT_TRUE(is("desk", "lost")) << agent().errors();
+    EXPECT_TRUE(described(port.path() + " is in use by another program"));
+    EXPECT_TRUE(described(R"("reason":"released")"));
+    EXPECT_TRUE(systemd_.heard("is in use by another program")) << systemd_.all();
+    const auto refused = probe_.request("asip/desk/io/in", R"({"mode":[13,"output"]})");
+    EXPECT_THAT(refused.value_or("no answer"), HasSubstr("board-not-there"));
+    close(other);
+    ASSERT_TRUE(is("desk", "online")) << agent().errors();
+    EXPECT_TRUE(answers("desk"));
+    EXPECT_THAT(*probe_.last("asip/servicebus/desk/$description"), testing::Not(HasSubstr("in use")));
 }
 
 TEST_F(ManyBoards, Sighup_TakesWhatChangedAndLeavesTheOthersAlone) {

@@ -42,8 +42,6 @@ class FlashTest : public BusTest {
 
     Words flash(const std::string& name) const { return {"flash", "desk", image(name), "--socket", socket_}; }
 
-    /// A programmer that never ends by itself, in place of avrdude, for a board that is not known as
-    /// simulated.
     bool is_free() const { return run({"sh", "-c", "exec 3<>" + port_ + "; flock -n 3"}).status == 0; }
 
     TempDir folder_;
@@ -187,6 +185,23 @@ TEST_F(FlashTest, AvrdudeKilled_TheBoardIsBackWithItsSketch) {
     EXPECT_TRUE(wait_state("online"));
     EXPECT_FALSE(is_free()) << "the agent has the port";
     EXPECT_EQ(asipctl({"send", "desk/io", "mode", "13", "output"}).status, 0);
+    EXPECT_EQ(asipctl(flash("asip_uno_services")).status, 0) << "nothing is left locked";
+}
+
+TEST_F(FlashTest, ProgrammerThatHangs_IsStoppedAndThePortComesBack) {
+    // One that ends when it is asked to, and one that does not.
+    for (const std::string trap : {"", "trap '' TERM; "}) {
+        const auto hanging = folder_.write("hanging", "#!/bin/sh\n" + trap + "exec sleep 600\n");
+        std::filesystem::permissions(hanging, std::filesystem::perms::owner_all);
+        const auto flashed =
+            asipctl({"flash", "desk", image("asip_uno"), "--avrdude", hanging, "--limit", "1s"});
+        EXPECT_EQ(flashed.status, 1) << trap;
+        EXPECT_THAT(flashed.errors, HasSubstr("did not end within 1s and was stopped")) << trap;
+        EXPECT_THAT(flashed.errors, HasSubstr("--limit")) << trap;
+        EXPECT_TRUE(wait_state("online")) << trap;
+        EXPECT_FALSE(is_free()) << "the agent has it";
+    }
+    EXPECT_EQ(asipctl({"flash", "desk", image("asip_uno"), "--limit", "soon"}).status, 2);
     EXPECT_EQ(asipctl(flash("asip_uno_services")).status, 0) << "nothing is left locked";
 }
 

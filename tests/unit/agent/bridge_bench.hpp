@@ -118,13 +118,15 @@ class BridgeBench {
         return answers.empty() ? nlohmann::json() : nlohmann::json::parse(answers.back());
     }
 
-  private:
+    /// A call of the bridge that has no name here.
     template <class Call>
     void run(Call&& call) {
         Effects effects;
         call(effects);
         perform(effects);
     }
+
+  private:
     void perform(Effects& effects) {
         std::string answer;
         for (auto& action : effects.link)

@@ -142,5 +142,91 @@ TEST(WhichBoard, RestartsOnce_IsToldAsBefore) {
     EXPECT_THAT(warnings_of(bench, "uno1"), IsEmpty());
 }
 
+const std::string kInUse = "/dev/ttyACM0 is in use by another program; close it there first";
+
+BridgeOptions of_a_service() {
+    auto options = BridgeBench::defaults();
+    options.announce_unreached = true;
+    return options;
+}
+
+void fail_to_open(BridgeBench& bench, model::StateReason reason) {
+    bench.run([&](Effects& out) {
+        bench.bridge.unreached(reason, kInUse, {"serial", "/dev/ttyACM0", 0}, bench.now, out);
+    });
+}
+
+model::Description described(const BridgeBench& bench) {
+    return model::parse_description(bench.on("asip/servicebus/uno1/$description").back()).value();
+}
+
+TEST(WhichBoard, PortInUseAtTheStart_IsAnnouncedWithItsReasonUntilTheBoardIsFound) {
+    BridgeBench bench(of_a_service());
+    bench.board.services = "ISDM";
+    bench.board.replies["#,N"] = "@#,N,4,{I:ASIP core IO,S:Servos,D:Distance,M:Motors}";
+    fail_to_open(bench, model::StateReason::kReleased);
+    bench.connect();
+    bench.pass(1500ms);
+    EXPECT_THAT(bench.on("asip/servicebus/uno1/$state"), testing::ElementsAre("lost"));
+    EXPECT_THAT(described(bench).warnings, testing::ElementsAre(kInUse));
+    EXPECT_EQ(described(bench).state->reason, model::StateReason::kReleased);
+    EXPECT_EQ(described(bench).link.path, "/dev/ttyACM0");
+    const auto refused = bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}});
+    EXPECT_EQ(refused["reason"], "board-not-there");
+    fail_to_open(bench, model::StateReason::kReleased);
+    const auto said = bench.on("asip/servicebus/uno1/$description").size();
+    bench.pass(2s);
+    EXPECT_EQ(bench.on("asip/servicebus/uno1/$description").size(), said) << "it is said once";
+    bench.plug();
+    bench.pass(3s);
+    EXPECT_EQ(bench.on("asip/servicebus/uno1/$state").back(), "online");
+    EXPECT_THAT(described(bench).warnings, IsEmpty());
+    EXPECT_FALSE(described(bench).services.empty());
+    EXPECT_THAT(bench.board.executed, Contains("M,S")) << "made safe, as any board that is found first";
+}
+
+TEST(WhichBoard, PortInUseWhenItComesBack_IsTheReasonInPlaceOfTheCable) {
+    BridgeBench bench(of_a_service());
+    bench.go_online();
+    bench.unplug();
+    fail_to_open(bench, model::StateReason::kUnplugged);
+    EXPECT_EQ(described(bench).state->reason, model::StateReason::kUnplugged);
+    fail_to_open(bench, model::StateReason::kReleased);
+    EXPECT_EQ(described(bench).state->reason, model::StateReason::kReleased);
+    bench.pass(2s);
+    EXPECT_THAT(described(bench).warnings, testing::ElementsAre(kInUse));
+    bench.plug();
+    bench.pass(3s);
+    EXPECT_THAT(described(bench).warnings, IsEmpty());
+}
+
+TEST(WhichBoard, PortInUse_OfAnAgentAtATerminalOrWithoutANameIsNotAnnounced) {
+    for (auto options : {BridgeBench::defaults(), without_name()}) {
+        options.announce_unreached = options.name.empty();
+        BridgeBench bench(options);
+        fail_to_open(bench, model::StateReason::kReleased);
+        bench.connect();
+        bench.pass(2s);
+        EXPECT_THAT(bench.published, IsEmpty());
+        EXPECT_EQ(bench.bridge.why_unreached(), kInUse);
+    }
+}
+
+TEST(WhichBoard, NothingAnswersAtThePortOfAService_IsAnnouncedAndAskedOn) {
+    BridgeBench bench(of_a_service());
+    bench.board.mute = true;
+    bench.plug();
+    bench.pass(20s);
+    bench.connect();
+    bench.pass(2s);
+    EXPECT_FALSE(bench.fatal);
+    EXPECT_EQ(described(bench).state->reason, model::StateReason::kSilent);
+    EXPECT_THAT(described(bench).warnings, testing::ElementsAre(HasSubstr("does not answer")));
+    bench.board.mute = false;
+    bench.pass(5s);
+    EXPECT_EQ(bench.on("asip/servicebus/uno1/$state").back(), "online");
+    EXPECT_THAT(described(bench).warnings, IsEmpty());
+}
+
 }  // namespace
 }  // namespace asip::agent

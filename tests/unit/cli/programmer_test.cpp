@@ -58,22 +58,40 @@ TEST_F(ProgrammerTest, Program_EndsWithItsStatus) {
     EXPECT_THAT(RunningProgram::start({"no-such-program"}).error(), HasSubstr("cannot be started"));
 }
 
+Expected<PortLock> take(const std::string& port) {
+    return PortLock::take(port, [](Duration) {});
+}
+
+TEST_F(ProgrammerTest, PortOfAProgramThatLetsGoSoon_IsWaitedFor) {
+    const auto port = folder_.write("port", "");
+    std::optional<PortLock> other(*take(port));
+    int pauses = 0;
+    const auto lock = PortLock::take(port, [&](Duration) {
+        if (++pauses == 3) other.reset();
+    });
+    EXPECT_TRUE(lock);
+    EXPECT_EQ(pauses, 3);
+    Duration waited{};
+    EXPECT_THAT(PortLock::take(port, [&](Duration time) { waited += time; }).error(), HasSubstr("in use"));
+    EXPECT_EQ(waited, PortLock::kPatience);
+}
+
 TEST_F(ProgrammerTest, Lock_IsKeptByWhatWasStartedMeanwhile) {
     const auto port = folder_.write("port", "");
-    std::optional<PortLock> lock(*PortLock::take(port));
-    EXPECT_THAT(PortLock::take(port).error(), HasSubstr("in use"));
+    std::optional<PortLock> lock(*take(port));
+    EXPECT_THAT(take(port).error(), HasSubstr("in use"));
     auto program = RunningProgram::start({"sh", "-c", "read line < " + folder_.file("pipe")});
     ASSERT_TRUE(program);
     lock.reset();
     EXPECT_TRUE(test::wait_until([&] { return program->ended().has_value(); })) << "there is no such pipe";
-    EXPECT_TRUE(PortLock::take(port)) << "both have ended";
-    lock.emplace(*PortLock::take(port));
+    EXPECT_TRUE(take(port)) << "both have ended";
+    lock.emplace(*take(port));
     auto sleeper = RunningProgram::start({"sleep", "1"});
     lock.reset();
-    EXPECT_FALSE(PortLock::take(port)) << "the program has it still";
+    EXPECT_FALSE(take(port)) << "the program has it still";
     EXPECT_TRUE(test::wait_until([&] { return sleeper->ended().has_value(); }));
-    EXPECT_TRUE(PortLock::take(port));
-    EXPECT_FALSE(PortLock::take(folder_.file("nothing")));
+    EXPECT_TRUE(take(port));
+    EXPECT_FALSE(take(folder_.file("nothing")));
 }
 
 }  // namespace
