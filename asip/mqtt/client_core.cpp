@@ -59,6 +59,7 @@ void ClientCore::connection_up(const Accepted& accepted, Time now, Actions& out)
     up_since_ = now;
     v5_ = accepted.connected.v5;
     receive_maximum_ = accepted.receive_maximum;
+    max_packet_bytes_ = accepted.connected.max_packet_bytes;
     ++counters_.connects;
     brokers_.accepted();
     qos_limit_.broker_allows(accepted.max_qos);

@@ -142,6 +142,7 @@ class ClientCore {
     bool tried_v5_ = false;
     bool v5_ = false;
     std::size_t receive_maximum_ = 0;
+    std::size_t max_packet_bytes_ = 0;  ///< of this broker; 0: it named none
     bool writable_ = false;
     std::optional<Sending> sending_;  ///< while its result is not known
     std::optional<PendingCheck> check_;

@@ -180,7 +180,14 @@ void ClientCore::publish_sent(int error, int id, bool writable, Time now, Action
         return;
     }
     if (error != MOSQ_ERR_SUCCESS) {
-        ++(error == MOSQ_ERR_OVERSIZE_PACKET ? counters_.too_large : counters_.rejected);
+        const bool too_large = error == MOSQ_ERR_OVERSIZE_PACKET;
+        ++(too_large ? counters_.too_large : counters_.rejected);
+        if (too_large)
+            tell(action::PublishDenied{message.topic, "a message of " + std::to_string(message.bytes()) +
+                                                          " bytes, where the broker takes packets up to " +
+                                                          std::to_string(max_packet_bytes_) +
+                                                          " bytes (Mosquitto: max_packet_size)"},
+                 out);
         tell(action::Debug{"not published on " + message.topic + ": " + mosquitto_strerror(error)}, out);
     } else {
         closes_when_denied_.sent(now, message.payload.size());

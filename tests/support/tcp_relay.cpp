@@ -22,7 +22,8 @@ using asio::ip::tcp;
 
 class TcpRelay::State {
   public:
-    explicit State(std::uint16_t to) : to_(asio::ip::address_v4::loopback(), to) {
+    State(std::uint16_t to, Swallows swallows)
+        : to_(asio::ip::address_v4::loopback(), to), swallows_(std::move(swallows)) {
         accept();
         thread_ = std::thread([this] { io_.run(); });
     }
@@ -53,15 +54,17 @@ class TcpRelay::State {
             const auto to = std::make_shared<tcp::socket>(io_);
             boost::system::error_code refused;
             to->connect(to_, refused);
-            if (!refused) carry(from, to), carry(to, from);
+            if (!refused) carry(from, to, bool(swallows_)), carry(to, from);
             accept();
         });
     }
 
-    void carry(const Socket& from, const Socket& to) {
+    void carry(const Socket& from, const Socket& to, bool first = false) {
         auto bytes = std::make_shared<std::string>(65536, '\0');
         from->async_read_some(asio::buffer(*bytes),
                               [=, this](const boost::system::error_code& error, std::size_t count) {
+                                  if (first && !error && swallows_({bytes->data(), count}))
+                                      return void(swallowed_.insert(swallowed_.end(), {from, to}));
                                   const auto pass = [=, this] {
                                       boost::system::error_code failed = error;
                                       if (!failed) asio::write(*to, asio::buffer(*bytes, count), failed);
@@ -79,12 +82,15 @@ class TcpRelay::State {
     asio::io_context io_;
     const tcp::endpoint to_;
     tcp::acceptor acceptor_{io_, {asio::ip::address_v4::loopback(), 0}};
+    const Swallows swallows_;
+    std::vector<Socket> swallowed_;
     bool cut_ = false;
     std::vector<std::function<void()>> waiting_;
     std::thread thread_;
 };
 
-TcpRelay::TcpRelay(std::uint16_t to) : state_(std::make_unique<State>(to)) {}
+TcpRelay::TcpRelay(std::uint16_t to, Swallows swallows)
+    : state_(std::make_unique<State>(to, std::move(swallows))) {}
 TcpRelay::~TcpRelay() = default;
 std::uint16_t TcpRelay::port() const {
     return state_->port();

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <string_view>
 
 namespace asip::test {
 
 /// Passes TCP connections on to a port of 127.0.0.1, until the way is cut. Has a thread of its own.
 class TcpRelay {
   public:
-    explicit TcpRelay(std::uint16_t to);
+    /// Meets some connections with silence for ever.
+    using Swallows = std::function<bool(std::string_view first_bytes_of_client)>;
+    explicit TcpRelay(std::uint16_t to, Swallows swallows = {});
     ~TcpRelay();
     TcpRelay(const TcpRelay&) = delete;
     TcpRelay& operator=(const TcpRelay&) = delete;

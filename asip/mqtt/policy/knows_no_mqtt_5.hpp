@@ -8,16 +8,19 @@ namespace asip::mqtt {
 /// A broker that knows no MQTT 5: which version the next attempt at it speaks. Pure.
 class VersionChoice {
   public:
-    /// A broker that is just going down closes connections before it answers, too, and one that hangs does
-    /// not answer. So 3.1.1 is tried only after so many attempts in a row.
-    static constexpr int kAttemptsUntil311 = 2;
+    /// A broker that is just going down closes connections before it answers, too. So 3.1.1 is tried only
+    /// after so many attempts in a row.
+    static constexpr int kClosedUntil311 = 2;
+    /// One that hangs does not answer, either. But an attempt that ends in silence takes seconds, and a
+    /// broker that took MQTT 5 before is not suspected.
+    static constexpr int kSilentUntil311 = 1;
 
     explicit VersionChoice(Version wanted) : wanted_(wanted) {}
 
     bool v5() const {
         return wanted_ == Version::kV5 ||
-               (wanted_ == Version::kBest && !refused_v5_ && closed_with_v5_ < kAttemptsUntil311 &&
-                silent_to_v5_ < kAttemptsUntil311);
+               (wanted_ == Version::kBest && !refused_v5_ && closed_with_v5_ < kClosedUntil311 &&
+                silent_to_v5_ < kSilentUntil311);
     }
     void accepted() {
         took_v5_ = v5();

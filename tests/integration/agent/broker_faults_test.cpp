@@ -46,6 +46,7 @@ TEST(AgentBroker, AnnouncementLargerThanTheBrokerTakes_IsWarnedOfWithItsLimit) {
     const auto line = agent.process().wait_for_errors("larger than the broker takes");
     ASSERT_TRUE(line) << agent.process().errors();
     EXPECT_THAT(*line, HasSubstr("=300"));
+    EXPECT_THAT(*line, testing::ContainsRegex("a message of [0-9]{3,4} bytes"));
     EXPECT_THAT(agent.process().errors(), testing::Not(HasSubstr("access control")));
 }
 

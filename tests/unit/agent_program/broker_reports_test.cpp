@@ -66,6 +66,7 @@ TEST_F(BrokerReportsTest, OtherMessagesRejected_AreSaidOnceForEachConnection) {
 TEST_F(BrokerReportsTest, MessageTooLarge_IsNoQuestionOfAccess) {
     connect();
     ++counters.too_large;
+    reports.denied("a message of 900 bytes, where the broker takes packets up to 300 bytes");
     reports.look_for_rejections(counters);
     EXPECT_THAT(said(), ElementsAre(HasSubstr("larger than the broker takes")));
 }
