@@ -243,7 +243,7 @@ void Machine::report(std::vector<RequestEnd>& ended, Actions& out) {
         if (end.ending == Ending::kExecuted || end.ending == Ending::kUnproven ||
             end.ending == Ending::kNoValue) {
             settings_.executed(end.request.line);
-            if (end.request.line == "#,R") reports_.clear();
+            if (end.request.line == "#,R") reports_.clear(), renewals_.clear();
             const auto mode = parse_mode_request(end.request.line);
             if (mode && static_cast<std::size_t>(mode->pin) < identity_.pin_modes.size())
                 identity_.pin_modes[static_cast<std::size_t>(mode->pin)] =

@@ -128,9 +128,13 @@ class Machine {
         Time reported{};  // the last report
         Duration patience{};
         bool pending = false;  // it is being set
+        Duration gap{};        // between reports that nobody asked for, on average
+        int gaps = 0;
     };
     void note_renewed(char service);
-    void renew_behind(char service, Time now);
+    void renew_behind(const protocol::Event& event, Time now);
+    void note_unasked(const protocol::Event& event, Time now);
+    std::optional<unsigned> renewed_period(char service, const Renewal& renewal) const;
     void renew(char service, Renewal& renewal);
     Time missing_at(char service, const Renewal& renewal) const;
     void renew_missing(Time now);

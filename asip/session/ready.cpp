@@ -126,7 +126,7 @@ SelfReports Machine::self_reports(const Request& request) const {
 void Machine::note_report(const protocol::Event& event, Time now) {
     if (event.service == '#') return;
     last_report_ = now;
-    renew_behind(event.service, now);
+    renew_behind(event, now);
     const auto known = std::find_if(reports_.begin(), reports_.end(), [&](const Report& report) {
         return report.service == event.service && report.tag == event.tag;
     });

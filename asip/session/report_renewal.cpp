@@ -14,6 +14,10 @@ constexpr Duration kRenewAfter = std::chrono::seconds(30);
 // How long beyond two periods a report may be missing.
 constexpr Duration kFirstPatience = std::chrono::milliseconds(500);
 constexpr Duration kLongestPatience = std::chrono::seconds(60);
+// Of reports that nobody asked for the period is that between so many of them, as sketches set it.
+constexpr int kGaps = 16;
+constexpr Duration kLongestGap = std::chrono::seconds(1);
+constexpr std::chrono::milliseconds kRound(5);
 
 }  // namespace
 
@@ -25,24 +29,47 @@ void Machine::note_renewed(char service) {
     renewal.patience = std::max(renewal.patience, kFirstPatience);
 }
 
-void Machine::renew_behind(char service, Time now) {
-    const auto known = renewals_.find(service);
+void Machine::renew_behind(const protocol::Event& event, Time now) {
+    const auto period = settings_.period(event.service);
+    if (!period) return note_unasked(event, now);
+    const auto known = renewals_.find(event.service);
     if (known == renewals_.end()) return;
     known->second.reported = now;
     known->second.patience = kFirstPatience;
-    const auto period = settings_.period(service);
-    if (period && *period > 0 && now >= known->second.asked + kRenewAfter) renew(service, known->second);
+    if (*period > 0 && now >= known->second.asked + kRenewAfter) renew(event.service, known->second);
+}
+
+// A board of ASIP 0.4 reports its analog pins from its start on, at a period that it does not tell.
+void Machine::note_unasked(const protocol::Event& event, Time now) {
+    if (!identity_.extensions.empty() || event.service != 'I' || event.tag != 'a') return;
+    auto& renewal = renewals_[event.service];
+    const Duration gap = now - std::exchange(renewal.reported, now);
+    renewal.patience = kFirstPatience;
+    if (gap > kLongestGap) {
+        renewal.gaps = 0;
+    } else if (++renewal.gaps <= kGaps) {
+        renewal.gap += (gap - renewal.gap) / renewal.gaps;
+    } else {
+        renewal.gap += (gap - renewal.gap) / kGaps;
+    }
+}
+
+std::optional<unsigned> Machine::renewed_period(char service, const Renewal& renewal) const {
+    if (const auto set = settings_.period(service)) return set;
+    if (renewal.gaps < kGaps) return std::nullopt;
+    const auto rounds = std::max<Duration::rep>((renewal.gap + kRound / 2) / kRound, 1);
+    return static_cast<unsigned>((rounds * kRound).count());
 }
 
 void Machine::renew(char service, Renewal& renewal) {
     if (std::exchange(renewal.pending, true)) return;
     Request request;
-    request.line = std::string{service, ','} + "A," + std::to_string(*settings_.period(service));
+    request.line = std::string{service, ','} + "A," + std::to_string(*renewed_period(service, renewal));
     queue_.waiting().push_own(std::move(request));
 }
 
 Time Machine::missing_at(char service, const Renewal& renewal) const {
-    const auto period = settings_.period(service);
+    const auto period = renewed_period(service, renewal);
     if (!period || *period == 0 || renewal.pending) return Time::max();
     return std::max(renewal.asked, renewal.reported) + 2 * std::chrono::milliseconds(*period) +
            renewal.patience;

@@ -17,10 +17,16 @@ enum class Stop {
     kNever,
 };
 
-/// Reports the distance as `D,A,ms` asks for it. Time in milliseconds.
+/// Reports the distance as `D,A,ms` asks for it, or its analog pins as `I,A,ms` does. Time in milliseconds.
 class ReportingBoard {
   public:
-    ReportingBoard(Bench& bench, Stop stop, long clock) : bench_(bench), stop_(stop), clock_(clock) {}
+    ReportingBoard(Bench& bench, Stop stop, long clock, char service = 'D', long period = 0)
+        : bench_(bench),
+          stop_(stop),
+          request_({service, ',', 'A', ','}),
+          event_(service == 'D' ? "@D,e,1,{42}\r\n" : "@I,a,1,{0:42}\r\n"),
+          clock_(clock),
+          period_(period) {}
 
     void pass(long ms) {
         for (; ms > 0; ms -= kStep) {
@@ -36,7 +42,7 @@ class ReportingBoard {
             most_quiet_ = std::max(most_quiet_, quiet_ * kStep);
             quiet_ = 0;
             ++reports_;
-            bench_.say("@D,e,1,{42}\r\n");
+            bench_.say(event_);
         }
     }
     int reports() const { return reports_; }
@@ -49,7 +55,7 @@ class ReportingBoard {
     void read_requests() {
         auto& executed = bench_.board.executed;
         for (; read_ < executed.size(); ++read_) {
-            if (!executed[read_].starts_with("D,A,")) continue;
+            if (!executed[read_].starts_with(request_)) continue;
             ++asked_;
             period_ = std::atol(executed[read_].c_str() + 4);
             set_ = clock_;
@@ -59,7 +65,8 @@ class ReportingBoard {
 
     Bench& bench_;
     Stop stop_;
-    long clock_, period_ = 0, set_ = 0, due_ = 0, quiet_ = 0, most_quiet_ = 0;
+    std::string request_, event_;
+    long clock_, period_, set_ = 0, due_ = 0, quiet_ = 0, most_quiet_ = 0;
     int reports_ = 0, asked_ = 0;
     std::size_t read_ = 0;
 };
@@ -95,6 +102,38 @@ TEST_F(Renewal, PeriodLongerThanTheClock_IsNotPutOff) {
     bench.request("D,A,65000");
     board.pass(330'000);
     EXPECT_GE(board.reports(), 4);
+}
+
+TEST_F(Renewal, AnalogReportsThatNobodyAskedFor_GoOnAtThePeriodThatTheyHad) {
+    ReportingBoard board(bench, Stop::kClockWraps, 40'000, 'I', 50);
+    board.pass(200'000);
+    EXPECT_GE(board.reports(), 3800);
+    EXPECT_LE(board.most_quiet(), 1000);
+    EXPECT_LE(board.asked(), 12);
+    const auto& executed = bench.board.executed;
+    EXPECT_EQ(std::count_if(executed.begin(), executed.end(),
+                            [](const std::string& line) { return line.starts_with("I,A,"); }),
+              std::count(executed.begin(), executed.end(), "I,A,50"));
+}
+
+TEST_F(Renewal, AnalogReportsThatEndWithARestartByAClient_AreNotAskedForAgain) {
+    ReportingBoard board(bench, Stop::kNever, 0, 'I', 50);
+    board.pass(10'000);
+    bench.request("#,R");
+    bench.pass(5min);
+    EXPECT_EQ(board.asked(), 0);
+    const auto& executed = bench.board.executed;
+    EXPECT_EQ(std::count(executed.begin(), executed.end(), "I,A,50"), 0);
+}
+
+TEST_F(Renewal, AFewAnalogReports_AreNoPeriod) {
+    for (int i = 0; i < 10; ++i) {
+        bench.say("@I,a,1,{0:42}\r\n");
+        bench.pass(50ms);
+    }
+    bench.pass(5min);
+    for (const auto& line : bench.board.executed)
+        EXPECT_FALSE(line.starts_with("I,A,")) << line;
 }
 
 TEST_F(Renewal, ReportsThatWereTurnedOff_AreNotAskedForAgain) {
