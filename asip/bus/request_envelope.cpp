@@ -6,7 +6,7 @@
 
 #include "asip/bus/agent_clock.hpp"
 #include "asip/bus/broken_request.hpp"
-#include "asip/bus/json_scanner.hpp"
+#include "asip/bus/written_numbers.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/file_text.hpp"
 
@@ -57,21 +57,6 @@ std::string take_clock(json& object, RequestEnvelope& envelope) {
     if (!std::exchange(envelope.reply.clock, true)) envelope.sent = clock->get<std::string>();
     object.erase(clock);
     return {};
-}
-
-// Numbers that stand for something are kept as they are written: of 23 digits a float would hold 16.
-void keep_numbers(std::string_view payload, json& object) {
-    const auto inexact = [&object](std::string_view name) {
-        const auto member = object.find(name);
-        return member != object.end() && member->is_number_float();
-    };
-    if (!inexact("id") && !inexact("renew")) return;
-    JsonScanner scanner(payload);
-    std::string_view key;
-    std::string_view raw;
-    if (!scanner.enter_object()) return;
-    while (scanner.next_member(key) && scanner.value(raw))
-        if ((key == "id" || key == "renew") && inexact(key)) object[std::string(key)] = std::string(raw);
 }
 
 /// Moves `reply_to`, `id` and `by` out of the object; the reason when they cannot be used.
@@ -132,7 +117,7 @@ Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request
     if (!model::json_depth_within(payload, kMaxJsonDepth)) return unreadable("the JSON is nested too deeply");
     auto object = json::parse(payload, nullptr, false);
     if (!object.is_object()) return unreadable({});
-    keep_numbers(payload, object);
+    keep_numbers(payload, object, {"id", "renew"});
     if (auto reason = take_reply_members(object, envelope.reply); !reason.empty()) {
         return bad(std::move(envelope.reply), std::move(reason));
     }

@@ -262,6 +262,9 @@ void serve_route(Gateway& gateway, const http::Request& request, const http::Rep
     }
     const bool api = !request.segments.empty() && request.segments[0] == "api";
     if (api) return reply.send(problem(404, "there is nothing at this address; see /api/openapi.json"));
+    // The page's files are relative to their folder.
+    if (request.folder && !request.segments.empty())
+        return reply.send(problem(404, "there is nothing at this address"));
     serve_page(gateway, request, reply, asker.peer, asker.link ? &principal.rights : nullptr);
 }
 
@@ -296,8 +299,6 @@ void serve(Gateway& gateway, const http::Request& received, const http::Reply& p
     if (inner && redirect_to_folder(*inner, reply)) return;
     if (request.segments == std::vector<std::string>{""})
         return reply.send(problem(400, "the target of the request is no address"));
-    if (request.folder && !request.segments.empty() && request.segments.front() != "api")
-        return reply.send(problem(404, "there is nothing at this address"));
     serve_route(gateway, request, reply, {*principal, peer, link});
 }
 

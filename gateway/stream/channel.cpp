@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/written_numbers.hpp"
 #include "asip/model/json.hpp"
 
 namespace asip::gateway {
@@ -13,10 +14,14 @@ using nlohmann::json;
 
 constexpr std::size_t kMaxRefBytes = 64;
 
-// The ref of a request as JSON text: a number or a short string.
-std::string ref_of(const json& request, const char* member) {
+// The ref of a request as JSON text: a short string, or a number as `message` has it.
+std::string ref_of(const json& request, const char* member, std::string_view message) {
     const auto found = request.find(member);
     if (found == request.end()) return "null";
+    if (found->is_number_float()) {
+        const auto written = bus::written_member(message, member);
+        return written.empty() || written.size() > kMaxRefBytes ? "null" : std::string(written);
+    }
     const bool fits = found->is_number() ||
                       (found->is_string() && found->get_ref<const std::string&>().size() <= kMaxRefBytes);
     return fits ? model::dump_json(*found) : "null";
@@ -62,28 +67,29 @@ bool StreamChannel::fault(const std::string& ref, const std::string& sentence) {
 }
 
 bool StreamChannel::received(std::string_view message) {
-    const auto request = model::parse_json(message);
+    auto request = model::parse_json(message);
     if (!request) return fault("null", "not JSON: " + request.error());
     if (!request->is_object()) return fault("null", "a message is a JSON object");
     const int kinds = static_cast<int>(request->contains("subscribe")) +
                       static_cast<int>(request->contains("unsubscribe")) +
                       static_cast<int>(request->contains("command"));
     if (kinds != 1)
-        return fault(ref_of(*request, "ref"), "one of subscribe, unsubscribe and command is needed");
-    handle(*request);
+        return fault(ref_of(*request, "ref", message), "one of subscribe, unsubscribe and command is needed");
+    bus::keep_numbers(message, *request, {"id", "renew"});
+    handle(*request, message);
     return true;
 }
 
-void StreamChannel::handle(const json& request) {
-    if (request.contains("subscribe")) return subscribe(request);
-    if (request.contains("unsubscribe")) return unsubscribe(request);
+void StreamChannel::handle(const json& request, std::string_view message) {
+    if (request.contains("subscribe")) return subscribe(request, message);
+    if (request.contains("unsubscribe")) return unsubscribe(request, message);
     dependencies_.command(request, [this, alive = std::weak_ptr<bool>(alive_)](std::string text) {
         if (const auto still = alive.lock(); still && *still) answer(std::move(text));
     });
 }
 
-void StreamChannel::subscribe(const json& request) {
-    const auto ref = ref_of(request, "ref");
+void StreamChannel::subscribe(const json& request, std::string_view message) {
+    const auto ref = ref_of(request, "ref", message);
     if (ref == "null") return void(fault(ref, "ref: a number or a string of at most 64 bytes"));
     for (const auto& each : subscriptions_) {
         if (each.ref == ref) return void(fault(ref, "ref: in use; unsubscribe first"));
@@ -102,8 +108,8 @@ void StreamChannel::subscribe(const json& request) {
     wake();
 }
 
-void StreamChannel::unsubscribe(const json& request) {
-    const auto ref = ref_of(request, "unsubscribe");
+void StreamChannel::unsubscribe(const json& request, std::string_view message) {
+    const auto ref = ref_of(request, "unsubscribe", message);
     const auto found = std::find_if(subscriptions_.begin(), subscriptions_.end(),
                                     [&](const Subscription& each) { return each.ref == ref; });
     if (found == subscriptions_.end()) return void(fault(ref, "there is no subscription of this ref"));

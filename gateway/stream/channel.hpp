@@ -55,9 +55,9 @@ class StreamChannel : public http::Channel, public OpenStream {
     void answer(std::string text);
     bool count_answers(std::size_t bytes);
     bool fault(const std::string& ref, const std::string& sentence);
-    void handle(const nlohmann::json& request);
-    void subscribe(const nlohmann::json& request);
-    void unsubscribe(const nlohmann::json& request);
+    void handle(const nlohmann::json& request, std::string_view message);
+    void subscribe(const nlohmann::json& request, std::string_view message);
+    void unsubscribe(const nlohmann::json& request, std::string_view message);
     bool next_event(std::string& message);
 
     Streams& streams_;

@@ -20,6 +20,20 @@ TEST_F(ApiTest, Boards_AreTheRegistrysAnswer) {
     EXPECT_EQ(get("/api/services?service=dist*")->body()["items"].size(), 2u);
 }
 
+TEST_F(ApiTest, TwoSlashesOrOneAtTheEnd_AreTheSameAddress) {
+    announce();
+    for (const char* address :
+         {"//api/boards", "/api//boards", "/api/boards/", "///api///boards///", "/api/boards/?limit=1"})
+        EXPECT_EQ(get(address)->body()["items"].size(), 1u) << address;
+    EXPECT_EQ(get("/api/boards/uno1/services//servo/")->body()["name"], "servo");
+    for (const char* address : {"/healthz", "/healthz/", "//readyz", "/metrics/", "/"})
+        EXPECT_EQ(get(address)->status(), 200) << address;
+    EXPECT_EQ(get("/style.css/")->status(), 404) << "no folder of the page";
+    ask("POST", "//api/boards/uno1/services/servo/commands/write/", "[0,90]");
+    ASSERT_EQ(published_.size(), 1u);
+    EXPECT_EQ(published_[0].topic, "asip/uno1/servo/in");
+}
+
 TEST_F(ApiTest, UnknownParameterOrValue_IsRefusedWithTheNearest) {
     EXPECT_EQ(get("/api/boards?stat=online")->detail(),
               "there is no parameter \"stat\" (did you mean \"state\"?)");

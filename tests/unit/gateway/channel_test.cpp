@@ -68,6 +68,20 @@ TEST_F(ChannelTest, Subscribe_OkThenSnapshotThenValuesWithTheRef) {
             R"({"ref":"x","event":"value","place":"e1-2","board":"uno1","service":"a","at":"2023-11-14T22:13:20.000Z","value":2})"));
 }
 
+TEST_F(ChannelTest, NumberLongerThanADouble_ComesBackAsItWasSent) {
+    auto channel = open();
+    channel->received(R"({"subscribe":"a","ref":12345678901234567890123})");
+    EXPECT_THAT(read(*channel), testing::Contains(R"({"ref":12345678901234567890123,"ok":true})"));
+    channel->received(R"({"unsubscribe":12345678901234567890124})");
+    EXPECT_THAT(read(*channel), ElementsAre(HasSubstr(R"("ref":12345678901234567890124,"error")")));
+    channel->received(R"({"unsubscribe":12345678901234567890123})");
+    EXPECT_THAT(read(*channel), ElementsAre(R"({"ref":12345678901234567890123,"ok":true})"));
+    channel->received(R"({"command":"uno1/a","write":[1],"id":12345678901234567890123})");
+    EXPECT_THAT(commands_, ElementsAre(HasSubstr(R"("id":"12345678901234567890123")")));
+    channel->received(R"({"subscribe":"a","ref":1)" + std::string(100, '0') + ".5}");
+    EXPECT_THAT(read(*channel), ElementsAre(HasSubstr("at most 64 bytes")));
+}
+
 TEST_F(ChannelTest, SubscriptionWithMuch_DoesNotKeepAnotherWaiting) {
     auto channel = open();
     channel->received(R"({"subscribe":"a","ref":1})");
