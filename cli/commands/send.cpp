@@ -8,6 +8,7 @@
 #include <ostream>
 
 #include "asip/model/json.hpp"
+#include "asip/text/file_text.hpp"
 #include "cli/ask/board_request.hpp"
 #include "cli/ask/group_command.hpp"
 #include "cli/ask/hold.hpp"
@@ -59,6 +60,10 @@ class Sender {
         std::string line;
         for (std::size_t number = 1; !session_.stopped() && std::getline(environment_.in, line); ++number) {
             const auto where = "line " + std::to_string(number) + ": ";
+            if (number == 1 && text::is_utf16(line))
+                return environment_.fail_with(
+                    {program::kExitUsage, "commands are in UTF-8, and these are UTF-16: save them as UTF-8"});
+            if (number == 1) line = std::string(text::without_mark(line));
             const auto first = line.find_first_not_of(" \t\r");
             if (first == std::string::npos || line[first] == '#') continue;
             const auto command = prepare_line(line);

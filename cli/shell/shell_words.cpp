@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "asip/program/command_words.hpp"
+#include "asip/text/file_text.hpp"
 #include "cli/find/target.hpp"
 
 namespace asip::cli {
@@ -57,6 +58,7 @@ const std::vector<std::string>& shell_commands() {
 }
 
 Expected<std::vector<std::string>> shell_words(std::string_view line) {
+    line = text::without_mark(line);  // as some editors begin a file
     if (line.size() > kMaxShellLine)
         return fail("a line of more than " + std::to_string(kMaxShellLine) + " bytes is not taken");
     if (std::any_of(line.begin(), line.end(), is_control))

@@ -7,6 +7,9 @@
 #include <boost/asio/read_until.hpp>
 #include <csignal>
 #include <iostream>
+#include <utility>
+
+#include "asip/text/file_text.hpp"
 
 namespace asip::sim {
 namespace {
@@ -24,7 +27,7 @@ InputCommands::InputCommands(boost::asio::io_context& context, Execute execute)
     : descriptor_(context), input_(kMaxLineBytes), execute_(std::move(execute)) {
     if (is_file(STDIN_FILENO)) {  // epoll refuses files
         for (std::string line; std::getline(std::cin, line);)
-            execute_(line);
+            execute(line);
         return;
     }
     // In a shell's background reading the terminal would stop the program; ignored, it fails instead.
@@ -34,6 +37,10 @@ InputCommands::InputCommands(boost::asio::io_context& context, Execute execute)
     if (!error) read();
 }
 
+void InputCommands::execute(const std::string& line) {
+    execute_(std::exchange(first_, false) ? std::string(text::without_mark(line)) : line);
+}
+
 void InputCommands::read() {
     boost::asio::async_read_until(descriptor_, input_, '\n',
                                   [this](boost::system::error_code error, std::size_t) {
@@ -41,7 +48,7 @@ void InputCommands::read() {
                                       std::string line;
                                       std::istream stream(&input_);
                                       std::getline(stream, line);
-                                      execute_(line);
+                                      execute(line);
                                       read();
                                   });
 }

@@ -19,10 +19,12 @@ class InputCommands {
 
   private:
     void read();
+    void execute(const std::string& line);
 
     boost::asio::posix::stream_descriptor descriptor_;
     boost::asio::streambuf input_;
     Execute execute_;
+    bool first_ = true;  // some editors put a mark before it
 };
 
 }  // namespace asip::sim

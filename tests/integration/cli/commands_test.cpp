@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "tests/integration/cli/bus_fixture.hpp"
+#include "tests/support/tcp_relay.hpp"
 
 namespace asip::test {
 namespace {
@@ -72,6 +74,37 @@ TEST_F(SendTest, NobodyAnswers_EndsWith4InTime) {
     EXPECT_THAT(sent.errors, HasSubstr("within 300 ms"));
 }
 
+TEST_F(SendTest, AgentThatAnswersAtItsDeadline_IsHeard) {
+    ChildProcess sending(program({"send", "uno1/servo", "write", "0", "90", "--timeout", "1s"}),
+                         environment());
+    const auto request = probe_.wait_for("asip/uno1/servo/in");
+    ASSERT_TRUE(request);
+    EXPECT_EQ(nlohmann::json::parse(request->payload)["deadline_ms"], 1000);
+    // What an agent answers when its time is over, a little later.
+    std::this_thread::sleep_for(1050ms);
+    answer(*request, R"({"status":"timeout","reason":"doubt"})");
+    EXPECT_EQ(sending.wait_exit(), 4);
+    EXPECT_THAT(sending.errors(), testing::Not(HasSubstr("no answer")));
+    EXPECT_THAT(sending.errors(), HasSubstr("doubt"));
+}
+
+TEST_F(SendTest, BrokerThatMeetsMqtt5WithSilence_IsUsedWith311InOneCall) {
+    const TcpRelay silent(broker_.port(), [](std::string_view first) {
+        constexpr std::size_t kVersion = 8;  // CONNECT: type, length, 0 4 M Q T T, version
+        return first.size() > kVersion && first[kVersion] == 5;
+    });
+    ChildProcess sending(program({"send", "uno1/servo", "write", "0", "90", "--broker",
+                                  "127.0.0.1:" + std::to_string(silent.port())}),
+                         environment());
+    const auto request = probe_.wait_for("asip/uno1/servo/in");
+    ASSERT_TRUE(request) << sending.errors();
+    const auto document = nlohmann::json::parse(request->payload);
+    nlohmann::json reply{{"id", document["id"]}, {"status", "ok"}, {"proof", "fence"}};
+    probe_.publish(document["reply_to"].get<std::string>(), reply.dump());
+    EXPECT_EQ(sending.wait_exit(), 0) << sending.errors();
+    EXPECT_EQ(sending.output(), "ok\n");
+}
+
 TEST_F(SendTest, OutOfRange_NeverReachesTheBus) {
     const auto sent = asipctl({"send", "uno1/servo", "write", "0", "181"});
     EXPECT_EQ(sent.status, 2);
@@ -128,6 +161,26 @@ TEST_F(SendTest, StandardInput_SendsAllAndEndsWithTheFirstFailure) {
     EXPECT_EQ(child.wait_exit(), 2);
     EXPECT_EQ(child.output(), "ok\nok\n");
     EXPECT_THAT(child.errors(), HasSubstr("line 4: uno1/servo: angle: 999 is above 180"));
+}
+
+TEST_F(SendTest, StandardInputSavedByAnEditorOfWindows_IsReadAsItIsMeant) {
+    ChildProcess child(program({"send", "--stdin"}), environment());
+    child.write_input("\xef\xbb\xbfuno1/servo write 0 10\r\n\r\n# a comment\r\nuno1/servo write 0 20\r\n");
+    child.close_input();
+    for (const auto* payload : {"W,0,10\"", "W,0,20\""}) {
+        const auto request = probe_.wait_for([&](const mqtt::Message& message) {
+            return message.topic == "asip/uno1/servo/in" &&
+                   message.payload.find(payload) != std::string::npos;
+        });
+        ASSERT_TRUE(request) << payload << child.errors();
+        answer(*request, R"({"status":"ok","proof":"fence"})");
+    }
+    EXPECT_EQ(child.wait_exit(), 0) << child.errors();
+    ChildProcess utf16(program({"send", "--stdin"}), environment());
+    utf16.write_input(std::string("\xff\xfeu\0n\0o\0", 8));
+    utf16.close_input();
+    EXPECT_EQ(utf16.wait_exit(), 2);
+    EXPECT_THAT(utf16.errors(), HasSubstr("save them as UTF-8"));
 }
 
 TEST_F(SendTest, NoWait_DeliversBeforeItEnds) {

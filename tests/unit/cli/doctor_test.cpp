@@ -250,6 +250,33 @@ TEST(Doctor, PortsWithoutRightAndModemManager_AreReported) {
     EXPECT_EQ(problems(check_machine(machine)).size(), 1U);
 }
 
+TEST(Doctor, BrlttyOnThisMachine_IsNamedWithWhatToDo) {
+    Machine machine;
+    EXPECT_THAT(check_machine(machine), IsEmpty());
+    machine.brltty = true;
+    const auto findings = check_machine(machine);
+    ASSERT_EQ(findings.size(), 1U);
+    EXPECT_THAT(problems(findings), IsEmpty()) << "it may be wanted";
+    EXPECT_THAT(findings[0].what, HasSubstr("brltty is installed"));
+    EXPECT_THAT(findings[0].advice, HasSubstr("apt remove brltty"));
+}
+
+TEST(LookAtMachine, Brltty_IsSeenAsProcessAndAsRuleUnlessThatIsTurnedOff) {
+    namespace fs = std::filesystem;
+    const auto root = fs::temp_directory_path() / ("asip-brltty-" + std::to_string(::getpid()));
+    fs::create_directories(root / "usr/lib/udev/rules.d");
+    fs::create_directories(root / "etc/udev/rules.d");
+    EXPECT_FALSE(look_at_machine(root).brltty);
+    std::ofstream(root / "usr/lib/udev/rules.d/85-brltty.rules") << "# converters\n";
+    EXPECT_TRUE(look_at_machine(root).brltty);
+    fs::create_symlink("/dev/null", root / "etc/udev/rules.d/85-brltty.rules");
+    EXPECT_FALSE(look_at_machine(root).brltty) << "as doctor says";
+    fs::create_directories(root / "proc/7");
+    std::ofstream(root / "proc/7/comm") << "brltty\n";
+    EXPECT_TRUE(look_at_machine(root).brltty);
+    fs::remove_all(root);
+}
+
 TEST(LookAtMachine, FilesOfAMachine_AreRead) {
     namespace fs = std::filesystem;
     const auto root = fs::temp_directory_path() / ("asip-machine-" + std::to_string(::getpid()));
