@@ -29,10 +29,11 @@ int report(int status, const std::string& text) {
     return status;
 }
 
-/// By its first byte: builds name their .elf files as they like.
+/// By its first byte: builds name their .elf files as they like. By its name, too: it may be damaged.
 bool is_image(const std::filesystem::path& file) {
     const int first = std::ifstream(file, std::ios::binary).get();
-    return file.extension() != ".json" && (first == 0x7f || first == ':');
+    const auto name = file.extension();
+    return name != ".json" && (first == 0x7f || first == ':' || name == ".elf" || name == ".hex");
 }
 
 /// Boards that name the same world file share one world.

@@ -39,6 +39,16 @@ TEST(BadInput, MissingImage_NamesBoardFileAndImage) {
                                    ": cannot read the firmware image: No such file or directory\n");
 }
 
+TEST(BadInput, DamagedImage_IsCalledOne) {
+    const TempDir folder;
+    for (const std::string name : {"blink.elf", "blink.hex"}) {
+        const auto empty = folder.write(name, "");
+        EXPECT_EQ(refusal({empty}), "asip-sim: " + empty + ": the firmware image is empty\n");
+        const auto other = folder.write(name, "{}");
+        EXPECT_EQ(refusal({other}), "asip-sim: " + other + ": neither an .elf nor an Intel .hex file\n");
+    }
+}
+
 TEST(BadInput, ImageOfThisComputer_IsNotAvr) {
     const TempDir folder;
     const auto file = folder.write("uno.json", R"({"image": "/bin/true"})");
