@@ -2,26 +2,26 @@
 # How the memory of this machine is used for compiling. Included before the first target.
 #
 # Where it is enough for all compilers that run side by side, up to forty sources are compiled as one and the compiler collects
-# no garbage before it has 1 GiB: asipctl takes it 1.0 s a source and 1522 MiB. Else ten, and 128 MiB: 1.4 s and 641 MiB. The
-# largest source alone, of the gateway's server, takes 728 MiB (g++ 12, amd64).
+# no garbage before it has 1 GiB: asipctl takes it 1.0 s a source and 1522 MiB. Else eight, and 64 MiB: 1.1 s and 498 MiB. The
+# largest source alone, of the gateway's server, takes 519 MiB without precompiled headers (g++ 12, amd64, preset dev).
 
 set(most_memory 1600)   # MiB for each compiler, where there is much
-set(least_memory 750)   # where there is little
+set(least_memory 600)   # where there is little
 set(system_memory 300)
 
 cmake_host_system_information(RESULT memory QUERY TOTAL_PHYSICAL_MEMORY)
 cmake_host_system_information(RESULT processors QUERY NUMBER_OF_LOGICAL_CORES)
 math(EXPR compilers "${processors} + 2") # Ninja's
 math(EXPR wanted "${compilers} * ${most_memory} + ${system_memory}")
+set(little OFF)
 if(memory LESS wanted)
-  set(ASIP_LITTLE_MEMORY ON)
-else()
-  set(ASIP_LITTLE_MEMORY OFF)
+  set(little ON)
 endif()
+option(ASIP_LITTLE_MEMORY "Compile with little memory: 600 MiB for each compiler, and more time" ${little})
 
 if(ASIP_LITTLE_MEMORY)
-  set(ASIP_COMPILER_HEAP 131072) # KiB
-  set(batch 10)
+  set(ASIP_COMPILER_HEAP 65536) # KiB
+  set(batch 8)
   math(EXPR possible "(${memory} - ${system_memory}) / ${least_memory}")
   if(possible LESS 1)
     set(possible 1)
