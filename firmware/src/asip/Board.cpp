@@ -302,12 +302,11 @@ void Board::continueList() {
         out.end();
         return out.hold(false);
     }
-    const uint8_t index = listIndex_;
-    if (index != 0) out.character(',');
+    if (listIndex_ != 0) out.character(',');
     if (listService_ != nullptr) {
-        listService_->reportValue(index);
+        listService_->reportValue(listIndex_);
     } else {
-        writeSystemElement(index);
+        writeSystemElement(listIndex_);
     }
     ++listIndex_;
 }
