@@ -41,7 +41,8 @@ int run_app(int argc, const char* const* argv, std::istream& in, std::ostream& o
     std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
     Environment environment{in, out, err};
     environment.out_descriptor = STDOUT_FILENO;
-    if (!arguments.empty() && arguments.front() == "__complete") {
+    if (arguments.empty()) arguments.emplace_back("--help");
+    if (arguments.front() == "__complete") {
         arguments.erase(arguments.begin());
         CommandLine all(all_verbs());
         return run_complete(arguments, all, environment);

@@ -112,6 +112,10 @@ start_boards() { # two simulated boards, desk and lamp, each with its agent
 }
 boards_are() { [ "$(asipctl list boards --state online -o name 2>/dev/null | wc -l)" -eq "$1" ]; }
 # What a second terminal needs.
-exports() { printf 'export ASIP_BROKER=%s ASIP_SOCKET=%s PATH=%s:$PATH\n' "$ASIP_BROKER" "$work/sim.sock" "$bin"; }
+exports() {
+    printf 'export ASIP_BROKER=%s ASIP_SOCKET=%s PATH=%s:$PATH' "$ASIP_BROKER" "$work/sim.sock" "$bin"
+    [ -z "$(page 2>/dev/null)" ] || printf ' ASIP_GATEWAY=%s' "$(page)"
+    echo
+}
 page_of() { echo "$(page)/#/board/$1"; } # page_of BOARD
 page() { grep -om1 'listening  address=http[^ ]*' "$work/gateway.log" | cut -d= -f2; }

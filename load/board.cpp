@@ -14,6 +14,9 @@ using bus::Reply;
 using bus::TopicKind;
 
 Reply answer_to(const bus::RequestEnvelope& envelope, const BoardKind& kind, const bus::TopicRef& topic) {
+    if (topic.kind == TopicKind::kBoardIn && envelope.form == bus::RequestEnvelope::Form::kJson)
+        return Reply::refused(std::string(bus::kRefusedInvalid),
+                              "a simulated board of asip-load takes request lines only");
     if (topic.kind != TopicKind::kServiceIn) return Reply::ok(std::string(kProofSimulated));
     const auto* const service = kind.service(topic.service);
     if (service == nullptr)

@@ -10,6 +10,8 @@
 #include "asip/mqtt/failure.hpp"
 #include "asip/program/stop_signal.hpp"
 #include "asip/random.hpp"
+#include "cli/ask/quit_key.hpp"
+#include "cli/ask/stuck_output.hpp"
 
 namespace asip::cli {
 
@@ -34,9 +36,14 @@ struct BusSession::State {
           name(random_hex(system_random(), 12)),
           requester(name, bus::ReplyTopics(environment.topics, environment.mqtt.user, name)),
           demander(environment.topics, environment.mqtt.user, name, system_random()),
-          signal(io, [this](int) { stopped = true; }),
+          signal(io,
+                 [this](int) {
+                     stopped = true;
+                     not_stuck();
+                 }),
           client(io, with_time_for_both_versions(environment.mqtt), handlers()),
           router([this](const std::string& filter) { client.unsubscribe(filter); }) {
+        end_when_stuck();
         for (const auto& broker : environment.mqtt.brokers)
             brokers.insert(broker.describe());
     }
@@ -144,6 +151,7 @@ struct BusSession::State {
     Time retained_at{};  // when something retained last came
     bool started = false;
     program::StopSignal signal;
+    std::optional<QuitKey> quit_key;
     mqtt::Client client;
     mqtt::Router router;  // ends before the client that it unsubscribes from
 };
@@ -165,6 +173,10 @@ void BusSession::leave() {
     state_->publish_demands(state_->demander.leave());
     state_->client.stop(300ms, [state = state_.get()] { state->left = true; });
     state_->io.poll();
+}
+
+void BusSession::end_at_q() {
+    state_->quit_key.emplace(state_->io, [state = state_.get()] { state->stopped = true; });
 }
 
 BusSession::Subscription BusSession::subscribe(const std::string& filter, OnMessage on_message,

@@ -2,8 +2,11 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "asip/model/description.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/nearest.hpp"
+#include "cli/ask/bus_session.hpp"
+#include "cli/ask/retained.hpp"
 #include "cli/commands/show.hpp"
 #include "cli/declaration.hpp"
 #include "cli/environment.hpp"
@@ -26,13 +29,31 @@ std::string examples_text(const model::ServiceModel& model, const Environment& e
     return table.empty() ? std::string() : "\n" + table.render(environment.width, environment.colour);
 }
 
+/// A model that no file holds: a board brought it in its description.
+Outcome<model::ModelPtr> model_of_boards(const ExplainOptions& options, Environment& environment) {
+    const auto unknown = "there is no kind \"" + options.kind + "\"" +
+                         text::did_you_mean(options.kind, environment.models().names()) + "; see asipctl models";
+    BusSession session(environment);
+    if (const auto connected = session.connect(); !connected)
+        return failure(program::kExitFailure,
+                       unknown + ". A board may bring its own, but no broker can be asked: " + connected.error().text);
+    const auto retained = read_retained(environment, session, {environment.topics.description("+")});
+    if (!retained) return tl::unexpected(retained.error());
+    for (const auto& message : *retained) {
+        const auto description = model::parse_description(message.payload);
+        if (!description) continue;
+        for (const auto& service : description->services)
+            if (service.own_model && service.own_model->name == options.kind) return service.own_model;
+    }
+    return failure(program::kExitFailure, unknown + "; no board on the bus brings one of that name");
+}
+
 int run_explain(const ExplainOptions& options, Environment& environment) {
-    const auto model = environment.models().find(options.kind);
+    auto model = environment.models().find(options.kind);
     if (!model) {
-        return environment.fail_with(
-            {program::kExitFailure, "there is no kind \"" + options.kind + "\"" +
-                                        text::did_you_mean(options.kind, environment.models().names()) +
-                                        "; see asipctl models"});
+        auto found = model_of_boards(options, environment);
+        if (!found) return environment.fail_with(found.error());
+        model = std::move(*found);
     }
     if (options.output.for_people()) {
         environment.out << painted(model->name, Colour::kBold, environment.colour) << "  " << model->title
@@ -59,7 +80,7 @@ Run declare_explain(Declaration& verb) {
 
 Verb explain_verb() {
     return {"explain", "What a kind of service reports and takes, with examples",
-            "No broker is asked. For the services of one board: asipctl show BOARD/SERVICE.\n"
+            "A broker is asked only for a kind that is not built in: a board may bring its own. For the services of one board: asipctl show BOARD/SERVICE.\n"
             "Examples:\n"
             "  asipctl explain servo\n"
             "  asipctl explain distance -o json | jq .commands",

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <utility>
 
 #include "asip/model/json.hpp"
 #include "asip/protocol/body.hpp"
@@ -290,7 +291,13 @@ std::vector<std::string> pin_requests(int pin, const PinAction& action, std::opt
     return result;
 }
 
-int run_pin(const PinOptions& options, Environment& environment) {
+int run_pin(PinOptions options, Environment& environment) {
+    if (!options.duty.empty()) {
+        if (options.word != "pwm" || !protocol::parse_integer(options.duty))
+            return environment.fail_with({program::kExitUsage, "'" + options.word + "' takes no '" + options.duty +
+                                                                   "'; a duty from 0 to 255 stands alone or behind pwm"});
+        options.word = std::exchange(options.duty, {});
+    }
     const auto target = parse_target(options.board);
     if (!target) return environment.fail_with(target.error());
     if (!options.word.empty()) {
@@ -316,6 +323,7 @@ Run declare_pin(Declaration& verb) {
                   Declaration::Needed::kNo);
     verb.argument("high|low|input|pullup|output|analog|pwm|...", options->word,
                   "What to set, or 0..255 for PWM; without it the pin is read", Declaration::Needed::kNo);
+    verb.argument("DUTY", options->duty, "Behind pwm: 0..255", Declaration::Needed::kNo);
     verb.output(options->output, {Output::kText},
                 {"board", "pin", "mode", "value", "owner", "can", "channel", "label", "status", "error",
                  "reason", "code"});
@@ -330,6 +338,7 @@ Verb pin_verb() {
             "Examples:\n"
             "  asipctl pin uno1 13 high\n"
             "  asipctl pin uno1 3 128\n"
+            "  asipctl pin uno1 3 pwm 128\n"
             "  asipctl pin uno1 2 pullup\n"
             "  asipctl pin uno1 2\n"
             "  asipctl pin uno1 A0\n"

@@ -16,11 +16,12 @@ struct PinOptions {
     std::string board;
     std::string pin;   ///< empty: all of them, as the board reports them
     std::string word;  ///< empty: read it
+    std::string duty{};  ///< behind `pwm`
     OutputOptions output{};
 };
 
 /// `asipctl pin`: reads or sets one pin in words.
-int run_pin(const PinOptions& options, Environment& environment);
+int run_pin(PinOptions options, Environment& environment);
 
 /// `13`, `D13`, or `A0` by the board's analog map. Fails with kExitUsage.
 Outcome<int> parse_pin(std::string_view text, const model::PinsInfo& pins);

@@ -42,6 +42,8 @@ class Top {
 
     int run() {
         session_.tell_refused_subscriptions();
+        model_.sort_by(order_of(options_.sort));
+        if (redraws_) session_.end_at_q();
         return options_.stats ? run_stats() : run_services();
     }
 
@@ -81,6 +83,7 @@ class Top {
             [this](bool connected, const std::string& why) { lost_ = connected ? "" : not_known_text(why); });
         if (const auto connected = session_.connect(); !connected)
             return environment_.fail_with(connected.error());
+        model_.begin(Clock::now());
         session_.publish(environment_.topics.probe(), "");
         const auto want = session_.want(options_.pattern, "*", kDemandedHz);
         for (std::size_t round = 0; !session_.stopped() && (options_.count == 0 || round < options_.count);
@@ -88,7 +91,9 @@ class Top {
             if (!options_.no_ping && lost_.empty()) ping_all();
             session_.run_for(options_.interval);
             missing_ = which_is_missing();
-            show(model_.records(Clock::now()), model_.table(Clock::now()));
+            if (redraws_ && session_.stopped()) break;
+            show(options_.output.for_people() ? std::vector<nlohmann::json>() : model_.records(Clock::now()),
+                 model_.table(Clock::now(), room()), model_.left_out());
         }
         return missing_ && !session_.stopped() ? environment_.fail_with(*missing_) : program::kExitOk;
     }
@@ -145,7 +150,23 @@ class Top {
         }
     }
 
-    void show(const std::vector<nlohmann::json>& rows, Table table) {
+    static TopModel::Order order_of(const std::string& word) {
+        using Order = TopModel::Order;
+        return word == "rate"     ? Order::kRate
+               : word == "age"    ? Order::kAge
+               : word == "errors" ? Order::kErrors
+               : word == "trip"   ? Order::kTrip
+                                  : Order::kName;
+    }
+
+    /// Rows of the table that the screen has, beside its head and what is said around it; 0: no limit.
+    std::size_t room() const {
+        const auto lines = redraws_ ? terminal_height(environment_.out_descriptor) : 0;
+        constexpr std::size_t kOthers = 4;
+        return lines == 0 ? 0 : std::max<std::size_t>(lines, kOthers + 1) - kOthers;
+    }
+
+    void show(const std::vector<nlohmann::json>& rows, Table table, std::size_t left_out = 0) {
         if (!options_.output.for_people()) {
             RecordPrinter records(options_.output, RecordPrinter::Count::kList, environment_.out);
             for (const auto& row : rows)
@@ -158,6 +179,8 @@ class Top {
         if (!lost_.empty()) environment_.out << lost_ << '\n';
         if (missing_ && environment_.terminal()) environment_.out << missing_->text << "; waiting for it\n";
         environment_.out << table.render(environment_.width, environment_.colour);
+        if (left_out > 0)
+            environment_.out << left_out << " more; choose by a pattern, or --sort rate|age|errors|trip\n";
         if (!redraws_) environment_.out << '\n';
         environment_.out << std::flush;
     }
@@ -190,6 +213,8 @@ Run declare_top(Declaration& verb) {
                   Declaration::Needed::kNo);
     verb.option("-i,--interval", options->interval, "Between refreshes", 50ms);
     verb.option("-n,--count", "COUNT", options->count, "End after so many refreshes; 0: no limit");
+    verb.option("--sort", "name|rate|age|errors|trip", options->sort,
+                "What stands first: a name, or the highest of the others");
     verb.flag("--no-ping", options->no_ping, "Do not measure round trips");
     verb.flag("--stats", options->stats,
               "What agents counted since they started: lines, commands, round trips, losses");
@@ -204,9 +229,11 @@ Run declare_top(Declaration& verb) {
 
 Verb top_verb() {
     return {"top", "Live: rate, age, errors and round trip of each service",
+            "On a terminal as many rows as fit; q ends it.\n"
             "Examples:\n"
             "  asipctl top\n"
             "  asipctl top 'uno*' -i 200ms\n"
+            "  asipctl top --sort errors\n"
             "  asipctl top --stats\n"
             "  asipctl top -n 1 -o json",
             declare_top};

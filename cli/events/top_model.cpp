@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "asip/model/json.hpp"
 #include "asip/text/duration.hpp"
@@ -70,31 +72,66 @@ double TopModel::rate(Service& service, Time now) const {
     for (const auto& [slot, arrivals] : service.arrivals) {
         if (slot + window_ > now) count += arrivals;
     }
-    return static_cast<double>(count) / std::chrono::duration<double>(window_).count();
+    const auto heard = began_ ? std::clamp<Duration>(now - *began_, window_ / kSlots, window_) : window_;
+    return static_cast<double>(count) / std::chrono::duration<double>(heard).count();
+}
+
+/// By which rows are sorted: the highest first.
+double TopModel::key(const Row& row, Time now) const {
+    constexpr double kNone = -1;
+    switch (order_) {
+        case Order::kRate:
+            return row.service == nullptr ? kNone : rate(*row.service, now);
+        case Order::kAge:
+            return row.service == nullptr || !row.service->last
+                       ? kNone
+                       : std::chrono::duration<double>(now - *row.service->last).count();
+        case Order::kErrors:
+            return row.service == nullptr ? kNone : static_cast<double>(row.service->errors);
+        case Order::kTrip:
+            // Without an answer is the longest.
+            if (!row.board->round_trip) return kNone;
+            return *row.board->round_trip ? (**row.board->round_trip).count() : 1e9;
+        case Order::kName:
+            break;
+    }
+    return 0;
+}
+
+std::vector<TopModel::Row> TopModel::rows(Time now) {
+    std::vector<Row> rows;
+    for (auto& [name, board] : boards_) {
+        if (board.services.empty()) rows.push_back({&name, &board});
+        for (auto& [service_name, service] : board.services)
+            rows.push_back({&name, &board, &service_name, &service});
+    }
+    if (order_ != Order::kName)
+        std::stable_sort(rows.begin(), rows.end(),
+                         [&](const Row& a, const Row& b) { return key(a, now) > key(b, now); });
+    return rows;
 }
 
 std::vector<nlohmann::json> TopModel::records(Time now) {
     std::vector<nlohmann::json> result;
-    for (auto& [name, board] : boards_) {
-        nlohmann::json record{{"board", name}, {"state", board.state}};
-        if (board.round_trip && *board.round_trip)
-            record["round_trip_ms"] = (*board.round_trip)->count() * 1e3;
-        if (board.services.empty()) result.push_back(record);
-        for (auto& [service_name, service] : board.services) {
-            auto one = record;
-            one["service"] = service_name;
-            one["rate"] = rate(service, now);
-            one["errors"] = service.errors;
-            if (service.last) one["age"] = std::chrono::duration<double>(now - *service.last).count();
+    for (auto& row : rows(now)) {
+        nlohmann::json record{{"board", *row.board_name}, {"state", row.board->state}};
+        if (row.board->round_trip && *row.board->round_trip)
+            record["round_trip_ms"] = (*row.board->round_trip)->count() * 1e3;
+        if (row.service != nullptr) {
+            auto& service = *row.service;
+            record["service"] = *row.service_name;
+            record["rate"] = rate(service, now);
+            record["errors"] = service.errors;
+            if (service.last) record["age"] = std::chrono::duration<double>(now - *service.last).count();
             if (!service.payload.empty())
-                one["last"] = model::parse_json(service.payload).value_or(nlohmann::json(service.payload));
-            result.push_back(std::move(one));
+                record["last"] = model::parse_json(service.payload).value_or(nlohmann::json(service.payload));
         }
+        result.push_back(std::move(record));
     }
     return result;
 }
 
-Table TopModel::table(Time now) {
+Table TopModel::table(Time now, std::size_t most) {
     Table table({{"BOARD"},
                  {"STATE"},
                  {"TRIP", true},
@@ -104,21 +141,28 @@ Table TopModel::table(Time now) {
                  {"ERRORS", true},
                  {"TREND"},
                  {"LAST", false, 10}});
-    for (auto& [name, board] : boards_) {
-        bool first = true;
+    auto all = rows(now);
+    left_out_ = most != 0 && all.size() > most ? all.size() - most : 0;
+    all.resize(all.size() - left_out_);
+    const Board* above = nullptr;
+    for (auto& row : all) {
+        const auto& board = *row.board;
+        const bool first = std::exchange(above, row.board) != row.board;
         const auto trip = !board.round_trip   ? Cell("")
                           : *board.round_trip ? Cell(text::duration_text(**board.round_trip))
                                               : Cell("none", Colour::kRed);
-        if (board.services.empty()) table.add({name, Cell(board.state, state_colour(board.state)), trip});
-        for (auto& [service_name, service] : board.services) {
-            const auto errors =
-                Cell(std::to_string(service.errors), service.errors > 0 ? Colour::kRed : Colour::kNone);
-            table.add({first ? name : "", first ? Cell(board.state, state_colour(board.state)) : Cell(""),
-                       first ? trip : Cell(""), service_name, fmt::format("{:.1f}/s", rate(service, now)),
-                       age_cell(service.last, service.period, now), errors,
-                       sparkline(std::vector(service.trend.begin(), service.trend.end())), service.payload});
-            first = false;
+        const auto state = Cell(board.state, state_colour(board.state));
+        if (row.service == nullptr) {
+            table.add({*row.board_name, state, trip});
+            continue;
         }
+        auto& service = *row.service;
+        const auto errors =
+            Cell(std::to_string(service.errors), service.errors > 0 ? Colour::kRed : Colour::kNone);
+        table.add({first ? *row.board_name : "", first ? state : Cell(""), first ? trip : Cell(""),
+                   *row.service_name, fmt::format("{:.1f}/s", rate(service, now)),
+                   age_cell(service.last, service.period, now), errors,
+                   sparkline(std::vector(service.trend.begin(), service.trend.end())), service.payload});
     }
     return table;
 }

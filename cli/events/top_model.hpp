@@ -20,6 +20,8 @@ class TopModel {
   public:
     /// Rates are over the last `window`.
     explicit TopModel(Duration window) : window_(window) {}
+    /// From now on values are heard: until a window is over, rates are over what there was of it.
+    void begin(Time now) { began_ = now; }
 
     void value(const std::string& board, const std::string& service, const std::string& payload, Time now);
     void error(const std::string& board, const std::string& service, Time now);
@@ -30,7 +32,13 @@ class TopModel {
     /// Nothing: the board did not answer.
     void round_trip(const std::string& board, std::optional<std::chrono::duration<double>> took);
 
-    Table table(Time now);
+    enum class Order { kName, kRate, kAge, kErrors, kTrip };
+    /// The highest first; names as they are.
+    void sort_by(Order order) { order_ = order; }
+
+    /// `most`: rows, 0: all. Of those that do not fit the number stands in left_out().
+    Table table(Time now, std::size_t most = 0);
+    std::size_t left_out() const { return left_out_; }
     /// One object a service: board, state, round_trip_ms, service, rate (a second), age (seconds), errors,
     /// last. What is not known is left out.
     std::vector<nlohmann::json> records(Time now);
@@ -51,9 +59,21 @@ class TopModel {
         std::optional<std::optional<std::chrono::duration<double>>> round_trip;
         std::map<std::string, Service> services;
     };
+    /// A board without services is a row, too.
+    struct Row {
+        const std::string* board_name;
+        Board* board;
+        const std::string* service_name = nullptr;
+        Service* service = nullptr;
+    };
+    std::vector<Row> rows(Time now);
     double rate(Service& service, Time now) const;
+    double key(const Row& row, Time now) const;
 
     Duration window_;
+    std::optional<Time> began_;
+    Order order_ = Order::kName;
+    std::size_t left_out_ = 0;
     std::map<std::string, Board> boards_;
 };
 

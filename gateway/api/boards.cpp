@@ -14,7 +14,7 @@ using nlohmann::json;
 /// While the broker is away what is known is old: since when stands in the answer, a JSON object.
 std::string with_doubt(const Call& call, std::string text) {
     const auto& mirror = call.gateway.mirror();
-    if (mirror.connected()) return text;
+    if (mirror.connected() || mirror.connected_since().wall == text::WallTime{}) return text;
     text.pop_back();
     return text + R"(,"not_known_since":")" + text::iso_time(mirror.connected_since().wall) + "\"}";
 }

@@ -41,7 +41,10 @@ void get_status(Call& call) {
              {"forget", rights.may_forget()},
              {"limited", rights.limited()},
              {"session", call.principal.kind == Principal::Kind::kSession}};
-    json broker{{"connected", mirror.connected()}, {"since", text::iso_time(mirror.connected_since().wall)}};
+    json broker{{"connected", mirror.connected()}};
+    // Where there never was a connection there is no such time.
+    if (const auto since = mirror.connected_since().wall; since != text::WallTime{})
+        broker["since"] = text::iso_time(since);
     json catalogue{{"complete", mirror.complete()},
                    {"source", "bus"},
                    {"boards", boards_seen(mirror, rights)},

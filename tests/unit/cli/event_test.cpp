@@ -108,6 +108,37 @@ TEST(ContextFilters, TargetsCoveredByOthers_AreNotSubscribedTwice) {
                 ElementsAre("asip/uno1/out", "asip/uno2/out"));
 }
 
+TEST(TopModel, FirstSeconds_RateIsOverWhatWasHeard) {
+    const Time began{};
+    TopModel model(5s);
+    model.begin(began);
+    for (int i = 0; i < 10; ++i)
+        model.value("uno1", "distance", R"({"distance":[1]})", began + i * 100ms);
+    EXPECT_NEAR(model.records(began + 1s)[0]["rate"].get<double>(), 10, 0.01) << "top -n 1";
+    for (int i = 10; i < 100; ++i)
+        model.value("uno1", "distance", R"({"distance":[1]})", began + i * 100ms);
+    EXPECT_NEAR(model.records(began + 10s)[0]["rate"].get<double>(), 10, 1.1) << "in slots of half a second";
+}
+
+TEST(TopModel, ManyRows_OfATerminalAsManyAsFitTheHighestFirst) {
+    const Time now{};
+    TopModel model(5s);
+    model.begin(now - 5s);
+    for (int board = 0; board < 1500; ++board)
+        for (int i = 0; i < board % 7; ++i)
+            model.value("uno" + std::to_string(board), "distance", "{}", now);
+    model.error("uno4", "distance", now);
+    model.sort_by(TopModel::Order::kErrors);
+    const auto text = model.table(now, 26).render(0, false);
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 27) << "and its head";
+    EXPECT_GT(model.left_out(), 1000u);
+    EXPECT_LT(text.find("uno4 "), text.find("uno1 ")) << text;
+    model.sort_by(TopModel::Order::kRate);
+    EXPECT_DOUBLE_EQ(model.records(now)[0]["rate"], 6 / 5.0);
+    model.sort_by(TopModel::Order::kName);
+    EXPECT_EQ(model.records(now)[0]["board"], "uno1");
+}
+
 TEST(TopModel, RatesAgesAndErrors_AreOfTheWindow) {
     constexpr Time kStart{1000s};
     TopModel model(5s);
