@@ -79,7 +79,7 @@ Words offered(const CLI::App& app, const std::string& type, const std::string& s
     if (type == "BOARD" || type == "PATTERN") return targets(start, names, {1, 1});
     if (type == "BOARD[/SERVICE]") return targets(start, names, {1, 2});
     if (type == "BOARD/SERVICE") return targets(start, names, {2, 2});
-    if (type == "BOARD/SERVICE[/FIELD]") return targets(start, names, {2, 3});
+    if (type == "BOARD[/SERVICE[/FIELD]]") return targets(start, names, {1, 3});
     if (type == "COMMAND") return commands(arguments, names);
     if (type == "KIND") return names.kinds();
     if (type == "UNIT") return names.units();

@@ -9,6 +9,7 @@
 #include "asip/model/json.hpp"
 #include "asip/text/wall_time.hpp"
 #include "cli/ask/board_request.hpp"
+#include "cli/commands/get_all.hpp"
 #include "cli/declaration.hpp"
 #include "cli/events/leaf_values.hpp"
 #include "cli/find/target.hpp"
@@ -200,6 +201,9 @@ class Getter {
 }  // namespace
 
 int run_get(const GetOptions& options, Environment& environment) {
+    const bool pattern = options.target.find_first_of("*?") != std::string::npos;
+    const bool board_alone = options.target.find('/') == std::string::npos;
+    if (pattern || board_alone || options.selector) return run_get_all(options, environment);
     auto what = parse_field_target(options.target);
     if (!what) return environment.fail_with(what.error());
     return Getter(options, environment, std::move(*what)).run();
@@ -209,24 +213,30 @@ namespace {
 
 Run declare_get(Declaration& verb) {
     auto options = std::make_shared<GetOptions>();
-    verb.argument("BOARD/SERVICE[/FIELD]", options->target,
-                  "What; FIELD is an event, a field of it, or its number");
+    verb.argument("BOARD[/SERVICE[/FIELD]]", options->target,
+                  "What; a board alone: all its values; with * and ? as in a shell, or -l: of several boards. FIELD "
+                  "is an event, a field of it, or its number",
+                  Declaration::Needed::kNo);
+    declare_selector(verb, options->selector);
     verb.flag("-w,--watch", options->watch,
               "Continue and print each value that the board reports, until Ctrl-C");
     verb.flag("--raw", options->raw, "Without the unit");
     verb.output(options->output, {Output::kText},
-                {"board", "service", "event", "value", "unit", "time", "how"});
+                {"board", "service", "event", "value", "unit", "time", "how", "what", "age"});
     return [options](Environment& environment) { return run_get(*options, environment); };
 }
 
 }  // namespace
 
 Verb get_verb() {
-    return {"get", "One value of a service, with its unit",
+    return {"get", "Values of boards, or one value of a service, with units and ages",
             "Asks the board where the service can be asked, else waits for its next report. Exit status 4: "
             "nothing\n"
             "came in time.\n"
+            "Of a board it also says what was set, by whichever program, and pins by their names.\n"
             "Examples:\n"
+            "  asipctl get uno1\n"
+            "  asipctl get '*/distance' -l room=lab\n"
             "  asipctl get uno1/distance\n"
             "  asipctl get uno1/distance/0 --raw\n"
             "  asipctl get uno1/distance -o json",

@@ -3,18 +3,20 @@
 #include <string>
 
 #include "cli/environment.hpp"
+#include "cli/find/chosen_boards.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
 
 struct GetOptions {
-    std::string target;  ///< BOARD/SERVICE[/FIELD]
+    std::string target;  ///< BOARD[/SERVICE[/FIELD]]; empty: every board
+    SelectorText selector{};
     bool watch = false;
     bool raw = false;  ///< without units
     OutputOptions output{};
 };
 
-/// `asipctl get`: one value of a service, asked for or reported after the command began; a retained value is
+/// `asipctl get`: all values of boards (get_all.hpp), or one value of a service, asked for or reported after the command began; a retained value is
 /// not taken. kExitNoAnswer when none came in time.
 int run_get(const GetOptions& options, Environment& environment);
 

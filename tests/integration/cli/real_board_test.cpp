@@ -70,6 +70,12 @@ TEST_P(RealBoardTest, ListShowSendAndSubscribe_WorkOnIt) {
     const auto refused = asipctl({"send", "desk/servo", "write", "9", "90"});
     EXPECT_EQ(refused.status, 1);
     EXPECT_THAT(refused.errors, HasSubstr("7, INVALID_DEVICE_NUMBER"));
+    const auto all = asipctl({"get", "desk"});
+    EXPECT_EQ(all.status, 0) << all.errors;
+    EXPECT_THAT(all.output, MatchesRegex("(.|\n)*desk/distance +distance 0 +4[123] cm(.|\n)*")) << "it is asked";
+    EXPECT_THAT(all.output, HasSubstr("90 degrees")) << "what was set";
+    EXPECT_EQ(asipctl({"get", "des*/servo", "-o", "json"}).status, 0);
+    EXPECT_EQ(asipctl({"get", "nobody*"}).status, 4);
     const auto measured = asipctl({"get", "desk/distance/0"});
     EXPECT_THAT(measured.output, MatchesRegex("4[123] cm\n")) << measured.errors;
     EXPECT_EQ(asipctl({"send", "desk/distance", "report", "100"}).status, 0);
