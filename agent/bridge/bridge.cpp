@@ -24,7 +24,7 @@ Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
       safety_(board_, statistics_, set_),
       periods_(options_.reports),
       age_(random_),
-      control_(board_, age_, statistics_, safety_, periods_, set_),
+      control_(board_, age_, statistics_, safety_, periods_, set_, latch_),
       context_(board_, options_.context),
       labels_(board_, options_.labels),
       describer_(board_, models_, options_.reports) {}
@@ -149,7 +149,8 @@ void Bridge::on_action(const session::Identified& identified, Time now, Effects&
     periods_.board_found(board_.services, now);
     describer_.board_found(identified.changed, periods_);
     if (name().empty()) name_board(out);
-    if (!std::exchange(found_, true) && !options_.keep_outputs) safety_.stop_services();
+    if (!std::exchange(found_, true) && (!options_.keep_outputs || is_stopped()))
+        safety_.stop_services();
     out.board_known = true;
     was_away_ = false;
     out.log(restarts_.many() ? Level::kDebug : Level::kInfo,
@@ -164,7 +165,18 @@ void Bridge::on_action(const session::Identified& identified, Time now, Effects&
     compare_with_first(port_.phase() != PortLoan::Phase::kOurs, out);
     port_.identified(traits(), out);
     announcer_->set_updating(port_.updating());
-    announcer_->set_state(model::BoardState::kOnline, model::StateReason::kNone, now, out);
+    announcer_->set_state(model::BoardState::kOnline, reason_to_be_online(), now, out);
+}
+
+model::StateReason Bridge::reason_to_be_online() const {
+    return is_stopped() ? model::StateReason::kLatched : model::StateReason::kNone;
+}
+
+// Of a board that is not there the state says why it is not.
+void Bridge::show_stop(Time now, Effects& out) {
+    if (describer_.note_stop(latch_.stopped())) describe_again();
+    if (announcer_->state() == model::BoardState::kOnline)
+        announcer_->set_state(model::BoardState::kOnline, reason_to_be_online(), now, out);
 }
 
 void Bridge::name_board(Effects& out) {
@@ -173,6 +185,9 @@ void Bridge::name_board(Effects& out) {
     if (!kept) out.log(Level::kError, "labels cannot be read", {{"why", kept.error()}});
     labels_.load(std::move(kept));
     describer_.note_labels(labels_);
+    if (options_.load_stop) latch_.load(options_.load_stop(name()));
+    describer_.note_stop(latch_.stopped());
+    if (is_stopped()) out.log(Level::kWarning, latch_.why_refused(name()));
     announcer_ = std::make_unique<Announcer>(
         board_.topics,
         AnnouncerOptions{name(), options_.lease_seconds, options_.takeover, options_.started_unix,

@@ -25,6 +25,7 @@
 #include "agent/reports/report_periods.hpp"
 #include "agent/reports/set_values.hpp"
 #include "agent/safety/safety.hpp"
+#include "agent/safety/stop_latch.hpp"
 #include "asip/member/announcer.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/session/board_session.hpp"
@@ -50,6 +51,8 @@ struct BridgeOptions {
     model::Labels labels;  ///< of the configuration: they cannot be changed over the bus
     /// Labels of a board as they were kept; where none are, empty ones.
     std::function<Expected<model::Labels>(const std::string& board)> load_labels;
+    /// A stop of this board that holds, as it was kept. Where none is, nothing.
+    std::function<Expected<std::optional<model::StopInfo>>(const std::string& board)> load_stop;
     session::SessionOptions session;
     /// `context.client_side`: `/in` and `/out` of raw lines are named as the client sees them. Requests come
     /// on `/out`, lines of the board go to `/in`. On `/in` only requests that want an answer are executed:
@@ -83,6 +86,9 @@ class Bridge {
     void not_watched(Time since, Time now);
     /// The answer to session::SetLineRate.
     void line_rate_set(bool ok, Time now, Effects& out);
+
+    /// A stop holds: what may move the board is refused.
+    bool is_stopped() const { return latch_.stopped().has_value(); }
 
     // --- the bus's side
     /// `expires`: what this broker retains.
@@ -152,6 +158,7 @@ class Bridge {
     void on_message(const Command& command, Time now, Effects& out);
     void on_message(const Renewal& renewal, Time now, Effects& out);
     void on_message(const Stop& stop, Time now, Effects& out);
+    void on_message(const Resume& resume, Time now, Effects& out);
     void on_message(const PortRequest& request, Time now, Effects& out);
     void on_message(const LabelRequest& request, Time now, Effects& out);
     void on_message(const DemandMessage& demand, Time now, Effects& out);
@@ -181,6 +188,8 @@ class Bridge {
     void yield_name(Effects& out);
     void compare_with_first(bool flashed, Effects& out);
     void show_warnings();
+    void show_stop(Time now, Effects& out);
+    model::StateReason reason_to_be_online() const;
     bool note_restart(Time now);
     void tick_restarts(Time now, Effects& out);
     void describe_again();
@@ -196,6 +205,7 @@ class Bridge {
     Safety safety_;
     ReportPeriods periods_;
     CommandAge age_;
+    StopLatch latch_;
     Control control_;
     ClientRequests client_requests_;
     Context context_;

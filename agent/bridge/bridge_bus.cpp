@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bus's side of the bridge: messages and point-to-point clients, and the port while it is lent.
+#include <nlohmann/json.hpp>
+
 #include "agent/bridge/bridge.hpp"
+#include "agent/command/command_note.hpp"
 #include "asip/program/options.hpp"
 #include "asip/protocol/error_code.hpp"
+#include "asip/text/wall_time.hpp"
 
 namespace asip::agent {
 
@@ -83,8 +87,36 @@ void Bridge::on_message(const Renewal& renewal, Time now, Effects& out) {
 void Bridge::on_message(const Stop& stop, Time now, Effects& out) {
     session::Actions actions;
     safety_.on_stop(stop, now, actions, out);
+    if (stop.latch && !stop.retained &&
+        latch_.stop(stop.reply().by, stop.why, text::iso_time(text::wall_now()))) {
+        out.keep_stop = latch_.stopped();
+        show_stop(now, out);
+    }
     send_safe_lines(now, out);
     perform(actions, now, out);
+}
+
+void Bridge::on_message(const Resume& resume, Time now, Effects& out) {
+    const bool late = now > resume.deadline();
+    auto reply = bus::Reply::ok("resumed");
+    if (resume.retained)
+        reply = bus::Reply::refused(std::string(bus::kRefusedRetained),
+                                    "a stored request resumes nothing; clear it by publishing an empty "
+                                    "retained message on " +
+                                        resume.topic);
+    else if (late)
+        reply = bus::Reply::refused(std::string(bus::kRefusedDeadline), "it came too late; send it again");
+    else if (resume.envelope.object.value("resume", nlohmann::json()) != nlohmann::json(true))
+        reply = bus::Reply::refused(std::string(bus::kRefusedInvalid), "write {\"resume\":true}");
+    const bool resumed = reply.succeeded() && latch_.resume();
+    if (resumed) {
+        out.keep_stop = std::optional<model::StopInfo>();
+        out.log(Level::kWarning, "resumed", {{"by", resume.reply().by}});
+        show_stop(now, out);
+    }
+    if (auto message = bus::reply_message(resume.reply(), reply))
+        out.publish.push_back({std::move(*message), mqtt::Priority::kReply});
+    if (resumed) note_command(board_, {"resumed", {}, {}, resume.reply().by, reply}, out);
 }
 
 void Bridge::on_message(const LabelRequest& request, Time, Effects& out) {
@@ -162,6 +194,11 @@ Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_v
     auto& session = board_.session;
     const auto request = protocol::parse_request(line);
     const bool valid = request && session::may_be_sent(*request);
+    if (valid && latch_.holds(board_.services, *request)) {
+        out.lines.push_back({error_line(request, protocol::ErrorCode::kDeviceNotAvailable), client});
+        if (may_publish()) control_.report_refused(line, out);
+        return ClientResult::kRefused;
+    }
     if (valid && session.accepts_requests() && session.waiting(client) >= kMaxClientLines)
         return ClientResult::kLater;
     auto why = session::Refusal::kInvalid;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "asip/member/announcements.hpp"
+#include "asip/model/description.hpp"
 #include "asip/model/labels.hpp"
 #include "asip/session/action.hpp"
 
@@ -40,6 +41,8 @@ struct Effects : member::Announcements {
     enum class Port { kKeep, kLetGo, kTakeBack };
     Port port = Port::kKeep;                  ///< whether the board's port changes hands
     std::optional<LabelsToKeep> keep_labels;  ///< to be written to the disk; then Bridge::labels_kept()
+    /// To be written to the disk: a stop that holds, or that none does any more.
+    std::optional<std::optional<model::StopInfo>> keep_stop;
     bool begin_anew = false;   ///< another board is at the port: all of this is over, and begins again
     bool reopen_link = false;  ///< open, but the board behind it is gone: a connection may be dead
 };

@@ -74,6 +74,9 @@ void Control::on_command(const Command& command, Time now, session::Actions& act
     if (service != nullptr) execution->model = service->model;
     const auto lines = read(command, *execution, service);
     if (!lines) return refuse_it(bus::kRefusedInvalid, lines.error());
+    for (const Line& line : *lines)
+        if (latch_.holds(board_.services, line.request))
+            return refuse_it(bus::kRefusedStopped, latch_.why_refused(board_.name));
     if (auto fault = hold_fault(*execution, *lines); !fault.empty())
         return refuse_it(bus::kRefusedInvalid, std::move(fault));
     if (const auto why = refusal(*lines, execution->client, now)) {
@@ -314,6 +317,16 @@ void Control::report_refused(std::string_view line, session::Refusal why, Effect
                     request_of_line(line),
                     session::to_string(why),
                     refusal_text(why),
+                    {}},
+                   out);
+}
+
+void Control::report_refused(std::string_view line, Effects& out) const {
+    report_failure(board_,
+                   {service_of_line(board_.services, line),
+                    request_of_line(line),
+                    bus::kRefusedStopped,
+                    latch_.why_refused(board_.name),
                     {}},
                    out);
 }

@@ -16,6 +16,7 @@
 #include "agent/reports/report_periods.hpp"
 #include "agent/reports/set_values.hpp"
 #include "agent/safety/safety.hpp"
+#include "agent/safety/stop_latch.hpp"
 #include "asip/model/event_decoder.hpp"
 #include "asip/protocol/request.hpp"
 #include "asip/time.hpp"
@@ -32,8 +33,14 @@ class Control {
   public:
     /// All references must outlive it.
     Control(Board& board, const CommandAge& age, Statistics& statistics, Safety& safety,
-            ReportPeriods& periods, SetValues& set)
-        : board_(board), age_(age), statistics_(statistics), safety_(safety), periods_(periods), set_(set) {}
+            ReportPeriods& periods, SetValues& set, const StopLatch& latch)
+        : board_(board),
+          age_(age),
+          statistics_(statistics),
+          safety_(safety),
+          periods_(periods),
+          set_(set),
+          latch_(latch) {}
 
     /// Queues the command for the board, or refuses it.
     void on_command(const Command& command, Time now, session::Actions& actions, Effects& out);
@@ -43,6 +50,8 @@ class Control {
     void on_finished(const session::Finished& end, Time now, Effects& out);
     /// The session refused a line of a point-to-point client: reported on the error topic of its service.
     void report_refused(std::string_view line, session::Refusal why, Effects& out) const;
+    /// The same, because the board is stopped.
+    void report_refused(std::string_view line, Effects& out) const;
     /// The sender (`by`) of the open commands of this client; empty: it is not known, or there are several.
     std::string sender_of(session::ClientId client) const;
     /// Answers that were forgotten before their minute was over.
@@ -114,6 +123,7 @@ class Control {
     Safety& safety_;
     ReportPeriods& periods_;
     SetValues& set_;
+    const StopLatch& latch_;
     RecentAnswers recent_;
     std::unordered_map<session::RequestId, Open> open_;  // bounded by the session's queue
 };

@@ -48,6 +48,12 @@ bool Describer::note_warnings(std::vector<std::string> warnings) {
     return true;
 }
 
+bool Describer::note_stop(const std::optional<model::StopInfo>& stopped) {
+    if (stopped_ == stopped) return false;
+    stopped_ = stopped;
+    return true;
+}
+
 bool Describer::note_line(const protocol::ParsedLine& line) {
     if (!line.is_event()) return false;
     const auto event = line.event();
@@ -107,6 +113,7 @@ model::Description Describer::description() {
     description.labels_fault = labels_fault_;
     description.on_demand = on_demand_;
     description.warnings = warnings_;
+    description.stopped = stopped_;
     for (const auto& entry : board_.services.entries()) {
         model::ServiceInfo service;
         service.name = entry.name;

@@ -30,6 +30,7 @@ class Describer {
     bool note_agent(model::AgentInfo agent);
     bool note_labels(const LabelBook& labels);
     bool note_warnings(std::vector<std::string> warnings);
+    bool note_stop(const std::optional<model::StopInfo>& stopped);
     /// A line of the board shows how many elements a service has.
     bool note_line(const protocol::ParsedLine& line);
     /// A request ended, which may have changed pin modes and periods.
@@ -55,6 +56,7 @@ class Describer {
     std::string labels_fault_;
     std::optional<model::OnDemandInfo> on_demand_;
     std::vector<std::string> warnings_;
+    std::optional<model::StopInfo> stopped_;
     std::vector<protocol::PinMode> described_modes_;
 };
 

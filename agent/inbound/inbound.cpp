@@ -45,6 +45,18 @@ Renewal read_renewal(BusRequest request) {
     return renewal;
 }
 
+Stop read_stop(BusRequest request) {
+    Stop stop;
+    const auto& object = request.envelope.object;
+    if (object.is_object()) {
+        stop.latch = object.contains("latch") && object.at("latch") == nlohmann::json(true);
+        if (const auto why = object.find("why"); why != object.end() && why->is_string())
+            stop.why = why->get<std::string>();
+    }
+    static_cast<BusRequest&>(stop) = std::move(request);
+    return stop;
+}
+
 /// What the members of the request say that it is. A request that cannot be executed as it is stays a
 /// command.
 Inbound kind_by_content(BusRequest request, const session::ServiceTable& services) {
@@ -54,6 +66,7 @@ Inbound kind_by_content(BusRequest request, const session::ServiceTable& service
     const auto& object = request.envelope.object;
     if (is_renewal(request, services)) return read_renewal(std::move(request));
     if (!request.service.empty()) return Command{std::move(request)};
+    if (object.contains("resume")) return Resume{std::move(request)};
     if (bus::is_port_request(object)) {
         auto wanted = bus::read_port_request(object);
         return PortRequest{std::move(request), std::move(wanted)};
@@ -108,7 +121,7 @@ std::optional<Inbound> read_inbound(const mqtt::Message& message, const Addresse
             if (!message.retain) return std::nullopt;
             return StoredSet{std::string(topic->service), message.payload};
         case TopicKind::kStop:
-            return Stop{read_request(message, {}, age, now)};
+            return read_stop(read_request(message, {}, age, now));
         case TopicKind::kServiceIn:
             return kind_by_content(read_request(message, topic->service, age, now), to.services);
         case TopicKind::kBoardOut:

@@ -46,7 +46,12 @@ struct Renewal : BusRequest {
 };
 struct Stop : BusRequest {
     std::size_t waiting = 0;  ///< commands that came before this stop and were not handled yet
+    bool latch = false;       ///< `"latch":true`: the board stays stopped until it is resumed
+    std::string why{};        ///< in the sender's words
 };
+/// `{"resume":true}` on BOARD/in: a board that was stopped takes commands again. It has no turn to wait for: what
+/// waits came while the board was stopped.
+struct Resume : BusRequest {};
 struct PortRequest : BusRequest {
     Expected<bus::PortRequest> wanted;
 };
@@ -69,7 +74,7 @@ struct Announcement {
     mqtt::Message message;
 };
 
-using Inbound = std::variant<Command, Renewal, Stop, PortRequest, LabelRequest, DemandMessage, StoredSet,
+using Inbound = std::variant<Command, Renewal, Stop, Resume, PortRequest, LabelRequest, DemandMessage, StoredSet,
                              Announcement>;
 
 /// The board and its agent, as far as they decide what a message is.

@@ -34,9 +34,11 @@ std::optional<std::pair<std::string, std::string>> called(bool several, const Ag
     return std::pair{"port", options.serial.empty() ? options.tcp : options.serial};
 }
 
-BridgeOptions bridge_options(BridgeOptions options, const LabelFiles& files, bool goes_on) {
+BridgeOptions bridge_options(BridgeOptions options, const LabelFiles& files, const StopFiles& stops,
+                             bool goes_on) {
     options.announce_unreached = goes_on;
     options.load_labels = [&files](const std::string& board) { return files.load(board); };
+    options.load_stop = [&stops](const std::string& board) { return stops.load(board); };
     return options;
 }
 
@@ -46,6 +48,7 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
     : options_(std::move(options)),
       topics_(options_.bridge.topic_root),
       label_files_(options_.state_folder),
+      stop_files_(options_.state_folder),
       host_(host),
       handlers_(std::move(handlers)),
       io_(host.io),
@@ -58,7 +61,8 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
                    return BrokerReports::Agent{bridge_.name(), options_.bridge.topic_root, options_.mqtt.user,
                                                options_.mqtt.brokers.front().describe()};
                }),
-      bridge_(bridge_options(options_.bridge, label_files_, host.goes_on), options_.models, system_random()),
+      bridge_(bridge_options(options_.bridge, label_files_, stop_files_, host.goes_on), options_.models,
+              system_random()),
       link_(io_, stream_target(options_),
             {[this](const link::StreamOpened& opened) { link_opened(opened); },
              [this](const link::StreamError& error) { link_lost(error); },
@@ -152,6 +156,7 @@ void BoardAgent::perform(Effects& effects) {
         clients_.send(line, client);
     if (effects.name_claimed) publish_log();
     if (effects.keep_labels) keep_labels(std::move(*effects.keep_labels));
+    if (effects.keep_stop) keep_stop(std::move(*effects.keep_stop));
     if (effects.reopen_link) link_.reopen("the board does not answer");
     if (effects.port == Effects::Port::kTakeBack) link_.start();
     if (effects.begin_anew) return finish(kBeginAnew);
@@ -166,6 +171,16 @@ void BoardAgent::keep_labels(LabelsToKeep keep) {
                                    board = bridge_.name(), keep = std::move(keep)] {
         boost::asio::post(io, [this, alive, result = files.save(board, keep)] {
             if (!alive.expired()) with_bridge([&](Time, Effects& out) { bridge_.labels_kept(result, out); });
+        });
+    });
+}
+
+void BoardAgent::keep_stop(std::optional<model::StopInfo> stopped) {
+    boost::asio::post(host_.disk, [this, alive = std::weak_ptr(alive_), &io = io_, files = stop_files_,
+                                   board = bridge_.name(), stopped = std::move(stopped)] {
+        boost::asio::post(io, [this, alive, result = files.save(board, stopped)] {
+            if (alive.expired() || result) return;
+            log_.error("a stop could not be kept: it ends with this agent", {{"why", result.error()}});
         });
     });
 }

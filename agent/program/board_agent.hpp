@@ -18,6 +18,7 @@
 #include "agent/port/outage.hpp"
 #include "agent/program/broker_reports.hpp"
 #include "agent/program/options.hpp"
+#include "agent/safety/stop_files.hpp"
 #include "asip/link/kept_stream.hpp"
 #include "asip/mqtt/backoff.hpp"
 #include "asip/mqtt/client.hpp"
@@ -112,6 +113,7 @@ class BoardAgent {
     void publish_log();
     void note_online();
     void keep_labels(LabelsToKeep keep);
+    void keep_stop(std::optional<model::StopInfo> stopped);
 
     // Messages of the bus. Commands take turns: a few in each turn of the loop, and none while more arrive.
     void message_received(const mqtt::Message& message);
@@ -125,6 +127,7 @@ class BoardAgent {
     AgentOptions options_;
     const bus::Topics topics_;
     LabelFiles label_files_;
+    StopFiles stop_files_;
     const Host host_;
     const Handlers handlers_;
     boost::asio::io_context& io_;

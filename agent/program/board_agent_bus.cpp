@@ -133,6 +133,8 @@ void BoardAgent::message_received(const mqtt::Message& message) {
         if (!retained) inbox_.stop();
         return;
     }
+    // What waits came while the board was stopped, if it was.
+    if (std::holds_alternative<Resume>(*inbound) && bridge_.is_stopped()) inbox_.stop();
     if (request_of(*inbound) != nullptr && bridge_.age().commanded(now, message.qos > 0)) check_the_way();
     const bool in_turn = takes_turns(*inbound);
     if (!in_turn) return take(*inbound);

@@ -123,6 +123,7 @@ void Safety::stop_services() {
 void Safety::on_stop(const Stop& message, Time now, session::Actions& actions, Effects& out) {
     OpenStop stop;
     stop.reply = message.reply();
+    stop.latched = message.latch;
     stop.arrived = now;
     stop.deadline =
         now + (message.envelope.deadline ? Duration(*message.envelope.deadline) : session::kDefaultDeadline);
@@ -161,7 +162,9 @@ void Safety::answer(const OpenStop& stop, bool in_time, Time now, Effects& out) 
     } else if (stop.error) {
         reply = bus::Reply::board_error(stop.error->code, stop.error->line + ": " + stop.error->text);
     }
-    reply.answer = model::dump_json({{"executed", stop.executed}, {"refused", stop.refused}});
+    nlohmann::json done{{"executed", stop.executed}, {"refused", stop.refused}};
+    if (stop.latched) done["latched"] = true;
+    reply.answer = model::dump_json(done);
     statistics_.answered(reply, stop.reply.wanted(), now - stop.arrived);
     if (auto message = bus::reply_message(stop.reply, reply))
         out.publish.push_back({std::move(*message), mqtt::Priority::kUrgent});

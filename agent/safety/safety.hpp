@@ -74,6 +74,7 @@ class Safety {
         std::set<std::string> open;
         std::vector<std::string> executed;
         std::size_t refused = 0;
+        bool latched = false;  // it holds
         std::optional<SafeLines::Done> error;
         Time arrived;
         Time deadline;

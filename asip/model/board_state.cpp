@@ -20,7 +20,7 @@ struct ReasonText {
     std::string_view word;
     std::string_view words;
 };
-constexpr std::array<ReasonText, 8> kReasons = {{
+constexpr std::array<ReasonText, 9> kReasons = {{
     {StateReason::kNone, "", ""},
     {StateReason::kUnplugged, "unplugged", "cable unplugged"},
     {StateReason::kSilent, "silent", "the board answers nothing"},
@@ -29,6 +29,7 @@ constexpr std::array<ReasonText, 8> kReasons = {{
     {StateReason::kReleased, "released", "its port is in other hands"},
     {StateReason::kStopped, "stopped", "its agent was stopped"},
     {StateReason::kConflict, "conflict", "two agents claim its name"},
+    {StateReason::kLatched, "latched", "STOPPED until it is resumed"},
 }};
 
 }  // namespace

@@ -35,10 +35,11 @@ enum class StateReason {
     kReleased,   ///< another program has the port
     kStopped,    ///< the agent ended in order
     kConflict,   ///< two living agents claim the name
+    kLatched,    ///< it is there, and takes no commands until somebody resumes it
 };
 
-/// The word on the bus: "unplugged", "silent", "agent-gone", "expired", "released", "stopped", "conflict";
-/// empty for kNone.
+/// The word on the bus: "unplugged", "silent", "agent-gone", "expired", "released", "stopped", "conflict",
+/// "latched"; empty for kNone.
 std::string_view to_text(StateReason reason);
 /// kNone for a word that is not known: a later version may have more.
 StateReason state_reason_from_text(std::string_view text);

@@ -24,6 +24,7 @@ inline constexpr std::size_t kMaxDescriptionServices = 64;
 inline constexpr std::size_t kMaxFaultBytes = 2048;
 inline constexpr std::size_t kMaxWarnings = 8;
 inline constexpr std::size_t kMaxWarningBytes = 1024;
+inline constexpr std::size_t kMaxStopBytes = 256;
 inline constexpr int kDefaultLeaseSeconds = 60;
 inline constexpr int kMaxLeaseSeconds = 24 * 60 * 60;
 
@@ -59,6 +60,14 @@ struct OnDemandInfo {
     int fastest = 0;  ///< period that demands can bring a service to
     int resting = 0;  ///< period where nobody demands; 0: it does not report then
     friend bool operator==(const OnDemandInfo&, const OnDemandInfo&) = default;
+};
+
+/// Of a board that was stopped and takes no commands until it is resumed.
+struct StopInfo {
+    std::string by;     ///< who stopped it, as the sender said
+    std::string why;    ///< in the sender's words
+    std::string since;  ///< time of day by the agent's clock
+    friend bool operator==(const StopInfo&, const StopInfo&) = default;
 };
 
 /// The digital pins: one character for each, from pin 0 on, in each of the three texts; an empty text is
@@ -108,6 +117,7 @@ struct Description {
     /// Of the board when this was published. None: its agent says states on `$state` alone.
     std::optional<SaidState> state{};
     std::optional<OnDemandInfo> on_demand{};  ///< none: it reports whether or not anybody listens
+    std::optional<StopInfo> stopped{};        ///< none: it takes commands
 
     /// The service of that name, or null. Valid as long as `services` is not changed.
     const ServiceInfo* service(std::string_view name) const;

@@ -228,6 +228,10 @@ OnDemandInfo read_on_demand(JsonReader reader) {
             read_small(reader, "resting", 65535).value_or(0)};
 }
 
+StopInfo read_stopped(JsonReader reader) {
+    return {read_text(reader, "by"), read_text(reader, "why"), read_text(reader, "since")};
+}
+
 json state_json(const SaidState& said) {
     json object = {{"is", to_text(said.state)}, {"age", std::floor(said.age * 1000) / 1000}};
     if (said.reason != StateReason::kNone) object["reason"] = to_text(said.reason);
@@ -265,6 +269,8 @@ nlohmann::json to_json(const Description& description) {
     if (description.state) document["state"] = state_json(*description.state);
     if (const auto& reports = description.on_demand)
         document["on_demand"] = {{"fastest", reports->fastest}, {"resting", reports->resting}};
+    if (const auto& stop = description.stopped)
+        document["stopped"] = {{"by", stop->by}, {"why", stop->why}, {"since", stop->since}};
     return document;
 }
 
@@ -292,6 +298,7 @@ Expected<Description> description_from_json(const nlohmann::json& document) {
     if (auto member = reader.object("pins")) result.pins = read_pins(std::move(*member));
     if (auto member = reader.object("state")) result.state = read_state(std::move(*member));
     if (auto member = reader.object("on_demand")) result.on_demand = read_on_demand(std::move(*member));
+    if (auto member = reader.object("stopped")) result.stopped = read_stopped(std::move(*member));
     if (reader.ok()) result.services = read_services(reader);
     if (reader.ok()) result.labels = read_labels(reader);
     if (reader.ok()) result.warnings = read_warnings(reader);

@@ -286,6 +286,13 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
                              item.conflict->other + " (" + item.conflict->other_agent + ")",
                          colour, Colour::kRed);
     }
+    if (board.description && board.description->stopped) {
+        const auto& stop = *board.description->stopped;
+        text += labelled("STOPPED",
+                         "by " + (stop.by.empty() ? std::string("somebody") : stop.by) +
+                             (stop.why.empty() ? "" : ": " + stop.why) + "; asipctl resume " + item.board,
+                         colour, Colour::kRed);
+    }
     text += labelled("port", updating_text(item), colour);
     text += labelled("announced", presence_text(item), colour);
     if (!board.description) {

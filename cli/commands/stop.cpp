@@ -11,15 +11,21 @@
 #include "asip/model/names.hpp"
 #include "cli/ask/board_request.hpp"
 #include "cli/declaration.hpp"
+#include "cli/find/chosen_boards.hpp"
 #include "cli/text/table.hpp"
 
 namespace asip::cli {
 namespace {
 
+bool is_pattern(const std::string& board) {
+    return board.find_first_of("*?") != std::string::npos;
+}
+
 class Stopper {
   public:
-    Stopper(const StopOptions& options, Environment& environment)
+    Stopper(const StopOptions& options, bus::LabelSelector labels, Environment& environment)
         : options_(options),
+          labels_(std::move(labels)),
           environment_(environment),
           session_(environment),
           source_(environment, session_) {}
@@ -29,11 +35,16 @@ class Stopper {
             return environment_.fail_with(connected.error());
         // Named ones at once: looking them up first would cost time.
         for (const auto& board : options_.boards)
-            stop(board);
+            if (!is_pattern(board)) stop(board);
+        for (const auto& board : options_.boards)
+            if (is_pattern(board))
+                if (const auto found = stop_chosen(board); !found) return environment_.fail_with(found.error());
+        if (options_.selector)
+            if (const auto found = stop_chosen("*"); !found) return environment_.fail_with(found.error());
         if (options_.all)
             if (const auto found = stop_all(); !found) return environment_.fail_with(found.error());
         if (asked_.empty()) {
-            environment_.note("there is no board to stop");
+            environment_.note(options_.resume ? "there is no board to resume" : "there is no board to stop");
             return program::kExitOk;
         }
         const auto settled = [this](const Asked& asked) { return asked.reply || denied(asked); };
@@ -52,7 +63,14 @@ class Stopper {
     /// The agent's answer that the board did not confirm is to come before the end of our patience.
     std::string payload() const {
         const auto deadline = std::clamp<std::int64_t>(environment_.timeout.count() * 9 / 10, 50, 60000);
-        return nlohmann::json{{"deadline_ms", deadline}}.dump();
+        nlohmann::json payload{{"deadline_ms", deadline}, {"by", who_asks(environment_)}};
+        if (options_.resume) {
+            payload["resume"] = true;
+            return payload.dump();
+        }
+        if (!options_.once) payload["latch"] = true;
+        if (!options_.why.empty()) payload["why"] = options_.why;
+        return payload.dump();
     }
 
     void stop(const std::string& board) {
@@ -60,13 +78,26 @@ class Stopper {
         if (std::any_of(asked_.begin(), asked_.end(), same)) return;
         auto& asked = asked_.emplace_back(Asked{board, std::nullopt, {}});
         asked.request = session_.ask(
-            environment_.topics.stop(board), payload(),
+            topic(board), payload(),
             [&asked](const mqtt::Message& message) {
                 if (asked.reply) return;
                 const auto reply = bus::parse_reply(message.payload);
                 if (reply) asked.reply = *reply;
             },
             1);
+    }
+
+    std::string topic(const std::string& board) const {
+        return options_.resume ? environment_.topics.board_in(board) : environment_.topics.stop(board);
+    }
+
+    /// By patterns and labels: what is asked of a registry takes a moment.
+    Outcome<void> stop_chosen(const std::string& pattern) {
+        const auto boards = choose_boards(source_, {pattern, {}}, labels_);
+        if (!boards) return tl::unexpected(boards.error());
+        for (const auto& board : *boards)
+            if (board.item.state != "offline" && !board.item.names_only) stop(board.item.board);
+        return {};
     }
 
     Outcome<void> stop_all() {
@@ -104,7 +135,8 @@ class Stopper {
                 executed += (executed.empty() ? "" : " ") + line.get<std::string>();
             table.add(
                 {asked.board,
-                 reply.succeeded() ? Cell("stopped", Colour::kGreen) : Cell("not stopped", Colour::kRed),
+                 reply.succeeded() ? Cell(done_text(answer), Colour::kGreen)
+                                   : Cell(options_.resume ? "not resumed" : "not stopped", Colour::kRed),
                  executed.empty() ? "-" : executed, std::to_string(answer.value("refused", 0))});
         }
         records.finish();
@@ -113,11 +145,17 @@ class Stopper {
         return status;
     }
 
-    bool denied(const Asked& asked) const { return session_.denied(environment_.topics.stop(asked.board)); }
+    /// An agent of an earlier version stops the board and does not keep it so.
+    std::string done_text(const nlohmann::json& answer) const {
+        if (options_.resume) return "resumed";
+        return answer.value("latched", false) ? "stopped until resumed" : "stopped once";
+    }
+
+    bool denied(const Asked& asked) const { return session_.denied(topic(asked.board)); }
 
     bus::Reply reply_of(const Asked& asked) const {
         if (asked.reply) return *asked.reply;
-        return denied(asked) ? refused_by_broker(environment_.topics.stop(asked.board))
+        return denied(asked) ? refused_by_broker(topic(asked.board))
                              : bus::Reply::timeout(std::string(kNoAnswer));
     }
 
@@ -131,6 +169,7 @@ class Stopper {
     }
 
     const StopOptions& options_;
+    const bus::LabelSelector labels_;
     Environment& environment_;
     BusSession session_;
     BoardSource source_;
@@ -140,20 +179,27 @@ class Stopper {
 }  // namespace
 
 int run_stop(const StopOptions& options, Environment& environment) {
-    if (options.boards.empty() && !options.all)
-        return environment.fail_with({program::kExitUsage, "stop which board? Write its name, or --all"});
+    const std::string what = options.resume ? "resume" : "stop";
+    if (options.boards.empty() && !options.all && !options.selector)
+        return environment.fail_with(
+            {program::kExitUsage, what + " which board? Write its name, a pattern, -l SELECTOR, or --all"});
     for (const auto& board : options.boards)
-        if (!model::valid_board_name(board))
+        if (!is_pattern(board) && !model::valid_board_name(board))
             return environment.fail_with({program::kExitUsage, model::explain_board_name(board)});
-    return Stopper(options, environment).run();
+    auto labels = parse_selector(options.selector);
+    if (!labels) return environment.fail_with(labels.error());
+    return Stopper(options, std::move(*labels), environment).run();
 }
 
 namespace {
 
 Run declare_stop(Declaration& verb) {
     auto options = std::make_shared<StopOptions>();
-    verb.arguments("BOARD", options->boards, "Which boards", Declaration::Needed::kNo);
+    verb.arguments("BOARD", options->boards, "Which boards; * and ? as in a shell", Declaration::Needed::kNo);
+    declare_selector(verb, options->selector);
     verb.flag("--all", options->all, "Every board on the bus");
+    verb.flag("--once", options->once, "Do not keep it stopped: later commands are executed again");
+    verb.option("--why", "TEXT", options->why, "Told to those whose commands are refused");
     verb.output(options->output, {Output::kTable},
                 {"board", "status", "executed", "refused", "error", "reason", "code"});
     return [options](Environment& environment) { return run_stop(*options, environment); };
@@ -163,12 +209,17 @@ Run declare_stop(Declaration& verb) {
 
 Verb stop_verb() {
     return {"stop", "Stop boards: motors, tones and other actuators, ahead of everything that waits",
-            "Shows the requests that each board executed, and how many waiting commands were refused. "
-            "Commands that are sent later are executed again.\n"
+            "The board stays stopped: its agent refuses commands, whoever sends them, until asipctl resume; also "
+            "after\n"
+            "a restart of agent, board or broker. Questions and periods of reports pass. With --once later commands "
+            "are executed again.\n"
+            "Shows the requests that each board executed, and how many waiting commands were refused.\n"
             "Exit status: 0 all confirmed, 1 refused, 4 no confirmation.\n"
             "Examples:\n"
             "  asipctl stop robot\n"
-            "  asipctl stop robot crane\n"
+            "  asipctl stop robot --why 'a child is on the track'\n"
+            "  asipctl stop 'crane*' --once\n"
+            "  asipctl stop -l room=lab\n"
             "  asipctl stop --all -o json",
             declare_stop};
 }

@@ -4,13 +4,18 @@
 #include <vector>
 
 #include "cli/environment.hpp"
+#include "cli/find/chosen_boards.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
 
 struct StopOptions {
     std::vector<std::string> boards;
+    SelectorText selector{};
     bool all = false;
+    bool once = false;  ///< the board takes commands again
+    bool resume = false;
+    std::string why{};
     OutputOptions output{Output::kTable, {}};
 };
 

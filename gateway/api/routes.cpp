@@ -42,6 +42,8 @@ const Parameter kDeadline{"deadline_ms", R"({"type":"integer","minimum":50,"maxi
                           "Within what time the answer is needed", "1000"};
 const Parameter kHold{"hold_ms", R"({"type":"integer","minimum":50,"maximum":60000})",
                       "Undo the command unless it is renewed within this time", ""};
+const Parameter kOnce{"once", kTruth, "Do not keep the board stopped: later commands are executed again", "false"};
+const Parameter kWhy{"why", kText, "Told to those whose commands are refused", ""};
 const Parameter kLastEventId{"last_event_id", kText, "As the header Last-Event-ID", ""};
 
 std::vector<Answer> command_answers() {
@@ -83,8 +85,10 @@ std::vector<Route> make_routes() {
         {"POST", "/api/boards/{board}/raw", "sendRaw", "Send ASIP request lines", Need::kRaw, {kDeadline}, "RawLines", command_answers(), post_raw},
         {"GET", "/api/commands/{id}", "getCommand", "What became of a command of yours; kept for a minute", Need::kCommand, {}, "", {{200, "The command, with its answer if there is one", "Command"}, kNotFound}, get_command},
         {"POST", "/api/commands/{id}/renew", "renewCommand", "Go on holding a command that was sent with `hold_ms`", Need::kCommand, {kHold}, "", {{200, "Held for another while", "CommandAnswer"}, fault(404, "No command of yours has this id"), fault(409, "It is not held: `not-held`"), kNotReady, fault(504, "Nobody answered")}, post_renew},
-        {"POST", "/api/boards/{board}/stop", "stopBoard", "Bring everything on a board into its safe state, ahead of all that waits", Need::kCommand, {}, "", {{200, "Stopped", "Stopped"}, {207, "The board did not confirm it in time", "Stopped"}, kNotFound, kNotReady}, post_stop_board},
-        {"POST", "/api/stop", "stopAll", "The same on every board", Need::kCommand, {}, "", {{200, "All of them are stopped", "Stopped"}, {207, "Some did not confirm it in time", "Stopped"}, kNotReady}, post_stop},
+        {"POST", "/api/boards/{board}/stop", "stopBoard", "Bring everything on a board into its safe state, ahead of all that waits, and keep it stopped until it is resumed", Need::kCommand, {kOnce, kWhy}, "", {{200, "Stopped", "Stopped"}, {207, "The board did not confirm it in time", "Stopped"}, kNotFound, kNotReady}, post_stop_board},
+        {"POST", "/api/stop", "stopAll", "The same on every board", Need::kCommand, {kOnce, kWhy}, "", {{200, "All of them are stopped", "Stopped"}, {207, "Some did not confirm it in time", "Stopped"}, kNotReady}, post_stop},
+        {"POST", "/api/boards/{board}/resume", "resumeBoard", "Let a board that was stopped take commands again", Need::kCommand, {}, "", {{200, "Resumed", "Stopped"}, {207, "Its agent did not answer in time", "Stopped"}, kNotFound, kNotReady}, post_resume_board},
+        {"POST", "/api/resume", "resumeAll", "The same for every board that is stopped", Need::kCommand, {}, "", {{200, "All of them take commands", "Stopped"}, {207, "Some did not answer in time", "Stopped"}, kNotReady}, post_resume},
         {"GET", "/metrics", "getMetrics", "What agents, registries and this gateway count, for Prometheus", Need::kRead, {}, "", {{200, "Metrics", "EventStream", "text/plain; version=0.0.4; charset=utf-8"}, fault(403, "A kiosk sees its boards only"), fault(404, "Metrics are turned off")}, get_metrics},
         {"GET", "/api/models", "listModels", "The service models", Need::kRead, {}, "", {{200, "All of them", "Models"}}, get_models},
         {"GET", "/api/models/{name}", "getModel", "One service model", Need::kRead, {}, "", {{200, "The model", "Model"}, kNotFound}, get_model},

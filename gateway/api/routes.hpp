@@ -66,6 +66,8 @@ void get_command(Call& call);
 void post_renew(Call& call);
 void post_stop_board(Call& call);
 void post_stop(Call& call);
+void post_resume_board(Call& call);
+void post_resume(Call& call);
 void get_events(Call& call);
 void get_service_stream(Call& call);
 void get_stream(Call& call);

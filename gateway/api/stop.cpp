@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/request_envelope.hpp"
+#include "asip/model/board_state.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/printable.hpp"
 #include "gateway/api/routes.hpp"
@@ -10,6 +11,8 @@ namespace asip::gateway::api {
 namespace {
 
 using nlohmann::json;
+
+constexpr std::size_t kMaxWhyBytes = 200;
 
 /// The answers of several boards, sent once all have come.
 struct Stopping {
@@ -31,13 +34,23 @@ struct Stopping {
     }
 };
 
+/// What a stop says: it holds until the board is resumed, unless it is for once.
+std::string stop_payload(const Call& call) {
+    const auto* once = call.request.parameter("once");
+    const auto* why = call.request.parameter("why");
+    json payload = json::object();
+    if (once == nullptr || *once != "true") payload["latch"] = true;
+    if (why != nullptr && !why->empty()) payload["why"] = why->substr(0, kMaxWhyBytes);
+    return model::dump_json(payload);
+}
+
 void send_stop(const Call& call, const std::string& board, Commands::Done done) {
     Commands::Start start;
     start.session = "stop";
     start.by = call.principal.rights.name;
     start.target = board;
     start.topic = call.gateway.mirror().topics().stop(board);
-    start.payload = "{}";
+    start.payload = stop_payload(call);
     start.client = call.client();
     start.urgent = true;
     call.gateway.command(std::move(start), std::move(done));
@@ -76,6 +89,46 @@ void post_stop(Call& call) {
     for (const auto& board : lost)
         send_stop(call, board, [](const CommandRecord&) {});
     stop(call, alive);
+}
+
+namespace {
+
+void resume(Call& call, const std::vector<std::string>& boards) {
+    auto resuming = std::make_shared<Stopping>(call.reply);
+    resuming->missing = boards.size();
+    if (boards.empty()) return resuming->send();
+    for (const auto& board : boards) {
+        Commands::Start start;
+        start.session = "resume";
+        start.by = call.principal.rights.name;
+        start.target = board;
+        start.topic = call.gateway.mirror().topics().board_in(board);
+        start.payload = R"({"resume":true})";
+        start.client = call.client();
+        call.gateway.command(std::move(start), [resuming, board](const CommandRecord& record) {
+            resuming->answered(board, *record.reply);
+        });
+    }
+}
+
+}  // namespace
+
+void post_resume_board(Call& call) {
+    if (!bus_is_there(call)) return;
+    const auto board = board_of(call);
+    if (board) resume(call, {board->board});
+}
+
+// Those that are stopped, and have an agent that hears it.
+void post_resume(Call& call) {
+    if (!bus_is_there(call)) return;
+    std::vector<std::string> stopped;
+    for (auto& board : call.gateway.mirror().board_names()) {
+        const auto item = call.gateway.mirror().known(board, call.now());
+        if (item && item->reason == model::to_text(model::StateReason::kLatched) && call.sees(board))
+            stopped.push_back(std::move(board));
+    }
+    resume(call, stopped);
 }
 
 void post_renew(Call& call) {

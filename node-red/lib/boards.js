@@ -7,7 +7,7 @@ const { readObject } = require('./protocol');
 const THERE = ['online', 'sleeping', 'updating'];
 const STATES = [...THERE, 'offline', 'lost'];
 const WORDS = {
-  unplugged: 'cable unplugged', silent: 'the board does not answer', 'agent-gone': 'its agent ended or lost the broker',
+  latched: 'STOPPED until it is resumed', unplugged: 'cable unplugged', silent: 'the board does not answer', 'agent-gone': 'its agent ended or lost the broker',
   expired: 'nothing renewed its lease', released: 'another program has its port', stopped: 'its agent was stopped', conflict: 'two agents claim its name',
 };
 const REASON_OF_WORD = { lost: 'agent-gone', offline: 'stopped', updating: 'released' };

@@ -19,7 +19,7 @@ _STATE_EXPIRY = 3_000_000_000
 _APART = 2.0
 # After the broker was away, leases get this time to be renewed.
 _GRACE = 10.0
-_WORDS = {"unplugged": "cable unplugged", "silent": "the board does not answer", "agent-gone": "its agent ended or lost the broker",
+_WORDS = {"latched": "STOPPED until it is resumed", "unplugged": "cable unplugged", "silent": "the board does not answer", "agent-gone": "its agent ended or lost the broker",
           "expired": "nothing renewed its lease", "released": "another program has its port", "stopped": "its agent was stopped",
           "conflict": "two agents claim its name"}
 _REASON_OF_WORD = {"lost": "agent-gone", "offline": "stopped", "updating": "released"}

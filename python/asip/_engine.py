@@ -136,8 +136,8 @@ class Engine:
         with self._lock:
             self.session.catalogue.on_listed(item, time.monotonic())
 
-    def stop(self, board: str, seconds: float) -> Call:
-        return self.ask(lambda session, now: session.stop(now, board, seconds))
+    def stop(self, board: str, seconds: float, *, hold: bool = False, why: str = "") -> Call:
+        return self.ask(lambda session, now: session.stop(now, board, seconds, hold=hold, why=why))
 
     def wait_connected(self, seconds: float) -> None:
         """Until a broker serves us; Disconnected, with the reason, after `seconds`."""

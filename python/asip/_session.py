@@ -151,8 +151,9 @@ class Session:
         topic = self.topics.command(board, service) if service else self.topics.lines_in(board)
         return self._begin(Call(self._next_id(), topic, board, members, now + timeout, service=service, command=command, hold=hold), now)
 
-    def stop(self, now: float, board: str, timeout: float) -> tuple[Call, list[Action]]:
-        return self._begin(Call(self._next_id(), self.topics.stop(board), board, {}, now + timeout, command="stop"), now)
+    def stop(self, now: float, board: str, timeout: float, *, hold: bool = False, why: str = "") -> tuple[Call, list[Action]]:
+        members: dict[str, Any] = ({"latch": True} if hold else {}) | ({"why": why} if why else {})
+        return self._begin(Call(self._next_id(), self.topics.stop(board), board, members, now + timeout, command="stop"), now)
 
     def query(self, now: float, members: dict[str, Any], timeout: float) -> tuple[Call, list[Action]]:
         return self._begin(Call(self._next_id(), self.topics.query(), "registry", members, now + timeout, is_command=False, is_query=True), now)

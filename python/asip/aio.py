@@ -173,8 +173,11 @@ class Board:
     async def name_pins(self, names: Mapping[int, str | None]) -> None:
         await _run(self._board.name_pins, names)
 
-    async def stop(self, *, timeout: float | None = None) -> None:
-        await _run(self._board.stop, timeout=timeout)
+    async def stop(self, *, hold: bool = False, why: str = "", timeout: float | None = None) -> None:
+        await _run(self._board.stop, hold=hold, why=why, timeout=timeout)
+
+    async def resume(self, *, timeout: float | None = None) -> None:
+        await _run(self._board.resume, timeout=timeout)
 
     def pin(self, which: int | str) -> "Pin":
         return Pin(self, self._board.pin(which))

@@ -104,7 +104,7 @@ class Board:
 
     @property
     def reason(self) -> str:
-        """Why it is in its state: `unplugged`, `silent`, `agent-gone`, `expired`, `released`, `stopped`, `conflict`, or empty."""
+        """Why it is in its state: `unplugged`, `silent`, `agent-gone`, `expired`, `released`, `stopped`, `conflict`, `latched`, or empty."""
         entry = self._entry()
         return entry.reason if entry and self._unheard_since() is None else ""
 
@@ -233,10 +233,15 @@ class Board:
         answer: dict[str, Any] = _wait.result(call.future)
         return answer
 
-    def stop(self, *, timeout: float | None = None) -> None:
-        """Makes the board safe: what waits is refused, and every service's safe form is executed ahead of it."""
+    def stop(self, *, hold: bool = False, why: str = "", timeout: float | None = None) -> None:
+        """Makes the board safe: what waits is refused, and every service's safe form is executed ahead of it. With `hold` it
+        stays stopped, whoever commands it, until `resume()`; `why` is told to those who are refused."""
         seconds = self._timeout(timeout)
-        _wait.result(self._engine.stop(self.name, seconds).future)
+        _wait.result(self._engine.stop(self.name, seconds, hold=hold, why=why).future)
+
+    def resume(self, *, timeout: float | None = None) -> None:
+        """Lets a board that is stopped take commands again. Nothing that was refused is sent then."""
+        self._ask({"resume": True}, "resume", timeout)
 
     def pin(self, which: int | str) -> Pin:
         """A pin by its number, or by the friendly name that people gave it."""

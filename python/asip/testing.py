@@ -52,6 +52,7 @@ class FakeBoard:
         self._inputs: dict[int, int] = {}
         self._fault: Callable[[str, str], Answer | None] = lambda service, command: None
         self._silent = False
+        self.stopped = False  # and kept so, until it is resumed
         self._values: dict[tuple[str, str], Any] = {}
 
     def report(self, service: str, value: Any, event: str | None = None) -> None:
@@ -122,6 +123,11 @@ class FakeBoard:
             return {"status": "refused", "reason": "board-not-there", "error": f"the board is {self.state}"}
         if "renew" in request:
             return {"status": "ok", "proof": "renewed"}
+        if service is None and request.get("resume") is True:
+            self.stopped = False
+            return {"status": "ok", "proof": "resumed"}
+        if service is not None and self.stopped:
+            return {"status": "refused", "reason": "stopped", "error": "the board is stopped"}
         if service is None:
             self._name(request)
             return {"status": "ok", "proof": "fence"}
@@ -223,6 +229,7 @@ class MemoryBus:
             answer = {"status": "ok", "proof": "fence"} if levels[-1] == "$stop" else board._asked(levels[1] if len(levels) == 3 else None, request)
         if levels[-1] == "$stop":
             board.commands.append(("", "stop", []))
+            board.stopped = board.stopped or request.get("latch") is True
         if answer is not None and "reply_to" in request:
             self._publish(request["reply_to"].split("/", 1)[1], {**answer, "id": request["id"]})
 

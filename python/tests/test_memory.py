@@ -81,6 +81,16 @@ class Commands(Memory):
         self.assertRegex(status, r"^not known since \d\d:\d\d:\d\d, when the broker was heard last; it was online")
         self.desk.wait_for("online")
 
+    def test_stop_that_holds(self):
+        self.desk.stop(hold=True, why="lesson is over")
+        with self.assertRaises(asip.Refused) as refused:
+            self.desk.pin(13).write(True)
+        self.assertEqual(refused.exception.reason, "stopped")
+        self.desk.resume()
+        self.desk.pin(13).write(True)
+        self.desk.stop()
+        self.desk.pin(13).write(False)
+
     def test_stop_of_all_boards(self):
         self.bus.stop(["desk", "lamp"])
         self.assertEqual(self.commands("lamp")[-1], ("", "stop", []))

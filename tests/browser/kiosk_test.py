@@ -171,6 +171,8 @@ class Kiosk(PageTest):
         self.browser.button("Stop desk")
         self.browser.button("Stop my boards").click()
         eventually(lambda: "Stopped in" in self.browser.text("header"), "its answer")
+        self.browser.button("Resume all").click()
+        eventually(lambda: "Resumed" in self.browser.text("header"), "its answer")
         self.take_out("worker")
         self.browser.shown("#token", seconds=40)
         self.assertEqual(self.visible("button.stop, asip-command"), [])

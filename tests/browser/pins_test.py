@@ -81,6 +81,14 @@ class Pins(PageTest):
         eventually(lambda: "Stopped" in self.browser.text("header asip-stop"), "what the stop did")
         eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off")
         self.assertNotIn("high", self.pin("13").get_attribute("aria-label"))
+        self.browser.button("Low", ".pin-panel").click()
+        eventually(lambda: "stopped" in self.browser.text(".pin-panel output"), "the refusal")
+        self.browser.button("Resume all").click()
+        eventually(lambda: "Resumed" in self.browser.text("header asip-stop"), "what the button did")
+        self.browser.button("High", ".pin-panel").click()
+        eventually(lambda: self.bus.part("desk/led") == "on", "the LED is lit again")
+        self.browser.button("Low", ".pin-panel").click()
+        eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off")
 
     def test_TakenPins_SayWhoseTheyAreAndOfferNothing(self):
         self.open_board()

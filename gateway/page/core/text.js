@@ -16,7 +16,7 @@ export function duration_text(ms) {
 const reasons = {
   unplugged: "cable unplugged", silent: "the board answers nothing", "agent-gone": "its agent died or lost the broker",
   expired: "its agent fell silent and the lease ran out", released: "its port is in other hands",
-  stopped: "its agent was stopped", conflict: "two agents claim its name",
+  stopped: "its agent was stopped", conflict: "two agents claim its name", latched: "STOPPED until it is resumed",
 };
 /// Why a board is in its state; "" where there is nothing to explain. A word of a later version stays as it is.
 export function reason_text(reason) { return reasons[reason] ?? reason ?? ""; }

@@ -33,9 +33,10 @@ class Board extends Part {
     this.services = h("section", { class: "services", "aria-label": "Services" }, h("h2", {}, "Services"), this.no_service);
     this.problem = h("p", { class: "empty", role: "status", hidden: true });
     this.unusable = h("p", { class: "unusable muted", role: "status" });
+    this.stopped = h("p", { class: "stopped-note", role: "status" });
     this.tools = h("span", { class: "tools" });
     this.append(h("p", { class: "back" }, h("a", { href: "#/" }, "← All boards")), h("div", { class: "title-row" }, this.heading, this.mark, this.since, this.tools),
-      this.problem, this.unusable, this.facts, this.pins_box, this.world_box, this.services,
+      this.problem, this.stopped, this.unusable, this.facts, this.pins_box, this.world_box, this.services,
       h("section", {}, h("h2", {}, "History"), document.createElement("asip-history").begin(path_of("boards", this.name, "history"), false)));
     this.listen(boards, "board", (event) => { if (event.board === this.name) this.reload(event.kind); });
     this.listen(boards, "change", () => this.show_state());
@@ -77,6 +78,8 @@ class Board extends Part {
     set_text(this.since, [time, reason_text(row?.reason ?? this.board?.reason)].filter(Boolean).join(": "));
     this.classList.toggle("gone", Boolean(state) && !alive(state));
     this.show_usable(state);
+    const stop = row?.reason === "latched" || this.board?.reason === "latched" ? this.board?.description?.stopped : undefined;
+    set_text(this.stopped, row?.reason === "latched" && alive(state) ? `Stopped${stop?.by ? ` by ${stop.by}` : ""}${stop?.why ? `: ${stop.why}` : ""}. Commands are refused until it is resumed.` : "");
     if (this.tools_for !== rights()) this.show_tools();
   }
 

@@ -3,7 +3,8 @@
 import { clock_text, duration_text } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
 import { h, Part, set_class, set_text } from "./dom.js";
-import { report, status } from "./model.js";
+import { attention_of } from "../core/attention.js";
+import { boards, report, status } from "./model.js";
 
 const kShownAfterMs = 700;
 const kFirstMs = 3000; // a page that has just begun is no loss
@@ -58,21 +59,26 @@ class Banner extends Part {
   }
 }
 
-/// Stops everything, or the board in its attribute `board`. Nothing is shown to a viewer that may not stop.
+/// Stops everything, or the board in its attribute `board`, until somebody resumes it. Nothing is shown to a viewer that may not stop.
 class Stop extends Part {
   shown() {
     const board = this.getAttribute("board");
     this.stopped = board ?? "*";
-    this.path = board ? path_of("boards", board, "stop") : "api/stop";
+    this.path = board ? path_of("boards", board) : "api";
     this.button = h("button", { class: "stop", hidden: true, title: "Brings every motor, light and output into its safe state, ahead of all commands",
       onclick: () => this.stop() });
     this.answer = h("span", { role: "status", class: "stop-answer" });
-    this.append(this.button, this.answer);
+    this.resume_button = h("button", { class: "resume", hidden: true, title: "Nothing moves by it; commands are executed again", onclick: () => this.resume() });
+    this.append(this.button, this.resume_button, this.answer);
     const allow = () => {
       this.button.hidden = !status.may_command;
+      const stopped = board ? boards.catalogue.rows.get(board)?.reason === "latched" : attention_of(boards.catalogue.rows.values()).stopped.length > 0;
+      this.resume_button.hidden = !status.may_command || !stopped;
+      set_text(this.resume_button, board ? `Resume ${board}` : "Resume all");
       set_text(this.button, board ? `Stop ${board}` : status.you.limited ? "Stop my boards" : "Stop all");
     };
     this.listen(status, "change", allow);
+    this.listen(boards, "change", allow);
     allow();
   }
 
@@ -80,7 +86,7 @@ class Stop extends Part {
     const began = performance.now();
     set_text(this.answer, "Stopping …");
     try {
-      const answer = await request(this.path, { method: "POST", body: {} });
+      const answer = await request(`${this.path}/stop`, { method: "POST", body: {} });
       report({ stopped: this.stopped });
       set_text(this.answer, stop_text(answer, performance.now() - began));
     } catch (problem) {
@@ -88,17 +94,35 @@ class Stop extends Part {
       this.answer.classList.add("bad");
       return;
     }
+    this.said();
+  }
+
+  async resume() {
+    try {
+      const failed = unproven(await request(`${this.path}/resume`, { method: "POST", body: {} }));
+      set_text(this.answer, failed.length > 0 ? `Not resumed: ${some(failed)}` : "Resumed");
+    } catch (problem) {
+      set_text(this.answer, `Not resumed: ${problem.message}`);
+      this.answer.classList.add("bad");
+      return;
+    }
+    this.said();
+  }
+
+  said() {
     this.answer.classList.remove("bad");
     clearTimeout(this.timer);
     this.timer = setTimeout(() => set_text(this.answer, ""), 6000);
   }
 }
 
+const unproven = (answer) => Object.entries(answer?.boards ?? {}).filter(([, each]) => each.status !== "ok").map(([board]) => board);
+const some = (names) => `${names.slice(0, 3).join(", ")}${names.length > 3 ? " …" : ""}`;
+
 function stop_text(answer, ms) {
-  const answers = Object.entries(answer?.boards ?? {});
-  const failed = answers.filter(([, each]) => each.status !== "ok").map(([board]) => board);
-  if (failed.length > 0) return `Stopped, but no proof from ${failed.slice(0, 3).join(", ")}${failed.length > 3 ? " …" : ""}`;
-  return `Stopped in ${duration_text(ms) === "0 s" ? `${Math.round(ms)} ms` : duration_text(ms)}`;
+  const failed = unproven(answer);
+  if (failed.length > 0) return `Stopped, but no proof from ${some(failed)}`;
+  return `Stopped in ${duration_text(ms) === "0 s" ? `${Math.round(ms)} ms` : duration_text(ms)}; commands are refused until it is resumed`;
 }
 
 customElements.define("asip-link", LinkSign);

@@ -63,7 +63,7 @@ TEST_F(BridgeTest, AsDebianConfiguresIt_CommandsAreAnsweredAndTheAgentIsNotBlame
     EXPECT_EQ(at_site({"ping", "desk", "-c", "2", "-i", "0"}).status, 0);
     EXPECT_EQ(at_site({"label", "desk", "room=lab"}).status, 0);
     EXPECT_THAT(at_site({"list"}).output, HasSubstr("desk"));
-    EXPECT_EQ(at_site({"stop", "desk"}).status, 0);
+    EXPECT_EQ(at_site({"stop", "desk", "--once"}).status, 0);
     const auto doctor = at_site({"doctor"});
     EXPECT_THAT(doctor.output, HasSubstr("1 board answers: desk"));
     EXPECT_THAT(doctor.output, HasSubstr("bridge_protocol_version mqttv50"));

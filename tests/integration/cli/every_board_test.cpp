@@ -145,7 +145,7 @@ TEST_P(EveryBoardTest, ItsErrorsAreLogged) {
 TEST_P(EveryBoardTest, IsCommanded_OrSaysThatItIsRecorded) {
     commanded({"send", "desk/servo", "write", "0", "90"});
     commanded({"pin", "desk", "13", "high"});
-    commanded({"stop", "desk"});
+    commanded({"stop", "desk", "--once"});
     commanded({"send", "desk/io", "pwm", "3", "120", "--hold", "5s", "--for", "300ms"});
     const auto ping = asipctl({"ping", "desk", "-c", "1", "-o", "json"});
     EXPECT_EQ(ping.status, recorded() ? 1 : 0) << ping.errors;

@@ -49,10 +49,10 @@ INSTANTIATE_TEST_SUITE_P(Firmware, RealBoardTest,
                          });
 
 TEST_P(RealBoardTest, StopOfABoardThatIsGone_IsNoSuccessAndBlamesTheBoard) {
-    EXPECT_EQ(asipctl({"stop", "desk"}).status, 0);
+    EXPECT_EQ(asipctl({"stop", "desk", "--once"}).status, 0);
     sim_.signal(SIGTERM);
     ASSERT_TRUE(probe_.wait_for("asip/servicebus/desk/$state", "lost"));
-    const auto stopped = asipctl({"stop", "desk", "--timeout", "2s"});
+    const auto stopped = asipctl({"stop", "desk", "--once", "--timeout", "2s"});
     EXPECT_EQ(stopped.status, 4);
     EXPECT_THAT(stopped.output, HasSubstr("not stopped"));
     EXPECT_EQ(stopped.errors,

@@ -40,7 +40,41 @@ TEST_F(StopTest, BoardByItsName_IsStoppedWithoutBeingLookedFor) {
     const auto stopped = stop({"robot"}, {{"robot", kStopped}});
     EXPECT_EQ(stopped.status, 0) << stopped.errors;
     EXPECT_THAT(stopped.output, MatchesRegex("BOARD +RESULT +EXECUTED +REFUSED\n"
-                                             "robot +stopped +M,S I,d,13,0 +7\n"));
+                                             "robot +stopped once +M,S I,d,13,0 +7\n"))
+        << "of an agent that does not say that it holds";
+}
+
+TEST_F(StopTest, AskedToHold_SaysByWhomAndWhyAndShowsThatItDoes) {
+    const auto stopped = stop({"robot", "--why", "dog"}, {{"robot", R"({"status":"ok","proof":"fence",
+        "answer":{"executed":[],"refused":0,"latched":true}})"}});
+    EXPECT_THAT(stopped.output, HasSubstr("stopped until resumed")) << stopped.errors;
+    const auto request = json::parse(probe_.wait_for("asip/robot/$stop")->payload);
+    EXPECT_EQ(request["latch"], true);
+    EXPECT_EQ(request["why"], "dog");
+    EXPECT_NE(request.value("by", ""), "");
+    stop({"robot", "--once"}, {{"robot", kStopped}});
+    EXPECT_FALSE(json::parse(probe_.wait_for("asip/robot/$stop")->payload).contains("latch"));
+}
+
+TEST_F(StopTest, PatternAndLabels_ChooseBoards) {
+    announce("crane1");
+    announce("crane2");
+    announce("robot");
+    const auto stopped = stop({"crane*", "--from-bus"}, {{"crane1", kStopped}, {"crane2", kStopped}});
+    EXPECT_EQ(stopped.status, 0) << stopped.errors;
+    EXPECT_EQ(probe_.count("asip/robot/$stop"), 0u);
+    EXPECT_EQ(asipctl({"stop", "nothing*", "--from-bus"}).status, 4);
+}
+
+TEST_F(StopTest, Resume_AsksTheAgentAndSaysWhatItAnswered) {
+    probe_.clear();
+    ChildProcess child(program({"resume", "robot"}), environment());
+    const auto request = probe_.wait_for("asip/robot/in");
+    ASSERT_TRUE(request);
+    EXPECT_EQ(json::parse(request->payload)["resume"], true);
+    answer(*request, R"({"status":"ok","proof":"resumed"})");
+    EXPECT_EQ(child.wait_exit(), 0);
+    EXPECT_THAT(child.output(), HasSubstr("resumed"));
 }
 
 TEST_F(StopTest, Json_SaysWhatWasDone) {

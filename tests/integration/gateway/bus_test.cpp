@@ -95,12 +95,25 @@ TEST_F(GatewayBus, Stop_RunsTheSafeFormsAndAnswers) {
     EXPECT_EQ(post(port(), "/api/boards/uno1/raw", R"({"lines":["I,P,13,3"]})").status, 200);
     EXPECT_EQ(post(port(), "/api/boards/uno1/services/io/commands/write", "[13,1]").status / 100, 2)
         << ask("/api/boards/uno1/services/io").body;
-    const auto stopped = post(port(), "/api/boards/uno1/stop");
+    const auto stopped = post(port(), "/api/boards/uno1/stop?once=true");
     EXPECT_EQ(stopped.status, 200) << stopped.body;
     EXPECT_EQ(stopped.json()["boards"]["uno1"]["status"], "ok") << stopped.body;
-    const auto all = post(port(), "/api/stop");
+    const auto all = post(port(), "/api/stop?once=true");
     EXPECT_EQ(all.status, 200) << all.body;
     EXPECT_EQ(all.json()["boards"].size(), 1u);
+}
+
+TEST_F(GatewayBus, StopHolds_UntilItIsResumed) {
+    const auto stopped = post(port(), "/api/boards/uno1/stop?why=dog");
+    EXPECT_EQ(stopped.status, 200) << stopped.body;
+    const auto refused = post(port(), "/api/boards/uno1/services/servo/commands/write", "[0,90]");
+    EXPECT_EQ(refused.status, 409) << refused.body;
+    EXPECT_THAT(refused.body, HasSubstr("dog"));
+    EXPECT_TRUE(wait_until([&] { return ask("/api/boards/uno1").json().value("reason", "") == "latched"; }));
+    const auto resumed = post(port(), "/api/resume");
+    EXPECT_EQ(resumed.status, 200) << resumed.body;
+    EXPECT_EQ(resumed.json()["boards"]["uno1"]["status"], "ok") << resumed.body;
+    EXPECT_EQ(post(port(), "/api/boards/uno1/services/servo/commands/write", "[0,90]").status, 200);
 }
 
 // Who did what: in the envelope, in the answer, on the error topic, in the logs of agent and gateway, and in
@@ -135,7 +148,7 @@ TEST_F(GatewayBus, NameOfTheToken_GoesWhereTheCommandGoesAndComesBack) {
     EXPECT_EQ(socket.json()["by"], "anna") << "nobody can pretend to be somebody else";
     EXPECT_EQ(probe.count("elsewhere"), 0u);
 
-    const auto stopped = post(gateway.port(), "/api/boards/uno1/stop", "{}", anna);
+    const auto stopped = post(gateway.port(), "/api/boards/uno1/stop?once=true", "{}", anna);
     EXPECT_EQ(stopped.json()["boards"]["uno1"]["by"], "anna") << stopped.body;
     EXPECT_TRUE(agent_.process().wait_for_errors("stopped by a message .*by=anna"))
         << agent_.process().errors();

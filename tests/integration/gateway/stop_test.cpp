@@ -62,7 +62,7 @@ TEST_F(GatewayStop, UnderTenThousandCommandsOfAnother_IsAnsweredAheadOfThem) {
     for (std::size_t round = 0; round < kRounds; ++round) {
         send_commands(flood, round, static_cast<int>(round % 2));
         took.push_back(time_of([&] {
-            const auto stopped = post(gateway_.port(), round % 4 < 2 ? "/api/stop" : "/api/boards/uno1/stop");
+            const auto stopped = post(gateway_.port(), round % 4 < 2 ? "/api/stop?once=true" : "/api/boards/uno1/stop?once=true");
             EXPECT_EQ(stopped.status, 200) << stopped.body;
         }));
         ASSERT_TRUE(wait_until([&] { return flood.count("flood") == kCommands * (round + 1); }, 60s))
@@ -83,7 +83,7 @@ TEST_F(GatewayStop, UnderTenThousandCommandsOfAWebSocket_IsAnsweredAheadOfThem) 
         for (int i = 0; i < kCommands; ++i)
             socket.send(R"({"command":"uno1/servo",)" + command(round, i) + "}");
         took.push_back(time_of([&] {
-            const auto stopped = post(gateway_.port(), "/api/stop");
+            const auto stopped = post(gateway_.port(), "/api/stop?once=true");
             EXPECT_EQ(stopped.status, 200) << stopped.body;
         }));
         reader.join();
@@ -99,7 +99,7 @@ TEST_F(GatewayStop, Asipctl_UnderTenThousandCommands_IsAnsweredAheadOfThem) {
         send_commands(flood, round, 0);
         took.push_back(time_of([&] {
             const auto stopped =
-                run({ASIP_PROGRAMS "/asipctl", "stop", "uno1"}, {{"ASIP_BROKER", broker_.address()}});
+                run({ASIP_PROGRAMS "/asipctl", "stop", "uno1", "--once"}, {{"ASIP_BROKER", broker_.address()}});
             EXPECT_EQ(stopped.status, 0) << stopped.errors;
         }));
         ASSERT_TRUE(wait_until([&] { return flood.count("flood") == kCommands * (round + 1); }, 60s))

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <optional>
+#include <string>
+
+#include "agent/bridge/board.hpp"
+#include "asip/expected.hpp"
+#include "asip/model/description.hpp"
+#include "asip/protocol/request.hpp"
+
+namespace asip::agent {
+
+/// A stop that holds: until somebody resumes the board its agent sends it nothing that may move it, whoever
+/// asks. The agent keeps it on the disk, so that it outlives agent, machine and broker. Pure.
+class StopLatch {
+  public:
+    /// As it was kept. What cannot be read counts as a stop: it may be one.
+    void load(Expected<std::optional<model::StopInfo>> kept);
+    /// True: it was not stopped before. Who stopped it first stays.
+    bool stop(std::string by, std::string why, std::string since);
+    /// True: it was stopped.
+    bool resume();
+
+    const std::optional<model::StopInfo>& stopped() const { return stopped_; }
+    /// Whether this request must not be sent now: while the board is stopped, all that is neither a question
+    /// nor a period of reports.
+    bool holds(const session::ServiceTable& services, const protocol::Request& request) const;
+    /// For who is refused.
+    std::string why_refused(const std::string& board) const;
+
+  private:
+    std::optional<model::StopInfo> stopped_;
+};
+
+}  // namespace asip::agent
