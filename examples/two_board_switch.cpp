@@ -14,6 +14,8 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
+#include <optional>
 #include <string>
 
 using asip::client::Awaitable;
@@ -30,6 +32,10 @@ struct Wiring {
     int button_pin = 2;
     int led_pin = 13;
 };
+
+void report(const std::exception_ptr&, const Result<void>& lit) {
+    if (!lit) std::fprintf(stderr, "two_board_switch: %s\n", to_string(lit.error()).c_str());
+}
 
 Awaitable<void> run_switch(boost::asio::io_context& io, Wiring wiring) {
     const auto button = co_await Board::open(io, wiring.button_board);
@@ -50,15 +56,19 @@ Awaitable<void> run_switch(boost::asio::io_context& io, Wiring wiring) {
     std::printf("pin %d of %s switches pin %d of %s\n", wiring.button_pin, button->name().c_str(),
                 wiring.led_pin, led->name().c_str());
     std::fflush(stdout);
+    // A board that was replugged or restarted has its outputs off: the LED is set again when it is back. Of the button
+    // the board reports the level anew, which comes as a change.
+    std::optional<bool> wanted;
+    const auto set_again = led->on_presence([&io, &wanted, led = *led, pin = wiring.led_pin](bool there) {
+        if (there && wanted) boost::asio::co_spawn(io, led.digital_write(pin, *wanted), report);
+    });
     while (true) {
         const auto released = co_await changes.next();
         if (!released) {
             co_return asip::Unexpected<Error>(released.error());
         }
-        const auto lit = co_await led->digital_write(wiring.led_pin, !*released);
-        if (!lit) {  // the LED's board may be away for a while; the next press finds it again
-            std::fprintf(stderr, "two_board_switch: %s\n", to_string(lit.error()).c_str());
-        }
+        wanted = !*released;
+        report(nullptr, co_await led->digital_write(wiring.led_pin, *wanted));  // it may be away for a while
     }
 }
 

@@ -43,6 +43,8 @@ class ManyBoards(PageTest):
         eventually(lambda: f"{total} boards" in browser.text(".found"), "all boards in the table")
         complete = time.monotonic() - began
         self.assertLess(len(browser.find(".filler .row")), 80, "only what is seen may be drawn")
+        left = "return [...arguments[0].querySelectorAll('[class^=c-]')].map((each) => each.getBoundingClientRect().left)"
+        self.assertEqual(browser.run(left, browser.shown(".row.head")), browser.run(left, browser.shown(".filler .row")), "heads stand above their columns")
         rate = browser.scroll_rate()
         print(f"10,000 boards: first paint {painted:.0f} ms, all there {complete:.1f} s, scrolling {rate:.0f} frames a second")
         browser.run("document.querySelector('.scroll').scrollTop = 1e9")

@@ -48,6 +48,8 @@ class People(PageTest):
             stop = self.browser.shown("button.stop").rect
             self.assertLessEqual(stop["x"] + stop["width"], 360, name)
             self.assertEqual(self.broken_words(), [], name)
+            for right in self.browser.run("return [...document.querySelectorAll('asip-history td:last-child')].map((each) => each.getBoundingClientRect().right)"):
+                self.assertLessEqual(right, 360, f"{name}: what happened is in sight")
             self.browser.screenshot(f"phone-{name}")
         self.browser.size(320, 568, mobile=True)
         self.assertEqual(self.broken_words(), [])

@@ -49,7 +49,7 @@ class Boards extends Part {
     this.scroll = h("div", { class: "scroll", role: "rowgroup", tabindex: "-1", onkeydown: (event) => this.key(event) }, this.filler);
     this.empty = h("p", { class: "empty", hidden: true });
     this.grid = h("div", { class: "boards", role: "table", "aria-label": "Boards" },
-      h("div", { role: "rowgroup" }, h("div", { role: "row", class: "row head" }, this.heads)), this.scroll);
+      h("div", { role: "rowgroup", class: "head-box" }, h("div", { role: "row", class: "row head" }, this.heads)), this.scroll);
     return h("div", { class: "table-box" }, this.grid, this.empty);
   }
 

@@ -67,6 +67,19 @@ TEST(ExampleTwoBoardSwitch, ButtonOfOneBoard_SwitchesTheLedOfTheOther) {
     EXPECT_TRUE(program.running());
 }
 
+TEST(ExampleTwoBoardSwitch, LedBoardIsReplugged_ItIsSetAgainWithoutAPress) {
+    SimulatedBoards boards({"asip_uno", "asip_uno"});
+    ChildProcess program({ASIP_TEST_SWITCH, boards.serial(0), boards.serial(1)});
+    ASSERT_TRUE(program.wait_for_output("pin 2 of .* switches pin 13 of")) << program.errors();
+    boards.press(0);
+    ASSERT_TRUE(boards.wait_for_led("on", 1)) << boards.output();
+    boards.command("unplug uno2");
+    boards.command("reset uno2");
+    ASSERT_TRUE(boards.wait_for_led("off", 1)) << boards.output();
+    boards.command("replug uno2");
+    EXPECT_TRUE(wait_until([&] { return boards.led_changes("on", 1) == 2; })) << boards.output() << program.errors();
+}
+
 std::string text_of(const std::string& file) {
     std::ifstream in(std::string(ASIP_TEST_SOURCE) + "/" + file);
     std::ostringstream text;
