@@ -223,5 +223,59 @@ TEST_F(SendTest, PingNobody_EndsWith4) {
     EXPECT_EQ(asipctl({"ping", "uno1", "-c", "1", "--timeout", "200ms"}).status, 4);
 }
 
+TEST_F(SendTest, NothingAsked_PrintsTheHelp) {
+    const auto alone = asipctl({});
+    EXPECT_EQ(alone.status, 0) << alone.errors;
+    EXPECT_THAT(alone.output, HasSubstr("Usage: asipctl"));
+    EXPECT_EQ(alone.output, asipctl({"--help"}).output);
+}
+
+TEST_F(SendTest, ModelThatOnlyABoardCarries_IsExplained) {
+    probe_.publish("asip/servicebus/uno9/$description",
+                   R"({"board":"uno9","session":"s1","seq":1,"services":[{"name":"thermo","id":"W","model":
+                      {"name":"thermo","version":1,"id":"W","match":["Thermo"],"title":"A thermometer",
+                       "events":{"t":{"name":"celsius","title":"How warm","shape":"plain",
+                                      "fields":[{"name":"celsius","type":"integer","unit":"C"}]}}}}]})",
+                   true);
+    ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
+    const auto explained = asipctl({"explain", "thermo"});
+    EXPECT_EQ(explained.status, 0) << explained.errors;
+    EXPECT_THAT(explained.output, HasSubstr("How warm"));
+    const auto unknown = asipctl({"explain", "nothing"});
+    EXPECT_EQ(unknown.status, 1);
+    EXPECT_THAT(unknown.errors, HasSubstr("no board on the bus brings one"));
+}
+
+TEST_F(SendTest, LabelsOfWhoKeepsNone_IsNoSuccess) {
+    announce("uno1");
+    ChildProcess label(program({"label", "uno1", "room=lab", "--from-bus"}), environment());
+    const auto request = probe_.wait_for("asip/uno1/in");
+    ASSERT_TRUE(request) << label.errors();
+    answer(*request, R"({"status":"ok","proof":"simulated"})");
+    EXPECT_EQ(label.wait_exit(), 1);
+    EXPECT_THAT(label.errors(), HasSubstr("keeps no labels"));
+}
+
+TEST_F(SendTest, DutyBehindPwm_IsTheDuty) {
+    announce("uno1");
+    const auto wrong = asipctl({"pin", "uno1", "3", "high", "7", "--from-bus"});
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(wrong.errors, HasSubstr("behind pwm"));
+    ChildProcess pin(program({"pin", "uno1", "3", "pwm", "128", "--from-bus"}), environment());
+    std::size_t answered = 0;
+    EXPECT_TRUE(wait_until([&] {
+        const auto asked = probe_.messages("asip/uno1/io/in");
+        for (; answered < asked.size(); ++answered)
+            answer(asked[answered], asked[answered].payload.find("p") == 0 || asked[answered].payload == "p"
+                                        ? R"({"status":"ok","proof":"answer","answer":{"modes":[6,6,1,1]}})"
+                                        : R"({"status":"ok","proof":"fence"})");
+        return !pin.running();
+    })) << pin.errors();
+    EXPECT_THAT(pin.output(), HasSubstr("3 pwm")) << pin.errors();
+    const auto sent = probe_.messages("asip/uno1/io/in");
+    EXPECT_TRUE(std::any_of(sent.begin(), sent.end(),
+                            [](const auto& each) { return each.payload.find("a,3,128") != std::string::npos; }));
+}
+
 }  // namespace
 }  // namespace asip::test
