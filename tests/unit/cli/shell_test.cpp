@@ -67,7 +67,7 @@ TEST_F(ShellWordsTest, AVerbFirst_IsForTheBoard) {
     EXPECT_EQ(expanded("get distance"), "get desk/distance");
     EXPECT_EQ(expanded("get distance/0 --raw"), "get desk/distance/0 --raw");
     EXPECT_EQ(expanded("get --raw distance"), "get --raw desk/distance");
-    EXPECT_EQ(expanded("get"), "get");
+    EXPECT_EQ(expanded("get"), "get desk") << "all of its values";
     EXPECT_EQ(expanded("pin 13 high"), "pin desk 13 high");
     EXPECT_EQ(expanded("pin"), "pin desk");
     EXPECT_EQ(expanded("subscribe distance servo -n 3"), "subscribe desk/distance desk/servo -n 3");
