@@ -19,6 +19,7 @@ namespace log = program::log;
 constexpr std::size_t kSocketBytes = 32 * 1024;  // of a WebSocket, beside the message that it reads
 constexpr Duration kSoon = std::chrono::milliseconds(1);
 constexpr Duration kLastWords = std::chrono::milliseconds(10);  // of WebSockets
+constexpr const char* kHomeAssistant = "homeassistant/status";
 constexpr Duration kTick = std::chrono::milliseconds(100);
 constexpr Duration kTokensCheck = std::chrono::milliseconds(250);
 
@@ -52,6 +53,7 @@ Application::Application(ProgramOptions options) : options_(std::move(options)),
     options_.gateway.socket_bytes = options_.limits.message_bytes + kSocketBytes;
     gateway_ = std::make_unique<Gateway>(options_.gateway, std::move(models), std::move(units_of),
                                          system_random(), random_secret, port());
+    exports_ = std::make_unique<Exports>(io_, options_.home_assistant, options_.mqtt, *gateway_);
     read_tokens(true);
     http::Server::Options server;
     server.addresses = options_.addresses;
@@ -99,18 +101,30 @@ Gateway::Port Application::port() {
 mqtt::Client::Handlers Application::handlers() {
     mqtt::Client::Handlers result;
     result.on_connected = [this](const mqtt::Connected& connected) { broker_log_.connected(connected); };
-    result.on_subscribed = [this] { gateway_->subscribed(); };
+    result.on_subscribed = [this] {
+        gateway_->subscribed();
+        exports_->subscribed();
+    };
     result.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
         gateway_->disconnected();
+        exports_->disconnected();
         log::warning("connection lost; what is known is still shown", {{"why", failure.text}});
     };
     result.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) { connect_failed(failure); };
-    result.on_message = [this](const mqtt::Message& received) { gateway_->message(received); };
+    result.on_message = [this](const mqtt::Message& received) { message(received); };
     result.on_publish_denied = [this](const std::string& topic, const std::string& reason) {
         log::warning(mqtt::denied_text(options_.mqtt.user, topic, reason, "gateway"));
     };
     result.on_subscribe_refused = program::BrokerLog::subscribe_refused;
     return result;
+}
+
+void Application::message(const mqtt::Message& received) {
+    gateway_->message(received);
+    exports_->message(received);
+    if (home_assistant_seen_ || options_.home_assistant.enabled || received.topic != kHomeAssistant) return;
+    home_assistant_seen_ = true;
+    log::info("Home Assistant is on this broker; with --home-assistant this gateway shows it every board");
 }
 
 void Application::connect_failed(const mqtt::ConnectionFailure& failure) {
@@ -156,6 +170,9 @@ int Application::run() {
     log::info("gateway starts", {{"broker", options_.gateway.broker}});
     for (auto& [filter, retained] : gateway_->mirror().subscriptions())
         port().subscribe(std::move(filter), retained);
+    for (auto& filter : exports_->subscriptions())
+        port().subscribe(std::move(filter), true);
+    if (!options_.home_assistant.enabled) port().subscribe(kHomeAssistant, true);
     mqtt::SubscribeOptions replies;
     replies.qos = 1;
     const auto answers = options_.gateway.replies();
@@ -179,6 +196,7 @@ void Application::schedule_tick() {
             read_tokens(false);
         }
         gateway_->tick();
+        exports_->tick();
         schedule_tick();
     });
 }
@@ -187,7 +205,8 @@ void Application::stop() {
     gateway_->leave();
     server_->stop();
     urgent_->stop(std::chrono::seconds(1), [] {});
-    client_->stop(std::chrono::seconds(2), [this] { end(); });
+    exports_->stop(std::chrono::seconds(2),
+                   [this] { client_->stop(std::chrono::seconds(2), [this] { end(); }); });
 }
 
 void Application::end() {

@@ -9,6 +9,7 @@
 #include "asip/mqtt/client.hpp"
 #include "asip/program/broker_log.hpp"
 #include "asip/program/stop_signal.hpp"
+#include "gateway/exports.hpp"
 #include "gateway/gateway.hpp"
 #include "gateway/http/server.hpp"
 #include "gateway/options.hpp"
@@ -34,6 +35,7 @@ class Application {
     void schedule_tick();
     void read_tokens(bool first);
     void log_access() const;
+    void message(const mqtt::Message& received);
     void stop();
     void end();
 
@@ -45,6 +47,8 @@ class Application {
     std::unique_ptr<mqtt::Client> client_;
     std::unique_ptr<mqtt::Client> urgent_;  // for stops: what waits in the other does not wait in this
     std::unique_ptr<Gateway> gateway_;
+    std::unique_ptr<Exports> exports_;
+    bool home_assistant_seen_ = false;
     std::unique_ptr<http::Server> server_;
     std::optional<std::filesystem::file_time_type> tokens_read_, tokens_seen_;  // when it was written
     Time tokens_checked_{};

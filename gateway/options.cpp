@@ -8,6 +8,7 @@
 #include "asip/program/exit_status.hpp"
 #include "asip/program/options.hpp"
 #include "asip/text/duration.hpp"
+#include "asip/text/printable.hpp"
 
 namespace asip::gateway {
 namespace {
@@ -25,6 +26,10 @@ constexpr const char* kExamples =
     "      Makes a token, prints it once and keeps its hash in the file.\n"
     "  asip-gateway --http 0.0.0.0:8443 --tokens /etc/asip/tokens --http-cert site.pem --http-key site.key\n"
     "      For the whole network, over TLS, for those who have a token.\n"
+    "  asip-gateway --home-assistant\n"
+    "      Also shows every board to Home Assistant on the same broker.\n"
+    "  asip-gateway clean home-assistant\n"
+    "      Removes from the broker what that left there.\n"
     "  curl http://127.0.0.1:8080/api/boards\n"
     "      Asks it.\n"
     "\n"
@@ -41,7 +46,26 @@ struct Raw {
     std::size_t value_bytes = 32u << 20;
     http::ServerLimits limits;
     GatewayOptions gateway;
+    std::string home_assistant;
+    exports::Exporter::Options exported;
 };
+
+void declare_exports(CLI::App& app, program::Settings& settings, Raw& raw) {
+    const auto add = [&](CLI::Option* option) { settings.setting(option)->group("Exports"); };
+    add(app.add_option("--home-assistant", raw.home_assistant,
+                       "Show every board to Home Assistant on the same broker; PREFIX: where it looks for "
+                       "devices, otherwise homeassistant")
+            ->type_name("[PREFIX]")
+            ->expected(0, 1));
+    add(app.add_flag("--home-assistant-read-only", raw.exported.dialect.read_only,
+                     "Home Assistant may set nothing"));
+    add(app.add_flag(
+        "--home-assistant-entity-ids", raw.exported.dialect.entity_ids,
+        "Propose the ids of its entities, sensor.BOARD_SERVICE_0; otherwise they follow from names"));
+    add(app.add_option("--export-hz", raw.exported.per_second, "Most states of one entity a second")
+            ->check(CLI::Range(0.1, 100.0))
+            ->capture_default_str());
+}
 
 void declare_access(CLI::App& app, program::Settings& settings, Raw& raw) {
     const auto add = [&](CLI::Option* option) { return settings.setting(option)->group("Access"); };
@@ -123,6 +147,7 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
                          ->group("Gateway"));
     settings.setting(app.add_flag("--no-page", raw.no_page, "No web page")->group("Gateway"));
     settings.setting(app.add_flag("--no-metrics", raw.no_metrics, "No /metrics")->group("Gateway"));
+    declare_exports(app, settings, raw);
     declare_access(app, settings, raw);
     declare_limits(app, settings, raw);
     settings.add_broker_options(raw.broker);
@@ -153,6 +178,24 @@ std::string local_name(std::string name) {
 bool is_local(const std::string& address) {
     return address.starts_with("127.") || address.starts_with("[::1]") || address.starts_with("unix:") ||
            address.starts_with("localhost:");
+}
+
+Expected<void> exports_of(Raw& raw, bool home_assistant, ProgramOptions& options) {
+    auto& exported = options.home_assistant = raw.exported;
+    exported.enabled = home_assistant;
+    exported.gateway = options.mqtt.client_id;
+    exported.host = program::host_name();
+    exported.dialect.root = raw.broker.topic_root;
+    exported.dialect.version = ASIP_VERSION;
+    if (!raw.home_assistant.empty()) exported.dialect.prefix = raw.home_assistant;
+    if (!bus::Topics::valid_root(exported.dialect.prefix))
+        return fail("--home-assistant: \"" + text::printable(exported.dialect.prefix) +
+                    "\" is no beginning of a topic");
+    if (exported.dialect.prefix == raw.broker.topic_root)
+        return fail("--home-assistant: must differ from --topic-root");
+    if (!home_assistant && (exported.dialect.read_only || exported.dialect.entity_ids))
+        return fail("--home-assistant-read-only and --home-assistant-entity-ids need --home-assistant");
+    return {};
 }
 
 }  // namespace
@@ -207,9 +250,14 @@ Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
         ->delimiter(',');
     make_token->add_option("--frames", token.frames, "Origins whose pages may show a kiosk's")
         ->delimiter(',');
+    std::string dialect;
+    auto* clean = app.add_subcommand("clean", "Remove from the broker what an export left there");
+    clean->fallthrough();
+    clean->add_option("dialect", dialect, "Which; otherwise all")->check(CLI::IsMember({"home-assistant"}));
     if (auto status = settings.parse(argc, argv)) return Unexpected<int>(*status);
 
     CommandLine result;
+    result.clean = clean->parsed();
     if (make_token->parsed()) {
         result.token = std::make_unique<TokenRequest>(std::move(token));
         return result;
@@ -262,6 +310,8 @@ Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
     options.gateway.broker = options.mqtt.brokers.front().describe();
     options.gateway.user = options.mqtt.user;
     options.gateway.client = options.mqtt.client_id;
+    if (auto exported = exports_of(raw, app.get_option("--home-assistant")->count() > 0, options); !exported)
+        return usage(exported.error());
     return result;
 }
 

@@ -6,6 +6,7 @@
 
 #include "asip/expected.hpp"
 #include "asip/mqtt/options.hpp"
+#include "gateway/export/exporter.hpp"
 #include "gateway/gateway.hpp"
 
 namespace asip::gateway {
@@ -19,6 +20,7 @@ struct ProgramOptions {
     std::string tokens;               ///< file; empty: none
     std::string services;             ///< folder of further models; empty: none
     http::ServerLimits limits;
+    exports::Exporter::Options home_assistant;
 };
 
 /// What is asked of `asip-gateway token ROLE NAME`.
@@ -33,6 +35,7 @@ struct TokenRequest {
 struct CommandLine {
     ProgramOptions run;
     std::unique_ptr<TokenRequest> token;  ///< set: make a token and end
+    bool clean = false;                   ///< clear what exports left on the broker, and end
 };
 
 /// From command line, environment and configuration file. Error: the exit status; the reason was printed.

@@ -39,6 +39,9 @@ class Examination {
         auto retained = read_retained(environment_, session_, {environment_.topics.root() + "/#"});
         if (!retained) return tl::unexpected(retained.error());
         seen_.retained = std::move(*retained);
+        const auto others = read_retained(environment_, session_, {"homeassistant/#"});
+        if (!others) return tl::unexpected(others.error());
+        seen_.home_assistant = !others->empty();
         watch_sessions();
         source_.read_bus(true);
         ask_registry();

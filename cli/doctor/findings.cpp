@@ -322,10 +322,27 @@ Findings check_warnings(const Observations& seen) {
     return result;
 }
 
+Findings check_exports(const Observations& seen) {
+    const auto base = seen.topics.root() + "/export/ha/";
+    bool exports = false;
+    std::size_t boards = 0;
+    for (const auto& message : seen.retained) {
+        const std::string_view topic = message.topic;
+        if (topic == base + "$state")
+            exports = message.payload == "online";
+        else if (topic.starts_with(base) && topic.ends_with("/$state"))
+            ++boards;
+    }
+    if (exports) return {fine("a gateway shows " + std::to_string(boards) + " boards to Home Assistant")};
+    if (!seen.home_assistant) return {};
+    return {note("Home Assistant uses this broker, and no gateway shows it boards",
+                 "start the gateway with --home-assistant (docs/home-assistant.md)")};
+}
+
 Findings check_all(const Observations& seen) {
     Findings result;
     for (auto* check : {check_broker, check_registry, check_boards, check_states, check_bridges,
-                        check_warnings, check_retained, check_names, check_conflicts, check_clocks}) {
+                        check_warnings, check_exports, check_retained, check_names, check_conflicts, check_clocks}) {
         auto some = check(seen);
         std::move(some.begin(), some.end(), std::back_inserter(result));
     }

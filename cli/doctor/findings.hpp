@@ -45,6 +45,7 @@ struct Observations {
                                                                   ///< unless --qos 0
 
     std::vector<Retained> retained{};
+    bool home_assistant = false;  ///< it, or something that speaks to it, uses this broker
     std::vector<std::string> registries{};               ///< online by their retained state
     std::string registry{};                              ///< that answered; empty: none
     std::vector<bus::BoardItem> boards{};                ///< as the registry, else the bus, has them
@@ -63,6 +64,7 @@ Findings check_boards(const Observations& seen);
 Findings check_states(const Observations& seen);
 Findings check_bridges(const Observations& seen);
 Findings check_warnings(const Observations& seen);
+Findings check_exports(const Observations& seen);
 Findings check_retained(const Observations& seen);
 Findings check_names(const Observations& seen);
 Findings check_conflicts(const Observations& seen);

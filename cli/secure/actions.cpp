@@ -130,6 +130,8 @@ std::string use_of(Role role) {
             return "asip-registry --credentials {}";
         case Role::kGateway:
             return "asip-gateway --credentials {}";
+        case Role::kHomeAssistant:
+            return "in Home Assistant: Settings, Devices, MQTT, with user and password of {}";
         default:
             return "asipctl --credentials {} list";
     }
@@ -233,10 +235,11 @@ Outcome<void> secure_add(const SecureOptions& options, SecureReport& report) {
     if (!role) {
         return failure(program::kExitUsage,
                        "secure add needs a role: board, operator, viewer, "
-                       "registry, gateway or admin");
+                       "registry, gateway, home-assistant or admin");
     }
     auto names = options.names;
-    if (names.empty() && (*role == Role::kRegistry || *role == Role::kGateway))
+    if (names.empty() &&
+        (*role == Role::kRegistry || *role == Role::kGateway || *role == Role::kHomeAssistant))
         names.emplace_back(name_of(*role));
     if (names.empty()) return failure(program::kExitUsage, "secure add " + options.what + " needs a NAME");
     const auto folder = SecureFolder::open(secure_folder(options));

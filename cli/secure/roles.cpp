@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <ranges>
+#include <utility>
 
 #include "asip/model/names.hpp"
 #include "cli/secure/topic_rules.hpp"
@@ -17,14 +18,15 @@ struct Description {
     std::string_view rights;
 };
 
-constexpr std::array<Description, 6> kRoles{{
+constexpr std::array<Description, 7> kRoles{{
     {Role::kBoard, "board",
      "announces and reports for the board of its name, receives what that board is asked"},
     {Role::kOperator, "operator", "reads what boards report, commands boards, asks registries"},
     {Role::kViewer, "viewer", "reads what boards report, asks registries"},
     {Role::kRegistry, "registry",
      "reads what boards report, clears what forgotten boards left, answers queries"},
-    {Role::kGateway, "gateway", "reads what boards report, commands boards, asks registries"},
+    {Role::kGateway, "gateway", "reads what boards report, commands boards, asks registries, exports boards"},
+    {Role::kHomeAssistant, "home-assistant", "sees and sets what a gateway exports to Home Assistant"},
     {Role::kAdmin, "admin", "everything below the topic root"},
 }};
 
@@ -41,17 +43,19 @@ std::string line_for(const TopicRule& rule, std::string_view access, Right right
     const bool of_user = right == Right::kReadOwn || right == Right::kWriteOwn;
     const bool of_board = right == Right::kReadOfBoard || right == Right::kWriteOfBoard;
     const std::string own = user.empty() ? "%u" : user;
-    std::string text = (user.empty() ? "pattern " : "topic ") + std::string(access) + " " + root;
+    std::string text = (user.empty() ? "pattern " : "topic ") + std::string(access) + " ";
+    if (!rule.outside) text += root + "/";
+    bool first = true;
     for (const auto level : std::views::split(std::string_view(rule.topic), '/')) {
         const std::string_view name(level.begin(), level.end());
-        text += '/';
+        if (!std::exchange(first, false)) text += '/';
         if (name == "BOARD" && right == Right::kWriteRegistry) {
             text += "registry";
         } else if ((name == "USER" && of_user) || (name == "BOARD" && of_board)) {
             text += own;
         } else {
             const bool any = name == "BOARD" || name == "SERVICE" || name == "USER" || name == "CLIENT" ||
-                             name == "PART" || name == "ID";
+                             name == "PART" || name == "ID" || name == "EXPORTED" || name == "NAME";
             text += any ? "+" : name;
         }
     }
@@ -91,7 +95,12 @@ std::string section(const RoleOfUser& user, const std::string& root) {
     std::string text = "\n# " + user.name + ", " + std::string(name_of(user.role)) + ": " +
                        std::string(rights_of(user.role)) + "\nuser " + user.name + "\n";
     if (user.role == Role::kBoard) return {};
-    if (user.role == Role::kAdmin) return text + "topic readwrite " + root + "/#\n";
+    if (user.role == Role::kAdmin) {
+        text += "topic readwrite " + root + "/#\n";
+        for (const auto& rule : topic_rules())
+            if (rule.outside) text += line_for(rule, "readwrite", Right::kWrite, root, user.name);
+        return text;
+    }
     if (user.role == Role::kRegistry) {
         // It clears what is left of boards, and what is no topic of the bus. No line tells an empty message
         // from another: a registry may therefore also report for a board.

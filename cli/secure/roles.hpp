@@ -9,12 +9,13 @@ namespace asip::cli {
 
 /// What a user of the broker is. The access rules follow from it and from the user's name alone.
 enum class Role {
-    kBoard,     ///< the agent of the board that is named like the user
-    kOperator,  ///< reads what boards report and commands them
-    kViewer,    ///< reads what boards report
-    kRegistry,  ///< asip-registry
-    kGateway,   ///< asip-gateway
-    kAdmin      ///< everything below the topic root
+    kBoard,          ///< the agent of the board that is named like the user
+    kOperator,       ///< reads what boards report and commands them
+    kViewer,         ///< reads what boards report
+    kRegistry,       ///< asip-registry
+    kGateway,        ///< asip-gateway
+    kHomeAssistant,  ///< Home Assistant, for which a gateway exports
+    kAdmin           ///< everything below the topic root
 };
 
 std::string_view name_of(Role role);  ///< `board`, `operator`, ...

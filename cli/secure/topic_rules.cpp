@@ -133,6 +133,30 @@ TopicRule rule_of(TopicKind kind) {
 
 constexpr std::size_t kKinds = static_cast<std::size_t>(TopicKind::kAnyRegistryQuery) + 1;
 
+/// What a gateway shows Home Assistant, and what that wants. A gateway also clears what others left there.
+std::vector<TopicRule> exported() {
+    const auto rule = [](std::string topic, Rights home_assistant, std::string processor, bool outside) {
+        return TopicRule{std::move(topic),
+                         {},
+                         {},
+                         {},
+                         {},
+                         "broker: one message, retained",
+                         std::move(processor),
+                         "-",
+                         kBoth,
+                         std::move(home_assistant),
+                         outside};
+    };
+    auto status = rule("homeassistant/status", kBoth, "gateway: looks at what is retained", true);
+    status.exporter = kReadOnly;
+    return {rule("export/ha/NAME", kReadOnly, "each reader", false),
+            rule("export/ha/EXPORTED/NAME", kReadOnly, "each reader", false),
+            rule("export/ha/EXPORTED/NAME/set", kWriteOnly, "gateway: a command, 50 a second", false),
+            rule("homeassistant/device/NAME/config", kReadOnly, "Home Assistant: 64 KiB a board", true),
+            std::move(status)};
+}
+
 std::vector<TopicRule> all_rules() {
     std::vector<TopicRule> rules;
     for (std::size_t kind = 0; kind < kKinds; ++kind)
@@ -148,9 +172,15 @@ std::vector<TopicRule> all_rules() {
                          kQueue,
                          "each reader: answers that nobody asked for are dropped",
                          "-"});
+    for (auto& rule : exported())
+        rules.push_back(std::move(rule));
     const Rights own{kReadOwn, kWriteOwn};
     for (const char* topic : {"reply/USER/$self/CLIENT", "reply/USER/$self/CLIENT/PART"})
         rules.push_back({topic, own, own, own, own, kQueue, "-", "-"});
+    // The lines of boards hold for every user, unless they name the board.
+    for (auto& rule : rules)
+        for (const auto right : rule.board)
+            if (right != kReadOfBoard && right != kWriteOfBoard) rule.home_assistant.push_back(right);
     return rules;
 }
 
@@ -175,7 +205,8 @@ std::string_view level_named(const TopicRule& rule, std::string_view topic, std:
 
 bool allows(const TopicRule& rule, const RoleOfUser& user, std::string_view topic, bool write) {
     if (user.role == Role::kAdmin) return true;
-    return std::any_of(rule.of(user.role).begin(), rule.of(user.role).end(), [&](Right right) {
+    const auto rights = rule.of(user.role);
+    return std::any_of(rights.begin(), rights.end(), [&](Right right) {
         switch (right) {
             case kRead:
                 return !write;
@@ -207,7 +238,7 @@ std::string rights_text(const Rights& rights) {
 
 }  // namespace
 
-const Rights& TopicRule::of(Role role) const {
+Rights TopicRule::of(Role role) const {
     switch (role) {
         case Role::kBoard:
             return board;
@@ -215,6 +246,13 @@ const Rights& TopicRule::of(Role role) const {
             return viewer;
         case Role::kRegistry:
             return registry;
+        case Role::kGateway: {
+            auto rights = commander;
+            rights.insert(rights.end(), exporter.begin(), exporter.end());
+            return rights;
+        }
+        case Role::kHomeAssistant:
+            return home_assistant;
         default:
             return commander;
     }
@@ -234,12 +272,14 @@ bool may_write(const TopicRule& rule, const RoleOfUser& user, std::string_view t
 
 std::string rules_table() {
     std::string text =
-        "| topic | board | viewer | operator, gateway | registry | memory | processor | disk |\n"
-        "| --- | --- | --- | --- | --- | --- | --- | --- |\n";
+        "| topic | board | viewer | operator | gateway | Home Assistant | registry | memory | processor | "
+        "disk |\n"
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
     for (const auto& rule : topic_rules())
         text += "| `" + rule.topic + "` | " + rights_text(rule.board) + " | " + rights_text(rule.viewer) +
-                " | " + rights_text(rule.commander) + " | " + rights_text(rule.registry) + " | " +
-                rule.memory + " | " + rule.processor + " | " + rule.disk + " |\n";
+                " | " + rights_text(rule.commander) + " | " + rights_text(rule.of(Role::kGateway)) + " | " +
+                rights_text(rule.home_assistant) + " | " + rights_text(rule.registry) + " | " + rule.memory +
+                " | " + rule.processor + " | " + rule.disk + " |\n";
     return text;
 }
 

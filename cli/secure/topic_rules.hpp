@@ -28,14 +28,17 @@ struct TopicRule {
     Rights board, viewer, commander, registry;  ///< `commander`: operators and gateways
     /// What a message on it can cost, beyond the time to read it: in the broker, and in which program.
     std::string memory, processor, disk;
+    Rights exporter{};        ///< gateways, beyond what a commander may
+    Rights home_assistant{};  ///< Home Assistant, which may nothing else
+    bool outside = false;     ///< `topic` stands beside the topic root, not below it
 
-    const Rights& of(Role role) const;  ///< not for Role::kAdmin, who may do everything
+    Rights of(Role role) const;  ///< not for Role::kAdmin, who may do everything
 };
 
 /// Of each kind of topic, and of those of answers.
 const std::vector<TopicRule>& topic_rules();
 
-/// Whether a user of this role and name may read (write) on this topic, which follows `rule`.
+/// Whether a user of this role and name may read (write) on this topic, which follows `rule` and has no root.
 bool may_read(const TopicRule& rule, const RoleOfUser& user, std::string_view topic);
 bool may_write(const TopicRule& rule, const RoleOfUser& user, std::string_view topic);
 

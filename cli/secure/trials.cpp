@@ -11,6 +11,7 @@ std::vector<Trial> trials_of(const RoleOfUser& user, const std::string& root, co
     const bool board = user.role == Role::kBoard;
     const bool admin = user.role == Role::kAdmin;
     const bool registry = user.role == Role::kRegistry;
+    const bool home = user.role == Role::kHomeAssistant;
     const bool commands = admin || user.role == Role::kOperator || user.role == Role::kGateway;
     const std::vector<std::string> requests{topics.board_in(stranger), topics.service_in(stranger, "io"),
                                             topics.stop(stranger)};
@@ -47,10 +48,16 @@ std::vector<Trial> trials_of(const RoleOfUser& user, const std::string& root, co
     publish("answer for other boards", admin, {answers(stranger)});
     publish("command boards", commands, requests);
     if (!registry) {
-        publish("demand values", !board, {topics.demand(stranger, user.name + "/check")});
+        publish("demand values", !board && !home, {topics.demand(stranger, user.name + "/check")});
         publish("demand values in another's name", admin, {topics.demand(stranger, stranger + "/check")});
     }
-    if (!board) read("read what boards report", true, values);
+    if (!board) read("read what boards report", !home, values);
+    if (admin || home || user.role == Role::kGateway) {
+        const std::string exported = root + "/export/ha/" + stranger + "/x";
+        if (!home) publish("export boards to Home Assistant", true, {exported});
+        publish("set what is exported", true, {exported + "/set"});
+        read("read what is exported", true, {exported});
+    }
     read("read what others are asked", admin, requests);
     read("read answers to others", admin, {answers(stranger)});
     return made;

@@ -329,7 +329,8 @@ class ServiceEntities {
         for (auto& entity : result_) {
             const auto& part = parts_[entity.id];
             entity.name = label.empty() ? capital(words_of(service_.name)) : label;
-            if (part.element && numbers.size() > 1) entity.name += " " + std::to_string(*part.element);
+            if (part.element && (numbers.size() > 1 || label.empty()))
+                entity.name += " " + std::to_string(*part.element);
             const bool alone = in_element[part.element] == 1 && (part.element || parts_.size() == 1);
             if (!part.field.empty() && slug_of(part.field) != slug_of(service_.name) &&
                 (!alone || label.empty()))

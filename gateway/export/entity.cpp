@@ -15,13 +15,6 @@ using nlohmann::json;
 constexpr double kFullBrightness = 255;
 constexpr double kMaxColor = 0xffffff;
 
-/// Whole numbers are written without a point, as boards take them.
-json number(double value) {
-    constexpr double kExact = 9e15;
-    if (std::floor(value) == value && std::abs(value) < kExact) return static_cast<std::int64_t>(value);
-    return value;
-}
-
 /// The word (or truth) that a number stands for.
 std::optional<json> value_of_number(const Entity& entity, double value) {
     const auto option = std::find_if(entity.options.begin(), entity.options.end(),
@@ -36,9 +29,9 @@ std::optional<json> value_of_number(const Entity& entity, double value) {
             return option->first;
         case EntityKind::kSensor:
             if (option != entity.options.end()) return option->first;
-            return number(value);
+            return json_number(value);
         default:
-            return number(value);
+            return json_number(value);
     }
 }
 
@@ -62,7 +55,7 @@ std::optional<double> number_of_value(const Entity& entity, const json& value) {
 Request request_of(const Call& call, const json& value) {
     json arguments = json::array();
     for (const auto& argument : call.arguments)
-        arguments.push_back(argument ? number(*argument) : value);
+        arguments.push_back(argument ? json_number(*argument) : value);
     return {call.service, model::dump_json(json{{call.command, std::move(arguments)}})};
 }
 
@@ -89,7 +82,7 @@ std::vector<Request> light_requests(const Entity& entity, const json& value) {
         const double level = brightness * entity.max.value_or(kFullBrightness) / kFullBrightness;
         // What is on stays on: the lowest level of a board may be above the lowest of a dialect.
         result.push_back(
-            request_of(*entity.write, number(brightness > 0 ? std::max(std::round(level), 1.0) : 0)));
+            request_of(*entity.write, json_number(brightness > 0 ? std::max(std::round(level), 1.0) : 0)));
     }
     return result;
 }
@@ -128,12 +121,18 @@ std::optional<json> light_set(const Entity& entity, const json& set) {
     json value{{"on", entity.write ? *level > 0 : *color > 0}};
     if (level && *level > 0)
         value["brightness"] =
-            number(std::round(*level * kFullBrightness / entity.max.value_or(kFullBrightness)));
-    if (color && *color > 0) value["color"] = number(*color);
+            json_number(std::round(*level * kFullBrightness / entity.max.value_or(kFullBrightness)));
+    if (color && *color > 0) value["color"] = json_number(*color);
     return value;
 }
 
 }  // namespace
+
+json json_number(double value) {
+    constexpr double kExact = 9e15;
+    if (std::floor(value) == value && std::abs(value) < kExact) return static_cast<std::int64_t>(value);
+    return value;
+}
 
 std::optional<json> value_in(const Entity& entity, const json& published) {
     if (!entity.read) return std::nullopt;
@@ -163,7 +162,7 @@ std::vector<Request> requests_for(const Entity& entity, const json& value) {
     } else {
         const auto wanted = number_of_value(entity, value);
         if (!wanted) return {};
-        result.push_back(request_of(*entity.write, number(*wanted)));
+        result.push_back(request_of(*entity.write, json_number(*wanted)));
     }
     return result;
 }

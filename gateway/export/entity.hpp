@@ -63,6 +63,9 @@ struct Request {
     friend bool operator==(const Request&, const Request&) = default;
 };
 
+/// As JSON: a whole number without a point, as boards take it.
+nlohmann::json json_number(double value);
+
 /// The value of an entity in what its service published, null where the board has none; nothing: it is not in
 /// there. Any JSON may be given.
 std::optional<nlohmann::json> value_in(const Entity& entity, const nlohmann::json& published);

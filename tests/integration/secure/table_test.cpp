@@ -21,11 +21,13 @@ std::string with_names(const cli::TopicRule& rule, const std::string& user, cons
                                       {"SERVICE", "io"},
                                       {"CLIENT", "c1"},
                                       {"PART", "p1"},
+                                      {"EXPORTED", "uno2"},
+                                      {"NAME", "n1"},
                                       {"ID", "hall"}}) {
         const auto at = topic.find("/" + level + "/");
         if (at != std::string::npos) topic.replace(at + 1, level.size(), name);
     }
-    return "asip" + topic.substr(0, topic.size() - 1);
+    return rule.outside ? topic.substr(1, topic.size() - 2) : "asip" + topic.substr(0, topic.size() - 1);
 }
 
 class TableOfRules : public SecuredBus {
@@ -36,6 +38,7 @@ class TableOfRules : public SecuredBus {
         add({"viewer", "bob"});
         add({"registry"});
         add({"gateway"});
+        add({"home-assistant"});
         start_broker();
     }
 
@@ -59,16 +62,11 @@ class TableOfRules : public SecuredBus {
                         !rule.topic.starts_with("reply/"))
                         continue;
                     const auto topic = with_names(rule, asker, board);
-                    trials.push_back({user.name,
-                                      "write " + topic,
-                                      cli::may_write(rule, user, topic.substr(5)),
-                                      {topic},
-                                      {}});
-                    trials.push_back({user.name,
-                                      "read " + topic,
-                                      cli::may_read(rule, user, topic.substr(5)),
-                                      {},
-                                      {topic}});
+                    const auto below = rule.outside ? topic : topic.substr(5);
+                    trials.push_back(
+                        {user.name, "write " + topic, cli::may_write(rule, user, below), {topic}, {}});
+                    trials.push_back(
+                        {user.name, "read " + topic, cli::may_read(rule, user, below), {}, {topic}});
                 }
             }
         }
@@ -100,23 +98,42 @@ TEST_F(TableOfRules, Registry) {
 TEST_F(TableOfRules, Gateway) {
     try_all({"gateway", Role::kGateway});
 }
+TEST_F(TableOfRules, HomeAssistant) {
+    try_all({"home-assistant", Role::kHomeAssistant});
+}
 TEST_F(TableOfRules, Admin) {
     try_all({"admin", Role::kAdmin});
 }
 
 TEST_F(TableOfRules, TopicsThatAreInNoRow_AreDeniedToEverybody) {
-    for (const char* user : {"uno1", "bob", "ann", "gateway"}) {
+    for (const char* user : {"uno1", "bob", "ann", "gateway", "home-assistant"}) {
         std::vector<cli::Trial> trials;
         const std::string name = user;
-        for (const auto& topic : std::vector<std::string>{
-                 "asip/servicebus/" + name + "/$junk", "asip/servicebus/" + name + "/$state/x",
-                 "asip/servicebus/" + name + "/$demand/" + name + "/c1/x",
-                 "asip/servicebus/uno2/$demand/" + name, "asip/servicebus/uno2/$demand/" + name + "/c1/x",
-                 "asip/" + name + "/out/x", "asip/" + name + "/a/b/out",
-                 "asip/reply/" + name + "/$self/c1/p1/x", "asip/reply/" + name + "/uno2/c1",
-                 "asip/reply/" + name, "asip/reply/carol/" + name, "asip/reply/carol/" + name + "/c1/p1/x",
-                 "asip/servicebus/$probe/x", "asip/registry/query/x", "asip/registry/hall/$junk", "asip",
-                 "asip/junk", "elsewhere", "elsewhere/" + name})
+        for (const auto& topic :
+             std::vector<std::string>{"asip/servicebus/" + name + "/$junk",
+                                      "asip/servicebus/" + name + "/$state/x",
+                                      "asip/servicebus/" + name + "/$demand/" + name + "/c1/x",
+                                      "asip/servicebus/uno2/$demand/" + name,
+                                      "asip/servicebus/uno2/$demand/" + name + "/c1/x",
+                                      "asip/" + name + "/out/x",
+                                      "asip/" + name + "/a/b/out",
+                                      "asip/reply/" + name + "/$self/c1/p1/x",
+                                      "asip/reply/" + name + "/uno2/c1",
+                                      "asip/reply/" + name,
+                                      "asip/reply/carol/" + name,
+                                      "asip/reply/carol/" + name + "/c1/p1/x",
+                                      "asip/servicebus/$probe/x",
+                                      "asip/registry/query/x",
+                                      "asip/registry/hall/$junk",
+                                      "asip",
+                                      "asip/junk",
+                                      "asip/export",
+                                      "asip/export/ha",
+                                      "asip/export/homie/x",
+                                      "homeassistant/" + name,
+                                      "homeassistant/sensor/x/config",
+                                      "elsewhere",
+                                      "elsewhere/" + name})
             trials.push_back({name, "write " + topic, false, {topic}, {}});
         expect(trials);
     }

@@ -277,6 +277,19 @@ TEST(LookAtMachine, Brltty_IsSeenAsProcessAndAsRuleUnlessThatIsTurnedOff) {
     fs::remove_all(root);
 }
 
+TEST(Doctor, HomeAssistantWithoutAGatewayThatExports_IsReported) {
+    Observations seen;
+    EXPECT_THAT(check_exports(seen), IsEmpty());
+    seen.home_assistant = true;
+    ASSERT_EQ(check_exports(seen).size(), 1U);
+    EXPECT_THAT(check_exports(seen)[0].advice, HasSubstr("--home-assistant"));
+    seen.retained = {{"asip/export/ha/$state", "offline"}, {"asip/export/ha/uno1/$state", "online"}};
+    EXPECT_EQ(check_exports(seen)[0].level, Level::kNote);
+    seen.retained[0].payload = "online";
+    EXPECT_EQ(check_exports(seen)[0].what, "a gateway shows 1 boards to Home Assistant");
+    EXPECT_EQ(check_exports(seen)[0].level, Level::kFine);
+}
+
 TEST(LookAtMachine, FilesOfAMachine_AreRead) {
     namespace fs = std::filesystem;
     const auto root = fs::temp_directory_path() / ("asip-machine-" + std::to_string(::getpid()));

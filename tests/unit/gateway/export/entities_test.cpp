@@ -62,8 +62,8 @@ Entity entity(const std::vector<Entity>& all, const std::string& id) {
 TEST(Entities, Distance_IsASensorForEachElement) {
     EXPECT_THAT(seen_of("distance", 2), ElementsAre("distance-0 sensor 'Distance 0' cm distance",
                                                     "distance-1 sensor 'Distance 1' cm distance"));
-    EXPECT_THAT(seen_of("distance", 1), ElementsAre("distance-0 sensor 'Distance' cm distance"));
-    EXPECT_THAT(seen_of("distance"), ElementsAre("distance-0 sensor 'Distance' cm distance"));
+    EXPECT_THAT(seen_of("distance", 1), ElementsAre("distance-0 sensor 'Distance 0' cm distance"));
+    EXPECT_THAT(seen_of("distance"), ElementsAre("distance-0 sensor 'Distance 0' cm distance"));
 }
 
 TEST(Entities, EachOtherSensor_HasOneForEachFieldOrElement) {
@@ -78,8 +78,8 @@ TEST(Entities, EachOtherSensor_HasOneForEachFieldOrElement) {
     EXPECT_THAT(seen_of("reflectance", 3),
                 ElementsAre("reflectance-0 sensor 'Reflectance 0'", "reflectance-1 sensor 'Reflectance 1'",
                             "reflectance-2 sensor 'Reflectance 2'"));
-    EXPECT_THAT(seen_of("encoders", 1), ElementsAre("-encoders-0-pulse sensor 'Encoders pulse' us duration",
-                                                    "encoders-0-count sensor 'Encoders count' steps"));
+    EXPECT_THAT(seen_of("encoders", 1), ElementsAre("-encoders-0-pulse sensor 'Encoders 0 pulse' us duration",
+                                                    "encoders-0-count sensor 'Encoders 0 count' steps"));
     EXPECT_THAT(seen_of("acceleration"), ElementsAre("acceleration-x sensor 'Acceleration x'",
                                                      "acceleration-y sensor 'Acceleration y'",
                                                      "acceleration-z sensor 'Acceleration z'"));
@@ -124,8 +124,8 @@ TEST(Entities, Tone_IsANumberWithAUsualDurationAndAStop) {
 TEST(Entities, PixelsAreALight) {
     EXPECT_THAT(seen_of("pixels"),
                 ElementsAre("pixels light 'Pixels' brightness", "-pixels-count sensor 'Pixels count'"));
-    EXPECT_THAT(seen_of("neopixels"), ElementsAre("neopixels-0 light 'Neopixels' brightness",
-                                                  "-neopixels-0-show button 'Neopixels show'"));
+    EXPECT_THAT(seen_of("neopixels"), ElementsAre("neopixels-0 light 'Neopixels 0' brightness",
+                                                  "-neopixels-0-show button 'Neopixels 0 show'"));
 }
 
 TEST(Entities, Display_IsATextForEachLine) {

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "asip/bus/demander.hpp"
+#include "asip/mqtt/message.hpp"
+#include "asip/random.hpp"
+#include "asip/time.hpp"
+#include "gateway/export/exported_board.hpp"
+#include "gateway/export/home_assistant.hpp"
+#include "gateway/export/lease.hpp"
+#include "gateway/export/retained_scan.hpp"
+#include "gateway/export/value_pacer.hpp"
+
+namespace asip::gateway::exports {
+
+/// Exports boards to Home Assistant: says when what HomeAssistant decides is published. It has a connection
+/// of its own, with its own will, which is there only while this gateway holds the lease. What other programs
+/// are shown is what is retained on the bus; so at each connection, and when Home Assistant starts, it reads
+/// that back and puts right what differs: nothing is left behind by a crash, a rename or an option that was
+/// taken away. Pure: messages and time in, messages out.
+class Exporter {
+  public:
+    static constexpr Duration kBetweenDocuments = std::chrono::seconds(2);  ///< of one board
+    static constexpr Duration kScanLimit = std::chrono::seconds(10);
+    static constexpr std::string_view kBy = "home-assistant";
+
+    struct Options {
+        HomeAssistant::Options dialect;
+        std::string gateway;    ///< unique for each process
+        std::string host;       ///< name of this machine
+        double per_second = 5;  ///< states of one entity
+        /// False: nothing is exported; what a gateway of this machine exported before is cleared.
+        bool enabled = true;
+        /// Clear whichever machine it was (asip-gateway clean).
+        bool clear_all = false;
+    };
+    /// A board as the catalogue has it.
+    struct Present {
+        bool there = false;  ///< it can be commanded
+        ExportedBoard board;
+    };
+    struct Port {
+        std::function<void()> connect;     ///< the export's own connection, with its will
+        std::function<void()> disconnect;  ///< it ends when all is sent
+        // Over that connection:
+        std::function<void(mqtt::Message)> publish;
+        std::function<bool()> has_room;  ///< more may be published now
+        std::function<void(const std::string& filter)> subscribe;
+        std::function<void(const std::string& filter)> unsubscribe;
+        // Of the gateway:
+        std::function<bool()> ready;  ///< the catalogue holds all that is on the bus
+        std::function<std::vector<std::string>()> boards;
+        std::function<std::optional<Present>(const std::string& board)> board;
+        /// Calls back with each last value of a service: JSON text, and whether it is what was set.
+        std::function<void(const std::string& board, const std::string& service,
+                           const std::function<void(std::string_view json, bool set)>&)>
+            values;
+        std::function<bus::Demander::Want(const std::string& board, const std::string& service, double hz)>
+            want;
+        /// Executes a command; `done` is called once, with a sentence where it failed.
+        std::function<void(const std::string& board, const Request&, std::function<void(std::string)> done)>
+            command;
+        std::function<void(const std::string& sentence)> log;
+    };
+
+    Exporter(Options options, Random random, Port port);
+
+    const HomeAssistant& dialect() const { return dialect_; }
+    /// To be subscribed to over the gateway's connection.
+    std::vector<std::string> subscriptions() const;
+    /// Published by the broker when the export's connection is lost.
+    mqtt::Message will() const;
+
+    // Over the gateway's connection:
+    void subscribed(Time now);
+    void disconnected() { lease_.disconnected(); }
+    void message(const mqtt::Message& message, Time now);
+    /// A board came, changed, or was forgotten.
+    void changed(const std::string& board, Time now);
+    void value(std::string_view board, std::string_view service, std::string_view json, bool set, Time now);
+
+    // Over the export's own:
+    /// All that is subscribed to is granted: after each connection, and after each further subscription.
+    void own_subscribed(Time now);
+    void own_disconnected();
+    void own_message(const mqtt::Message& message, Time now);
+
+    /// Call ten times a second.
+    void tick(Time now);
+    /// The program ends: what is exported is not available any more.
+    void leave();
+
+    bool active() const { return phase_ == Phase::kActive; }
+    /// Whoever exports, or did.
+    const Lease& lease() const { return lease_; }
+    /// Nothing is exported, and all that was is cleared.
+    bool finished() const { return phase_ == Phase::kFinished; }
+    std::size_t boards() const { return records_.size(); }
+
+  private:
+    enum class Phase { kIdle, kConnecting, kScanning, kActive, kFinished };
+    struct Record {
+        ExportedBoard board;
+        std::optional<bool> there;         // as it was published
+        std::string document;              // likewise
+        HomeAssistant::Components on_bus;  // what Home Assistant has of it
+        std::optional<Time> document_at;
+        bool document_due = false;
+        std::vector<PacedValue> states;  // of each entity, then of the last error
+        std::map<std::string, std::vector<std::size_t>, std::less<>> by_service;
+        std::vector<bus::Demander::Want> wants;
+    };
+    using Records = std::unordered_map<std::string, Record>;
+
+    void begin_scan(Time now);
+    void finish_scan(Time now);
+    void become_idle(const char* why);
+    void pump(Time now);
+    void update(const std::string& name, Time now);
+    void take(Record& record, ExportedBoard board, Time now);
+    void remove(const std::string& name);
+    void publish_document(Record& record, Time now);
+    void publish_state(const Record& record, std::size_t index);
+    void offer(Record& record, std::size_t index, std::string text, Time now);
+    void all_values(Record& record, Time now);
+    void values_of(Record& record, std::string_view service, std::string_view json, bool set, Time now);
+    void command(const HomeAssistant::Command& command, const std::string& payload, Time now);
+    void failed(const std::string& board, const std::string& sentence);
+    void retain(std::string topic, std::string payload, int qos = 1);
+    std::string state_topic(const Record& record, std::size_t index) const;
+    bool may_clear(Time now) const;
+
+    Options options_;
+    HomeAssistant dialect_;
+    Port port_;
+    Lease lease_;
+    Phase phase_ = Phase::kIdle;
+    Random random_;
+    Records records_;
+    std::set<std::string> dirty_;                            // boards to look at
+    std::deque<std::string> clear_;                          // topics
+    std::set<std::pair<std::string, std::size_t>> pending_;  // states that wait for their turn
+    RetainedScan scan_;
+    std::optional<Time> scan_until_, scan_at_;
+    Time now_{};
+};
+
+}  // namespace asip::gateway::exports

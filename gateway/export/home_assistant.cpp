@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/export/home_assistant.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+#include "asip/model/json.hpp"
+#include "asip/text/printable.hpp"
+
+namespace asip::gateway::exports {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kSmallestStep = 0.001;  // that Home Assistant takes
+constexpr double kUsualStep = 0.01;
+constexpr double kLargest = 2147483647;
+constexpr std::size_t kMaxCommandBytes = 4096;
+constexpr int kMaxCommandDepth = 4;
+constexpr std::size_t kMaxDocumentBytes = std::size_t{1} << 20;
+constexpr int kMaxDocumentDepth = 8;
+constexpr std::size_t kShownBytes = 60;
+
+/// "90" or "90.0"; nothing: no number, or one with something behind it.
+std::optional<double> number_from(std::string_view text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return value;
+}
+
+std::string color_mode(const Entity& light) {
+    if (light.color) return "rgb";
+    return light.write ? "brightness" : "onoff";
+}
+
+json light_state(const Entity& entity, const json& value) {
+    json state{{"state", value.value("on", false) ? "ON" : "OFF"}};
+    if (!value.value("on", false)) return state;
+    state["color_mode"] = color_mode(entity);
+    if (value.contains("brightness")) state["brightness"] = value["brightness"];
+    if (value.contains("color")) {
+        const auto color = value["color"].get<std::uint32_t>();
+        state["color"] = {{"r", color >> 16 & 0xff}, {"g", color >> 8 & 0xff}, {"b", color & 0xff}};
+    } else if (entity.color) {
+        state["color"] = {{"r", 255}, {"g", 255}, {"b", 255}};
+    }
+    return state;
+}
+
+Unexpected<std::string> not_taken(const Entity& entity, std::string_view payload) {
+    return fail(entity.name + " cannot be set to " + text::printable(payload, kShownBytes));
+}
+
+/// 0 to 255.
+std::optional<int> channel(const json& color, const char* name) {
+    const auto found = color.find(name);
+    if (found == color.end() || !found->is_number()) return std::nullopt;
+    const auto value = found->get<double>();
+    if (!(value >= 0 && value <= 255)) return std::nullopt;
+    return static_cast<int>(value);
+}
+
+Expected<json> light_value(const Entity& entity, std::string_view payload) {
+    const auto parsed =
+        model::parse_json(payload, {.max_bytes = kMaxCommandBytes, .max_depth = kMaxCommandDepth});
+    if (!parsed || !parsed->is_object()) return not_taken(entity, payload);
+    const auto state = parsed->find("state");
+    if (state == parsed->end() || (*state != "ON" && *state != "OFF")) return not_taken(entity, payload);
+    json value{{"on", *state == "ON"}};
+    if (const auto brightness = parsed->find("brightness"); brightness != parsed->end())
+        value["brightness"] = *brightness;
+    if (const auto color = parsed->find("color"); color != parsed->end()) {
+        const auto r = channel(*color, "r"), g = channel(*color, "g"), b = channel(*color, "b");
+        if (!r || !g || !b) return not_taken(entity, payload);
+        value["color"] = *r << 16 | *g << 8 | *b;
+    }
+    return value;
+}
+
+void describe_sensor(json& component, const Entity& entity) {
+    if (!entity.options.empty()) {
+        auto words = json::array();
+        for (const auto& [word, value] : entity.options)
+            words.push_back(word);
+        component["dev_cla"] = "enum";
+        component["ops"] = std::move(words);
+        return;
+    }
+    const auto shown = device_class_of(entity.quantity, entity.unit);
+    if (!shown.unit.empty()) component["unit_of_meas"] = shown.unit;
+    if (!shown.device_class.empty()) component["dev_cla"] = shown.device_class;
+    if (entity.max_length > 0 || entity.quantity == "energy") return;
+    component["stat_cla"] =
+        entity.quantity == "angle" && entity.unit == "degrees" ? "measurement_angle" : "measurement";
+}
+
+void describe_number(json& component, const Entity& entity) {
+    const auto shown = device_class_of(entity.quantity, entity.unit);
+    if (!shown.unit.empty()) component["unit_of_meas"] = shown.unit;
+    if (!shown.device_class.empty()) component["dev_cla"] = shown.device_class;
+    const double min = entity.min.value_or(-kLargest - 1);
+    const double max = entity.max.value_or(kLargest);
+    component["min"] = json_number(min);
+    component["max"] = json_number(max > min ? max : min + 1);  // some versions refuse a range of one value
+    component["step"] =
+        json_number(std::max(entity.step.value_or(entity.whole ? 1 : kUsualStep), kSmallestStep));
+}
+
+}  // namespace
+
+std::string HomeAssistant::id_of(std::string_view board) const {
+    // Ids may hold `A-Za-z0-9_-` only; two names that differ in other characters must not become one.
+    std::string id = options_.root + "-" + std::string(board);
+    bool exact = true;
+    for (char& c : id) {
+        if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_') continue;
+        c = '_';
+        exact = false;
+    }
+    if (exact) return id;
+    std::uint32_t sum = 2166136261;  // FNV-1a
+    for (const char c : board)
+        sum = (sum ^ static_cast<unsigned char>(c)) * 16777619;
+    return id + "_" + std::to_string(sum);
+}
+
+std::string HomeAssistant::document_topic(std::string_view board) const {
+    return options_.prefix + "/device/" + id_of(board) + "/config";
+}
+
+bool HomeAssistant::is_document(std::string_view topic) const {
+    const auto begin = options_.prefix + "/device/" + id_of("");
+    return topic.starts_with(begin) && topic.ends_with("/config") &&
+           topic.find('/', begin.size()) == topic.size() - std::string_view("/config").size();
+}
+
+bool HomeAssistant::shown(const Entity& entity) const {
+    return !options_.read_only || entity.kind != EntityKind::kButton;
+}
+
+std::string HomeAssistant::platform(const Entity& entity) const {
+    switch (entity.kind) {
+        case EntityKind::kSensor:
+            return "sensor";
+        case EntityKind::kBinarySensor:
+            return "binary_sensor";
+        case EntityKind::kSwitch:
+            return options_.read_only ? "binary_sensor" : "switch";
+        case EntityKind::kLight:
+            return options_.read_only ? "binary_sensor" : "light";
+        case EntityKind::kNumber:
+            return options_.read_only ? "sensor" : "number";
+        case EntityKind::kText:
+            return options_.read_only ? "sensor" : "text";
+        case EntityKind::kSelect:
+            return options_.read_only ? "sensor" : "select";
+        case EntityKind::kButton:
+            return "button";
+    }
+    return "sensor";
+}
+
+json HomeAssistant::component(const ExportedBoard& board, const Entity& entity) const {
+    const auto kind = platform(entity);
+    json component{{"p", kind}, {"uniq_id", id_of(board.board) + "_" + entity.id}, {"name", entity.name}};
+    if (options_.entity_ids) {
+        auto id = board.board + "_" + entity.id;
+        for (char& c : id)
+            c = std::isalnum(static_cast<unsigned char>(c)) != 0
+                    ? static_cast<char>(std::tolower(static_cast<unsigned char>(c)))
+                    : '_';
+        component["def_ent_id"] = kind + "." + id;
+    }
+    if (!entity.default_on) component["en"] = false;
+    const auto topic = state(board.board, entity.id);
+    if (entity.kind != EntityKind::kButton) component["stat_t"] = topic;
+    if (entity.settable() && !options_.read_only) component["cmd_t"] = topic + "/set";
+    if (kind == "sensor") {
+        describe_sensor(component, entity);
+    } else if (kind == "number") {
+        describe_number(component, entity);
+    } else if (kind == "text") {
+        component["max"] = std::min(entity.max_length, kMaxStateBytes);
+        component["pattern"] = "^[ -~]*$";
+    } else if (kind == "select") {
+        component["ops"] = json::array();
+        for (const auto& [word, value] : entity.options)
+            component["ops"].push_back(word);
+    } else if (kind == "light") {
+        component["schema"] = "json";
+        component["sup_clrm"] = {color_mode(entity)};
+        if (entity.write) component["brightness"] = true;
+    }
+    return component;
+}
+
+json HomeAssistant::error_component(const ExportedBoard& board) const {
+    return {{"p", "sensor"},
+            {"uniq_id", id_of(board.board) + "_" + std::string(kLastError)},
+            {"name", "Last error"},
+            {"ent_cat", "diagnostic"},
+            {"stat_t", state(board.board, kLastError)}};
+}
+
+json HomeAssistant::root_document(const ExportedBoard& board) const {
+    json device{{"ids", {id_of(board.board)}},
+                {"name", board.name.empty() ? board.board : board.name},
+                {"mf", "ASIP"}};
+    if (!board.chip.empty()) device["mdl"] = board.chip;
+    if (!board.sketch.empty()) device["sw"] = board.sketch;
+    if (!board.room.empty()) device["sa"] = board.room;
+    json origin{{"name", "asip-gateway"}};
+    if (!options_.version.empty()) origin["sw"] = options_.version;
+    return {{"dev", std::move(device)},
+            {"o", std::move(origin)},
+            {"avty", {{{"t", gateway_state()}}, {{"t", board_state(board.board)}}}},
+            {"avty_mode", "all"}};
+}
+
+HomeAssistant::Components HomeAssistant::components(const ExportedBoard& board) const {
+    Components result;
+    bool settable = false;
+    for (const auto& entity : board.entities) {
+        if (shown(entity)) result[entity.id] = platform(entity);
+        settable = settable || entity.settable();
+    }
+    if (settable && !options_.read_only) result[std::string(kLastError)] = "sensor";
+    return result;
+}
+
+json HomeAssistant::whole_document(const ExportedBoard& board, const Components& wanted) const {
+    auto document = root_document(board);
+    auto& all = document["cmps"] = json::object();
+    for (const auto& entity : board.entities)
+        if (wanted.contains(entity.id)) all[entity.id] = component(board, entity);
+    if (wanted.contains(std::string(kLastError)) && board.entity(kLastError) == nullptr)
+        all[std::string(kLastError)] = error_component(board);
+    return document;
+}
+
+std::string HomeAssistant::document(const ExportedBoard& board) const {
+    return model::dump_json(whole_document(board, components(board)));
+}
+
+HomeAssistant::Components HomeAssistant::components_of(std::string_view document) {
+    Components result;
+    const auto parsed =
+        model::parse_json(document, {.max_bytes = kMaxDocumentBytes, .max_depth = kMaxDocumentDepth});
+    if (!parsed || !parsed->is_object()) return result;
+    const auto components = parsed->find("cmps");
+    if (components == parsed->end() || !components->is_object()) return result;
+    for (const auto& [name, component] : components->items())
+        if (component.is_object() && component.contains("p") && component["p"].is_string())
+            result[name] = component["p"].get<std::string>();
+    return result;
+}
+
+std::string HomeAssistant::removing_document(const ExportedBoard& board, const Components& old) const {
+    const auto wanted = components(board);
+    std::vector<Components::const_iterator> removed;
+    for (auto each = old.begin(); each != old.end(); ++each) {
+        const auto now = wanted.find(each->first);
+        if (now == wanted.end() || now->second != each->second) removed.push_back(each);
+    }
+    if (removed.empty()) return {};
+    auto document = whole_document(board, wanted);
+    for (const auto& each : removed)
+        document["cmps"][each->first] = {{"p", each->second}};
+    return model::dump_json(document);
+}
+
+std::string HomeAssistant::state_text(const Entity& entity, const json& value) const {
+    const bool light = entity.kind == EntityKind::kLight && !options_.read_only;
+    if (value.is_null()) {
+        if (light) return R"({"state":null})";
+        return entity.kind == EntityKind::kText ? "" : "None";
+    }
+    if (entity.kind == EntityKind::kLight) {
+        if (options_.read_only) return value.value("on", false) ? "ON" : "OFF";
+        return model::dump_json(light_state(entity, value));
+    }
+    if (value.is_boolean()) return value.get<bool>() ? "ON" : "OFF";
+    if (!value.is_string()) return model::dump_json(value);
+    return cut(value.get<std::string>());
+}
+
+std::string HomeAssistant::cut(std::string text) {
+    if (text.size() <= kMaxStateBytes) return text;
+    auto end = kMaxStateBytes;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80)
+        --end;  // not within a letter
+    text.resize(end);
+    return text;
+}
+
+std::optional<HomeAssistant::Command> HomeAssistant::command_of(std::string_view topic) const {
+    const auto begin = base() + "/";
+    constexpr std::string_view kEnd = "/set";
+    if (!topic.starts_with(begin) || !topic.ends_with(kEnd)) return std::nullopt;
+    topic.remove_prefix(begin.size());
+    if (topic.size() <= kEnd.size()) return std::nullopt;
+    topic.remove_suffix(kEnd.size());
+    const auto slash = topic.find('/');
+    if (slash == std::string_view::npos || topic.find('/', slash + 1) != std::string_view::npos)
+        return std::nullopt;
+    return Command{std::string(topic.substr(0, slash)), std::string(topic.substr(slash + 1))};
+}
+
+Expected<json> HomeAssistant::value_of(const Entity& entity, std::string_view payload) const {
+    if (options_.read_only) return fail("this export is read-only");
+    json value;
+    switch (entity.kind) {
+        case EntityKind::kLight: {
+            auto light = light_value(entity, payload);
+            if (!light) return light;
+            value = std::move(*light);
+            break;
+        }
+        case EntityKind::kSwitch:
+            if (payload != "ON" && payload != "OFF") return not_taken(entity, payload);
+            value = payload == "ON";
+            break;
+        case EntityKind::kNumber: {
+            const auto wanted = number_from(payload);
+            if (!wanted) return not_taken(entity, payload);
+            value = *wanted;
+            break;
+        }
+        case EntityKind::kText:
+        case EntityKind::kSelect:
+            value = std::string(payload);
+            break;
+        case EntityKind::kButton:
+            if (payload != "PRESS") return not_taken(entity, payload);
+            break;
+        default:
+            return fail(entity.name + " cannot be set");
+    }
+    if (requests_for(entity, value).empty()) return not_taken(entity, payload);
+    return value;
+}
+
+}  // namespace asip::gateway::exports

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "asip/expected.hpp"
+#include "gateway/export/exported_board.hpp"
+
+namespace asip::gateway::exports {
+
+/// Boards in the dialect of Home Assistant: one discovery document for each board, a state topic for each of
+/// its entities. Pure: what is published is decided here, when is not.
+///
+///     PREFIX/device/ID/config             the document, retained
+///     ROOT/export/ha/$state               online: the gateway exports; its will says offline
+///     ROOT/export/ha/BOARD/$state         online: the board is there
+///     ROOT/export/ha/BOARD/ENTITY         the value
+///     ROOT/export/ha/BOARD/ENTITY/set     what Home Assistant wants it to be
+///     ROOT/export/ha/BOARD/last-error     the last command that failed, in words
+class HomeAssistant {
+  public:
+    struct Options {
+        std::string root = "asip";
+        std::string prefix = "homeassistant";
+        std::string version;      ///< of the gateway
+        bool read_only = false;   ///< nothing can be set
+        bool entity_ids = false;  ///< propose the ids of entities: sensor.uno1_distance_0
+    };
+    static constexpr std::size_t kMaxStateBytes = 255;  ///< Home Assistant takes no longer state
+    static constexpr std::string_view kLastError = "last-error";
+
+    explicit HomeAssistant(Options options) : options_(std::move(options)) {}
+    const Options& options() const { return options_; }
+
+    std::string base() const { return options_.root + "/export/ha"; }
+    std::string gateway_state() const { return base() + "/$state"; }
+    std::string lease() const { return base() + "/$lease"; }
+    std::string status() const { return options_.prefix + "/status"; }
+    std::string commands() const { return base() + "/+/+/set"; }
+    std::string board_state(std::string_view board) const {
+        return base() + "/" + std::string(board) + "/$state";
+    }
+    std::string state(std::string_view board, std::string_view entity) const {
+        return base() + "/" + std::string(board) + "/" + std::string(entity);
+    }
+    std::string document_topic(std::string_view board) const;
+    /// Whether a topic is the document of some board of this bus.
+    bool is_document(std::string_view topic) const;
+    /// Of all devices below the prefix, those of other programs among them.
+    std::string documents() const { return options_.prefix + "/device/+/config"; }
+
+    /// Which entities are in a document: component -> platform.
+    using Components = std::map<std::string, std::string>;
+    std::string document(const ExportedBoard& board) const;
+    Components components(const ExportedBoard& board) const;
+    /// Those of a document as it is on the bus; any text may be given.
+    static Components components_of(std::string_view document);
+    /// The document in which those of `old` that are no longer there, or have another platform, are named by
+    /// their platform alone: so Home Assistant removes them. Publish it, and document() some time later.
+    /// Empty: none is to be removed.
+    std::string removing_document(const ExportedBoard& board, const Components& old) const;
+
+    /// The beginning of a text that is longer than a state may be.
+    static std::string cut(std::string text);
+    /// The value of an entity for its state topic; null: it is not known. Empty: the topic is cleared.
+    std::string state_text(const Entity& entity, const nlohmann::json& value) const;
+
+    struct Command {
+        std::string board, entity;
+    };
+    /// Of a command's topic; nothing: it is none.
+    std::optional<Command> command_of(std::string_view topic) const;
+    /// What Home Assistant asks for, as a value of the entity. Fails with a sentence.
+    Expected<nlohmann::json> value_of(const Entity& entity, std::string_view payload) const;
+
+  private:
+    nlohmann::json root_document(const ExportedBoard& board) const;
+    nlohmann::json whole_document(const ExportedBoard& board, const Components& wanted) const;
+    nlohmann::json component(const ExportedBoard& board, const Entity& entity) const;
+    nlohmann::json error_component(const ExportedBoard& board) const;
+    std::string platform(const Entity& entity) const;
+    bool shown(const Entity& entity) const;
+    std::string id_of(std::string_view board) const;
+
+    Options options_;
+};
+
+/// A unit as Home Assistant writes it, and the class of device where it has one that takes this unit.
+struct DeviceClass {
+    std::string unit, device_class;
+};
+DeviceClass device_class_of(std::string_view quantity, std::string_view unit);
+
+}  // namespace asip::gateway::exports

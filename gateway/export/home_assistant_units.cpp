@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+
+#include "gateway/export/home_assistant.hpp"
+
+namespace asip::gateway::exports {
+namespace {
+
+struct UnitName {
+    std::string_view quantity, ours, theirs;  // without a quantity: of any
+};
+
+constexpr std::array<UnitName, 8> kUnits{{
+    {"temperature", "C",
+     "\xc2\xb0"
+     "C"},
+    {"temperature", "F",
+     "\xc2\xb0"
+     "F"},
+    {"", "degrees", "\xc2\xb0"},
+    {"", "us", "\xce\xbcs"},
+    {"", "uV", "\xce\xbcV"},
+    {"", "uA",
+     "\xce\xbc"
+     "A"},
+    {"volume", "l", "L"},
+    {"volume", "ml", "mL"},
+}};
+
+struct Class {
+    std::string_view quantity, device_class, units;  // separated by spaces, one at each end
+};
+
+/// Home Assistant refuses an entity whose unit its class does not have; a unit without a class is always
+/// taken. A class is named only for units that every version from 2024.11 on takes.
+constexpr std::array<Class, 16> kClasses{{
+    {"battery", "battery", " % "},
+    {"carbon-dioxide", "carbon_dioxide", " ppm "},
+    {"current", "current", " A mA "},
+    {"distance", "distance", " km m cm mm mi yd in "},
+    {"duration", "duration", " d h min s ms "},
+    {"frequency", "frequency", " Hz kHz MHz GHz "},
+    {"humidity", "humidity", " % "},
+    {"illuminance", "illuminance", " lx "},
+    {"moisture", "moisture", " % "},
+    {"power", "power", " W kW "},
+    {"pressure", "pressure", " Pa hPa kPa bar mbar psi mmHg inHg "},
+    {"speed", "speed", " m/s km/h mph ft/s "},
+    {"temperature", "temperature",
+     " \xc2\xb0"
+     "C \xc2\xb0"
+     "F K "},
+    {"voltage", "voltage", " V mV "},
+    {"volume", "volume_storage", " L mL "},
+    {"weight", "weight", " kg g mg oz lb "},
+}};
+
+}  // namespace
+
+DeviceClass device_class_of(std::string_view quantity, std::string_view unit) {
+    DeviceClass result{std::string(unit), {}};
+    for (const auto& each : kUnits)
+        if (each.ours == unit && (each.quantity.empty() || each.quantity == quantity))
+            result.unit = each.theirs;
+    for (const auto& each : kClasses)
+        if (each.quantity == quantity && !result.unit.empty() &&
+            each.units.find(" " + result.unit + " ") != std::string_view::npos)
+            result.device_class = each.device_class;
+    return result;
+}
+
+}  // namespace asip::gateway::exports

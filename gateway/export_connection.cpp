@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <boost/asio/io_context.hpp>
+
+#include "asip/mqtt/failure.hpp"
+#include "asip/program/broker_log.hpp"
+#include "asip/program/log.hpp"
+#include "gateway/exports.hpp"
+
+namespace asip::gateway {
+namespace {
+
+namespace log = program::log;
+
+constexpr std::size_t kMaxQueuedMessages = 100'000;
+constexpr std::size_t kMaxQueuedBytes = std::size_t{32} << 20;
+constexpr std::size_t kRoomMessages = 5'000;  // what waits beyond delays what is newer
+constexpr std::size_t kRoomBytes = std::size_t{1} << 20;
+constexpr Duration kConnectionEnd = std::chrono::seconds(5);
+
+}  // namespace
+
+void ExportConnection::connect(exports::Exporter& exporter) {
+    auto options = options_;
+    options.client_id += "-export";
+    options.will = exporter.will();
+    options.max_queued_messages = kMaxQueuedMessages;
+    options.max_queued_bytes = kMaxQueuedBytes;
+    mqtt::Client::Handlers handlers;
+    handlers.on_subscribed = [&exporter] { exporter.own_subscribed(Clock::now()); };
+    handlers.on_disconnected = [&exporter](const mqtt::ConnectionFailure& failure) {
+        exporter.own_disconnected();
+        log::warning("the connection for exports is lost", {{"why", failure.text}});
+    };
+    handlers.on_message = [&exporter](const mqtt::Message& message) {
+        exporter.own_message(message, Clock::now());
+    };
+    handlers.on_publish_denied = [user = options.user](const std::string& topic, const std::string& reason) {
+        log::warning(mqtt::denied_text(user, topic, reason, "gateway"));
+    };
+    handlers.on_subscribe_refused = program::BrokerLog::subscribe_refused;
+    client_ = std::make_unique<mqtt::Client>(io_, std::move(options), std::move(handlers));
+    client_->subscribe(exporter.dialect().status());
+    client_->start();
+}
+
+exports::Exporter::Port ExportConnection::port(std::function<exports::Exporter&()> exporter) {
+    exports::Exporter::Port port;
+    port.connect = [this, exporter = std::move(exporter)] { connect(exporter()); };
+    // It may be in the middle of a handler of that client, which must not end it.
+    port.disconnect = [this] { stop(kConnectionEnd, [] {}); };
+    port.publish = [this](mqtt::Message message) {
+        if (client_) client_->publish(std::move(message), mqtt::Priority::kAnnouncement);
+    };
+    port.has_room = [this] {
+        if (!client_) return false;
+        const auto counters = client_->counters();
+        return counters.queued < kRoomMessages && counters.queued_bytes < kRoomBytes;
+    };
+    port.subscribe = [this](const std::string& filter) {
+        mqtt::SubscribeOptions options;
+        options.qos = 1;
+        if (client_) client_->subscribe(filter, options);
+    };
+    port.unsubscribe = [this](const std::string& filter) {
+        if (client_) client_->unsubscribe(filter);
+    };
+    return port;
+}
+
+void ExportConnection::tidy() {
+    std::erase_if(ending_, [](const auto& each) { return each->done; });
+}
+
+void ExportConnection::stop(Duration limit, std::function<void()> done) {
+    if (!client_) return done();
+    auto ending = std::make_shared<Ending>();
+    ending->client = std::move(client_);
+    ending_.push_back(ending);
+    ending->client->stop(limit, [raw = ending.get(), done = std::move(done)] {
+        raw->done = true;
+        done();
+    });
+}
+
+}  // namespace asip::gateway

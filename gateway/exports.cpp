@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/exports.hpp"
+
+#include "asip/bus/board_match.hpp"
+#include "asip/program/log.hpp"
+#include "gateway/export/entities.hpp"
+#include "gateway/gateway.hpp"
+
+namespace asip::gateway {
+namespace {
+
+using bus::TopicKind;
+
+std::string sentence_of(const bus::Reply& reply) {
+    if (reply.succeeded()) return {};
+    if (!reply.error.empty()) return reply.error;
+    if (reply.status == bus::Reply::Status::kTimeout)
+        return "no proof in time: the command may or may not have been executed";
+    return reply.reason.empty() ? "refused" : reply.reason;
+}
+
+std::string label_of(const model::Description& description, const char* key) {
+    const auto found = description.labels.labels.find(key);
+    return found == description.labels.labels.end() ? std::string() : found->second;
+}
+
+}  // namespace
+
+Exports::Exports(boost::asio::io_context& io, exports::Exporter::Options options, mqtt::Options mqtt,
+                 Gateway& gateway)
+    : gateway_(gateway),
+      connection_(io, std::move(mqtt)),
+      exporter_(std::move(options), system_random(), port()) {}
+
+exports::Exporter::Port Exports::port() {
+    auto port = connection_.port([this]() -> exports::Exporter& { return exporter_; });
+    port.ready = [this] { return gateway_.mirror().ready(); };
+    port.boards = [this] { return gateway_.mirror().board_names(); };
+    port.board = [this](const std::string& name) { return board(name); };
+    port.values = [this](const std::string& board, const std::string& service,
+                         const std::function<void(std::string_view, bool)>& each) {
+        const auto* values = gateway_.mirror().values().find(board, service);
+        if (values == nullptr) return;
+        for (const auto& channel : values->channels)
+            if (!channel.error && channel.cut == 0) each(channel.json(), channel.set);
+    };
+    port.want = [this](const std::string& board, const std::string& service, double hz) {
+        return gateway_.demander().want(board, service, hz);
+    };
+    port.command = [this](const std::string& board, const exports::Request& request,
+                          std::function<void(std::string)> done) {
+        command(board, request, std::move(done));
+    };
+    port.log = [](const std::string& sentence) { program::log::info(sentence); };
+    return port;
+}
+
+std::optional<exports::Exporter::Present> Exports::board(const std::string& name) {
+    bus::Query query;
+    query.board = name;
+    query.full = true;
+    const auto found = gateway_.mirror().find(query, gateway_.now());
+    if (!found || found->boards.empty() || found->boards[0].description.empty()) return std::nullopt;
+    const auto& item = found->boards[0];
+    const auto description = model::parse_description(item.description);
+    if (!description) return std::nullopt;
+    exports::Exporter::Present present;
+    present.there = item.state == "online" || item.state == "sleeping";
+    present.board.board = name;
+    present.board.name = label_of(*description, "name");
+    present.board.room = label_of(*description, "room");
+    present.board.chip = description->firmware.chip;
+    present.board.sketch = description->firmware.sketch;
+    present.board.entities = exports::entities_of(*description, [this](const model::ServiceInfo& service) {
+        return bus::model_of(service, gateway_.models());
+    });
+    return present;
+}
+
+void Exports::command(const std::string& board, const exports::Request& request,
+                      std::function<void(std::string)> done) {
+    const std::string by(exports::Exporter::kBy);
+    if (!gateway_.command_rates().take(by, gateway_.now().time))
+        return done("too many commands; try again in a moment");
+    Commands::Start start;
+    start.session = by;
+    start.by = by;
+    start.client = by;
+    start.target = board + "/" + request.service;
+    start.topic = gateway_.mirror().topics().service_in(board, request.service);
+    start.payload = request.payload;
+    gateway_.command(std::move(start), [done = std::move(done)](const CommandRecord& record) {
+        done(sentence_of(*record.reply));
+    });
+}
+
+void Exports::subscribed() {
+    exporter_.subscribed(gateway_.now().time);
+}
+
+void Exports::changes() {
+    const auto& log = gateway_.mirror().log();
+    const auto now = gateway_.now().time;
+    bool lost = false;
+    while (seen_ < log.last()) {
+        if (const auto* change = log.change(++seen_))
+            exporter_.changed(change->board, now);
+        else
+            lost = true;
+    }
+    if (lost)
+        for (const auto& name : gateway_.mirror().board_names())
+            exporter_.changed(name, now);
+}
+
+void Exports::message(const mqtt::Message& message) {
+    const auto now = gateway_.now().time;
+    changes();
+    const auto topic = gateway_.mirror().topics().parse(message.topic);
+    if (!topic) return exporter_.message(message, now);
+    const bool set = topic->kind == TopicKind::kServiceSet;
+    if (set || topic->kind == TopicKind::kServiceOut)
+        exporter_.value(topic->board, topic->service, message.payload, set, now);
+}
+
+void Exports::tick() {
+    changes();
+    connection_.tidy();
+    exporter_.tick(gateway_.now().time);
+}
+
+void Exports::stop(Duration limit, std::function<void()> done) {
+    exporter_.leave();
+    connection_.stop(limit, std::move(done));
+}
+
+}  // namespace asip::gateway

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Apache-2.0
+// A broker, gateways that export, and what Home Assistant makes of it, in simulated time.
+#pragma once
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "gateway/export/exporter.hpp"
+
+namespace asip::gateway::exports {
+
+using namespace std::chrono_literals;
+
+inline bool topic_matches(std::string_view filter, std::string_view topic) {
+    while (true) {
+        if (filter == "#") return true;
+        const auto f = filter.find('/'), t = topic.find('/');
+        const auto level = filter.substr(0, f);
+        if (level != "+" && level != topic.substr(0, t)) return false;
+        if ((f == std::string_view::npos) || (t == std::string_view::npos))
+            return f == t || (t == std::string_view::npos && filter.substr(f + 1) == "#");
+        filter.remove_prefix(f + 1);
+        topic.remove_prefix(t + 1);
+    }
+}
+
+class ExportWorld {
+  public:
+    struct Board {
+        bool there = true;
+        ExportedBoard board;
+        std::map<std::string, std::string> values, set;  // by service: JSON
+    };
+    struct Sent {
+        Time at;
+        std::string topic, payload;
+    };
+
+    /// One gateway; a process that can be killed.
+    struct Gateway {
+        std::unique_ptr<Exporter> exporter;
+        bool alive = true, own = false, own_granted = false;
+        std::set<std::string> own_filters;
+        std::deque<mqtt::Message> inbox, own_inbox;
+        std::size_t room = 1000000;
+        std::vector<std::string> log;
+        std::vector<std::pair<std::string, Request>> commands;
+        std::vector<std::function<void(std::string)>> answers;
+    };
+
+    explicit ExportWorld(std::uint64_t seed = 1) : seed_(seed) {}
+
+    Exporter::Options options() const {
+        Exporter::Options options;
+        options.host = "host";
+        return options;
+    }
+
+    Gateway& start(Exporter::Options options) {
+        auto made = std::make_unique<Gateway>();
+        auto* gateway = made.get();
+        gateways.push_back(std::move(made));
+        options.gateway = "gw" + std::to_string(gateways.size());
+        gateway->exporter = std::make_unique<Exporter>(std::move(options), random(), port(gateway));
+        gateway->exporter->subscribed(now);
+        for (const auto& filter : gateway->exporter->subscriptions())
+            replay(filter, gateway->inbox);
+        return *gateway;
+    }
+    Gateway& start() { return start(options()); }
+
+    void kill(Gateway& gateway) {
+        if (!gateway.alive) return;
+        gateway.alive = false;
+        if (gateway.own) publish(gateway.exporter->will());
+        gateway.own = false;
+    }
+    void end(Gateway& gateway) {
+        gateway.exporter->leave();
+        gateway.own = gateway.alive = false;
+    }
+    void restart_broker(bool keeps) {
+        if (!keeps) retained.clear();
+        for (auto& gateway : gateways) {
+            if (!gateway->alive) continue;
+            gateway->exporter->disconnected();
+            if (gateway->own) gateway->exporter->own_disconnected();
+            gateway->inbox.clear();
+            gateway->own_inbox.clear();
+            gateway->own_granted = false;
+            gateway->exporter->subscribed(now);
+            for (const auto& filter : gateway->exporter->subscriptions())
+                replay(filter, gateway->inbox);
+        }
+    }
+
+    void publish(const mqtt::Message& message) {
+        sent.push_back({now, message.topic, message.payload});
+        if (message.retain) {
+            if (message.payload.empty())
+                retained.erase(message.topic);
+            else
+                retained[message.topic] = message.payload;
+        }
+        auto live = message;
+        live.retain = false;
+        for (auto& gateway : gateways) {
+            if (!gateway->alive) continue;
+            for (const auto& filter : gateway->exporter->subscriptions())
+                if (topic_matches(filter, live.topic)) gateway->inbox.push_back(live);
+            if (gateway->own && std::any_of(gateway->own_filters.begin(), gateway->own_filters.end(),
+                                            [&](const auto& f) { return topic_matches(f, live.topic); }))
+                gateway->own_inbox.push_back(live);
+        }
+        home_assistant_reads(live);
+    }
+    void publish(const std::string& topic, const std::string& payload, bool retain = false) {
+        mqtt::Message message;
+        message.topic = topic;
+        message.payload = payload;
+        message.retain = retain;
+        publish(message);
+    }
+
+    /// Messages are delivered, then a tenth of a second passes.
+    void step() {
+        deliver();
+        now += 100ms;
+        for (auto& gateway : gateways) {
+            if (!gateway->alive) continue;
+            gateway->room = room;
+            if (gateway->own && !gateway->own_granted) {
+                gateway->own_granted = true;
+                gateway->exporter->own_subscribed(now);
+            }
+            gateway->exporter->tick(now);
+        }
+        deliver();
+    }
+    void pass(Duration time) {
+        for (const auto until = now + time; now < until;)
+            step();
+    }
+
+    void put(const std::string& name, ExportedBoard board) {
+        board.board = name;
+        boards[name].board = std::move(board);
+        changed(name);
+    }
+    void forget(const std::string& name) {
+        boards.erase(name);
+        changed(name);
+    }
+    void changed(const std::string& name) {
+        for (auto& gateway : gateways)
+            if (gateway->alive) gateway->exporter->changed(name, now);
+    }
+    void value(const std::string& board, const std::string& service, const std::string& json,
+               bool set = false) {
+        (set ? boards[board].set : boards[board].values)[service] = json;
+        for (auto& gateway : gateways)
+            if (gateway->alive) gateway->exporter->value(board, service, json, set, now);
+        deliver();
+    }
+    std::size_t times_sent(const std::string& topic) const {
+        return static_cast<std::size_t>(
+            std::count_if(sent.begin(), sent.end(), [&](const auto& each) { return each.topic == topic; }));
+    }
+
+    /// Home Assistant, as far as entities go: what a document leaves out stays.
+    void restart_home_assistant() {
+        devices.clear();
+        for (const auto& [topic, payload] : retained) {
+            mqtt::Message message;
+            message.topic = topic;
+            message.payload = payload;
+            home_assistant_reads(message);
+        }
+        publish("homeassistant/status", "online");
+    }
+
+    std::map<std::string, std::string> retained;
+    std::map<std::string, std::set<std::string>> devices;  // topic of the document -> "platform component"
+    std::map<std::string, Board> boards;
+    std::vector<std::unique_ptr<Gateway>> gateways;
+    std::vector<Sent> sent;
+    std::size_t room = 1000000;  // messages a tenth of a second
+    Time now{};
+
+  private:
+    Random random() {
+        return [state = seed_ += 7]() mutable {
+            state += 0x9e3779b97f4a7c15;
+            auto z = state;
+            z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9;
+            z = (z ^ z >> 27) * 0x94d049bb133111eb;
+            return z ^ z >> 31;
+        };
+    }
+
+    void replay(const std::string& filter, std::deque<mqtt::Message>& inbox) {
+        for (const auto& [topic, payload] : retained) {
+            if (!topic_matches(filter, topic)) continue;
+            mqtt::Message message;
+            message.topic = topic;
+            message.payload = payload;
+            message.retain = true;
+            inbox.push_back(message);
+        }
+    }
+
+    void deliver() {
+        for (bool any = true; any;) {
+            any = false;
+            for (std::size_t i = 0; i < gateways.size(); ++i) {
+                auto& gateway = *gateways[i];
+                while (gateway.alive && !gateway.inbox.empty()) {
+                    const auto message = gateway.inbox.front();
+                    gateway.inbox.pop_front();
+                    gateway.exporter->message(message, now);
+                    any = true;
+                }
+                while (gateway.alive && gateway.own && !gateway.own_inbox.empty()) {
+                    const auto message = gateway.own_inbox.front();
+                    gateway.own_inbox.pop_front();
+                    gateway.exporter->own_message(message, now);
+                    any = true;
+                }
+            }
+        }
+    }
+
+    void home_assistant_reads(const mqtt::Message& message) {
+        if (!topic_matches("homeassistant/device/+/config", message.topic)) return;
+        if (message.payload.empty()) {
+            devices.erase(message.topic);
+            return;
+        }
+        const auto document = nlohmann::json::parse(message.payload);
+        auto& device = devices[message.topic];
+        for (const auto& [id, component] : document["cmps"].items()) {
+            const auto entry = component["p"].get<std::string>() + " " + id;
+            if (component.size() == 1)
+                device.erase(entry);
+            else
+                device.insert(entry);
+        }
+    }
+
+    Exporter::Port port(Gateway* gateway) {
+        Exporter::Port port;
+        port.connect = [gateway] {
+            gateway->own = true;
+            gateway->own_granted = false;
+        };
+        port.disconnect = [gateway] {
+            gateway->own = false;
+            gateway->own_filters.clear();
+            gateway->own_inbox.clear();
+        };
+        port.publish = [this, gateway](mqtt::Message message) {
+            if (gateway->room > 0) --gateway->room;
+            publish(message);
+        };
+        port.has_room = [gateway] { return gateway->room > 0; };
+        port.subscribe = [this, gateway](const std::string& filter) {
+            gateway->own_filters.insert(filter);
+            gateway->own_granted = false;
+            replay(filter, gateway->own_inbox);
+        };
+        port.unsubscribe = [gateway](const std::string& filter) { gateway->own_filters.erase(filter); };
+        port.ready = [] { return true; };
+        port.boards = [this] {
+            std::vector<std::string> names;
+            for (const auto& [name, board] : boards)
+                names.push_back(name);
+            return names;
+        };
+        port.board = [this](const std::string& name) -> std::optional<Exporter::Present> {
+            const auto found = boards.find(name);
+            if (found == boards.end()) return std::nullopt;
+            return Exporter::Present{found->second.there, found->second.board};
+        };
+        port.values = [this](const std::string& board, const std::string& service,
+                             const std::function<void(std::string_view, bool)>& each) {
+            const auto& of = boards[board];
+            if (const auto found = of.values.find(service); found != of.values.end())
+                each(found->second, false);
+            if (const auto found = of.set.find(service); found != of.set.end()) each(found->second, true);
+        };
+        port.want = [](const std::string&, const std::string&, double) { return nullptr; };
+        port.command = [gateway](const std::string& board, const Request& request,
+                                 std::function<void(std::string)> done) {
+            gateway->commands.emplace_back(board, request);
+            gateway->answers.push_back(std::move(done));
+        };
+        port.log = [gateway](const std::string& sentence) { gateway->log.push_back(sentence); };
+        return port;
+    }
+
+    std::uint64_t seed_;
+};
+
+/// A board with these distance sensors and, where it is asked for, a servo.
+inline ExportedBoard exported(int sensors, bool servo = true, const std::string& name = "Desk") {
+    ExportedBoard board;
+    board.name = name;
+    for (int i = 0; i < sensors; ++i) {
+        Entity entity;
+        entity.id = "distance-" + std::to_string(i);
+        entity.name = "Distance " + std::to_string(i);
+        entity.read = ValuePlace{"distance", "/distance/" + std::to_string(i)};
+        board.entities.push_back(entity);
+    }
+    if (servo) {
+        Entity entity;
+        entity.id = "servo-0-angle";
+        entity.name = "Servo angle";
+        entity.kind = EntityKind::kNumber;
+        entity.min = 0;
+        entity.max = 180;
+        entity.whole = true;
+        entity.write = Call{"servo", "write", {0, std::nullopt}, "angle", true};
+        board.entities.push_back(entity);
+    }
+    return board;
+}
+
+}  // namespace asip::gateway::exports

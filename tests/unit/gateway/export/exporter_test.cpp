@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/export/exporter.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "export_world.hpp"
+
+namespace asip::gateway::exports {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Pair;
+using testing::UnorderedElementsAre;
+
+constexpr const char* kDocument = "homeassistant/device/asip-uno1/config";
+constexpr const char* kState = "asip/export/ha/$state";
+constexpr const char* kBoard = "asip/export/ha/uno1/$state";
+constexpr const char* kDistance = "asip/export/ha/uno1/distance-0";
+constexpr const char* kServo = "asip/export/ha/uno1/servo-0-angle";
+constexpr const char* kError = "asip/export/ha/uno1/last-error";
+
+class ExporterTest : public testing::Test {
+  protected:
+    std::set<std::string> topics() const {
+        std::set<std::string> result;
+        for (const auto& [topic, payload] : world.retained)
+            if (topic != "asip/export/ha/$lease") result.insert(topic);
+        return result;
+    }
+    ExportWorld world;
+};
+
+TEST_F(ExporterTest, BoardIsExported_WithDocumentAvailabilityAndValues) {
+    world.put("uno1", exported(1));
+    world.value("uno1", "distance", R"({"distance":[42]})");
+    world.value("uno1", "servo", R"({"write":{"0":90}})", true);
+    world.start();
+    world.pass(3s);
+    EXPECT_THAT(topics(), UnorderedElementsAre(kDocument, kState, kBoard, kDistance, kServo));
+    EXPECT_EQ(world.retained[kState], "online");
+    EXPECT_EQ(world.retained[kBoard], "online");
+    EXPECT_EQ(world.retained[kDistance], "42");
+    EXPECT_EQ(world.retained[kServo], "90");
+    EXPECT_THAT(world.devices[kDocument],
+                UnorderedElementsAre("sensor distance-0", "number servo-0-angle", "sensor last-error"));
+    for (const auto* topic : {kDocument, kBoard, kDistance, kServo, kState})
+        EXPECT_EQ(world.times_sent(topic), 1u) << topic;
+}
+
+TEST_F(ExporterTest, BoardThatIsLost_IsNotAvailable_AndIsWhenItIsBack) {
+    world.put("uno1", exported(1));
+    world.start();
+    world.pass(3s);
+    world.boards["uno1"].there = false;
+    world.changed("uno1");
+    EXPECT_EQ(world.retained[kBoard], "offline");
+    world.boards["uno1"].there = true;
+    world.changed("uno1");
+    EXPECT_EQ(world.retained[kBoard], "online");
+    EXPECT_EQ(world.times_sent(kDocument), 1u);
+}
+
+TEST_F(ExporterTest, BoardThatIsForgotten_LeavesNothing) {
+    world.put("uno1", exported(2));
+    world.start();
+    world.pass(3s);
+    world.value("uno1", "distance", R"({"distance":[42,43]})");
+    world.forget("uno1");
+    EXPECT_THAT(topics(), UnorderedElementsAre(kState));
+    EXPECT_TRUE(world.devices.empty());
+}
+
+TEST_F(ExporterTest, SquareWave_IsSentFiveTimesASecond_NewestLast) {
+    world.put("uno1", exported(1));
+    world.start();
+    world.pass(3s);
+    world.sent.clear();
+    for (int i = 0; i < 5000; ++i) {
+        world.value("uno1", "distance", "{\"distance\":[" + std::to_string(i) + "]}");
+        if (i % 100 == 99) world.step();
+    }
+    EXPECT_THAT(world.times_sent(kDistance), testing::AllOf(testing::Ge(20u), testing::Le(26u)));
+    world.pass(1s);
+    EXPECT_EQ(world.retained[kDistance], "4999");
+    world.sent.clear();
+    world.value("uno1", "distance", R"({"distance":[4999]})");
+    world.pass(1s);
+    EXPECT_EQ(world.times_sent(kDistance), 0u) << "it did not change";
+}
+
+TEST_F(ExporterTest, ValueThatIsNone_IsUnknown) {
+    world.put("uno1", exported(1));
+    world.start();
+    world.pass(3s);
+    world.value("uno1", "distance", R"({"distance":[null]})");
+    EXPECT_EQ(world.retained[kDistance], "None");
+}
+
+TEST_F(ExporterTest, WhatWasSet_IsUnknownBehindARestartOfTheBoard) {
+    world.put("uno1", exported(1));
+    auto& gateway = world.start();
+    world.pass(3s);
+    world.value("uno1", "servo", "", true);
+    EXPECT_EQ(world.times_sent(kServo), 0u) << "nothing was said before";
+    world.value("uno1", "servo", R"({"write":{"0":90}})", true);
+    world.pass(1s);
+    world.value("uno1", "servo", "", true);
+    world.pass(1s);
+    EXPECT_EQ(world.retained[kServo], "None");
+    EXPECT_TRUE(gateway.commands.empty());
+}
+
+TEST_F(ExporterTest, Command_IsSentAndChangesNothingBeforeItsProof) {
+    world.put("uno1", exported(1));
+    auto& gateway = world.start();
+    world.pass(3s);
+    world.publish(std::string(kServo) + "/set", "90");
+    world.step();
+    ASSERT_EQ(gateway.commands.size(), 1u);
+    EXPECT_EQ(gateway.commands[0],
+              (std::pair<std::string, Request>{"uno1", {"servo", R"({"write":[0,90]})"}}));
+    gateway.answers[0]("");
+    world.pass(1s);
+    EXPECT_FALSE(world.retained.contains(kServo));
+    EXPECT_FALSE(world.retained.contains(kError));
+}
+
+TEST_F(ExporterTest, CommandThatFails_IsTheLastErrorOfTheBoard) {
+    world.put("uno1", exported(1));
+    auto& gateway = world.start();
+    world.pass(3s);
+    world.publish(std::string(kServo) + "/set", "90");
+    world.step();
+    gateway.answers.at(0)("the board says: INVALID_DEVICE_NUMBER");
+    world.pass(1s);
+    EXPECT_EQ(world.retained[kError], "Servo angle: the board says: INVALID_DEVICE_NUMBER");
+    EXPECT_FALSE(world.retained.contains(kServo));
+    world.publish(std::string(kServo) + "/set", "181");
+    world.pass(1s);
+    EXPECT_EQ(world.retained[kError], "Servo angle cannot be set to 181");
+    world.boards["uno1"].there = false;
+    world.changed("uno1");
+    world.publish(std::string(kServo) + "/set", "90");
+    world.pass(1s);
+    EXPECT_EQ(world.retained[kError], "Servo angle: the board is not there");
+    EXPECT_EQ(gateway.commands.size(), 1u);
+}
+
+TEST_F(ExporterTest, RetainedCommand_IsNeverExecutedAndCleared) {
+    world.put("uno1", exported(1));
+    world.publish(std::string(kServo) + "/set", "90", true);
+    auto& gateway = world.start();
+    world.pass(5s);
+    EXPECT_TRUE(gateway.commands.empty());
+    EXPECT_FALSE(world.retained.contains(std::string(kServo) + "/set"));
+}
+
+TEST_F(ExporterTest, CommandForWhatIsNotThere_IsLogged) {
+    world.put("uno1", exported(1, false));
+    auto& gateway = world.start();
+    world.pass(3s);
+    for (const auto* topic : {"asip/export/ha/uno1/servo-0-angle/set", "asip/export/ha/uno2/x/set"})
+        world.publish(topic, "90");
+    world.pass(1s);
+    EXPECT_TRUE(gateway.commands.empty());
+    EXPECT_THAT(gateway.log, testing::Contains(HasSubstr("uno2/x, which is not there")));
+}
+
+TEST_F(ExporterTest, ServiceThatIsRemoved_GoesByItsPlatformAloneFirst) {
+    world.put("uno1", exported(2));
+    world.start();
+    world.pass(3s);
+    world.value("uno1", "distance", R"({"distance":[1,2]})");
+    world.put("uno1", exported(1, false));
+    world.pass(5s);
+    EXPECT_THAT(world.devices[kDocument], UnorderedElementsAre("sensor distance-0"));
+    EXPECT_EQ(world.times_sent(kDocument), 3u);
+    EXPECT_THAT(topics(), UnorderedElementsAre(kDocument, kState, kBoard, kDistance));
+}
+
+TEST_F(ExporterTest, ServiceThatIsBackAtOnce_HasItsValue) {
+    world.put("uno1", exported(1));
+    world.start();
+    world.pass(3s);
+    world.value("uno1", "distance", R"({"distance":[1]})");
+    world.put("uno1", exported(0));
+    world.put("uno1", exported(1));
+    world.pass(5s);
+    EXPECT_EQ(world.retained[kDistance], "1");
+}
+
+TEST_F(ExporterTest, BoardThatIsForgottenWhileTheBusIsReadBack_ComesBackWhole) {
+    world.put("uno1", exported(1));
+    world.start();
+    world.pass(3s);
+    world.restart_home_assistant();
+    world.pass(1s);
+    world.forget("uno1");
+    world.pass(3s);
+    EXPECT_FALSE(world.retained.contains(kDocument));
+    world.put("uno1", exported(1));
+    world.pass(3s);
+    EXPECT_TRUE(world.retained.contains(kDocument));
+}
+
+TEST_F(ExporterTest, DocumentThatChangesOften_IsSentEveryTwoSecondsAtMost) {
+    world.put("uno1", exported(1));
+    world.start();
+    world.pass(3s);
+    world.sent.clear();
+    for (int i = 0; i < 100; ++i) {
+        world.put("uno1", exported(1, true, "Desk " + std::to_string(i)));
+        world.step();
+    }
+    world.pass(3s);
+    EXPECT_LE(world.times_sent(kDocument), 7u);
+    EXPECT_THAT(world.retained[kDocument], HasSubstr("Desk 99"));
+}
+
+TEST_F(ExporterTest, HomeAssistantStarts_AndWhatWasDeletedIsThereAgain) {
+    world.put("uno1", exported(1));
+    world.start();
+    world.pass(3s);
+    world.value("uno1", "distance", R"({"distance":[42]})");
+    world.sent.clear();
+    world.restart_home_assistant();
+    world.pass(3s);
+    EXPECT_EQ(world.times_sent(kDocument), 0u) << "the broker has it";
+    for (const auto* topic : {kDocument, kDistance, kBoard})
+        world.retained.erase(topic);
+    world.restart_home_assistant();
+    world.pass(3s);
+    EXPECT_EQ(world.times_sent(kDocument), 1u);
+    EXPECT_EQ(world.retained[kDistance], "42");
+    EXPECT_EQ(world.retained[kBoard], "online");
+    EXPECT_EQ(world.devices[kDocument].size(), 3u);
+}
+
+TEST_F(ExporterTest, GatewayStartsAgain_AndSendsNothingTwice) {
+    world.put("uno1", exported(1));
+    world.value("uno1", "distance", R"({"distance":[42]})");
+    auto& first = world.start();
+    world.pass(3s);
+    world.kill(first);
+    EXPECT_EQ(world.retained[kState], "offline");
+    world.sent.clear();
+    world.start();
+    world.pass(3s);
+    EXPECT_EQ(world.retained[kState], "online");
+    for (const auto* topic : {kDocument, kDistance, kBoard})
+        EXPECT_EQ(world.times_sent(topic), 0u) << topic;
+}
+
+TEST_F(ExporterTest, BrokerWithoutMemory_IsToldEverythingAgain) {
+    world.put("uno1", exported(1));
+    world.value("uno1", "distance", R"({"distance":[42]})");
+    world.start();
+    world.pass(3s);
+    const auto before = topics();
+    world.restart_broker(false);
+    world.pass(12s);
+    EXPECT_EQ(topics(), before);
+    EXPECT_EQ(world.retained[kDistance], "42");
+}
+
+TEST_F(ExporterTest, GatewayEnds_AndNothingIsAvailable) {
+    world.put("uno1", exported(1));
+    auto& gateway = world.start();
+    world.pass(3s);
+    world.end(gateway);
+    EXPECT_EQ(world.retained[kState], "offline");
+}
+
+TEST_F(ExporterTest, OfTwoGateways_OneExports_AndTheOtherTakesOverWithinTenSeconds) {
+    world.put("uno1", exported(1));
+    auto& a = world.start();
+    auto& b = world.start();
+    world.pass(5s);
+    EXPECT_NE(a.exporter->active(), b.exporter->active());
+    EXPECT_EQ(world.times_sent(kDocument), 1u);
+    auto& active = a.exporter->active() ? a : b;
+    auto& other = a.exporter->active() ? b : a;
+    world.pass(60s);
+    EXPECT_TRUE(active.exporter->active());
+    EXPECT_FALSE(other.exporter->active());
+    world.publish(std::string(kServo) + "/set", "90");
+    world.pass(1s);
+    EXPECT_EQ(a.commands.size() + b.commands.size(), 1u);
+    world.kill(active);
+    world.pass(10s);
+    EXPECT_TRUE(other.exporter->active());
+    EXPECT_EQ(world.retained[kState], "online");
+    EXPECT_EQ(world.times_sent(kDocument), 1u);
+}
+
+TEST_F(ExporterTest, TwoGatewaysThatStartAtOnce_EndWithOne) {
+    for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+        ExportWorld many(seed);
+        many.put("uno1", exported(1));
+        many.start();
+        many.start();
+        many.start();
+        many.pass(30s);
+        const auto active = std::count_if(many.gateways.begin(), many.gateways.end(),
+                                          [](const auto& each) { return each->exporter->active(); });
+        EXPECT_EQ(active, 1) << "seed " << seed;
+        EXPECT_EQ(many.retained[kState], "online") << "seed " << seed;
+    }
+}
+
+TEST_F(ExporterTest, OptionThatIsTakenAway_ClearsWhatThisMachineExported) {
+    world.put("uno1", exported(2));
+    world.value("uno1", "distance", R"({"distance":[1,2]})");
+    world.end(world.start());
+    world.gateways.clear();
+    world.pass(3s);
+    auto& first = world.start();
+    world.pass(3s);
+    world.kill(first);
+    auto options = world.options();
+    options.enabled = false;
+    options.host = "another machine";
+    world.start(options);
+    world.pass(20s);
+    EXPECT_EQ(world.devices.size(), 1u) << "of another machine's gateway";
+    options.host = "host";
+    auto& last = world.start(options);
+    world.pass(20s);
+    EXPECT_TRUE(last.exporter->finished());
+    EXPECT_TRUE(world.retained.empty()) << world.retained.begin()->first;
+    EXPECT_TRUE(world.devices.empty());
+}
+
+TEST_F(ExporterTest, OptionThatIsTakenAway_LeavesAnExportThatLives) {
+    world.put("uno1", exported(2));
+    world.start();
+    world.pass(3s);
+    auto options = world.options();
+    options.enabled = false;
+    world.start(options);
+    world.pass(60s);
+    EXPECT_EQ(world.devices.size(), 1u);
+}
+
+TEST_F(ExporterTest, AnotherPrefix_ClearsTheOldOne) {
+    world.put("uno1", exported(1));
+    world.kill(world.start());
+    auto& first = world.start();
+    world.pass(3s);
+    world.kill(first);
+    world.publish("elsewhere/device/other/config", "{}", true);
+    auto options = world.options();
+    options.dialect.prefix = "elsewhere";
+    world.start(options);
+    world.pass(10s);
+    EXPECT_FALSE(world.retained.contains(kDocument));
+    EXPECT_TRUE(world.retained.contains("elsewhere/device/asip-uno1/config"));
+    EXPECT_TRUE(world.retained.contains("elsewhere/device/other/config")) << "of another program";
+}
+
+TEST_F(ExporterTest, ManyBoards_WaitForRoom) {
+    for (int i = 0; i < 100; ++i)
+        world.put("uno" + std::to_string(i), exported(1));
+    world.room = 2;
+    world.start();
+    world.pass(5s);
+    EXPECT_LT(world.devices.size(), 60u);
+    world.pass(60s);
+    EXPECT_EQ(world.devices.size(), 100u);
+}
+
+}  // namespace
+}  // namespace asip::gateway::exports
