@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "AsipLcd.h"
-
 #ifdef __AVR__
+
+#include "AsipLcd.h"
 
 #include "asip/Font.h"
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#ifdef __AVR__
+
 #include "AsipMotion.h"
 
-#ifdef __AVR__
 #include <math.h>
 
 namespace asip {

@@ -11,6 +11,10 @@
 // elsewhere 9.
 #pragma once
 
+#if defined(ARDUINO) && !defined(__AVR__)
+#error "AsipMotion.h reads its chips by the I2C bus of an AVR: there is none on this chip"
+#endif
+
 #include "Asip.h"
 #include "asip/I2cSensor.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "AsipNeoPixels.h"
-
 #ifdef __AVR__
+
+#include "AsipNeoPixels.h"
 
 namespace asip {
 

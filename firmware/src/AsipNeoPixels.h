@@ -8,6 +8,10 @@
 // both.
 #pragma once
 
+#if defined(ARDUINO) && !defined(__AVR__)
+#error "AsipNeoPixels.h sends to its pixels in the cycles of an AVR, which this chip is not"
+#endif
+
 #include "Asip.h"
 #include "asip/PixelStrip.h"
 

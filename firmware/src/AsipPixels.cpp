@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "AsipPixels.h"
-
 #ifdef __AVR__
+
+#include "AsipPixels.h"
 
 namespace asip {
 

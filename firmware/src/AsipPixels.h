@@ -9,6 +9,10 @@
 // RAM: 3 bytes a pixel and 9 for its place in a request.
 #pragma once
 
+#if defined(ARDUINO) && !defined(__AVR__)
+#error "AsipPixels.h sends to its pixels in the cycles of an AVR, which this chip is not"
+#endif
+
 #include "Asip.h"
 #include "asip/PixelStrip.h"
 

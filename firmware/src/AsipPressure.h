@@ -9,6 +9,10 @@
 // use elsewhere 9.
 #pragma once
 
+#if defined(ARDUINO) && !defined(__AVR__)
+#error "AsipPressure.h reads its chip by the I2C bus of an AVR: there is none on this chip"
+#endif
+
 #include "Asip.h"
 #include "asip/I2cSensor.h"
 

@@ -50,6 +50,7 @@ export class Pico {
     this.watchers = []
     this.onByte = () => {}
     this.onReset = () => {}
+    this.onFault = () => {}
     this.started = 0 // nanoseconds that passed before the last reset
     this.load(image)
   }
@@ -74,21 +75,40 @@ export class Pico {
       this.started += this.rp2040.clock.nanos
       this.flash.set(this.rp2040.flash.subarray(0, FLASH_BYTES))
     }
-    const { RP2040, ConsoleLogger, LogLevel } = this.emulator
+    const { RP2040 } = this.emulator
     const rp2040 = (this.rp2040 = new RP2040())
-    rp2040.logger = new ConsoleLogger(LogLevel.Error, false)
+    const quiet = () => {}
+    rp2040.logger = { debug: quiet, info: quiet, warn: quiet, error: (_where, what) => this.onFault(what) }
     rp2040.flash.set(this.flash)
     this.uart = makeUart(this.emulator, rp2040, { sent: (byte) => this.onByte(byte) })
     rp2040.peripherals[0x40034] = this.uart
     addFlash(this.emulator, rp2040, { changed: () => this.store() })
+    this.watchOutputs()
     // What the boot loader does at its end.
     rp2040.core.VTOR = VECTORS
     rp2040.core.SP = rp2040.readUint32(VECTORS)
     rp2040.core.PC = rp2040.readUint32(VECTORS + 4) & ~1
     rp2040.gpio.forEach((pin, number) => pin.addListener(() => this.settle(number)))
     this.levels = new Array(PINS).fill(false)
+    this.shown = new Array(PINS).fill(-1)
     for (let channel = 0; channel < CHANNELS; channel++) rp2040.adc.channelValues[channel] = this.analog[channel]
     for (let pin = 0; pin < PINS; pin++) this.settle(pin)
+  }
+
+  // rp2040js tells of levels only, and of a new duty at the next edge.
+  watchOutputs() {
+    const after = (peripheral, pinsOf) => {
+      const write = peripheral.writeUint32.bind(peripheral)
+      peripheral.writeUint32 = (offset, value) => {
+        write(offset, value)
+        for (const pin of pinsOf(offset)) if (pin < PINS) this.settle(pin)
+      }
+    }
+    after(this.rp2040.peripherals[0x40014], (offset) => (offset < 8 * PINS ? [offset >> 3] : []))
+    after(this.rp2040.pwm, (offset) => {
+      const slice = Math.floor(offset / 0x14)
+      return slice < 8 ? [2 * slice, 2 * slice + 1, 2 * slice + 16, 2 * slice + 17] : []
+    })
   }
 
   store() {
@@ -125,7 +145,7 @@ export class Pico {
     return this.levels[pin]
   }
 
-  /** What is on the wire of a pin: what drives it, what the chip puts out, a pull-up, or low. */
+  /** What is on the wire of a pin: what drives it, what the chip puts out, a pull-up, or low. Tells watchers of what has changed. */
   settle(pin) {
     const gpio = this.rp2040.gpio[pin]
     const level = this.driven[pin] ?? (gpio.outputEnable ? gpio.outputValue : gpio.pullupEnabled)
@@ -133,6 +153,9 @@ export class Pico {
       this.levels[pin] = level
       gpio.setInputValue(level)
     }
+    const shown = Number(level) | (Number(gpio.outputEnable) << 1) | ((this.duty(pin) ?? 256) << 2)
+    if (shown === this.shown[pin]) return
+    this.shown[pin] = shown
     for (const watcher of this.watchers) watcher(pin, level)
   }
 

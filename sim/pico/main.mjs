@@ -14,6 +14,7 @@ const MAX_TURN_NANOS = 10e6 // then its host and its commands are heard
 const MAX_LAG_NANOS = 200e6 // what a board that is further behind does not catch up with
 const MAX_QUEUED_BYTES = 1024
 const MAX_UNREAD_BYTES = 64 * 1024
+const MAX_FAULTS = 10
 const BAD_BOARD = 2, NO_EMULATOR = 3
 
 function end(status, text) {
@@ -55,6 +56,8 @@ function use(socket) {
 }
 let toHost = []
 pico.onByte = (byte) => line && toHost.push(byte)
+let faults = 0 // told of the first ones: a program in a loop makes the same one for ever
+pico.onFault = (what) => faults++ < MAX_FAULTS && event('fault', { what })
 pico.onReset = () => event('reset', { cause: 'external' })
 function sendToHost() {
   if (line && toHost.length > 0 && line.writableLength < MAX_UNREAD_BYTES) line.write(Buffer.from(toHost))

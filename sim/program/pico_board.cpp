@@ -68,9 +68,10 @@ Pace PicoBoard::tick(Time) {
 }
 
 void PicoBoard::add_waits(std::vector<pollfd>& waits) const {
+    // What has ended is readable for ever.
     if (process_.is_running()) waits.push_back({process_.output(), POLLIN, 0});
     if (!plugged_) return;
-    waits.push_back({process_.line(), POLLIN, 0});
+    if (process_.is_running()) waits.push_back({process_.line(), POLLIN, 0});
     pty_.add_waits(waits, has_room());
     tcp_.add_waits(waits, has_room());
 }
@@ -95,8 +96,7 @@ void PicoBoard::hear_all() {
     const bool was_running = process_.is_running();
     while (const auto event = process_.read(0ms))
         heard(*event);
-    if (was_running && !process_.is_running())
-        happened("stopped", {{"reason", "the emulator of the Pico has ended"}});
+    if (was_running && !process_.is_running()) happened("stopped", {{"reason", process_.errors()}});
 }
 
 void PicoBoard::heard(const nlohmann::json& event) {

@@ -28,9 +28,11 @@ class PicoProcess {
     /// The next line that came; nothing within `limit`, or once the program has ended (is_running()).
     std::optional<nlohmann::json> read(std::chrono::milliseconds limit);
 
+    /// The first line of what it wrote to its standard error.
+    std::string errors();
+
   private:
     void end();
-    std::string errors();
 
     pid_t pid_ = -1;
     int line_ = -1, input_ = -1, output_ = -1, error_ = -1;

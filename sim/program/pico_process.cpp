@@ -129,10 +129,11 @@ void PicoProcess::end() {
     pid_ = -1;
 }
 
-/// The first line of what it wrote to its standard error.
 std::string PicoProcess::errors() {
+    // A process that has ended has written all of it; one that has not may never write.
+    pollfd wait{error_, POLLIN, 0};
     std::array<char, 1024> buffer{};
-    const auto count = ::read(error_, buffer.data(), buffer.size());
+    const auto count = ::poll(&wait, 1, 1000) > 0 ? ::read(error_, buffer.data(), buffer.size()) : 0;
     std::string text(buffer.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
     text.resize(std::min(text.size(), text.find('\n')));
     return text.empty() ? std::string("the emulator of the Pico has ended") : text;

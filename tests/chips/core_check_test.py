@@ -53,6 +53,11 @@ class CoreCheck(unittest.TestCase):
             errors = self.compile(lambda text: re.sub(rf"\b{name}\(", f"other_{name}(", text), source)
             self.assertIn("ASIP_SERIAL lacks one of them", errors, name)
 
+    def test_what_needs_an_avr_says_so(self):
+        for header in ("AsipFastSerial", "AsipLcd", "AsipMotion", "AsipNeoPixels", "AsipPixels", "AsipPressure", "AsipServos"):
+            errors = self.compile(str, f"#include <Asip.h>\n#include <{header}.h>\n")
+            self.assertRegex(errors, rf'error: #error "{header}\.h .*AVR', header)
+
     def test_the_page_lists_them(self):
         page = (LIBRARY.parent / "README.md").read_text(encoding="utf-8")
         for name in (*FUNCTIONS, *MACROS, *OF_THE_PORT):

@@ -4,11 +4,14 @@ NODE_PATH leads to the emulator."""
 
 import json
 import os
+import pathlib
+import signal
 import subprocess
 import tempfile
+import time
 import unittest
 
-from bus import BIN, IMAGES, Bus, eventually
+from bus import BIN, IMAGES, Bus, die_with_parent, eventually
 
 UNO = {"name": "uno1", "board": "uno", "image": str(IMAGES / "asip_uno.elf"), "link": "uno1.port",
        "parts": [{"kind": "button", "name": "switch", "pin": 2}, {"kind": "led", "name": "lamp", "pin": 13}]}
@@ -102,6 +105,49 @@ class BadBoards(unittest.TestCase):
         if any(os.path.exists(f"{folder}/rp2040js") for folder in ("/usr/lib/node_modules", "/usr/local/lib/node_modules")):
             self.skipTest("rp2040js is installed for all")
         self.assertIn("npm install --global rp2040js@", self.refused({}, NODE_PATH=""))
+
+    def test_an_emulator_that_ends_is_told_and_costs_nothing(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "pico.json")
+            with open(file, "w", encoding="utf-8") as stream:
+                json.dump({**PICO, "link": os.path.join(folder, "port")}, stream)
+            sim = subprocess.Popen([str(BIN / "asip-sim"), "--json", "--no-socket", file], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True, preexec_fn=die_with_parent)
+            self.addCleanup(lambda: (sim.kill(), sim.communicate()))
+            self.assertEqual(json.loads(sim.stdout.readline())["event"], "port")
+            children = [int(child) for task in pathlib.Path(f"/proc/{sim.pid}/task").iterdir()
+                        for child in (task / "children").read_text(encoding="ascii").split()]
+            self.assertEqual(len(children), 1)
+            os.kill(children[0], signal.SIGKILL)
+            while (event := json.loads(sim.stdout.readline())).get("event") != "stopped":
+                pass
+            self.assertEqual(event["reason"], "the emulator of the Pico has ended")
+            before = self.processor_seconds(sim.pid)
+            time.sleep(1)
+            self.assertLess(self.processor_seconds(sim.pid) - before, 0.3)
+            sim.stdin.write("press pico1/knob\n")
+            sim.stdin.flush()
+            self.assertIn("pico1 has stopped", sim.stderr.readline())
+            sim.communicate("quit\n", timeout=60)
+            self.assertEqual(sim.returncode, 0)
+
+    def test_an_image_is_a_bare_board(self):
+        sim = subprocess.Popen([str(BIN / "asip-sim"), "--json", "--no-socket", "--board", "pico", str(IMAGES / "asip_pico.elf")],
+                               stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, preexec_fn=die_with_parent)
+        self.addCleanup(lambda: (sim.kill(), sim.communicate()))
+        with open(json.loads(sim.stdout.readline())["path"], "r+b", buffering=0) as port:
+            port.write(b"I,A,0\n#,?\n")
+            text = b""
+            while b"@#,?,0,4,RP2040,30,AsipPlainSerial\n" not in text:
+                text += port.read(200)
+        sim.communicate("quit\n", timeout=60)
+        self.assertEqual(sim.returncode, 0)
+
+    @staticmethod
+    def processor_seconds(pid):
+        with open(f"/proc/{pid}/stat", encoding="ascii") as stat:
+            words = stat.read().rsplit(")", 1)[1].split()
+        return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
 
     def test_without_node_it_says_what_to_install(self):
         self.assertIn("apt install nodejs", self.refused({}, PATH="/nowhere"))

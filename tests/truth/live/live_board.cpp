@@ -10,7 +10,7 @@ namespace truth {
 
 namespace test = asip::test;
 
-LiveBoard::LiveBoard(std::string name, const std::string& image, bool checksums,
+LiveBoard::LiveBoard(std::string name, const std::string& board, const std::string& image, bool checksums,
                      const std::string& broker_url, std::uint64_t seed)
     : name_(std::move(name)),
       checksums_(checksums),
@@ -22,9 +22,8 @@ LiveBoard::LiveBoard(std::string name, const std::string& image, bool checksums,
         parts +=
             fmt::format(R"({}{{"kind":"led","name":"p{}","pin":{}}})", parts.empty() ? "" : ",", pin, pin);
     const auto file = folder_.write(
-        "board.json",
-        fmt::format(R"({{"name":"{}","board":"uno","image":"{}/{}.elf","tcp":{},"parts":[{}]}})", name_,
-                    ASIP_IMAGES, image, board_port, parts));
+        "board.json", fmt::format(R"({{"name":"{}","board":"{}","image":"{}/{}.elf","tcp":{},"parts":[{}]}})",
+                                  name_, board, ASIP_IMAGES, image, board_port, parts));
     simulator_ = std::make_unique<test::ChildProcess>(
         std::vector<std::string>{ASIP_PROGRAMS "/asip-sim", file, "--no-socket", "--json"});
     if (!simulator_->wait_for_output("tcp")) throw std::runtime_error("asip-sim: " + simulator_->errors());

@@ -14,11 +14,12 @@ namespace truth {
 
 constexpr int kPins[] = {3, 5, 6, 9, 10, 11};
 
-/// A simulated Uno with an LED at each PWM pin, its damaged line, and the agent that brings it onto the bus.
+/// A simulated board (an Uno or a Pico) with an LED at each PWM pin, its damaged line, and the agent that
+/// brings it onto the bus.
 class LiveBoard {
   public:
-    LiveBoard(std::string name, const std::string& image, bool checksums, const std::string& broker_url,
-              std::uint64_t seed);
+    LiveBoard(std::string name, const std::string& board, const std::string& image, bool checksums,
+              const std::string& broker_url, std::uint64_t seed);
 
     const std::string& name() const { return name_; }
     bool has_checksums() const { return checksums_; }

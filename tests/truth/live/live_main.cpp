@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The truth test with everything real: firmware in simavr behind a damaged line, agents, Mosquitto, clients
-// over MQTT and TCP. What the LEDs at the boards' pins showed is compared with each answer.
+// The truth test with everything real: firmware in simulated boards behind a damaged line, agents, Mosquitto,
+// clients over MQTT and TCP. What the LEDs at the boards' pins showed is compared with each answer.
 //
 // That it can fail was tried with agents that were broken on purpose; what it then said, within three or four
 // rounds:
@@ -34,6 +34,8 @@ int main(int argc, char** argv) {
     app.add_option("--rounds", rounds, "How many rounds")->capture_default_str();
     app.add_option("--seconds", seconds, "Instead: rounds until then");
     app.add_option("--active", active, "Seconds of commands in a round")->capture_default_str();
+    bool pico = false;
+    app.add_flag("--pico", pico, "The board with our firmware is a Pico, in its emulator (NODE_PATH)");
     CLI11_PARSE(app, argc, argv);
     truth::Counts counts;
     const auto end = truth::now_ms() + static_cast<std::int64_t>(seconds * 1000);
@@ -41,7 +43,7 @@ int main(int argc, char** argv) {
          seconds > 0 ? truth::now_ms() < end : seed < first + static_cast<unsigned>(rounds); ++seed) {
         std::unique_ptr<truth::Round> round;
         try {
-            round = std::make_unique<truth::Round>(seed, counts);
+            round = std::make_unique<truth::Round>(seed, counts, pico);
         } catch (const std::runtime_error& error) {
             // Another program may have taken a port that was free.
             fmt::print("seed {}: not begun: {}\n", seed, error.what());

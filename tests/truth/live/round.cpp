@@ -21,11 +21,12 @@ constexpr const char* kReplies = "asip/reply/truth";
 
 }  // namespace
 
-Round::Round(std::uint64_t seed, Counts& counts) : seed_(seed), counts_(counts), dice_(seed) {
+Round::Round(std::uint64_t seed, Counts& counts, bool pico) : seed_(seed), counts_(counts), dice_(seed) {
     ++counts_.rounds;
-    boards_.push_back(std::make_unique<LiveBoard>("ours", "asip_uno", true, broker_.url(), dice_.draw()));
+    boards_.push_back(std::make_unique<LiveBoard>(
+        "ours", pico ? "pico" : "uno", pico ? "asip_pico" : "asip_uno", true, broker_.url(), dice_.draw()));
     boards_.push_back(
-        std::make_unique<LiveBoard>("plain", "asip_uno_04", false, broker_.url(), dice_.draw()));
+        std::make_unique<LiveBoard>("plain", "uno", "asip_uno_04", false, broker_.url(), dice_.draw()));
     set_up();
 }
 

@@ -57,7 +57,8 @@ struct Outage {
 
 class Round {
   public:
-    Round(std::uint64_t seed, Counts& counts);
+    /// The board with our firmware is an Uno or a Pico.
+    Round(std::uint64_t seed, Counts& counts, bool pico);
     void run(std::int64_t active_ms);
 
   private:
