@@ -124,16 +124,19 @@ void Machine::become_ready(Time now, Actions& out) {
     queue_.set_byte_time(wire_.byte_time());
     queue_.set_longest_request(identity_.extensions.longest_request());
     queue_.set_checksum_bytes(wire_.writes_checksums() ? Wire::kChecksumBytes : 0);
-    if (restore_) {
-        for (std::string& line : settings_.restore()) {
-            Request request;
-            request.line = std::move(line);
-            queue_.waiting().push_own(std::move(request));
-        }
-    }
+    if (restore_) restore_settings();
     restore_ = true;
+    restore_again_ = false;
     out.emplace_back(Identified{std::exchange(changed_, false)});
     pump(now, out);
+}
+
+void Machine::restore_settings() {
+    for (std::string& line : settings_.restore()) {
+        Request request;
+        request.line = std::move(line);
+        queue_.waiting().push_own(std::move(request));
+    }
 }
 
 void Machine::board_restarted(std::string why, Time now, Actions& out) {
@@ -254,6 +257,9 @@ void Machine::report(std::vector<RequestEnd>& ended, Actions& out) {
             note_period(end);
             note_renewed(end.request.service());
         }
+        const bool in_doubt = end.ending == Ending::kDoubt || end.ending == Ending::kTimeout;
+        if (end.request.id == 0 && in_doubt && SettingsMemory::is_setting(end.request.line))
+            restore_again_ = true;
         if (end.request.id == 0) continue;
         out.emplace_back(Finished{end.request.id, end.ending, end.not_sent, end.code, std::move(end.text),
                                   std::move(end.answer)});

@@ -161,6 +161,7 @@ class Machine {
 
     void write(const std::vector<std::string>& lines, Time now, Actions& out);
     void note_period(const RequestEnd& end);
+    void restore_settings();
     void report(std::vector<RequestEnd>& ended, Actions& out);
     void abandon_in_flight(Ending ending, Actions& out);
     bool has_checksums() const;
@@ -187,6 +188,8 @@ class Machine {
     bool checksums_seen_ = false;      // the board sent one, or asked for one, while we sent none
     bool changed_ = false;             // the next Identified is of another board than the last
     bool restore_ = false;             // settings are to be restored once the board is ready
+    bool restore_again_ = false;       // it may not have executed one of those that were restored
+    Time restored_again_at_{};
     std::string banner_services_;
     unsigned suspect_baud_ = 0;  // rate at which there was too much garbage
     unsigned ready_baud_ = 0;    // rate at which the board was last ready

@@ -14,6 +14,8 @@ constexpr unsigned kGarbageLimit = 3;
 constexpr unsigned kLostFenceLimit = 3;
 // The board reports by itself as long as the last report is not older.
 constexpr Duration kReportsLast = std::chrono::seconds(1);
+// Between two attempts to restore what clients had set.
+constexpr Duration kRestoreAgain = std::chrono::milliseconds(100);
 
 }  // namespace
 
@@ -79,12 +81,22 @@ void Machine::on_time(Ready&, Time now, Actions& out) {
 }
 
 Time Machine::deadline(const Ready&) const {
-    return std::min(queue_.idle() ? last_byte_ + options_.silence : Time::max(), next_renewal());
+    const bool waits = restore_again_ && !leaving_ && !queue_.in_flight();
+    const Time restores = waits ? restored_again_at_ + kRestoreAgain : Time::max();
+    return std::min({queue_.idle() ? last_byte_ + options_.silence : Time::max(), next_renewal(), restores});
 }
 
 void Machine::pump(Time now, Actions& out) {
     if (leaving_) return leave_once_quiet(now, out);
     switch_checksums();
+    // Behind all that is under way, so that it is the latest of what clients had set.
+    const bool restores = restore_again_ && now >= restored_again_at_ + kRestoreAgain;
+    if (restores && !queue_.in_flight()) {
+        restore_settings();
+        restored_again_at_ = now;
+        restore_again_ = false;
+    }
+    queue_.hold_back(restores && restore_again_);
     queue_.set_reporting(!reports_.empty() && now < last_report_ + kReportsLast);
     if ((queue_.will_resynchronise() || queue_.urgent_while_stalled()) && has_checksums() &&
         (wire_.writes_checksums() || wants_checksums())) {

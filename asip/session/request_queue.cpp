@@ -98,7 +98,8 @@ bool RequestQueue::settles_first(const Request& next, const SelfReports& reports
 
 bool RequestQueue::next_may_go(Time now, std::vector<std::string>& lines) {
     const Request& next = waiting_.front();
-    if (next_is_too_long_for(checksum_bytes_) || now >= next.deadline || (stalled_ && !next.urgent))
+    if (next_is_too_long_for(checksum_bytes_) || now >= next.deadline ||
+        ((stalled_ || held_back_) && !next.urgent))
         return false;
     // A value that is on its way keeps its checksum.
     if (in_flight_.awaits_values() && next.line == protocol::set_checksum(false)) return false;

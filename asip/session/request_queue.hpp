@@ -38,6 +38,8 @@ class RequestQueue {
     }
     /// Without line end and checksum.
     void set_longest_request(std::size_t bytes) { longest_request_ = bytes; }
+    /// What waits and is not urgent is kept until this is undone.
+    void hold_back(bool on) { held_back_ = on; }
     /// The board sends events by itself, at least now and then.
     void set_reporting(bool on) { reporting_ = on; }
 
@@ -134,6 +136,7 @@ class RequestQueue {
     Duration byte_time_{};
     bool reporting_ = false;
     bool stalled_ = false;  // a fence is overdue
+    bool held_back_ = false;
     bool probe_wanted_ = false;
     bool fills_batch_ = false;       // the open batch gets its fence when there is room for more of them
     Time settled_at_ = Time::max();  // when what waits for the last reports may go

@@ -48,6 +48,11 @@ void SettingsMemory::refused(std::string_view line) {
     }
 }
 
+bool SettingsMemory::is_setting(std::string_view line) {
+    const auto request = protocol::parse_request(line);
+    return request && (parse_mode_request(line) || (request->tag == 'A' && request->service != '#'));
+}
+
 std::vector<std::string> SettingsMemory::restore() const {
     std::vector<std::string> lines;
     for (const auto& [pin, line] : modes_)

@@ -17,6 +17,9 @@ class SettingsMemory {
     /// A request that was taken for executed and then refused.
     void refused(std::string_view line);
 
+    /// Whether a request is one of those that are remembered.
+    static bool is_setting(std::string_view line);
+
     bool empty() const { return modes_.empty() && periods_.empty(); }
     /// Request lines that set everything again: modes first, by pin.
     std::vector<std::string> restore() const;

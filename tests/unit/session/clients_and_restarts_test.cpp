@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+
 #include "tests/unit/session/board_session_bench.hpp"
 #include "tests/unit/session/scripted_board.hpp"
 
@@ -74,6 +77,53 @@ TEST_P(EachGeneration, BannerCutInHalf_IsStillARestart) {
     bench.say("ing on ATmega328P with Services: I S D \r\n");
     ASSERT_TRUE(bench.ready_within(1s));
     EXPECT_THAT(bench.board.executed, ElementsAre("I,P,13,3"));
+}
+
+struct RestoredDamaged : testing::Test {
+    RestoredDamaged() : bench(no_step_up()) {
+        bench.board.verified_fences = true;
+        bench.plug();
+        EXPECT_TRUE(bench.ready_within());
+        bench.request("I,P,13,3");
+        bench.board.misreads["I,P,13,3"] = "I,P,13,1";
+        bench.say(bench.board.reboot());
+        EXPECT_TRUE(bench.ready_within(1s));
+    }
+    std::string last_mode() const {
+        const auto& executed = bench.board.executed;
+        const auto last = std::find_if(executed.rbegin(), executed.rend(),
+                                       [](const auto& line) { return line.starts_with("I,P,13,"); });
+        return last == executed.rend() ? "" : *last;
+    }
+    Bench bench;
+};
+
+TEST_F(RestoredDamaged, SettingChangedOnTheWay_IsRestoredAgain) {
+    EXPECT_EQ(last_mode(), "I,P,13,1");
+    bench.board.misreads.clear();
+    bench.pass(3s);
+    EXPECT_EQ(last_mode(), "I,P,13,3");
+}
+
+TEST_F(RestoredDamaged, SetOtherwiseMeanwhile_TheLaterSettingStays) {
+    const auto id = bench.request("I,P,13,2");
+    bench.board.misreads.clear();
+    bench.pass(3s);
+    const auto later = bench.request("I,P,13,5");
+    bench.pass(3s);
+    ASSERT_NE(bench.end_of(id), nullptr);
+    ASSERT_NE(bench.end_of(later), nullptr);
+    EXPECT_EQ(bench.end_of(later)->ending, Ending::kExecuted);
+    EXPECT_EQ(last_mode(), "I,P,13,5");
+}
+
+TEST_F(RestoredDamaged, ClientsFloodMeanwhile_AreServedAndItIsRestored) {
+    for (int i = 0; i < 40; ++i)
+        bench.request("I,d,12," + std::to_string(i % 2), {.client = 1});
+    bench.board.misreads.clear();
+    bench.pass(3s);
+    EXPECT_EQ(last_mode(), "I,P,13,3");
+    EXPECT_EQ(bench.session.queued(), 0u);
 }
 
 TEST(BoardSession, RestartAtAFastRate_IsNoticedByGarbageAndRestored) {
