@@ -195,11 +195,12 @@ void Gateway::command(Commands::Start start, Commands::Done done) {
     }
 }
 
-bool Gateway::ask_registry(const std::string& payload, const std::string& client, Answered done) {
+bool Gateway::ask_registry(const std::string& payload, const std::string& client, Answered done,
+                           std::string topic) {
     auto part = budget_.part(client);
     if (!part.set(kBytesOfQuestion)) return false;
     mqtt::Message message;
-    message.topic = mirror_.topics().any_registry_query();
+    message.topic = topic.empty() ? mirror_.topics().any_registry_query() : std::move(topic);
     message.payload = payload;
     message.qos = 1;
     auto& question = questions_.emplace_back();

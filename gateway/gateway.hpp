@@ -17,7 +17,7 @@
 #include "gateway/auth/gate.hpp"
 #include "gateway/commands/commands.hpp"
 #include "gateway/http/server.hpp"
-#include "gateway/metrics/histogram.hpp"
+#include "gateway/metrics/command_times.hpp"
 #include "gateway/mirror/mirror.hpp"
 #include "gateway/rate.hpp"
 #include "gateway/stream/streams.hpp"
@@ -103,7 +103,7 @@ class Gateway {
     /// What clients call their sessions -> a level of a topic. Kept since each command needs one; bounded in
     /// number by the one place that adds to it.
     std::unordered_map<std::string, std::string>& session_names() { return session_names_; }
-    const metrics::Histogram& command_durations() const { return durations_; }
+    const metrics::CommandTimes& command_durations() const { return durations_; }
     const model::ModelSet& models() const { return models_; }
     api::BoardTexts& board_texts() { return board_texts_; }
     api::BoardModels& board_models() { return board_models_; }
@@ -118,7 +118,8 @@ class Gateway {
     /// a refusal (Answer::refused), and is valid for the call only. What waits for it is counted to `client`.
     /// False: there is no room for that, and `done` is not called.
     using Answered = std::function<void(const bus::Answer*)>;
-    bool ask_registry(const std::string& payload, const std::string& client, Answered done);
+    bool ask_registry(const std::string& payload, const std::string& client, Answered done,
+                      std::string topic = {});
     /// Waits for the next value of a service, at most `limit`. A wait is a stream of its client: it is
     /// counted as one, and ends when the connection or the right to it does. `done` is called once, with true
     /// when the right was taken back, and not at all where nobody waits for the reply any more.
@@ -152,7 +153,7 @@ class Gateway {
     api::BoardTexts board_texts_;
     api::BoardModels board_models_{models_};
     std::unordered_map<std::string, std::string> session_names_;
-    metrics::Histogram durations_;
+    metrics::CommandTimes durations_;
     std::vector<const CommandRecord*> to_log_;  // of commands_, which keeps them for a minute
     bus::Requester requester_;
     std::list<Question> questions_;

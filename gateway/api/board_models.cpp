@@ -20,13 +20,20 @@ model::ServiceInfo info_of(const bus::ServiceItem& service) {
 
 model::ModelPtr BoardModels::find(const bus::BoardItem& board, std::string_view service,
                                   const Description& description) {
-    if (entries_.size() >= kMaxBoards && !entries_.contains(board.board)) entries_.clear();
+    if (bytes_ > kMaxBytes || (entries_.size() >= kMaxBoards && !entries_.contains(board.board))) {
+        entries_.clear();
+        bytes_ = 0;
+    }
     Entry& entry = entries_[board.board];
     const bool known = !entry.services.empty() && entry.session == board.session && entry.seq == board.seq &&
                        entry.services == board.services;
     if (!known) {
-        entry = {board.session, board.seq, board.services, {}};
+        bytes_ -= entry.bytes;
+        entry = {board.session, board.seq, board.services, {}, 0};
         const auto text = description();
+        // A model of a board's own takes several times the bytes of its text.
+        entry.bytes = 8 * text.size() + sizeof(Entry) + board.services.size() * 2 * sizeof(bus::ServiceItem);
+        bytes_ += entry.bytes;
         const auto parsed = model::parse_description(text);
         for (const auto& each : board.services) {
             if (text.empty()) {

@@ -15,6 +15,8 @@ namespace asip::gateway::api {
 class BoardModels {
   public:
     static constexpr std::size_t kMaxBoards = 500;
+    /// Beyond it, which the last board may exceed, all are read again.
+    static constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
     /// JSON text of the board's description; empty: it has none.
     using Description = std::function<std::string()>;
 
@@ -23,6 +25,8 @@ class BoardModels {
     /// `description` is called only where the board's was not read yet. Null: none describes the service.
     model::ModelPtr find(const bus::BoardItem& board, std::string_view service,
                          const Description& description);
+    /// Of what is kept, about.
+    std::size_t bytes() const { return bytes_; }
 
   private:
     struct Entry {
@@ -30,9 +34,11 @@ class BoardModels {
         std::uint64_t seq = 0;
         std::vector<bus::ServiceItem> services;
         std::map<std::string, model::ModelPtr, std::less<>> models;
+        std::size_t bytes = 0;
     };
     const model::ModelSet& models_;
     std::map<std::string, Entry, std::less<>> entries_;
+    std::size_t bytes_ = 0;
 };
 
 }  // namespace asip::gateway::api

@@ -18,8 +18,15 @@ void keep_steady(text::WallTime& kept, text::WallTime now) {
 
 }  // namespace
 
+void BoardTexts::make_room_for(const std::string& board) {
+    const bool full = bytes_ > kMaxBytes || (entries_.size() >= kMaxBoards && !entries_.contains(board));
+    if (!full) return;
+    entries_.clear();
+    bytes_ = 0;
+}
+
 std::string BoardTexts::text(const bus::BoardItem& board) {
-    if (entries_.size() >= kMaxBoards && !entries_.contains(board.board)) entries_.clear();
+    make_room_for(board.board);
     Entry& entry = entries_[board.board];
     entry.board.age = board.age;
     entry.board.last_seen = board.last_seen;
@@ -33,6 +40,11 @@ std::string BoardTexts::text(const bus::BoardItem& board) {
         object.erase("last_seen");
         object.erase("state_age");
         entry.rest = model::dump_json(object).substr(1);
+        // The item holds the same texts again, and a few hundred bytes for each of its services.
+        const std::size_t bytes =
+            2 * entry.rest.capacity() + sizeof(Entry) + board.services.size() * sizeof(bus::ServiceItem);
+        bytes_ += bytes - entry.bytes;
+        entry.bytes = bytes;
     }
     std::string text = "{";
     if (board.last_seen != text::WallTime{}) {

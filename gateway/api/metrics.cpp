@@ -29,6 +29,11 @@ void get_metrics(Call& call) {
     for (std::size_t i = 0; i < catalogue::kStates; ++i) {
         snapshot.boards_by_state.emplace_back(model::to_text(static_cast<model::BoardState>(i)), boards[i]);
     }
+    using Reason = model::StateReason;
+    auto lost = mirror.lost_by_reason(view);
+    for (const auto reason : {Reason::kUnplugged, Reason::kSilent, Reason::kAgentGone, Reason::kExpired})
+        snapshot.lost_by_reason.emplace_back(model::to_text(reason), lost[reason]);
+    snapshot.lost_by_reason.emplace_back("unknown", lost[Reason::kNone]);
     snapshot.services_by_kind = mirror.services_by_kind(view);
     if (!rights.limited()) {  // what registries count is of all boards
         for (const auto& [id, info] : mirror.registries())

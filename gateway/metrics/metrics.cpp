@@ -204,6 +204,9 @@ void add_catalogue(Exposition& out, const Snapshot& snapshot) {
     out.family("asip_boards", Type::kGauge, {}, "Boards by state");
     for (const auto& [state, count] : snapshot.boards_by_state)
         out.sample({{"state", state}}, static_cast<double>(count));
+    out.family("asip_boards_lost", Type::kGauge, {}, "Boards that are lost, by reason");
+    for (const auto& [reason, count] : snapshot.lost_by_reason)
+        out.sample({{"reason", reason}}, static_cast<double>(count));
     auto kinds = snapshot.services_by_kind;
     std::sort(kinds.begin(), kinds.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
     out.family("asip_services", Type::kGauge, {}, "Services by kind");
@@ -257,7 +260,7 @@ void add_gateway(Exposition& out, const Snapshot& s) {
     out.sample({{"outcome", "refused"}}, count(s.commands.refused));
     out.family("asip_gateway_command_duration_seconds", Type::kHistogram, "seconds",
                "From a command's request to its answer");
-    out.histogram({}, Histogram::bounds(), s.durations.buckets(), s.durations.count(), s.durations.sum());
+    out.histogram({}, CommandTimes::bounds(), s.durations.buckets(), s.durations.count(), s.durations.sum());
 }
 
 void add_process(Exposition& out, const Snapshot& s) {

@@ -9,8 +9,8 @@
 
 #include "gateway/commands/commands.hpp"
 #include "gateway/http/server.hpp"
+#include "gateway/metrics/command_times.hpp"
 #include "gateway/metrics/exposition.hpp"
-#include "gateway/metrics/histogram.hpp"
 
 namespace asip::gateway::metrics {
 
@@ -19,7 +19,7 @@ namespace asip::gateway::metrics {
 struct Snapshot {
     http::ServerCounters server;
     Commands::Counters commands;
-    Histogram durations;
+    CommandTimes durations;
     bool broker_connected = false;
     std::size_t streams = 0;
     // Of Values: since the start, and what is kept now.
@@ -28,6 +28,7 @@ struct Snapshot {
     std::size_t values_bytes = 0;
     std::size_t last_values_bytes = 0;
     std::vector<std::pair<std::string, std::size_t>> boards_by_state;
+    std::vector<std::pair<std::string, std::size_t>> lost_by_reason;  ///< each reason, also where none is
     std::vector<std::pair<std::string, std::size_t>> services_by_kind;
     std::vector<std::pair<std::string, std::string>> registries;  ///< id, JSON of its `$stats`
     std::vector<std::pair<std::string, std::string>> boards;      ///< name, JSON of its `$stats`

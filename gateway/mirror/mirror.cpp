@@ -241,6 +241,14 @@ Expected<bus::Answer> Mirror::find(const bus::Query& query, const Instant& now, 
     return answer;
 }
 
+std::map<model::StateReason, std::size_t> Mirror::lost_by_reason(const catalogue::View& view) const {
+    std::map<model::StateReason, std::size_t> counts;
+    catalogue_.for_each([&](std::string_view board, model::BoardState state, model::StateReason reason) {
+        if (state == model::BoardState::kLost && (!view.board || view.board(board))) ++counts[reason];
+    });
+    return counts;
+}
+
 std::vector<std::string> Mirror::board_names() const {
     std::vector<std::string> names;
     catalogue_.for_each(

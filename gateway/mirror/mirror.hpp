@@ -80,6 +80,8 @@ class Mirror {
     std::array<std::size_t, catalogue::kStates> boards_by_state(const catalogue::View& view) const {
         return catalogue_.boards_by_state(view);
     }
+    /// Of boards that are lost.
+    std::map<model::StateReason, std::size_t> lost_by_reason(const catalogue::View& view) const;
     std::size_t size() const { return catalogue_.size(); }
     bool knows(std::string_view board) const { return catalogue_.knows(board); }
 

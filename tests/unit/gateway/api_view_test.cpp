@@ -148,6 +148,13 @@ TEST_F(ViewTest, Metrics_CountWhatIsSeen) {
     EXPECT_THAT(text, HasSubstr("asip_boards{state=\"offline\"} 1\n"));
     EXPECT_THAT(text, HasSubstr("asip_services{asip_service=\"servo\"} 2\n"));
     EXPECT_EQ(as("lobby", "/metrics")->status(), 403);
+    bus("asip/servicebus/alpha/$state", "lost");
+    bus("asip/servicebus/zeta/$state", "lost");
+    EXPECT_THAT(std::string(as("all", "/metrics")->response->text()),
+                AllOf(HasSubstr("asip_boards_lost{reason=\"agent-gone\"} 2\n"),
+                      HasSubstr("asip_boards_lost{reason=\"unplugged\"} 0\n")));
+    EXPECT_THAT(std::string(as("team", "/metrics")->response->text()),
+                HasSubstr("asip_boards_lost{reason=\"agent-gone\"} 1\n"));
 }
 
 TEST_F(ViewTest, StreamsSnapshotsAndChanges_SayNothingHidden) {

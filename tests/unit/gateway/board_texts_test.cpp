@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
+
+#include "gateway/api/board_models.hpp"
 
 namespace asip::gateway::api {
 namespace {
@@ -39,6 +43,41 @@ TEST(BoardTexts, AskedAgainAndAgain_EveryChangeIsInTheText) {
     servo.name = servo.kind = "servo";
     board.services.push_back(servo);
     expect_true(texts, board);
+}
+
+TEST(BoardTexts, BoardsWithLongDescriptions_AreKeptUpToANumberOfBytes) {
+    BoardTexts texts;
+    std::size_t largest = 0;
+    for (int i = 0; i < 1000; ++i) {
+        auto board = board_item("b" + std::to_string(i));
+        board.description = R"({"x":")" + std::string(60'000, 'x') + R"("})";
+        texts.text(board);
+        largest = std::max(largest, texts.bytes());
+    }
+    EXPECT_GT(largest, BoardTexts::kMaxBytes / 2);
+    EXPECT_LT(largest, BoardTexts::kMaxBytes + 300'000);
+    auto board = board_item("b0");
+    for (std::size_t i = 0; i < 1000; ++i) {  // of one board, each other than the last
+        board.description = R"({"x":")" + std::string(60'000 - i, 'x') + R"("})";
+        texts.text(board);
+    }
+    EXPECT_LT(texts.bytes(), BoardTexts::kMaxBytes + 300'000);
+    expect_true(texts, board);
+}
+
+TEST(BoardModels, BoardsWithLongDescriptions_AreKeptUpToANumberOfBytes) {
+    const model::ModelSet none;
+    BoardModels models(none);
+    std::size_t largest = 0;
+    for (int i = 0; i < 1000; ++i) {
+        auto board = board_item("b" + std::to_string(i));
+        board.services.resize(1);
+        board.services[0].name = "servo";
+        models.find(board, "servo", [] { return R"({"x":")" + std::string(60'000, 'x') + R"("})"; });
+        largest = std::max(largest, models.bytes());
+    }
+    EXPECT_GT(largest, BoardModels::kMaxBytes / 2);
+    EXPECT_LT(largest, BoardModels::kMaxBytes + 1'000'000);
 }
 
 TEST(BoardTexts, BoardThatWasNeverHeard_HasNoAge) {

@@ -8,7 +8,7 @@ namespace asip::gateway::metrics {
 
 /// How long commands took, from the request to the answer, in seconds. A bucket counts all up to its bound,
 /// as Prometheus wants it: the last bound's bucket is not all of them, count() is.
-class Histogram {
+class CommandTimes {
   public:
     /// The bounds: a command takes milliseconds, and its deadline is 5 s where none is given.
     static constexpr std::array<double, 12> kSeconds{0.001, 0.0025, 0.005, 0.01, 0.025, 0.05,
