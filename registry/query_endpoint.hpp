@@ -2,7 +2,9 @@
 #pragma once
 #include <deque>
 #include <functional>
+#include <optional>
 
+#include "asip/bus/request_envelope.hpp"
 #include "asip/mqtt/message.hpp"
 #include "registry/queries.hpp"
 
@@ -27,10 +29,22 @@ class QueryEndpoint {
     /// keeps a history answers what is asked of histories first, and those that keep none say so later: the
     /// asker takes the first answer.
     void request(const mqtt::Message& message, bool to_any, Time now);
+    /// From now on requests to forget are refused here: they come by forget().
+    void set_forget_topic(std::string topic) { forget_topic_ = std::move(topic); }
+    /// A message on the topic for requests to forget.
+    void forget(const mqtt::Message& message);
     /// Call a few times a second.
     void tick(Time now);
 
   private:
+    struct Question {
+        bus::ReplyTo reply;
+        Queries::Request request;
+    };
+    /// None: nobody is to be answered, or was already.
+    std::optional<Question> read(const mqtt::Message& message);
+    void publish(bus::Answer answer, const bus::ReplyTo& reply);
+
     struct Later {
         Time due;
         mqtt::Message answer;
@@ -39,6 +53,7 @@ class QueryEndpoint {
     Publish publish_;
     MayAnswer may_answer_;
     std::size_t max_bytes_ = 0;
+    std::string forget_topic_;  // empty: queries and requests to forget come by one topic
     std::deque<Later> later_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registry/registry.hpp"
 
+#include "asip/bus/forget_topics.hpp"
 #include "asip/bus/reply_topics.hpp"
 #include "asip/mqtt/failure.hpp"
 #include "asip/program/log.hpp"
@@ -55,6 +56,7 @@ Registry::Registry(const RegistryOptions& options, model::ModelSet models, Rando
           },
           [this](const std::string& topic) { return may_answer(topic); }) {
     catalogue_.suspend();
+    if (has_user_) endpoint_.set_forget_topic(bus::forget_topic(topics_, id_));
 }
 
 Catalogue::Options Registry::catalogue_options(const RegistryOptions& options,
@@ -107,6 +109,8 @@ std::vector<Registry::Subscription> Registry::subscriptions() const {
             {first_state_.reply_topic(), 1, false},
             {topics_.any_registry_query(), 1, false},
             {topics_.registry_query(id_), 1, false},
+            {bus::forget_topic(topics_), 1, false},
+            {bus::forget_topic(topics_, id_), 1, false},
             {identity_.reply_topic(), 0, false}};
 }
 
@@ -154,6 +158,8 @@ void Registry::message(const mqtt::Message& message, Instant now) {
     if (message.retain) first_state_.retained_came(now.time);
     if (message.topic == identity_.reply_topic()) return identity(message);
     if (message.topic == first_state_.reply_topic()) return first_state_answer(message);
+    if (message.topic == bus::forget_topic(topics_) || message.topic == bus::forget_topic(topics_, id_))
+        return endpoint_.forget(message);
     const auto topic = topics_.parse(message.topic);
     if (!topic) {
         if (message.retain) {

@@ -4,6 +4,8 @@
 #include <optional>
 #include <string_view>
 
+#include "asip/bus/forget_topics.hpp"
+
 namespace asip::cli {
 namespace {
 
@@ -16,7 +18,7 @@ Outcome<bool> ask(const Environment& environment, BusSession& session, const std
     bus::RegistryRequest request;
     request.what = bus::Forget{board, false};
     const auto asked =
-        session.ask(environment.topics.registry_query(registry), bus::encode(request),
+        session.ask(bus::forget_topic(environment.topics, registry), bus::encode(request),
                     [&answer](const mqtt::Message& message) { answer = bus::parse_answer(message.payload); });
     session.run_until([&answer] { return answer.has_value(); }, Clock::now() + environment.timeout);
     if (session.stopped()) return interrupted();

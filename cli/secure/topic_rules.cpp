@@ -161,6 +161,15 @@ std::vector<TopicRule> all_rules() {
     std::vector<TopicRule> rules;
     for (std::size_t kind = 0; kind < kKinds; ++kind)
         rules.push_back(rule_of(static_cast<TopicKind>(kind)));
+    for (const char* topic : {"registry/ID/forget", "registry/forget"})
+        rules.push_back({topic,
+                         {},
+                         {},
+                         kWriteOnly,
+                         kReadOnly,
+                         "registry: an answer",
+                         "registry: 1,000 boards at most are forgotten",
+                         "registry: a row of the history"});
     const Rights asks{kReadOwn};
     // A gateway has a level for each of its sessions.
     for (const char* topic : {"reply/USER/BOARD/CLIENT", "reply/USER/BOARD/CLIENT/PART"})

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/forget_topics.hpp"
 #include "asip/bus/query.hpp"
 #include "asip/model/json.hpp"
 #include "gateway/api/limits.hpp"
@@ -177,7 +178,8 @@ void delete_board(Call& call) {
         if (!answer->refused.empty()) return reply.send(problem(503, answer->error));
         reply.send(json_response({{"forgotten", answer->forgotten}}));
     };
-    if (!call.gateway.ask_registry(model::dump_json({{"forget", board->board}}), call.client(), forgotten))
+    if (!call.gateway.ask_registry(model::dump_json({{"forget", board->board}}), call.client(), forgotten,
+                                   bus::forget_topic(call.gateway.mirror().topics())))
         send_problem(call, 429, "too many questions of yours are under way");
 }
 

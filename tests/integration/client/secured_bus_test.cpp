@@ -201,7 +201,7 @@ TEST_F(SecuredBus, Registry_ClearsWhatAForgottenBoardLeft) {
                         broker_.options("viewer")))
                    .output == "gone\n";
     })) << registry.errors();
-    mqtt::Message forget{.topic = "asip/registry/hall/query", .payload = R"({"forget":"gone"})"};
+    mqtt::Message forget{.topic = "asip/registry/hall/forget", .payload = R"({"forget":"gone"})"};
     forget.response_topic = "asip/reply/admin/registry/test";
     admin.publish(forget);
     ASSERT_TRUE(admin.wait_for(forget.response_topic));

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <set>
 
 #include "tests/integration/secure/running_bus.hpp"
 
@@ -152,6 +153,72 @@ TEST_F(AttackedBus, AnswersGoOnlyWhereAnswersMayGo) {
         EXPECT_THAT(program->errors(), Not(HasSubstr("lost")));
     }
     EXPECT_EQ(broker_log().find("uno disconnected"), std::string::npos) << broker_log();
+}
+
+/// What a board that is lost left behind is what alarms are built on.
+TEST_F(AttackedBus, Viewer_HasNoBoardForgotten) {
+    auto uno2 = probe("uno2", {});
+    uno2.publish("asip/servicebus/uno2/$state", "lost", true);
+    const auto lost = [&] { return asipctl("bob", {"list", "--state", "lost", "-o", "name"}).output; };
+    ASSERT_TRUE(wait_until([&] { return lost() == "uno2\n"; }));
+    auto bob = probe("bob", {"asip/reply/bob/registry/x", "asip/servicebus/uno2/$state"});
+    for (const char* topic : {"asip/registry/query", "asip/registry/hall/query", "asip/registry/forget",
+                              "asip/registry/hall/forget"}) {
+        for (const char* board : {"uno2", "*"}) {
+            mqtt::Message forget;
+            forget.topic = topic;
+            forget.payload = std::string(R"({"forget":")") + board + "\"}";
+            forget.response_topic = "asip/reply/bob/registry/x";
+            forget.correlation = topic;
+            forget.qos = 1;
+            bob.publish(forget);
+        }
+    }
+    EXPECT_TRUE(bob.wait_for([](const mqtt::Message& message) {
+        return message.correlation == "asip/registry/hall/query" &&
+               message.payload.find(R"("refused":"denied")") != std::string::npos;
+    }));
+    ASSERT_TRUE(wait_until([&] { return bob.all_acknowledged(); }));
+    const auto verb = asipctl("bob", {"forget", "uno2"});
+    EXPECT_NE(verb.status, 0);
+    EXPECT_THAT(verb.errors, HasSubstr("asip/registry/hall/forget"));
+    EXPECT_EQ(lost(), "uno2\n");
+    for (const auto& message : bob.messages()) {
+        EXPECT_NE(message.payload, "") << message.topic;
+        EXPECT_EQ(message.payload.find("\"forgotten\":["), std::string::npos) << message.payload;
+    }
+    const auto operators = asipctl("ann", {"forget", "uno2"});
+    EXPECT_EQ(operators.status, 0) << operators.errors;
+    EXPECT_TRUE(wait_until([&] { return lost().empty(); }));
+}
+
+/// Whoever asks names the topic of the answer, and a message carries no user of the broker. What keeps others
+/// away from it is its last level: random, and read by those alone that are asked.
+TEST_F(AttackedBus, NamesInReplyTopics_AreReadByNobodyElse) {
+    auto admin = probe("admin", {"asip/#"});
+    auto bob =
+        probe("bob", {"#", "asip/#", "asip/+/in", "asip/+/+/in", "asip/+/$stop", "asip/registry/+/query",
+                      "asip/reply/#", "asip/servicebus/#", "asip/servicebus/+/$demand/#"});
+    auto uno2 = probe("uno2", {"#", "asip/#", "asip/servicebus/#"});
+    EXPECT_EQ(asipctl("ann", {"send", "uno", "--raw", "#,?"}).status, 0);
+    EXPECT_EQ(asipctl("ann", {"list"}).status, 0);
+    EXPECT_TRUE(gateway_commands());
+    std::set<std::string> names;  // the last level of each topic for answers
+    for (const auto& message : admin.messages()) {
+        const auto& topic = message.topic.starts_with("asip/reply/") ? message.topic : message.response_topic;
+        if (topic.starts_with("asip/reply/")) names.insert(topic.substr(topic.rfind('/') + 1));
+    }
+    names.erase("$self");
+    ASSERT_GE(names.size(), 3U);
+    std::string heard;
+    for (const auto* listener : {&bob, &uno2})
+        for (const auto& message : listener->messages())
+            heard += message.topic + " " + message.response_topic + " " + message.payload + "\n";
+    EXPECT_THAT(heard, HasSubstr("asip/servicebus/uno/$description"));
+    for (const auto& name : names) {
+        if (name.size() < 12) continue;  // a part of a program: behind its name
+        EXPECT_EQ(heard.find(name), std::string::npos) << name << " in\n" << heard;
+    }
 }
 
 /// With `max_queued_messages 0` Mosquitto 2.0 closes it.

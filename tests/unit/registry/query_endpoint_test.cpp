@@ -11,6 +11,7 @@ namespace asip::registry {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 
 class HistoryQuestion : public testing::Test {
@@ -47,6 +48,34 @@ class HistoryQuestion : public testing::Test {
         return answers;
     }
 };
+
+TEST(RequestToForget, WhereTheBrokerKnowsUsers_ComesByItsOwnTopicAlone) {
+    Catalogue catalogue;
+    catalogue.apply({bus::TopicKind::kState, "uno1", "lost", false, std::nullopt}, at(0s));
+    Queries queries(
+        "r1",
+        {catalogue, [] { return instant(at(0s)); }, [] { return 0; }, [](const std::vector<Event>&) {}, {}});
+    std::vector<std::string> said;
+    QueryEndpoint endpoint(
+        queries, [&said](const mqtt::Message& answer) { said.push_back(answer.payload); },
+        [](const std::string&) { return true; });
+    endpoint.set_forget_topic("asip/registry/r1/forget");
+    mqtt::Message question;
+    question.response_topic = "answers";
+    const auto ask = [&](const std::string& text, bool to_forget) {
+        said.clear();
+        question.payload = text;
+        to_forget ? endpoint.forget(question) : endpoint.request(question, false, at(0s));
+        return said.empty() ? std::string() : said.front();
+    };
+    EXPECT_THAT(ask(R"({"forget":"uno1"})", false), HasSubstr("asip/registry/r1/forget"));
+    EXPECT_THAT(ask(R"({"forget":"uno1","dry_run":true})", false), HasSubstr("uno1"));
+    EXPECT_THAT(ask(R"({"find":"boards"})", true), HasSubstr("invalid"));
+    EXPECT_THAT(ask("{", true), HasSubstr("invalid"));
+    EXPECT_EQ(catalogue.size(), 1u);
+    EXPECT_THAT(ask(R"({"forget":"uno1"})", true), HasSubstr(R"("forgotten":["uno1"])"));
+    EXPECT_EQ(catalogue.size(), 0u);
+}
 
 TEST_F(HistoryQuestion, ToEveryRegistry_IsAnsweredFirstByTheOneThatKeepsAHistory) {
     EXPECT_THAT(ask(true, true).at_once, ElementsAre("kept"));
