@@ -116,6 +116,7 @@ struct BusSession::State {
     Request ask(mqtt::Message message, OnMessage on_reply, const bus::Requester::More& more) {
         auto request = requester.ask(message, client.v5(), std::move(on_reply), Clock::now(), more);
         last_topic = message.topic;
+        refused_in_silence = client.v5() && message.qos > 0 ? std::nullopt : std::optional(last_topic);
         client.publish(std::move(message), mqtt::Priority::kReply);
         return request;
     }
@@ -140,7 +141,9 @@ struct BusSession::State {
     std::map<std::string, mqtt::ConnectionFailure> failed;  // the last failure of each broker
     bool tells_refusals = false;
     std::set<std::string> denied;
-    std::string last_topic;                 // that was published on
+    std::string last_topic;  // that was published on
+    // The last request, where a broker that denies it says nothing: MQTT 3.1.1, or QoS 0.
+    std::optional<std::string> refused_in_silence;
     std::optional<std::string> cut_off_by;  // right behind a message on this topic the connection was closed
     std::optional<std::string> why_lost;    // while there is no connection, and was one
     std::function<void(bool, const std::string&)> connection_changed = [this](bool connected,
@@ -320,6 +323,9 @@ Failure BusSession::unanswered(std::string text) const {
     // It came back without an answer: a broker that only restarted is the rarer reason.
     if (state_->cut_off_by)
         text += "; " + mqtt::cut_off_text(state_->environment.mqtt.user, *state_->cut_off_by);
+    else if (const auto& topic = state_->refused_in_silence; topic && !text.empty())
+        text += mqtt::unanswered_text(state_->environment.mqtt.user, *topic,
+                                      topic->ends_with("/query") ? "viewer NAME" : "operator NAME");
     return {program::kExitNoAnswer, std::move(text)};
 }
 

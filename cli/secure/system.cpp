@@ -74,16 +74,22 @@ Outcome<void> secure_undo(const SecureOptions& options, const Environment& envir
     }
     if (options.dry_run) {
         environment.out << "asipctl secure undo will remove " << bus->configuration
-                        << ", open what init closed, take credentials from the services of this machine, and "
-                           "restart them\n"
+                        << ", and open what init closed"
+                        << (keeps_services(options, folder->path(), *bus)
+                                ? "; take credentials from the services of this machine, and restart them\n"
+                                : "\n")
                         << std::flush;
         return {};
     }
     if (auto done = remove_configuration(*bus, report); !done) return done;
-    const auto changed = take_from_services(*bus, report);
-    if (!changed) return tl::unexpected(changed.error());
-    no_longer_default(*folder, report);
-    if (auto done = restart_services(true, *changed, report); !done) return done;
+    if (keeps_services(options, folder->path(), *bus)) {
+        const auto changed = take_from_services(*bus, report);
+        if (!changed) return tl::unexpected(changed.error());
+        no_longer_default(*folder, report);
+        if (auto done = restart_services(true, *changed, report); !done) return done;
+    } else {
+        report.next("let the broker read the change", "sudo systemctl restart mosquitto");
+    }
     report.next("the bus itself is kept: `asipctl secure init` uses it again. To give it up for good",
                 "rm -r " + folder->path().string());
     return {};

@@ -48,7 +48,6 @@ TEST_F(ServicesOnSecuredBus, Labels_AreSetByOperatorsAndReadByViewers) {
     for (const char* version : {"5", "3.1.1"}) {
         const auto denied = label("bob", {"uno", "room=hall", "--timeout", "3s", "--mqtt-version", version});
         EXPECT_NE(denied.status, 0) << version;
-        if (version == std::string_view("3.1.1")) continue;  // no acknowledgement there says why
         EXPECT_THAT(denied.errors, HasSubstr("asipctl secure add operator NAME")) << version;
     }
     const auto read = label("bob", {"uno", "--format", "{labels.room}"});
@@ -57,6 +56,26 @@ TEST_F(ServicesOnSecuredBus, Labels_AreSetByOperatorsAndReadByViewers) {
         return run(Words{ASIP_TEST_ASIPCTL, "history", "uno", "--format", "{what} {by}"} + as("bob"))
                    .output.find("command ann\n") != std::string::npos;
     })) << registry.errors();
+}
+
+/// A broker does not say that it denies a message of MQTT 3.1.1.
+TEST_F(ServicesOnSecuredBus, DeniedWithoutAWord_IsSaidToBePossible) {
+    add({"viewer", "bob"});
+    ChildProcess registry(Words{ASIP_TEST_REGISTRY, "--id", "hall"} + from_folder());
+    ChildProcess agent(Words{ASIP_TEST_AGENT, "--serial", boards_.serial(), "--name", "uno"} + from_folder());
+    EXPECT_TRUE(wait_until([&] {
+        return run(Words{ASIP_TEST_ASIPCTL, "list", "--state", "online", "-o", "name"} + as("bob")).output ==
+               "uno\n";
+    }));
+    for (const auto& verb :
+         {Words{"send", "uno", "io", "write", "13", "1"}, Words{"send", "uno", "--raw", "#,?"},
+          Words{"pin", "uno", "13", "high"}, Words{"stop", "uno"}}) {
+        const auto denied = run(Words{ASIP_TEST_ASIPCTL} + verb + as("bob") +
+                                Words{"--timeout", "1s", "--mqtt-version", "3.1.1"});
+        EXPECT_NE(denied.status, 0) << verb[0];
+        EXPECT_THAT(denied.errors, HasSubstr("access rules do not let")) << verb[0];
+        EXPECT_THAT(denied.errors, HasSubstr("asipctl secure add operator NAME")) << verb[0];
+    }
 }
 
 TEST_F(ServicesOnSecuredBus, FileForAnotherBoard_EndsTheAgentWithItsName) {

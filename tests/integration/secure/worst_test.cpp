@@ -31,6 +31,14 @@ std::size_t peak_bytes(const ChildProcess& program) {
     return 0;
 }
 
+/// For how long a program was ready to run, and others had the processor.
+std::chrono::nanoseconds waited_for_a_processor(const ChildProcess& program) {
+    std::ifstream file("/proc/" + std::to_string(program.pid()) + "/schedstat");
+    std::int64_t ran = 0, waited = 0;
+    file >> ran >> waited;
+    return std::chrono::nanoseconds(waited);
+}
+
 class WorstOfEachKind : public RunningBus {
   protected:
     WorstOfEachKind() {
@@ -40,7 +48,9 @@ class WorstOfEachKind : public RunningBus {
             throw std::runtime_error("eve");
     }
 
-    /// While another thread sends `flood` as `user` again and again: how long stops of an operator take.
+    /// While another thread sends `flood` as `user` again and again: how long stops of an operator take. On a
+    /// machine that does other things, too, the time does not count for which broker and agent had to wait
+    /// for a processor.
     void flood(const std::string& user, const std::function<void(BusProbe&)>& once, int times) {
         std::atomic<bool> ended{false};
         std::thread attacker([&] {
@@ -55,6 +65,7 @@ class WorstOfEachKind : public RunningBus {
         int stops = 0;
         do {
             const auto begin = std::chrono::steady_clock::now();
+            const auto waited = waited_for_a_processor(*broker_) + waited_for_a_processor(*agent_);
             mqtt::Message stop;
             stop.topic = "asip/uno/$stop";
             stop.response_topic = "asip/reply/ann/uno/stop";
@@ -63,9 +74,10 @@ class WorstOfEachKind : public RunningBus {
             ann.publish(stop);
             const auto answered = ann.wait_for(
                 [&](const mqtt::Message& message) { return message.correlation == stop.correlation; });
-            const auto took = std::chrono::steady_clock::now() - begin;
+            const auto others = waited_for_a_processor(*broker_) + waited_for_a_processor(*agent_) - waited;
+            const auto took = std::chrono::steady_clock::now() - begin - others;
             EXPECT_TRUE(answered) << "stop " << stops << " was never answered; " << agent_->errors();
-            EXPECT_LT(took, time_limit(1s)) << "stop " << stops;
+            EXPECT_LT(took, 1s) << "stop " << stops;
             longest_ = std::max(longest_, took);
         } while (!ended && !HasFailure());
         attacker.join();
@@ -85,7 +97,10 @@ class WorstOfEachKind : public RunningBus {
             "longest_stop_ms",
             static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(longest_).count()));
         EXPECT_TRUE(agent_answers()) << agent_->errors();
-        EXPECT_TRUE(registry_answers()) << registry_->errors();
+        // A board whose credential is used for the flood may be online, too.
+        EXPECT_EQ(asipctl("bob", {"list", "--board", "uno", "--state", "online", "-o", "name"}).output,
+                  "uno\n")
+            << registry_->errors();
         EXPECT_TRUE(gateway_commands()) << gateway_->errors();
     }
     static mqtt::Message message(const std::string& topic, std::string payload = {}) {
