@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "asip/bus/agent_clock.hpp"
 #include "asip/bus/reply.hpp"
 #include "asip/bus/reply_topics.hpp"
 #include "asip/mqtt/message.hpp"
