@@ -341,8 +341,9 @@ Findings check_exports(const Observations& seen) {
 
 Findings check_all(const Observations& seen) {
     Findings result;
-    for (auto* check : {check_broker, check_registry, check_boards, check_states, check_bridges,
-                        check_warnings, check_exports, check_retained, check_names, check_conflicts, check_clocks}) {
+    for (auto* check :
+         {check_broker, check_registry, check_boards, check_states, check_bridges, check_warnings,
+          check_exports, check_retained, check_names, check_conflicts, check_clocks}) {
         auto some = check(seen);
         std::move(some.begin(), some.end(), std::back_inserter(result));
     }

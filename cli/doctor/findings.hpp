@@ -45,10 +45,10 @@ struct Observations {
                                                                   ///< unless --qos 0
 
     std::vector<Retained> retained{};
-    bool home_assistant = false;  ///< it, or something that speaks to it, uses this broker
-    std::vector<std::string> registries{};               ///< online by their retained state
-    std::string registry{};                              ///< that answered; empty: none
-    std::vector<bus::BoardItem> boards{};                ///< as the registry, else the bus, has them
+    bool home_assistant = false;            ///< it, or something that speaks to it, uses this broker
+    std::vector<std::string> registries{};  ///< online by their retained state
+    std::string registry{};                 ///< that answered; empty: none
+    std::vector<bus::BoardItem> boards{};   ///< as the registry, else the bus, has them
     std::map<std::string, std::string> bad_documents{};  ///< topic, reason
     /// Of each board, seen announcing while we looked.
     std::map<std::string, std::set<std::string>> sessions{};
