@@ -47,7 +47,7 @@ END
 broker() {
     printf 'listener %s %s\nallow_anonymous true\n' "$2" "$1" >"$dir/$2.conf"
     mosquitto -c "$dir/$2.conf" >"$dir/$2.log" 2>&1 &
-    wait_for running "$dir/$2.log"
+    wait_for ' running$' "$dir/$2.log"
 }
 responder() {
     avahi-daemon -f "$dir/avahi.conf" --no-drop-root --no-chroot --no-rlimits --no-proc-title >"$dir/avahi.log" 2>&1 &

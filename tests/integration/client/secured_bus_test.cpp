@@ -53,7 +53,7 @@ class SecuredBroker {
         text += "user root\npersistence_location " + folder_.path().string() + "/\n";
         const auto file = folder_.write("mosquitto.conf", text);
         process_.emplace(std::vector<std::string>{"/usr/sbin/mosquitto", "-c", file});
-        if (!process_->wait_for_errors("running")) throw std::runtime_error(process_->errors());
+        if (!process_->wait_for_errors(" running$")) throw std::runtime_error(process_->errors());
     }
 
     std::string host() const { return "127.0.0.1:" + std::to_string(port_); }

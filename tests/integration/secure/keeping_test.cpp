@@ -104,7 +104,7 @@ TEST_F(KeptBus, BrokerThatAUserFills_StaysBelowItsLimitAndServesTheOthers) {
     broker_.reset();
     broker_ =
         std::make_unique<ChildProcess>(Words{"/usr/sbin/mosquitto", "-c", place_.write("run.conf", text)});
-    ASSERT_TRUE(broker_->wait_for_errors("running"));
+    ASSERT_TRUE(broker_->wait_for_errors(" running$"));
     const auto stays = probe("uno2", {"asip/uno2/in"});
     auto admin = probe("admin", {});
     auto attacker = probe("uno1", {});

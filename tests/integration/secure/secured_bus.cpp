@@ -28,7 +28,7 @@ void SecuredBus::start_broker() {
     if (::geteuid() == 0) text += "user root\n";
     broker_ =
         std::make_unique<ChildProcess>(Words{"/usr/sbin/mosquitto", "-c", place_.write("run.conf", text)});
-    if (!broker_->wait_for_errors("running")) throw std::runtime_error(broker_->errors());
+    if (!broker_->wait_for_errors(" running$")) throw std::runtime_error(broker_->errors());
 }
 
 BusProbe::Options SecuredBus::probe_options(const std::string& user) const {
