@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "asip/protocol/body.hpp"
 
@@ -75,6 +76,7 @@ void Agent::link_up(bool restarting, Micros now) {
     session::Actions actions;
     baud_ = kStartBaud;
     rate_set_at_ = asked_ = kNever;
+    held_.clear();
     last_byte_ = now;
     session_->link_up({plan_.tcp ? 0 : baud_, restarting}, at(now), actions);
     perform(actions, now);
@@ -85,6 +87,7 @@ void Agent::link_down(Micros now) {
     session::Actions actions;
     session_->link_down(at(now), actions);
     rate_set_at_ = kNever;
+    held_.clear();
     ledger_.delivery_cut();
     perform(actions, now);
 }
@@ -150,6 +153,7 @@ void Agent::tick(Micros now) {
         if (!fails) baud_ = wanted_baud_;
         if (!fails) ledger_.delivery_cut();
         note_(fmt::format("rate {} {}", wanted_baud_, fails ? "could not be set" : "set"));
+        if (const auto held = std::exchange(held_, {}); !held.empty()) write(held, now);
         session::Actions actions;
         session_->line_rate_set(!fails, at(now), actions);
         perform(actions, now);
@@ -201,6 +205,11 @@ void Agent::note_state() {
 
 void Agent::write(const std::string& bytes, Micros now) {
     asked_ = std::min(asked_, now);
+    // As the link does (KeptStream).
+    if (rate_set_at_ != kNever) {
+        held_ += bytes;
+        return;
+    }
     std::size_t begin = 0;
     while (begin < bytes.size()) {
         std::size_t end = bytes.find('\n', begin);

@@ -48,6 +48,7 @@ class Agent {
     unsigned baud_;
     unsigned wanted_baud_ = 0;
     Micros rate_set_at_ = kNever;
+    std::string held_;  // written since; leaves at the new rate
     Micros last_tick_ = -1;
     unsigned ticks_at_once_ = 0;
     Micros last_byte_ = 0;

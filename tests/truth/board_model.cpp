@@ -8,7 +8,6 @@ namespace truth {
 
 namespace {
 constexpr std::size_t kBuffer = 63;
-constexpr Micros kIdlePass = 2 * kMillisecond;
 }  // namespace
 
 void BoardModel::restart(Micros now, Micros when) {
@@ -31,7 +30,7 @@ void BoardModel::hang(Micros now, Micros until) {
 
 Micros BoardModel::next() const {
     if (!on_) return on_at_;
-    Micros wish = last_pass_ + (busy_ || !received_.empty() ? pass_time_ : kIdlePass);
+    Micros wish = last_pass_ + (busy_ || !received_.empty() ? pass_time_ : idle_pass_);
     if (!in_.empty() && in_.next() < wish) wish = std::max(last_pass_ + pass_time_, in_.next());
     if (hangs_until_ <= wish) return std::max(wish, blocked_until_);
     // The UART goes on receiving.
@@ -100,10 +99,14 @@ void BoardModel::consume(Micros now) {
     // A request whose line end was lost ends where the next one begins: its effects come before the line's
     // end.
     reading_.effects.insert(reading_.effects.end(), pass_.effects.begin(), pass_.effects.end());
-    if (reading_.text.empty() || reading_.text.back() != '\n') return;
-    reading_.text.pop_back();
+    if (reading_.text.empty()) return;
+    if (!read.empty() && read != "\n") reading_.whole_at = now;
+    reading_.reply += pass_.sent;
+    // Without a line end: the board gave up a request that paused for too long.
+    const bool ended = reading_.text.back() == '\n';
+    if (!ended && pass_.sent.find('~') == std::string::npos) return;
+    if (ended) reading_.text.pop_back();
     reading_.at = now;
-    reading_.reply = pass_.sent;
     reports_.read(std::exchange(reading_, {}));
 }
 

@@ -16,10 +16,11 @@ constexpr Micros kNever = std::numeric_limits<Micros>::max();
 /// A line that the board read, and what it did with it.
 struct BoardRead {
     Micros at = 0;
+    Micros whole_at = 0;                 ///< but for its line end; it may be executed then
     std::string text;                    ///< with its checksum, without line end
     std::vector<std::uint32_t> sources;  ///< the lines of the host that its bytes came from, in order
     std::vector<Effect> effects;
-    std::string reply;  ///< what the board sent in the same pass; it may end in the middle of a line
+    std::string reply;  ///< what the board sent while it read the line; it may end in the middle of a line
 };
 
 /// A board: the firmware, its UART with buffers of 64 bytes, its power.
@@ -33,13 +34,14 @@ class BoardModel {
     };
     /// `silent_overrun`: bytes that find the receive buffer full vanish, as in the Arduino core; else they
     /// spoil the line, as in AsipFastSerial.h.
-    BoardModel(Firmware& firmware, Wire& in, Wire& out, Dice& dice, Micros pass_time, bool silent_overrun,
-               Reports reports)
+    BoardModel(Firmware& firmware, Wire& in, Wire& out, Dice& dice, Micros pass_time, Micros idle_pass,
+               bool silent_overrun, Reports reports)
         : firmware_(firmware),
           in_(in),
           out_(out),
           dice_(dice),
           pass_time_(pass_time),
+          idle_pass_(idle_pass),
           silent_overrun_(silent_overrun),
           reports_(std::move(reports)) {}
 
@@ -64,6 +66,7 @@ class BoardModel {
     Wire& out_;
     Dice& dice_;
     Micros pass_time_;
+    Micros idle_pass_;
     bool silent_overrun_;
     Reports reports_;
 

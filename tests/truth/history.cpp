@@ -23,7 +23,7 @@ class History {
           to_board_(plan_.to_board, dice_, on_fault(true)),
           to_host_(plan_.to_host, dice_, on_fault(false)),
           board_(plan_.extensions ? firmware_with_extensions() : firmware_of_04(), to_board_, to_host_, dice_,
-                 plan_.board_pass, !plan_.extensions, reports()),
+                 plan_.board_pass, plan_.idle_pass, !plan_.extensions, reports()),
           agent_(plan_, dice_, ledger_, to_board_, note_),
           commands_(dice_) {}
 

@@ -106,6 +106,7 @@ Ledger::Entry* Ledger::waiting_for(const std::string& line) {
 bool Ledger::may_be_own(const std::string& line) const {
     if (line.empty() || line[0] == '#') return true;
     if (line == "I,M" || line == "I,m" || line == "I,p" || line == "I,c") return true;
+    if (line == "I,A,50") return true;  // analog reports that nobody asked for, and that stopped
     return (line.starts_with("I,P,") || is_period(line)) && by_line_.contains(line);
 }
 
@@ -150,6 +151,13 @@ void Ledger::session_ended(Micros now) {
         entry.ended = now;
         --open_;
     }
+}
+
+bool Ledger::was_executed(const std::string& line) const {
+    const auto known = by_line_.find(line);
+    return known != by_line_.end() &&
+           std::any_of(known->second.begin(), known->second.end(),
+                       [&](std::size_t index) { return entries_[index].executed; });
 }
 
 void Ledger::finish() {
@@ -200,6 +208,7 @@ void Ledger::answered(std::size_t index, Answer answer, Micros now) {
     if (!was_sent) turns_.gone(entry.command.client, index);
     entry.state = State::kEnded;
     entry.ended = now;
+    entry.executed = answer.outcome == Outcome::kExecuted;
     entry.without_value = answer.outcome == Outcome::kDoubt || answer.outcome == Outcome::kTimeout ||
                           answer.outcome == Outcome::kNoValue;
     --open_;

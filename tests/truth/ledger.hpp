@@ -73,6 +73,8 @@ class Ledger {
     /// The history is over: every command must have its answer.
     void finish();
     std::size_t open() const { return open_; }
+    /// Whether a command with this line was answered `ok`.
+    bool was_executed(const std::string& line) const;
     Micros last_deadline() const { return last_deadline_; }
 
     bool failed() const { return !failure_.empty(); }
@@ -92,6 +94,7 @@ class Ledger {
         bool abandoned = false;
         bool checksum = false;
         bool without_value = false;
+        bool executed = false;
         std::uint32_t wire_line = 0;
         std::size_t arrived = 0;  // lines that the session had got when it was sent
     };

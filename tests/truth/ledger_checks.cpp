@@ -24,6 +24,17 @@ bool has(const std::vector<Effect>& effects, const std::optional<Effect>& wanted
     return wanted && std::find(effects.begin(), effects.end(), *wanted) != effects.end();
 }
 
+// Of a request that paused the board may refuse two parts.
+bool has_error(std::string_view reply, int code) {
+    for (auto begin = reply.find('~'); begin != reply.npos; begin = reply.find('~', begin + 1)) {
+        const auto message =
+            asip::protocol::parse_line(reply.substr(begin, reply.find('}', begin) + 1 - begin));
+        const auto* const error = std::get_if<asip::protocol::ErrorReply>(&message);
+        if (error && error->code == code) return true;
+    }
+    return false;
+}
+
 // The same numbers: the comma before a brace may be missing.
 bool same_value(const std::string& a, const std::string& b) {
     if (a == b) return true;
@@ -134,7 +145,7 @@ void Ledger::check_value(const Entry& entry, Micros since, const Answer& answer,
     const auto first = std::find_if(executions_.begin(), executions_.end(), [&](const Execution& execution) {
         return execution.read.at >= since && execution.read.text == entry.command.line;
     });
-    const Micros executed = first == executions_.end() ? since : first->read.at;
+    const Micros executed = first == executions_.end() ? since : first->read.whole_at;
     values_.push_back(answer.value);
     const bool real = std::any_of(board_lines_.rbegin(), board_lines_.rend(), [&](const Line& line) {
         return line.at >= executed && same_value(line.text, answer.value);
@@ -169,7 +180,7 @@ void Ledger::check_error(const Entry& entry, const Answer& answer, Micros now) {
         const auto& sources = execution.read.sources;
         const bool its = execution.read.text == entry.command.line ||
                          std::find(sources.begin(), sources.end(), entry.wire_line) != sources.end();
-        if (execution.error == answer.code && its) return;
+        if (its && has_error(execution.read.reply, answer.code)) return;
     }
     if (!damage_since(since))
         return fail(fmt::format("{} was answered by error {}, which the board did not send", describe(entry),

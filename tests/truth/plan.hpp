@@ -14,6 +14,21 @@ struct Span {
     bool covers(Micros time) const { return time >= from && time < until; }
 };
 
+/// What happens to one byte of one direction, the first byte being number 0.
+struct ByteFault {
+    enum class Kind : std::uint8_t {
+        kLost,
+        kTwice,
+        kChanged,  ///< its bit number `bit`
+        kDelayed,  ///< it and all behind it come so much later
+        kCut,      ///< it and all behind it are lost for so long
+    };
+    std::uint64_t byte = 0;
+    Kind kind = Kind::kLost;
+    unsigned bit = 0;
+    Micros lasts = 0;
+};
+
 /// What is wrong with one direction of a line.
 struct WirePlan {
     Span damaged;  ///< when the following happen, each with so much probability per byte
@@ -25,6 +40,7 @@ struct WirePlan {
     Micros latency = 0;
     Micros bunch = 1;  ///< bytes come together at multiples of this, as from a USB serial chip
     std::vector<Span> stalls;
+    std::vector<ByteFault> faults;
 
     bool damages() const { return lose + lose_several + twice + change + insert > 0; }
 };
@@ -61,8 +77,9 @@ struct Plan {
     enum class Checksum : std::uint8_t { kAuto, kAlways, kNever } checksum = Checksum::kAuto;
     bool tcp = false;  ///< the session knows of no line rate
     unsigned max_baud = 0;
-    Micros board_pass = 0;  ///< time that one pass of the board's loop takes
-    Micros boot = 0;        ///< until the board's banner
+    Micros board_pass = 0;                ///< time that one pass of the board's loop takes
+    Micros idle_pass = 2 * kMillisecond;  ///< the same while the board has nothing to do
+    Micros boot = 0;                      ///< until the board's banner
     WirePlan to_board, to_host;
     double rate_fails = 0;
     std::vector<ClientPlan> clients;

@@ -28,6 +28,10 @@ Micros Wire::held(Micros time) const {
 void Wire::send(char value, std::uint32_t line, unsigned baud, Micros now) {
     free_ = std::max(now, free_) + byte_time(baud);
     WireByte byte{value, line, baud, free_, 0};
+    const std::uint64_t number = sent_++;
+    for (const ByteFault& fault : plan_.faults)
+        if (fault.byte == number) return befall(fault, byte);
+    if (free_ < cut_until_) return on_fault_(Fault::kLost, byte);
     if (!plan_.damaged.covers(free_) || !plan_.damages()) return deliver(byte);
     if (losing_ == 0 && dice_.chance(plan_.lose_several))
         losing_ = static_cast<unsigned>(dice_.between(2, 30));
@@ -54,6 +58,29 @@ void Wire::send(char value, std::uint32_t line, unsigned baud, Micros now) {
         on_fault_(Fault::kTwice, byte);
         deliver(byte);
     }
+}
+
+void Wire::befall(const ByteFault& fault, WireByte byte) {
+    switch (fault.kind) {
+        case ByteFault::Kind::kCut:
+            byte.arrives = cut_until_ = std::max(cut_until_, free_ + fault.lasts);
+            [[fallthrough]];
+        case ByteFault::Kind::kLost:
+            return on_fault_(Fault::kLost, byte);
+        default:
+            break;
+    }
+    if (free_ < cut_until_) return on_fault_(Fault::kLost, byte);
+    if (fault.kind == ByteFault::Kind::kDelayed) {
+        byte.arrives = spaced_ = std::max(spaced_, byte.departs + plan_.latency + fault.lasts);
+        on_fault_(Fault::kStalled, byte);
+    } else {
+        if (fault.kind == ByteFault::Kind::kChanged)
+            byte.value = static_cast<char>(byte.value ^ (1 << fault.bit));
+        on_fault_(fault.kind == ByteFault::Kind::kChanged ? Fault::kChanged : Fault::kTwice, byte);
+    }
+    deliver(byte);
+    if (fault.kind == ByteFault::Kind::kTwice) deliver(byte);
 }
 
 void Wire::deliver(WireByte byte) {

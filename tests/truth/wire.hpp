@@ -24,7 +24,8 @@ const char* to_string(Fault fault);
 /// One direction of a line that takes time for each byte, and does to the bytes what its plan says.
 class Wire {
   public:
-    /// `on_fault` hears of each byte that is not delivered as sent.
+    /// `on_fault` hears of each byte that is not delivered as sent. `arrives` of the byte: when a delay or a
+    /// cut that it begins is over.
     using OnFault = std::function<void(Fault, const WireByte&)>;
     Wire(const WirePlan& plan, Dice& dice, OnFault on_fault)
         : plan_(plan), dice_(dice), on_fault_(std::move(on_fault)) {}
@@ -33,6 +34,8 @@ class Wire {
     void send(char value, std::uint32_t line, unsigned baud, Micros now);
     /// When all that was sent has left.
     Micros free_at() const { return free_; }
+    /// Bytes that were sent so far, lost ones too.
+    std::uint64_t sent() const { return sent_; }
 
     /// When the next byte arrives; only if not empty().
     Micros next() const { return bytes_.front().arrives; }
@@ -45,6 +48,7 @@ class Wire {
     void clear(Micros now);
 
   private:
+    void befall(const ByteFault& fault, WireByte byte);
     void deliver(WireByte byte);
     Micros held(Micros time) const;
 
@@ -55,6 +59,8 @@ class Wire {
     Micros free_ = 0;
     Micros spaced_ = 0;    // when the last byte was through, before bytes were bunched
     unsigned losing_ = 0;  // bytes still to be lost in a row
+    std::uint64_t sent_ = 0;
+    Micros cut_until_ = 0;
 };
 
 }  // namespace truth

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <vector>
+
+#include "tests/truth/exhaustive/trial.hpp"
+
+namespace truth {
+
+/// Every single fault of a scenario that ran undisturbed as `calm` says: each byte of both directions lost,
+/// doubled, changed in each bit, delayed past each time-out, and the line cut there; and at each moment a
+/// reset, a stall and an unplugging.
+std::vector<Faults> single_faults(const TrialEnd& calm);
+
+/// Those of which pairs are tried: each byte lost, doubled, changed in each bit, and a reset at each moment.
+std::vector<Faults> faults_of_pairs(const TrialEnd& calm);
+
+/// Both.
+Faults pair(const Faults& first, const Faults& second);
+
+}  // namespace truth
