@@ -23,6 +23,8 @@
 #include <thread>
 #include <utility>
 
+#include "tests/support/temp_dir.hpp"
+
 extern char** environ;
 
 namespace asip::test {
@@ -133,9 +135,15 @@ std::vector<std::string> child_environment(const std::map<std::string, std::stri
     std::vector<std::string> all;
     for (char** entry = environ; *entry != nullptr; ++entry) {
         const std::string text = *entry;
-        if (text.starts_with("ASIP_") || added.contains(text.substr(0, text.find('=')))) continue;
+        if (text.starts_with("ASIP_") || text.starts_with("STATE_DIRECTORY=") ||
+            text.starts_with("XDG_STATE_HOME=") || added.contains(text.substr(0, text.find('='))))
+            continue;
         all.push_back(text);
     }
+    // What agents keep (labels, stops that hold) is this process's, not that of the user or of another test.
+    static const TempDir state;
+    if (!added.contains("HOME") && !added.contains("XDG_STATE_HOME") && !added.contains("STATE_DIRECTORY"))
+        all.push_back("XDG_STATE_HOME=" + state.path().string());
     // A board that is simulated on a busy machine is slow to answer.
     if (!added.contains("ASIP_PATIENCE")) all.push_back("ASIP_PATIENCE=30");
     for (const auto& [name, value] : added)
