@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// Units of work with fixed inputs, for `check`: under callgrind each part of this program is counted by
+// itself, and its allocations are printed. `--worse`: each does five hundredths more, which is refused.
+#include <valgrind/callgrind.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <new>
+#include <string>
+#include <string_view>
+
+#include "asip/bus/answer.hpp"
+#include "asip/catalogue/catalogue.hpp"
+#include "bench/catalogue_load.hpp"
+#include "cli/commands/list.hpp"
+#include "tests/unit/agent/bridge_bench.hpp"
+#include "tests/unit/gateway/api_bench.hpp"
+
+namespace {
+
+std::size_t allocations;  // since the program began
+bool worse = false;
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+    ++allocations;
+    if (void* const memory = std::malloc(size)) return memory;
+    throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+    std::free(memory);
+}
+
+namespace asip {
+namespace {
+
+using namespace std::chrono_literals;
+
+void measure(const char* name, unsigned count, const std::function<void(unsigned)>& work) {
+    for (unsigned i = 0; i < count; ++i)  // what is made once is there
+        work(i);
+    const std::size_t before = allocations;
+    CALLGRIND_ZERO_STATS;
+    CALLGRIND_TOGGLE_COLLECT;
+    for (unsigned i = count; i < 2 * count + (worse ? count / 20 + 1 : 0); ++i)
+        work(i);
+    CALLGRIND_TOGGLE_COLLECT;
+    CALLGRIND_DUMP_STATS_AT(name);
+    std::printf("%s %u %zu\n", name, count, allocations - before);
+}
+
+void agent_units() {
+    agent::BridgeBench bench;
+    bench.board.verified_fences = true;
+    bench.go_online();
+    measure("command-through-agent", 100, [&](unsigned i) {
+        mqtt::Message message;
+        message.topic = "asip/uno1/servo/in";
+        message.payload = "{\"write\":[0," + std::to_string(i % 180) + "]}";
+        message.response_topic = "answers";
+        message.correlation = std::to_string(i);
+        bench.hear(message);
+        bench.pass(2ms);
+        if (bench.on("answers").size() != 1) std::abort();
+        bench.published.clear();
+        bench.board.executed.clear();
+        bench.board.heard.clear();
+    });
+    measure("value-to-topic", 100, [&](unsigned i) {
+        bench.say("@D,e,1,{" + std::to_string(10 + i) + "}\r\n");
+        bench.pass(20ms);
+        if (bench.published.empty()) std::abort();
+        bench.published.clear();
+    });
+}
+
+void registry_units() {
+    constexpr unsigned kBoards = 1000;
+    const bench::BoardTexts texts;
+    catalogue::Catalogue catalogue;
+    std::vector<std::string> names, first, again;
+    for (unsigned i = 0; i < kBoards; ++i) {
+        names.push_back(bench::BoardTexts::name(i));
+        first.push_back(texts.description(i, 1));
+        again.push_back(texts.description(i, 2));
+    }
+    const auto apply = [&](bus::TopicKind kind, unsigned board, std::string_view payload, Time now) {
+        catalogue.apply({kind, names[board], payload, false, std::nullopt}, now);
+    };
+    measure("announcement-in-registry", 400,
+            [&](unsigned i) { apply(bus::TopicKind::kDescription, i, first[i], Time{} + 1h); });
+    measure("renewal-in-registry", 400,
+            [&](unsigned i) { apply(bus::TopicKind::kDescription, i, again[i], Time{} + 1h + 20s); });
+    for (unsigned i = 0; i < kBoards; ++i)
+        apply(bus::TopicKind::kDescription, i, again[i], Time{} + 1h + 21s);
+    for (unsigned i = 0; i < kBoards; ++i)
+        apply(bus::TopicKind::kState, i, "online", Time{} + 1h + 21s);
+    const catalogue::Instant now{Time{} + 1h + 22s, {}};
+    bus::Query services;
+    services.find = bus::Find::kServices;
+    services.kind = {"servo"};
+    services.state = {"online"};
+    measure("query-of-100-services", 10, [&](unsigned) {
+        const auto answer = catalogue.find(services, now);
+        if (!answer || bus::encode(*answer).size() < 1000) std::abort();
+    });
+    bus::Query boards;
+    boards.limit = kBoards;
+    measure("list-of-1000-boards", 2, [&](unsigned) {
+        const auto answer = catalogue.find(boards, now);
+        if (!answer || answer->boards.size() != kBoards) std::abort();
+        const auto read = bus::parse_answer(bus::encode(*answer));
+        if (!read) std::abort();
+        if (cli::boards_text(read->boards, cli::Output::kTable, 120, false).size() < 50 * kBoards)
+            std::abort();
+    });
+}
+
+struct GatewayUnits : gateway::ApiTest {
+    void TestBody() override {
+        announce();
+        measure("get-of-a-board", 50, [&](unsigned) {
+            if (get("/api/boards/uno1")->status() != 200) std::abort();
+        });
+        const auto stream = ask("GET", "/api/stream", {},
+                                {{"upgrade", "websocket"},
+                                 {"connection", "upgrade"},
+                                 {"sec-websocket-version", "13"},
+                                 {"sec-websocket-key", "dGhlIHNhbXBsZSBub25jZQ=="}});
+        if (!stream->channel) std::abort();
+        stream->channel->received(R"({"subscribe":"uno1/distance","ref":1})");
+        std::string text;
+        while (stream->channel->take(text))
+            text.clear();
+        measure("value-to-websocket", 100, [&](unsigned i) {
+            bus("asip/uno1/distance/out", R"({"distance":[)" + std::to_string(i) + "]}");
+            pass(20ms);
+            std::size_t messages = 0;
+            for (text.clear(); stream->channel->take(text); text.clear())
+                ++messages;
+            if (messages != 1) std::abort();
+        });
+    }
+};
+
+}  // namespace
+}  // namespace asip
+
+int main(int argc, char** argv) {
+    worse = argc > 1 && std::string_view(argv[1]) == "--worse";
+    asip::agent_units();
+    asip::registry_units();
+    asip::GatewayUnits().TestBody();
+}
