@@ -40,7 +40,8 @@ class WhatWasSet : public testing::Test {
         return found && found->retain ? found->payload : "";
     }
     json shown() {
-        ChildProcess program({ASIP_PROGRAMS "/asipctl", "show", "uno1/io", "-o", "json", "--broker", broker.address()});
+        ChildProcess program(
+            {ASIP_PROGRAMS "/asipctl", "show", "uno1/io", "-o", "json", "--broker", broker.address()});
         EXPECT_TRUE(program.wait_exit()) << program.errors();
         return json::parse(program.output(), nullptr, false).value("set", json());
     }
@@ -66,7 +67,7 @@ TEST_F(WhatWasSet, TwoSenders_LateJoinerAndViewsKnowBoth) {
 TEST_F(WhatWasSet, RefusedOrNotExecuted_IsUnchanged) {
     ASSERT_EQ(ask(R"({"mode":[13,"output"]})")["status"], "ok");
     ASSERT_TRUE(says(R"({"mode":{"13":3}})"));
-    EXPECT_EQ(ask(R"({"write":[12,1]})")["status"], "error") << "no output";
+    EXPECT_EQ(ask(R"({"write":[0,1]})")["status"], "error") << "the pin of the line to the agent";
     EXPECT_EQ(ask(R"({"write":[13,2]})")["status"], "refused");
     ASSERT_EQ(ask(R"({"write":[13,1]})")["status"], "ok");
     EXPECT_TRUE(says(R"({"mode":{"13":3},"write":{"13":1}})")) << *probe.last(kSet);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first C++ of the documentation with the headers that it names, and those of C++, alone: compiled without precompiled headers.
+// The first C++ of the documentation with the headers that it names, and those of C++, alone: compiled
+// without precompiled headers.
 #include <cstdio>
 #include <iostream>
 #include <string>

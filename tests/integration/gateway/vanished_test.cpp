@@ -52,7 +52,7 @@ class GatewayVanished : public GatewayTest {
 /// sent, for two hours.
 TEST_F(GatewayVanished, ClientThatAnswersNothing_IsGoneWithinAMinute) {
     Wire client(port());
-    client.send("GET /api/events HTTP/1.1\r\nHost: x\r\n\r\n");
+    client.send("GET /api/events HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
     ASSERT_THAT(client.read_until("\r\n\r\n"), HasSubstr("200"));
     sockaddr_in own{};
     socklen_t size = sizeof own;

@@ -99,7 +99,7 @@ TEST(RegistryAccess, MayNotClearWhatABoardLeft_ReportsItOnceAndForgettingContinu
         probe.publish("asip/" + board + "/in", "I,d,13,1", true, 1);
         probe.publish("asip/" + board + "/io/out", "{}", true, 1);
         ASSERT_TRUE(becomes(probe, board, "offline"));
-        const auto answer = ask(probe, R"({"forget":")" + board + R"("})", "r1");
+        const auto answer = ask_to_forget(probe, board, "r1");
         ASSERT_TRUE(answer);
         EXPECT_THAT(answer->forgotten, testing::ElementsAre(board));
         EXPECT_TRUE(probe.wait_for("asip/servicebus/" + board + "/$state", ""));

@@ -65,6 +65,17 @@ inline std::optional<bus::Answer> ask(BusProbe& probe, const std::string& query,
     return answer ? std::optional(*answer) : std::nullopt;
 }
 
+/// What the registry says to a request to forget `board`, on the topic that access rules can guard.
+inline std::optional<bus::Answer> ask_to_forget(BusProbe& probe, const std::string& board,
+                                                const std::string& registry) {
+    const auto text =
+        probe.request("asip/registry/" + registry + "/forget", R"({"forget":")" + board + R"("})");
+    if (!text) return std::nullopt;
+    auto answer = bus::parse_answer(*text);
+    EXPECT_TRUE(answer) << *text;
+    return answer ? std::optional(*answer) : std::nullopt;
+}
+
 /// Effective state of a board by a registry; "unknown" if it has none of that name.
 inline std::string state_of(BusProbe& probe, const std::string& board, const std::string& registry = "r1") {
     const auto answer = ask(probe, R"({"find":"boards","board":")" + board + R"("})", registry);
