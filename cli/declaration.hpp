@@ -20,8 +20,9 @@ namespace asip::cli {
 /// command line is parsed; they must live as long as the verb's Run.
 ///
 /// `type` is what help shows and what completion offers by: `BOARD`, `PATTERN` (of boards), `BOARD/SERVICE`,
-/// `BOARD[/SERVICE]`, `BOARD[/SERVICE[/FIELD]]`, `COMMAND` (of the service that is the first argument), `KIND`,
-/// `UNIT`, `VERB`, `FILE`, `DIR`, or the words themselves: `high|low`. With words, others are refused unless
+/// `BOARD[/SERVICE]`, `BOARD[/SERVICE[/FIELD]]`, `COMMAND` (of the service that is the first argument),
+/// `KIND`, `UNIT`, `VERB`, `FILE`, `DIR`, or the words themselves: `high|low`. With words, others are refused
+/// unless
 /// `...` is one of them. Any other type is free text.
 class Declaration {
   public:

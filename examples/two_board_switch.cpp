@@ -56,8 +56,8 @@ Awaitable<void> run_switch(boost::asio::io_context& io, Wiring wiring) {
     std::printf("pin %d of %s switches pin %d of %s\n", wiring.button_pin, button->name().c_str(),
                 wiring.led_pin, led->name().c_str());
     std::fflush(stdout);
-    // A board that was replugged or restarted has its outputs off: the LED is set again when it is back. Of the button
-    // the board reports the level anew, which comes as a change.
+    // A board that was replugged or restarted has its outputs off: the LED is set again when it is back. Of
+    // the button the board reports the level anew, which comes as a change.
     std::optional<bool> wanted;
     const auto set_again = led->on_presence([&io, &wanted, led = *led, pin = wiring.led_pin](bool there) {
         if (there && wanted) boost::asio::co_spawn(io, led.digital_write(pin, *wanted), report);

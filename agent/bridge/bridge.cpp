@@ -149,8 +149,7 @@ void Bridge::on_action(const session::Identified& identified, Time now, Effects&
     periods_.board_found(board_.services, now);
     describer_.board_found(identified.changed, periods_);
     if (name().empty()) name_board(out);
-    if (!std::exchange(found_, true) && (!options_.keep_outputs || is_stopped()))
-        safety_.stop_services();
+    if (!std::exchange(found_, true) && (!options_.keep_outputs || is_stopped())) safety_.stop_services();
     out.board_known = true;
     was_away_ = false;
     out.log(restarts_.many() ? Level::kDebug : Level::kInfo,
@@ -293,8 +292,8 @@ std::optional<Time> Bridge::next_deadline() const {
     auto deadline = board_.session.next_deadline();
     const auto set = name_claimed_ && may_publish() ? set_.next_deadline() : std::nullopt;
     for (const auto& other :
-         {set, safety_.next_deadline(), port_.next_deadline(), periods_.next_deadline(), restarts_.next_deadline(),
-          announcer_ ? announcer_->next_deadline() : std::nullopt})
+         {set, safety_.next_deadline(), port_.next_deadline(), periods_.next_deadline(),
+          restarts_.next_deadline(), announcer_ ? announcer_->next_deadline() : std::nullopt})
         if (other && (!deadline || *other < *deadline)) deadline = other;
     return deadline;
 }

@@ -49,8 +49,8 @@ struct Stop : BusRequest {
     bool latch = false;       ///< `"latch":true`: the board stays stopped until it is resumed
     std::string why{};        ///< in the sender's words
 };
-/// `{"resume":true}` on BOARD/in: a board that was stopped takes commands again. It has no turn to wait for: what
-/// waits came while the board was stopped.
+/// `{"resume":true}` on BOARD/in: a board that was stopped takes commands again. It has no turn to wait for:
+/// what waits came while the board was stopped.
 struct Resume : BusRequest {};
 struct PortRequest : BusRequest {
     Expected<bus::PortRequest> wanted;
@@ -74,8 +74,8 @@ struct Announcement {
     mqtt::Message message;
 };
 
-using Inbound = std::variant<Command, Renewal, Stop, Resume, PortRequest, LabelRequest, DemandMessage, StoredSet,
-                             Announcement>;
+using Inbound = std::variant<Command, Renewal, Stop, Resume, PortRequest, LabelRequest, DemandMessage,
+                             StoredSet, Announcement>;
 
 /// The board and its agent, as far as they decide what a message is.
 struct Addressee {

@@ -38,9 +38,7 @@ Expected<std::optional<model::StopInfo>> StopFiles::load(const std::string& boar
         return fail(path.string() + ": " + (document ? "is no object" : document.error()));
     const auto member = [&](const char* name) {
         const auto found = document->find(name);
-        return found != document->end() && found->is_string()
-                   ? found->get<std::string>()
-                   : std::string();
+        return found != document->end() && found->is_string() ? found->get<std::string>() : std::string();
     };
     return std::optional(model::StopInfo{member("by"), member("why"), member("since")});
 }

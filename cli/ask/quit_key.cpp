@@ -29,7 +29,8 @@ QuitKey::~QuitKey() {
     if (changed_) ::tcsetattr(STDIN_FILENO, TCSANOW, &before_);
 }
 
-// Asked whether there is something, and then read: the terminal itself stays a blocking one, which others have, too.
+// Asked whether there is something, and then read: the terminal itself stays a blocking one, which others
+// have, too.
 void QuitKey::wait() {
     input_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
                       [this](const boost::system::error_code& error) {

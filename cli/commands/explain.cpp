@@ -32,11 +32,13 @@ std::string examples_text(const model::ServiceModel& model, const Environment& e
 /// A model that no file holds: a board brought it in its description.
 Outcome<model::ModelPtr> model_of_boards(const ExplainOptions& options, Environment& environment) {
     const auto unknown = "there is no kind \"" + options.kind + "\"" +
-                         text::did_you_mean(options.kind, environment.models().names()) + "; see asipctl models";
+                         text::did_you_mean(options.kind, environment.models().names()) +
+                         "; see asipctl models";
     BusSession session(environment);
     if (const auto connected = session.connect(); !connected)
-        return failure(program::kExitFailure,
-                       unknown + ". A board may bring its own, but no broker can be asked: " + connected.error().text);
+        return failure(
+            program::kExitFailure,
+            unknown + ". A board may bring its own, but no broker can be asked: " + connected.error().text);
     const auto retained = read_retained(environment, session, {environment.topics.description("+")});
     if (!retained) return tl::unexpected(retained.error());
     for (const auto& message : *retained) {
@@ -80,7 +82,8 @@ Run declare_explain(Declaration& verb) {
 
 Verb explain_verb() {
     return {"explain", "What a kind of service reports and takes, with examples",
-            "A broker is asked only for a kind that is not built in: a board may bring its own. For the services of one board: asipctl show BOARD/SERVICE.\n"
+            "A broker is asked only for a kind that is not built in: a board may bring its own. For the "
+            "services of one board: asipctl show BOARD/SERVICE.\n"
             "Examples:\n"
             "  asipctl explain servo\n"
             "  asipctl explain distance -o json | jq .commands",

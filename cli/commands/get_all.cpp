@@ -72,23 +72,25 @@ std::vector<ValueRow> ServiceValues::rows(const model::Description& board, const
         if (io && is_of_pins(name)) continue;
         const auto* known = model == nullptr ? nullptr : model->event_named(name);
         if (known == nullptr) {
-            rows.push_back({board.board, service, name, event.value, "", model::dump_json(event.value), event.how,
-                            event.when});
+            rows.push_back({board.board, service, name, event.value, "", model::dump_json(event.value),
+                            event.how, event.when});
             continue;
         }
         for (const auto& leaf : leaf_values(*known, event.value)) {
             const bool level = io && name == "digital";
-            const auto what = level                      ? pin_text(board, leaf.path)
-                              : io && name == "analog"   ? channel_text(board, leaf.path)
-                              : leaf.path.empty()        ? name
-                                                         : name + " " + leaf.path;
+            const auto what = level                    ? pin_text(board, leaf.path)
+                              : io && name == "analog" ? channel_text(board, leaf.path)
+                              : leaf.path.empty()      ? name
+                                                       : name + " " + leaf.path;
             const auto text = level ? (leaf.value == json(0) ? "low" : "high") : leaf.text();
             rows.push_back({board.board, service, what, leaf.value, leaf.unit, text, event.how, event.when});
         }
     }
     for (const auto& item : set_items(set_, model)) {
         if (io && item.command == "mode") continue;  // no value; asipctl pin shows it
-        const auto element = item.element.empty() ? "" : io ? " " + pin_text(board, item.element) : " " + item.element;
+        const auto element = item.element.empty() ? ""
+                             : io                 ? " " + pin_text(board, item.element)
+                                                  : " " + item.element;
         rows.push_back({board.board, service, item.command + element, item.value, "", item.value, "set", {}});
     }
     return rows;
@@ -195,8 +197,9 @@ class AllValues {
             const auto request = make_command(environment_, board.known, each.info, words);
             if (!request) continue;
             ++each.open;
-            each.asked.push_back(session_.command(request->topic, request->payload,
-                                                  [&each](const mqtt::Message& message) { answered(each, message); }));
+            each.asked.push_back(
+                session_.command(request->topic, request->payload,
+                                 [&each](const mqtt::Message& message) { answered(each, message); }));
         }
     }
 
@@ -223,18 +226,23 @@ class AllValues {
         bool any = false;
         for (const auto& board : boards_)
             for (const auto& each : board.services)
-                for (const auto& row : each.values.rows(*board.known.description, each.info.name, each.model.get())) {
+                for (const auto& row :
+                     each.values.rows(*board.known.description, each.info.name, each.model.get())) {
                     any = true;
                     const auto age = row.when ? std::optional<std::chrono::duration<double>>(now - *row.when)
                                               : std::nullopt;
                     if (options_.output.for_people()) {
-                        table.add({row.board + "/" + row.service, row.what,
-                                   options_.raw && row.value.is_number() ? model::dump_json(row.value) : row.text,
-                                   age ? text::duration_text(*age) : row.how});
+                        table.add(
+                            {row.board + "/" + row.service, row.what,
+                             options_.raw && row.value.is_number() ? model::dump_json(row.value) : row.text,
+                             age ? text::duration_text(*age) : row.how});
                         continue;
                     }
-                    json record{{"board", row.board}, {"service", row.service}, {"what", row.what},
-                                {"value", row.value}, {"how", row.how}};
+                    json record{{"board", row.board},
+                                {"service", row.service},
+                                {"what", row.what},
+                                {"value", row.value},
+                                {"how", row.how}};
                     if (!row.unit.empty()) record["unit"] = row.unit;
                     if (age) record["age"] = age->count();
                     records.print(record);
@@ -265,7 +273,8 @@ int run_get_all(const GetOptions& options, Environment& environment) {
     if (!target) return environment.fail_with(target.error());
     if (options.watch)
         return environment.fail_with(
-            {program::kExitUsage, "--watch goes with one service; of a whole board: asipctl subscribe " + target->board});
+            {program::kExitUsage,
+             "--watch goes with one service; of a whole board: asipctl subscribe " + target->board});
     return AllValues(options, std::move(*target), std::move(*labels), environment).run();
 }
 

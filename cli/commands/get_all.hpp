@@ -19,8 +19,8 @@ struct ValueRow {
     std::string what;  ///< `distance 0`, `13 status lamp`; of something that was set its command in front
     nlohmann::json value;
     std::string unit;
-    std::string text;         ///< the value for people, with its unit
-    std::string how;          ///< "reported", "asked", "set"
+    std::string text;          ///< the value for people, with its unit
+    std::string how;           ///< "reported", "asked", "set"
     std::optional<Time> when;  ///< none: it was set at a time that is not known
 };
 

@@ -188,8 +188,9 @@ class Labeller {
                 auto reply = bus::parse_reply(message.payload);
                 if (asked.reply || !reply) return;
                 if (reply->succeeded() && reply->proof != bus::kProofKept)
-                    reply = bus::Reply::refused(std::string(bus::kRefusedNotKept),
-                                                "who answers for this board keeps no labels: it is no asip-agent");
+                    reply = bus::Reply::refused(
+                        std::string(bus::kRefusedNotKept),
+                        "who answers for this board keeps no labels: it is no asip-agent");
                 asked.reply = std::move(*reply);
                 const auto answer = model::parse_json(asked.reply->answer).value_or(nlohmann::json::object());
                 asked.now = labels_of(answer);

@@ -294,8 +294,9 @@ std::vector<std::string> pin_requests(int pin, const PinAction& action, std::opt
 int run_pin(PinOptions options, Environment& environment) {
     if (!options.duty.empty()) {
         if (options.word != "pwm" || !protocol::parse_integer(options.duty))
-            return environment.fail_with({program::kExitUsage, "'" + options.word + "' takes no '" + options.duty +
-                                                                   "'; a duty from 0 to 255 stands alone or behind pwm"});
+            return environment.fail_with(
+                {program::kExitUsage, "'" + options.word + "' takes no '" + options.duty +
+                                          "'; a duty from 0 to 255 stands alone or behind pwm"});
         options.word = std::exchange(options.duty, {});
     }
     const auto target = parse_target(options.board);

@@ -14,8 +14,8 @@ namespace asip::cli {
 
 struct PinOptions {
     std::string board;
-    std::string pin;   ///< empty: all of them, as the board reports them
-    std::string word;  ///< empty: read it
+    std::string pin;     ///< empty: all of them, as the board reports them
+    std::string word;    ///< empty: read it
     std::string duty{};  ///< behind `pwm`
     OutputOptions output{};
 };

@@ -144,7 +144,8 @@ nlohmann::json service_json(const KnownBoard& board, const model::ServiceInfo& s
     if (model != nullptr) {
         if (auto source = model::parse_json(model->source)) result["definition"] = std::move(*source);
     }
-    if (auto document = set_json(set, service.name); document.is_object()) result["set"] = std::move(document);
+    if (auto document = set_json(set, service.name); document.is_object())
+        result["set"] = std::move(document);
     return result;
 }
 
@@ -355,7 +356,8 @@ int run_show(const ShowOptions& options, Environment& environment) {
     if (target->service.empty()) {
         if (!people) records.print(board_json(*board, set));
         if (people)
-            environment.out << board_text(*board, environment.models(), environment.width, environment.colour, set)
+            environment.out << board_text(*board, environment.models(), environment.width, environment.colour,
+                                          set)
                             << std::flush;
         return program::kExitOk;
     }

@@ -38,7 +38,8 @@ class Stopper {
             if (!is_pattern(board)) stop(board);
         for (const auto& board : options_.boards)
             if (is_pattern(board))
-                if (const auto found = stop_chosen(board); !found) return environment_.fail_with(found.error());
+                if (const auto found = stop_chosen(board); !found)
+                    return environment_.fail_with(found.error());
         if (options_.selector)
             if (const auto found = stop_chosen("*"); !found) return environment_.fail_with(found.error());
         if (options_.all)
@@ -133,11 +134,11 @@ class Stopper {
             std::string executed;
             for (const auto& line : answer.value("executed", nlohmann::json::array()))
                 executed += (executed.empty() ? "" : " ") + line.get<std::string>();
-            table.add(
-                {asked.board,
-                 reply.succeeded() ? Cell(done_text(answer), Colour::kGreen)
-                                   : Cell(options_.resume ? "not resumed" : "not stopped", Colour::kRed),
-                 executed.empty() ? "-" : executed, std::to_string(answer.value("refused", 0))});
+            table.add({asked.board,
+                       reply.succeeded()
+                           ? Cell(done_text(answer), Colour::kGreen)
+                           : Cell(options_.resume ? "not resumed" : "not stopped", Colour::kRed),
+                       executed.empty() ? "-" : executed, std::to_string(answer.value("refused", 0))});
         }
         records.finish();
         if (options_.output.for_people())
@@ -208,20 +209,22 @@ Run declare_stop(Declaration& verb) {
 }  // namespace
 
 Verb stop_verb() {
-    return {"stop", "Stop boards: motors, tones and other actuators, ahead of everything that waits",
-            "The board stays stopped: its agent refuses commands, whoever sends them, until asipctl resume; also "
-            "after\n"
-            "a restart of agent, board or broker. Questions and periods of reports pass. With --once later commands "
-            "are executed again.\n"
-            "Shows the requests that each board executed, and how many waiting commands were refused.\n"
-            "Exit status: 0 all confirmed, 1 refused, 4 no confirmation.\n"
-            "Examples:\n"
-            "  asipctl stop robot\n"
-            "  asipctl stop robot --why 'a child is on the track'\n"
-            "  asipctl stop 'crane*' --once\n"
-            "  asipctl stop -l room=lab\n"
-            "  asipctl stop --all -o json",
-            declare_stop};
+    return {
+        "stop", "Stop boards: motors, tones and other actuators, ahead of everything that waits",
+        "The board stays stopped: its agent refuses commands, whoever sends them, until asipctl resume; also "
+        "after\n"
+        "a restart of agent, board or broker. Questions and periods of reports pass. With --once later "
+        "commands "
+        "are executed again.\n"
+        "Shows the requests that each board executed, and how many waiting commands were refused.\n"
+        "Exit status: 0 all confirmed, 1 refused, 4 no confirmation.\n"
+        "Examples:\n"
+        "  asipctl stop robot\n"
+        "  asipctl stop robot --why 'a child is on the track'\n"
+        "  asipctl stop 'crane*' --once\n"
+        "  asipctl stop -l room=lab\n"
+        "  asipctl stop --all -o json",
+        declare_stop};
 }
 
 }  // namespace asip::cli

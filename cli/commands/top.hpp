@@ -12,7 +12,7 @@ namespace asip::cli {
 struct TopOptions {
     std::string pattern = "*";  ///< of boards
     std::chrono::milliseconds interval{1000};
-    std::size_t count = 0;  ///< refreshes; 0: until Ctrl-C
+    std::size_t count = 0;      ///< refreshes; 0: until Ctrl-C
     std::string sort = "name";  ///< rate, age, errors, trip
     bool no_ping = false;
     bool stats = false;  ///< what agents counted, instead of services

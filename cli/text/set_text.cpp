@@ -25,13 +25,15 @@ std::string value_text(const json& value, const model::Field* field) {
 }
 
 std::string values_text(const json& value, const model::CommandModel* command) {
-    const auto args = command == nullptr ? std::vector<const model::Field*>() : model::given_arguments(*command);
+    const auto args =
+        command == nullptr ? std::vector<const model::Field*>() : model::given_arguments(*command);
     if (!value.is_object()) return value_text(value, args.empty() ? nullptr : args.back());
     std::string text;
     for (const auto& [name, member] : value.items()) {
         const auto field =
             std::find_if(args.begin(), args.end(), [&](const auto* each) { return each->name == name; });
-        text += (text.empty() ? "" : " ") + name + " " + value_text(member, field == args.end() ? nullptr : *field);
+        text += (text.empty() ? "" : " ") + name + " " +
+                value_text(member, field == args.end() ? nullptr : *field);
     }
     return text;
 }
@@ -41,7 +43,8 @@ bool by_element(const json& value) {
     if (!value.is_object() || value.empty()) return false;
     return std::all_of(value.items().begin(), value.items().end(), [](const auto& item) {
         const auto& key = item.key();
-        return !key.empty() && std::all_of(key.begin(), key.end(), [](char c) { return c >= '0' && c <= '9'; });
+        return !key.empty() &&
+               std::all_of(key.begin(), key.end(), [](char c) { return c >= '0' && c <= '9'; });
     });
 }
 

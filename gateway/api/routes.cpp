@@ -42,7 +42,8 @@ const Parameter kDeadline{"deadline_ms", R"({"type":"integer","minimum":50,"maxi
                           "Within what time the answer is needed", "1000"};
 const Parameter kHold{"hold_ms", R"({"type":"integer","minimum":50,"maximum":60000})",
                       "Undo the command unless it is renewed within this time", ""};
-const Parameter kOnce{"once", kTruth, "Do not keep the board stopped: later commands are executed again", "false"};
+const Parameter kOnce{"once", kTruth, "Do not keep the board stopped: later commands are executed again",
+                      "false"};
 const Parameter kWhy{"why", kText, "Told to those whose commands are refused", ""};
 const Parameter kLastEventId{"last_event_id", kText, "As the header Last-Event-ID", ""};
 

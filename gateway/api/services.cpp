@@ -21,7 +21,9 @@ json value_item(const Values& values, const ServiceValues& service, const Point&
     const auto& channel = service.channels[point.channel];
     json item{{"place", Place{values.epoch(), point.number}.text()},
               {"at", text::iso_time(point.seen.wall)},
-              {channel.error ? "error" : channel.set ? "set" : "value",
+              {channel.error ? "error"
+               : channel.set ? "set"
+                             : "value",
                json::parse(point.json, nullptr, false)}};
     if (point.cut > 0) item["cut"] = point.cut;
     return item;

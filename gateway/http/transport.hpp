@@ -28,7 +28,8 @@ class Transport {
 
     template <class Buffers, class Handler>
     void async_read_some(const Buffers& buffers, Handler&& handler) {
-        read_some(first_of<boost::asio::mutable_buffer, 1>(buffers)[0], Ended(std::forward<Handler>(handler)));
+        read_some(first_of<boost::asio::mutable_buffer, 1>(buffers)[0],
+                  Ended(std::forward<Handler>(handler)));
     }
     template <class Buffers, class Handler>
     void async_write_some(const Buffers& buffers, Handler&& handler) {

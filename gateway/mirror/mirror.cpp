@@ -69,12 +69,9 @@ Mirror::Mirror(Options options, Random random, Port port)
 }
 
 std::vector<std::pair<std::string, bool>> Mirror::subscriptions() const {
-    return {{topics_.root() + "/servicebus/#", true},
-            {topics_.service_out("+", "+"), true},
-            {topics_.service_error("+", "+"), false},
-            {topics_.service_set("+", "+"), true},
-            {topics_.registry_state("+"), true},
-            {topics_.registry_stats("+"), true}};
+    return {{topics_.root() + "/servicebus/#", true}, {topics_.service_out("+", "+"), true},
+            {topics_.service_error("+", "+"), false}, {topics_.service_set("+", "+"), true},
+            {topics_.registry_state("+"), true},      {topics_.registry_stats("+"), true}};
 }
 
 void Mirror::status(const Instant& now, std::string_view broker) {

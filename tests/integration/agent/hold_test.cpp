@@ -209,8 +209,8 @@ TEST_F(HoldOfMotor, CableOutWhileItRuns_IsReportedAndStoppedWhenItIsIn) {
 TEST_F(HoldOfMotor, StoppedByAsipctl_StopsAndTheHolderIsTold) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto sender = hold();
-    const auto stopped =
-        run({ASIP_PROGRAMS "/asipctl", "stop", "robot", "--once", "-o", "json"}, {{"ASIP_BROKER", broker.address()}});
+    const auto stopped = run({ASIP_PROGRAMS "/asipctl", "stop", "robot", "--once", "-o", "json"},
+                             {{"ASIP_BROKER", broker.address()}});
     EXPECT_EQ(stopped.status, 0) << stopped.errors;
     EXPECT_FALSE(robot.runs());
     const auto record = json::parse(stopped.output).at(0);

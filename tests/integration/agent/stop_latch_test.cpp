@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stop that holds: real broker, agent, registry, asipctl and firmware; the simulator says when the motor runs.
+// A stop that holds: real broker, agent, registry, asipctl and firmware; the simulator says when the motor
+// runs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,8 +22,8 @@ class StopThatHolds : public testing::Test {
     void start_agent() {
         probe.clear();
         agent = std::make_unique<ChildProcess>(std::vector<std::string>{
-            ASIP_PROGRAMS "/asip-agent", "--serial", robot.port(), "--broker", broker.url(), "--name", "robot",
-            "--takeover", "--no-step-up", "--keep-outputs", "--state-dir", state.path().string()});
+            ASIP_PROGRAMS "/asip-agent", "--serial", robot.port(), "--broker", broker.url(), "--name",
+            "robot", "--takeover", "--no-step-up", "--keep-outputs", "--state-dir", state.path().string()});
         if (!wait_state(probe, "online", kDeadline, "robot")) throw std::runtime_error(agent->errors());
     }
     json ask(const std::string& topic, const std::string& payload) {

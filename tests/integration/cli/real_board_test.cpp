@@ -72,7 +72,8 @@ TEST_P(RealBoardTest, ListShowSendAndSubscribe_WorkOnIt) {
     EXPECT_THAT(refused.errors, HasSubstr("7, INVALID_DEVICE_NUMBER"));
     const auto all = asipctl({"get", "desk"});
     EXPECT_EQ(all.status, 0) << all.errors;
-    EXPECT_THAT(all.output, MatchesRegex("(.|\n)*desk/distance +distance 0 +4[123] cm(.|\n)*")) << "it is asked";
+    EXPECT_THAT(all.output, MatchesRegex("(.|\n)*desk/distance +distance 0 +4[123] cm(.|\n)*"))
+        << "it is asked";
     EXPECT_THAT(all.output, HasSubstr("90 degrees")) << "what was set";
     EXPECT_EQ(asipctl({"get", "des*/servo", "-o", "json"}).status, 0);
     EXPECT_EQ(asipctl({"get", "nobody*"}).status, 4);

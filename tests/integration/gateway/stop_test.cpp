@@ -62,7 +62,8 @@ TEST_F(GatewayStop, UnderTenThousandCommandsOfAnother_IsAnsweredAheadOfThem) {
     for (std::size_t round = 0; round < kRounds; ++round) {
         send_commands(flood, round, static_cast<int>(round % 2));
         took.push_back(time_of([&] {
-            const auto stopped = post(gateway_.port(), round % 4 < 2 ? "/api/stop?once=true" : "/api/boards/uno1/stop?once=true");
+            const auto stopped = post(
+                gateway_.port(), round % 4 < 2 ? "/api/stop?once=true" : "/api/boards/uno1/stop?once=true");
             EXPECT_EQ(stopped.status, 200) << stopped.body;
         }));
         ASSERT_TRUE(wait_until([&] { return flood.count("flood") == kCommands * (round + 1); }, 60s))
@@ -98,8 +99,8 @@ TEST_F(GatewayStop, Asipctl_UnderTenThousandCommands_IsAnsweredAheadOfThem) {
     for (std::size_t round = 0; round < kRounds; ++round) {
         send_commands(flood, round, 0);
         took.push_back(time_of([&] {
-            const auto stopped =
-                run({ASIP_PROGRAMS "/asipctl", "stop", "uno1", "--once"}, {{"ASIP_BROKER", broker_.address()}});
+            const auto stopped = run({ASIP_PROGRAMS "/asipctl", "stop", "uno1", "--once"},
+                                     {{"ASIP_BROKER", broker_.address()}});
             EXPECT_EQ(stopped.status, 0) << stopped.errors;
         }));
         ASSERT_TRUE(wait_until([&] { return flood.count("flood") == kCommands * (round + 1); }, 60s))

@@ -26,9 +26,13 @@ struct Latched : testing::Test {
         bench.published.clear();
         found = std::exchange(bench.board.executed, {});
     }
-    json stop() { return bench.ask(kStopTopic, {{"latch", true}, {"why", "dog on the track"}, {"by", "ann"}}, "s"); }
+    json stop() {
+        return bench.ask(kStopTopic, {{"latch", true}, {"why", "dog on the track"}, {"by", "ann"}}, "s");
+    }
     json power(const std::string& id) { return bench.ask("asip/uno1/motors/in", {{"power", {0, 100}}}, id); }
-    json resume(const std::string& id = "r") { return bench.ask("asip/uno1/in", {{"resume", true}, {"by", "bob"}}, id); }
+    json resume(const std::string& id = "r") {
+        return bench.ask("asip/uno1/in", {{"resume", true}, {"by", "bob"}}, id);
+    }
     json said() const { return json::parse(bench.on("asip/servicebus/uno1/$description").back()); }
     BridgeBench bench;
     std::vector<std::string> found;
@@ -42,8 +46,9 @@ TEST_F(Latched, Stopped_RefusesCommandsAndSaysByWhomAndWhy) {
     const auto refused = power("2");
     EXPECT_EQ(refused["status"], "refused");
     EXPECT_EQ(refused["reason"], "stopped");
-    EXPECT_THAT(refused["error"].get<std::string>(),
-                testing::AllOf(HasSubstr("by ann"), HasSubstr("dog on the track"), HasSubstr("asipctl resume uno1")));
+    EXPECT_THAT(
+        refused["error"].get<std::string>(),
+        testing::AllOf(HasSubstr("by ann"), HasSubstr("dog on the track"), HasSubstr("asipctl resume uno1")));
     EXPECT_EQ(bench.ask("asip/uno1/in", {{"raw", "M,m,0,100"}}, "3")["reason"], "stopped");
     EXPECT_EQ(bench.client_says("M,m,0,100"), Bridge::ClientResult::kRefused);
     bench.pass(1s);
@@ -127,7 +132,8 @@ BridgeOptions kept_options(Expected<std::optional<model::StopInfo>> kept) {
 }
 
 struct LatchKept : Latched {
-    LatchKept() : Latched(kept_options(std::optional(model::StopInfo{"ann", "dog", "2026-11-26T10:00:00Z"}))) {}
+    LatchKept()
+        : Latched(kept_options(std::optional(model::StopInfo{"ann", "dog", "2026-11-26T10:00:00Z"}))) {}
 };
 TEST_F(LatchKept, AgentStartsAgain_ItHoldsAndTheBoardIsStoppedFirst) {
     EXPECT_THAT(found, Contains("M,S")) << "whatever it did meanwhile";

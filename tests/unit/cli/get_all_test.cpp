@@ -43,7 +43,8 @@ TEST(AllValuesOfAService, PinsGoByNameAndLevel_AndPartsComeTogether) {
 
 TEST(AllValuesOfAService, WhatAnybodyMayPublish_DoesNoHarmAndIsBounded) {
     ServiceValues values;
-    for (const char* text : {"7", "[]", R"({"digital":7})", R"({"digital":{"x":{}}})", R"({"distance":null})"})
+    for (const char* text :
+         {"7", "[]", R"({"digital":7})", R"({"digital":{"x":{}}})", R"({"distance":null})"})
         values.take(json::parse(text), "reported", {});
     for (int i = 0; i < 1000; ++i)
         values.take({{"event" + std::to_string(i), i}}, "reported", {});

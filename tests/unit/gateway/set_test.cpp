@@ -73,12 +73,14 @@ TEST_F(SetTest, Stream_BeginsWithItAndTellsTheNext) {
     std::vector<std::string> kinds;
     const auto read = [&] {
         while (feed.next(event, gateway_->now()))
-            kinds.push_back(std::string(event.kind) + " " + json::parse(event.data).value("value", json()).dump());
+            kinds.push_back(std::string(event.kind) + " " +
+                            json::parse(event.data).value("value", json()).dump());
     };
     read();
     bus("asip/uno1/servo/set", "");
     read();
-    EXPECT_EQ(kinds, (std::vector<std::string>{R"(set {"write":{"0":90}})", "snapshot-end null", "set null"}));
+    EXPECT_EQ(kinds,
+              (std::vector<std::string>{R"(set {"write":{"0":90}})", "snapshot-end null", "set null"}));
 }
 
 }  // namespace
