@@ -11,16 +11,16 @@ namespace {
 constexpr unsigned kPatienceSeconds = 2;
 
 // In signal handlers: no memory, no locks.
-volatile std::sig_atomic_t asked = 0;
+volatile std::sig_atomic_t asked_to_end = 0;
 void (*volatile on_interrupt)(int) = nullptr;
 void (*volatile on_terminate)(int) = nullptr;
 
 void on_alarm(int) {
-    _exit(128 + asked);
+    _exit(128 + asked_to_end);
 }
 
 void on_stop(int number) {
-    asked = number;
+    asked_to_end = number;
     alarm(kPatienceSeconds);
     const auto handler = number == SIGINT ? on_interrupt : on_terminate;
     if (handler != nullptr) handler(number);
