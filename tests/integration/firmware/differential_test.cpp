@@ -46,7 +46,8 @@ std::string protocol_page() {
 void expect_facts(FirmwareBoard& board, const std::string& script) {
     const auto page = protocol_page();
     std::ifstream file(ASIP_SOURCE_DIR "/tests/literal/differential.json");
-    for (const auto& fact : nlohmann::json::parse(file).at("scripts").at(script)) {
+    const auto facts = nlohmann::json::parse(file);
+    for (const auto& fact : facts.at("scripts").at(script)) {
         const std::string request = fact.at("request"), of_04 = fact.at("of_04");
         auto seen = board.ask(request);
         if (fact.contains("look")) seen += look(board, fact.at("look"));

@@ -22,7 +22,8 @@ json vectors() {
 
 TEST(WhatWasSet, OfRequests_IsWhatTheVectorsSay) {
     const auto models = model::ModelSet::standard();
-    for (const auto& vector : vectors().at("set")) {
+    const auto all = vectors();
+    for (const auto& vector : all.at("set")) {
         const auto model = models.find(vector.at("model").get<std::string>());
         ASSERT_TRUE(model) << vector;
         SettingsOfService settings;

@@ -117,7 +117,8 @@ TEST(HomeAssistantDocument, EachComponent_IsAsHomeAssistantTakesIt) {
 TEST(HomeAssistantDocument, ReadOnly_HasNothingToSet) {
     HomeAssistant::Options options;
     options.read_only = true;
-    for (const auto& [id, component] : document_of(options)["cmps"].items()) {
+    const auto document = document_of(options);
+    for (const auto& [id, component] : document["cmps"].items()) {
         EXPECT_FALSE(component.contains("cmd_t")) << id;
         EXPECT_TRUE(component["p"] == "sensor" || component["p"] == "binary_sensor") << id;
     }
