@@ -255,9 +255,12 @@ void Connection::stream(std::uint64_t number, Response head, std::unique_ptr<Sou
 
 // One chunk is under way at a time; what comes meanwhile waits in the source.
 void Connection::pump() {
+    if (taking_) return pump_later();  // the source woke while it was asked
     if (write_pending_ || phase_ != Phase::kStreaming) return;
     std::string text;
+    taking_ = true;
     source_->take(text, shared_->limits.stream_bytes);
+    taking_ = false;
     last_chunk_ = text.empty() && source_->finished();
     if (text.empty() && head_.empty() && !last_chunk_) {
         if (source_->more()) pump_later();

@@ -82,6 +82,7 @@ class Connection final : public Responder, public std::enable_shared_from_this<C
     std::uint64_t number_ = 0;  // of the request
     bool read_pending_ = false;
     bool write_pending_ = false;
+    bool taking_ = false;  // the source is asked
     bool keep_alive_ = true;
     bool head_only_ = false;
     bool old_client_ = false;  // HTTP/1.0: no chunks

@@ -101,10 +101,15 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
         });
     }
 
+    // A channel may wake while it is asked: one that goes beyond what its client may have kept does.
     void pump() {
+        if (taking_) return pump_later();
         if (writing_ || !open_) return;
         if (const auto code = channel_->close_code(); code != 0) return close_with(code);
-        if (!channel_->take(out_)) {
+        taking_ = true;
+        const bool taken = channel_->take(out_);
+        taking_ = false;
+        if (!taken) {
             if (channel_->more()) pump_later();
             return;
         }
@@ -148,6 +153,7 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
     std::string out_;
     bool open_ = false;
     bool writing_ = false;
+    bool taking_ = false;
     bool later_ = false;  // pump() is called again soon
 };
 

@@ -474,5 +474,33 @@ TEST(GatewayBinding, UnixSocket_ServesAndKnowsNobody) {
     EXPECT_EQ(boards.output, "401") << "a proxy's clients are not this machine's";
 }
 
+class GatewayWithLittleRoom : public GatewayTest {
+  protected:
+    GatewayWithLittleRoom() : GatewayTest({"--max-client-bytes", "262144"}) {}
+};
+
+/// What a client may have kept ends while a snapshot of a service is made for it: that is its own fault
+/// alone.
+TEST_F(GatewayWithLittleRoom, ClientBeyondItsBytesInASnapshot_IsToldAndTheOthersAreServed) {
+    announce("uno1");
+    nlohmann::json values;
+    for (int i = 0; i < 12; ++i)
+        values["k" + std::to_string(i)] = std::string(3000, 'x');
+    probe_.publish("asip/uno1/distance/out", values.dump());
+    ASSERT_TRUE(wait_until([&] {
+        return ask("/api/boards/uno1/services/distance/value").body.find("k11") != std::string::npos;
+    }));
+    Socket greedy(port());
+    for (int i = 0; i < 200; ++i)
+        greedy.send(nlohmann::json{{"subscribe", "uno1/distance"}, {"ref", i}}.dump());
+    bool told = false;
+    for (auto text = greedy.message(); !text.empty() && !told; text = greedy.message())
+        told =
+            text.find("--max-client-bytes") != std::string::npos || text.find("fault") != std::string::npos;
+    EXPECT_TRUE(told);
+    EXPECT_EQ(ask("/healthz").status, 200);
+    EXPECT_TRUE(gateway_.process().running());
+}
+
 }  // namespace
 }  // namespace asip::test
