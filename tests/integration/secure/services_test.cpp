@@ -68,7 +68,7 @@ TEST_F(ServicesOnSecuredBus, DeniedWithoutAWord_IsSaidToBePossible) {
                "uno\n";
     }));
     for (const auto& verb :
-         {Words{"send", "uno", "io", "write", "13", "1"}, Words{"send", "uno", "--raw", "#,?"},
+         {Words{"send", "uno/io", "write", "13", "1"}, Words{"send", "uno", "--raw", "#,?"},
           Words{"pin", "uno", "13", "high"}, Words{"stop", "uno"}}) {
         const auto denied = run(Words{ASIP_TEST_ASIPCTL} + verb + as("bob") +
                                 Words{"--timeout", "1s", "--mqtt-version", "3.1.1"});

@@ -33,8 +33,7 @@ class SecuredSystem : public ::testing::Test {
     std::string folder() const { return place_.file("bus"); }
     Words secure(Words words) const {
         words.insert(words.begin(), {ASIP_TEST_ASIPCTL, "secure"});
-        for (const auto& word : {"--dir", folder().c_str()})
-            words.emplace_back(word);
+        words.insert(words.end(), {"--dir", folder()});
         return words;
     }
     Words init(const Words& more = {}) const {
