@@ -86,6 +86,7 @@ TEST_F(GatewayOpenapi, EachOperationAndStatus_IsAsDocumented) {
     const auto flood = drive("flood");
     EXPECT_EQ(flood.status, 0) << flood.errors;
     RunningGateway narrow(broker_.address(), {"--tokens", tokens_, "--max-client-bytes", "262144"});
+    ASSERT_TRUE(narrow.ready());
     announce(probe, "lost", "lost");
     ASSERT_TRUE(sees(narrow, "lost", "lost"));
     ASSERT_TRUE(sees(narrow, "uno1", "online"));
