@@ -15,8 +15,8 @@ namespace {
 
 constexpr Duration kRanLong = std::chrono::minutes(10);
 
-// False: it was told to stop.
-bool wait(Duration time) {
+// False: it was told to stop. From `announce` on it can be.
+bool wait(Duration time, const std::function<void()>& announce) {
     boost::asio::io_context io;
     boost::asio::steady_timer timer(io, time);
     bool stopped = false;
@@ -25,6 +25,7 @@ bool wait(Duration time) {
         timer.cancel();
     });
     timer.async_wait([&](const boost::system::error_code&) { stop.cancel(); });
+    announce();
     io.run();
     return !stopped;
 }
@@ -40,10 +41,13 @@ int keep_running(const std::function<int()>& service) {
         if (Clock::now() - began >= kRanLong) pause.reset();
         const Duration time = pause.next(system_random());
         const auto seconds = std::chrono::ceil<std::chrono::seconds>(time).count();
-        log::warning("ended; beginning again", {{"status", status}, {"in", std::to_string(seconds) + " s"}});
-        tell_service_manager("STATUS=ended with status " + std::to_string(status) +
-                             "; beginning again, see the log");
-        if (!wait(time)) return kExitOk;
+        const auto announce = [&] {
+            log::warning("ended; beginning again",
+                         {{"status", status}, {"in", std::to_string(seconds) + " s"}});
+            tell_service_manager("STATUS=ended with status " + std::to_string(status) +
+                                 "; beginning again, see the log");
+        };
+        if (!wait(time, announce)) return kExitOk;
     }
 }
 
