@@ -108,8 +108,12 @@ TEST_F(KeptBus, BrokerThatAUserFills_StaysBelowItsLimitAndServesTheOthers) {
     const auto stays = probe("uno2", {"asip/uno2/in"});
     auto admin = probe("admin", {});
     auto attacker = probe("uno1", {});
-    for (int i = 0; i < 100; ++i)
-        attacker.publish("asip/uno1/s" + std::to_string(i) + "/out", std::string(1'000'000, 'x'), true);
+    try {
+        for (int i = 0; i < 100; ++i)
+            attacker.publish("asip/uno1/s" + std::to_string(i) + "/out", std::string(1'000'000, 'x'), true);
+    } catch (const std::runtime_error&) {
+        // A broker that has no memory left closes the connection.
+    }
     EXPECT_TRUE(broker_->wait_for_errors("out of memory")) << broker_log();
     admin.publish("asip/uno2/in", "still here");
     EXPECT_TRUE(stays.wait_for("asip/uno2/in", "still here"));
