@@ -173,8 +173,12 @@ TEST_P(HostileCompletion, BehindAnOpenQuote_NothingIsExecuted) {
         }
     }
     fs::remove(folder_.file("got"));
-    terminal.type("\x03\rasipctl sure\r");
-    ASSERT_TRUE(wait_until([&] { return got() == "sure\n"; })) << terminal.screen().text();
+    // What is typed ahead of a Ctrl-C may be dropped by the terminal, and an open quote may be left so.
+    for (int typed = 0; typed < 10 && got() != "sure\n"; ++typed) {
+        terminal.type("\x03\rasipctl sure\r");
+        wait_until([&] { return got() == "sure\n"; }, time_limit(2s));
+    }
+    ASSERT_EQ(got(), "sure\n") << terminal.screen().text();
     EXPECT_FALSE(fs::exists(folder_.file("home/canary")));
 }
 
