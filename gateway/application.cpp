@@ -27,20 +27,13 @@ Instant present() {
     return {Clock::now(), text::wall_now()};
 }
 
-model::ModelSet models_of(const std::string& folder) {
-    auto models = model::ModelSet::standard();
-    if (folder.empty()) return models;
-    const auto loaded = models.load_directory(folder);
-    if (!loaded) throw std::runtime_error(loaded.error());
-    return models;
-}
-
 }  // namespace
 
 Application::Application(ProgramOptions options) : options_(std::move(options)), timer_(io_), soon_(io_) {
     program::allow_many_open_files();  // each connection needs one
-    auto models = models_of(options_.services);
-    auto units_of = [models](std::string_view model) { return model::units_of(models, model); };
+    auto models = model::ModelSet::standard_and(options_.services);
+    if (!models) throw std::runtime_error(models.error());
+    auto units_of = [models = *models](std::string_view model) { return model::units_of(models, model); };
     auto mqtt = options_.mqtt;
     mqtt.max_queued_messages = 20'000;
     mqtt.max_queued_bytes = 32u << 20;
@@ -51,7 +44,7 @@ Application::Application(ProgramOptions options) : options_(std::move(options)),
     answers.on_message = [this](const mqtt::Message& received) { gateway_->message(received); };
     urgent_ = std::make_unique<mqtt::Client>(io_, std::move(urgent), std::move(answers));
     options_.gateway.socket_bytes = options_.limits.message_bytes + kSocketBytes;
-    gateway_ = std::make_unique<Gateway>(options_.gateway, std::move(models), std::move(units_of),
+    gateway_ = std::make_unique<Gateway>(options_.gateway, std::move(*models), std::move(units_of),
                                          system_random(), random_secret, port());
     exports_ = std::make_unique<Exports>(io_, options_.home_assistant, options_.mqtt, *gateway_);
     read_tokens(true);

@@ -19,14 +19,6 @@ Instant now() {
     return {Clock::now(), text::wall_now()};
 }
 
-/// The standard models and those in `folder` (empty: none). Throws std::runtime_error where one is wrong.
-model::ModelSet models_of(const std::string& folder) {
-    auto models = model::ModelSet::standard();
-    if (folder.empty()) return models;
-    if (auto loaded = models.load_directory(folder); !loaded) throw std::runtime_error(loaded.error());
-    return models;
-}
-
 }  // namespace
 
 Application::Application(RegistryOptions options) : options_(std::move(options)), timer_(io_) {
@@ -35,7 +27,9 @@ Application::Application(RegistryOptions options) : options_(std::move(options))
             io_, History::Options{options_.history, options_.history_age, options_.history_bytes},
             history_handlers(), boot_id(), now());
     }
-    registry_ = std::make_unique<Registry>(options_, models_of(options_.services), system_random(), port(),
+    auto models = model::ModelSet::standard_and(options_.services);
+    if (!models) throw std::runtime_error(models.error());
+    registry_ = std::make_unique<Registry>(options_, std::move(*models), system_random(), port(),
                                            history_.get(), now());
     client_ = std::make_unique<mqtt::Client>(io_, mqtt_options(), handlers());
     stop_signal_ = std::make_unique<program::StopSignal>(io_, [this](int) { stop(); });

@@ -82,10 +82,8 @@ std::string serial_fault(const std::string& port) {
 }  // namespace
 
 Expected<model::ModelSet> load_models(const std::string& folder) {
-    auto models = model::ModelSet::standard();
-    if (folder.empty()) return models;
-    if (const auto loaded = models.load_directory(folder); !loaded)
-        return fail("--services: " + loaded.error());
+    auto models = model::ModelSet::standard_and(folder);
+    if (!models) return fail("--services: " + models.error());
     return models;
 }
 

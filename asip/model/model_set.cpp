@@ -30,6 +30,13 @@ const ModelSet& ModelSet::standard() {
     return set;
 }
 
+Expected<ModelSet> ModelSet::standard_and(const std::string& folder) {
+    auto models = standard();
+    if (folder.empty()) return models;
+    if (auto loaded = models.load_directory(folder); !loaded) return fail(loaded.error());
+    return models;
+}
+
 void ModelSet::add(ServiceModel model) {
     auto shared = std::make_shared<const ServiceModel>(std::move(model));
     const auto place =

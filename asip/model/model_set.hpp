@@ -20,6 +20,9 @@ class ModelSet {
     /// if one of them is wrong (the tests make sure that none is).
     static const ModelSet& standard();
 
+    /// Those, and the ones in `folder` where it is not empty. Fails as load_directory().
+    static Expected<ModelSet> standard_and(const std::string& folder);
+
     ModelSet() = default;
 
     /// Adds every *.json of the folder except schema.json; a model replaces the one of its name. Fails, and
