@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/describe/label_files.hpp"
 
-#include <cerrno>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "asip/model/json.hpp"
@@ -44,24 +40,19 @@ fs::path LabelFiles::file(const std::string& board) const {
 Expected<model::Labels> LabelFiles::load(const std::string& board) const {
     if (folder_.empty()) return model::Labels();
     const auto path = file(board);
-    errno = 0;
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream && (errno == ENOENT || errno == ENOTDIR)) return model::Labels();
-    const auto unreadable = [&path](const std::string& why) {
-        return fail(path.string() + ": " + why +
+    const auto unreadable = [](const std::string& why) {
+        return fail(why +
                     "; mend it and start the agent again, or set labels anew (this file is then put aside)");
     };
-    if (!stream) return unreadable(std::strerror(errno));
-    std::string text(kMaxFileBytes + 1, '\0');
-    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-    if (stream.bad()) return unreadable("cannot be read");
-    text.resize(static_cast<std::size_t>(stream.gcount()));
-    const auto document = model::parse_json(text, {.max_bytes = kMaxFileBytes, .max_depth = 8});
-    if (!document) return unreadable(document.error());
+    const auto text = program::read_kept_file(path, kMaxFileBytes);
+    if (!text) return unreadable(text.error());
+    if (!*text) return model::Labels();
+    const auto document = model::parse_json(**text, {.max_bytes = kMaxFileBytes, .max_depth = 8});
+    if (!document) return unreadable(path.string() + ": " + document.error());
     std::string fault;
     text::JsonReader reader(*document, "", fault);
     auto labels = model::read_labels(reader);
-    if (!reader.ok()) return unreadable(fault);
+    if (!reader.ok()) return unreadable(path.string() + ": " + fault);
     return labels;
 }
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/safety/stop_files.hpp"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "asip/model/json.hpp"
@@ -25,15 +22,10 @@ fs::path StopFiles::file(const std::string& board) const {
 Expected<std::optional<model::StopInfo>> StopFiles::load(const std::string& board) const {
     if (folder_.empty()) return std::optional<model::StopInfo>();
     const auto path = file(board);
-    errno = 0;
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream && (errno == ENOENT || errno == ENOTDIR)) return std::optional<model::StopInfo>();
-    if (!stream) return fail(path.string() + ": " + std::strerror(errno));
-    std::string text(kMaxStopFileBytes + 1, '\0');
-    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-    if (stream.bad()) return fail(path.string() + ": cannot be read");
-    text.resize(static_cast<std::size_t>(stream.gcount()));
-    const auto document = model::parse_json(text, {.max_bytes = kMaxStopFileBytes, .max_depth = 4});
+    const auto text = program::read_kept_file(path, kMaxStopFileBytes);
+    if (!text) return fail(text.error());
+    if (!*text) return std::optional<model::StopInfo>();
+    const auto document = model::parse_json(**text, {.max_bytes = kMaxStopFileBytes, .max_depth = 4});
     if (!document || !document->is_object())
         return fail(path.string() + ": " + (document ? "is no object" : document.error()));
     const auto member = [&](const char* name) {

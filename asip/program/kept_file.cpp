@@ -7,7 +7,9 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <string>
+#include <utility>
 
 namespace asip::program {
 namespace {
@@ -70,6 +72,18 @@ Expected<void> keep_file(const fs::path& path, std::string_view text) {
     }
     if (::rename(unfinished.c_str(), path.c_str()) != 0 || !sync_folder(folder)) return failed(path);
     return {};
+}
+
+Expected<std::optional<std::string>> read_kept_file(const fs::path& path, std::size_t max_bytes) {
+    errno = 0;
+    std::ifstream stream(path, std::ios::binary);
+    if (!stream && (errno == ENOENT || errno == ENOTDIR)) return std::optional<std::string>();
+    if (!stream) return fail(path.string() + ": " + std::strerror(errno));
+    std::string text(max_bytes + 1, '\0');
+    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+    if (stream.bad()) return fail(path.string() + ": cannot be read");
+    text.resize(static_cast<std::size_t>(stream.gcount()));
+    return std::optional(std::move(text));
 }
 
 }  // namespace asip::program

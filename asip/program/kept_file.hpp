@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstddef>
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <string_view>
 
 #include "asip/expected.hpp"
@@ -11,5 +14,9 @@ namespace asip::program {
 /// returns when it is on the disk. Folders that are missing are made, for their owner alone; so is the file.
 /// One writer at a time for each file: it is written as PATH.new first. Fails with the file and the reason.
 Expected<void> keep_file(const std::filesystem::path& path, std::string_view text);
+
+/// What keep_file() wrote; nothing where there is no such file. Of a longer one `max_bytes` and one more are
+/// read, so that its reader sees it. Fails with the file and the reason.
+Expected<std::optional<std::string>> read_kept_file(const std::filesystem::path& path, std::size_t max_bytes);
 
 }  // namespace asip::program
