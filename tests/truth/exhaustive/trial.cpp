@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
-#include "tests/truth/agent.hpp"
-#include "tests/truth/board_model.hpp"
+#include "tests/truth/world.hpp"
 
 namespace truth {
 
@@ -29,41 +29,27 @@ Plan plan_of(const Scenario& scenario, const Faults& faults) {
     return plan;
 }
 
-class Trial {
+class Trial : World {
   public:
     Trial(const Scenario& scenario, const Faults& faults, Micros ready_at, bool trace)
-        : scenario_(scenario),
-          plan_(plan_of(scenario, faults)),
-          dice_(1),
-          undisturbed_(ready_at == 0),
-          trace_(trace),
-          note_([this](const std::string& text) { note(text); }),
-          ledger_(undisturbed_ && plan_.incidents.empty(), plan_.extensions, note_),
-          to_board_(plan_.to_board, dice_, on_fault(true)),
-          to_host_(plan_.to_host, dice_, on_fault(false)),
-          board_(plan_.extensions ? firmware_with_extensions() : firmware_of_04(), to_board_, to_host_, dice_,
-                 plan_.board_pass, plan_.idle_pass, !plan_.extensions, reports()),
-          agent_(plan_, dice_, ledger_, to_board_, note_),
-          incidents_(faults.incidents) {
+        : World(setting_of(scenario, faults, ready_at, trace)),
+          scenario_(scenario),
+          undisturbed_(ready_at == 0) {
+        incidents_ = faults.incidents;
         end_.ready_at = ready_at;
     }
 
     TrialEnd run();
 
   private:
-    void note(const std::string& text) {
-        if (trace_) end_.trace.push_back(fmt::format("{:10.6f} {}", static_cast<double>(now_) * 1e-6, text));
-    }
-    Wire::OnFault on_fault(bool to_board);
-    BoardModel::Reports reports();
-    void board_read(BoardRead read);
-    Micros next() const;
-    void deliver();
+    static Setting setting_of(const Scenario& scenario, const Faults& faults, Micros ready_at, bool trace);
+    void on_fault(const WireByte& byte) override;
+    void on_read(const BoardRead& read) override;
+    void on_board_state() override;
+    void on_incident(const Incident& incident) override;
+    Micros next_step() const;
     void begin();
     void steps();
-    void incidents();
-    void happen(const Incident& incident);
-    void link_back();
     void watch();
     void check_settings();
     void close();
@@ -71,21 +57,9 @@ class Trial {
     bool all_well() const;
 
     const Scenario& scenario_;
-    Plan plan_;
-    Dice dice_;
     bool undisturbed_;
-    bool trace_;
-    Micros now_ = 0;
     TrialEnd end_;
-    Ledger::Note note_;
-    Ledger ledger_;
-    Wire to_board_, to_host_;
-    BoardModel board_;
-    Agent agent_;
-    std::vector<Incident> incidents_;
-    std::size_t next_incident_ = 0;
     std::size_t next_step_ = 0;
-    Micros link_back_at_ = kNever;
     Micros faults_end_ = 0;
     Micros busy_at_ = 0;  // something was under way
     Micros last_at_ = kNever;
@@ -95,34 +69,18 @@ class Trial {
     std::map<unsigned, int> modes_;  // of the board's pins since it restarted
 };
 
-Wire::OnFault Trial::on_fault(bool to_board) {
-    return [this, to_board](Fault fault, const WireByte& byte) {
-        if (trace_)
-            note(fmt::format("  {} {}: {:#04x}", to_board ? "to the board" : "to the host", to_string(fault),
-                             static_cast<unsigned char>(byte.value)));
-        faults_end_ = std::max({faults_end_, byte.departs, byte.arrives});
-        ledger_.fault(to_board, fault, byte, now_);
-    };
+World::Setting Trial::setting_of(const Scenario& scenario, const Faults& faults, Micros ready_at,
+                                 bool trace) {
+    auto plan = plan_of(scenario, faults);
+    const bool calm = ready_at == 0 && plan.incidents.empty();
+    return {Dice(1), std::move(plan), calm, trace};
 }
 
-BoardModel::Reports Trial::reports() {
-    return {[this](BoardRead read) { board_read(std::move(read)); },
-            [this](std::uint32_t line, std::string text) {
-                if (trace_) note("    board says " + text);
-                ledger_.board_sent(line, std::move(text), now_);
-            },
-            [this](Fault fault, const WireByte& byte) {
-                if (trace_) note(fmt::format("  board: {}", to_string(fault)));
-                ledger_.fault(true, fault, byte, now_);
-            },
-            [this](const char* state) {
-                note(state);
-                if (!board_.running(now_)) modes_.clear();
-            }};
+void Trial::on_fault(const WireByte& byte) {
+    faults_end_ = std::max({faults_end_, byte.departs, byte.arrives});
 }
 
-void Trial::board_read(BoardRead read) {
-    if (trace_) note("    board reads " + read.text);
+void Trial::on_read(const BoardRead& read) {
     for (const Effect& effect : read.effects)
         if (effect.kind == Effect::Kind::kMode) modes_[effect.subject] = effect.value;
     if (scenario_.from == Scenario::From::kRate && !rate_asked_ && read.text.starts_with("#,B,")) {
@@ -130,31 +88,19 @@ void Trial::board_read(BoardRead read) {
         end_.to_board.from = to_board_.sent() - read.text.size() - 1;
         end_.to_host.from = to_host_.sent();
     }
-    ledger_.board_read(std::move(read));
 }
 
-Micros Trial::next() const {
-    Micros next = std::min({agent_.next(), board_.next(), link_back_at_, last_at_});
-    if (!to_host_.empty()) next = std::min(next, to_host_.next());
-    if (next_step_ < scenario_.steps.size() && end_.ready_at != 0)
-        next = std::min(next, end_.ready_at + scenario_.steps[next_step_].after);
-    if (next_incident_ < incidents_.size()) next = std::min(next, incidents_[next_incident_].at);
-    return std::max(next, now_);
+void Trial::on_board_state() {
+    if (!board_.running(now_)) modes_.clear();
 }
 
-void Trial::deliver() {
-    std::string bytes;
-    while (!to_host_.empty() && to_host_.next() <= now_) {
-        WireByte byte = to_host_.take();
-        if (byte.baud != agent_.baud()) {
-            ledger_.fault(false, Fault::kNoise, byte, now_);
-            byte.value = static_cast<char>(dice_.below(256));
-        }
-        bytes += byte.value;
-    }
-    if (bytes.empty() || link_back_at_ != kNever) return;
-    if (trace_) note("< " + bytes);
-    agent_.receive(bytes, now_);
+void Trial::on_incident(const Incident& incident) {
+    faults_end_ = std::max(faults_end_, now_ + incident.lasts + plan_.boot);
+}
+
+Micros Trial::next_step() const {
+    if (next_step_ == scenario_.steps.size() || end_.ready_at == 0) return last_at_;
+    return std::min(last_at_, end_.ready_at + scenario_.steps[next_step_].after);
 }
 
 // The scenario's own incidents come so long after the board was ready, as its steps do.
@@ -171,42 +117,6 @@ void Trial::steps() {
     if (end_.ready_at == 0) return;
     while (next_step_ < scenario_.steps.size() && end_.ready_at + scenario_.steps[next_step_].after <= now_)
         agent_.submit(scenario_.steps[next_step_++].command, now_);
-}
-
-void Trial::incidents() {
-    while (next_incident_ < incidents_.size() && incidents_[next_incident_].at <= now_)
-        happen(incidents_[next_incident_++]);
-    if (link_back_at_ <= now_) link_back();
-}
-
-void Trial::happen(const Incident& incident) {
-    if (link_back_at_ != kNever) return;
-    note(to_string(incident.kind));
-    ++ledger_.counts.incidents;
-    faults_end_ = std::max(faults_end_, now_ + incident.lasts + plan_.boot);
-    switch (incident.kind) {
-        case Incident::Kind::kBoardReset:
-            return board_.restart(now_, now_ + plan_.boot);
-        case Incident::Kind::kHang:
-            return board_.hang(now_, now_ + incident.lasts);
-        case Incident::Kind::kDie:
-            return board_.restart(now_, now_ + incident.lasts + plan_.boot);
-        case Incident::Kind::kAgentRestart:
-            return agent_.restart(now_);
-        case Incident::Kind::kUnplug:
-        case Incident::Kind::kReopen:
-            agent_.link_down(now_);
-            board_.restart(now_, kNever);
-            to_board_.clear(now_);
-            to_host_.clear(now_);
-            link_back_at_ = now_ + incident.lasts;
-    }
-}
-
-void Trial::link_back() {
-    link_back_at_ = kNever;
-    board_.restart(now_, now_ + plan_.boot);
-    agent_.link_up(true, now_);
 }
 
 // The range of bytes and moments in which faults are tried.
@@ -234,7 +144,7 @@ void Trial::watch() {
 
 bool Trial::all_well() const {
     return end_.ready_at != 0 && next_step_ == scenario_.steps.size() &&
-           next_incident_ == incidents_.size() && ledger_.open() == 0 && link_back_at_ == kNever &&
+           next_incident_ == incidents_.size() && ledger_.open() == 0 && is_link_up() &&
            agent_.state() == State::kReady && board_.running(now_) && now_ > end_.ready_at;
 }
 
@@ -281,13 +191,9 @@ TrialEnd Trial::run() {
     board_.run(0);
     agent_.link_up(false, 0);
     while (!ledger_.failed()) {
-        now_ = next();
+        now_ = next(next_step());
         if (!to_board_.empty() || !to_host_.empty()) busy_at_ = now_;
-        incidents();
-        while (board_.next() <= now_)
-            board_.run(now_);
-        deliver();
-        agent_.tick(now_);
+        pass();
         steps();
         watch();
         if (closing_ == 0) {
@@ -304,6 +210,7 @@ TrialEnd Trial::run() {
     check_settings();
     end_.counts = ledger_.counts;
     end_.failure = ledger_.failure();
+    end_.trace = std::move(lines_);
     return std::move(end_);
 }
 
