@@ -314,7 +314,7 @@ void Bridge::goodbye(Time now, Effects& out) {
     session::Actions actions;
     board_.session.link_down(now, actions);
     perform(actions, now, out);
-    // From now on nobody follows what the board does.
+    // From now on the agent does not hear what the board does.
     set_.forget(now);
     set_.hurry(now);
     publish_set(now, out);

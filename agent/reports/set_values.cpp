@@ -169,13 +169,17 @@ void SetValues::apply(std::string_view line, bool executed, Time now) {
     if (entry == nullptr || !entry->model) return;
     const auto request = model::request_values(*entry->model, line.substr(2));
     if (!request) return;
-    auto known = services_.find(entry->name);
-    if (known == services_.end()) {
-        if (services_.size() >= kMaxServices) return;
-        known = services_.emplace(entry->name, Service{}).first;
-    }
-    known->second.settings.apply(*entry->model, *request, executed);
-    note(known->second, now);
+    auto* known = known_or_new(entry->name);
+    if (known == nullptr) return;
+    known->settings.apply(*entry->model, *request, executed);
+    note(*known, now);
+}
+
+SetValues::Service* SetValues::known_or_new(std::string_view name) {
+    const auto known = services_.find(name);
+    if (known != services_.end()) return &known->second;
+    if (services_.size() >= kMaxServices) return nullptr;
+    return &services_.emplace(std::string(name), Service{}).first->second;
 }
 
 void SetValues::note(Service& service, Time now) {
@@ -193,14 +197,10 @@ void SetValues::forget(Time now) {
 
 void SetValues::stored(std::string_view service, std::string_view payload, Time now) {
     if (payload.empty()) return;
-    auto known = services_.find(service);
-    if (known == services_.end()) {
-        if (services_.size() >= kMaxServices) return;
-        known = services_.emplace(std::string(service), Service{}).first;
-    }
-    if (known->second.settings.text() == payload) return;
-    known->second.again = true;
-    note(known->second, now);
+    auto* known = known_or_new(service);
+    if (known == nullptr || known->settings.text() == payload) return;
+    known->again = true;
+    note(*known, now);
 }
 
 void SetValues::connected(Time now) {

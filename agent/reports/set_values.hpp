@@ -46,7 +46,7 @@ class SettingsOfService {
 };
 
 /// Publishes what was set on `BOARD/SERVICE/set`, retained: each change, at most twice a second for each
-/// service, the newest last. It follows every request that a board executes, whoever sent it: commands, raw
+/// service, the newest last. It follows every request that a board executes, of every sender: commands, raw
 /// lines, point-to-point clients, what undoes a hold, a stop. Pure.
 class SetValues {
   public:
@@ -84,6 +84,8 @@ class SetValues {
     };
 
     void apply(std::string_view line, bool executed, Time now);
+    /// Null: there are too many.
+    Service* known_or_new(std::string_view name);
     void note(Service& service, Time now);
 
     const Board& board_;

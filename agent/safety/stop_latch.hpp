@@ -10,8 +10,8 @@
 
 namespace asip::agent {
 
-/// A stop that holds: until somebody resumes the board its agent sends it nothing that may move it, whoever
-/// asks. The agent keeps it on the disk, so that it outlives agent, machine and broker. Pure.
+/// A stop that holds: until the board is resumed its agent sends it nothing that may move it. The agent keeps
+/// it on the disk, so that it outlives agent, machine and broker. Pure.
 class StopLatch {
   public:
     /// As it was kept. What cannot be read counts as a stop: it may be one.
@@ -25,7 +25,7 @@ class StopLatch {
     /// Whether this request must not be sent now: while the board is stopped, all that is neither a question
     /// nor a period of reports.
     bool holds(const session::ServiceTable& services, const protocol::Request& request) const;
-    /// For who is refused.
+    /// The sentence for the sender of a refused command.
     std::string why_refused(const std::string& board) const;
 
   private:

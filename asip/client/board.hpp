@@ -128,7 +128,7 @@ class Service {
     /// may not be able to, and others may ask for more). Elsewhere it changes nothing.
     Subscription on_event(std::function<void(const nlohmann::json& event)> happened,
                           double wanted_hz = kUsualHz) const;
-    /// What was set in it, by command and element, whoever did it: {"write":{"13":1}}. Null: nothing that is
+    /// What was set in it, by command and element, of all senders: {"write":{"13":1}}. Null: nothing that is
     /// known; so after a restart of the board, and over a serial port or TCP, where only agents tell it.
     nlohmann::json was_set() const;
     /// `changed` is called with it each time it changes.

@@ -75,7 +75,7 @@ class Transport {
     /// As its agent announced them last; none where there is no agent.
     virtual std::map<std::string, std::string> labels() const { return {}; }
 
-    /// What was set in a service, by command and element, whoever did it: {"write":{"13":1}}; null: nothing
+    /// What was set in a service, by command and element, of all senders: {"write":{"13":1}}; null: nothing
     /// that is known. As its agent says; null where there is no agent.
     virtual nlohmann::json was_set(const std::string& service) const;
 

@@ -211,7 +211,7 @@ Run declare_stop(Declaration& verb) {
 Verb stop_verb() {
     return {
         "stop", "Stop boards: motors, tones and other actuators, ahead of everything that waits",
-        "The board stays stopped: its agent refuses commands, whoever sends them, until asipctl resume; also "
+        "The board stays stopped: its agent refuses the commands of every sender until asipctl resume; also "
         "after\n"
         "a restart of agent, board or broker. Questions and periods of reports pass. With --once later "
         "commands "

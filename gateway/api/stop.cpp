@@ -15,8 +15,8 @@ using nlohmann::json;
 constexpr std::size_t kMaxWhyBytes = 200;
 
 /// The answers of several boards, sent once all have come.
-struct Stopping {
-    explicit Stopping(http::Reply to) : reply(std::move(to)) {}
+struct Answers {
+    explicit Answers(http::Reply to) : reply(std::move(to)) {}
 
     http::Reply reply;
     json boards = json::object();
@@ -44,26 +44,39 @@ std::string stop_payload(const Call& call) {
     return model::dump_json(payload);
 }
 
-void send_stop(const Call& call, const std::string& board, Commands::Done done) {
+Commands::Start start_of(const Call& call, const std::string& board, const char* session) {
     Commands::Start start;
-    start.session = "stop";
+    start.session = session;
     start.by = call.principal.rights.name;
     start.target = board;
+    start.client = call.client();
+    return start;
+}
+
+void send_stop(const Call& call, const std::string& board, Commands::Done done) {
+    auto start = start_of(call, board, "stop");
     start.topic = call.gateway.mirror().topics().stop(board);
     start.payload = stop_payload(call);
-    start.client = call.client();
     start.urgent = true;
     call.gateway.command(std::move(start), std::move(done));
 }
 
-void stop(Call& call, const std::vector<std::string>& boards) {
-    auto stopping = std::make_shared<Stopping>(call.reply);
-    stopping->missing = boards.size();
-    if (boards.empty()) return stopping->send();
+void send_resume(const Call& call, const std::string& board, Commands::Done done) {
+    auto start = start_of(call, board, "resume");
+    start.topic = call.gateway.mirror().topics().board_in(board);
+    start.payload = R"({"resume":true})";
+    call.gateway.command(std::move(start), std::move(done));
+}
+
+/// Asks each board and answers when all have answered.
+void ask_all(const Call& call, const std::vector<std::string>& boards,
+             void (*send)(const Call&, const std::string&, Commands::Done)) {
+    auto answers = std::make_shared<Answers>(call.reply);
+    answers->missing = boards.size();
+    if (boards.empty()) return answers->send();
     for (const auto& board : boards) {
-        send_stop(call, board, [stopping, board](const CommandRecord& record) {
-            stopping->answered(board, *record.reply);
-        });
+        send(call, board,
+             [answers, board](const CommandRecord& record) { answers->answered(board, *record.reply); });
     }
 }
 
@@ -73,7 +86,7 @@ void post_stop_board(Call& call) {
     if (!bus_is_there(call)) return;
     const auto board = board_of(call);
     if (!board) return;
-    stop(call, {board->board});
+    ask_all(call, {board->board}, send_stop);
 }
 
 // A board that is lost may have an agent that stops it once it is back: it is sent the stop, and not waited
@@ -88,35 +101,13 @@ void post_stop(Call& call) {
     }
     for (const auto& board : lost)
         send_stop(call, board, [](const CommandRecord&) {});
-    stop(call, alive);
+    ask_all(call, alive, send_stop);
 }
-
-namespace {
-
-void resume(Call& call, const std::vector<std::string>& boards) {
-    auto resuming = std::make_shared<Stopping>(call.reply);
-    resuming->missing = boards.size();
-    if (boards.empty()) return resuming->send();
-    for (const auto& board : boards) {
-        Commands::Start start;
-        start.session = "resume";
-        start.by = call.principal.rights.name;
-        start.target = board;
-        start.topic = call.gateway.mirror().topics().board_in(board);
-        start.payload = R"({"resume":true})";
-        start.client = call.client();
-        call.gateway.command(std::move(start), [resuming, board](const CommandRecord& record) {
-            resuming->answered(board, *record.reply);
-        });
-    }
-}
-
-}  // namespace
 
 void post_resume_board(Call& call) {
     if (!bus_is_there(call)) return;
     const auto board = board_of(call);
-    if (board) resume(call, {board->board});
+    if (board) ask_all(call, {board->board}, send_resume);
 }
 
 // Those that are stopped, and have an agent that hears it.
@@ -128,7 +119,7 @@ void post_resume(Call& call) {
         if (item && item->reason == model::to_text(model::StateReason::kLatched) && call.sees(board))
             stopped.push_back(std::move(board));
     }
-    resume(call, stopped);
+    ask_all(call, stopped, send_resume);
 }
 
 void post_renew(Call& call) {

@@ -121,7 +121,7 @@ void Exporter::own_message(const mqtt::Message& message, Time now) {
         return;
     }
     if (message.retain || message.payload.empty() || phase_ != Phase::kActive) return;
-    if (const auto which = dialect_.command_of(message.topic)) command(*which, message.payload, now);
+    if (const auto which = dialect_.command_of(message.topic)) command(*which, message.payload);
 }
 
 void Exporter::begin_scan(Time now) {
@@ -166,7 +166,7 @@ void Exporter::finish_scan(Time now) {
         record.on_bus = HomeAssistant::components_of(record.document);
         const auto state = on_bus(dialect_.board_state(name));
         record.there = state.empty() ? std::nullopt : std::optional(state == kOnline);
-        if (record.board.board.empty()) take(record, std::move(present->board), now);
+        if (record.board.board.empty()) take(record, std::move(present->board));
         for (std::size_t i = 0; i < record.states.size(); ++i) {
             const auto topic = state_topic(record, i);
             wanted.insert(topic);
@@ -250,11 +250,15 @@ void Exporter::leave() {
 
 // --- boards
 
-void Exporter::pump(Time now) {
+void Exporter::clear_some() {
     while (!clear_.empty() && port_.has_room()) {
         retain(std::move(clear_.front()), {});
         clear_.pop_front();
     }
+}
+
+void Exporter::pump(Time now) {
+    clear_some();
     if (!clear_.empty()) return;
     if (!options_.enabled) {
         phase_ = Phase::kFinished;
@@ -278,7 +282,7 @@ void Exporter::update(const std::string& name, Time now) {
     if (!present) return remove(name);
     auto& record = records_[name];
     const bool changed = !(record.board == present->board);
-    if (changed) take(record, std::move(present->board), now);
+    if (changed) take(record, std::move(present->board));
     publish_document(record, now);
     if (record.there != present->there) {
         record.there = present->there;
@@ -293,7 +297,7 @@ std::string Exporter::state_topic(const Record& record, std::size_t index) const
                                                                       : HomeAssistant::kLastError);
 }
 
-void Exporter::take(Record& record, ExportedBoard board, Time) {
+void Exporter::take(Record& record, ExportedBoard board) {
     std::map<std::string, PacedValue> old;
     for (std::size_t i = 0; i < record.states.size(); ++i)
         old[state_topic(record, i)] = std::move(record.states[i]);
@@ -358,10 +362,7 @@ void Exporter::remove(const std::string& name) {
     for (std::size_t i = 0; i < record.states.size(); ++i)
         if (!record.states[i].sent().empty()) clear_.push_back(state_topic(record, i));
     records_.erase(found);
-    while (!clear_.empty() && port_.has_room()) {
-        retain(std::move(clear_.front()), {});
-        clear_.pop_front();
-    }
+    clear_some();
 }
 
 // --- values
@@ -406,7 +407,7 @@ void Exporter::values_of(Record& record, std::string_view service, std::string_v
 
 // --- commands
 
-void Exporter::command(const HomeAssistant::Command& which, const std::string& payload, Time) {
+void Exporter::command(const HomeAssistant::Command& which, const std::string& payload) {
     const auto found = records_.find(which.board);
     const auto* entity = found == records_.end() ? nullptr : found->second.board.entity(which.entity);
     if (entity == nullptr) {

@@ -20,7 +20,7 @@ class Lease {
     static constexpr Duration kSettle = std::chrono::seconds(1);  ///< until what is retained has come
     static constexpr std::size_t kMaxBytes = 1024;
 
-    /// What the topic says of whoever exports, or did.
+    /// What the topic says of the gateway that exports, or did.
     struct Holder {
         std::string gateway;  ///< unique for each process
         std::uint64_t term = 0;

@@ -234,8 +234,8 @@ class Board:
         return answer
 
     def stop(self, *, hold: bool = False, why: str = "", timeout: float | None = None) -> None:
-        """Makes the board safe: what waits is refused, and every service's safe form is executed ahead of it. With `hold` it
-        stays stopped, whoever commands it, until `resume()`; `why` is told to those who are refused."""
+        """Makes the board safe: what waits is refused, and every service's safe form is executed ahead of it. With `hold`
+        the board refuses the commands of every sender until `resume()`, and tells them `why`."""
         seconds = self._timeout(timeout)
         _wait.result(self._engine.stop(self.name, seconds, hold=hold, why=why).future)
 

@@ -131,7 +131,7 @@ export class PinValues {
   }
 
   /// {mode, text, level, told}: level 0..1 for the light of the pin, undefined where nothing is known. `told`: the board does not
-  /// report it; it is what was set, by whoever did that last.
+  /// report it; it is what was set last.
   state_of(pin) {
     const mode = mode_names[this.modes.get(pin.number) ?? pin.mode];
     if (mode === "analog") {

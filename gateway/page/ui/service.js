@@ -111,7 +111,7 @@ class Service extends Part {
     });
   }
 
-  /// What the board's agent says that was set, by whoever did it.
+  /// What the board's agent says that was set, of all senders.
   set_is(set) {
     this.set = set;
     this.on_set?.(set);

@@ -74,7 +74,7 @@ TEST(ExampleTwoBoardSwitch, LedBoardIsReplugged_ItIsSetAgainWithoutAPress) {
     boards.press(0);
     ASSERT_TRUE(boards.wait_for_led("on", 1)) << boards.output();
     boards.command("unplug uno2");
-    boards.command("replug uno2");  // whoever opens the port resets the board: its LED is off then
+    boards.command("replug uno2");  // opening the port resets the board: its LED is off then
     EXPECT_TRUE(wait_until([&] { return boards.led_changes("on", 1) == 2; }))
         << boards.output() << program.errors();
 }
