@@ -16,7 +16,7 @@ endif()
 set(asip_chip_rp2040_tool arm-none-eabi)
 set(asip_chip_rp2040_flags -mcpu=cortex-m0plus -mthumb --specs=picolibc.specs)
 set(asip_chip_rp2040_defines -DARDUINO_ARCH_RP2040 -DASIP_ANALOG_BITS=12)
-set(asip_chip_rp2040_sources core/runtime.cpp rp2040/core.cpp rp2040/flash.cpp rp2040/start.cpp rp2040/uart.cpp)
+set(asip_chip_rp2040_sources core/runtime.cpp rp2040/core.cpp rp2040/flash.cpp rp2040/start.cpp rp2040/uart.cpp rp2040/wire.cpp)
 
 # A FE310 has no converter; its first UART is on 16 and 17.
 set(asip_chip_riscv_tool riscv64-unknown-elf)

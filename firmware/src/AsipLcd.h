@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A display of 128 x 64 pixels with an SH1106 at 0x3C on the I2C bus of an AVR, as 5 lines of 21 characters:
+// A display of 128 x 64 pixels with an SH1106 at 0x3C on the I2C bus, as 5 lines of 21 characters:
 //
 //   asip::Lcd lcd;
 //
@@ -8,10 +8,6 @@
 // of them within 150 ms, and nobody waits for it. A display that is missing is error 8, pins in use
 // elsewhere 9.
 #pragma once
-
-#if defined(ARDUINO) && !defined(__AVR__)
-#error "AsipLcd.h drives its display by the I2C bus of an AVR: there is none on this chip"
-#endif
 
 #include "Asip.h"
 #include "asip/I2c.h"

@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Motion sensors on the I2C bus of an AVR (pins A4 and A5 of an Uno), which report as they measure:
+// Motion sensors on the I2C bus (pins A4 and A5 of an Uno), which report as they measure:
 //
-//   asip::Motion accelerometer(asip::Motion::kAccelerometer);  // MPU-6050 at 0x68, +-2 g:          A,M and
-//   A,A,ms asip::Motion gyroscope(asip::Motion::kGyroscope);          // the same chip, +-250 degrees a s:
-//   G,M and G,A,ms asip::Motion heading(asip::Motion::kHeading);              // HMC5883L at 0x1E: H,M and
-//   H,A,ms
+//   asip::Motion accelerometer(asip::Motion::kAccelerometer);  // MPU-6050 at 0x68, +-2 g
+//   asip::Motion gyroscope(asip::Motion::kGyroscope);  // the same chip, +-250 degrees a second
+//   asip::Motion heading(asip::Motion::kHeading);  // HMC5883L at 0x1E
 //
-// @A,e,3,{x,y,z} and @G,e,3,{x,y,z} are the chip's numbers, @H,e,4,{x,y,z,degrees} adds the direction in
-// which the field points, 0 to 359. Nobody waits for the chip. A chip that is missing is error 8, pins in use
-// elsewhere 9.
+// A,M, G,M and H,M measure once, A,A,ms, G,A,ms and H,A,ms periodically. @A,e,3,{x,y,z} and @G,e,3,{x,y,z}
+// are the chip's numbers, @H,e,4,{x,y,z,degrees} adds the direction in which the field points, 0 to 359. On
+// an AVR nobody waits for the chip. A chip that is missing is error 8, pins in use elsewhere 9.
 #pragma once
-
-#if defined(ARDUINO) && !defined(__AVR__)
-#error "AsipMotion.h reads its chips by the I2C bus of an AVR: there is none on this chip"
-#endif
 
 #include "Asip.h"
 #include "asip/I2cSensor.h"

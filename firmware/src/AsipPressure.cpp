@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifdef __AVR__
+#define ASIP_LIBRARY_SOURCE
+#ifdef ARDUINO
 
 #include "AsipPressure.h"
 

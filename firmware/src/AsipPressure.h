@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pressure sensor, the BMP085 at 0x77 on the I2C bus of an AVR:
+// A pressure sensor, the BMP085 at 0x77 on the I2C bus:
 //
 //   asip::Pressure pressure;
 //
@@ -8,10 +8,6 @@
 // atmosphere. A measurement takes 40 ms, in which nobody waits. A chip that is missing is error 8, pins in
 // use elsewhere 9.
 #pragma once
-
-#if defined(ARDUINO) && !defined(__AVR__)
-#error "AsipPressure.h reads its chip by the I2C bus of an AVR: there is none on this chip"
-#endif
 
 #include "Asip.h"
 #include "asip/I2cSensor.h"

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Raspberry Pi Pico in the emulator rp2040js, with a UART and a flash of our own. Its time passes only in runFor().
+// A Raspberry Pi Pico in the emulator rp2040js, with a UART, a flash and an I2C bus of our own. Its time passes only in runFor().
 import { readFileSync, writeFileSync, existsSync } from 'node:fs'
 import { addFlash, FLASH_BYTES } from './flash.mjs'
+import { I2cBus } from './i2c.mjs'
 import { makeUart } from './uart.mjs'
 
 const FLASH = 0x10000000, VECTORS = FLASH + 0x100
@@ -48,6 +49,7 @@ export class Pico {
     this.driven = new Array(PINS).fill(null)
     this.analog = new Array(CHANNELS).fill(0)
     this.watchers = []
+    this.i2c = new I2cBus(this)
     this.onByte = () => {}
     this.onReset = () => {}
     this.onFault = () => {}
@@ -83,6 +85,7 @@ export class Pico {
     this.uart = makeUart(this.emulator, rp2040, { sent: (byte) => this.onByte(byte) })
     rp2040.peripherals[0x40034] = this.uart
     addFlash(this.emulator, rp2040, { changed: () => this.store() })
+    this.i2c.connect(rp2040)
     this.watchOutputs()
     // What the boot loader does at its end.
     rp2040.core.VTOR = VECTORS

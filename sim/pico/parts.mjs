@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // What can be wired to a simulated Pico: as the parts of the same names in sim/parts, for what a bench needs.
 import { CHANNELS, FIRST_ANALOG_PIN, PINS } from './chip.mjs'
+import { SCL, SDA } from './i2c.mjs'
+import { i2cKinds } from './i2c_parts.mjs'
+
+const flag = { isGood: (value) => typeof value === 'boolean', what: 'true or false' }
+const share = { isGood: (value) => value >= 0 && value <= 1, what: 'a number from 0 to 1' }
 
 /** Members, verbs and behaviour of each kind. A part shows its state by `changed(text)`. */
 const kinds = {
+  ...i2cKinds,
   led: {
-    members: { active_low: 'flag' },
+    members: { active_low: flag },
     make: (pico, { pin, active_low: low }, changed) => {
       const state = () => {
         const duty = pico.duty(pin)
@@ -17,7 +23,7 @@ const kinds = {
     }
   },
   button: {
-    members: { to_vcc: 'flag' },
+    members: { to_vcc: flag },
     make: (pico, { pin, to_vcc: high }, changed) => {
       let pressed = false
       const apply = () => pico.drive(pin, pressed ? (high ?? false) : high ? false : null)
@@ -32,7 +38,7 @@ const kinds = {
     }
   },
   potentiometer: {
-    members: { position: 'share' },
+    members: { position: share },
     make: (pico, { pin, position = 0.5 }, changed) => {
       const set = (to) => {
         position = to
@@ -61,33 +67,46 @@ function pinOf(value) {
   return number
 }
 
-const good = { flag: (value) => typeof value === 'boolean', share: (value) => value >= 0 && value <= 1 }
+const BUS = 'bus'
+
+function pinFor(kind, value, taken, refuse) {
+  let pin
+  try {
+    pin = pinOf(value)
+  } catch (error) {
+    refuse(error.message)
+  }
+  if (kind === 'potentiometer' && pin < FIRST_ANALOG_PIN) refuse('not an analog input')
+  if (pin < 2) refuse('the serial line has this pin')
+  if (taken.has(pin)) refuse(taken.get(pin) === BUS ? 'the I2C bus has this pin' : 'has a part already')
+  return pin
+}
 
 /** The parts of a board file. Throws an Error whose text begins with the place: "/parts/1/pin: ...". */
 export function wire(pico, configured, changed) {
-  const parts = new Map(), taken = new Set()
+  const parts = new Map(), taken = new Map(), busKinds = new Set()
   for (const [i, { kind, name, ...settings }] of configured.entries()) {
     const refuse = (member, why) => {
       throw new Error(`/parts/${i}/${member}: ${why}`)
     }
     if (!(kind in kinds)) refuse('kind', `a Pico has no "${kind}"; one of ${Object.keys(kinds).join(', ')}`)
-    const { members, make } = kinds[kind]
-    if (!('pin' in settings)) refuse('pin', 'is missing')
+    const { members, make, isOnBus } = kinds[kind]
+    if (!isOnBus && !('pin' in settings)) refuse('pin', 'is missing')
     for (const [member, value] of Object.entries(settings)) {
-      if (member === 'pin') continue
-      if (!(member in members)) refuse(member, `a ${kind} has no such member`)
-      if (!good[members[member]](value)) refuse(member, members[member] === 'flag' ? 'true or false' : 'a number from 0 to 1')
+      if (member === 'pin' && !isOnBus) continue
+      if (!Object.hasOwn(members, member)) refuse(member, `a ${kind} has no such member`)
+      if (!members[member].isGood(value)) refuse(member, members[member].what)
     }
-    try {
-      settings.pin = pinOf(settings.pin)
-    } catch (error) {
-      refuse('pin', error.message)
+    if (isOnBus) {
+      if (busKinds.has(kind)) refuse('kind', `the bus has a ${kind} already`)
+      if (![SDA, SCL].every((pin) => !taken.has(pin) || taken.get(pin) === BUS)) refuse('kind', `the I2C bus takes pins ${SDA} and ${SCL}, where a part is`)
+      busKinds.add(kind)
+      for (const pin of [SDA, SCL]) taken.set(pin, BUS)
+    } else {
+      settings.pin = pinFor(kind, settings.pin, taken, (why) => refuse('pin', why))
+      taken.set(settings.pin, kind)
     }
-    if (kind === 'potentiometer' && settings.pin < FIRST_ANALOG_PIN) refuse('pin', 'not an analog input')
-    if (settings.pin < 2) refuse('pin', 'the serial line has this pin')
-    if (taken.has(settings.pin)) refuse('pin', 'has a part already')
-    taken.add(settings.pin)
-    const called = name ?? `${kind}${settings.pin}`
+    const called = name ?? `${kind}${settings.pin ?? ''}`
     if (parts.has(called)) refuse('name', `another part is called ${called}`)
     let shown
     const part = make(pico, settings, (state) => {

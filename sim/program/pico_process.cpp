@@ -96,7 +96,10 @@ Expected<PicoProcess> PicoProcess::start(const nlohmann::json& board) {
     }
     for (auto* pair : {&line, &input, &output, &error})
         close_if_open(pair->theirs);
-    if (problem == ENOENT) return fail(std::string("a Pico needs Node.js: apt install nodejs"));
+    if (problem == ENOENT)
+        return fail(
+            std::string("a Pico needs Node.js and its emulator: apt install nodejs npm, then npm install "
+                        "--global rp2040js@1.4.1"));
     if (process.pid_ <= 0) return fail(fmt::format("cannot start node: {}", std::strerror(problem)));
     if (!process.read(kStart))
         return fail(process.is_running() ? std::string("the emulator of the Pico does not start")

@@ -18,6 +18,7 @@ export class Board extends Pico {
 
   constructor(name, options) {
     super(emulator, image(name), options)
+    options?.before?.(this) // wires parts, before the board starts
     this.boot()
   }
 

@@ -14,13 +14,14 @@ LIBRARY = HERE.parents[1] / "firmware" / "src"
 FUNCTIONS = ("pinMode", "digitalWrite", "digitalRead", "analogRead", "analogWrite", "millis", "micros", "delayMicroseconds",
              "tone", "noTone", "attachInterrupt", "detachInterrupt", "interrupts", "noInterrupts")
 MACROS = ("F", "PROGMEM", "pgm_read_byte", "pgm_read_word", "digitalPinToInterrupt", "NUM_DIGITAL_PINS", "NUM_ANALOG_INPUTS")
+OF_THE_BUS = ("begin", "beginTransmission", "write", "endTransmission", "requestFrom", "read")
 OF_THE_PORT = ("begin", "read", "write", "availableForWrite", "flush")
 
 
 class CoreCheck(unittest.TestCase):
     def compile(self, change, source="#include <asip/Hardware.h>\n"):
         with tempfile.TemporaryDirectory() as folder:
-            for header in ("core/Arduino.h", "core/ChipSerial.h", "rp2040/pins_arduino.h"):
+            for header in ("core/Arduino.h", "core/ChipSerial.h", "rp2040/pins_arduino.h", "rp2040/Wire.h"):
                 text = (HERE / header).read_text(encoding="utf-8")
                 pathlib.Path(folder, os.path.basename(header)).write_text(change(text), encoding="utf-8")
             run = subprocess.run([os.environ.get("CXX", "c++"), "-std=c++11", "-fsyntax-only", "-DARDUINO=10819", f"-I{folder}",
@@ -53,14 +54,24 @@ class CoreCheck(unittest.TestCase):
             errors = self.compile(lambda text: re.sub(rf"\b{name}\(", f"other_{name}(", text), source)
             self.assertIn("ASIP_SERIAL lacks one of them", errors, name)
 
+    def test_each_function_of_the_bus(self):
+        for header in ("AsipLcd", "AsipMotion", "AsipPressure"):
+            self.assertEqual(self.compile(str, f"#include <Asip.h>\n#include <{header}.h>\n"), "")
+        source = "#include <Asip.h>\n#include <AsipMotion.h>\n"
+        for name in OF_THE_BUS:
+            sentences = self.sentences(self.compile(lambda text: re.sub(rf"\b{name}\(", f"other_{name}(", text), source))
+            self.assertEqual(len(sentences), 1, name)
+            self.assertIn("Asip needs Wire with", sentences[0])
+            self.assertIn(f"{name}(", sentences[0])
+
     def test_what_needs_an_avr_says_so(self):
-        for header in ("AsipFastSerial", "AsipLcd", "AsipMotion", "AsipNeoPixels", "AsipPixels", "AsipPressure", "AsipServos"):
+        for header in ("AsipFastSerial", "AsipNeoPixels", "AsipPixels", "AsipServos"):
             errors = self.compile(str, f"#include <Asip.h>\n#include <{header}.h>\n")
             self.assertRegex(errors, rf'error: #error "{header}\.h .*AVR', header)
 
     def test_the_page_lists_them(self):
         page = (LIBRARY.parent / "README.md").read_text(encoding="utf-8")
-        for name in (*FUNCTIONS, *MACROS, *OF_THE_PORT):
+        for name in (*FUNCTIONS, *MACROS, *OF_THE_PORT, *OF_THE_BUS):
             self.assertIn(f"`{name}`", page)
 
 

@@ -20,8 +20,8 @@ FLAGS = ["-std=gnu++11", "-Os", "-Wall", "-Wextra", "-Werror", "-fno-exceptions"
 # Each undefined name of a sketch that is linked as far as it goes is one of these: the core has it, or the C library.
 OF_THE_CORE = {"pinMode", "digitalWrite", "digitalRead", "analogRead", "analogWrite", "millis", "micros", "delayMicroseconds",
                "attachInterrupt", "detachInterrupt", "tone", "noTone", "enableInterruptsOfThisCore", "disableInterruptsOfThisCore",
-               "Serial", "EEPROM", "WiFi", "EEPROMClass", "HardwareSerial", "WiFiClient", "WiFiServer", "WiFiClass", "IPAddress"}
-OF_THE_C_LIBRARY = {"strlen", "strcmp", "memcmp", "memcpy", "memmove", "memset", "snprintf", "atan2", "__cxa_pure_virtual", "__cxa_atexit",
+               "Serial", "Wire", "TwoWire", "EEPROM", "WiFi", "EEPROMClass", "HardwareSerial", "WiFiClient", "WiFiServer", "WiFiClass", "IPAddress"}
+OF_THE_C_LIBRARY = {"strlen", "strcmp", "memcmp", "memcpy", "memmove", "memset", "snprintf", "atan2", "pow", "__cxa_pure_virtual", "__cxa_atexit",
                     "__dso_handle", "_ZdlPv", "_ZdlPvj"}
 
 
@@ -67,6 +67,13 @@ class EspCompile:
         linked = self.link(HERE / "sketches" / "EspServices" / "EspServices.ino")
         self.expect_complete(linked)
         self.expect_interrupts_in_ram(linked)
+
+    def test_services_on_i2c(self):
+        self.expect_complete(self.link(HERE / "sketches" / "ChipI2c" / "ChipI2c.ino"))
+
+    def test_a_sketch_without_i2c_has_no_wire(self):
+        linked = self.link(HERE / "sketches" / "EspServices" / "EspServices.ino")
+        self.assertNotIn("Wire", self.nm(linked, "--undefined-only"))
 
     def expect_interrupts_in_ram(self, linked):
         """An ESP stops where an interrupt calls a function in flash while that cannot be read."""

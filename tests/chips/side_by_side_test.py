@@ -5,6 +5,7 @@ NODE_PATH leads to the emulator."""
 import json
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import tempfile
@@ -13,17 +14,20 @@ import unittest
 
 from bus import BIN, IMAGES, Bus, die_with_parent, eventually
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 UNO = {"name": "uno1", "board": "uno", "image": str(IMAGES / "asip_uno.elf"), "link": "uno1.port",
        "parts": [{"kind": "button", "name": "switch", "pin": 2}, {"kind": "led", "name": "lamp", "pin": 13}]}
 PICO = {"name": "pico1", "board": "pico", "image": str(IMAGES / "asip_pico.elf"), "link": "pico1.port",
         "parts": [{"kind": "button", "name": "knob", "pin": 5}, {"kind": "led", "name": "led", "pin": 25},
                   {"kind": "potentiometer", "name": "pot", "pin": "A0", "position": 1}]}
+IMU = {"name": "pico2", "board": "pico", "image": str(IMAGES / "asip_pico_i2c.elf"), "link": "pico2.port",
+       "parts": [{"kind": "mpu6050", "name": "motion", "ax": 12}, {"kind": "bmp085", "name": "barometer", "pressure": 990}]}
 
 
 class SideBySide(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.bus = Bus((UNO, PICO))
+        cls.bus = Bus((UNO, PICO, IMU))
         cls.addClassCleanup(cls.bus.close)
 
     def setUp(self):
@@ -49,6 +53,14 @@ class SideBySide(unittest.TestCase):
         rows = {words[0]: words for words in map(str.split, self.asipctl("list").splitlines())}
         self.assertEqual(rows["uno1"][1:4], ["online", "ATmega328P", "AsipHello"])
         self.assertEqual(rows["pico1"][1:4], ["online", "RP2040", "AsipPlainSerial"])
+
+    def test_chips_on_the_i2c_bus_of_a_pico_are_read_and_set(self):
+        self.assertEqual(self.asipctl("get", "pico2/acceleration").splitlines(), ["x 12", "y 0", "z 16384"])
+        self.bus.sim("set", "pico2/motion", "ax=-7,az=1")
+        eventually(lambda: self.asipctl("get", "pico2/acceleration").splitlines() == ["x -7", "y 0", "z 1"], "what it measures now")
+        eventually(lambda: "pressure 990.0" in self.asipctl("get", "pico2/pressure"), "a pressure")
+        self.bus.sim("detach", "pico2/barometer")
+        eventually(lambda: self.bus.part("pico2/barometer") == "detached", "a chip that is gone")
 
     def test_a_button_of_the_uno_lights_the_led_of_the_pico(self):
         self.switch("uno1", "pico1", "2", "25")
@@ -150,7 +162,12 @@ class BadBoards(unittest.TestCase):
         return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
 
     def test_without_node_it_says_what_to_install(self):
-        self.assertIn("apt install nodejs", self.refused({}, PATH="/nowhere"))
+        text = self.refused({}, PATH="/nowhere")
+        self.assertIn("apt install nodejs npm", text)
+        version = re.search(r"VERSION = '(.+)'", (ROOT / "sim/pico/emulator.mjs").read_text(encoding="utf-8"))[1]
+        said = [text, *((ROOT / file).read_text(encoding="utf-8") for file in ("debian/control", "docs/asip-sim.md", "docs/containers.md"))]
+        for words in said:
+            self.assertIn(f"npm install --global rp2040js@{version}", words)
 
 
 if __name__ == "__main__":

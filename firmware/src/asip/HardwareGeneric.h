@@ -69,8 +69,11 @@ inline bool losesPwm(uint8_t) {
     return false;
 }
 
-inline bool isBusPin(uint16_t) {
-    return false;
+// Of the I2C bus, once a service has taken them.
+constexpr uint8_t kNoPin = 255;
+extern uint8_t busPins[2];
+inline bool isBusPin(uint16_t pin) {
+    return pin == busPins[0] || pin == busPins[1];
 }
 
 inline void setInput(uint8_t pin) {

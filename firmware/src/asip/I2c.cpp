@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#define ASIP_LIBRARY_SOURCE
 #include "I2c.h"
 
 #ifdef __AVR__
@@ -126,5 +127,75 @@ static inline uint8_t next(uint8_t status) {
 ISR(TWI_vect) {
     TWCR = asip::next(TWSR & 0xF8);
 }
+
+#elif defined(ARDUINO)
+#include <Arduino.h>
+
+#include "Board.h"
+
+namespace asip {
+
+static I2c::Begin beginWire;
+static I2c::Transfer transferByWire;
+static uint8_t dataPin, clockPin;
+static uint8_t result;
+static const Service* owner;  // of the pins
+
+bool I2c::use(Begin begin, Transfer transfer, uint8_t data, uint8_t clock) {
+    beginWire = begin;
+    transferByWire = transfer;
+    dataPin = data;
+    clockPin = clock;
+    return true;
+}
+
+// A chip that was interrupted while it sent holds SDA low until it got the clocks of its byte.
+static void freeBus() {
+    pinMode(dataPin, INPUT_PULLUP);
+    pinMode(clockPin, INPUT_PULLUP);
+    for (uint8_t clocks = 0; clocks < 9 && digitalRead(dataPin) == LOW; ++clocks) {
+        pinMode(clockPin, OUTPUT);
+        digitalWrite(clockPin, LOW);
+        delayMicroseconds(5);
+        pinMode(clockPin, INPUT_PULLUP);
+        delayMicroseconds(5);
+    }
+    beginWire();
+    result = I2c::kFree;
+}
+
+Error I2c::begin(const Service& service) {
+    if (isEnabled()) return Error::kNone;
+    if (beginWire == nullptr || !board.canClaim(dataPin, service) || !board.canClaim(clockPin, service))
+        return Error::kI2cNotEnabled;
+    board.claimPin(dataPin, service);
+    board.claimPin(clockPin, service);
+    owner = &service;
+    hw::busPins[0] = dataPin;
+    hw::busPins[1] = clockPin;
+    freeBus();
+    return Error::kNone;
+}
+
+bool I2c::isEnabled() {
+    return owner != nullptr && board.ownsPin(dataPin, *owner);
+}
+
+bool I2c::start(uint8_t address, uint8_t first, const uint8_t* out, uint8_t outCount, uint8_t* in,
+                uint8_t inCount) {
+    if (result != kFree || !isEnabled()) return false;
+    const bool done = transferByWire(address, first, out, outCount, in, inCount);
+    if (!done && digitalRead(dataPin) == LOW) freeBus();
+    result = done ? kDone : kFailed;
+    return true;
+}
+
+I2c::Result I2c::finish() {
+    const uint8_t now = result;
+    result = kFree;
+    return static_cast<Result>(now);
+}
+
+}  // namespace asip
 
 #endif

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The I2C bus of an AVR at 100 kHz, by interrupts: a service starts a transfer, goes on, and looks in poll()
-// whether it is over. One transfer at a time; who finds the bus busy tries again in the next pass.
+// The I2C bus at 100 kHz: a service starts a transfer, goes on, and looks in poll() whether it is over. One
+// transfer at a time; a service that finds the bus busy tries again in the next pass. An AVR does a transfer
+// by interrupts. On other chips the core's Wire does it (I2cWire.h), and start() waits for its end.
 #pragma once
 
 #include <stdint.h>
@@ -13,7 +14,8 @@ class Service;
 
 class I2c {
   public:
-    // A chip that does not acknowledge, or a bus that does not move for 25 ms, ends as kFailed.
+    // A chip that does not acknowledge, or a bus that does not move for 25 ms (on chips that are not AVR, for
+    // as long as the core waits), ends as kFailed.
     enum Result : uint8_t { kFree, kBusy, kDone, kFailed };
 
     // Takes the pins of the bus for all I2C services: call when the service begins. kI2cNotEnabled if one of
@@ -32,6 +34,22 @@ class I2c {
     // Of the transfer that the caller started. Once it is over it is kDone or kFailed once, and the bus is
     // free.
     static Result finish();
+
+#ifndef __AVR__
+    typedef void (*Begin)();
+    typedef bool (*Transfer)(uint8_t address, uint8_t first, const uint8_t* out, uint8_t outCount,
+                             uint8_t* in, uint8_t inCount);
+
+    // What does the transfers, and its pins: before any service begins. `begin` is called again when the
+    // pins were used otherwise.
+    static bool use(Begin begin, Transfer transfer, uint8_t dataPin, uint8_t clockPin);
+#endif
 };
 
 }  // namespace asip
+
+// A sketch with an I2C service brings the core's Wire, the library's own sources do not: so a sketch without
+// such a service has no Wire.
+#if defined(ARDUINO) && !defined(__AVR__) && !defined(ASIP_LIBRARY_SOURCE)
+#include "I2cWire.h"
+#endif

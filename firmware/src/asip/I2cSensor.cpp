@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#define ASIP_LIBRARY_SOURCE
 #include "I2cSensor.h"
 
-#ifdef __AVR__
+#ifdef ARDUINO
 
 namespace asip {
 

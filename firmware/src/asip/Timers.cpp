@@ -12,4 +12,14 @@ bool busPinsTaken = false;  // written out: only so does the compiler take it fo
 }  // namespace hw
 }  // namespace asip
 
+#elif defined(ARDUINO)
+
+namespace asip {
+namespace hw {
+
+uint8_t busPins[2] = {kNoPin, kNoPin};
+
+}  // namespace hw
+}  // namespace asip
+
 #endif

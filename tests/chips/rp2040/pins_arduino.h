@@ -9,6 +9,8 @@
 #define digitalPinHasPWM(pin) ((pin) < NUM_DIGITAL_PINS)
 #define digitalPinToInterrupt(pin) (((pin) < NUM_DIGITAL_PINS) ? (pin) : NOT_AN_INTERRUPT)
 
+static const uint8_t SDA = (4u);
+static const uint8_t SCL = (5u);
 static const uint8_t A0 = (26u);
 static const uint8_t A1 = (27u);
 static const uint8_t A2 = (28u);

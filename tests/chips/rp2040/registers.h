@@ -20,14 +20,15 @@ inline void clearBits(uint32_t address, uint32_t bits) {
 constexpr uint32_t kSsi = 0x18000000;
 constexpr uint32_t kClocks = 0x40008000, kResets = 0x4000c000, kIoBank = 0x40014000, kIoQspi = 0x40018000;
 constexpr uint32_t kPads = 0x4001c000, kCrystal = 0x40024000, kPllUsb = 0x4002c000, kUart0 = 0x40034000;
-constexpr uint32_t kAdc = 0x4004c000, kPwm = 0x40050000, kTimer = 0x40054000, kWatchdog = 0x40058000;
+constexpr uint32_t kI2c0 = 0x40044000, kAdc = 0x4004c000, kPwm = 0x40050000, kTimer = 0x40054000,
+                   kWatchdog = 0x40058000;
 constexpr uint32_t kSio = 0xd0000000, kInterruptEnable = 0xe000e100;
 
 // The chip runs by its crystal. The UART has 48 MHz, which gives 1,000,000 baud exactly.
 constexpr uint32_t kCrystalHertz = 12000000, kUartHertz = 48000000;
 
 enum Interrupt { kTimerIrq0 = 0, kTimerIrq1 = 1, kIoIrq = 13, kUart0Irq = 20 };
-enum Function { kFunctionUart = 2, kFunctionPwm = 4, kFunctionSio = 5, kFunctionNone = 31 };
+enum Function { kFunctionUart = 2, kFunctionI2c = 3, kFunctionPwm = 4, kFunctionSio = 5, kFunctionNone = 31 };
 
 inline void enableInterrupt(Interrupt number) {
     at(kInterruptEnable) = 1u << number;

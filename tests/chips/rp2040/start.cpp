@@ -61,8 +61,9 @@ static void startClocks() {
 }
 
 void startChip() {
-    // Out of reset: converter, pins and their pads, PLL, PWM, timer, UART.
-    constexpr uint32_t kUsed = 1u << 0 | 1u << 5 | 1u << 8 | 1u << 13 | 1u << 14 | 1u << 21 | 1u << 22;
+    // Out of reset: converter, I2C, pins and their pads, PLL, PWM, timer, UART.
+    constexpr uint32_t kUsed =
+        1u << 0 | 1u << 3 | 1u << 5 | 1u << 8 | 1u << 13 | 1u << 14 | 1u << 21 | 1u << 22;
     clearBits(kResets, kUsed);
     while ((at(kResets + 8) & kUsed) != kUsed) {
     }

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The I2C bus of a chip that is not AVR, by Wire, which its Arduino core brings. The loop stands while a
+// transfer lasts, some 0.1 ms a byte. The pins are those of Wire. If a sketch gives Wire other pins than SDA
+// and SCL, it says so before it includes a service of the bus:
+//
+//   #define ASIP_SDA 12
+//   #define ASIP_SCL 13
+#pragma once
+
+#include <Wire.h>  // the I2C bus, from the Arduino core
+
+#include "I2c.h"
+
+#ifndef ASIP_SDA
+#define ASIP_SDA SDA
+#define ASIP_SCL SCL
+#endif
+
+namespace asip {
+namespace coreCheck {
+
+template <typename Bus>
+auto isBus(Bus* bus)
+    -> decltype(bus->begin(), bus->beginTransmission(uint8_t()), bus->write(uint8_t()),
+                bus->endTransmission(true), bus->requestFrom(uint8_t(), uint8_t()), bus->read(), true);
+struct NoBus {
+    char twoBytes[2];
+};
+NoBus isBus(...);
+static_assert(sizeof(isBus(&Wire)) == sizeof(bool),
+              "Asip needs Wire with begin(), beginTransmission(address), write(byte), endTransmission(stop), "
+              "requestFrom(address, count) and read(), for services on I2C: this Arduino core lacks one");
+
+}  // namespace coreCheck
+
+namespace wire {
+
+// A Wire that runs ignores another begin().
+inline void begin() {
+#ifdef WIRE_HAS_END
+    static bool runs;
+    if (runs) Wire.end();
+    runs = true;
+#endif
+    Wire.begin();
+}
+
+inline bool transfer(uint8_t address, uint8_t first, const uint8_t* out, uint8_t outCount, uint8_t* in,
+                     uint8_t inCount) {
+    Wire.beginTransmission(address);
+    Wire.write(first);
+    for (; outCount > 0; --outCount)
+        Wire.write(*out++);
+    if (Wire.endTransmission(inCount == 0) != 0) return false;
+    if (inCount == 0) return true;
+    if (Wire.requestFrom(address, inCount) != inCount) return false;
+    for (; inCount > 0; --inCount)
+        *in++ = static_cast<uint8_t>(Wire.read());
+    return true;
+}
+
+__attribute__((unused)) static const bool isUsed = I2c::use(begin, transfer, ASIP_SDA, ASIP_SCL);
+
+}  // namespace wire
+}  // namespace asip
