@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The real Home Assistant as a child process, on a free port of 127.0.0.1, asked by its own interfaces.
-ASIP_HOME_ASSISTANT is the folder that `install` made."""
+ASIP_HOME_ASSISTANT is the root folder that `install` made, such as build/dev/home-assistant/debian-13."""
 
 import json
 import os
@@ -18,7 +18,7 @@ import websocket
 from bus import die_with_parent, eventually, free_port
 
 HERE = pathlib.Path(__file__).resolve().parent
-ROOT = pathlib.Path(os.environ["ASIP_HOME_ASSISTANT"]) / "debian-13"
+ROOT = pathlib.Path(os.environ["ASIP_HOME_ASSISTANT"])
 
 CONFIGURATION = """
 homeassistant:
@@ -38,7 +38,8 @@ logger:
 
 
 class HomeAssistant:
-    def __init__(self, broker_port):
+    def __init__(self, broker_port, user=None, password=None, authority=None):
+        """authority: the broker's certificate authority, as PEM; with it Home Assistant uses TLS."""
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="config-", dir=ROOT / "tmp"))
         self.port = free_port()
         self.url = f"http://127.0.0.1:{self.port}"
@@ -47,7 +48,8 @@ class HomeAssistant:
         (self.folder / "configuration.yaml").write_text(CONFIGURATION.format(port=self.port))
         try:
             self.start()
-            self.enter(broker_port)
+            self.enter()
+            self.add_broker(broker_port, user, password, authority)
         except BaseException:
             self.close()
             raise
@@ -81,8 +83,8 @@ class HomeAssistant:
         self.stop()
         self.start()
 
-    def enter(self, broker_port):
-        """A user, a token, and the broker."""
+    def enter(self):
+        """A user, and a token."""
         client = self.url + "/"
         code = self.request("/api/onboarding/users", {"client_id": client, "name": "a", "username": "a", "password": "secret-a",
                                                       "language": "en"}, token=False)["auth_code"]
@@ -91,13 +93,33 @@ class HomeAssistant:
             self.token = json.load(answer)["access_token"]
         self.token = self.ask(type="auth/long_lived_access_token", client_name="test", lifespan=1)
         eventually(lambda: self.request("/api/config")["state"] == "RUNNING", "Home Assistant's start", 120)
-        step = self.request("/api/config/config_entries/flow", {"handler": "mqtt"})
-        answers = {"broker": "127.0.0.1", "port": broker_port}
-        while step["type"] == "form":
+
+    def add_broker(self, port, user, password, authority):
+        """As a person does: form by form, each with what it asks for."""
+        known = {"broker": "127.0.0.1", "port": port}
+        if authority:
+            known |= {"username": user, "password": password, "advanced_options": True, "set_ca_cert": "custom"}
+        step = self.request("/api/config/config_entries/flow", {"handler": "mqtt", "show_advanced_options": bool(authority)})
+        for _ in range(5):
+            if step["type"] != "form":
+                break
             assert not step.get("errors"), step
+            asked = {field["name"] for field in step["data_schema"]}
+            if "certificate" in asked:
+                known["certificate"] = self.upload("ca.crt", authority)
+            answers = {name: value for name, value in known.items() if name in asked}
             step = self.request(f"/api/config/config_entries/flow/{step['flow_id']}", answers)
-            answers = {}
         assert step["type"] == "create_entry", step
+
+    def upload(self, name, text):
+        """The id of a file that a form then names."""
+        edge = "edge-of-the-file"
+        body = (f'--{edge}\r\nContent-Disposition: form-data; name="file"; filename="{name}"\r\n'
+                f"Content-Type: application/x-x509-ca-cert\r\n\r\n{text}\r\n--{edge}--\r\n").encode()
+        request = urllib.request.Request(self.url + "/api/file_upload", body, {
+            "Authorization": f"Bearer {self.token}", "Content-Type": f"multipart/form-data; boundary={edge}"})
+        with urllib.request.urlopen(request, timeout=30) as answer:
+            return json.load(answer)["file_id"]
 
     def request(self, path, body=None, token=True):
         headers = {"Content-Type": "application/json"}
