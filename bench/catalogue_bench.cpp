@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "asip/catalogue/catalogue.hpp"
-#include "asip/catalogue/lease_wheel.hpp"
+#include "asip/catalogue/due_wheel.hpp"
 #include "asip/text/wall_time.hpp"
 #include "bench/catalogue_load.hpp"
 
@@ -179,7 +179,7 @@ double one_entry_in_no_order(std::uint32_t count) {
 
 void leases() {
     for (const std::uint32_t count : {10'000u, 100'000u, 1'000'000u}) {
-        LeaseWheel wheel;
+        DueWheel wheel;
         std::mt19937 random(4);
         Time now = Time{} + 1h;
         const auto after = [&](unsigned milliseconds) {

@@ -14,7 +14,7 @@ install(TARGETS ${layers} asip_options asip_asio EXPORT asip-targets
 # What no public header includes stays inside.
 set(inner_headers
   bus/members
-  catalogue/board catalogue/catalogue_impl catalogue/description_members catalogue/lease_wheel catalogue/model_units
+  catalogue/board catalogue/catalogue_impl catalogue/description_members catalogue/due_wheel catalogue/model_units
   catalogue/name_table catalogue/query_plan
   client/board_core client/bus_transport client/direct_transport client/pending_calls
   link/baud link/stream_base

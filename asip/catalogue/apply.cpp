@@ -19,13 +19,6 @@ bool valid_session(std::string_view text) {
     return !text.empty() && text.size() <= 64;
 }
 
-std::uint32_t lease_of(const DescriptionMembers& members, Duration fallback) {
-    if (members.lease == 0) {
-        return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::seconds>(fallback).count());
-    }
-    return static_cast<std::uint32_t>(std::min<std::uint64_t>(members.lease, model::kMaxLeaseSeconds));
-}
-
 }  // namespace
 
 std::string_view without_line_end(std::string_view text) {
@@ -107,28 +100,11 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
         changed = store(slot, members, firmware, pins, services);
         b.session = members.session;
         b.seq = members.seq;
-        b.lease_seconds = lease_of(members, options_.default_lease);
+        b.lease_seconds = lease_of(members);
     }
 
     if (!renews) take_said_state(b, members, a, succeeds, now);
-    const auto lease = std::chrono::seconds(b.lease_seconds);
-    if (live) {
-        b.deadline = now + lease;
-        b.proven = true;
-        b.retained_without_expiry = !a.expiry_seconds;
-        b.names_only = false;
-        listen(b, false, events);
-        // One that does not speak of the state makes what is retained of it no older.
-        b.says_state ? heard(b, now) : void(b.last_heard = now);
-    } else if (model::is_there(b.reported)) {
-        b.retained_without_expiry = !a.expiry_seconds;
-        if (a.expiry_seconds) {
-            b.deadline = std::max(b.deadline,
-                                  now + std::min<Duration>(std::chrono::seconds(*a.expiry_seconds), lease));
-        } else if (!renews) {
-            b.deadline = std::max(b.deadline, now + lease);
-        }
-    }
+    renewed_by_description(b, a, renews, now, events);
     if (live && !added && !changed && !renews) ++stats_.renewals;
     update_state(slot, now, events, added);
     if (added) {
@@ -266,65 +242,11 @@ std::optional<Refusal> Catalogue::Impl::service_name(const Announcement& a, Time
     return refused;
 }
 
-// A name renews the lease of its board, unless a description does that already: it has its own lease. It does
-// not take back what was said: an agent whose board is away answers probes, too.
-std::optional<Refusal> Catalogue::Impl::renewed_by_names(std::uint32_t slot, bool retained, bool added,
-                                                         Time now, Events& events) {
-    Board& b = board(slot);
-    if (retained) {
-        update_state(slot, now, events, added);
-        return std::nullopt;
-    }
-    if (b.described && (alive(b, now) || !model::is_there(b.reported))) return std::nullopt;
-    b.names_only = true;
-    listen(b, true, events);
-    if (!b.described) {
-        b.lease_seconds = static_cast<std::uint32_t>(
-            std::chrono::duration_cast<std::chrono::seconds>(options_.default_lease).count());
-    }
-    b.deadline = now + std::chrono::seconds(b.lease_seconds);
-    heard(b, now);
-    update_state(slot, now, events, added);
-    return std::nullopt;
-}
-
 std::optional<Refusal> Catalogue::Impl::traffic(const Announcement& a, Time now, Events& events) {
     if (a.retained) return Refusal::kNotForUs;
     const std::uint32_t slot = slot_of(a.board);
     if (slot == NameTable::kNone || !board(slot).names_only) return Refusal::kNotForUs;
     return renewed_by_names(slot, false, false, now, events);
-}
-
-std::vector<Event> Catalogue::Impl::expire(Time now) {
-    Events events;
-    if (suspended_) return events;
-    for (due_.clear(), wheel_.advance(now, due_); !due_.empty(); due_.clear(), wheel_.advance(now, due_)) {
-        for (const std::uint32_t slot : due_) {
-            Board& b = board(slot);
-            if (!model::is_there(b.effective)) {
-                const Time due = forgotten_at(b, now);
-                due > now ? wheel_.set(slot, due, now) : release(slot, events);
-                continue;
-            }
-            ++stats_.expired;
-            update_state(slot, now, events);
-            if (b.retained_without_expiry && b.described) emit(events, Event::Kind::kGhost, b);
-        }
-    }
-    return events;
-}
-
-void Catalogue::Impl::resume(Time now) {
-    suspended_ = false;
-    ++epoch_;
-    for (std::uint32_t slot = 0; slot < slots_; ++slot) {
-        Board& b = board(slot);
-        if (!b.in_use) continue;
-        const Duration grace = std::min<Duration>(options_.grace, std::chrono::seconds(b.lease_seconds));
-        if (model::is_there(b.effective)) b.deadline = std::max(b.deadline, now + grace);
-        const Time due = model::is_there(b.effective) ? b.deadline : now + options_.grace;
-        if (const auto set = wheel_.due(slot); !set || *set < due) wheel_.set(slot, due, now);
-    }
 }
 
 Expected<std::vector<Event>, Catalogue::NotForgotten> Catalogue::Impl::forget(std::string_view name,

@@ -9,7 +9,7 @@
 #include "asip/catalogue/board.hpp"
 #include "asip/catalogue/catalogue.hpp"
 #include "asip/catalogue/description_members.hpp"
-#include "asip/catalogue/lease_wheel.hpp"
+#include "asip/catalogue/due_wheel.hpp"
 #include "asip/catalogue/name_order.hpp"
 #include "asip/catalogue/name_table.hpp"
 #include "asip/catalogue/query_plan.hpp"
@@ -44,7 +44,7 @@ class Catalogue::Impl {
     CatalogueStats stats_;
     NameOrder order_;
     std::array<BoardSet, kStates> all_;
-    LeaseWheel wheel_;
+    DueWheel wheel_;
     NameTable names_;
     std::uint64_t seq_ = 0;
     bool suspended_ = false;
@@ -64,8 +64,16 @@ class Catalogue::Impl {
     void say(Board& b, const model::SaidState& said, Time since, Time now);
     void take_said_state(Board& b, const DescriptionMembers& members, const Announcement& a, bool succeeds,
                          Time now);
+
+    // lease.cpp: how long a board counts as there
+    std::uint32_t lease_of(const DescriptionMembers& members) const;
+    void renewed_by_description(Board& b, const Announcement& a, bool repeats, Time now, Events& events);
     std::optional<Refusal> renewed_by_names(std::uint32_t slot, bool retained, bool added, Time now,
                                             Events& events);
+    void update_state(std::uint32_t slot, Time now, Events& events, bool added = false);
+    Time forgotten_at(Board& b, Time now) const;
+    bool alive(const Board& b, Time now) const { return model::is_there(b.reported) && now < b.deadline; }
+    void heard(Board& b, Time now) { b.last_heard = now, b.epoch_heard = epoch_; }
 
     // sessions.cpp: which description may replace which
     enum class Verdict { kAccept, kRenew, kRefuse };
@@ -81,7 +89,7 @@ class Catalogue::Impl {
     void take_over(Board& b, const DescriptionMembers& members, Time now);
     void resolve(Board& b, Events& events);
 
-    // records.cpp: parts, indices, states
+    // records.cpp: parts and indices
     Guesses guesses_for(const Board* b) const;
     bool resolve_parts(const DescriptionMembers& members, const Board* b, FirmwarePart*& firmware,
                        PinsPart*& pins, ServicesPart*& services);
@@ -95,15 +103,11 @@ class Catalogue::Impl {
     void assign(Part*& member, Part* part, PartPool<Part>& pool);
     void drop(ServicesPart* part);
     void index(Board& b, std::uint32_t slot, bool present);
-    void update_state(std::uint32_t slot, Time now, Events& events, bool added = false);
     void emit(Events& events, Event::Kind kind, const Board& b,
               model::BoardState was = model::BoardState::kLost);
     void listen(Board& b, bool wanted, Events& events);
-    Time forgotten_at(Board& b, Time now) const;
     std::uint32_t make(std::string_view name, Time now);
     void release(std::uint32_t slot, Events& events);
-    bool alive(const Board& b, Time now) const { return model::is_there(b.reported) && now < b.deadline; }
-    void heard(Board& b, Time now) { b.last_heard = now, b.epoch_heard = epoch_; }
 
     // find.cpp: one page of a query
     struct Page;

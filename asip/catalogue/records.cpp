@@ -22,8 +22,6 @@ Guesses Catalogue::Impl::guesses_for(const Board* b) const {
 
 namespace {
 
-constexpr Duration kAskedAgain = std::chrono::hours(24) + std::chrono::minutes(1);
-
 // The part for a member's text: that of the guess it matched, one known already, or a new one.
 template <class Part, class Read>
 bool part_for(std::string_view text, Part* own, Part* last, PartPool<Part>& pool, const Read& read,
@@ -159,50 +157,6 @@ void Catalogue::Impl::index(Board& b, std::uint32_t slot, bool present) {
         }
     }
     stats_.services[state] += present ? b.services->services.size() : 0 - b.services->services.size();
-}
-
-// Brings the effective state into line with what was reported and the lease, the indices with it, and the
-// wheel with both.
-void Catalogue::Impl::update_state(std::uint32_t slot, Time now, Events& events, bool added) {
-    Board& b = board(slot);
-    const bool living = alive(b, now);
-    const model::BoardState was = b.effective;
-    const model::BoardState is =
-        living || !model::is_there(b.reported) ? b.reported : model::BoardState::kLost;
-    const bool judged = is != b.reported;  // by its lease
-    const auto reason = judged ? model::StateReason::kExpired : b.reported_reason;
-    if (is != was) {
-        index(b, slot, false);
-        all_[index_of(was)].remove(slot);
-        b.effective = is;
-        all_[index_of(is)].add(slot);
-        index(b, slot, true);
-    }
-    if (is != was || added) {
-        const bool unknown = judged ? added : !model::is_there(is) && b.reported_since == Time{};
-        b.since = unknown ? Time{} : judged ? b.deadline : now;
-    }
-    const bool told = b.says_state || !model::is_there(is);
-    if (!judged && told && b.reported_since != Time{}) b.since = b.reported_since;
-    const bool other_reason = reason != b.reason;
-    b.reason = reason;
-    if ((is != was || other_reason) && !added) emit(events, Event::Kind::kState, b, was);
-    if (is != was && !living && b.conflict() != nullptr) resolve(b, events);
-    Time due = living ? b.deadline : forgotten_at(b, now);
-    // A board that was remembered may be long due: what the broker retains of it is heard first.
-    if (!living && options_.remembered) due = std::max(due, now + options_.grace);
-    wheel_.set(slot, due, now);
-}
-
-// Of a board that is remembered the answer may change with what becomes known of the clocks, so it is asked
-// for again at the latest a day later.
-Time Catalogue::Impl::forgotten_at(Board& b, Time now) const {
-    const bool told = b.says_state && b.since != Time{} && b.since == b.reported_since;
-    if (const auto known = remembered(b.name); known && known->state == b.effective && !told)
-        b.since = b.since == Time{} ? now - known->age : std::min(b.since, now - known->age);
-    const Time gone = b.since == Time{} ? b.first_seen : b.since;
-    const Time due = std::max(gone, b.last_heard) + options_.forget_after;
-    return options_.remembered ? std::min(due, now + kAskedAgain) : due;
 }
 
 void Catalogue::Impl::emit(Events& events, Event::Kind kind, const Board& b, model::BoardState was) {

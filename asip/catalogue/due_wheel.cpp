@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/catalogue/lease_wheel.hpp"
+#include "asip/catalogue/due_wheel.hpp"
 
 #include <algorithm>
 
@@ -13,16 +13,16 @@ Time time_of(std::int64_t nanoseconds) {
     return Time(std::chrono::duration_cast<Duration>(std::chrono::nanoseconds(nanoseconds)));
 }
 constexpr std::int64_t kTickNanoseconds =
-    std::chrono::duration_cast<std::chrono::nanoseconds>(LeaseWheel::kTick).count();
+    std::chrono::duration_cast<std::chrono::nanoseconds>(DueWheel::kTick).count();
 
 }  // namespace
 
-std::int64_t LeaseWheel::tick_of(std::int64_t nanoseconds) {
+std::int64_t DueWheel::tick_of(std::int64_t nanoseconds) {
     const std::int64_t quotient = nanoseconds / kTickNanoseconds;
     return nanoseconds % kTickNanoseconds < 0 ? quotient - 1 : quotient;
 }
 
-void LeaseWheel::set(std::uint32_t slot, Time due, Time now) {
+void DueWheel::set(std::uint32_t slot, Time due, Time now) {
     if (slot >= entries_.size()) entries_.resize(std::max<std::size_t>(slot + 1, entries_.size() * 3 / 2));
     if (size_ == 0) tick_ = std::max(tick_, tick_of(nanoseconds_of(now)));
     Entry& entry = entries_[slot];
@@ -35,7 +35,7 @@ void LeaseWheel::set(std::uint32_t slot, Time due, Time now) {
     }
 }
 
-void LeaseWheel::place(std::uint32_t slot) {
+void DueWheel::place(std::uint32_t slot) {
     Entry& entry = entries_[slot];
     // What is already past waits in the tick that advance() looks at next; what is beyond the horizon, in the
     // last.
@@ -45,19 +45,19 @@ void LeaseWheel::place(std::uint32_t slot) {
     bucket(tick).push_back(slot);
 }
 
-void LeaseWheel::remove(std::uint32_t slot) {
+void DueWheel::remove(std::uint32_t slot) {
     if (slot >= entries_.size() || entries_[slot].tick == kUnset) return;
     entries_[slot].tick = kUnset;
     --size_;
 }
 
-std::optional<Time> LeaseWheel::due(std::uint32_t slot) const {
+std::optional<Time> DueWheel::due(std::uint32_t slot) const {
     if (slot >= entries_.size() || entries_[slot].tick == kUnset) return std::nullopt;
     return time_of(entries_[slot].due);
 }
 
-void LeaseWheel::look_at(std::int64_t tick, std::int64_t last, std::int64_t now,
-                         std::vector<std::uint32_t>& out) {
+void DueWheel::look_at(std::int64_t tick, std::int64_t last, std::int64_t now,
+                       std::vector<std::uint32_t>& out) {
     constexpr std::size_t kAhead = 12;  // entries lie anywhere in memory: ask for them before they are needed
     Bucket& list = bucket(tick);
     std::size_t kept = 0;
@@ -86,7 +86,7 @@ void LeaseWheel::look_at(std::int64_t tick, std::int64_t last, std::int64_t now,
     if (kept == 0 && list.capacity() > 1024) Bucket().swap(list);
 }
 
-void LeaseWheel::advance(Time time, std::vector<std::uint32_t>& out) {
+void DueWheel::advance(Time time, std::vector<std::uint32_t>& out) {
     const std::int64_t now = nanoseconds_of(time);
     const std::int64_t last = tick_of(now);
     if (size_ == 0 || last < tick_) return;
@@ -104,7 +104,7 @@ void LeaseWheel::advance(Time time, std::vector<std::uint32_t>& out) {
               });
 }
 
-std::optional<Time> LeaseWheel::next() const {
+std::optional<Time> DueWheel::next() const {
     if (size_ == 0) return std::nullopt;
     for (std::int64_t tick = tick_; tick < tick_ + kTicks; ++tick) {
         std::int64_t earliest = INT64_MAX;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/catalogue/lease_wheel.hpp"
+#include "asip/catalogue/due_wheel.hpp"
 
 #include <gmock/gmock.h>
 
@@ -17,14 +17,14 @@ Time at(Duration since_start) {
     return Time{} + 1h + since_start;
 }
 
-std::vector<std::uint32_t> advanced(LeaseWheel& wheel, Duration when) {
+std::vector<std::uint32_t> advanced(DueWheel& wheel, Duration when) {
     std::vector<std::uint32_t> out;
     wheel.advance(at(when), out);
     return out;
 }
 
-TEST(LeaseWheel, DueSlotsComeOutAtTheirTimeEarliestFirst) {
-    LeaseWheel wheel;
+TEST(DueWheel, DueSlotsComeOutAtTheirTimeEarliestFirst) {
+    DueWheel wheel;
     wheel.set(3, at(60s), at(0s));
     wheel.set(1, at(10s), at(0s));
     wheel.set(2, at(10s + 1ns), at(0s));
@@ -35,25 +35,25 @@ TEST(LeaseWheel, DueSlotsComeOutAtTheirTimeEarliestFirst) {
     EXPECT_EQ(wheel.next(), std::nullopt);
 }
 
-TEST(LeaseWheel, FirstSetFarAhead_DoesNotDelayNearerOnes) {
-    LeaseWheel wheel;
+TEST(DueWheel, FirstSetFarAhead_DoesNotDelayNearerOnes) {
+    DueWheel wheel;
     wheel.set(0, at(60s), at(0s));
     wheel.set(1, at(1s), at(0s));
     EXPECT_THAT(advanced(wheel, 1s), ElementsAre(1));
 }
 
-TEST(LeaseWheel, BeyondTheHorizonAndAfterALongPause_IsExact) {
-    LeaseWheel wheel;
+TEST(DueWheel, BeyondTheHorizonAndAfterALongPause_IsExact) {
+    DueWheel wheel;
     wheel.set(0, at(7 * 24h), at(0s));
     wheel.set(1, at(400s), at(0s));
     EXPECT_THAT(advanced(wheel, 7 * 24h - 1ns), ElementsAre(1));
     EXPECT_THAT(advanced(wheel, 7 * 24h), ElementsAre(0));
 }
 
-TEST(LeaseWheel, RandomUse_AgreesWithAMap) {
+TEST(DueWheel, RandomUse_AgreesWithAMap) {
     for (unsigned seed = 0; seed < 40; ++seed) {
         std::mt19937 random(seed);
-        LeaseWheel wheel;
+        DueWheel wheel;
         std::map<std::uint32_t, Time> model;
         Time now = at(0s);
         for (int step = 0; step < 4000; ++step) {
@@ -88,7 +88,7 @@ TEST(LeaseWheel, RandomUse_AgreesWithAMap) {
             ASSERT_EQ(next.has_value(), !model.empty());
             for (const auto& [each, due] : model) {
                 ASSERT_EQ(wheel.due(each), due);
-                ASSERT_LE(*next, std::max(due, now + LeaseWheel::kTick))
+                ASSERT_LE(*next, std::max(due, now + DueWheel::kTick))
                     << "seed " << seed << " step " << step;
             }
         }

@@ -15,12 +15,12 @@ namespace asip::catalogue {
 /// of the wheel is looked at once a turn. A slot whose time is moved later stays where it is until the wheel
 /// reaches it (so a renewal writes one word); moved earlier, it is listed in its new place at once, and
 /// skipped in the old. Due times are exact: a slot is never given out before its own.
-class LeaseWheel {
+class DueWheel {
   public:
     static constexpr Duration kTick = std::chrono::milliseconds(128);
     static constexpr std::int64_t kTicks = 4096;
 
-    LeaseWheel() : buckets_(kTicks) {}
+    DueWheel() : buckets_(kTicks) {}
 
     /// `slot` is due at `due`; replaces what was set before. `now` is not earlier than any `now` before.
     void set(std::uint32_t slot, Time due, Time now);
