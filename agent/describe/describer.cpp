@@ -80,10 +80,10 @@ bool Describer::note_settings(const ReportPeriods& periods) {
 std::map<char, int> Describer::periods_of(const ReportPeriods& periods) const {
     std::map<char, int> result;
     for (const auto& entry : board_.services.entries()) {
-        // Of reports on demand the description says only that: it would change with each subscriber.
-        if (periods.controls(entry.letter)) continue;
-        if (const auto period = board_.session.period(entry.letter))
-            result[entry.letter] = static_cast<int>(*period);
+        // Not what demands bring about: the description would change with each subscriber.
+        const auto period = periods.controls(entry.letter) ? periods.own_period(entry.letter)
+                                                           : board_.session.period(entry.letter);
+        if (period) result[entry.letter] = static_cast<int>(*period);
     }
     return result;
 }

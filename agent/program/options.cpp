@@ -47,7 +47,8 @@ Expected<ReportOptions> report_options(const RawOptions& raw) {
     using std::chrono::milliseconds;
     constexpr milliseconds kSlowest{65535};
     ReportOptions options;
-    options.on_demand = raw.reports == "on-demand";
+    options.on_demand = raw.reports != "always";
+    options.shared = raw.reports == "shared";
     for (const auto& [name, text, least, period] :
          {std::tuple{"--resting-period", &raw.resting_period, milliseconds{0}, &options.resting},
           std::tuple{"--fastest-period", &raw.fastest_period, milliseconds{1}, &options.fastest}}) {

@@ -67,19 +67,20 @@ void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw
             ->group("Bus"));
     settings.setting(
         app.add_option("--reports", raw.reports,
-                       "on-demand: set the periods of services to what subscribers demand, and stop them "
-                       "when nobody does. Plain MQTT clients demand nothing: see --resting-period")
-            ->check(CLI::IsMember({"always", "on-demand"}))
+                       "shared: services report faster while subscribers demand it, and then as before. "
+                       "on-demand: only what subscribers demand; plain MQTT clients demand nothing: see "
+                       "--resting-period. always: demands count for nothing")
+            ->check(CLI::IsMember({"always", "shared", "on-demand"}))
             ->capture_default_str()
             ->group("Bus"));
     settings.setting(app.add_option("--resting-period", raw.resting_period,
                                     "With --reports on-demand: period where nobody demands; 0s: no reports")
                          ->capture_default_str()
                          ->group("Bus"));
-    settings.setting(app.add_option("--fastest-period", raw.fastest_period,
-                                    "With --reports on-demand: shortest period that demands can bring about")
-                         ->capture_default_str()
-                         ->group("Bus"));
+    settings.setting(
+        app.add_option("--fastest-period", raw.fastest_period, "Shortest period that demands can bring about")
+            ->capture_default_str()
+            ->group("Bus"));
     settings.setting(
         app.add_option(
                "--topics", raw.topics,

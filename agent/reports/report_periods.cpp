@@ -26,6 +26,10 @@ const model::Field* period_argument(const model::ServiceModel* model) {
     return period.type == model::ValueType::kInteger && period.unit == "ms" ? &period : nullptr;
 }
 
+unsigned within_bounds(std::chrono::milliseconds period) {
+    return static_cast<unsigned>(std::clamp<std::int64_t>(period.count(), 0, kSlowest));
+}
+
 }  // namespace
 
 unsigned period_for(double hz, unsigned fastest, unsigned slowest) {
@@ -134,16 +138,34 @@ void ReportPeriods::board_found(const session::ServiceTable& services, Time now)
     look_again(now);
 }
 
+bool ReportPeriods::controls(char letter) const {
+    const auto known = services_.find(letter);
+    return known != services_.end() && (!options_.shared || known->second.touched);
+}
+
+std::optional<unsigned> ReportPeriods::own_period(char letter) const {
+    const auto known = services_.find(letter);
+    if (!options_.shared || known == services_.end()) return std::nullopt;
+    const auto commanded = commanded_.find(letter);
+    return commanded != commanded_.end() ? commanded->second : known->second.before;
+}
+
+unsigned ReportPeriods::demanded(const Service& service) const {
+    return period_for(demands_.hz(service.name, service.letter),
+                      std::max(service.fastest, within_bounds(options_.fastest)), service.slowest);
+}
+
 unsigned ReportPeriods::wanted(const Service& service) const {
-    const auto limit = [](std::chrono::milliseconds period) {
-        return static_cast<unsigned>(std::clamp<std::int64_t>(period.count(), 0, kSlowest));
-    };
     const auto commanded = commanded_.find(service.letter);
-    const unsigned base = commanded != commanded_.end() ? commanded->second
-                                                        : std::min(limit(options_.resting), service.slowest);
-    const unsigned demanded = period_for(demands_.hz(service.name, service.letter),
-                                         std::max(service.fastest, limit(options_.fastest)), service.slowest);
-    return base == 0 || demanded == 0 ? std::max(base, demanded) : std::min(base, demanded);
+    const unsigned resting = options_.shared ? service.before.value_or(0)
+                                             : std::min(within_bounds(options_.resting), service.slowest);
+    const unsigned base = commanded != commanded_.end() ? commanded->second : resting;
+    const unsigned most = demanded(service);
+    return base == 0 || most == 0 ? std::max(base, most) : std::min(base, most);
+}
+
+bool ReportPeriods::left_alone(const Service& service) const {
+    return options_.shared && !service.touched && demanded(service) == 0;
 }
 
 void ReportPeriods::tick(session::BoardSession& session, Time now, session::Actions& actions) {
@@ -153,7 +175,8 @@ void ReportPeriods::tick(session::BoardSession& session, Time now, session::Acti
     if (!session.accepts_requests()) return;  // until the board is found
     looked_at_ = now;
     for (auto& [letter, service] : services_) {
-        if (service.request != 0) continue;
+        if (service.request != 0 || left_alone(service)) continue;
+        if (!service.touched) service.before = session.period(letter);
         const unsigned period = wanted(service);
         if (service.set == period) continue;
         const Time when = service.failed == period ? service.again : service.not_before;
@@ -164,9 +187,10 @@ void ReportPeriods::tick(session::BoardSession& session, Time now, session::Acti
         service.asked = period;
         const auto id = session.submit(std::string{letter, ','} + "A," + std::to_string(period),
                                        {.client = kClient}, now, actions);
-        if (id)
+        if (id) {
             service.request = *id;
-        else
+            service.touched = true;
+        } else
             look_again(service.not_before = now + kBetweenChanges);
     }
 }

@@ -19,10 +19,13 @@ namespace asip::agent {
 
 /// Whether and how the agent sets the periods of reports itself.
 struct ReportOptions {
-    bool on_demand = false;  ///< false: periods are what commands set
+    bool on_demand = false;  ///< false: periods are what commands set, and demands count for nothing
     /// Demands do not bring a service below this; at least 1 ms.
     std::chrono::milliseconds fastest{20};
     std::chrono::milliseconds resting{0};  ///< without a demand; 0: no reports
+    /// With on_demand: a service of which nobody ever demanded anything is left as it is, and one that is not
+    /// demanded any more goes back to the period that it had.
+    bool shared = false;
 };
 
 /// The period in ms that serves `hz` values a second: `hz` at most, but not below `fastest` nor above
@@ -66,7 +69,10 @@ class ReportPeriods {
     std::optional<Time> next_deadline() const;
 
     /// Whether the periods of this service are ours to set.
-    bool controls(char letter) const { return services_.contains(letter); }
+    bool controls(char letter) const;
+    /// The period that a service whose periods are shared has without a demand. Nothing: not known, or the
+    /// period is set by demands alone.
+    std::optional<unsigned> own_period(char letter) const;
     /// By the names of services, in ms; without those that are not known.
     std::map<std::string, unsigned> periods() const;
     /// Clients with a demand.
@@ -81,6 +87,8 @@ class ReportPeriods {
         std::string name;
         unsigned fastest = 1, slowest = 65535;  // by the model
         std::optional<unsigned> set;            // on the board; none: not known
+        bool touched = false;                   // we have set one since the agent began
+        std::optional<unsigned> before;         // that it had when we set the first one
         session::RequestId request = 0;         // under way
         unsigned asked = 0;                     // by it
         Time not_before{};
@@ -95,6 +103,9 @@ class ReportPeriods {
     };
 
     unsigned wanted(const Service& service) const;
+    unsigned demanded(const Service& service) const;
+    /// Nobody demands anything of it or did so before, and no command set it.
+    bool left_alone(const Service& service) const;
     Service* find(char letter);
     void foreign_ended(const Foreign& request, const session::Finished& end);
     void own_ended(Service& service, const session::Finished& end, Time now, Effects& out);

@@ -208,6 +208,53 @@ TEST_F(Resting, WhereNobodyDemands_ValuesComeSlowly) {
     EXPECT_THAT(sent(20s), ElementsAre("D,A,0")) << "who sets a period sets it, off too";
 }
 
+struct Shared : OnDemand {
+    static BridgeOptions options() {
+        auto options = on_demand();
+        options.reports.shared = true;
+        return options;
+    }
+    Shared() : OnDemand(options()) {}
+};
+
+TEST_F(Shared, ServiceThatNobodyDemands_IsLeftAsItIs) {
+    EXPECT_THAT(sent(1min), IsEmpty());
+    EXPECT_TRUE(described().contains("on_demand")) << "demands are taken";
+    bench.hear("asip/uno1/distance/in", R"({"report":200})");
+    EXPECT_THAT(sent(1min), ElementsAre("D,A,200"));
+    EXPECT_EQ(described()["services"][2]["period"], 200);
+}
+
+TEST_F(Shared, Demand_HoldsWhileItLasts_AndAfterItAgainAndAgainThePeriodThatWasSet) {
+    bench.hear("asip/uno1/distance/in", R"({"report":200})");
+    sent(2s);
+    for (int i = 0; i < 3; ++i) {
+        demand(R"({"services":{"distance":10},"lease":5})");
+        EXPECT_THAT(sent(2s), ElementsAre("D,A,100"));
+        EXPECT_EQ(described()["services"][2]["period"], 200) << "not what the demand brings about";
+        EXPECT_THAT(sent(20s), ElementsAre("D,A,200"));
+    }
+    bench.hear("asip/uno1/in", "D,A,0");
+    sent(2s);
+    demand(R"({"services":{"distance":10},"lease":5})");
+    EXPECT_THAT(sent(20s), ElementsAre("D,A,100", "D,A,0"));
+}
+
+TEST_F(Shared, OtherServices_AreNotTouchedByADemand) {
+    demand(R"({"services":{"distance":10},"lease":5})");
+    EXPECT_THAT(sent(1min), ElementsAre("D,A,100", "D,A,0"));
+    bench.unplug();
+    bench.plug();
+    EXPECT_THAT(sent(1min), Not(Contains(testing::StartsWith("I,A")))) << "nobody demanded it";
+}
+
+TEST_F(Shared, BoardThatRestarts_HasTheDemandedPeriodAgain) {
+    demand(R"({"services":{"distance":10},"lease":300})");
+    sent(2s);
+    bench.say(bench.board.reboot());
+    EXPECT_THAT(sent(2s), Contains("D,A,100"));
+}
+
 TEST(Always, AgentWithoutTheOption_LeavesPeriodsAlone) {
     BridgeBench bench;
     bench.go_online();
