@@ -154,7 +154,11 @@ Expected<SafeForm> read_safe(const ServiceModel& model, const CommandModel& comm
 std::string read_safe_forms(ServiceModel& model, const json& document) {
     for (auto& command : model.commands) {
         const auto& source = document["commands"][command.name];
-        if (!source.contains("safe")) continue;
+        if (!source.contains("safe")) {
+            if (source.value("hold", false))
+                return "/commands/" + command.name + "/hold: needs \"safe\": what undoes the command";
+            continue;
+        }
         const auto place = "/commands/" + command.name + "/safe";
         auto safe = read_safe(model, command, source["safe"]);
         if (!safe) return place + ": " + safe.error();

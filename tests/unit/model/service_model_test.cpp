@@ -98,6 +98,19 @@ TEST(ServiceModel, SafeFormThatCannotBeSent_IsRefusedWithPlaceAndReason) {
     EXPECT_EQ(safe_fault("[\"zero\"]"), "/commands/speed/safe: fits none of the forms allowed here");
 }
 
+TEST(ServiceModel, HoldWithoutASafeForm_IsRefused) {
+    auto document =
+        json::parse(R"({"name":"fan","version":1,"id":"F","title":"Fan","commands":{"speed":{"tag":"S",
+        "hold":true,"args":[{"name":"percent","type":"integer","min":0,"max":100}]}}})");
+    const auto refused = service_model_from_json(document);
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error(), HasSubstr("/commands/speed/hold: needs \"safe\""));
+    document["commands"]["speed"]["safe"] = json::array({0});
+    EXPECT_TRUE(service_model_from_json(document)) << "what undoes it is known";
+    document["commands"]["speed"]["hold"] = "yes";
+    EXPECT_FALSE(service_model_from_json(document)) << "true or false";
+}
+
 TEST(ServiceModel, SafeStateOfTheWholeService_IsReadAsRequestLines) {
     EXPECT_EQ(safe_fault("[null,0]", R"([{"speed":[0,101]}])"), "/safe/0: percent: 101 is above 100");
     EXPECT_THAT(safe_fault("[null,0]", R"([{"halt":null}])"), HasSubstr("/safe/0: no command 'halt'"));
