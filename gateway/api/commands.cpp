@@ -196,6 +196,36 @@ void post_raw(Call& call) {
     start(call, board->board, call.gateway.mirror().topics().board_in(board->board), {{"raw", text}});
 }
 
+namespace {
+
+bool is_label_change(const json& body) {
+    if (!body.is_object() || body.empty()) return false;
+    for (const auto& [name, member] : body.items())
+        if ((name != "labels" && name != "names") || !member.is_object()) return false;
+    return true;
+}
+
+}  // namespace
+
+// What the members may hold is the agent's to say: it has the last word in any case.
+void post_labels(Call& call) {
+    if (!bus_is_there(call)) return;
+    const auto board = board_of(call);
+    if (!board) return;
+    auto body = body_of(call.request);
+    if (!body) return send_problem(call, 400, body.error());
+    if (!is_label_change(*body)) {
+        return send_problem(call, 400,
+                            "the body must be {\"labels\":{\"room\":\"lab\"}}, "
+                            "{\"names\":{\"pins\":{\"13\":\"status lamp\"}}} or both");
+    }
+    if (board->state == "offline" || board->reason == "agent-gone" || board->reason == "expired") {
+        return call.reply.send(problem(503, "the agent of board " + board->board + " is not there",
+                                       {{"reason", "board-not-there"}}));
+    }
+    start(call, board->board, call.gateway.mirror().topics().board_in(board->board), std::move(*body));
+}
+
 void get_command(Call& call) {
     const auto& id = call.path.find("id")->second;
     if (!session_is_valid(call)) return;

@@ -49,7 +49,7 @@ json parameters_of(const Route& route) {
     if (answers(504))
         list.push_back(
             header_parameter("Idempotency-Key", "The same command with the same key is executed once"));
-    if (route.need == Need::kCommand || route.need == Need::kRaw)
+    if (route.need == Need::kCommand || route.need == Need::kLabel || route.need == Need::kRaw)
         list.push_back(
             header_parameter("Asip-Session", "Keys belong to a session; for clients of one token"));
     return list;

@@ -69,6 +69,12 @@ inline constexpr std::string_view kComponents = R"json({
   "Arguments": {"description": "An array of arguments, an object by their names, or nothing"},
   "RawLines": {"type": "object", "required": ["lines"], "additionalProperties": false, "properties": {
     "lines": {"type": "array", "minItems": 1, "maxItems": 64, "items": {"type": "string", "maxLength": 62}}}},
+  "LabelChange": {"type": "object", "minProperties": 1, "additionalProperties": false,
+    "description": "What is to be set; null removes, what is not named stays", "properties": {
+    "labels": {"type": "object", "maxProperties": 32, "additionalProperties": {"type": ["string", "null"], "maxLength": 63}},
+    "names": {"type": "object", "additionalProperties": false, "properties": {
+      "services": {"type": "object", "maxProperties": 64, "additionalProperties": {"type": ["string", "null"], "maxLength": 63}},
+      "pins": {"type": "object", "maxProperties": 64, "additionalProperties": {"type": ["string", "null"], "maxLength": 63}}}}}},
   "CommandAnswer": {"type": "object", "required": ["status"], "properties": {
     "status": {"type": "string", "enum": ["ok", "error", "timeout", "refused"]}, "id": {"type": "string"},
     "proof": {"type": "string"}, "answer": {}, "code": {"type": "integer"}, "error": {"type": "string"},

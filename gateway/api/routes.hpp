@@ -10,7 +10,7 @@ namespace asip::gateway::api {
 
 /// What somebody needs to be allowed to. That an answer holds only what they may see is the operation's own
 /// duty: see limits.hpp.
-enum class Need { kNothing, kRead, kCommand, kRaw, kForget };
+enum class Need { kNothing, kRead, kCommand, kLabel, kRaw, kForget };
 
 /// A parameter behind `?`. One that no route has is refused, and so is one that is given twice.
 struct Parameter {
@@ -62,6 +62,7 @@ void get_models(Call& call);
 void get_model(Call& call);
 void post_command(Call& call);
 void post_raw(Call& call);
+void post_labels(Call& call);
 void get_command(Call& call);
 void post_renew(Call& call);
 void post_stop_board(Call& call);

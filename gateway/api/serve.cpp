@@ -63,6 +63,8 @@ bool allowed(const Rights& rights, Need need) {
             return rights.may_read();
         case Need::kCommand:
             return rights.may_command();
+        case Need::kLabel:
+            return rights.may_label();
         case Need::kRaw:
             return rights.may_send_raw();
         case Need::kForget:
@@ -164,6 +166,8 @@ void refuse_right(const Principal& principal, const http::Reply& reply, Need nee
     const std::string role(to_string(principal.rights.role));
     reply.send(problem(403, need == Need::kRaw
                                 ? "a " + role + " without the right to raw lines may not do this"
+                            : need == Need::kLabel && principal.rights.may_command()
+                                ? "a token that is limited to some services may not label boards"
                             : need == Need::kForget ? "only an admin may forget boards"
                                                     : "a " + role + " may only read"));
 }
@@ -172,7 +176,7 @@ void refuse_right(const Principal& principal, const http::Reply& reply, Need nee
 void log_change(const Call& call) {
     if (call.request.method != "POST" && call.request.method != "DELETE") return;
     const auto serve = call.route.serve;
-    if (serve == post_command || serve == post_raw || serve == post_renew) return;
+    if (serve == post_command || serve == post_raw || serve == post_labels || serve == post_renew) return;
     log::info("request", {{"by", call.principal.rights.name},
                           {"from", call.peer.address},
                           {"method", call.request.method},

@@ -34,13 +34,10 @@ void get_status(Call& call) {
     auto& gateway = call.gateway;
     const auto& mirror = gateway.mirror();
     const auto& rights = call.principal.rights;
-    json you{{"name", rights.name},
-             {"role", to_string(rights.role)},
-             {"raw", rights.may_send_raw()},
-             {"command", rights.may_command()},
-             {"forget", rights.may_forget()},
-             {"limited", rights.limited()},
-             {"session", call.principal.kind == Principal::Kind::kSession}};
+    json you{{"name", rights.name},          {"role", to_string(rights.role)},
+             {"raw", rights.may_send_raw()}, {"command", rights.may_command()},
+             {"label", rights.may_label()},  {"forget", rights.may_forget()},
+             {"limited", rights.limited()},  {"session", call.principal.kind == Principal::Kind::kSession}};
     json broker{{"connected", mirror.connected()}};
     // Where there never was a connection there is no such time.
     if (const auto since = mirror.connected_since().wall; since != text::WallTime{})

@@ -37,6 +37,8 @@ struct Rights {
     bool may_send_raw() const {
         return role >= Role::kOperator && (raw || role == Role::kAdmin) && services.empty();
     }
+    /// Labels and friendly names; those of a service may be read by everybody who sees the board.
+    bool may_label() const { return may_command() && services.empty(); }
     bool may_forget() const { return role == Role::kAdmin; }
     /// By the patterns alone: whether anything may be read is the role's to say.
     bool sees_board(std::string_view board) const;

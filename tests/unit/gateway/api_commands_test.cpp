@@ -55,6 +55,36 @@ TEST_F(ApiTest, ArgumentsThatDoNotFit_AreRefusedBeforeTheyAreSent) {
     EXPECT_EQ(published_.size(), 1u);
 }
 
+TEST_F(ApiTest, Labels_GoToTheBoardsAgent_WhichHasTheLastWord) {
+    announce();
+    const auto change =
+        R"({"labels":{"name":"left desk","room":null},"names":{"pins":{"13":"status lamp"}}})";
+    const auto sent = ask("POST", "/api/boards/uno1/labels", change);
+    ASSERT_EQ(published_.size(), 1u);
+    EXPECT_EQ(published_[0].topic, "asip/uno1/in");
+    const auto payload = json::parse(published_[0].payload);
+    EXPECT_EQ(payload["labels"], json::parse(change)["labels"]);
+    EXPECT_EQ(payload["names"], json::parse(change)["names"]);
+    answer(R"({"status":"ok","proof":"kept","answer":{"labels":{"name":"left desk"}}})");
+    EXPECT_EQ(sent->status(), 200);
+    EXPECT_EQ(sent->body()["answer"]["labels"]["name"], "left desk");
+    const auto refused = ask("POST", "/api/boards/uno1/labels", R"({"names":{"pins":{"99":"x"}}})");
+    answer(R"({"status":"refused","reason":"invalid","error":"it has no pin 99"})");
+    EXPECT_EQ(refused->status(), 400);
+    EXPECT_EQ(refused->detail(), "it has no pin 99");
+}
+
+TEST_F(ApiTest, LabelsOfAnotherForm_AreRefusedBeforeTheyAreSent) {
+    announce();
+    for (const char* body : {"", "{}", "[]", R"({"labels":"x"})", R"({"labels":{},"resume":true})",
+                             R"({"raw":"I,d,13,1"})", R"({"labels":{},"reply_to":"elsewhere"})"})
+        EXPECT_EQ(ask("POST", "/api/boards/uno1/labels", body)->status(), 400) << body;
+    EXPECT_EQ(ask("POST", "/api/boards/none/labels", R"({"labels":{}})")->status(), 404);
+    bus("asip/servicebus/uno1/$state", "offline");
+    EXPECT_EQ(ask("POST", "/api/boards/uno1/labels", R"({"labels":{"a":"b"}})")->status(), 503);
+    EXPECT_TRUE(published_.empty());
+}
+
 TEST_F(ApiTest, ServiceOfAnotherModel_CommandsAreCheckedByThatOne) {
     announce();
     const std::string write = "/api/boards/uno1/services/servo/commands/write";

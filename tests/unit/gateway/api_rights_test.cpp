@@ -19,6 +19,8 @@ TEST_F(ViewersApi, ReadsAndNothingElse) {
     EXPECT_EQ(ask("POST", "/api/boards/uno1/services/servo/commands/write", "[0,90]")->status(), 403);
     EXPECT_EQ(ask("POST", "/api/boards/uno1/raw", R"({"lines":["x"]})")->status(), 403);
     EXPECT_EQ(ask("DELETE", "/api/boards/uno1")->status(), 403);
+    EXPECT_EQ(ask("POST", "/api/boards/uno1/labels", R"({"labels":{"a":"b"}})")->status(), 403);
+    EXPECT_EQ(get("/api/status")->body()["you"]["label"], false);
     EXPECT_TRUE(published_.empty());
 }
 
@@ -182,6 +184,15 @@ TEST_F(LimitedApi, RawRightOfATokenLimitedToServices_IsNone) {
     EXPECT_EQ(as_anna("POST", "/api/boards/uno1/raw", R"({"lines":["D,M"]})")->status(), 403);
     gateway_->gate().set_tokens(*Tokens::parse("operator+raw anna " + hash_of("do") + " boards=uno1\n"));
     EXPECT_EQ(as_anna("POST", "/api/boards/uno1/raw", R"({"lines":["D,M"]})")->status(), 0) << "sent";
+}
+
+TEST_F(LimitedApi, TokenLimitedToServices_MayNotLabel_OneLimitedToBoardsMay) {
+    announce("uno1");
+    const auto refused = as_anna("POST", "/api/boards/uno1/labels", R"({"labels":{"a":"b"}})");
+    EXPECT_EQ(refused->status(), 403);
+    EXPECT_THAT(refused->detail(), testing::HasSubstr("limited to some services"));
+    gateway_->gate().set_tokens(*Tokens::parse("operator anna " + hash_of("do") + " boards=uno1\n"));
+    EXPECT_EQ(as_anna("POST", "/api/boards/uno1/labels", R"({"labels":{"a":"b"}})")->status(), 0) << "sent";
 }
 
 TEST_F(LimitedApi, CommandsEnvelope_NamesWhoSentIt) {

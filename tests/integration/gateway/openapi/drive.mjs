@@ -107,6 +107,11 @@ const cases = {
       409: () => twice("/api/boards/uno1/raw", { lines: ["I,P,13,3"] }, { lines: ["I,P,12,3"] }, "raw"), 422: post("/api/boards/uno1/raw", { lines: ["I,d,99,1"] }),
       503: post("/api/boards/lost/raw", { lines: ["x"] }), 504: post("/api/boards/mute/raw?deadline_ms=50", { lines: ["x"] }),
     },
+    labelBoard: {
+      200: post("/api/boards/uno1/labels", { labels: { room: "lab" } }), 400: post("/api/boards/uno1/labels", { rooms: {} }), 404: post("/api/boards/none/labels", { labels: {} }),
+      409: () => twice("/api/boards/uno1/labels", { labels: { room: "lab" } }, { labels: { room: "hall" } }, "label"),
+      503: post("/api/boards/lost/labels", { labels: { room: "lab" } }), 504: post("/api/boards/mute/labels?deadline_ms=50", { labels: { room: "lab" } }),
+    },
     getCommand: { 200: async () => { await post(write, [0, 20], key("known"))(); return get("/api/commands/known")(); }, 404: get("/api/commands/none") },
     renewCommand: {
       200: async () => { await post("/api/boards/uno1/services/io/commands/write?hold_ms=5000", [13, 1], key("held"))(); return post("/api/commands/held/renew")(); },
@@ -134,6 +139,7 @@ const cases = {
   flood: {
     sendCommand: { 429: () => flood(write, [0, 900 / 10]) },
     sendRaw: { 429: () => flood("/api/boards/uno1/raw", { lines: ["I,P,13,3"] }) },
+    labelBoard: { 429: () => flood("/api/boards/uno1/labels", { labels: { room: "lab" } }) },
     makeCode: { 429: () => flood("/api/codes", {}) },
   },
   // The registry is stopped, and one client may keep 256 kB.
