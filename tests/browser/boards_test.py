@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The table of boards: appears, changes, is searched."""
 
+import json
 import unittest
+import urllib.request
 
+from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 from rig import PageTest, commands_heard, eventually
@@ -67,6 +70,79 @@ class Boards(PageTest):
         eventually(lambda: len(self.browser.table()) == 2, "both boards")
         self.browser.run("const kind = document.querySelector('.toolbar select'); kind.value = 'servo'; kind.dispatchEvent(new Event('change'))")
         eventually(lambda: list(self.browser.table()) == ["desk"], "only the board with a servo")
+
+    def choose(self, label, value):
+        self.browser.run("const each = document.querySelector(`select[aria-label='${arguments[0]}']`); each.value = arguments[1]; each.dispatchEvent(new Event('change'))", label, value)
+
+    def test_Value_OfEachBoardIsInTheListAndMoves(self):
+        self.open()
+        cell = lambda: self.browser.run("return document.querySelector('.filler .row:not([hidden]) .c-value').textContent.replace('\u00a0', ' ')")
+        eventually(lambda: cell() in ("41 cm", "42 cm", "43 cm"), "the distance of desk")
+        self.bus.sim("set", "desk/distance", "66")
+        eventually(lambda: cell() in ("65 cm", "66 cm", "67 cm"), "the next one")
+        self.choose("Value that is shown", "-")
+        eventually(lambda: cell() == "", "no value")
+        self.assertIn("value=-", self.browser.driver.current_url)
+        self.open("?value=distance", anew=True)
+        eventually(lambda: cell() in ("65 cm", "66 cm", "67 cm"), "the value that the address names")
+        self.bus.sim("set", "desk/distance", "42")
+
+    def labelled(self, board, change):
+        urllib.request.urlopen(urllib.request.Request(f"{self.bus.url}/api/boards/{board}/labels", json.dumps({"labels": change}).encode(),
+                                                      {"Content-Type": "application/json"}), timeout=10).read()
+
+    def test_List_IsGroupedByALabel_AndTheAddressSaysSo(self):
+        self.labelled("desk", {"room": "lab"})
+        self.open()
+        eventually(lambda: "room" in self.browser.text("select[aria-label='Group by a label']"), "the label to group by")
+        self.choose("Group by a label", "room")
+        groups = lambda: self.browser.run("return [...document.querySelectorAll('.filler .row:not([hidden])')].sort((a, b) => a.ariaRowIndex - b.ariaRowIndex)"
+                                          ".map((row) => row.querySelector(row.classList.contains('group') ? 'small' : 'a').textContent)")
+        eventually(lambda: groups() == ["room: lab (1)", "desk", "without room (1)", "lamp"], "two groups")
+        self.assertIn("2 boards", self.browser.text(".found"))
+        self.assertIn("group=room", self.browser.driver.current_url)
+        self.open("?group=room", anew=True)
+        eventually(lambda: groups() == ["room: lab (1)", "desk", "without room (1)", "lamp"], "the same by its address")
+        self.browser.screenshot("boards-grouped")
+        self.open("?sort=name", anew=True)
+        self.labelled("desk", {"room": None})
+
+    def pick(self, name):
+        self.browser.shown(f"input[aria-label='{name}']").click()
+
+    def test_Selection_IsStoppedResumedLabelledAndSentTo(self):
+        self.open("?sort=name", anew=True)
+        self.row_has("lamp", "online")
+        self.pick("Select all that are shown")
+        eventually(lambda: "2 boards selected" in self.browser.text("asip-selection"), "both are selected")
+        self.browser.button("Label …").click()
+        field = self.browser.shown("form[aria-label='Label the selected boards'] input")
+        field.send_keys("class=7b", Keys.ENTER)
+        eventually(lambda: "Done on 2 boards" in self.browser.text("asip-selection"), "both are labelled")
+        self.row_has("desk", "class=7b")
+        self.row_has("lamp", "class=7b")
+        self.browser.screenshot("selection")
+        self.browser.button("Stop", "asip-selection").click()
+        eventually(lambda: "Done on 2 boards" in self.browser.text("asip-selection output"), "both are stopped")
+        self.row_has("desk", "stopped")
+        self.row_has("lamp", "stopped")
+        self.browser.button("Resume", "asip-selection").click()
+        self.row_has("lamp", "online")
+        self.row_has("desk", "online")
+        self.browser.button("Send …").click()
+        self.browser.run("const each = [...document.querySelectorAll('asip-selection select')]; each[1].value = 'mode'; each[1].dispatchEvent(new Event('change'))")
+        form = self.form("io", "Set the mode of a pin")
+        self.fill(form, "Pin", "13")
+        self.browser.run("const each = arguments[0].querySelector('select'); each.value = '3'", form)
+        form.find_element(By.CSS_SELECTOR, "button.main").click()
+        eventually(lambda: "Done on 2 boards" in form.text, "sent to both")
+        for board in ("desk", "lamp"):
+            eventually(lambda: self.bus.get(f"/api/boards/{board}")["description"]["pins"]["modes"][13] == "3", f"pin 13 of {board} is an output")
+        self.browser.button("Label …").click()
+        self.browser.shown("form[aria-label='Label the selected boards'] input").send_keys("class-", Keys.ENTER)
+        eventually(lambda: "class" not in self.browser.table()["lamp"] and "class" not in self.browser.table()["desk"], "the label is gone")
+        self.browser.button("Clear", "asip-selection").click()
+        eventually(lambda: not self.browser.find("asip-selection")[0].is_displayed(), "nothing is selected")
 
     def test_Nothing_IsSentWhenPagesAreOpened(self):
         with commands_heard(self.bus) as heard:

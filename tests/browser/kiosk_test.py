@@ -77,7 +77,7 @@ class Kiosk(PageTest):
         self.open_page(address)
         self.browser.shown("asip-board asip-service", seconds=40)
         eventually(lambda: self.browser.text("asip-link") == "live", "live", 30)
-        eventually(lambda: "Servo" in self.browser.text("main"), "its services")
+        eventually(lambda: "distance" in self.browser.text("main"), "its services")
         eventually(lambda: self.browser.find(".pin:not(.taken)"), "its pins")
 
     def shows_nothing_that_acts(self):

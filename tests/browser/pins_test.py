@@ -96,7 +96,7 @@ class Pins(PageTest):
         self.assertIn("board itself", self.pin("0").get_attribute("aria-label"))
         self.pin("9").click()
         self.assertIn("servo", self.browser.shown(".pin-panel").text)
-        self.assertEqual(self.browser.find(".pin-panel button"), [])
+        self.assertEqual(self.browser.find(".pin-panel .chips"), [], "nothing that sets it")
 
 
 if __name__ == "__main__":

@@ -190,7 +190,7 @@ class PageTest(unittest.TestCase):
 
     def open_board(self, name="desk", anew=False):
         self.open(f"board/{name}", anew)
-        self.browser.shown("asip-board asip-command form")
+        self.browser.shown("asip-board .pin, asip-board asip-command form")
 
     def form(self, service, title):
         return self.browser.shown(f"form[aria-label='{service}: {title}']")
@@ -217,4 +217,4 @@ class PageTest(unittest.TestCase):
         eventually(lambda: kind in output.get_attribute("class") and text in output.text, f"{kind}: {text}")
 
     def all_commands(self):
-        self.browser.run("document.querySelectorAll('asip-service details').forEach((each) => { each.open = true; })")
+        self.browser.run("document.querySelectorAll('asip-board details').forEach((each) => { each.open = true; })")

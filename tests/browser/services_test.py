@@ -32,7 +32,9 @@ class Services(PageTest):
         self.assertEqual((number.get_attribute("min"), number.get_attribute("max")), ("0", "180"))
         self.assertIn("°", form.text)
         self.send(form)
-        self.answered(form, "ok", "proof: fence")
+        self.answered(form, "ok", "Done")
+        self.all_commands()
+        self.assertIn("servo write: proof: fence", self.browser.text(".advanced"))
         eventually(lambda: abs(float(self.bus.part("desk/servo")) - 90) < 2, "the servo at 90 degrees")
         self.browser.screenshot("board")
 
@@ -68,7 +70,8 @@ class Services(PageTest):
 
     def test_BoardUnplugged_ItsFormsAreOffUntilItIsBack(self):
         self.open_board("lamp")
-        off = lambda: self.browser.run("return [...document.querySelectorAll('asip-service > .commands')].every((each) => each.inert)")
+        self.all_commands()
+        off = lambda: self.browser.run("return [...document.querySelectorAll('asip-board asip-command')].every((each) => each.closest('[inert]'))")
         eventually(lambda: not off(), "the forms can be used")
         self.bus.sim("unplug", "lamp")
         eventually(off, "the forms are off", 30)
@@ -93,10 +96,6 @@ class Services(PageTest):
 
     def test_DistanceReported_ValueAndPlotMove(self):
         self.open_board()
-        form = self.form("distance", "Report periodically; 0 stops")
-        self.fill(form, "Period", "50")
-        self.send(form)
-        self.answered(form, "ok", "Done")
         value = self.browser.shown("[aria-label='Distance'] .value")
         self.browser.shown("canvas")
         eventually(lambda: value.text.replace("\u00a0", " ") in ("41 cm", "42 cm", "43 cm"), "42 cm")
@@ -125,10 +124,6 @@ class Services(PageTest):
 
         self.open_board(anew=True)  # the last minutes are there at once
         eventually(lambda: (self.browser.run("return document.querySelector('asip-plot')?.series.times.length") or 0) > 20, "the past in the plot")
-        form = self.form("distance", "Report periodically; 0 stops")
-        self.fill(form, "Period", "0")
-        self.send(form)
-        self.answered(form, "ok", "Done")
 
     def test_History_ShowsWhatHappenedToTheBoardAndOnTheBus(self):
         self.open_board()

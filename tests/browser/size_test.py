@@ -8,7 +8,7 @@ import unittest
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "gateway" / "page"
 LIMIT = 100_000
-AIM = 56_000
+AIM = 75_000
 
 
 def served(name, content):

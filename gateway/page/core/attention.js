@@ -29,7 +29,8 @@ export function title_badge({ lost, stopped }) {
   return parts.length > 0 ? `(${parts.join(", ")}) ` : "";
 }
 
-const defaults = { text: "", kind: "", state: "", sort: "name", descending: false };
+// `value`: the service whose value the table shows; "": the first sensor of each board, "-": none. `group`: the key of a label.
+const defaults = { text: "", kind: "", state: "", value: "", group: "", sort: "name", descending: false };
 
 /// What differs from the usual view, as it stands behind `#/?`; "" for the usual one.
 export function query_of(filter) {
@@ -42,7 +43,7 @@ export function query_of(filter) {
 export function filter_of(query) {
   const given = new URLSearchParams(query);
   const filter = { ...defaults };
-  for (const name of ["text", "kind", "state"]) filter[name] = given.get(name) ?? "";
+  for (const name of ["text", "kind", "state", "value", "group"]) filter[name] = given.get(name) ?? "";
   if (["name", "state", "since", "services", "chip"].includes(given.get("sort"))) filter.sort = given.get("sort");
   filter.descending = given.get("descending") === "true";
   return filter;

@@ -5,8 +5,8 @@ import { time_of } from "./text.js";
 export const states = ["online", "sleeping", "updating", "lost", "offline"];
 export const alive = (state) => state === "online" || state === "sleeping" || state === "updating";
 
-/// Labels as they are written: ["room=lab", "camera"].
-export const label_texts = (labels) => Object.entries(labels ?? {}).map(([key, value]) => (value === "" ? key : `${key}=${value}`));
+/// Labels as they are written: ["room=lab", "camera"]; `name` is the board's friendly name and stands elsewhere.
+export const label_texts = (labels) => Object.entries(labels ?? {}).filter(([key]) => key !== "name").map(([key, value]) => (value === "" ? key : `${key}=${value}`));
 
 function row_of(board, at, now) {
   const services = typeof board.services === "string" ? board.services.split(" ").filter(Boolean) : board.services ?? [];
@@ -18,7 +18,9 @@ function row_of(board, at, now) {
     sketch: board.sketch ?? "",
     conflict: Boolean(board.conflict),
     labels: label_texts(board.labels),
-    called: Object.values(board.names?.services ?? {}).join(" "),
+    tags: board.labels ?? {},
+    called: board.labels?.name ?? "",
+    named: Object.values(board.names?.services ?? {}).join(" "),
     services: services.map((service) => (typeof service === "string" ? service : service.name)),
     since: time_of(board.since) ?? at ?? (board.age === undefined ? undefined : now - board.age * 1000),
     seen: time_of(board.last_seen) ?? (board.age === undefined ? undefined : now - board.age * 1000),
@@ -76,19 +78,27 @@ export class Catalogue {
     return [...kinds].sort();
   }
 
+  /// Keys of labels that boards have.
+  label_keys() {
+    const keys = new Set();
+    for (const row of this.rows.values()) for (const key of Object.keys(row.tags)) if (key !== "name") keys.add(key);
+    return [...keys].sort();
+  }
+
   /// Rows that fit; `text` is looked for in name, chip, sketch, services, their names and labels, each of its words.
-  view({ text = "", kind = "", state = "", sort = "name", descending = false } = {}) {
+  view({ text = "", kind = "", state = "", sort = "name", descending = false, group = "" } = {}) {
     const wanted = text.toLowerCase().split(/\s+/).filter(Boolean);
     const fits = (row) => {
       if (state !== "" && row.state !== state) return false;
       if (kind !== "" && !row.services.includes(kind)) return false;
       if (wanted.length === 0) return true;
-      const all = `${row.name} ${row.chip} ${row.sketch} ${row.services.join(" ")} ${row.called} ${row.labels.join(" ")}`.toLowerCase();
+      const all = `${row.name} ${row.chip} ${row.sketch} ${row.services.join(" ")} ${row.called} ${row.named} ${row.labels.join(" ")}`.toLowerCase();
       return wanted.every((word) => all.includes(word));
     };
     const rows = this.by_name().filter(fits);
     if (sort !== "name") rows.sort(orders[sort]);
-    return descending ? rows.reverse() : rows;
+    if (descending) rows.reverse();
+    return group === "" ? rows : grouped(rows, group);
   }
 
   // Comparing names costs much more than the rest: they are sorted again only where one came or went.
@@ -96,6 +106,19 @@ export class Catalogue {
     this.sorted ??= [...this.rows.keys()].sort(names.compare);
     return this.sorted.map((name) => this.rows.get(name));
   }
+}
+
+/// The same rows by the value of a label, each value behind a row {group, names} of its own; boards without the label come last.
+function grouped(rows, key) {
+  const groups = new Map();
+  for (const row of rows) {
+    const value = Object.hasOwn(row.tags, key) ? row.tags[key] : undefined;
+    if (!groups.has(value)) groups.set(value, []);
+    groups.get(value).push(row);
+  }
+  const values = [...groups.keys()].sort((a, b) => (a === undefined) - (b === undefined) || names.compare(a, b));
+  const title = (value) => (value === undefined ? `without ${key}` : value === "" ? key : `${key}: ${value}`);
+  return values.flatMap((value) => [{ group: title(value), names: groups.get(value).map((row) => row.name) }, ...groups.get(value)]);
 }
 
 const names = new Intl.Collator("en", { numeric: true });

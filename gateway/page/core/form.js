@@ -48,6 +48,13 @@ export function command_order(model) {
   return Object.keys(model.commands ?? {}).sort((a, b) => rank(a) - rank(b));
 }
 
+/// Where the form of a command stands: "control", or "advanced": periods of reports, questions for a value, rare settings.
+export function place_of(model, name) {
+  const { args = [], safe, answer, advanced } = model.commands[name];
+  if (safe !== undefined) return "control";
+  return advanced || name === "report" || (answer && args.length === 0) ? "advanced" : "control";
+}
+
 function range_text(field) {
   if (field.min !== undefined && field.max !== undefined) return `${field.min} to ${field.max}`;
   if (field.min !== undefined) return `${field.min} or more`;

@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// One board: what it is, its pins, its services, its history.
+// One board: its values, its controls, its pins, what it is, its history.
 import { alive, label_texts } from "../core/catalogue.js";
 import { duration_text, moment_text, time_of, reason_text } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
-import { h, Part, set_text, state_mark } from "./dom.js";
+import { fresh_id, h, Part, set_text, state_mark } from "./dom.js";
 import { boards, status } from "./model.js";
 import "./history.js";
+import "./names.js";
 import { has_pins } from "./pins.js";
 import "./service.js";
 import { is_floor, is_pose } from "./world.js";
 
 const kReloadMs = 200;
+const rates = [1, 2, 5, 10, 20, 50];
+let rate = 10; // values a second, kept from board to board
 
-const rights = () => `${status.may_command} ${status.may_forget}`;
+const rights = () => `${status.may_command} ${status.may_forget} ${status.may_label}`;
+
+const facts_of = (facts) => facts.filter(([, text]) => text).map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text)));
 
 class Board extends Part {
   begin(name) {
@@ -21,7 +26,7 @@ class Board extends Part {
   }
 
   shown() {
-    this.heading = h("h1", { tabindex: "-1" }, this.name);
+    this.heading = h("h1", { tabindex: "-1" }, h("span", {}, this.name), " ", h("small", { class: "muted" }));
     this.mark = h("span", {});
     this.since = h("span", { class: "muted" });
     this.facts = h("dl", { class: "facts" });
@@ -30,19 +35,38 @@ class Board extends Part {
     this.world_box = h("section", { "aria-label": "World", hidden: true }, h("h2", {}, "World"));
     this.shown_services = new Map();
     this.no_service = h("p", { class: "empty", hidden: true }, "This board offers no service.");
-    this.services = h("section", { class: "services", "aria-label": "Services" }, h("h2", {}, "Services"), this.no_service);
+    this.values = h("section", { class: "services values-box", "aria-label": "Values" }, h("div", { class: "head-row" }, h("h2", {}, "Values"), this.rate_box()));
+    this.controls = h("section", { class: "services controls-box", "aria-label": "Controls" }, h("h2", {}, "Controls"));
+    this.names = document.createElement("asip-names").begin(this.name);
+    this.proof = h("dd", {}, "no command was sent from this page yet");
+    this.deep_facts = h("dl", { class: "facts" });
+    this.advanced = h("details", { class: "advanced" }, h("summary", {}, "Advanced"), this.deep_facts,
+      h("dl", { class: "facts" }, h("div", {}, h("dt", {}, "Last command, its proof"), this.proof)));
+    this.listen(this, "proof", (event) => set_text(this.proof, event.proof));
     this.problem = h("p", { class: "empty", role: "status", hidden: true });
     this.unusable = h("p", { class: "unusable muted", role: "status" });
     this.stopped = h("p", { class: "stopped-note", role: "status" });
     this.tools = h("span", { class: "tools" });
     this.append(h("p", { class: "back" }, h("a", { href: "#/" }, "← All boards")), h("div", { class: "title-row" }, this.heading, this.mark, this.since, this.tools),
-      this.problem, this.stopped, this.unusable, this.facts, this.pins_box, this.world_box, this.services,
+      this.problem, this.stopped, this.unusable, this.no_service, this.values, this.world_box, this.controls, this.pins_box,
+      h("section", { "aria-label": "About" }, h("h2", {}, "About"), this.facts, this.names, this.advanced),
       h("section", {}, h("h2", {}, "History"), document.createElement("asip-history").begin(path_of("boards", this.name, "history"), false)));
     this.listen(boards, "board", (event) => { if (event.board === this.name) this.reload(event.kind); });
     this.listen(boards, "change", () => this.show_state());
     this.listen(status, "change", () => this.show_state());
     this.every(1000, () => this.show_state());
     this.load();
+  }
+
+  rate_box() {
+    const id = fresh_id("rate");
+    const select = h("select", { id, onchange: () => {
+      rate = Number(select.value);
+      for (const element of this.shown_services.values()) element.at_rate(rate);
+    } }, rates.map((each) => h("option", { value: each }, `${each} a second`)));
+    select.value = rate;
+    return (this.rate = h("div", { class: "rate", hidden: true, title: "While this page is seen the board is asked for so many values" },
+      h("label", { for: id }, "Live, "), select));
   }
 
   reload(kind) {
@@ -87,7 +111,7 @@ class Board extends Part {
   show_usable(state) {
     const reachable = bus.link.state === "open" && status.now?.broker?.connected !== false;
     const usable = reachable && (state === undefined || (alive(state) && state !== "updating"));
-    for (const element of this.shown_services.values()) if (element.commands) element.commands.inert = !usable;
+    for (const element of this.shown_services.values()) element.usable = usable;
     if (this.pins.panel) this.pins.panel.inert = !usable;
     set_text(this.unusable, usable ? "" : !reachable ? "Commands are off: the bus cannot be reached." : state === "updating" ? "Commands are off: its port is in other hands." : "Commands are off until the board is back.");
   }
@@ -121,11 +145,16 @@ class Board extends Part {
   show() {
     const { board } = this;
     const description = board.description ?? { services: board.services };
-    const facts = [["Chip", board.chip], ["Sketch", board.sketch], ["Protocol", board.protocol && `ASIP ${board.protocol}`], ["Link", board.link],
+    const called = board.labels?.name;
+    set_text(this.heading.firstChild, called || this.name);
+    set_text(this.heading.lastChild, called ? this.name : "");
+    this.facts.replaceChildren(...facts_of([["Chip", board.chip], ["Sketch", board.sketch],
       ["Labels", label_texts(board.labels).join(", ")],
-      ["Agent", board.agent], ["Conflict", board.conflict && `another agent, ${board.conflict.other_agent ?? board.conflict.other}, uses this name`],
-      ["Known by", !board.description && "its names only: it publishes no description"]].filter(([, text]) => text);
-    this.facts.replaceChildren(...facts.map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text))));
+      ["Conflict", board.conflict && `another agent, ${board.conflict.other_agent ?? board.conflict.other}, uses this name`],
+      ["Known by", !board.description && "its names only: it publishes no description"]]));
+    this.deep_facts.replaceChildren(...facts_of([["Protocol", board.protocol && `ASIP ${board.protocol}`], ["Link", board.link], ["Agent", board.agent]]));
+    this.names.show(board);
+    this.rate.hidden = !description.on_demand;
     this.show_pins(description);
     this.show_services((description.services ?? board.services ?? []).map((service) => (
       { ...service, label: board.names?.services?.[service.name] })));
@@ -163,15 +192,16 @@ class Board extends Part {
     const order = services.filter((service) => service !== floor).sort((a, b) => (a.name === "io") - (b.name === "io"));
     const known = this.shown_services;
     this.shown_services = new Map(order.map((service) => {
-      const key = JSON.stringify([service.name, service.model, pins]);
+      const key = JSON.stringify([service.name, service.model, pins, Boolean(this.board.description?.on_demand)]);
       const element = known.get(key) ?? document.createElement("asip-service").begin(this.name, service, {
+        controls: this.controls, advanced: this.advanced, hz: rate, on_demand: Boolean(this.board.description?.on_demand),
         pins: pins && service.name === "io", on_value: this.listener_of(service),
         on_set: service.name === "io" ? (set) => this.pins.set_is?.(set) : undefined });
       if (known.has(key)) element.update(service);
       return [key, element];
     }));
     for (const [key, element] of known) if (!this.shown_services.has(key)) element.remove();
-    for (const element of this.shown_services.values()) if (!element.isConnected) this.services.append(element);
+    for (const element of this.shown_services.values()) if (!element.isConnected) this.values.append(element);
     this.no_service.hidden = services.length > 0;
   }
 }

@@ -4,11 +4,14 @@ import { attention_of, filter_of, named, query_of } from "../core/attention.js";
 import { alive, states } from "../core/catalogue.js";
 import { duration_text, moment_text, plural, reason_text } from "../core/text.js";
 import { moved_row, scroll_to_show, visible_rows } from "../core/virtual.js";
-import { boards } from "./model.js";
+import { boards, status } from "./model.js";
+import { RowValues } from "./row_values.js";
+import "./selection.js";
 import { h, Part, set_class, set_text } from "./dom.js";
 
-const columns = [["name", "Board"], ["state", "State"], ["since", "Since"], ["services", "Services"], ["chip", "Chip, sketch"]];
+const columns = [["name", "Board"], ["state", "State"], ["since", "Since"], ["value", "Value"], ["services", "Services"], ["chip", "Chip, sketch"]];
 const filter = filter_of(""); // kept from visit to visit
+const picked = new Set();     // names of the boards that are selected
 
 class Boards extends Part {
   /// `query`: the view that stands in the address; "" for the one that was seen last.
@@ -22,12 +25,18 @@ class Boards extends Part {
     this.drawn = new Map(); // index -> row element
     this.spare = [];
     this.current = 0;
-    this.append(h("h1", { class: "hidden" }, "Boards"), this.attention = h("div", { class: "attention", role: "status", hidden: true }), this.toolbar(), this.table());
+    this.values = new RowValues(() => this.draw());
+    this.while_shown(() => this.values.end());
+    this.selection = document.createElement("asip-selection").begin(picked, () => this.pick([...picked], false));
+    this.append(h("h1", { class: "hidden" }, "Boards"), this.attention = h("div", { class: "attention", role: "status", hidden: true }), this.toolbar(), this.selection, this.table());
     this.keep_address();
     this.row_height = parseFloat(getComputedStyle(this).getPropertyValue("--row"));
     this.listen(boards, "change", () => this.refresh());
     this.listen(this.scroll, "scroll", () => this.draw());
     this.listen(window, "resize", () => this.measure());
+    this.listen(document, "visibilitychange", () => this.draw());
+    this.listen(status, "change", () => this.allow());
+    this.allow();
     this.every(1000, () => this.draw());
     this.measure();
     this.refresh();
@@ -39,17 +48,30 @@ class Boards extends Part {
     this.kind = h("select", { "aria-label": "Kind of service", onchange: () => this.filtered({ kind: this.kind.value }) });
     this.chips = h("div", { class: "chips", role: "group", "aria-label": "State" });
     this.found = h("span", { class: "muted found", role: "status" });
-    return h("div", { class: "toolbar" }, search, this.kind, this.chips, this.found);
+    this.value = h("select", { "aria-label": "Value that is shown", onchange: () => this.filtered({ value: this.value.value }) });
+    this.group = h("select", { "aria-label": "Group by a label", onchange: () => this.filtered({ group: this.group.value }) });
+    return h("div", { class: "toolbar" }, search, this.kind, this.value, this.group, this.chips, this.found);
+  }
+
+  /// Boards are selected by those who may do something with them.
+  allow() { this.classList.toggle("picks", status.may_command || status.may_label); }
+
+  pick(names, on) {
+    for (const name of names) if (on) picked.add(name); else picked.delete(name);
+    this.selection.show();
+    this.draw();
   }
 
   table() {
-    this.heads = columns.map(([key, title]) => h("span", { role: "columnheader", class: `c-${key}` },
-      h("button", { onclick: () => this.filtered({ sort: key, descending: filter.sort === key && !filter.descending }) }, title)));
+    this.pick_all = h("input", { type: "checkbox", "aria-label": "Select all that are shown",
+      onchange: () => this.pick(this.rows.filter((row) => row.name).map((row) => row.name), this.pick_all.checked) });
+    this.heads = columns.map(([key, title]) => h("span", { role: "columnheader", class: `c-${key}` }, key === "value" ? title
+      : h("button", { onclick: () => this.filtered({ sort: key, descending: filter.sort === key && !filter.descending }) }, title)));
     this.filler = h("div", { class: "filler", role: "presentation" });
     this.scroll = h("div", { class: "scroll", role: "rowgroup", tabindex: "-1", onkeydown: (event) => this.key(event) }, this.filler);
     this.empty = h("p", { class: "empty", hidden: true });
     this.grid = h("div", { class: "boards", role: "table", "aria-label": "Boards" },
-      h("div", { role: "rowgroup", class: "head-box" }, h("div", { role: "row", class: "row head" }, this.heads)), this.scroll);
+      h("div", { role: "rowgroup", class: "head-box" }, h("div", { role: "row", class: "row head" }, h("span", { role: "columnheader", class: "c-pick" }, this.pick_all), this.heads)), this.scroll);
     return h("div", { class: "table-box" }, this.grid, this.empty);
   }
 
@@ -93,6 +115,8 @@ class Boards extends Part {
     const { catalogue } = boards;
     this.rows = catalogue.view(filter);
     this.current = Math.max(0, Math.min(this.current, this.rows.length - 1));
+    if (this.rows[this.current]?.group !== undefined) ++this.current;
+    this.shown_boards = filter.group === "" ? this.rows.length : this.rows.filter((row) => row.name).length;
     this.show_filters(catalogue);
     this.show_attention(catalogue);
     this.heads.forEach((head, i) => {
@@ -105,7 +129,7 @@ class Boards extends Part {
     this.grid.hidden = this.rows.length === 0;
     set_text(this.empty, this.empty_text(catalogue));
     const all = catalogue.rows.size;
-    set_text(this.found, this.rows.length === all ? plural(all, "board") : `${this.rows.length.toLocaleString("en")} of ${plural(all, "board")}`);
+    set_text(this.found, this.shown_boards === all ? plural(all, "board") : `${this.shown_boards.toLocaleString("en")} of ${plural(all, "board")}`);
     this.measure();
   }
 
@@ -116,12 +140,19 @@ class Boards extends Part {
 
   show_filters(catalogue) {
     const kinds = catalogue.kinds();
-    const key = kinds.join(" ");
+    const labels = catalogue.label_keys();
+    const key = JSON.stringify([kinds, labels]);
     if (key !== this.shown_kinds) {
       this.shown_kinds = key;
-      this.kind.replaceChildren(h("option", { value: "" }, "All services"), ...kinds.map((kind) => h("option", { value: kind }, kind)));
-      if (filter.kind !== "" && !kinds.includes(filter.kind)) this.kind.append(h("option", { value: filter.kind }, filter.kind));
-      this.kind.value = filter.kind;
+      const fill = (select, first, names, chosen) => {
+        const all = names.includes(chosen) || first.some(([value]) => value === chosen) ? names : [...names, chosen];
+        select.replaceChildren(...first.map(([value, text]) => h("option", { value }, text)), ...all.map((name) => h("option", { value: name }, name)));
+        select.value = chosen;
+      };
+      fill(this.kind, [["", "All services"]], kinds, filter.kind);
+      fill(this.value, [["", "First value of each"], ["-", "No values"]], kinds, filter.value);
+      fill(this.group, [["", "Not grouped"]], labels, filter.group);
+      this.group.hidden = labels.length === 0 && filter.group === "";
     }
     const counts = catalogue.counts();
     const wanted = ["", ...states.filter((state) => counts.has(state) || state === filter.state)];
@@ -158,25 +189,37 @@ class Boards extends Part {
       }
       this.fill(row, this.rows[index], index, now);
     }
+    const seen = this.rows.slice(first, end).filter((row) => row.name && alive(row.state));
+    const wanted = `${document.hidden} ${filter.value} ${seen.map((row) => row.name).join(" ")}`;
+    if (wanted !== this.wanted_values) this.values.want(seen, filter.value);
+    this.wanted_values = wanted;
   }
 
   new_row() {
     const cells = columns.map(([key]) => h("span", { role: "cell", class: `c-${key}` }));
     cells[0].append(h("a", {}), " ", h("small", { class: "muted" }));
     cells[1].append(h("span", {}));
-    const row = h("div", { role: "row", class: "row" }, cells);
+    const box = h("input", { type: "checkbox", onchange: () => this.pick(row.names, box.checked) });
+    const row = h("div", { role: "row", class: "row" }, h("span", { role: "cell", class: "c-pick" }, box), cells);
     this.filler.append(row);
     return row;
   }
 
   fill(row, board, index, now) {
-    const [name, state, since, services, chip] = row.children;
+    const [pick, name, state, since, value, services, chip] = row.children;
     const link = name.firstChild;
-    set_text(link, board.name);
+    const of_group = board.group !== undefined;
+    row.classList.toggle("group", of_group);
+    row.names = of_group ? board.names : [board.name];
+    pick.firstChild.checked = row.names.every((each) => picked.has(each));
+    pick.firstChild.setAttribute("aria-label", `Select ${of_group ? board.group : board.name}`);
+    if (of_group) return this.fill_group(row, board);
+    set_text(link, board.called || board.name);
+    set_text(value, this.values.text(board.name));
     const href = `#/board/${encodeURIComponent(board.name)}`;
     if (link.getAttribute("href") !== href) link.setAttribute("href", href);
-    set_text(name.lastChild, board.labels.join("  "));
-    name.title = board.labels.join(", ");
+    set_text(name.lastChild, [board.called && board.name, ...board.labels].filter(Boolean).join("  "));
+    name.title = [board.name, ...board.labels].join(", ");
     link.tabIndex = index === this.current ? 0 : -1;
     const stopped = board.reason === "latched" && alive(board.state);
     set_text(state.firstChild, board.conflict ? `${board.state}, conflict` : stopped ? "stopped" : board.state);
@@ -192,8 +235,22 @@ class Boards extends Part {
     row.classList.toggle("gone", !alive(board.state));
   }
 
+  fill_group(row, { group, names }) {
+    const [, name, ...others] = row.children;
+    set_text(name.firstChild, "");
+    name.firstChild.removeAttribute("href");
+    set_text(name.lastChild, `${group} (${names.length.toLocaleString("en")})`);
+    name.title = "";
+    set_text(others[0].firstChild, "");
+    set_class(others[0].firstChild, "");
+    for (const cell of others.slice(1)) set_text(cell, "");
+    row.classList.remove("gone");
+  }
+
   key(event) {
-    const to = moved_row(event.key, this.current, this.rows.length, Math.floor(this.height / this.row_height));
+    if (event.target.type === "checkbox") return;
+    let to = moved_row(event.key, this.current, this.rows.length, Math.floor(this.height / this.row_height));
+    if (this.rows[to]?.group !== undefined) to = to < this.current && to > 0 ? to - 1 : to + 1; // a heading is no board
     if (to === undefined) return;
     event.preventDefault();
     this.current = to;

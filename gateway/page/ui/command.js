@@ -12,9 +12,9 @@ const kNewestMs = 100; // while held, a moved slider is sent at most so often
 const last_values = new Map(); // "BOARD/SERVICE/COMMAND" -> entered values of the last one that was executed
 
 class Command extends Part {
-  /// Call before it is put into the page.
-  begin(board, service, model, name) {
-    Object.assign(this, { board, service, model, name, command: model.commands[name] });
+  /// Call before it is put into the page. `ask`: what sends its arguments elsewhere than to this board, and gives the answer.
+  begin(board, service, model, name, ask = undefined) {
+    Object.assign(this, { board, service, model, name, ask, command: model.commands[name] });
     this.fields = fields_of(this.command, model, service);
     this.key = `${board}/${service.name}/${name}`;
     return this;
@@ -35,20 +35,25 @@ class Command extends Part {
   /// What was set by this command, and is in force as far as is known.
   now_set(text) { set_text(this.known, text && `set: ${text}`); }
 
-  get held_kind() { return this.command.safe !== undefined; }
+  get held_kind() { return this.command.safe !== undefined && !this.ask; }
+  /// The model says so: it moves something, and runs only while its button is down.
+  get runs_while_held() { return this.held_kind && this.command.hold === true; }
 
   buttons() {
-    if (!this.held_kind) return h("button", { class: "main" }, this.command.answer ? "Ask" : "Send");
-    const hold = h("button", { type: "button", class: "main hold", "aria-pressed": "false",
+    const first = this.runs_while_held;
+    const set = h("button", first ? { title: "Stays on when you let go" } : { class: "main" },
+      first ? "Keep on" : this.command.answer ? "Ask" : this.fields.length > 0 ? "Set" : "Send");
+    if (!this.held_kind) return set;
+    const hold = h("button", { type: "button", class: first ? "main hold" : "hold", "aria-pressed": "false",
       title: "Works as long as you hold it; made safe as soon as you let go",
       onpointerdown: (event) => { hold.setPointerCapture(event.pointerId); this.hold(hold); },
       onpointerup: () => this.release(), onpointercancel: () => this.release(), onlostpointercapture: () => this.release(),
       onkeydown: (event) => { if (is_press(event)) { event.preventDefault(); if (!event.repeat) this.hold(hold); } },
       onkeyup: (event) => { if (is_press(event)) this.release(); },
-      onblur: () => this.release(), oncontextmenu: (event) => event.preventDefault() }, "Hold");
+      onblur: () => this.release(), oncontextmenu: (event) => event.preventDefault() }, first ? "Hold to run" : "Hold");
     this.listen(document, "visibilitychange", () => this.release());
     this.while_shown(() => this.release());
-    return [hold, h("button", { title: "Stays on when you let go" }, "Keep on")];
+    return first ? [hold, set] : [set, hold];
   }
 
   control(field) {
@@ -72,7 +77,7 @@ class Command extends Part {
 
   /// A slider was released: sent at once where everything else is known. While one is under way only the newest waits.
   async slid() {
-    if (this.held_kind) return;
+    if (this.runs_while_held || this.held) return;
     const { args } = arguments_of(this.fields, this.entered());
     if (!args) return;
     if (this.busy) return void (this.again = true);
@@ -90,7 +95,7 @@ class Command extends Part {
     const waiting = setTimeout(() => this.tell("", "Waiting for the board …"), 150);
     const began = performance.now();
     const entered = this.entered();
-    const answer = await bus.command(this.board, this.service.name, this.name, args).answer;
+    const answer = await (this.ask?.(args) ?? bus.command(this.board, this.service.name, this.name, args).answer);
     clearTimeout(waiting);
     this.busy = false;
     if (answer.status === "ok") last_values.set(this.key, entered);
@@ -98,14 +103,18 @@ class Command extends Part {
   }
 
   finished(answer, args, ms) {
+    if (this.ask) return this.tell(answer.kind, answer.text);
     const { kind, text } = answer_text(answer);
-    this.tell(kind, text, kind === "ok" ? ` ${Math.round(ms)} ms, proof: ${answer.proof}` : "");
-    if (answer.status === "ok") this.executed(this.name, args, answer.answer);
+    this.tell(kind, text);
+    if (answer.status !== "ok") return;
+    this.executed(this.name, args, answer.answer);
+    const proof = `${this.service.name} ${this.name}: proof: ${answer.proof}${ms === undefined ? "" : `, ${Math.round(ms)} ms`}`;
+    this.dispatchEvent(Object.assign(new Event("proof", { bubbles: true }), { proof }));
   }
 
-  tell(kind, text, detail = "") {
+  tell(kind, text) {
     this.output.className = `answer ${kind}`;
-    this.output.replaceChildren(text, detail && h("span", { class: "muted" }, detail));
+    set_text(this.output, text);
   }
 
   hold(button) {

@@ -58,6 +58,7 @@ class Status extends EventTarget {
   get you() { return this.now?.you ?? {}; }
   /// Only what the gateway says: before that, nothing. What its viewer may not do is not shown.
   get may_command() { return this.you.command === true; }
+  get may_label() { return this.you.label === true; }
   get may_forget() { return this.you.forget === true; }
 }
 

@@ -4,8 +4,9 @@ import { answer_text } from "../core/form.js";
 import { board_rows, mode_names, pins_of, PinValues, settable_modes } from "../core/pins.js";
 import { words } from "../core/text.js";
 import { bus } from "../net/bus.js";
-import { before_picture, h, Part, set_class, set_text } from "./dom.js";
+import { before_picture, fresh_id, h, Part, set_class, set_text } from "./dom.js";
 import { on_report, report, status } from "./model.js";
+import { keep_labels } from "./names.js";
 
 const short = { unallocated: "", input: "in", "input-pullup": "in ↑", output: "out", analog: "A in", pwm: "PWM", reserved: "", "other-service": "", invalid: "" };
 const kinds = ["digital", "analog in", "PWM"];
@@ -29,6 +30,7 @@ class Pins extends Part {
   shown() {
     this.refresh = before_picture(() => this.draw());
     this.may_command = status.may_command;
+    this.may_label = status.may_label;
     this.listen(status, "change", () => this.allow());
     this.while_shown(on_report((what) => this.happened(what)));
     this.build();
@@ -36,8 +38,9 @@ class Pins extends Part {
 
   /// What a pin can be set to is shown to those who may set it.
   allow() {
-    if (this.may_command === status.may_command) return;
+    if (this.may_command === status.may_command && this.may_label === status.may_label) return;
     this.may_command = status.may_command;
+    this.may_label = status.may_label;
     if (this.opened !== undefined) this.open_panel();
     this.refresh();
   }
@@ -45,14 +48,14 @@ class Pins extends Part {
   build() {
     this.cells = new Map();
     const draw_pin = (pin) => {
-      const cell = { pin, name: h("span", { class: "pin-name" }, pin.label), light: h("span", { class: "light" }), text: h("span", { class: "pin-text" }) };
+      const cell = { pin, name: h("span", { class: "pin-name" }, pin.label, pin.name && h("span", { class: "pin-called" }, pin.name)), light: h("span", { class: "light" }), text: h("span", { class: "pin-text" }) };
       cell.button = h("button", { class: "pin", "aria-expanded": "false", onclick: () => this.open(pin) }, cell.name, cell.light, cell.text);
       this.cells.set(pin.number, cell);
       return cell.button;
     };
     const rows = board_rows(this.pins).map((row) => h("div", { class: "pin-row" }, row.map((group) => h("div", { class: "pin-group" }, group.map(draw_pin)))));
     this.panel = h("div", { class: "pin-panel", role: "region", "aria-label": "Pin", hidden: true });
-    this.replaceChildren(h("div", { class: "pcb" }, rows), this.panel);
+    this.replaceChildren(h("div", { class: this.pins.some((pin) => pin.name) ? "pcb named" : "pcb" }, rows), this.panel);
     if (this.opened !== undefined && this.cells.has(this.opened)) this.open_panel();
     this.draw();
   }
@@ -120,12 +123,26 @@ class Pins extends Part {
     this.panel.replaceChildren(h("h3", {}, `Pin ${pin.label} `, h("small", { class: "muted" }, [pin.name, can || "no use known"].filter(Boolean).join(", "))), h("p", {}, this.state_line));
     this.mode_buttons = new Map();
     this.controls = h("div", { class: "pin-controls" });
+    if (this.may_label) this.panel.append(this.name_form(pin));
     if (pin.owner !== "" || !this.may_command) return;
     for (const mode of settable_modes(pin)) {
       this.mode_buttons.set(mode, h("button", { onclick: () => this.send("mode", { pin: pin.number, mode }) }, words(mode)));
     }
     this.panel.append(h("div", { class: "chips", role: "group", "aria-label": `Mode of pin ${pin.label}` }, [...this.mode_buttons.values()]), this.controls, this.output);
     this.controls_for = undefined;
+  }
+
+  name_form(pin) {
+    const input = h("input", { id: fresh_id("pin-name"), type: "text", maxlength: 63, autocomplete: "off", value: pin.name, placeholder: "status lamp" });
+    const answer = h("output", { class: "answer", "aria-live": "polite" });
+    const save = async (event) => {
+      event.preventDefault();
+      const { kind, text } = await keep_labels(this.board, { names: { pins: { [pin.number]: input.value.trim() || null } } });
+      answer.className = `answer ${kind}`;
+      set_text(answer, text);
+    };
+    return h("form", { class: "pin-name-form", "aria-label": `Name of pin ${pin.label}`, onsubmit: save },
+      h("div", { class: "field text" }, h("label", { for: input.id }, "Name"), input, h("button", {}, "Save")), answer);
   }
 
   show_panel() {
@@ -156,7 +173,7 @@ class Pins extends Part {
         oninput: () => slider.classList.remove("unknown"), onchange: () => this.send("pwm", { pin: pin.number, duty: Number(slider.value) }) });
       return [slider];
     }
-    if (mode === "analog") return [h("p", { class: "muted" }, "Its value comes as soon as the board reports analog pins: “Report analog pins” below.")];
+    if (mode === "analog") return [h("p", { class: "muted" }, "Its value comes as soon as the board reports its analog pins.")];
     return [];
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One service of a board: its live values, a plot, and a form for each command.
-import { command_order, set_text as words_of_set } from "../core/form.js";
+// One service of a board: its live values with a plot, and forms for its commands, which stand where the board has its controls.
+import { command_order, place_of, set_text as words_of_set } from "../core/form.js";
 import { make_room, numbers_of, Series } from "../core/series.js";
 import { duration_text, moment_text, plural, time_of, with_unit, words } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
@@ -11,14 +11,15 @@ import "./plot.js";
 
 const kMaxEvents = 16;    // different ones; the gateway keeps no more either
 const kMaxText = 200;     // of a value that is no number
-const kOwnCommands = new Set(["mode", "write", "pwm"]); // of the I/O service: a click on the pin does it
+const kUsualHz = 10;      // what the gateway demands of a board where nothing is said
 
 const shortened = (text) => (text.length > kMaxText ? `${text.slice(0, kMaxText)} …` : text);
 
 class Service extends Part {
-  /// Call before it is put into the page. `on_value` gets each value and whether it is of the past, `pins` says that the board's pins show them.
-  begin(board, service, { on_value, on_set, pins = false } = {}) {
-    Object.assign(this, { board, service, on_value, on_set, pins });
+  /// Call before it is put into the page. `controls` and `advanced`: where its forms stand. `on_value` gets each value and whether it
+  /// is of the past, `pins` says that the board's pins show them, `hz` how many values a second are wanted.
+  begin(board, service, { controls, advanced, on_value, on_set, pins = false, hz = kUsualHz, on_demand = true }) {
+    Object.assign(this, { board, service, controls, advanced, on_value, on_set, pins, hz, on_demand });
     return this;
   }
 
@@ -28,15 +29,33 @@ class Service extends Part {
     this.values = h("div", { class: "values" });
     this.note = h("p", { class: "muted note" });
     this.plots = h("div", { class: "plots" });
-    this.commands = h("div", { class: "commands" });
-    this.heading = h("span", {}, this.title_text());
-    this.append(h("h3", { id: `service-${this.service.name}` }, this.heading, " ",
-      h("small", { class: "muted" }, this.subtitle())), this.values, this.note, this.plots, this.commands);
+    this.waiting = h("p", { class: "muted note" }, "No value yet.");
+    this.titles = [0, 1].map(() => h("h3", {}, h("span", {}), " ", h("small", { class: "muted" })));
+    this.settings = h("details", { hidden: true }, h("summary", {}, "Advanced"), h("div", { class: "commands" }));
+    this.card = h("div", { class: "card", hidden: true }, this.titles[1], h("div", { class: "commands" }));
+    this.show_titles();
+    this.hidden = true;
+    this.append(this.titles[0], this.values, this.waiting, this.note, this.plots);
+    this.controls.append(this.card);
+    if (this.pins) this.advanced.append(this.settings);
+    this.while_shown(() => { this.card.remove(); this.settings.remove(); this.unfollow(); });
     this.refresh = before_picture(() => this.draw());
     this.every(1000, () => this.draw());
     this.listen(status, "change", () => this.show_commands());
+    this.listen(document, "visibilitychange", () => (document.hidden ? this.unfollow() : this.follow()));
     await this.load_model();
-    if (this.isConnected) this.follow();
+    this.follow();
+  }
+
+  /// Whether commands can reach the board now.
+  set usable(on) { for (const each of [this.card, this.settings]) if (each) each.inert = !on; }
+
+  /// How many values a second are wanted from now on.
+  at_rate(hz) {
+    if (hz === this.hz) return;
+    this.hz = hz;
+    this.unfollow();
+    this.follow();
   }
 
   /// What people call it, else what the board does.
@@ -53,8 +72,14 @@ class Service extends Part {
   /// The same service with another count or title; what is entered and drawn stays.
   update(service) {
     this.service = service;
-    set_text(this.heading, this.title_text());
-    set_text(this.querySelector("small"), this.subtitle());
+    this.show_titles();
+  }
+
+  show_titles() {
+    for (const title of this.titles) {
+      set_text(title.firstChild, this.title_text());
+      set_text(title.lastChild, this.subtitle());
+    }
   }
 
   async load_model() {
@@ -66,8 +91,19 @@ class Service extends Part {
       set_text(this.note, problem.message);
     }
     this.element = this.model?.element;
-    set_text(this.querySelector("small"), this.subtitle());
-    if (this.isConnected) this.show_commands();
+    this.show_titles();
+    if (!this.isConnected) return;
+    this.show_commands();
+    this.show_card();
+  }
+
+  /// A service that says nothing has no place among the values; of the I/O service the pins show all but analog values.
+  show_card() {
+    const says = this.pins ? this.events.has("analog") : !this.model || Object.keys(this.model.events ?? {}).length > 0;
+    this.hidden = !says && (this.pins || this.events.size === 0) && this.note.textContent === "";
+    this.waiting.hidden = this.events.size > 0;
+    const why = this.on_demand || !this.model?.commands?.report ? "" : " The agent of this board sets no periods: set one under “Advanced”.";
+    set_text(this.waiting, `No value yet.${why}`);
   }
 
   /// Forms are there for those who may send commands, and go when the right to it ends.
@@ -75,33 +111,28 @@ class Service extends Part {
     const wanted = status.may_command && this.model !== undefined;
     if (wanted === this.has_commands) return;
     this.has_commands = wanted;
-    this.commands.replaceChildren();
-    if (wanted) this.add_commands();
-  }
-
-  add_commands() {
-    const names = command_order(this.model);
-    const first = names.filter((name) => !(this.pins && kOwnCommands.has(name)));
-    this.forms = new Map();
-    const form = (name) => {
-      const made = document.createElement("asip-command").begin(this.board, this.service, this.model, name);
-      this.forms.set(name, made);
-      return made;
-    };
-    if (!this.pins) {
-      this.commands.append(...first.map(form));
-      if (this.set) this.set_is(this.set);
-      return;
-    }
-    this.commands.append(h("details", {}, h("summary", {}, "All commands"), h("div", { class: "commands" }, names.map(form))));
+    const names = wanted ? command_order(this.model) : [];
+    this.forms = new Map(names.map((name) => [name, document.createElement("asip-command").begin(this.board, this.service, this.model, name)]));
+    const rare = names.filter((name) => this.pins || place_of(this.model, name) === "advanced");
+    const forms = (wanted_names) => wanted_names.map((name) => this.forms.get(name));
+    const usual = names.filter((name) => !rare.includes(name));
+    this.card.lastChild.replaceChildren(...forms(usual));
+    this.settings.lastChild.replaceChildren(...forms(rare));
+    this.card.hidden = usual.length === 0;
+    this.settings.hidden = rare.length === 0;
+    // Where there is a control, rare commands stand below it; those of a sensor below its values.
+    if (this.pins) set_text(this.settings.firstChild, `All commands of ${this.service.name}`);
+    else (usual.length > 0 ? this.card : this).append(this.settings);
     if (this.set) this.set_is(this.set);
   }
 
   // First the subscription, then the past: so nothing falls between, and the series skips what comes twice.
+  // The gateway demands values of the board as long as this lasts.
   follow() {
+    if (this.end || !this.isConnected || document.hidden) return;
     let early = [];
     const received = (message) => (early ? early.push(message) : this.received(message));
-    this.while_shown(bus.subscribe({ subscribe: `${this.board}/${this.service.name}` }, received));
+    this.end = bus.subscribe({ subscribe: `${this.board}/${this.service.name}`, max_hz: this.hz === kUsualHz ? undefined : this.hz }, received);
     const past = request(path_of("boards", this.board, "services", this.service.name, "values")).catch(() => undefined);
     past.then((answer) => {
       for (const item of answer?.items ?? []) if (item.set === undefined) this.received({ event: "value", ...item }, true);
@@ -111,22 +142,39 @@ class Service extends Part {
     });
   }
 
+  unfollow() {
+    this.end?.();
+    this.end = undefined;
+  }
+
   /// What the board's agent says that was set, of all senders.
   set_is(set) {
     this.set = set;
     this.on_set?.(set);
-    for (const [name, form] of this.forms ?? []) form.now_set?.(words_of_set(set, this.model, name));
+    for (const [name, form] of this.forms ?? []) form.now_set(words_of_set(set, this.model, name));
+    if (this.has_commands === false && !this.pins) this.show_set();
+  }
+
+  /// For those who may not send commands: what others have set.
+  show_set() {
+    const texts = Object.keys(this.model?.commands ?? {}).map((name) => [name, words_of_set(this.set, this.model, name)]).filter(([, text]) => text);
+    this.card.lastChild.replaceChildren(...texts.map(([name, text]) => h("p", { class: "only-set" }, `${this.model.commands[name].title ?? words(name)}: `, h("strong", {}, text))));
+    this.card.hidden = texts.length === 0;
   }
 
   received(message, past = false) {
     if (message.event === "set") return past ? undefined : this.set_is(message.value);
     if (message.event === "error") return this.board_error(message);
-    if (message.cut !== undefined) set_text(this.note, `The value of ${moment_text(time_of(message.at))} is too long to be shown: ${plural(message.cut, "byte")}.`);
+    if (message.cut !== undefined) {
+      set_text(this.note, `The value of ${moment_text(time_of(message.at))} is too long to be shown: ${plural(message.cut, "byte")}.`);
+      this.show_card();
+    }
     if (message.event !== "value" || message.value === null || typeof message.value !== "object") return;
     const at = time_of(message.at) ?? Date.now();
     this.left_out += message.left_out ?? 0;
     for (const [name, value] of Object.entries(message.value)) this.value(name, value, at);
     this.on_value?.(message.value, past);
+    this.show_card();
     this.refresh();
   }
 
@@ -150,6 +198,7 @@ class Service extends Part {
     this.on_value?.(error);
     const text = (value) => shortened(typeof value === "string" ? value : JSON.stringify(value) ?? "");
     set_text(this.note, `The board reported an error at ${moment_text(time_of(message.at))}: ${text(error.error ?? "unknown")} (${text(error.request)})`);
+    this.show_card();
   }
 
   draw() {

@@ -19,7 +19,7 @@ test("Nothing_IsNothing", () => assert.equal(title_badge(attention_of([row("a", 
 test("Thousands_AreNotAllNamed", () => assert.equal(named(Array.from({ length: 2000 }, (_, i) => row(`b${i}`, "lost"))).length, 5));
 
 test("View_StandsInTheAddressAndComesBack", () => {
-  const filter = { text: "room=lab & more", kind: "servo", state: "lost", sort: "since", descending: true };
+  const filter = { text: "room=lab & more", kind: "servo", state: "lost", value: "distance", group: "room", sort: "since", descending: true };
   assert.deepEqual(filter_of(query_of(filter)), filter);
   assert.equal(query_of(filter_of("")), "");
 });

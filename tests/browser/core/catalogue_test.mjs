@@ -65,6 +65,17 @@ test("EveryOrder_WorksInBothDirections", () => {
   }
 });
 
+test("Group_OfEachValueOfALabel_BehindAHeading_ThoseWithoutItLast", () => {
+  const of_room = (name, room) => board(name, { labels: { room, name: `nice ${name}` } });
+  const all = catalogue(of_room("a", "lab"), board("b"), of_room("c", "attic"), of_room("d", "lab"), of_room("e", ""));
+  const rows = all.view({ group: "room" });
+  assert.deepEqual(rows.map((row) => row.group ?? row.name), ["room", "e", "room: attic", "c", "room: lab", "a", "d", "without room", "b"]);
+  assert.deepEqual(rows.find((row) => row.group === "room: lab").names, ["a", "d"]);
+  assert.deepEqual(all.label_keys(), ["room"]);
+  assert.deepEqual(all.view({ group: "constructor" }).map((row) => row.group ?? row.name), ["without constructor", "a", "b", "c", "d", "e"]);
+  assert.deepEqual(names(all.view({ text: "nice d" })), ["d"]);
+});
+
 test("BriefServices_AreReadFromText", () => {
   assert.deepEqual(catalogue(board("a", { services: "io distance" })).kinds(), ["distance", "io"]);
 });

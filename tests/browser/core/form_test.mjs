@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { readFileSync, readdirSync } from "node:fs";
 import test from "node:test";
-import { answer_text, arguments_of, command_order, fields_of, hint_of, safe_form } from "../../../gateway/page/core/form.js";
+import { answer_text, arguments_of, command_order, fields_of, hint_of, place_of, safe_form } from "../../../gateway/page/core/form.js";
 
 const folder = new URL("../../../services/", import.meta.url);
 const model = (name) => JSON.parse(readFileSync(new URL(`${name}.json`, folder)));
@@ -38,6 +38,19 @@ test("AllNumbersHaveNames_IsAChoiceWithOneNameEach", () => {
 
 test("WideRange_HasNoSlider", () => {
   assert.equal(form("distance", "report")[0].slider, false);
+});
+
+test("Forms_StandWhereTheyAreLookedFor", () => {
+  const places = (name) => Object.keys(model(name).commands).map((each) => `${each} ${place_of(model(name), each)}`);
+  assert.deepEqual(places("servo"), ["write control", "remap advanced"]);
+  assert.deepEqual(places("motors"), ["power control", "drive control", "stop control", "stop-all control"]);
+  for (const sensor of ["distance", "humidity", "heading"]) for (const each of places(sensor)) assert.match(each, /advanced$/, sensor);
+});
+
+test("WhatMoves_SaysHold_AndWhatLightsDoesNot", () => {
+  const held = readdirSync(folder).filter((name) => name !== "schema.json").map((name) => name.slice(0, -5))
+    .flatMap((name) => Object.entries(model(name).commands ?? {}).filter(([, each]) => each.hold).map(([each]) => `${name} ${each}`));
+  assert.deepEqual(held, ["motors power", "motors drive"]);
 });
 
 test("CountOfAList_IsNotAsked", () => {

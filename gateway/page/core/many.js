@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// One task for many boards: a few at a time, and again a moment later where the gateway says that it was too much at once.
+
+const kAtOnce = 8;
+const kTries = 60;
+const kWaitMs = 1000;
+
+/// Calls `task(name)` for each name. {done: number, failed: [[name, sentence]]}; `progress` is called with how many have ended.
+export async function for_each_board(names, task, { progress = () => {}, wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms)) } = {}) {
+  const left = [...names];
+  const result = { done: 0, failed: [] };
+  const work = async () => {
+    for (let name = left.shift(); name !== undefined; name = left.shift()) {
+      const fault = await attempt(name, task, wait);
+      if (fault === undefined) ++result.done;
+      else result.failed.push([name, fault]);
+      progress(result.done + result.failed.length);
+    }
+  };
+  await Promise.all(Array.from({ length: Math.min(kAtOnce, left.length) }, work));
+  return result;
+}
+
+async function attempt(name, task, wait) {
+  for (let i = 0; ; ++i) {
+    try {
+      return await task(name);
+    } catch (problem) {
+      if (problem.status !== 429 || i >= kTries) return problem.message;
+    }
+    await wait(kWaitMs);
+  }
+}
+
+/// "Done on 3 boards.", or what failed where.
+export function many_text({ done, failed }) {
+  if (failed.length === 0) return `Done on ${done} ${done === 1 ? "board" : "boards"}.`;
+  const some = failed.slice(0, 3).map(([name, why]) => `${name}: ${why}`).join("; ");
+  return `Done on ${done} of ${done + failed.length} boards. ${some}${failed.length > 3 ? ` … and ${failed.length - 3} more` : ""}`;
+}

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// What people call a board, its services and its pins, and its labels. The board's agent keeps them.
+import { changed_labels, changed_names, labels_text } from "../core/labels.js";
+import { words } from "../core/text.js";
+import { path_of, request } from "../net/bus.js";
+import { fresh_id, h, Part, set_text } from "./dom.js";
+import { status } from "./model.js";
+
+/// Asks the agent of a board to keep `change`: {labels, names}. The sentence that says how it ended: {kind, text}.
+export async function keep_labels(board, change) {
+  try {
+    await request(path_of("boards", board, "labels"), { method: "POST", body: change });
+    return { kind: "ok", text: "Kept." };
+  } catch (problem) {
+    return { kind: "refused", text: problem.message, status: problem.status };
+  }
+}
+
+class Names extends Part {
+  /// Call before it is put into the page.
+  begin(board) {
+    this.board_name = board;
+    return this;
+  }
+
+  shown() {
+    this.fields = h("div", { class: "name-fields" });
+    this.answer = h("output", { class: "answer", "aria-live": "polite" });
+    this.box = h("details", { hidden: true }, h("summary", {}, "Names and labels"),
+      h("form", { "aria-label": "Names and labels", onsubmit: (event) => { event.preventDefault(); this.save(); } }, this.fields,
+        h("span", { class: "actions" }, h("button", { class: "main" }, "Save")), this.answer));
+    this.append(this.box);
+    this.listen(status, "change", () => this.allow());
+    this.allow();
+    if (this.board) this.build();
+  }
+
+  allow() { this.box.hidden = !status.may_label || !this.board?.description; }
+
+  /// A board as the gateway says it is. What is being typed stays.
+  show(board) {
+    this.board = board;
+    if (!this.isConnected) return;
+    this.allow();
+    const key = JSON.stringify([board.labels, board.names?.services, board.services]);
+    if (key === this.shown_key || this.box.contains(document.activeElement)) return;
+    this.shown_key = key;
+    this.build();
+  }
+
+  build() {
+    const { labels = {}, names = {}, description } = this.board;
+    const field = (title, value, more = {}) => {
+      const input = h("input", { id: fresh_id("name"), type: "text", autocomplete: "off", value, ...more });
+      this.fields.append(h("div", { class: "field text" }, h("label", { for: input.id }, title), input));
+      return input;
+    };
+    this.fields.replaceChildren();
+    this.own = field("Name of this board", labels.name ?? "", { maxlength: 63, placeholder: this.board_name });
+    const services = description?.services ?? [];
+    this.services = new Map(services.map((service) => [service.name,
+      field(`Name of ${service.name}`, names.services?.[service.name] ?? "", { maxlength: 63, placeholder: service.title ?? words(service.name) })]));
+    this.labels = field("Labels, with commas between them", labels_text(labels), { placeholder: "room=lab, shelf=2" });
+  }
+
+  async save() {
+    const entered = new Map([...this.services].map(([name, input]) => [name, input.value.trim()]));
+    const labels = changed_labels(this.board.labels ?? {}, this.labels.value, this.own.value.trim());
+    const services = changed_names(this.board.names?.services ?? {}, entered);
+    const change = { ...(Object.keys(labels).length > 0 && { labels }), ...(Object.keys(services).length > 0 && { names: { services } }) };
+    if (Object.keys(change).length === 0) return void this.tell({ kind: "ok", text: "Nothing was changed." });
+    this.tell({ kind: "", text: "Waiting for the agent …" });
+    const answer = await keep_labels(this.board_name, change);
+    this.shown_key = undefined;
+    this.tell(answer);
+  }
+
+  tell({ kind, text }) {
+    this.answer.className = `answer ${kind}`;
+    set_text(this.answer, text);
+  }
+}
+
+customElements.define("asip-names", Names);

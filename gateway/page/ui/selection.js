@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// What can be done with the boards that are selected in the table: stop them, resume them, label them, send them a command.
+import { command_order } from "../core/form.js";
+import { parse_assignment } from "../core/labels.js";
+import { for_each_board, many_text } from "../core/many.js";
+import { plural, words } from "../core/text.js";
+import { path_of, request } from "../net/bus.js";
+import "./command.js";
+import { fresh_id, h, Part, set_text } from "./dom.js";
+import { boards, status } from "./model.js";
+
+class Selection extends Part {
+  /// `picked`: the names; `clear` is called when the selection is given up.
+  begin(picked, clear) {
+    Object.assign(this, { picked, clear });
+    return this;
+  }
+
+  shown() {
+    this.setAttribute("role", "region");
+    this.setAttribute("aria-label", "Selected boards");
+    this.count = h("strong", {});
+    this.answer = h("output", { class: "answer", "aria-live": "polite" });
+    const button = (text, work, more = {}) => h("button", { onclick: work, ...more }, text);
+    this.commands = [button("Stop", () => this.ask_each("stop"), { class: "stop" }), button("Resume", () => this.ask_each("resume")),
+      button("Send …", () => this.open(() => this.send_form()))];
+    this.labels = button("Label …", () => this.open(() => this.label_form()));
+    this.panel = h("div", { class: "selection-panel" });
+    this.append(h("div", { class: "toolbar" }, this.count, this.commands, this.labels, button("Clear", () => this.clear()), this.answer), this.panel);
+    this.listen(status, "change", () => this.show());
+    this.show();
+  }
+
+  show() {
+    this.hidden = this.picked.size === 0;
+    set_text(this.count, `${plural(this.picked.size, "board")} selected`);
+    for (const each of this.commands) each.hidden = !status.may_command;
+    this.labels.hidden = !status.may_label;
+    if (this.hidden) this.open(() => "");
+  }
+
+  open(make) {
+    this.tell("", "");
+    this.panel.replaceChildren(make());
+    this.panel.querySelector("input, select")?.focus();
+  }
+
+  tell(kind, text) {
+    this.answer.className = `answer ${kind}`;
+    set_text(this.answer, text);
+  }
+
+  async each(task) {
+    const names = [...this.picked];
+    const result = await for_each_board(names, task, { progress: (ended) => this.tell("", `${ended} of ${names.length} …`) });
+    return { ...result, status: result.failed.length === 0 ? "ok" : "error", kind: result.failed.length === 0 ? "ok" : "error", text: many_text(result) };
+  }
+
+  async ask_each(what) {
+    const { kind, text } = await this.each(async (name) => {
+      const answer = await request(path_of("boards", name, what), { method: "POST", body: {} });
+      const of_board = answer?.boards?.[name];
+      return of_board?.status === "ok" ? undefined : of_board?.error ?? "no proof in time";
+    });
+    this.tell(kind, text);
+  }
+
+  label_form() {
+    const input = h("input", { id: fresh_id("label"), type: "text", autocomplete: "off", placeholder: "room=lab, or room- to remove it" });
+    const apply = async (event) => {
+      event.preventDefault();
+      const labels = parse_assignment(input.value);
+      if (!labels) return this.tell("refused", "Type one label: room=lab sets it, room- removes it.");
+      const { kind, text } = await this.each(async (name) => {
+        await request(path_of("boards", name, "labels"), { method: "POST", body: { labels } });
+      });
+      return this.tell(kind, text);
+    };
+    return h("form", { "aria-label": "Label the selected boards", onsubmit: apply },
+      h("div", { class: "field text" }, h("label", { for: input.id }, "Label"), input), h("button", { class: "main" }, "Label them"));
+  }
+
+  /// Of the services that all of them have, and where there is none of those that any has.
+  services() {
+    const rows = [...this.picked].map((name) => boards.catalogue.rows.get(name)).filter(Boolean);
+    const counts = new Map();
+    for (const row of rows) for (const service of row.services) counts.set(service, (counts.get(service) ?? 0) + 1);
+    const all = [...counts].filter(([, count]) => count === rows.length).map(([name]) => name);
+    return (all.length > 0 ? all : [...counts.keys()]).sort();
+  }
+
+  send_form() {
+    const ids = [fresh_id("service"), fresh_id("command")];
+    const service = h("select", { id: ids[0], onchange: () => choose_service() }, this.services().map((name) => h("option", { value: name }, name)));
+    const command = h("select", { id: ids[1], onchange: () => choose_command() });
+    const form = h("div", {});
+    let model;
+    const choose_command = () => {
+      const ask = (args) => this.each(async (name) => {
+        if (!boards.catalogue.rows.get(name)?.services.includes(service.value)) return `has no ${service.value}`;
+        await request(path_of("boards", name, "services", service.value, "commands", command.value), { method: "POST", body: args });
+        return undefined;
+      });
+      form.replaceChildren(document.createElement("asip-command").begin("", { name: service.value }, model, command.value, ask));
+    };
+    const choose_service = async () => {
+      const board = [...this.picked].find((name) => boards.catalogue.rows.get(name)?.services.includes(service.value));
+      const known = board && await request(path_of("boards", board, "services", service.value)).catch(() => undefined);
+      model = known?.model;
+      const names = model ? command_order(model) : [];
+      command.replaceChildren(...names.map((name) => h("option", { value: name }, model.commands[name].title ?? words(name))));
+      if (names.length > 0) choose_command();
+      else form.replaceChildren(h("p", { class: "muted" }, "No model describes commands of this service."));
+    };
+    choose_service();
+    return h("div", { class: "send-many" }, h("div", { class: "toolbar" }, h("label", { for: ids[0] }, "Service"), service, h("label", { for: ids[1] }, "Command"), command), form);
+  }
+}
+
+customElements.define("asip-selection", Selection);

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page of one board: its values are live while it is seen, its order, its main buttons, and the names that people give."""
+
+import contextlib
+import json
+import threading
+import time
+import unittest
+
+from selenium.webdriver.common.by import By
+
+from rig import PageTest, eventually
+from bus import paho_client
+
+
+class Heard:
+    """What is published on topics meanwhile: (topic, text, when)."""
+
+    def __init__(self, bus, *topics):
+        self.messages = []
+        self.granted = threading.Event()
+        self.client = paho_client()
+        self.client.on_message = lambda _c, _d, message: self.messages.append((message.topic, message.payload.decode(errors="replace"), time.monotonic()))
+        self.client.on_subscribe = lambda *_: self.granted.set()
+        self.client.connect("127.0.0.1", bus.broker_port)
+        self.client.subscribe([(topic, 0) for topic in topics])
+        self.client.loop_start()
+
+    def __enter__(self):
+        if not self.granted.wait(20):
+            raise AssertionError("no subscription")
+        return self
+
+    def __exit__(self, *_):
+        self.client.disconnect()
+        self.client.loop_stop()
+
+    def silent_for(self, seconds):
+        return time.monotonic() - (self.messages[-1][2] if self.messages else 0) > seconds
+
+    def rate(self, seconds=2.0):
+        """Messages a second of the last seconds."""
+        now = time.monotonic()
+        return sum(now - when < seconds for _, _, when in self.messages) / seconds
+
+
+@contextlib.contextmanager
+def published(bus, topic, text):
+    """A retained message for the time of a test."""
+    client = paho_client()
+    client.connect("127.0.0.1", bus.broker_port)
+    client.loop_start()
+    client.publish(topic, text, qos=1, retain=True).wait_for_publish(20)
+    try:
+        yield client
+    finally:
+        client.publish(topic, "", qos=1, retain=True).wait_for_publish(20)
+        client.disconnect()
+        client.loop_stop()
+
+
+class BoardPage(PageTest):
+    def value(self):
+        return self.browser.shown("[aria-label='Distance'] .value").text.replace("\u00a0", " ")
+
+    def hide(self, hidden):
+        self.browser.run("""Object.defineProperty(document, 'hidden', { value: arguments[0], configurable: true });
+            document.dispatchEvent(new Event('visibilitychange'))""", hidden)
+
+    def test_BoardSeen_ReportsUntilItIsLeft_HiddenOrShownAgain(self):
+        with Heard(self.bus, "asip/desk/distance/out") as values:
+            self.open("history")
+            eventually(lambda: values.silent_for(2), "nobody looks, nothing is reported", 30)
+            for _ in range(2):
+                self.open_board()
+                eventually(lambda: self.value() in ("41 cm", "42 cm", "43 cm"), "42 cm, without any period", 10)
+                eventually(lambda: 4 < values.rate() < 14, "about ten a second")
+                self.open("history")
+                eventually(lambda: values.silent_for(2), "the end of the reports", 30)
+            self.open_board()
+            eventually(lambda: values.rate() > 4, "reports again")
+            self.hide(True)
+            eventually(lambda: values.silent_for(2), "the end of the reports of a page that nobody sees", 30)
+            self.hide(False)
+            eventually(lambda: values.rate() > 4, "reports to a page that is seen again")
+            self.browser.run("const rate = document.querySelector('.rate select'); rate.value = '2'; rate.dispatchEvent(new Event('change'))")
+            eventually(lambda: 0.4 < values.rate() < 3.2, "two a second", 30)
+            self.browser.run("const rate = document.querySelector('.rate select'); rate.value = '10'; rate.dispatchEvent(new Event('change'))")
+
+    def test_BoardPluggedIn_ItsFirstValueIsSeenSoonInAnOpenPage(self):
+        self.open_board()
+        self.value()
+        self.bus.sim("unplug", "desk")
+        eventually(lambda: self.bus.state("desk") == "lost", "desk lost", 30)
+        self.bus.sim("set", "desk/distance", "77")
+        self.bus.sim("replug", "desk")
+        began = time.monotonic()
+        eventually(lambda: self.value() in ("76 cm", "77 cm", "78 cm"), "its first value", 30)
+        print(f"first value {time.monotonic() - began:.1f} s after the board was plugged in")
+        self.bus.sim("set", "desk/distance", "42")
+
+    def test_Order_IsValuesControlsPinsAbout_AndTheRestIsUnderAdvanced(self):
+        self.open_board()
+        self.value()
+        self.browser.shown("form[aria-label^='servo: Turn']")
+        heads = [head.text for head in self.browser.find("asip-board h2") if head.is_displayed()]
+        self.assertEqual(heads, ["Values", "Controls", "Pins", "About", "History"])
+        self.assertEqual([each.text for each in self.browser.find("input[type=number]") if each.is_displayed() and "Period" in each.text], [])
+        shown = self.browser.text("asip-board")
+        for rare in ("proof", "ASIP 0.", "Agent", "Period", "bits"):
+            self.assertNotIn(rare, shown)
+        self.all_commands()
+        shown = self.browser.text("asip-board")
+        for rare in ("proof", "Last command", "Protocol", "Agent", "Period"):
+            self.assertIn(rare, shown)
+        self.browser.run("document.querySelectorAll('asip-board details').forEach((each) => { each.open = false; })")
+        self.browser.screenshot("board-page")
+
+    def test_MainButton_IsHoldToRunForMotorsAndSetForLampsAndServos(self):
+        rover = {"board": "rover", "session": "5f3a9c01", "seq": 1, "lease": 600, "firmware": {"protocol": "0.4", "chip": "ATmega2560"},
+                 "services": [{"name": "motors", "id": "M", "model": "motors@1", "count": 2}, {"name": "pixels", "id": "P", "model": "pixels@1"}]}
+        with published(self.bus, "asip/servicebus/rover/$description", json.dumps(rover)) as client:
+            client.publish("asip/servicebus/rover/$state", "online", qos=1, retain=True).wait_for_publish(20)
+            self.open("board/rover")
+            main = lambda form: form.find_element(By.CSS_SELECTOR, "button.main").text
+            self.assertEqual(main(self.form("motors", "Set the power of the first two motors at once")), "Hold to run")
+            self.assertEqual(main(self.form("motors", "Set the power of one motor")), "Hold to run")
+            self.assertEqual(main(self.form("motors", "Stop every motor")), "Send")
+            self.assertEqual(main(self.form("pixels", "Set the brightness of the strip")), "Set")
+            client.publish("asip/servicebus/rover/$state", "", qos=1, retain=True).wait_for_publish(20)
+        self.open_board()
+        self.assertEqual(main(self.form("servo", "Turn a servo to an angle")), "Set")
+        self.all_commands()
+        self.assertEqual(main(self.form("io", "Set the level of an output pin")), "Set")
+
+    def test_NamesAndLabels_AreGivenInThePageAndStandEverywhere(self):
+        self.open_board()
+        self.browser.shown("asip-names summary").click()
+        form = self.browser.shown("form[aria-label='Names and labels']")
+        field = lambda name: form.find_element(By.ID, next(label for label in form.find_elements(By.TAG_NAME, "label") if label.text.startswith(name)).get_attribute("for"))
+        field("Name of this board").send_keys("left desk")
+        field("Name of servo").send_keys("arm")
+        field("Labels").send_keys("room=lab, camera")
+        form.find_element(By.CSS_SELECTOR, "button.main").click()
+        eventually(lambda: "Kept" in form.text, "the agent's word")
+        eventually(lambda: self.browser.text("h1") == "left desk desk", "the name in the heading")
+        headings = lambda: " ".join(each.text for each in self.browser.find(".controls-box h3"))
+        eventually(lambda: "arm" in headings(), "the name of the service")
+        self.browser.shown(".pin[aria-label^='Pin 13']").click()
+        name = self.browser.shown("form[aria-label='Name of pin 13'] input")
+        name.send_keys("status lamp")
+        self.browser.button("Save", "form[aria-label='Name of pin 13']").click()
+        eventually(lambda: "status lamp" in self.browser.text(".pin[aria-label^='Pin 13']"), "the name on the pin")
+        self.assertIn("room=lab", self.browser.text("dl.facts"))
+        self.browser.size(360, 740, mobile=True)
+        eventually(lambda: "status lamp" in self.browser.text(".pin[aria-label^='Pin 13']"), "the name on the pin of a phone")
+        called = self.browser.shown(".pin[aria-label^='Pin 13'] .pin-called")
+        self.assertLessEqual(called.get_property("scrollWidth"), called.get_property("clientWidth"), "none of it is cut")
+        self.assertLessEqual(called.get_property("scrollHeight"), called.get_property("clientHeight") + 1)
+        self.browser.screenshot("phone-pin-names")
+        self.browser.desktop()
+        self.open()
+        eventually(lambda: "desk" in self.browser.table().get("left desk", ""), "the name in the list")
+        self.assertIn("room=lab", self.browser.table()["left desk"])
+        self.bus.end("agent-desk")
+        self.bus.start_agent("desk")
+        eventually(lambda: self.bus.state("desk") == "online", "desk again", 30)
+        self.open_board(anew=True)
+        eventually(lambda: self.browser.text("h1") == "left desk desk", "kept by the agent")
+        self.browser.shown("asip-names summary").click()
+        form = self.browser.shown("form[aria-label='Names and labels']")
+        for name in ("Name of this board", "Name of servo", "Labels"):
+            self.browser.run("arguments[0].value = ''", field(name))
+        form.find_element(By.CSS_SELECTOR, "button.main").click()
+        eventually(lambda: self.browser.text("h1") == "desk", "the name is gone")
+        eventually(lambda: "arm" not in headings(), "that of the service, too")
+
+    def test_NameThatCannotBe_IsRefusedWithTheReason(self):
+        self.open_board("lamp")
+        self.expected_errors = ("/api/boards/lamp/labels",)
+        self.browser.shown("asip-names summary").click()
+        form = self.browser.shown("form[aria-label='Names and labels']")
+        form.find_elements(By.TAG_NAME, "input")[-1].send_keys("-room=lab")
+        form.find_element(By.CSS_SELECTOR, "button.main").click()
+        eventually(lambda: "refused" in form.find_element(By.TAG_NAME, "output").get_attribute("class") and "-room" in form.text, "the agent's reason")
+        self.assertNotIn("room=lab", self.browser.text("dl.facts"))
+
+
+if __name__ == "__main__":
+    unittest.main()
