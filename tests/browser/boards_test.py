@@ -144,6 +144,36 @@ class Boards(PageTest):
         self.browser.button("Clear", "asip-selection").click()
         eventually(lambda: not self.browser.find("asip-selection")[0].is_displayed(), "nothing is selected")
 
+    def test_LostBoard_IsNotifiedAfterTheButtonWasPressed_AndNotBefore(self):
+        self.browser.driver.execute_cdp_cmd("Browser.grantPermissions", {"permissions": ["notifications"], "origin": self.bus.url})
+        self.open("?sort=name", anew=True)
+        self.browser.run("""const Real = Notification; window.told = []; window.asked = 0;
+            window.Notification = class extends Real {
+              constructor(title, options) { super(title, options); told.push([title, options.body, performance.now()]); }
+              static requestPermission() { ++asked; return Real.requestPermission(); }
+            };""")
+        told = lambda: self.browser.run("return told")
+        button = self.browser.button("Notify me of lost boards")
+        self.row_has("lamp", "online")
+        self.bus.sim("unplug", "lamp")
+        self.row_has("lamp", "lost", 30)
+        self.assertEqual((told(), self.browser.run("return asked")), ([], 0), "nobody asked for it")
+        self.bus.sim("replug", "lamp")
+        self.row_has("lamp", "online", 30)
+        button.click()
+        eventually(lambda: button.get_attribute("aria-pressed") == "true", "it is turned on")
+        for _ in range(2):
+            before = len(told())
+            self.bus.sim("unplug", "lamp")
+            eventually(lambda: len(told()) == before + 1, "the notification", 30)
+            self.assertEqual(told()[-1][:2], ["lamp is lost", "cable unplugged"])
+            self.bus.sim("replug", "lamp")
+            self.row_has("lamp", "online", 30)
+            eventually(lambda: self.browser.run("return performance.now()") - told()[-1][2] > 5100, "the next loss is another one")
+        button.click()
+        eventually(lambda: button.get_attribute("aria-pressed") == "false", "it is turned off")
+        self.assertEqual(len(told()), 2)
+
     def test_Nothing_IsSentWhenPagesAreOpened(self):
         with commands_heard(self.bus) as heard:
             for route in ("", "board/desk", "board/lamp", "history", "bus"):

@@ -82,7 +82,9 @@ class People(PageTest):
     def test_KeyboardOnly_OpensABoardAndMovesItsServo(self):
         self.open()
         eventually(lambda: len(self.browser.find(".filler .row:not([hidden]) a")) == 2, "both boards")
-        self.tab_to("desk")
+        self.tab_to("Select desk")
+        self.keys(Keys.TAB)
+        self.assertEqual(self.focused(), "desk")
         self.keys(Keys.ARROW_DOWN)
         self.assertEqual(self.focused(), "lamp")
         self.keys(Keys.ARROW_UP, Keys.ENTER)

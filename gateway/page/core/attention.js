@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What somebody has to look after: boards that are lost, and boards that were stopped. And a view of the table in an address.
+import { plural, reason_text } from "./text.js";
 
 const kNamed = 5;
+const kBurstMs = 5000; // boards that are lost within this time are one loss
 
 /// Of the rows of the catalogue: {lost: [row], stopped: [row], reasons: [[reason, count]]}; lost ones the newest first.
 export function attention_of(rows) {
@@ -27,6 +29,29 @@ export const named = (rows) => rows.slice(0, kNamed);
 export function title_badge({ lost, stopped }) {
   const parts = [lost.length > 0 && `${lost.length} lost`, stopped.length > 0 && `${stopped.length} stopped`].filter(Boolean);
   return parts.length > 0 ? `(${parts.join(", ")}) ` : "";
+}
+
+/// Notices of losses, each board's once: those that are lost when it begins are no news.
+export class Losses {
+  /// The rows of the catalogue now. {title, body} where boards were lost since the call before; a loss of many is one notice that grows.
+  of(rows, now) {
+    const lost = new Map([...rows].filter((row) => row.state === "lost").map((row) => [row.name, row]));
+    const fresh = this.known && [...lost.values()].filter((row) => !this.known.has(row.name));
+    this.known = new Set(lost.keys());
+    if (!fresh?.length) return undefined;
+    const goes_on = this.began !== undefined && now - this.began < kBurstMs;
+    this.burst = goes_on ? [...this.burst, ...fresh] : fresh;
+    if (!goes_on) this.began = now;
+    return loss_text(this.burst);
+  }
+}
+
+function loss_text(rows) {
+  const reasons = [...new Set(rows.map((row) => reason_text(row.reason)).filter(Boolean))].join("; ");
+  const name = (row) => row.called || row.name;
+  if (rows.length === 1) return { title: `${name(rows[0])} is lost`, body: reasons };
+  const more = rows.length > kNamed ? ", …" : "";
+  return { title: `${plural(rows.length, "board")} lost`, body: `${named(rows).map(name).join(", ")}${more}${reasons && `: ${reasons}`}` };
 }
 
 // `value`: the service whose value the table shows; "": the first sensor of each board, "-": none. `group`: the key of a label.

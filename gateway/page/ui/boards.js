@@ -6,6 +6,7 @@ import { duration_text, moment_text, plural, reason_text } from "../core/text.js
 import { moved_row, scroll_to_show, visible_rows } from "../core/virtual.js";
 import { boards, status } from "./model.js";
 import { RowValues } from "./row_values.js";
+import "./notify.js";
 import "./selection.js";
 import { h, Part, set_class, set_text } from "./dom.js";
 
@@ -50,7 +51,7 @@ class Boards extends Part {
     this.found = h("span", { class: "muted found", role: "status" });
     this.value = h("select", { "aria-label": "Value that is shown", onchange: () => this.filtered({ value: this.value.value }) });
     this.group = h("select", { "aria-label": "Group by a label", onchange: () => this.filtered({ group: this.group.value }) });
-    return h("div", { class: "toolbar" }, search, this.kind, this.value, this.group, this.chips, this.found);
+    return h("div", { class: "toolbar" }, search, this.kind, this.value, this.group, this.chips, this.found, document.createElement("asip-notify"));
   }
 
   /// Boards are selected by those who may do something with them.
@@ -211,6 +212,7 @@ class Boards extends Part {
     const of_group = board.group !== undefined;
     row.classList.toggle("group", of_group);
     row.names = of_group ? board.names : [board.name];
+    pick.firstChild.tabIndex = index === this.current || of_group ? 0 : -1;
     pick.firstChild.checked = row.names.every((each) => picked.has(each));
     pick.firstChild.setAttribute("aria-label", `Select ${of_group ? board.group : board.name}`);
     if (of_group) return this.fill_group(row, board);

@@ -123,8 +123,11 @@ class Pins extends Part {
     this.panel.replaceChildren(h("h3", {}, `Pin ${pin.label} `, h("small", { class: "muted" }, [pin.name, can || "no use known"].filter(Boolean).join(", "))), h("p", {}, this.state_line));
     this.mode_buttons = new Map();
     this.controls = h("div", { class: "pin-controls" });
+    if (pin.owner === "" && this.may_command) this.add_modes(pin);
     if (this.may_label) this.panel.append(this.name_form(pin));
-    if (pin.owner !== "" || !this.may_command) return;
+  }
+
+  add_modes(pin) {
     for (const mode of settable_modes(pin)) {
       this.mode_buttons.set(mode, h("button", { onclick: () => this.send("mode", { pin: pin.number, mode }) }, words(mode)));
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from "node:assert/strict";
 import test from "node:test";
-import { attention_of, filter_of, named, query_of, title_badge } from "../../../gateway/page/core/attention.js";
+import { attention_of, filter_of, Losses, named, query_of, title_badge } from "../../../gateway/page/core/attention.js";
 
 const row = (name, state, reason = "", since = 0) => ({ name, state, reason, since });
 
@@ -17,6 +17,28 @@ test("LostAndStopped_AreCountedTheNewestFirst", () => {
 test("Nothing_IsNothing", () => assert.equal(title_badge(attention_of([row("a", "online")])), ""));
 
 test("Thousands_AreNotAllNamed", () => assert.equal(named(Array.from({ length: 2000 }, (_, i) => row(`b${i}`, "lost"))).length, 5));
+
+test("Losses_AreToldOnce_ThoseOfTheBeginningNever", () => {
+  const losses = new Losses();
+  assert.equal(losses.of([row("old", "lost")], 0), undefined);
+  assert.equal(losses.of([row("old", "lost"), row("a", "online")], 1), undefined);
+  const lost = { ...row("a", "lost"), reason: "unplugged", called: "left desk" };
+  assert.deepEqual(losses.of([row("old", "lost"), lost], 10), { title: "left desk is lost", body: "cable unplugged" });
+  assert.equal(losses.of([row("old", "lost"), lost], 20), undefined);
+  assert.equal(losses.of([row("a", "online")], 30), undefined);
+  assert.equal(losses.of([row("old", "lost"), lost], 10_000).title, "2 boards lost", "lost again is news again");
+});
+
+test("LossOfMany_IsOneNoticeThatGrows_AndALaterOneIsAnother", () => {
+  const losses = new Losses();
+  const all = Array.from({ length: 2000 }, (_, i) => ({ ...row(`b${i}`, "lost"), reason: "agent-gone" }));
+  losses.of([], 0);
+  assert.equal(losses.of(all.slice(0, 700), 1000).title, "700 boards lost");
+  const notice = losses.of(all.slice(0, 1999), 1400);
+  assert.equal(notice.title, "1,999 boards lost");
+  assert.equal(notice.body, "b0, b1, b2, b3, b4, …: its agent died or lost the broker");
+  assert.equal(losses.of(all, 60_000).title, "b1999 is lost");
+});
 
 test("View_StandsInTheAddressAndComesBack", () => {
   const filter = { text: "room=lab & more", kind: "servo", state: "lost", value: "distance", group: "room", sort: "since", descending: true };

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Notifications of the browser for boards that are lost. Nothing is asked before somebody presses the button.
+import { Losses } from "../core/attention.js";
+import { h, Part, set_text } from "./dom.js";
+import { boards, status } from "./model.js";
+
+const kKept = "asip-notify";
+const losses = new Losses();
+
+function wanted() {
+  try {
+    return localStorage.getItem(kKept) === "yes" && Notification.permission === "granted";
+  } catch {
+    return false; // nothing may be kept here, or this browser has no notifications
+  }
+}
+
+function keep(on) {
+  try {
+    localStorage.setItem(kKept, on ? "yes" : "no");
+  } catch { /* it holds as long as nothing is kept: not at all */ }
+}
+
+boards.addEventListener("change", () => {
+  if (!boards.catalogue.complete) return;
+  const text = losses.of(boards.catalogue.rows.values(), Date.now());
+  if (!text || !wanted()) return;
+  // Of several tabs, and of a loss that grows, one notice stays: that is what its tag is for.
+  const notice = new Notification(text.title, { body: text.body, tag: "asip-lost" });
+  notice.onclick = () => {
+    window.focus();
+    location.hash = "#/?state=lost";
+  };
+});
+
+class Notify extends Part {
+  shown() {
+    this.button = h("button", { onclick: () => this.turn() }, "Notify me of lost boards");
+    this.answer = h("span", { role: "status", class: "muted" });
+    this.append(this.button, " ", this.answer);
+    this.listen(status, "change", () => this.show());
+    this.show();
+  }
+
+  show() {
+    this.hidden = !("Notification" in window) || !status.now || status.you.role === "kiosk";
+    this.button.setAttribute("aria-pressed", String(wanted()));
+  }
+
+  async turn() {
+    const on = !wanted();
+    const allowed = on ? await Notification.requestPermission() === "granted" : true;
+    keep(on && allowed);
+    set_text(this.answer, allowed ? "" : "The browser does not allow it for this page.");
+    this.show();
+  }
+}
+
+customElements.define("asip-notify", Notify);
