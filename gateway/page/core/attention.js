@@ -40,9 +40,10 @@ export class Losses {
     this.known = new Set(lost.keys());
     if (!fresh?.length) return undefined;
     const goes_on = this.began !== undefined && now - this.began < kBurstMs;
-    this.burst = goes_on ? [...this.burst, ...fresh] : fresh;
+    if (!goes_on) this.burst = new Map();
+    for (const row of fresh) this.burst.set(row.name, row);
     if (!goes_on) this.began = now;
-    return loss_text(this.burst);
+    return loss_text([...this.burst.values()]);
   }
 }
 

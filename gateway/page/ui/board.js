@@ -26,7 +26,7 @@ class Board extends Part {
   }
 
   shown() {
-    this.heading = h("h1", { tabindex: "-1" }, h("span", {}, this.name), " ", h("small", { class: "muted" }));
+    this.heading = h("h1", { tabindex: "-1" }, h("span", {}, this.name), h("small", { class: "muted" }));
     this.mark = h("span", {});
     this.since = h("span", { class: "muted" });
     this.facts = h("dl", { class: "facts" });
@@ -147,7 +147,7 @@ class Board extends Part {
     const description = board.description ?? { services: board.services };
     const called = board.labels?.name;
     set_text(this.heading.firstChild, called || this.name);
-    set_text(this.heading.lastChild, called ? this.name : "");
+    set_text(this.heading.lastChild, called ? ` ${this.name}` : "");
     this.facts.replaceChildren(...facts_of([["Chip", board.chip], ["Sketch", board.sketch],
       ["Labels", label_texts(board.labels).join(", ")],
       ["Conflict", board.conflict && `another agent, ${board.conflict.other_agent ?? board.conflict.other}, uses this name`],

@@ -33,6 +33,7 @@ class Service extends Part {
     this.titles = [0, 1].map(() => h("h3", {}, h("span", {}), " ", h("small", { class: "muted" })));
     this.settings = h("details", { hidden: true }, h("summary", {}, "Advanced"), h("div", { class: "commands" }));
     this.card = h("div", { class: "card", hidden: true }, this.titles[1], h("div", { class: "commands" }));
+    this.titles[0].id = `service-${this.service.name}`;
     this.show_titles();
     this.hidden = true;
     this.append(this.titles[0], this.values, this.waiting, this.note, this.plots);
@@ -77,7 +78,7 @@ class Service extends Part {
 
   show_titles() {
     for (const title of this.titles) {
-      set_text(title.firstChild, this.title_text());
+      set_text(title.firstChild, this.pins ? this.service.label ?? "Analog pins" : this.title_text());
       set_text(title.lastChild, this.subtitle());
     }
   }

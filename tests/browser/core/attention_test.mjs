@@ -38,6 +38,8 @@ test("LossOfMany_IsOneNoticeThatGrows_AndALaterOneIsAnother", () => {
   assert.equal(notice.title, "1,999 boards lost");
   assert.equal(notice.body, "b0, b1, b2, b3, b4, …: its agent died or lost the broker");
   assert.equal(losses.of(all, 60_000).title, "b1999 is lost");
+  losses.of([], 60_100);
+  assert.equal(losses.of(all.slice(1999), 60_200).title, "b1999 is lost", "one board that comes and goes is one");
 });
 
 test("View_StandsInTheAddressAndComesBack", () => {
