@@ -9,8 +9,7 @@ import unittest
 
 from selenium.webdriver.common.by import By
 
-from rig import PageTest, eventually
-from bus import paho_client
+from rig import PageTest, eventually, paho_client
 
 
 class Heard:

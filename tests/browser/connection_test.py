@@ -9,7 +9,7 @@ import unittest
 
 from selenium.webdriver.common.by import By
 
-from rig import PageTest, commands_heard, eventually
+from rig import PageTest, can_connect, commands_heard, eventually, free_port, paho_client
 
 
 class Cuttable:
@@ -127,6 +127,46 @@ class Connection(PageTest):
         self.bus.start_broker()
         eventually(lambda: self.browser.text("asip-link") == "live", "live", 30)
         self.online("desk", "lamp")
+
+    def off(self):
+        return self.browser.run("""const forms = [...document.querySelectorAll('asip-board asip-command')];
+            return forms.length > 0 && forms.every((each) => each.closest('[inert]'))""")
+
+    def test_FormsBehindALostBroker_AreOffUntilItIsBack(self):
+        self.open_board()
+        self.form("servo", "Turn a servo to an angle")
+        eventually(lambda: not self.off(), "the forms can be used")
+        self.bus.end("broker")
+        eventually(self.off, "the forms are off", 30)
+        self.assertIn("the bus cannot be reached", self.browser.text(".unusable"))
+        self.bus.start_broker()
+        eventually(lambda: not self.off() and self.browser.text(".unusable") == "", "the forms can be used again", 60)
+
+    def test_FormsOfABoardWhosePortIsLent_AreOffUntilItIsBack(self):
+        self.open_board("lamp")
+        eventually(lambda: not self.off(), "the forms can be used")
+        client = paho_client()
+        client.connect("127.0.0.1", self.bus.broker_port)
+        client.loop_start()
+        self.addCleanup(client.loop_stop)
+        self.addCleanup(client.disconnect)
+        client.publish("asip/lamp/in", '{"port":"release","seconds":60,"by":"ann"}', qos=1).wait_for_publish(20)
+        eventually(self.off, "the forms are off", 30)
+        self.assertIn("in other hands", self.browser.text(".unusable"))
+        client.publish("asip/lamp/in", '{"port":"take"}', qos=1).wait_for_publish(20)
+        eventually(lambda: not self.off(), "the forms can be used again", 60)
+
+    def test_BrokerThatNeverWasThere_HasNoTimeSinceWhichItIsGone(self):
+        port = free_port()
+        self.bus.start("lonely", "asip-gateway", "--http", f"127.0.0.1:{port}", "--broker", f"127.0.0.1:{free_port()}")
+        self.addCleanup(self.bus.end, "lonely")
+        eventually(lambda: can_connect(port), "the gateway without a broker")
+        self.browser.driver.get(f"http://127.0.0.1:{port}/")
+        text = eventually(lambda: "no connection to the broker" in self.browser.text("asip-banner") and self.browser.text("asip-banner"), "the sign", 30)
+        self.assertNotIn("since", text)
+        self.browser.driver.get(f"http://127.0.0.1:{port}/#/bus")
+        eventually(lambda: "Broker" in self.browser.text("asip-system"), "the cards")
+        self.assertNotIn("00:00:00", self.browser.text("body"))
 
     def test_SevenTabs_NoneStalls(self):
         driver = self.browser.driver
