@@ -102,6 +102,9 @@ class Bridge {
     /// wait, see takes_turns().
     std::optional<Inbound> read(const mqtt::Message& message, Time now) const;
     void take(const Inbound& message, Time now, Effects& out);
+    /// Ends the requests that waited when the board was told to stop: Effects::stopped. There may be
+    /// thousands, and the first byte of a stop does not wait for them.
+    void refuse_waiting(Time now, Effects& out);
     /// How old commands are; it learns from the process and the connection.
     CommandAge& age() { return age_; }
 

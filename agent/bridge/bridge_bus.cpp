@@ -92,7 +92,13 @@ void Bridge::on_message(const Stop& stop, Time now, Effects& out) {
         out.keep_stop = latch_.stopped();
         show_stop(now, out);
     }
-    send_safe_lines(now, out);
+    perform(actions, now, out);
+    out.stopped = !stop.retained;
+}
+
+void Bridge::refuse_waiting(Time now, Effects& out) {
+    session::Actions actions;
+    safety_.refuse_waiting(actions);
     perform(actions, now, out);
 }
 

@@ -43,6 +43,9 @@ struct Effects : member::Announcements {
     std::optional<LabelsToKeep> keep_labels;  ///< to be written to the disk; then Bridge::labels_kept()
     /// To be written to the disk: a stop that holds, or that none does any more.
     std::optional<std::optional<model::StopInfo>> keep_stop;
+    /// The board was told to stop. Once that is written, before anything else happens:
+    /// Bridge::refuse_waiting().
+    bool stopped = false;
     bool begin_anew = false;   ///< another board is at the port: all of this is over, and begins again
     bool reopen_link = false;  ///< open, but the board behind it is gone: a connection may be dead
 };

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <deque>
+#include <optional>
 #include <utility>
 
 #include "agent/inbound/inbound.hpp"
@@ -9,19 +11,44 @@
 namespace asip::agent {
 
 /// Messages that came faster than they can be handled, in their order. The agent reads on while they wait, so
-/// that it sees a stop behind them. Pure. Bounded by number and memory: where it is full(), the caller
-/// handles the oldest before it reads on.
+/// that it sees a stop behind them: of all that came before a stop, kAtOnce messages at most are handled in
+/// front of it. Pure. Bounded by number and memory: while it is full, each message that arrives has the
+/// oldest handled.
 class Inbox {
   public:
     static constexpr std::size_t kMaxMessages = 12'288;
     /// Of memory, with everything that a message needs besides its payload.
     static constexpr std::size_t kMaxBytes = 16 << 20;
 
+    /// So many messages are handled in one turn of the program's loop.
+    static constexpr std::size_t kAtOnce = 8;
+
     bool empty() const { return entries_.empty(); }
     bool full() const { return entries_.size() >= kMaxMessages || bytes_ >= kMaxBytes; }
     std::size_t size() const { return entries_.size(); }
     /// Messages that no stop has caught yet.
     std::size_t waiting() const { return entries_.size() - stopped_; }
+
+    /// A message arrives, and takes its turn. Returns what is to be handled now.
+    std::optional<Inbound> arrive(Inbound message) {
+        ++arrived_;
+        if (empty() && arrived_ <= kAtOnce) return message;
+        push(std::move(message));
+        if (full()) return pop();
+        return std::nullopt;
+    }
+    /// Whether the caller has to ask its loop for a turn. It asks once for each.
+    bool asks_for_turn() {
+        if (asked_ || (arrived_ == 0 && empty())) return false;
+        asked_ = true;
+        return true;
+    }
+    /// The turn has come. So many of the oldest are handled in it: none while messages arrive, for a stop may
+    /// be among them.
+    std::size_t begin_turn() {
+        asked_ = false;
+        return std::exchange(arrived_, 0) > 0 ? 0 : std::min(kAtOnce, size());
+    }
 
     /// Also where it is full already.
     void push(Inbound message) {
@@ -51,6 +78,8 @@ class Inbox {
     std::deque<Entry> entries_;
     std::size_t bytes_ = 0;
     std::size_t stopped_ = 0;
+    std::size_t arrived_ = 0;  // since the last turn
+    bool asked_ = false;       // for a turn
 };
 
 }  // namespace asip::agent

@@ -134,6 +134,7 @@ void BoardAgent::perform(Effects& effects) {
             });
         }
     }
+    if (effects.stopped) with_bridge([&](Time now, Effects& out) { bridge_.refuse_waiting(now, out); });
     // Before its answer leaves: the program that asked for the port opens it at once.
     if (effects.port == Effects::Port::kLetGo) {
         reset_timer_.cancel();

@@ -120,8 +120,7 @@ class BoardAgent {
     /// Sends the next check of CommandAge, or waits until it is due.
     void check_the_way();
     void take(const Inbound& message);
-    void schedule_turn();
-    void turn();
+    void ask_for_turn();
     void note_published(const std::string& topic);
 
     AgentOptions options_;
@@ -144,8 +143,7 @@ class BoardAgent {
     boost::asio::steady_timer safe_timer_;
     boost::asio::steady_timer check_timer_;
     Inbox inbox_;
-    std::optional<Time> reads_since_;     // what sockets hold may have been sent since then
-    std::optional<std::size_t> arrived_;  // since a turn was scheduled; none: no turn is scheduled
+    std::optional<Time> reads_since_;  // what sockets hold may have been sent since then
     Outage outage_;
     mqtt::Backoff bus_patience_{std::chrono::minutes(1), std::chrono::minutes(5)};  // as a service
     std::optional<Time> armed_for_;

@@ -16,8 +16,6 @@ namespace log = program::log;
 
 namespace {
 
-// So many commands are handled in one turn of the loop.
-constexpr std::size_t kAtOnce = 8;
 constexpr auto kCountersEvery = std::chrono::seconds(10);
 
 }  // namespace
@@ -138,11 +136,9 @@ void BoardAgent::message_received(const mqtt::Message& message) {
     if (request_of(*inbound) != nullptr && bridge_.age().commanded(now, message.qos > 0)) check_the_way();
     const bool in_turn = takes_turns(*inbound);
     if (!in_turn) return take(*inbound);
-    if (!arrived_) schedule_turn();
-    ++*arrived_;
-    if (inbox_.empty() && *arrived_ <= kAtOnce) return take(*inbound);
-    inbox_.push(std::move(*inbound));
-    if (inbox_.full()) take(inbox_.pop());
+    const auto due = inbox_.arrive(std::move(*inbound));
+    ask_for_turn();
+    if (due) take(*due);
 }
 
 void BoardAgent::take(const Inbound& message) {
@@ -192,17 +188,13 @@ void BoardAgent::check_the_way() {
         age.connection_changed();
 }
 
-void BoardAgent::schedule_turn() {
-    arrived_ = 0;
-    boost::asio::post(io_, [this] { turn(); });
-}
-
-// While messages arrive they are only read: a stop may be among them.
-void BoardAgent::turn() {
-    const bool reading = std::exchange(arrived_, std::nullopt) > 0u;
-    for (std::size_t i = 0; !reading && i < kAtOnce && !inbox_.empty() && !ended(); ++i)
-        take(inbox_.pop());
-    if (!inbox_.empty() && !arrived_ && !ended()) schedule_turn();
+void BoardAgent::ask_for_turn() {
+    if (ended() || !inbox_.asks_for_turn()) return;
+    boost::asio::post(io_, [this] {
+        for (auto left = inbox_.begin_turn(); left > 0 && !ended(); --left)
+            take(inbox_.pop());
+        ask_for_turn();
+    });
 }
 
 void BoardAgent::bus_failed(const mqtt::ConnectionFailure& failure, bool was_connected) {

@@ -3,24 +3,6 @@
 
 namespace asip::agent {
 
-namespace {
-
-// Of one attempt. The board answers within milliseconds; after a second something was lost.
-constexpr Duration kAttempt = std::chrono::seconds(1);
-
-}  // namespace
-
-void SafeLines::send(session::BoardSession& session, Time now, session::Actions& actions) {
-    if (!session.accepts_requests()) return;
-    for (auto& [line, state] : pending_) {
-        if (state.request != 0) continue;
-        const auto id = session.submit(line, {.deadline = now + kAttempt, .urgent = true}, now, actions);
-        if (!id) return;
-        state.request = *id;
-        requests_.emplace(*id, line);
-    }
-}
-
 bool SafeLines::on_finished(const session::Finished& end, std::vector<Done>& done) {
     using session::Ending;
     const auto request = requests_.find(end.id);
@@ -33,7 +15,8 @@ bool SafeLines::on_finished(const session::Finished& end, std::vector<Done>& don
     const bool refused = end.ending == Ending::kBoardError;
     const bool executed =
         end.ending == Ending::kExecuted || end.ending == Ending::kUnproven || end.ending == Ending::kNoValue;
-    if (!refused && !executed) return true;
+    pending->second.refused = refused ? pending->second.refused + 1 : 0;
+    if (!executed && pending->second.refused < kRefusals) return true;
     pending_.erase(pending);
     done.push_back({line, executed, end.code, end.text});
     return true;

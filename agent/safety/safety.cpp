@@ -148,10 +148,15 @@ void Safety::on_stop(const Stop& message, Time now, session::Actions& actions, E
     for (const auto& line : lines)
         lines_.add(line);
     lines_.send(board_.session, now, actions);
-    stop.refused = message.waiting + board_.session.cancel_waiting(actions);
+    stop.refused = message.waiting;
     stop.open.insert(lines.begin(), lines.end());
     if (stops_.size() >= kMaxStops) return answer(stop, false, now, out);
     stops_.push_back(std::move(stop));
+}
+
+void Safety::refuse_waiting(session::Actions& actions) {
+    const auto refused = board_.session.cancel_waiting(actions);
+    if (!stops_.empty()) stops_.back().refused += refused;
 }
 
 void Safety::answer(const OpenStop& stop, bool in_time, Time now, Effects& out) {

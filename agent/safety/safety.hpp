@@ -55,8 +55,11 @@ class Safety {
     void stop_services();
 
     // --- the bus
-    /// Ends every hold, refuses the requests that wait, and undoes everything.
+    /// Ends every hold and undoes everything. The requests that wait are refused by refuse_waiting().
     void on_stop(const Stop& message, Time now, session::Actions& actions, Effects& out);
+
+    /// After on_stop(), before anything else: ends the requests that wait.
+    void refuse_waiting(session::Actions& actions);
 
     /// Undoes all commands with a hold, because the agent ends. True: the board has not confirmed it yet.
     bool release_all();

@@ -144,6 +144,7 @@ class BridgeBench {
         if (effects.fatal) fatal = effects.fatal;
         begin_anew = begin_anew || effects.begin_anew;
         if (effects.port != Effects::Port::kKeep) port = effects.port;
+        if (effects.stopped) run([&](Effects& out) { bridge.refuse_waiting(now, out); });
         if (!answer.empty()) say(answer);
         if (effects.name_claimed && grants_subscriptions)
             run([&](Effects& out) { bridge.bus_subscribed(now, out); });

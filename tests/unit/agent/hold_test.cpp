@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/unit/agent/online_bridge.hpp"
 
 namespace asip::agent {
@@ -50,6 +52,15 @@ TEST_F(HoldTest, NotRenewed_IsUndoneAtTheEndOfItsTime) {
                 HasSubstr("not renewed within 500 ms; I,d,13,0 was executed"));
     bench.pass(10s);
     EXPECT_EQ(executed().size(), 2u) << "once";
+}
+
+TEST_F(HoldTest, UndoingIsAlwaysRefused_IsReportedAfterThreeAttempts) {
+    hold();
+    bench.board.heard.clear();
+    bench.board.replies["I,d,13,0"] = "~I,d,8{DEVICE_NOT_AVAILABLE}";
+    bench.pass(10s);
+    EXPECT_EQ(std::count(bench.board.heard.begin(), bench.board.heard.end(), "I,d,13,0"), 3);
+    EXPECT_THAT(last_error()["error"].get<std::string>(), HasSubstr("was refused by the board"));
 }
 
 TEST_F(HoldTest, Renewed_StaysInForceUntilItIsNot) {

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 namespace asip::agent {
 namespace {
 
@@ -41,6 +45,57 @@ TEST(Inbox, Stop_CatchesWhatCameBeforeItAndNothingElse) {
     EXPECT_TRUE(std::holds_alternative<LabelRequest>(inbox.pop())) << "labels are not stopped";
     EXPECT_TRUE(pop(inbox).stopped);
     EXPECT_FALSE(pop(inbox).stopped);
+}
+
+// Steps of work in front of a stop, not milliseconds: of 10,000 commands that came before it, in reads of any
+// size, with or without turns of the loop between them.
+TEST(Inbox, StopBehindTenThousandCommands_IsReadAfterEightAreHandled) {
+    for (const unsigned in_one_read : {9u, 64u, 1000u, 10'000u}) {
+        Inbox inbox;
+        unsigned handled = 0;
+        for (unsigned read = 0; read < 10'000; read += in_one_read) {
+            for (unsigned i = read; i < std::min(read + in_one_read, 10'000u); ++i)
+                if (inbox.arrive(command("x"))) ++handled;
+            if (inbox.asks_for_turn()) handled += static_cast<unsigned>(inbox.begin_turn());
+        }
+        EXPECT_EQ(handled, Inbox::kAtOnce) << in_one_read;
+        EXPECT_EQ(inbox.waiting(), 10'000u - Inbox::kAtOnce);
+    }
+}
+
+TEST(Inbox, FewerThanATurnTakes_WaitForNothing) {
+    Inbox inbox;
+    for (unsigned turn = 0; turn < 10; ++turn) {
+        for (unsigned i = 0; i < Inbox::kAtOnce; ++i)
+            EXPECT_TRUE(inbox.arrive(command("x")));
+        EXPECT_TRUE(inbox.asks_for_turn());
+        EXPECT_FALSE(inbox.asks_for_turn()) << "once";
+        EXPECT_EQ(inbox.begin_turn(), 0u);
+        EXPECT_FALSE(inbox.asks_for_turn()) << "nothing waits";
+    }
+}
+
+TEST(Inbox, NothingArrivesAnyMore_EachTurnHandlesEight) {
+    Inbox inbox;
+    for (unsigned i = 0; i < 30; ++i)
+        inbox.arrive(command("x"));
+    std::vector<std::size_t> turns;
+    while (inbox.asks_for_turn()) {
+        turns.push_back(inbox.begin_turn());
+        for (auto left = turns.back(); left > 0; --left)
+            inbox.pop();
+    }
+    EXPECT_EQ(turns, (std::vector<std::size_t>{0, 8, 8, 6}));
+}
+
+TEST(Inbox, Full_EachThatArrivesHasTheOldestHandled) {
+    Inbox inbox;
+    for (unsigned i = 0; i < Inbox::kMaxMessages + 7; ++i)
+        inbox.arrive(command(std::to_string(i)));
+    const auto oldest = inbox.arrive(command("last"));
+    ASSERT_TRUE(oldest);
+    EXPECT_EQ(std::get<Command>(*oldest).payload, "8") << "behind the first eight, which did not wait";
+    EXPECT_LT(inbox.size(), Inbox::kMaxMessages);
 }
 
 TEST(Inbox, ManyOrLargeOnes_AreTooMany) {

@@ -109,6 +109,41 @@ TEST_F(StoppedBoard, WhatWaits_IsRefusedWithTheReason) {
         << "the next command works";
 }
 
+// Steps of work, not milliseconds.
+TEST(StopBehindThousands, IsWrittenBeforeOneOfThemIsRefused) {
+    BridgeBench bench;
+    bench.board.extensions = false;  // one command at a time: what waits does not wait for room
+    bench.board.services = "IM";
+    bench.board.replies["#,N"] = "@#,N,2,{I:ASIP core IO,M:Motors}";
+    bench.go_online();
+    bench.pass(10s);
+    bench.board.mute = true;
+    constexpr std::size_t kSenders = 64;
+    for (std::size_t i = 0; i < kSenders * 64; ++i)
+        bench.hear("asip/uno1/motors/in", R"({"power":[0,255],"reply_to":"answers/)" +
+                                              std::to_string(i % kSenders) + R"(","id":")" +
+                                              std::to_string(i) + "\"}");
+    ASSERT_GE(bench.bridge.session().queued(), 4000u);
+    bench.published.clear();
+    mqtt::Message stop;
+    stop.topic = kStop;
+    stop.payload = R"({"id":"s","reply_to":"stops"})";
+    Effects written;
+    bench.bridge.take(*bench.bridge.read(stop, bench.now), bench.now, written);
+    ASSERT_EQ(written.link.size(), 1u);
+    EXPECT_THAT(std::get<session::Write>(written.link[0]).bytes, HasSubstr("M,S\n"));
+    EXPECT_TRUE(written.publish.empty() && written.notes.empty()) << "nothing is answered first";
+    ASSERT_TRUE(written.stopped);
+    Effects refused;
+    bench.bridge.refuse_waiting(bench.now, refused);
+    EXPECT_GE(refused.publish.size(), 4000u);
+    EXPECT_TRUE(refused.link.empty()) << "and none of them is sent";
+    EXPECT_EQ(bench.bridge.session().queued(), 0u);
+    bench.pass(6s);
+    ASSERT_EQ(bench.on("stops").size(), 1u);
+    EXPECT_GE(json::parse(bench.on("stops")[0])["answer"]["refused"], 4000u);
+}
+
 TEST_F(StoppedBoard, CommandNotHandledBeforeTheStop_IsRefused) {
     mqtt::Message message;
     message.topic = "asip/uno1/motors/in";
