@@ -7,23 +7,13 @@
 
 int main() try {
     bool good = true;
-    std::printf("%-36s %10s %8s %8s\n", "Uno; I/O service, all extensions", "measured", "must", "aim");
+    std::printf("Uno; I/O service, all extensions\n");
     for (const auto& figure : asip::firmware::measure_figures()) {
-        const auto column = [&](double value, int width) {
-            if (value == 0) {
-                std::printf(" %*s", width, "-");
-            } else {
-                std::printf(" %*.*f", width, figure.decimals == 4 && width < 10 ? 2 : figure.decimals, value);
-            }
-        };
-        std::printf("%-36s", figure.name.c_str());
-        column(figure.measured, 10);
-        column(figure.must, 8);
-        column(figure.aim, 8);
-        std::printf(" %-3s%s\n", figure.unit.c_str(),
-                    !figure.met(figure.must)  ? " NOT MET"
-                    : !figure.met(figure.aim) ? " met, short of the aim"
-                                              : "");
+        const int decimals = figure.decimals;
+        std::printf("%-40s %10.*f %-5s", figure.name.c_str(), decimals, figure.measured, figure.unit.c_str());
+        if (figure.must != 0) std::printf(" must %8.*f", decimals, figure.must);
+        if (figure.aim != 0) std::printf("  aim %8.*f", decimals, figure.aim);
+        std::printf("  %s\n", figure.met(figure.must) ? "ok" : "MISSED");
         good = good && figure.met(figure.must);
     }
     return good ? 0 : 1;

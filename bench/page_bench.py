@@ -46,7 +46,8 @@ const [points, per_frame, seconds, done] = arguments;
 
 
 def row(measure, value, must, aim):
-    print(f"{measure:<58} {value:>12} {must:>12} {aim:>12}")
+    wanted = "".join(f"  {name} {bound:>9}" for name, bound in (("must", must), ("aim", aim)) if bound)
+    print(f"{measure:<58} {value:>12}{wanted}")
 
 
 def processes(pid):
