@@ -144,7 +144,9 @@ void Connection::serve() {
     serving_ = true;
     read_all();
     serving_ = false;
-    if (options_.quick_ack && socket_.is_open()) acknowledge_at_once(socket_.native_handle());
+    // What is written acknowledges as well.
+    const bool writes = still_open() && mosquitto_want_write(mosquitto_.get());
+    if (options_.quick_ack && socket_.is_open() && !writes) acknowledge_at_once(socket_.native_handle());
     if (still_open()) {
         const int error = write_out();
         if (error != MOSQ_ERR_SUCCESS) end(why_closed(error));
