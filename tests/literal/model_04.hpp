@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace asip::test {
@@ -23,6 +24,8 @@ class Model04 {
     }
     /// Each request in the form S,t,number,...
     const std::vector<std::string>& executed() const { return executed_; }
+    /// The same, once.
+    std::vector<std::string> take_executed() { return std::exchange(executed_, {}); }
 
   private:
     static constexpr long kSilenceMs = 1000;
@@ -36,6 +39,7 @@ class Model04 {
         if (service == 'I') return tag == 'P' || tag == 'd' || tag == 'a' ? 2 : 0;
         if (service == 'M') return tag == 'm' || tag == 'M' ? 2 : tag == 's' ? 1 : 0;
         if (service == 'S' || service == 'T') return 2;
+        if (service == 'W') return tag == 'w' ? 1 : 0;  // of the truth test
         return 0;
     }
 

@@ -15,6 +15,7 @@ namespace session = asip::session;
 namespace {
 
 constexpr unsigned kStartBaud = 57'600;
+constexpr unsigned kSafetyClient = 99;
 
 // A board that was asked something and is silent for so long is gone; a last question may still wait for its
 // answer then.
@@ -48,12 +49,8 @@ Outcome outcome(session::Ending ending) {
 }  // namespace
 
 Agent::Agent(const Plan& plan, Dice& dice, Ledger& ledger, Wire& to_board, Ledger::Note note)
-    : plan_(plan),
-      dice_(dice),
-      ledger_(ledger),
-      to_board_(to_board),
-      note_(std::move(note)),
-      baud_(kStartBaud) {
+    : plan_(plan), dice_(dice), ledger_(ledger), to_board_(to_board), note_(std::move(note)) {
+    baud_ = kStartBaud;
     new_session();
 }
 
@@ -86,6 +83,7 @@ void Agent::link_down(Micros now) {
     note_("link down");
     session::Actions actions;
     session_->link_down(at(now), actions);
+    board_gone();
     rate_set_at_ = kNever;
     held_.clear();
     ledger_.delivery_cut();
@@ -114,6 +112,64 @@ void Agent::receive(std::string_view bytes, Micros now) {
     }
 }
 
+bool Agent::renew(unsigned client, Micros now) {
+    const auto renewed = holds_.renew(client, "io", std::nullopt, std::nullopt, at(now));
+    note_(fmt::format("client {} renews {} holds", client, renewed));
+    return renewed > 0;
+}
+
+// As agent/safety/Safety does.
+void Agent::board_gone() {
+    for (const auto& hold : holds_.take_all())
+        safe_lines_.add(hold.safe);
+}
+
+void Agent::make_safe(Micros now) {
+    for (const auto& hold : holds_.take_expired(at(now))) {
+        undone_at_ = std::min(undone_at_, now);
+        safe_lines_.add(hold.safe);
+    }
+    follow_safe_lines(now);
+}
+
+// The ledger knows these lines as commands.
+void Agent::follow_safe_lines(Micros now) {
+    struct Submitting {
+        Agent& agent;
+        Micros now;
+        bool accepts_requests() const { return agent.session_->accepts_requests(); }
+        asip::Expected<session::RequestId, session::Refusal> submit(const std::string& line,
+                                                                    const session::RequestOptions& options,
+                                                                    asip::Time, session::Actions& actions) {
+            Command command;
+            command.client = kSafetyClient;
+            command.line = line;
+            command.effect = agent.undoing(line);
+            command.lasts = kSecond;
+            command.urgent = true;
+            const auto index = agent.ledger_.submitted(std::move(command), now);
+            const auto id = agent.session_->submit(line, options, at(now), actions);
+            agent.note_(fmt::format("undone: #{} `{}`", index, line));
+            if (id)
+                agent.commands_[*id] = index;
+            else
+                agent.ledger_.refused(index, now);
+            return id;
+        }
+    } submitting{*this, now};
+    if (safe_lines_.size() == 0) return;
+    session::Actions actions;
+    safe_lines_.send(submitting, at(now), actions);
+    perform(actions, now);
+}
+
+std::optional<Effect> Agent::undoing(const std::string& line) {
+    const auto comma = line.rfind(',');
+    if (!line.starts_with("I,d,")) return std::nullopt;
+    return Effect{Effect::Kind::kLevel, static_cast<unsigned>(std::stoul(line.substr(4, comma - 4))),
+                  std::stoi(line.substr(comma + 1))};
+}
+
 void Agent::submit(Command command, Micros now) {
     session::RequestOptions wanted;
     wanted.client = command.client;
@@ -131,6 +187,17 @@ void Agent::submit(Command command, Micros now) {
     note_(fmt::format("client {} #{} `{}`{}{}", command.client, index, command.line,
                       command.prove ? "" : " (no proof)",
                       id ? "" : std::string(", refused: ") + session::to_string(id.error())));
+    if (id && command.hold > 0) {
+        safe_[*id] = command.safe;
+        holds_.begin({command.client,
+                      {},
+                      "io",
+                      command.line,
+                      command.safe,
+                      std::chrono::microseconds(command.hold),
+                      at(now + command.hold),
+                      *id});
+    }
     if (id) {
         commands_[*id] = index;
     } else {
@@ -147,6 +214,7 @@ void Agent::check_silence(Micros now) {
 
 void Agent::tick(Micros now) {
     check_silence(now);
+    make_safe(now);
     if (rate_set_at_ <= now) {
         rate_set_at_ = kNever;
         const bool fails = dice_.chance(plan_.rate_fails);
@@ -170,6 +238,9 @@ void Agent::tick(Micros now) {
 
 Micros Agent::next() const {
     Micros next = rate_set_at_;
+    if (const auto ends = holds_.next_deadline())
+        next = std::chrono::ceil<std::chrono::microseconds>(*ends - at(0)).count();
+    next = std::min(next, rate_set_at_);
     if (const auto deadline = session_->next_deadline()) {
         const auto since = std::chrono::ceil<std::chrono::microseconds>(*deadline - at(0)).count();
         next = std::min(next, std::max<Micros>(since, last_tick_));
@@ -179,6 +250,10 @@ Micros Agent::next() const {
 
 void Agent::perform(session::Actions& actions, Micros now) {
     for (const auto& action : actions) {
+        if (const auto* identified = std::get_if<session::Identified>(&action)) {
+            taken_for_another_ = taken_for_another_ || (identified_at_ > 0 && identified->changed);
+            identified_at_ = now;
+        }
         if (const auto* bytes = std::get_if<session::Write>(&action)) {
             write(bytes->bytes, now);
         } else if (const auto* rate = std::get_if<session::SetLineRate>(&action)) {
@@ -190,6 +265,9 @@ void Agent::perform(session::Actions& actions, Micros now) {
             note_(fmt::format("session: garbage, {}: `{}`", garbage->reason, garbage->sample));
         } else if (const auto* reset = std::get_if<session::BoardReset>(&action)) {
             note_("session: board reset: " + reset->why);
+            holds_.take_all();  // all outputs are off
+        } else if (std::holds_alternative<session::BecameSilent>(action)) {
+            board_gone();
         } else if (const auto* changed = std::get_if<session::LineRateChanged>(&action)) {
             note_(fmt::format("session: rate {}: {}", changed->baud, changed->why));
         }
@@ -228,6 +306,9 @@ void Agent::finished(const session::Finished& end, Micros now) {
     if (known == commands_.end()) return ledger_.fail("a request ended that is not open");
     note_(fmt::format("#{} {} {} {} {}", known->second, session::to_string(end.ending), end.code, end.text,
                       end.answer.text()));
+    if (const auto safe = safe_.find(end.id); safe != safe_.end()) holds_.on_finished(end, safe->second);
+    std::vector<asip::agent::SafeLines::Done> done;
+    safe_lines_.on_finished(end, done);
     ledger_.answered(known->second, {outcome(end.ending), end.code, end.answer.text()}, now);
     commands_.erase(known);
 }

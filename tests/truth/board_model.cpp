@@ -11,7 +11,7 @@ constexpr std::size_t kBuffer = 63;
 }  // namespace
 
 void BoardModel::restart(Micros now, Micros when) {
-    reports_.state("board off");
+    reports_.state(kOff);
     out_.cut(now);
     on_ = false;
     on_at_ = when;
@@ -95,7 +95,7 @@ void BoardModel::consume(Micros now) {
     received_from_.erase(
         received_from_.begin(),
         received_from_.begin() + static_cast<std::ptrdiff_t>(std::min(read.size(), received_from_.size())));
-    reading_.text += read;
+    reading_.text += pass_.text;
     // A request whose line end was lost ends where the next one begins: its effects come before the line's
     // end.
     reading_.effects.insert(reading_.effects.end(), pass_.effects.begin(), pass_.effects.end());

@@ -16,6 +16,9 @@ struct Command {
     char answer_tag = 0;           ///< it asks for a value: tag of the event that brings it
     Micros lasts = 0;              ///< from its submission to its deadline
     std::optional<Effect> effect;  ///< what executing it does to the board
+    Micros hold = 0;               ///< it is undone after so long, unless it is renewed; 0: it is not
+    std::string safe;              ///< the request that undoes it
+    bool urgent = false;           ///< it makes the board safe
 };
 
 /// Draws the commands of a history. Requests of service `W` have a number of their own each, so that an

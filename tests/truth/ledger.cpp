@@ -53,6 +53,7 @@ void Counts::add(const Counts& other) {
     old_reports += other.old_reports;
     false_errors += other.false_errors;
     equal_digests += other.equal_digests;
+    not_restored += other.not_restored;
     for (unsigned i = 0; i < kOutcomes; ++i)
         outcomes[i] += other.outcomes[i];
     for (unsigned i = 0; i < kFaults; ++i)
@@ -79,6 +80,7 @@ std::size_t Ledger::submitted(Command command, Micros now) {
     last_deadline_ = std::max(last_deadline_, entry.deadline);
     by_line_[entry.command.line].push_back(entries_.size());
     turns_.waits(entry.command.client, entries_.size());
+    if (entry.command.urgent) turns_.give_up();
     if (entry.command.answer_tag != 0) turns_.give_up();  // it may have to wait for another's value
     entries_.push_back(std::move(entry));
     ++open_;

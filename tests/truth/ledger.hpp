@@ -38,7 +38,9 @@ struct Counts {
     std::uint64_t old_reports = 0;   ///< taken for a value; of a period set before the session began
     std::uint64_t false_errors = 0;  ///< the same for errors
     std::uint64_t equal_digests = 0;
+    std::uint64_t not_restored = 0;  ///< settings: a restarted board was taken for another one
     void add(const Counts& other);
+    bool operator==(const Counts&) const = default;
 };
 
 /// Knows what was asked for, what went over the line, what the board really did and what was answered, and
@@ -55,6 +57,12 @@ class Ledger {
     using Note = std::function<void(const std::string&)>;
     /// `digests`: the board has verified fences, and no `ok` of it is excused.
     Ledger(bool calm, bool digests, Note note) : calm_(calm), digests_(digests), note_(std::move(note)) {}
+    /// Goes on where `other` is.
+    void resume(const Ledger& other) {
+        Note note = std::move(note_);
+        *this = other;
+        note_ = std::move(note);
+    }
 
     std::size_t submitted(Command command, Micros now);
     void refused(std::size_t command, Micros now);

@@ -74,6 +74,7 @@ struct ClientPlan {
 struct Plan {
     std::uint64_t seed = 0;
     bool extensions = true;
+    bool parser_of_04 = false;  ///< without extensions: requests are parsed as ASIP 0.4 did
     enum class Checksum : std::uint8_t { kAuto, kAlways, kNever } checksum = Checksum::kAuto;
     bool tcp = false;  ///< the session knows of no line rate
     unsigned max_baud = 0;

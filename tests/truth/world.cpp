@@ -16,9 +16,22 @@ World::World(Setting setting)
       ledger_(setting.calm, plan_.extensions, note_),
       to_board_(plan_.to_board, dice_, fault_of_line(true)),
       to_host_(plan_.to_host, dice_, fault_of_line(false)),
-      board_(plan_.extensions ? firmware_with_extensions() : firmware_of_04(), to_board_, to_host_, dice_,
-             plan_.board_pass, plan_.idle_pass, !plan_.extensions, reports()),
+      board_(plan_.extensions     ? firmware_with_extensions()
+             : plan_.parser_of_04 ? firmware_with_parser_of_04()
+                                  : firmware_of_04(),
+             to_board_, to_host_, dice_, plan_.board_pass, plan_.idle_pass, !plan_.extensions, reports()),
       agent_(plan_, dice_, ledger_, to_board_, note_) {}
+
+void World::resume(const World& other) {
+    dice_ = other.dice_;
+    now_ = other.now_;
+    ledger_.resume(other.ledger_);
+    to_board_.resume(other.to_board_);
+    to_host_.resume(other.to_host_);
+    board_.resume(other.board_);
+    agent_.resume(other.agent_);
+    link_back_at_ = other.link_back_at_;
+}
 
 void World::note(const std::string& text) {
     if (trace_) lines_.push_back(fmt::format("{:10.6f} {}", static_cast<double>(now_) * 1e-6, text));
@@ -54,7 +67,7 @@ BoardModel::Reports World::reports() {
             },
             [this](const char* state) {
                 note(state);
-                on_board_state();
+                if (std::string_view(state) == BoardModel::kOff) on_board_off();
             }};
 }
 

@@ -28,6 +28,9 @@ class World {
     explicit World(Setting setting);
     virtual ~World() = default;
 
+    /// Goes on where `other` is, but for its incidents; its firmware has to be put back besides.
+    void resume(const World& other);
+
     void note(const std::string& text);
     /// When something happens next, `other` at the latest; not before now.
     Micros next(Micros other) const;
@@ -37,7 +40,7 @@ class World {
 
     virtual void on_fault(const WireByte&) {}
     virtual void on_read(const BoardRead&) {}
-    virtual void on_board_state() {}
+    virtual void on_board_off() {}
     virtual void on_incident(const Incident&) {}
 
     Dice dice_;

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct Effect {
 /// What one pass of the firmware's loop did.
 struct Pass {
     std::string read;           ///< bytes that it took from its receive buffer
+    std::string text;           ///< what it took them for; a request ends with a line end
     bool rate_changed = false;  ///< it opened its line at another rate and dropped what was received
     std::vector<Effect> effects;
     std::string sent;
@@ -48,9 +50,19 @@ class Firmware {
     /// that fit its send buffer. `idle`: all that it sent before has left.
     virtual void run(Micros now, std::string& received, std::size_t room, bool idle, Pass& pass) = 0;
     virtual unsigned baud() const = 0;
+
+    /// All of the board that changes.
+    struct Saved {
+        virtual ~Saved() = default;
+    };
+    virtual std::unique_ptr<const Saved> save() const = 0;
+    /// What save() of this firmware gave.
+    virtual void put_back(const Saved& saved) = 0;
 };
 
 Firmware& firmware_with_extensions();
 Firmware& firmware_of_04();
+/// firmware_of_04() behind the parser of ASIP 0.4, with its known faults (tests/literal/model_04.hpp).
+Firmware& firmware_with_parser_of_04();
 
 }  // namespace truth

@@ -45,6 +45,20 @@ Command level(unsigned pin, int value) {
     return line(1, "I,d," + std::to_string(pin) + ',' + std::to_string(value),
                 Effect{Effect::Kind::kLevel, pin, value});
 }
+Command held(unsigned pin, Micros hold) {
+    Command command = level(pin, 1);
+    command.hold = hold;
+    command.safe = "I,d," + std::to_string(pin) + ",0";
+    command.lasts = hold;
+    return command;
+}
+Step renewal(Micros after, unsigned client = 1) {
+    Step step;
+    step.after = after;
+    step.command.client = client;
+    step.renews = true;
+    return step;
+}
 Command output(unsigned pin) {
     return line(1, "I,P," + std::to_string(pin) + ",3", Effect{Effect::Kind::kMode, pin, 3});
 }
@@ -53,6 +67,12 @@ Command period(int milliseconds) {
 }
 Command wrong() {
     return line(1, "W,q,1", std::nullopt);
+}
+
+Scenario parsed_by_04(Scenario scenario) {
+    scenario.name += "'s parser";
+    scenario.plan.parser_of_04 = true;
+    return scenario;
 }
 
 Scenario with(Scenario scenario, std::vector<Step> steps) {
@@ -96,6 +116,7 @@ std::vector<Scenario> make() {
     const std::vector<Step> full = {{0, mark(1, 1, ",abcdefghijklmnopqrstuvwxyzabcdefghijklmnopqrst")},
                                     {0, mark(1, 2, ",zyxwvutsrqponm")}};
     const std::vector<Step> read = {{0, line(1, "I,m", std::nullopt, 'm')}, {0, mark(1, 1)}};
+    const std::vector<Step> hold = {{0, held(13, 60 * ms)}, renewal(40 * ms)};
     std::vector<Scenario> all = {
         from_link_up(ours("found and identified")),
         from_link_up(of_04("found and identified")),
@@ -124,6 +145,18 @@ std::vector<Scenario> make() {
         with(ours("long lines, checksums", Checksum::kAlways), full),
         at(1'000'000, with(ours("at 1,000,000 baud"), two_clients)),
         by_tcp(with(ours("by TCP"), read)),
+        with(ours("hold and renewal"), hold),
+        with(ours("hold and renewal, checksums", Checksum::kAlways), hold),
+        with(of_04("hold and renewal"), hold),
+        from_link_up(parsed_by_04(of_04("found and identified"))),
+        with(parsed_by_04(of_04("command")), one),
+        with(parsed_by_04(of_04("two commands of one service")), two_alike),
+        with(parsed_by_04(of_04("two clients")), two_clients),
+        with(parsed_by_04(of_04("value")), value),
+        with(parsed_by_04(of_04("value with reports")), reports),
+        with(parsed_by_04(of_04("setting")), setting),
+        with(parsed_by_04(of_04("error")), error),
+        with(parsed_by_04(of_04("hold and renewal")), hold),
     };
     return all;
 }

@@ -7,10 +7,11 @@
 
 namespace truth {
 
-/// A command, so long after the board was ready.
+/// A command, so long after the board was ready; or the renewal of what its client holds.
 struct Step {
     Micros after = 0;
     Command command;
+    bool renews = false;
 };
 
 /// A short history in which nothing goes wrong. Its faults are tried from `from` on.

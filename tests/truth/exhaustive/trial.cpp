@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -29,7 +30,23 @@ Plan plan_of(const Scenario& scenario, const Faults& faults) {
     return plan;
 }
 
-class Trial : World {
+// What of a trial changes.
+struct TrialState {
+    TrialEnd end_;
+    std::size_t next_step_ = 0;
+    Micros faults_end_ = 0;
+    Micros busy_at_ = 0;  // something was under way
+    Micros last_at_ = kNever;
+    bool ready_ = false;
+    bool rate_asked_ = false;
+    int closing_ = 0;                // last commands that were sent
+    std::map<unsigned, int> modes_;  // of the board's pins since it restarted
+    std::map<unsigned, int> levels_;
+    Micros off_at_ = 0;          // the board, for the last time
+    Micros held_from_ = kNever;  // the last renewal, or the beginning
+};
+
+class Trial : World, TrialState {
   public:
     Trial(const Scenario& scenario, const Faults& faults, Micros ready_at, bool trace)
         : World(setting_of(scenario, faults, ready_at, trace)),
@@ -41,15 +58,29 @@ class Trial : World {
 
     TrialEnd run();
 
+    /// At the beginning.
+    void power_up();
+    /// Goes on where `other` was when its firmware was saved. No fault of this one is before that.
+    void resume(const Trial& other, const Firmware::Saved& saved);
+    TrialEnd go_on();
+    /// One step; false: the end.
+    bool pass_on();
+    bool closes() const { return closing_ > 0 || last_at_ != kNever; }
+    Range sent() const { return {to_board_.sent(), to_host_.sent()}; }
+    Micros now() const { return now_; }
+    std::unique_ptr<const Firmware::Saved> save() const { return board_.firmware().save(); }
+
   private:
     static Setting setting_of(const Scenario& scenario, const Faults& faults, Micros ready_at, bool trace);
     void on_fault(const WireByte& byte) override;
     void on_read(const BoardRead& read) override;
-    void on_board_state() override;
+    void on_board_off() override;
     void on_incident(const Incident& incident) override;
     Micros next_step() const;
     void begin();
     void steps();
+    void step(const Step& step);
+    void check_holds();
     void watch();
     void check_settings();
     void close();
@@ -58,15 +89,6 @@ class Trial : World {
 
     const Scenario& scenario_;
     bool undisturbed_;
-    TrialEnd end_;
-    std::size_t next_step_ = 0;
-    Micros faults_end_ = 0;
-    Micros busy_at_ = 0;  // something was under way
-    Micros last_at_ = kNever;
-    bool ready_ = false;
-    bool rate_asked_ = false;
-    int closing_ = 0;                // last commands that were sent
-    std::map<unsigned, int> modes_;  // of the board's pins since it restarted
 };
 
 World::Setting Trial::setting_of(const Scenario& scenario, const Faults& faults, Micros ready_at,
@@ -82,7 +104,10 @@ void Trial::on_fault(const WireByte& byte) {
 
 void Trial::on_read(const BoardRead& read) {
     for (const Effect& effect : read.effects)
-        if (effect.kind == Effect::Kind::kMode) modes_[effect.subject] = effect.value;
+        if (effect.kind == Effect::Kind::kMode)
+            modes_[effect.subject] = effect.value;
+        else if (effect.kind == Effect::Kind::kLevel)
+            levels_[effect.subject] = effect.value;
     if (scenario_.from == Scenario::From::kRate && !rate_asked_ && read.text.starts_with("#,B,")) {
         rate_asked_ = true;
         end_.to_board.from = to_board_.sent() - read.text.size() - 1;
@@ -90,8 +115,10 @@ void Trial::on_read(const BoardRead& read) {
     }
 }
 
-void Trial::on_board_state() {
-    if (!board_.running(now_)) modes_.clear();
+void Trial::on_board_off() {
+    off_at_ = now_;
+    modes_.clear();
+    levels_.clear();
 }
 
 void Trial::on_incident(const Incident& incident) {
@@ -116,7 +143,12 @@ void Trial::begin() {
 void Trial::steps() {
     if (end_.ready_at == 0) return;
     while (next_step_ < scenario_.steps.size() && end_.ready_at + scenario_.steps[next_step_].after <= now_)
-        agent_.submit(scenario_.steps[next_step_++].command, now_);
+        step(scenario_.steps[next_step_++]);
+}
+
+void Trial::step(const Step& step) {
+    if (step.renews ? agent_.renew(step.command.client, now_) : step.command.hold > 0) held_from_ = now_;
+    if (!step.renews) agent_.submit(step.command, now_);
 }
 
 // The range of bytes and moments in which faults are tried.
@@ -144,13 +176,20 @@ void Trial::watch() {
 
 bool Trial::all_well() const {
     return end_.ready_at != 0 && next_step_ == scenario_.steps.size() &&
-           next_incident_ == incidents_.size() && ledger_.open() == 0 && is_link_up() &&
+           next_incident_ == incidents_.size() && ledger_.open() == 0 && !agent_.holds() && is_link_up() &&
            agent_.state() == State::kReady && board_.running(now_) && now_ > end_.ready_at;
 }
 
 void Trial::check_settings() {
     // Nothing shows what became of the request that restores it.
     if (!plan_.extensions && !plan_.to_board.faults.empty()) return;
+    // Nothing shows a restart of which the line lost the banner while nothing was asked.
+    if (agent_.identified_at() < off_at_) return;
+    // The line changed what it said of itself behind a restart. Counted.
+    if (agent_.taken_for_another()) {
+        ++ledger_.counts.not_restored;
+        return;
+    }
     for (const Step& step : scenario_.steps) {
         const auto& effect = step.command.effect;
         if (!effect || effect->kind != Effect::Kind::kMode || !ledger_.was_executed(step.command.line))
@@ -158,6 +197,21 @@ void Trial::check_settings() {
         if (modes_[effect->subject] != effect->value)
             ledger_.fail(fmt::format("pin {} is in mode {} of the hardware at the end, and `{}` was ok",
                                      effect->subject, modes_[effect->subject], step.command.line));
+    }
+}
+
+// What is held is on until its end, however often it is renewed, and off then.
+void Trial::check_holds() {
+    for (const Step& step : scenario_.steps) {
+        if (step.command.hold == 0) continue;
+        const auto pin = step.command.effect->subject;
+        const bool excused = !plan_.extensions && ledger_.counts.not_executed > 0;
+        if (levels_[pin] != 0 && !excused)
+            ledger_.fail(fmt::format("pin {} is on at the end of its hold", pin));
+        const Micros ends = held_from_ + step.command.hold, undone = agent_.undone_at();
+        if (undone < ends)
+            ledger_.fail(fmt::format("pin {} was undone {} us before its hold was over", pin, ends - undone));
+        if (undisturbed_ && undone > ends) ledger_.fail(fmt::format("pin {} was not undone in time", pin));
     }
 }
 
@@ -184,30 +238,52 @@ void Trial::close() {
     }
 }
 
-TrialEnd Trial::run() {
+void Trial::power_up() {
     ledger_.counts.histories = 1;
     if (!undisturbed_) begin();
     board_.restart(0, 0);
     board_.run(0);
     agent_.link_up(false, 0);
-    while (!ledger_.failed()) {
-        now_ = next(next_step());
-        if (!to_board_.empty() || !to_host_.empty()) busy_at_ = now_;
-        pass();
-        steps();
-        watch();
-        if (closing_ == 0) {
-            close();
-        } else if (ledger_.open() == 0) {
-            if (closing_ == kLastCommands || ledger_.was_executed(last_line())) break;
-            close();
-        }
+}
+
+void Trial::resume(const Trial& other, const Firmware::Saved& saved) {
+    World::resume(other);
+    TrialState::operator=(other);
+    board_.firmware().put_back(saved);
+    begin();
+    while (next_incident_ < incidents_.size() && incidents_[next_incident_].at <= now_)
+        ++next_incident_;
+}
+
+bool Trial::pass_on() {
+    now_ = next(next_step());
+    if (!to_board_.empty() || !to_host_.empty()) busy_at_ = now_;
+    pass();
+    steps();
+    watch();
+    if (closing_ == 0) {
+        close();
+    } else if (ledger_.open() == 0) {
+        if (closing_ == kLastCommands || ledger_.was_executed(last_line())) return false;
+        close();
+    }
+    return !ledger_.failed();
+}
+
+TrialEnd Trial::run() {
+    power_up();
+    return go_on();
+}
+
+TrialEnd Trial::go_on() {
+    while (!ledger_.failed() && pass_on()) {
     }
     end_.recovered_after = now_ - std::max(faults_end_, end_.ready_at);
     ledger_.finish();
     if (!ledger_.was_executed(last_line()))
         ledger_.fail("two commands long after the last fault were not executed");
     check_settings();
+    check_holds();
     end_.counts = ledger_.counts;
     end_.failure = ledger_.failure();
     end_.trace = std::move(lines_);
@@ -244,6 +320,50 @@ std::string describe(const Faults& faults) {
         add(fmt::format("{} at {:.6f} s for {} ms", to_string(incident.kind),
                         static_cast<double>(incident.at) * 1e-6, incident.lasts / kMillisecond));
     return text.empty() ? "nothing" : text;
+}
+
+struct Undisturbed::Point {
+    std::unique_ptr<Trial> trial;
+    std::unique_ptr<const Firmware::Saved> firmware;
+
+    bool is_before(const Faults& faults) const {
+        const auto sent = trial->sent();
+        const auto later = [](std::uint64_t next) {
+            return [next](const ByteFault& fault) { return fault.byte >= next; };
+        };
+        return std::all_of(faults.to_board.begin(), faults.to_board.end(), later(sent.from)) &&
+               std::all_of(faults.to_host.begin(), faults.to_host.end(), later(sent.until)) &&
+               std::all_of(faults.incidents.begin(), faults.incidents.end(),
+                           [&](const Incident& incident) { return incident.at > trial->now(); });
+    }
+};
+
+// Until it closes: whether it does depends on what is still to come.
+Undisturbed::Undisturbed(const Scenario& scenario)
+    : scenario_(scenario), end_(run_trial(scenario, {}, 0, false)) {
+    if (!end_.failure.empty()) return;
+    Trial trial(scenario, {}, end_.ready_at, false);
+    trial.power_up();
+    while (trial.pass_on() && !trial.closes()) {
+        const auto sent = trial.sent();
+        const bool near = scenario.from != Scenario::From::kReady || trial.now() + kQuiet >= end_.ready_at;
+        if (!near || sent.from > end_.to_board.until || sent.until > end_.to_host.until) continue;
+        auto point = std::make_unique<Trial>(scenario, Faults{}, end_.ready_at, false);
+        auto firmware = trial.save();
+        point->resume(trial, *firmware);
+        points_.push_back({std::move(point), std::move(firmware)});
+    }
+}
+
+Undisturbed::~Undisturbed() = default;
+
+TrialEnd Undisturbed::run(const Faults& faults) const {
+    const auto after = std::partition_point(points_.begin(), points_.end(),
+                                            [&](const Point& point) { return point.is_before(faults); });
+    if (after == points_.begin()) return run_trial(scenario_, faults, end_.ready_at, false);
+    Trial trial(scenario_, faults, end_.ready_at, false);
+    trial.resume(*std::prev(after)->trial, *std::prev(after)->firmware);
+    return trial.go_on();
 }
 
 TrialEnd run_trial(const Scenario& scenario, const Faults& faults, Micros ready_at, bool trace) {
