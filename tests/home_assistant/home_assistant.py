@@ -96,19 +96,28 @@ class HomeAssistant:
 
     def add_broker(self, port, user, password, authority):
         """As a person does: form by form, each with what it asks for."""
-        known = {"broker": "127.0.0.1", "port": port}
+        known = {"broker": "127.0.0.1", "port": port, "set_client_cert": False, "set_ca_cert": "off", "transport": "tcp"}
         if authority:
             known |= {"username": user, "password": password, "advanced_options": True, "set_ca_cert": "custom"}
+
+        def answers(fields):
+            given = {}
+            for field in fields:
+                name = field["name"]
+                if field.get("type") == "expandable":
+                    given[name] = answers(field["schema"])
+                elif name == "certificate" and authority:
+                    given[name] = self.upload("ca.crt", authority)
+                elif name in known:
+                    given[name] = known[name]
+            return given
+
         step = self.request("/api/config/config_entries/flow", {"handler": "mqtt", "show_advanced_options": bool(authority)})
         for _ in range(5):
             if step["type"] != "form":
                 break
             assert not step.get("errors"), step
-            asked = {field["name"] for field in step["data_schema"]}
-            if "certificate" in asked:
-                known["certificate"] = self.upload("ca.crt", authority)
-            answers = {name: value for name, value in known.items() if name in asked}
-            step = self.request(f"/api/config/config_entries/flow/{step['flow_id']}", answers)
+            step = self.request(f"/api/config/config_entries/flow/{step['flow_id']}", answers(step["data_schema"]))
         assert step["type"] == "create_entry", step
 
     def upload(self, name, text):
