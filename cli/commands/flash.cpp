@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
+#include <list>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <thread>
 
 #include "asip/text/duration.hpp"
 #include "cli/declaration.hpp"
+#include "cli/find/chosen_boards.hpp"
 #include "cli/find/target.hpp"
 #include "cli/flash/lent_port.hpp"
 #include "cli/flash/programmer.hpp"
@@ -30,27 +32,35 @@ struct FlashOptions {
     std::string simulated;
     std::string socket;
     std::string limit = "5m";  ///< for the programmer
+    SelectorText selector{};
     OutputOptions output{};
 };
 
 class Flasher {
   public:
-    Flasher(const FlashOptions& options, Environment& environment)
+    /// `board` and all others must outlive it.
+    Flasher(const FlashOptions& options, const std::string& board, Environment& environment,
+            BusSession& session, RecordPrinter& records)
         : options_(options),
+          board_(board),
           environment_(environment),
-          session_(environment),
-          source_(environment, session_),
-          port_(environment, session_, options.board) {}
+          session_(session),
+          records_(records),
+          port_(environment, session, board) {}
+
+    /// Finds out how it is programmed. Whatever can be wrong is found before a port is released.
+    Outcome<void> plan(const KnownBoard& board) {
+        auto call = call_for(board);
+        if (!call) return tl::unexpected(call.error());
+        call_ = std::move(*call);
+        return {};
+    }
 
     int run() {
-        if (const auto connected = session_.connect(); !connected)
-            return environment_.fail_with(connected.error());
-        const auto call = plan();
-        if (!call) return fail(call.error());
         const auto released = port_.release(kLease);
         if (!released) return fail(released.error());
-        environment_.note(options_.board + ": port released; starting " + call->front());
-        const auto programmed = program(*call, released->path);
+        environment_.note(board_ + ": port released; starting " + call_.front());
+        const auto programmed = program(call_, released->path);
         if (session_.stopped()) {
             port_.give_back_unseen();
             return fail({program::kExitFailure, "interrupted; the agent takes the port back"});
@@ -62,40 +72,38 @@ class Flasher {
         if (!programmed) return program::kExitFailure;
         if (taken->same) return program::kExitOk;
         return environment_.fail_with(
-            {program::kExitFailure, "another board answers at the port of " + options_.board + " now"});
+            {program::kExitFailure, "another board answers at the port of " + board_ + " now"});
     }
 
-  private:
     int fail(const Failure& failure) {
-        print_failure(options_.output, RecordPrinter::Count::kOne, options_.board, failure, environment_.out);
+        if (!options_.output.for_people() && options_.output.format.empty())
+            records_.print(failure_record(board_, failure));
         return environment_.fail_with(failure);
     }
 
-    /// The call of the programmer. Whatever can be wrong is found before the port is released.
-    Outcome<std::vector<std::string>> plan() {
-        const auto board = find_board_with_agent(source_, options_.board);
-        if (!board) return tl::unexpected(board.error());
+  private:
+    Outcome<std::vector<std::string>> call_for(const KnownBoard& known) const {
+        const auto* board = &known;
         if (board->description && board->description->link.kind == kReplayLink)
-            return failure(program::kExitFailure, options_.board + " is recorded (" +
-                                                      board->description->link.path +
+            return failure(program::kExitFailure, board_ + " is recorded (" + board->description->link.path +
                                                       "): there is no chip to load firmware into");
         if (!board->description)
             return failure(
                 program::kExitNoAnswer,
-                "no description of " + options_.board +
+                "no description of " + board_ +
                     " came in time, so nobody knows its port; try again, or with a longer --timeout");
         if (board->description->link.kind != "serial")
             return failure(program::kExitFailure,
-                           options_.board + " is not at a serial port; only such a board can be flashed");
+                           board_ + " is not at a serial port; only such a board can be flashed");
         const auto& description = *board->description;
         if (description.agent.host != program::host_name())
-            return failure(program::kExitFailure, options_.board + " is at a port of " +
-                                                      description.agent.host + "; run asipctl flash there");
+            return failure(program::kExitFailure, board_ + " is at a port of " + description.agent.host +
+                                                      "; run asipctl flash there");
         if (!std::filesystem::is_regular_file(options_.programming.image))
             return failure(program::kExitUsage, options_.programming.image + " is not a file");
         const bool by_avrdude = options_.simulated.empty() && !options_.avrdude.empty();
         if (!by_avrdude && (!options_.simulated.empty() || is_simulated_port(description.link.path)))
-            return simulator_call(options_.simulated.empty() ? options_.board : options_.simulated,
+            return simulator_call(options_.simulated.empty() ? board_ : options_.simulated,
                                   options_.programming.image, options_.socket);
         auto what = options_.programming;
         what.path = description.link.path;
@@ -142,44 +150,120 @@ class Flasher {
 
     void print(const TakenPort& taken, bool programmed) {
         if (!options_.output.for_people()) {
-            RecordPrinter(options_.output, RecordPrinter::Count::kOne, environment_.out)
-                .print({{"board", options_.board},
-                        {"programmed", programmed},
-                        {"same", taken.same},
-                        {"sketch", taken.sketch},
-                        {"was", taken.sketch_before},
-                        {"chip", taken.chip}});
+            records_.print({{"board", board_},
+                            {"programmed", programmed},
+                            {"same", taken.same},
+                            {"sketch", taken.sketch},
+                            {"was", taken.sketch_before},
+                            {"chip", taken.chip}});
             return;
         }
-        environment_.out << options_.board << ": " << for_terminal(taken.sketch) << ", was "
+        environment_.out << board_ << ": " << for_terminal(taken.sketch) << ", was "
                          << for_terminal(taken.sketch_before) << std::endl;
+    }
+
+    const FlashOptions& options_;
+    const std::string& board_;
+    Environment& environment_;
+    BusSession& session_;
+    RecordPrinter& records_;
+    LentPort port_;
+    std::vector<std::string> call_;
+};
+
+/// One `asipctl flash`.
+class FlashRun {
+  public:
+    FlashRun(const FlashOptions& options, Environment& environment, RecordPrinter::Count count)
+        : options_(options),
+          environment_(environment),
+          session_(environment),
+          source_(environment, session_),
+          records_(options.output, count, environment.out) {}
+
+    int one() {
+        if (const auto connected = session_.connect(); !connected)
+            return environment_.fail_with(connected.error());
+        Flasher flasher(options_, options_.board, environment_, session_, records_);
+        const auto board = find_board_with_agent(source_, options_.board);
+        if (!board) return flasher.fail(board.error());
+        if (const auto planned = flasher.plan(*board); !planned) return flasher.fail(planned.error());
+        return flasher.run();
+    }
+
+    /// One after the other. What is wrong with one of them is found before the first port is released.
+    int group(const Target& target, const bus::LabelSelector& labels) {
+        if (const auto connected = session_.connect(); !connected)
+            return environment_.fail_with(connected.error());
+        const auto boards = choose_boards(source_, target, labels);
+        if (!boards) return environment_.fail_with(boards.error());
+        std::list<Flasher> flashers;
+        for (const auto& board : *boards) {
+            if (is_left_out(board)) continue;
+            flashers.emplace_back(options_, board.item.board, environment_, session_, records_);
+            if (const auto planned = flashers.back().plan(board); !planned)
+                return environment_.fail_with(
+                    {planned.error().status, board.item.board + ": " + planned.error().text});
+        }
+        if (flashers.empty())
+            return environment_.fail_with(
+                {program::kExitNoAnswer, "none of these boards is at a port of " + program::host_name()});
+        int status = program::kExitOk;
+        std::size_t done = 0;
+        for (auto& flasher : flashers) {
+            if (session_.stopped()) break;
+            const auto ended = flasher.run();
+            if (ended == program::kExitOk) ++done;
+            if (status == program::kExitOk) status = ended;
+        }
+        records_.finish();
+        environment_.note(std::to_string(done) + " of " + std::to_string(flashers.size()) +
+                          " boards have the new firmware");
+        return status == program::kExitOk && done < flashers.size() ? program::kExitFailure : status;
+    }
+
+  private:
+    bool is_left_out(const KnownBoard& board) {
+        const auto& name = board.item.board;
+        const bool elsewhere = board.description && board.description->agent.host != program::host_name();
+        if (board.item.state == "offline")
+            environment_.note(name + " is left out: it is offline");
+        else if (elsewhere)
+            environment_.note(name + " is left out: it is at a port of " + board.description->agent.host +
+                              "; run asipctl flash there, too");
+        return board.item.state == "offline" || elsewhere;
     }
 
     const FlashOptions& options_;
     Environment& environment_;
     BusSession session_;
     BoardSource source_;
-    LentPort port_;
+    RecordPrinter records_;
 };
 
 int run_flash(const FlashOptions& options, Environment& environment) {
-    if (options.board.find_first_of(",*?[") != std::string::npos)
-        return environment.fail_with(
-            {program::kExitUsage, "flash takes one board; call it once for each, where the board is"});
     if (const auto limit = text::parse_duration(options.limit); !limit)
         return environment.fail_with({program::kExitUsage, "--limit: " + limit.error()});
-    const auto target = parse_target(options.board);
+    const auto target = parse_target(options.board, true);
     if (!target) return environment.fail_with(target.error());
     if (!target->service.empty())
         return environment.fail_with({program::kExitUsage, "flash takes a board, not a service"});
-    return Flasher(options, environment).run();
+    const auto labels = parse_selector(options.selector);
+    if (!labels) return environment.fail_with(labels.error());
+    if (!options.selector && !target->is_pattern())
+        return FlashRun(options, environment, RecordPrinter::Count::kOne).one();
+    if (!options.simulated.empty())
+        return environment.fail_with({program::kExitUsage, "--simulated goes with one board"});
+    return FlashRun(options, environment, RecordPrinter::Count::kList).group(*target, *labels);
 }
 
 Run declare_flash(Declaration& verb) {
     auto options = std::make_shared<FlashOptions>();
     auto& programming = options->programming;
-    verb.argument("BOARD", options->board, "Which; one alone");
+    verb.argument("BOARD", options->board,
+                  "Which; with * and ? as in a shell, or with -l: several, one after the other");
     verb.argument("FILE", programming.image, "The firmware: .hex or .elf");
+    declare_selector(verb, options->selector);
     verb.option("--part", "NAME", programming.part,
                 "The chip, as avrdude calls it; default: by the board's chip");
     verb.option("--programmer", "NAME", programming.method, "avrdude's programmer; default: by the chip");
@@ -204,9 +288,13 @@ Verb flash_verb() {
         "Runs on the machine that the board is at. The board's agent lets go of the port, and takes it back\n"
         "within 20 s should this program die. Prints the new and the old sketch. Boot loaders of Uno, Nano,\n"
         "Mega and their kin are known; for others give --part, --programmer and --baud.\n"
+        "Several boards: those at this machine, one after the other; nothing is loaded where one of them "
+        "cannot "
+        "be.\n"
         "Examples:\n"
         "  asipctl flash uno1 AsipServices.hex\n"
         "  asipctl flash nano AsipHello.hex --baud 57600\n"
+        "  asipctl flash 'uno*' AsipServices.hex -l room=lab\n"
         "  asipctl flash desk build/dev/firmware/images/asip_uno.elf --socket sim.sock",
         declare_flash};
 }

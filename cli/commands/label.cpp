@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "cli/commands/label.hpp"
+
 #include <list>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -8,7 +10,7 @@
 #include "asip/text/json_reader.hpp"
 #include "cli/ask/board_request.hpp"
 #include "cli/ask/side_by_side.hpp"
-#include "cli/find/chosen_boards.hpp"
+#include "cli/commands/pin.hpp"
 #include "cli/flash/lent_port.hpp"
 #include "cli/text/table.hpp"
 #include "cli/text/width.hpp"
@@ -18,13 +20,6 @@ namespace {
 
 /// An agent announces at most once a second what changed.
 constexpr std::chrono::milliseconds kAnnounceTime{2500};
-
-struct LabelOptions {
-    std::string target;
-    std::vector<std::string> words;
-    SelectorText selector{};
-    OutputOptions output{};
-};
 
 model::Labels labels_of(const nlohmann::json& object) {
     std::string fault;
@@ -59,6 +54,9 @@ class Labeller {
             return environment_.fail_with(connected.error());
         auto boards = find();
         if (!boards) return environment_.fail_with(boards.error());
+        if (!options_.pin.empty())
+            if (const auto named = name_pin(boards->front()); !named)
+                return environment_.fail_with(named.error());
         return change_.empty() ? show(*boards) : change(*boards);
     }
 
@@ -94,6 +92,16 @@ class Labeller {
             if (const auto service = find_service(*board, target_.service); !service)
                 return tl::unexpected(service.error());
         return std::vector<KnownBoard>{std::move(*board)};
+    }
+
+    Outcome<void> name_pin(const KnownBoard& board) {
+        const auto pin = find_pin(options_.pin, *board.description);
+        if (!pin) return tl::unexpected(pin.error());
+        if (options_.pin_name)
+            if (const auto why = model::explain_friendly_name(*options_.pin_name); !why.empty())
+                return failure(program::kExitUsage, "the name of a pin " + why);
+        change_.pins[*pin] = options_.pin_name;
+        return {};
     }
 
     model::Labels shown(model::Labels labels) const {
@@ -254,7 +262,7 @@ class Labeller {
     const LabelOptions& options_;
     const Target target_;
     const bus::LabelSelector selector_;
-    const model::LabelChange change_;
+    model::LabelChange change_;
     Environment& environment_;
     BusSession session_;
     BoardSource source_;
@@ -269,6 +277,8 @@ void find_target(LabelOptions& options) {
         options.words.insert(options.words.begin(), std::exchange(options.target, ""));
     if (options.target.empty()) options.target = "*";
 }
+
+}  // namespace
 
 int run_label(LabelOptions options, Environment& environment) {
     const auto selector = parse_selector(options.selector);
@@ -289,6 +299,8 @@ int run_label(LabelOptions options, Environment& environment) {
     return Labeller(options, *target, *selector, change, environment).run();
 }
 
+namespace {
+
 Run declare_label(Declaration& verb) {
     auto options = std::make_shared<LabelOptions>();
     verb.argument("BOARD[/SERVICE]", options->target,
@@ -299,8 +311,7 @@ Run declare_label(Declaration& verb) {
                    "any: what there is",
                    Declaration::Needed::kNo);
     declare_selector(verb, options->selector);
-    verb.output(options->output, {Output::kTable},
-                {"board", "labels", "names", "labels_fault", "set_aside", "status", "error", "reason"});
+    verb.output(options->output, {Output::kTable}, kLabelFields);
     return [options](Environment& environment) { return run_label(*options, environment); };
 }
 

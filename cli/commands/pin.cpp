@@ -9,6 +9,7 @@
 #include "asip/protocol/body.hpp"
 #include "asip/text/nearest.hpp"
 #include "cli/ask/board_request.hpp"
+#include "cli/commands/pin_group.hpp"
 #include "cli/commands/show.hpp"
 #include "cli/declaration.hpp"
 #include "cli/text/width.hpp"
@@ -17,11 +18,6 @@ namespace asip::cli {
 namespace {
 
 using protocol::PinMode;
-
-struct Reading {
-    PinMode mode = PinMode::kInvalid;
-    std::optional<int> value;
-};
 
 /// The pins of one board, through its io service.
 class PinAccess {
@@ -32,18 +28,7 @@ class PinAccess {
     Outcome<std::vector<PinMode>> modes() {
         auto answer = request("p");
         if (!answer) return tl::unexpected(answer.error());
-        const auto document = model::parse_json(answer->answer);
-        if (!document || !document->is_object() || !document->contains("modes") ||
-            !(*document)["modes"].is_array()) {
-            return failure(program::kExitFailure, "the board did not report its pin modes");
-        }
-        std::vector<PinMode> result;
-        for (const auto& number : (*document)["modes"]) {
-            const auto mode =
-                number.is_number_integer() ? protocol::pin_mode_from_number(number.get<int>()) : std::nullopt;
-            result.push_back(mode.value_or(PinMode::kInvalid));
-        }
-        return result;
+        return modes_of(answer->answer);
     }
 
     Outcome<bus::Reply> request(const std::string& text) {
@@ -56,8 +41,8 @@ class PinAccess {
         return reply;
     }
 
-    Outcome<Reading> read(int pin, PinMode mode) {
-        Reading result{mode, std::nullopt};
+    Outcome<PinReading> read(int pin, PinMode mode) {
+        PinReading result{mode, std::nullopt};
         if (protocol::is_digital_input(mode)) return read_level(pin, result);
         if (mode == PinMode::kAnalog) return read_analog(pin, result);
         return result;
@@ -87,7 +72,7 @@ class PinAccess {
         return found->second[key].get<int>();
     }
 
-    Outcome<Reading> read_level(int pin, Reading result) {
+    Outcome<PinReading> read_level(int pin, PinReading result) {
         // Asking for the mode it has makes the board report the port.
         const auto set =
             request("P," + std::to_string(pin) + "," + std::to_string(static_cast<int>(result.mode)));
@@ -101,7 +86,7 @@ class PinAccess {
         return result;
     }
 
-    Outcome<Reading> read_analog(int pin, Reading result) {
+    Outcome<PinReading> read_analog(int pin, PinReading result) {
         std::optional<int> channel;
         if (board_.description) {
             for (const auto& [digital, number] : board_.description->pins.analog) {
@@ -132,7 +117,7 @@ class PinAccess {
     std::map<std::string, nlohmann::json> latest_;
 };
 
-void print(const PinOptions& options, Environment& environment, int pin, const Reading& reading,
+void print(const PinOptions& options, Environment& environment, int pin, const PinReading& reading,
            const std::string& label) {
     const auto mode = protocol::to_text(reading.mode);
     if (!options.output.for_people()) {
@@ -143,13 +128,7 @@ void print(const PinOptions& options, Environment& environment, int pin, const R
         return;
     }
     environment.out << pin << ' ' << mode;
-    if (reading.value) {
-        if (reading.mode == PinMode::kAnalog) {
-            environment.out << ' ' << *reading.value;
-        } else {
-            environment.out << (*reading.value == 0 ? " low" : " high");
-        }
-    }
+    if (reading.value) environment.out << ' ' << value_text(reading);
     if (!label.empty()) environment.out << "  " << for_terminal(label);
     environment.out << std::endl;
 }
@@ -219,6 +198,27 @@ Outcome<void> run_on_board(const PinOptions& options, Environment& environment, 
 }
 
 }  // namespace
+
+Outcome<std::vector<PinMode>> modes_of(const std::string& answer) {
+    const auto document = model::parse_json(answer);
+    if (!document || !document->is_object() || !document->contains("modes") ||
+        !(*document)["modes"].is_array()) {
+        return failure(program::kExitFailure, "the board did not report its pin modes");
+    }
+    std::vector<PinMode> result;
+    for (const auto& number : (*document)["modes"]) {
+        const auto mode =
+            number.is_number_integer() ? protocol::pin_mode_from_number(number.get<int>()) : std::nullopt;
+        result.push_back(mode.value_or(PinMode::kInvalid));
+    }
+    return result;
+}
+
+std::string value_text(const PinReading& reading) {
+    if (!reading.value) return {};
+    if (reading.mode == PinMode::kAnalog) return std::to_string(*reading.value);
+    return *reading.value == 0 ? "low" : "high";
+}
 
 Outcome<int> parse_pin(std::string_view text, const model::PinsInfo& pins) {
     const bool analog = text.size() > 1 && (text[0] == 'A' || text[0] == 'a');
@@ -299,8 +299,13 @@ int run_pin(PinOptions options, Environment& environment) {
                                           "'; a duty from 0 to 255 stands alone or behind pwm"});
         options.word = std::exchange(options.duty, {});
     }
-    const auto target = parse_target(options.board);
+    const auto target = parse_target(options.board, true);
     if (!target) return environment.fail_with(target.error());
+    if (!target->service.empty())
+        return environment.fail_with(
+            {program::kExitUsage, "pin takes a board, not a service: asipctl pin " + target->board + " ..."});
+    const auto labels = parse_selector(options.selector);
+    if (!labels) return environment.fail_with(labels.error());
     if (!options.word.empty()) {
         if (const auto action = parse_pin_word(options.word); !action)
             return environment.fail_with(action.error());
@@ -308,6 +313,8 @@ int run_pin(PinOptions options, Environment& environment) {
     BusSession session(environment);
     BoardSource source(environment, session);
     if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
+    if (target->is_pattern() || options.selector)
+        return run_pin_group(options, *target, *labels, environment, session, source);
     const auto done = run_on_board(options, environment, session, source);
     if (done) return program::kExitOk;
     const auto count = options.pin.empty() ? RecordPrinter::Count::kList : RecordPrinter::Count::kOne;
@@ -319,12 +326,14 @@ namespace {
 
 Run declare_pin(Declaration& verb) {
     auto options = std::make_shared<PinOptions>();
-    verb.argument("BOARD", options->board, "Name of the board");
+    verb.argument("BOARD", options->board,
+                  "Name of the board; with * and ? as in a shell, or with -l: several boards");
     verb.argument("PIN", options->pin, "13, D13, A0 or its name; without it all pins are shown",
                   Declaration::Needed::kNo);
     verb.argument("high|low|input|pullup|output|analog|pwm|...", options->word,
                   "What to set, or 0..255 for PWM; without it the pin is read", Declaration::Needed::kNo);
     verb.argument("DUTY", options->duty, "Behind pwm: 0..255", Declaration::Needed::kNo);
+    declare_selector(verb, options->selector);
     verb.output(options->output, {Output::kText},
                 {"board", "pin", "mode", "value", "owner", "can", "channel", "label", "status", "error",
                  "reason", "code"});
@@ -336,6 +345,8 @@ Run declare_pin(Declaration& verb) {
 Verb pin_verb() {
     return {"pin", "Read or set a pin in words",
             "Sets the mode that the word needs: high and low make an output, 0..255 makes PWM.\n"
+            "Of several boards: a table of what each did; nothing is sent where the pin is wrong for one of "
+            "them.\n"
             "Examples:\n"
             "  asipctl pin uno1 13 high\n"
             "  asipctl pin uno1 3 128\n"
@@ -343,7 +354,9 @@ Verb pin_verb() {
             "  asipctl pin uno1 2 pullup\n"
             "  asipctl pin uno1 2\n"
             "  asipctl pin uno1 A0\n"
-            "  asipctl pin uno1 \"status lamp\" high",
+            "  asipctl pin uno1 \"status lamp\" high\n"
+            "  asipctl pin 'uno*' 13 low\n"
+            "  asipctl pin '*' \"status lamp\" high -l room=lab",
             declare_pin};
 }
 

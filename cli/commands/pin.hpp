@@ -8,6 +8,7 @@
 #include "asip/model/description.hpp"
 #include "asip/protocol/pin.hpp"
 #include "cli/environment.hpp"
+#include "cli/find/chosen_boards.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
@@ -17,10 +18,22 @@ struct PinOptions {
     std::string pin;     ///< empty: all of them, as the board reports them
     std::string word;    ///< empty: read it
     std::string duty{};  ///< behind `pwm`
+    SelectorText selector{};
     OutputOptions output{};
 };
 
-/// `asipctl pin`: reads or sets one pin in words.
+/// What is known of a pin.
+struct PinReading {
+    protocol::PinMode mode = protocol::PinMode::kInvalid;
+    std::optional<int> value{};
+};
+/// `high`, `low`, the number of an analog value, or nothing.
+std::string value_text(const PinReading& reading);
+
+/// The modes in a board's answer to the question for them, by pin.
+Outcome<std::vector<protocol::PinMode>> modes_of(const std::string& answer);
+
+/// `asipctl pin`: reads or sets one pin in words, of one board or of several.
 int run_pin(PinOptions options, Environment& environment);
 
 /// `13`, `D13`, or `A0` by the board's analog map. Fails with kExitUsage.

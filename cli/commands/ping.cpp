@@ -3,12 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <list>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "asip/protocol/request.hpp"
 #include "asip/text/duration.hpp"
 #include "cli/ask/board_request.hpp"
+#include "cli/ask/side_by_side.hpp"
 #include "cli/declaration.hpp"
 
 namespace asip::cli {
@@ -22,93 +25,184 @@ class Pinger {
           count_(options.count.value_or(environment.terminal() ? 0 : kPingsInScripts)),
           session_(environment),
           source_(environment, session_),
-          records_(options.output, RecordPrinter::Count::kStream, environment.out) {
-        summary_.board = options.board;
-    }
+          records_(options.output, RecordPrinter::Count::kStream, environment.out) {}
 
-    int run() {
-        // A device with nothing but the published protocol answers on its context bus.
-        const auto lines =
-            session_.subscribe(environment_.topics.board_out(options_.board),
-                               [this](const mqtt::Message& message) { take_line(message.payload); });
+    int run(const Target& target, const std::optional<bus::LabelSelector>& labels) {
         if (const auto connected = session_.connect(); !connected)
             return environment_.fail_with(connected.error());
-        const auto board = find_living_board(source_, options_.board);
-        if (!board) return environment_.fail_with(board.error());
-        echo_ = board->description && board->description->firmware.extensions.has(protocol::kEcho);
-        by_name_ = !board->description;
-        while (!session_.stopped() && !denied_ && (count_ == 0 || summary_.sent < count_)) {
+        const auto found = labels ? find_group(target, *labels) : find_one();
+        if (!found) return environment_.fail_with(found.error());
+        std::size_t round = 0;
+        while (!session_.stopped() && someone_may_be_asked() && (count_ == 0 || round < count_)) {
             const auto next = Clock::now() + options_.interval;
-            once();
-            const bool last = denied_ || (count_ != 0 && summary_.sent >= count_);
+            once(++round);
+            const bool last = !someone_may_be_asked() || (count_ != 0 && round >= count_);
             if (!last) session_.run_until([] { return false; }, next);
         }
-        if (options_.output.for_people()) {
-            environment_.out << summary_.text() << std::flush;
-        } else {
-            records_.print(summary_.json());
-        }
-        if (!summary_.milliseconds.empty()) return program::kExitOk;
-        if (denied_) return program::kExitFailure;
-        return summary_.failed > 0 ? program::kExitFailure : session_.unanswered({}).status;
+        print_summaries(labels.has_value());
+        return status();
     }
 
   private:
-    void once() {
-        ++summary_.sent;
-        token_ = "p" + std::to_string(summary_.sent % 10'000'000);
-        const auto line = echo_ ? protocol::echo(token_) : std::string(protocol::kAskInfo);
-        expected_ = echo_ ? "@#,E," + token_ : "@#,?,";
-        std::optional<bus::Reply> reply;
-        returned_.reset();
-        const auto begin = Clock::now();
-        const auto topic = environment_.topics.board_in(options_.board);
+    /// One of the boards.
+    struct Pinged {
+        PingSummary summary;
+        bool echo = false;
+        bool by_name = false;
+        bool denied = false;
+        std::string expected{};
+        std::optional<bus::Reply> reply{};
+        Time begin{};
+        std::optional<Time> returned{};
+        BusSession::Subscription lines{};
+        BusSession::Request request{};
+
+        const std::string& name() const { return summary.board; }
+    };
+
+    Outcome<void> find_one() {
+        const auto board = find_living_board(source_, options_.board);
+        if (!board) return tl::unexpected(board.error());
+        add(*board);
+        return {};
+    }
+
+    Outcome<void> find_group(const Target& target, const bus::LabelSelector& labels) {
+        const auto boards = choose_boards(source_, target, labels);
+        if (!boards) return tl::unexpected(boards.error());
+        std::string away;
+        for (const auto& board : *boards) {
+            const bool is_away = board.item.state == "offline" || board.item.state == "lost";
+            if (is_away) {
+                away += (away.empty() ? "" : ", ") + board.item.board + " is " + board.item.state;
+            } else {
+                add(board);
+            }
+        }
+        if (!away.empty()) environment_.note("left out: " + away);
+        left_out_ = !away.empty();
+        if (boards_.empty()) return failure(program::kExitNoAnswer, "none of these boards is there");
+        return {};
+    }
+
+    void add(const KnownBoard& board) {
+        auto& pinged = boards_.emplace_back();
+        pinged.summary.board = board.item.board;
+        pinged.echo = board.description && board.description->firmware.extensions.has(protocol::kEcho);
+        pinged.by_name = !board.description;
+        if (!pinged.by_name) return;
+        // A device with nothing but the published protocol answers on its context bus. An agent's
+        // acknowledgement is the proof where there is an agent.
+        pinged.lines = session_.subscribe(
+            environment_.topics.board_out(pinged.name()), [&pinged](const mqtt::Message& message) {
+                if (!pinged.returned && message.payload.starts_with(pinged.expected))
+                    pinged.returned = Clock::now();
+            });
+    }
+
+    bool someone_may_be_asked() const {
+        return std::any_of(boards_.begin(), boards_.end(), [](const Pinged& one) { return !one.denied; });
+    }
+
+    void once(std::size_t round) {
+        std::list<Pinged*> asked;
+        for (auto& board : boards_)
+            if (!board.denied) asked.push_back(&board);
+        std::list<Pinged*> printed = asked;
+        ask_side_by_side(
+            session_, std::move(asked), kAskedAtOnce, [this, round](Pinged& one) { return ask(one, round); },
+            [this](const Pinged& one) {
+                return one.returned.has_value() || session_.denied(environment_.topics.board_in(one.name()));
+            });
+        for (auto* one : printed)
+            take_result(*one, round);
+    }
+
+    Time ask(Pinged& one, std::size_t round) {
+        ++one.summary.sent;
+        const auto token = "p" + std::to_string(round % 10'000'000);
+        const auto line = one.echo ? protocol::echo(token) : std::string(protocol::kAskInfo);
+        one.expected = one.echo ? "@#,E," + token : "@#,?,";
+        one.reply.reset();
+        one.returned.reset();
+        one.begin = Clock::now();
         // The first one is acknowledged by the broker: it tells whether we may.
-        const int qos = summary_.sent == 1 ? 1 : 0;
-        const auto request = session_.ask(
-            topic, line,
-            [&](const mqtt::Message& message) {
-                if (auto parsed = bus::parse_reply(message.payload)) reply = std::move(*parsed);
-                if (!returned_) returned_ = Clock::now();
+        const int qos = round == 1 ? 1 : 0;
+        one.request = session_.ask(
+            environment_.topics.board_in(one.name()), line,
+            [&one](const mqtt::Message& message) {
+                if (auto parsed = bus::parse_reply(message.payload)) one.reply = std::move(*parsed);
+                if (!one.returned) one.returned = Clock::now();
             },
-            qos, by_name_);
-        session_.run_until([&] { return returned_.has_value() || session_.denied(topic); },
-                           begin + environment_.timeout);
-        denied_ = session_.denied(topic);
-        if (session_.stopped() && !returned_) {
-            --summary_.sent;
+            qos, one.by_name);
+        return one.begin + environment_.timeout;
+    }
+
+    void take_result(Pinged& one, std::size_t round) {
+        if (one.summary.sent < round) return;  // the user ended it before
+        one.denied = session_.denied(environment_.topics.board_in(one.name()));
+        one.request.reset();
+        if (session_.stopped() && !one.returned) {
+            --one.summary.sent;
             return;
         }
-        print(returned_ ? std::optional<Duration>(*returned_ - begin) : std::nullopt, reply);
+        print(one, one.returned ? std::optional<Duration>(*one.returned - one.begin) : std::nullopt);
     }
 
-    void take_line(const std::string& line) {
-        // An agent's acknowledgement is the proof; the line alone counts only where there is no agent.
-        if (by_name_ && !returned_ && line.starts_with(expected_)) returned_ = Clock::now();
-    }
-
-    void print(std::optional<Duration> took, const std::optional<bus::Reply>& reply) {
-        const bool answered = took && (!reply || reply->succeeded());
-        std::string problem = took      ? ""
-                              : denied_ ? "the broker does not let us ask"
-                                        : "no answer within " + text::duration_text(environment_.timeout);
+    void print(Pinged& one, std::optional<Duration> took) {
+        const bool answered = took && (!one.reply || one.reply->succeeded());
+        std::string problem = took         ? ""
+                              : one.denied ? "the broker does not let us ask"
+                                           : "no answer within " + text::duration_text(environment_.timeout);
         if (took && !answered) {
-            problem = explain(*reply);
-            ++summary_.failed;
+            problem = explain(*one.reply);
+            ++one.summary.failed;
         }
         const double milliseconds = took ? std::chrono::duration<double, std::milli>(*took).count() : 0;
-        if (answered) summary_.milliseconds.add(milliseconds);
+        if (answered) one.summary.milliseconds.add(milliseconds);
         if (options_.quiet) return;
         if (options_.output.for_people()) {
-            environment_.out << options_.board << ": seq=" << summary_.sent << ' '
+            environment_.out << one.name() << ": seq=" << one.summary.sent << ' '
                              << (answered ? fmt::format("time={:.2f} ms", milliseconds) : problem)
                              << std::endl;
             return;
         }
-        nlohmann::json object{{"board", options_.board}, {"seq", summary_.sent}};
+        nlohmann::json object{{"board", one.name()}, {"seq", one.summary.sent}};
         if (answered) object["ms"] = milliseconds;
         if (!answered) object["problem"] = problem;
         records_.print(object);
+    }
+
+    void print_summaries(bool group) {
+        if (!options_.output.for_people()) {
+            for (const auto& one : boards_)
+                records_.print(one.summary.json());
+        } else if (group) {
+            if (!options_.quiet) environment_.out << '\n';
+            Table table({{"BOARD"},
+                         {"SENT", true},
+                         {"ANSWERED", true},
+                         {"MINIMUM", true},
+                         {"P50", true},
+                         {"P99", true},
+                         {"MAXIMUM", true}});
+            for (const auto& one : boards_)
+                table.add(one.summary.cells());
+            environment_.out << table.render(environment_.width, environment_.colour) << std::flush;
+        } else {
+            environment_.out << boards_.front().summary.text() << std::flush;
+        }
+    }
+
+    /// Of each board: answered at least once.
+    int status() const {
+        int status = program::kExitOk;
+        for (const auto& one : boards_) {
+            if (!one.summary.milliseconds.empty() || status != program::kExitOk) continue;
+            status =
+                one.denied || one.summary.failed > 0 ? program::kExitFailure : session_.unanswered({}).status;
+        }
+        return status == program::kExitOk && left_out_ ? program::kExitFailure : status;
     }
 
     const PingOptions& options_;
@@ -117,13 +211,8 @@ class Pinger {
     BusSession session_;
     BoardSource source_;
     RecordPrinter records_;
-    PingSummary summary_;
-    bool echo_ = false;
-    bool by_name_ = false;
-    bool denied_ = false;
-    std::string token_;
-    std::string expected_;
-    std::optional<Time> returned_;
+    std::list<Pinged> boards_;
+    bool left_out_ = false;
 };
 
 }  // namespace
@@ -156,19 +245,35 @@ nlohmann::json PingSummary::json() const {
     return object;
 }
 
+std::vector<Cell> PingSummary::cells() const {
+    std::vector<Cell> row{
+        board, std::to_string(sent),
+        Cell(std::to_string(milliseconds.size()), milliseconds.size() < sent ? Colour::kRed : Colour::kNone)};
+    if (milliseconds.empty()) return row;
+    for (const auto value : {milliseconds.minimum(), milliseconds.percentile(50), milliseconds.percentile(99),
+                             milliseconds.maximum()})
+        row.push_back(fmt::format("{:.2f} ms", value));
+    return row;
+}
+
 int run_ping(const PingOptions& options, Environment& environment) {
-    const auto target = parse_target(options.board);
+    const auto target = parse_target(options.board, true);
     if (!target) return environment.fail_with(target.error());
+    const auto labels = parse_selector(options.selector);
+    if (!labels) return environment.fail_with(labels.error());
     if (!target->service.empty())
         return environment.fail_with({program::kExitUsage, "ping takes a board, not a service"});
-    return Pinger(options, environment).run();
+    const bool many = options.selector || target->is_pattern();
+    return Pinger(options, environment).run(*target, many ? std::optional(*labels) : std::nullopt);
 }
 
 namespace {
 
 Run declare_ping(Declaration& verb) {
     auto options = std::make_shared<PingOptions>();
-    verb.argument("BOARD", options->board, "Name of the board");
+    verb.argument("BOARD", options->board,
+                  "Name of the board; with * and ? as in a shell, or with -l: several boards");
+    declare_selector(verb, options->selector);
     verb.option(
         "-n,-c,--count", "COUNT", options->count,
         "End after so many; 0: until Ctrl-C, which is the default on a terminal; else the default is 5");
@@ -185,9 +290,11 @@ Verb ping_verb() {
     return {"ping", "Round trip to the board itself, through broker, agent and link",
             "Exit status: 0 when at least one was answered, 4 when none was, 1 when the board or the broker "
             "refused.\n"
+            "Several boards are asked at the same time; 0 only where each of them answered.\n"
             "Examples:\n"
             "  asipctl ping uno1 -n 5\n"
-            "  asipctl ping uno1 -n 1000 -i 0 -q",
+            "  asipctl ping uno1 -n 1000 -i 0 -q\n"
+            "  asipctl ping '*' -n 10 -q -l room=lab",
             declare_ping};
 }
 

@@ -5,10 +5,13 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cli/environment.hpp"
+#include "cli/find/chosen_boards.hpp"
 #include "cli/output.hpp"
 #include "cli/text/samples.hpp"
+#include "cli/text/table.hpp"
 
 namespace asip::cli {
 
@@ -17,13 +20,15 @@ struct PingOptions {
     std::optional<std::size_t> count{};  ///< 0: until Ctrl-C; none: 0 on a terminal, else kPingsInScripts
     std::chrono::milliseconds interval{1000};
     bool quiet = false;
+    SelectorText selector{};
     OutputOptions output{};
 };
 
 /// How many when no terminal can send Ctrl-C.
 inline constexpr std::size_t kPingsInScripts = 5;
 
-/// `asipctl ping`: the time a request takes to the board and back. kExitNoAnswer when no answer came at all.
+/// `asipctl ping`: the time a request takes to the board and back, of one board or of several at a time.
+/// kExitNoAnswer when no answer came at all.
 int run_ping(const PingOptions& options, Environment& environment);
 
 /// What stands below the lines. Pure.
@@ -36,6 +41,7 @@ struct PingSummary {
     double loss_percent() const;
     std::string text() const;
     nlohmann::json json() const;
+    std::vector<Cell> cells() const;  ///< a row of the table of several boards
 };
 
 }  // namespace asip::cli

@@ -6,8 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "tests/integration/cli/bus_fixture.hpp"
-#include "tests/support/temp_dir.hpp"
+#include "tests/integration/cli/simulated_boards.hpp"
 
 namespace asip::test {
 namespace {
@@ -18,51 +17,8 @@ using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 using ::testing::Not;
 
-/// `desk`, and `old`, a board of ASIP 0.4; both with servos.
-class LabelTest : public BusTest {
+class LabelTest : public SimulatedBoards {
   protected:
-    void start(const std::vector<std::string>& names) {
-        Words words{ASIP_PROGRAMS "/asip-sim", "--socket", folder_.file("sim.sock")};
-        for (const auto& name : names)
-            words.push_back(
-                folder_.write(name + ".json", json{{"name", name},
-                                                   {"board", "uno"},
-                                                   {"image", ASIP_IMAGES "/" + kImages.at(name) + ".elf"},
-                                                   {"link", folder_.file(name)}}
-                                                  .dump()));
-        sim_ = std::make_unique<ChildProcess>(words);
-        for (const auto& name : names)
-            ASSERT_TRUE(sim_->wait_for_output(name + " .*port")) << sim_->errors();
-        for (const auto& name : names)
-            start_agent(name);
-        for (const auto& name : names)
-            ASSERT_TRUE(wait_state(name, "online") && wait_described(name)) << agents_[name]->errors();
-    }
-
-    void start_agent(const std::string& name, const Words& more = {}) {
-        Words words{
-            ASIP_PROGRAMS "/asip-agent", "--serial", folder_.file(name), "--name", name, "--state-dir",
-            folder_.file("state")};
-        words.insert(words.end(), more.begin(), more.end());
-        agents_[name] = std::make_unique<ChildProcess>(words, environment());
-    }
-
-    bool wait_state(const std::string& board, const std::string& state) {
-        return wait_until([&] { return probe_.last("asip/servicebus/" + board + "/$state") == state; });
-    }
-
-    /// An agent announces the state first.
-    bool wait_described(const std::string& board) {
-        return wait_until(
-            [&] { return probe_.last("asip/servicebus/" + board + "/$description").has_value(); });
-    }
-
-    void kill_agent(const std::string& board) {
-        agents_[board]->signal(SIGKILL);
-        agents_[board]->wait_exit();
-        ASSERT_TRUE(wait_state(board, "lost"));
-    }
-
     std::string labels(const std::string& board) const {
         return asipctl({"label", board, "--from-bus", "--format", "{labels}"}).output;
     }
@@ -72,12 +28,6 @@ class LabelTest : public BusTest {
         words.insert(words.end(), {"-o", "name"});
         return asipctl(words).output;
     }
-
-    const std::map<std::string, std::string> kImages{{"desk", "asip_uno_services"},
-                                                     {"old", "asip_uno_04_services"}};
-    TempDir folder_;
-    std::unique_ptr<ChildProcess> sim_;
-    std::map<std::string, std::unique_ptr<ChildProcess>> agents_;
 };
 
 TEST_F(LabelTest, Labels_AreSetShownChosenByAndRemoved) {

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// Verbs that take patterns and -l, on simulated boards with their agents; and names for what they find.
+#include <gmock/gmock.h>
+
+#include "tests/integration/cli/simulated_boards.hpp"
+
+namespace asip::test {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+using ::testing::Not;
+
+class GroupTest : public SimulatedBoards {
+  protected:
+    void SetUp() override {
+        ASSERT_NO_FATAL_FAILURE(start({"desk", "lamp", "old"}));
+        ASSERT_EQ(asipctl({"label", "desk", "room=lab", "pin.12=fan"}).status, 0);
+        ASSERT_EQ(asipctl({"label", "lamp", "room=lab", "pin.13=fan"}).status, 0);
+    }
+};
+
+TEST_F(GroupTest, Pin_IsSetAndReadOnEachBoardThatIsChosen) {
+    const auto set = asipctl({"pin", "*", "13", "high"});
+    EXPECT_EQ(set.status, 0) << set.errors;
+    EXPECT_THAT(set.output, MatchesRegex("BOARD +PIN +MODE +VALUE +RESULT\n"
+                                         "desk +13 +output +high +ok\n"
+                                         "lamp +13 fan +output +high +ok\n"
+                                         "old +13 +output +high +ok\n"));
+    // A name means a pin of its own on each board.
+    const auto named = asipctl({"pin", "*", "fan", "input", "-l", "room=lab", "-o", "json"});
+    EXPECT_EQ(named.status, 0) << named.errors;
+    const auto records = json::parse(named.output);
+    ASSERT_EQ(records.size(), 2u);
+    EXPECT_EQ(records[0],
+              json::parse(R"({"board":"desk","pin":12,"label":"fan","mode":"input","status":"ok"})"));
+    EXPECT_EQ(records[1]["pin"], 13);
+    const auto read = asipctl({"pin", "*", "12"});
+    EXPECT_EQ(read.status, 0) << read.errors;
+    EXPECT_THAT(read.output, HasSubstr("desk   12 fan  input"));
+    EXPECT_THAT(asipctl({"pin", "desk", "13", "-l", "room=lab"}).output,
+                MatchesRegex("BOARD.*\ndesk +13 +output +ok\n"));
+    const auto analog = asipctl({"pin", "*", "A0", "-l", "room", "-o", "jsonl"});
+    EXPECT_EQ(analog.status, 0) << analog.errors;
+    EXPECT_THAT(analog.output, MatchesRegex(R"(\{"board":"desk",.*"value":[0-9]+\}
+\{"board":"lamp",.*"value":[0-9]+\}
+)"));
+}
+
+TEST_F(GroupTest, PinThatOneBoardHasNot_ChangesNothingAndOneThatIsTakenIsTold) {
+    probe_.clear();
+    const auto wrong = asipctl({"pin", "*", "fan", "high"});
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(wrong.errors, HasSubstr("old: 'fan' is not a pin"));
+    EXPECT_EQ(probe_.count("asip/desk/io/in"), 0u) << "nothing is sent where it is wrong for one of them";
+    EXPECT_EQ(asipctl({"pin", "*", "13", "hihg"}).status, 2);
+    EXPECT_THAT(asipctl({"pin", "*"}).errors, HasSubstr("which pin of these boards?"));
+    EXPECT_THAT(asipctl({"pin", "*/io", "13"}).errors, HasSubstr("pin takes a board, not a service"));
+    const auto none = asipctl({"pin", "x*", "13"});
+    EXPECT_EQ(none.status, 4);
+    EXPECT_THAT(none.errors, HasSubstr("no board is like x*"));
+    // Pin 9 is a servo's on two of them.
+    const auto taken = asipctl({"pin", "*", "9", "high"});
+    EXPECT_EQ(taken.status, 1);
+    EXPECT_THAT(taken.output, HasSubstr("pin 9 belongs to the service desk/servo"));
+    EXPECT_THAT(taken.output, MatchesRegex("[^$]*lamp +9 +output +high +ok\n[^$]*"));
+    EXPECT_THAT(taken.errors, HasSubstr("1 of 3 boards did it"));
+    ASSERT_NO_FATAL_FAILURE(kill_agent("old"));
+    const auto half = asipctl({"pin", "*", "13", "low"});
+    EXPECT_EQ(half.status, 1);
+    EXPECT_THAT(half.output, MatchesRegex("[^$]*old +13 +it is lost[^$]*"));
+    EXPECT_THAT(half.errors, HasSubstr("2 of 3 boards did it"));
+}
+
+TEST_F(GroupTest, Ping_AsksAllAtATimeAndSumsUpEach) {
+    const auto pinged = asipctl({"ping", "*", "-n", "2", "-i", "10ms"});
+    EXPECT_EQ(pinged.status, 0) << pinged.errors;
+    for (const char* board : {"desk", "lamp", "old"})
+        for (const char* number : {"1", "2"})
+            EXPECT_THAT(pinged.output, HasSubstr(std::string(board) + ": seq=" + number + " time="));
+    EXPECT_THAT(pinged.output, HasSubstr("BOARD  SENT  ANSWERED"));
+    const auto quiet = asipctl({"ping", "*", "-q", "-n", "3", "-i", "0", "-l", "room=lab", "-o", "jsonl"});
+    EXPECT_EQ(quiet.status, 0) << quiet.errors;
+    EXPECT_THAT(quiet.output, MatchesRegex(R"(\{"answered":3,"board":"desk",.*
+\{"answered":3,"board":"lamp",.*
+)"));
+    ASSERT_NO_FATAL_FAILURE(kill_agent("old"));
+    const auto without = asipctl({"ping", "*", "-n", "1"});
+    EXPECT_EQ(without.status, 1) << "a board that was chosen did not answer";
+    EXPECT_THAT(without.errors, HasSubstr("left out: old is lost"));
+    EXPECT_THAT(without.output, HasSubstr("desk: seq=1 time="));
+    EXPECT_EQ(asipctl({"ping", "o*", "-n", "1"}).status, 4);
+}
+
+TEST_F(GroupTest, Flash_LoadsEachInTurn_OrNoneWhereOneCannotBe) {
+    const auto socket = folder_.file("sim.sock");
+    const auto loaded =
+        asipctl({"flash", "*", image("asip_uno_services"), "-l", "room=lab", "--socket", socket});
+    EXPECT_EQ(loaded.status, 0) << loaded.errors;
+    EXPECT_EQ(loaded.output, "desk: AsipServices, was AsipServices\nlamp: AsipServices, was AsipHello\n");
+    EXPECT_THAT(loaded.errors, HasSubstr("2 of 2 boards have the new firmware"));
+    EXPECT_THAT(loaded.errors, Not(HasSubstr("old")));
+    const auto records =
+        json::parse(asipctl({"flash", "?a*", image("asip_uno"), "--socket", socket, "-o", "json"}).output);
+    ASSERT_EQ(records.size(), 1u);
+    EXPECT_EQ(records[0]["board"], "lamp");
+    EXPECT_EQ(records[0]["sketch"], "AsipHello");
+    // What is wrong is found before any port is released.
+    const auto missing = asipctl({"flash", "*", folder_.file("no.elf"), "--socket", socket});
+    EXPECT_EQ(missing.status, 2);
+    EXPECT_THAT(missing.errors, HasSubstr("desk: "));
+    EXPECT_THAT(missing.errors, Not(HasSubstr("port released")));
+    EXPECT_THAT(asipctl({"flash", "*", image("asip_uno"), "--simulated", "desk"}).errors,
+                HasSubstr("--simulated goes with one board"));
+    agents_["old"]->signal(SIGTERM);
+    ASSERT_TRUE(wait_state("old", "offline"));
+    const auto away = asipctl({"flash", "*", image("asip_uno_services"), "--socket", socket});
+    EXPECT_EQ(away.status, 0) << away.errors;
+    EXPECT_THAT(away.errors, HasSubstr("old is left out: it is offline"));
+}
+
+TEST_F(GroupTest, Rename_NamesABoardAServiceAndAPinAndTakesTheNamesAway) {
+    EXPECT_EQ(
+        asipctl({"rename", "desk", "Ann's desk"}).output,
+        "TARGET  KEY     VALUE\ndesk    name    Ann's desk\ndesk    room    lab\ndesk    pin.12  fan\n");
+    EXPECT_EQ(asipctl({"rename", "desk/servo", "left arm"}).output,
+              "TARGET      KEY   VALUE\ndesk/servo  name  left arm\n");
+    EXPECT_EQ(asipctl({"rename", "desk", "A0", "light = 1"}).status, 0);
+    EXPECT_EQ(asipctl({"rename", "desk", "fan", "ventilator"}).status, 0) << "by its old name";
+    const auto names = json::parse(asipctl({"label", "desk", "-o", "json"}).output)[0];
+    EXPECT_EQ(names["labels"]["name"], "Ann's desk");
+    EXPECT_EQ(
+        names["names"],
+        json::parse(R"({"services":{"servo":"left arm"},"pins":{"12":"ventilator","14":"light = 1"}})"));
+    EXPECT_EQ(asipctl({"pin", "desk", "ventilator", "high"}).status, 0);
+    for (const Words& words :
+         {Words{"rename", "desk", "--remove"}, Words{"rename", "desk/servo", "--remove"},
+          Words{"rename", "desk", "A0", "--remove"}, Words{"rename", "desk", "12", "--remove"}})
+        EXPECT_EQ(asipctl(words).status, 0) << testing::PrintToString(words);
+    EXPECT_EQ(json::parse(asipctl({"label", "desk", "-o", "json"}).output)[0],
+              json::parse(R"({"board":"desk","labels":{"room":"lab"}})"));
+    const auto why = [this](Words words) {
+        words.insert(words.begin(), "rename");
+        const auto done = asipctl(words);
+        EXPECT_EQ(done.status, 2) << done.errors;
+        return done.errors;
+    };
+    EXPECT_THAT(why({"desk"}), HasSubstr("asipctl rename desk NAME, or --remove"));
+    EXPECT_THAT(why({"desk", ""}), HasSubstr("--remove takes it away"));
+    EXPECT_THAT(why({"desk", "my", "own", "desk"}), HasSubstr("stands in quotes"));
+    EXPECT_THAT(why({"desk/servo", "9", "arm"}), HasSubstr("a pin is a board's"));
+    EXPECT_THAT(why({"desk", "Q7", "arm"}), HasSubstr("'Q7' is not a pin"));
+    EXPECT_THAT(why({"desk", "9", std::string(80, 'x')}), HasSubstr("the name of a pin "));
+    EXPECT_EQ(asipctl({"rename", "dest", "x"}).status, 4);
+}
+
+}  // namespace
+}  // namespace asip::test
