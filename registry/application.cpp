@@ -32,6 +32,11 @@ Application::Application(RegistryOptions options) : options_(std::move(options))
     registry_ = std::make_unique<Registry>(options_, std::move(*models), system_random(), port(),
                                            history_.get(), now());
     client_ = std::make_unique<mqtt::Client>(io_, mqtt_options(), handlers());
+    if (!options_.notify.empty()) {
+        auto webhook = Webhook::create(io_, options_.notify);
+        if (!webhook) throw std::runtime_error("--notify: " + webhook.error());
+        webhook_ = std::move(*webhook);
+    }
     stop_signal_ = std::make_unique<program::StopSignal>(io_, [this](int) { stop(); });
 }
 
@@ -133,7 +138,31 @@ void Application::schedule_tick() {
     timer_.async_wait([this](const boost::system::error_code& error) {
         if (error || stopping_) return;
         registry_->tick(now());
+        notify();
         schedule_tick();
+    });
+}
+
+void Application::notify() {
+    auto* notices = webhook_ ? registry_->notices() : nullptr;
+    auto message = notices != nullptr ? notices->next(now()) : std::nullopt;
+    if (!message) return;
+    webhook_->post(std::move(*message), [this, notices](Webhook::Result result, const std::string& why) {
+        if (result == Webhook::Result::kFailed) {
+            notices->failed(Clock::now());
+            if (!std::exchange(notify_fault_logged_, true))
+                log::warning(
+                    "nobody can be told of lost boards now; it is tried again, with what happens meanwhile",
+                    {{"address", webhook_->shown()}, {"why", why}});
+            return;
+        }
+        result == Webhook::Result::kRefused ? notices->refused(Clock::now())
+                                            : notices->delivered(Clock::now());
+        if (result == Webhook::Result::kRefused)
+            log::error("the address of --notify takes no messages; this one is dropped",
+                       {{"address", webhook_->shown()}, {"why", why}});
+        else if (std::exchange(notify_fault_logged_, false))
+            log::info("messages of lost boards are delivered again", {{"address", webhook_->shown()}});
     });
 }
 

@@ -10,6 +10,7 @@
 #include "registry/history/keeper.hpp"
 #include "registry/options.hpp"
 #include "registry/registry.hpp"
+#include "registry/webhook.hpp"
 
 namespace asip::registry {
 
@@ -32,6 +33,7 @@ class Application {
     void connect_failed(const mqtt::ConnectionFailure& failure);
     void message(const mqtt::Message& message);
     void schedule_tick();
+    void notify();
     void stop();
     void end();
 
@@ -42,6 +44,8 @@ class Application {
     std::unique_ptr<HistoryKeeper> history_;
     std::unique_ptr<Registry> registry_;
     std::unique_ptr<mqtt::Client> client_;
+    std::unique_ptr<Webhook> webhook_;
+    bool notify_fault_logged_ = false;
     program::BrokerLog broker_log_;
     int status_ = 0;
     bool stopping_ = false;

@@ -10,6 +10,7 @@
 #include "asip/program/exit_status.hpp"
 #include "asip/program/options.hpp"
 #include "asip/text/duration.hpp"
+#include "registry/webhook_address.hpp"
 
 namespace asip::registry {
 namespace {
@@ -27,6 +28,8 @@ constexpr const char* kExamples =
     "      Two brokers: the second is used while the first does not answer.\n"
     "  asip-registry --history /var/lib/asip/history.db --forget-after 30d\n"
     "      Keeps what changed when; lost boards stay in the catalogue for 30 days.\n"
+    "  asip-registry --notify https://hooks.example/lab\n"
+    "      Tells it when boards are lost and back.\n"
     "  asipctl list\n"
     "      Asks it.\n"
     "\n"
@@ -39,7 +42,7 @@ constexpr std::uint64_t kMaxHistoryBytes = std::numeric_limits<std::int64_t>::ma
 struct Raw {
     program::BrokerOptions broker;
     program::LogOptions log;
-    std::string id, services, history;
+    std::string id, services, history, notify;
     std::string forget_after = "7d", stats_interval = "10s", history_age = "90d";
     std::size_t max_boards = 1'000'000, copy_boards = RegistryOptions{}.copy_boards;
     std::uint64_t history_bytes = std::uint64_t{256} << 20;
@@ -68,6 +71,11 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
     settings.setting(
         app.add_option("--stats-interval", raw.stats_interval, "How often statistics are published")
             ->capture_default_str()
+            ->group("Registry"));
+    settings.setting(
+        app.add_option("--notify", raw.notify,
+                       "Address (http:// or https://) that gets a message when boards are lost and back")
+            ->type_name("URL")
             ->group("Registry"));
     settings.setting(app.add_option("--history", raw.history, "SQLite file to keep changes in; default: none")
                          ->group("History"));
@@ -140,6 +148,12 @@ Expected<RegistryOptions, int> read_options(int argc, const char* const* argv) {
     options.copy_boards = raw.copy_boards;
     options.services = raw.services;
     options.history = raw.history;
+    options.notify = raw.notify;
+    if (options.notify.empty()) return options;
+    if (const auto webhook = parse_webhook(options.notify); !webhook) {
+        std::cerr << "asip-registry: --notify: " << webhook.error() << "\n";
+        return usage;
+    }
     return options;
 }
 

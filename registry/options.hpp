@@ -23,6 +23,7 @@ struct RegistryOptions {
     std::string history;   ///< SQLite file; empty: none is kept
     Duration history_age = std::chrono::hours(90 * 24);
     std::size_t history_bytes = 256u << 20;
+    std::string notify;  ///< address that is told of boards that are lost and back; empty: none
 };
 
 /// From command line, environment and configuration file. The error is the exit status to end with; whatever

@@ -27,6 +27,7 @@ Registry::Registry(const RegistryOptions& options, model::ModelSet models, Rando
     : topics_(options.topic_root),
       id_(options.id),
       user_(options.mqtt.user),
+      notifies_(!options.notify.empty()),
       has_user_(options.mqtt.has_user()),
       random_(std::move(random)),
       port_(std::move(port)),
@@ -259,6 +260,7 @@ void Registry::complete() {
     queries_.set_settling(false);
     feed_.complete();
     if (history_ != nullptr) history_->complete(catalogue_, now_);
+    if (notifies_ && !notices_) notices_.emplace(id_);
     std::vector<log::Field> fields{{"boards", catalogue_.size()}};
     if (!first_state_.from().empty()) fields.push_back({"read from registry", first_state_.from()});
     log::write(log::Level::kInfo, "catalogue is complete", fields);
@@ -289,6 +291,7 @@ void Registry::handle(const std::vector<Event>& events, bool decided_here) {
 
 void Registry::change(const Event& event) {
     if (history_ != nullptr) history_->change(event, now_);
+    if (notices_) note_loss(event);
     if (event.kind == Event::Kind::kConflict) {
         log::warning("two agents claim one board; stop one or give it another --name",
                      {{"board", event.board}});
@@ -298,6 +301,21 @@ void Registry::change(const Event& event) {
     if (feed_.overrun() && !overrun_before)
         log::warning("changes come faster than the broker accepts them; watchers will have to query again");
     publish_changes();
+}
+
+void Registry::note_loss(const Event& event) {
+    using enum model::BoardState;
+    if (event.kind == Event::Kind::kForgotten) return notices_->forgotten(event.board);
+    if (event.kind != Event::Kind::kState) return;
+    if (event.state == kLost) {
+        // "HOST CLIENT", or one of them.
+        const auto item = catalogue_.board(event.board, now_);
+        const auto blank = item ? item->agent.find(' ') : std::string::npos;
+        notices_->lost(event.board, blank == std::string::npos ? std::string() : item->agent.substr(0, blank),
+                       event.reason, now_);
+    } else if (event.was == kLost && event.state != kOffline) {
+        notices_->back(event.board, now_);
+    }
 }
 
 void Registry::publish_changes() {

@@ -13,6 +13,7 @@
 #include "registry/first_state.hpp"
 #include "registry/history/keeper.hpp"
 #include "registry/identity_watch.hpp"
+#include "registry/loss_notices.hpp"
 #include "registry/names_only_boards.hpp"
 #include "registry/options.hpp"
 #include "registry/port.hpp"
@@ -55,6 +56,9 @@ class Registry {
     /// The last message before the end.
     mqtt::Message goodbye() const { return state("offline"); }
 
+    /// What is to be told of boards that are lost and back; null: nothing.
+    LossNotices* notices() { return notices_ ? &*notices_ : nullptr; }
+
     std::size_t boards() const { return catalogue_.size(); }
     /// The epoch of another registry that had this id when this one started. To be asked once connected: this
     /// registry must end then, and without a goodbye, because the topics are the other's.
@@ -73,6 +77,7 @@ class Registry {
     void complete();
     void handle(const std::vector<Event>& events, bool decided_here);
     void change(const Event& event);
+    void note_loss(const Event& event);
     void publish_changes();
     void publish(const bus::ChangeEvent& event);
     /// Where the broker knows its users: see bus::may_answer_on().
@@ -84,6 +89,7 @@ class Registry {
     bus::Topics topics_;
     std::string id_;
     std::string user_;  // of the broker, for people
+    bool notifies_ = false;
     bool has_user_ = false;
     std::set<std::string> denied_;
     Random random_;
@@ -101,7 +107,8 @@ class Registry {
     NamesOnlyBoards names_only_;
     Queries queries_;
     QueryEndpoint endpoint_;
-    bool stray_answer_logged_ = false;  // on this connection
+    std::optional<LossNotices> notices_;  // once the first catalogue is complete, where they are wanted
+    bool stray_answer_logged_ = false;    // on this connection
     bool connected_ = false;
     std::optional<std::string> id_taken_by_;
     Time identity_logged_{};

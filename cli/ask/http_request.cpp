@@ -10,8 +10,6 @@
 #include <boost/asio/write.hpp>
 #include <optional>
 
-#include "asip/text/printable.hpp"
-
 namespace asip::cli {
 namespace {
 
@@ -21,14 +19,9 @@ using ErrorCode = boost::system::error_code;
 
 constexpr std::size_t kMaxHttpBytes = 64 * 1024;
 
-std::string host_header(const HttpAddress& address) {
-    const auto host = address.host.find(':') == std::string::npos ? address.host : "[" + address.host + "]";
-    return address.port == (address.tls ? "443" : "80") ? host : host + ":" + address.port;
-}
-
 std::string request_head(const char* method, const HttpAddress& address, const std::string& target,
                          const std::string& token) {
-    return std::string(method) + " " + address.path + target + " HTTP/1.1\r\nHost: " + host_header(address) +
+    return std::string(method) + " " + address.path + target + " HTTP/1.1\r\nHost: " + address.host_header() +
            "\r\nConnection: close\r\n" +
            (token.empty() ? std::string() : "Authorization: Bearer " + token + "\r\n");
 }
@@ -132,39 +125,6 @@ class Exchange {
 };
 
 }  // namespace
-
-std::string HttpAddress::text() const {
-    return (tls ? "https://" : "http://") + host_header(*this) + path;
-}
-
-Expected<HttpAddress> parse_http_address(std::string_view text) {
-    HttpAddress address;
-    const auto wrong =
-        fail("\"" + text::without_credentials(text) + "\" is not an address such as http://127.0.0.1:8080");
-    if (text.starts_with("https://"))
-        address.tls = true;
-    else if (!text.starts_with("http://"))
-        return wrong;
-    text.remove_prefix(address.tls ? 8 : 7);
-    const auto slash = text.find('/');
-    if (slash != std::string_view::npos) address.path = text.substr(slash);
-    while (!address.path.empty() && address.path.back() == '/')
-        address.path.pop_back();
-    auto authority = text.substr(0, slash);
-    const auto bracket = authority.find(']');
-    const auto colon = authority.find(':', bracket == std::string_view::npos ? 0 : bracket);
-    address.port = colon == std::string_view::npos ? (address.tls ? "443" : "80")
-                                                   : std::string(authority.substr(colon + 1));
-    authority = authority.substr(0, colon);
-    if (bracket != std::string_view::npos && authority.front() == '[')
-        authority = authority.substr(1, authority.size() - 2);
-    address.host = authority;
-    const bool digits = address.port.find_first_not_of("0123456789") == std::string::npos;
-    if (address.host.empty() || address.port.empty() || !digits ||
-        text.find_first_of(" \r\n\t?#") != std::string_view::npos)
-        return wrong;
-    return address;
-}
 
 Expected<HttpAnswer> http_get(const HttpAddress& address, const std::string& target,
                               const HttpAccess& access) {

@@ -5,20 +5,12 @@
 #include <string_view>
 
 #include "asip/expected.hpp"
+#include "asip/text/http_address.hpp"
 
 namespace asip::cli {
 
-/// `http://HOST[:PORT][/PATH]` or `https://...`, taken apart.
-struct HttpAddress {
-    bool tls = false;
-    std::string host;  ///< without brackets
-    std::string port;  ///< "80", "443" where none was said
-    std::string path;  ///< of a gateway behind a proxy, without a slash at the end; may be empty
-
-    std::string text() const;  ///< as an address again
-};
-/// Error: a sentence.
-Expected<HttpAddress> parse_http_address(std::string_view text);
+using text::HttpAddress;
+using text::parse_http_address;
 
 struct HttpAnswer {
     int status = 0;

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <unordered_set>
+
+#include "registry/catalogue_types.hpp"
+
+namespace asip::registry {
+
+/// What a person is told of boards that are lost and back: one message for all that happen together, and
+/// while none can be delivered, one for all that happened meanwhile. A board that was lost and back before
+/// anybody was told is not told. Pure: the caller sends what next() gives.
+class LossNotices {
+  public:
+    static constexpr Duration kGather = std::chrono::milliseconds(500);  ///< from the first change
+    static constexpr Duration kApart = std::chrono::seconds(10);         ///< from message to message
+    static constexpr Duration kFirstRetry = std::chrono::seconds(1), kMaxRetry = std::chrono::seconds(60);
+    static constexpr std::size_t kMaxNamed = 20;      ///< boards and machines that a message names
+    static constexpr std::size_t kMaxKept = 100'000;  ///< boards; more are counted only
+
+    explicit LossNotices(std::string registry) : registry_(std::move(registry)) {}
+
+    /// `host`: the machine of its agent; may be empty.
+    void lost(const std::string& board, std::string host, model::StateReason reason, Instant now);
+    void back(const std::string& board, Instant now);
+    /// It is not known any more.
+    void forgotten(const std::string& board);
+
+    /// The message to send now, JSON; then none until delivered() or failed() says how that went.
+    std::optional<std::string> next(Instant now);
+    void delivered(Time now);
+    /// It is tried again later, with what happened meanwhile.
+    void failed(Time now);
+    /// Nobody takes it: it is not tried again.
+    void refused(Time now) { delivered(now); }
+
+  private:
+    struct Change {
+        bool lost = true;
+        std::string host{};
+        model::StateReason reason = model::StateReason::kNone;
+        text::WallTime at{};
+    };
+    using Changes = std::map<std::string, Change>;
+
+    void note(const std::string& board, Change change, Instant now);
+    std::string message(Instant now) const;
+    std::string text() const;
+
+    std::string registry_;
+    Changes waiting_, sent_;
+    std::size_t more_lost_ = 0, more_lost_sent_ = 0;  // beyond kMaxKept
+    std::unordered_set<std::string> told_;            // of which the last that was sent is that they are lost
+    bool under_way_ = false;
+    std::optional<Time> since_;  // the first of waiting_
+    Time not_before_{};
+    Duration retry_ = kFirstRetry;
+};
+
+}  // namespace asip::registry

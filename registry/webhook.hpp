@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <boost/asio/io_context.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "asip/expected.hpp"
+#include "asip/time.hpp"
+#include "registry/webhook_address.hpp"
+
+namespace asip::registry {
+
+/// POSTs JSON to one address, one message at a time, without blocking. https is OpenSSL's, with the
+/// certificates that the system trusts.
+class Webhook {
+  public:
+    enum class Result {
+        kDelivered,
+        kFailed,   ///< it may be taken later
+        kRefused,  ///< it will not be taken: a status of the 400s
+    };
+    using Done = std::function<void(Result, const std::string& why)>;
+
+    static constexpr Duration kLimit = std::chrono::seconds(10);  ///< for all of one message
+
+    /// Fails where `url` is none.
+    static Expected<std::unique_ptr<Webhook>> create(boost::asio::io_context& io, const std::string& url);
+    ~Webhook();
+
+    /// Calls `done` once, from the io_context; not after the end of this.
+    void post(std::string body, Done done);
+    /// The address without what may be secret in it: `https://hooks.example`.
+    std::string shown() const { return address_.server.text(); }
+
+  private:
+    class Exchange;
+    Webhook(boost::asio::io_context& io, WebhookAddress address) : io_(io), address_(std::move(address)) {}
+
+    boost::asio::io_context& io_;
+    WebhookAddress address_;
+    std::shared_ptr<Exchange> exchange_;
+};
+
+}  // namespace asip::registry
