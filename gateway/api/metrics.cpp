@@ -1,10 +1,75 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/metrics/metrics.hpp"
 
+#include <algorithm>
+
+#include "asip/bus/query.hpp"
 #include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"
 
 namespace asip::gateway::api {
+namespace {
+
+constexpr std::size_t kMaxPatterns = 20;
+
+/// The last values of the services that a pattern BOARD/SERVICE means, as far as they are seen and there is
+/// room.
+Expected<void> add_pattern(Call& call, std::string_view pattern, metrics::Snapshot& snapshot) {
+    const auto slash = pattern.find('/');
+    if (slash == std::string_view::npos || slash == 0 || slash + 1 == pattern.size())
+        return fail("values: must be BOARD/SERVICE, with * and ? as in a shell, and commas between several");
+    auto& mirror = call.gateway.mirror();
+    const auto& rights = call.principal.rights;
+    const auto view = view_of(rights);
+    bus::Query query;
+    query.find = bus::Find::kServices;
+    query.board = pattern.substr(0, slash);
+    query.service = pattern.substr(slash + 1);
+    query.limit = bus::Query::kMaxPage;
+    do {
+        const auto page = mirror.find(query, call.now(), rights.limited() ? &view : nullptr);
+        if (!page) return fail("values: " + page.error());
+        for (const auto& item : page->services) {
+            if (!snapshot.part.takes(item.board) || !rights.sees_service(item.board, item.name)) continue;
+            const auto* service = mirror.values().find(item.board, item.name);
+            if (service == nullptr) continue;
+            for (const auto& channel : service->channels) {
+                if (channel.error || channel.set || channel.cut > 0) continue;
+                metrics::add_values(snapshot.values, item.board, item.name, channel.event, channel.json());
+            }
+            if (snapshot.values.size() <= metrics::kMaxValues) continue;
+            snapshot.values.resize(metrics::kMaxValues);
+            snapshot.values_left_out = true;
+            return {};
+        }
+        query.cursor = page->cursor;
+    } while (!query.cursor.empty());
+    return {};
+}
+
+/// What the parameters `part` and `values` ask for.
+Expected<void> read_parameters(Call& call, metrics::Snapshot& snapshot) {
+    if (const auto* text = call.request.parameter("part")) {
+        const auto part = metrics::Part::parse(*text);
+        if (!part) return fail(part.error());
+        snapshot.part = *part;
+    }
+    const auto* text = call.request.parameter("values");
+    if (text == nullptr) return {};
+    std::size_t count = 0;
+    for (std::size_t at = 0; at <= text->size() && !snapshot.values_left_out;) {
+        if (++count > kMaxPatterns)
+            return fail("values: at most " + std::to_string(kMaxPatterns) + " patterns");
+        const auto comma = std::min(text->find(',', at), text->size());
+        if (auto added = add_pattern(call, std::string_view(*text).substr(at, comma - at), snapshot); !added)
+            return added;
+        at = comma + 1;
+    }
+    metrics::drop_repeated(snapshot.values);
+    return {};
+}
+
+}  // namespace
 
 void get_metrics(Call& call) {
     auto& gateway = call.gateway;
@@ -14,6 +79,8 @@ void get_metrics(Call& call) {
     if (rights.role == Role::kKiosk)
         return send_problem(call, 403, "a kiosk sees its boards only, and not what the bus counts");
     metrics::Snapshot snapshot;
+    if (const auto read = read_parameters(call, snapshot); !read)
+        return send_problem(call, 400, read.error());
     metrics::read_process(snapshot);
     snapshot.server = gateway.server_counters();
     snapshot.commands = gateway.commands().counters();
@@ -21,7 +88,7 @@ void get_metrics(Call& call) {
     snapshot.broker_connected = mirror.connected();
     snapshot.streams = gateway.streams().size();
     snapshot.values_received = mirror.values().received();
-    snapshot.values_left_out = mirror.values().left_out();
+    snapshot.values_skipped = mirror.values().left_out();
     snapshot.values_bytes = mirror.values().bytes();
     snapshot.last_values_bytes = mirror.values().last_bytes();
     const auto view = view_of(rights);
@@ -40,7 +107,8 @@ void get_metrics(Call& call) {
             snapshot.registries.emplace_back(id, info.stats);
     }
     for (const auto& [board, info] : mirror.board_stats()) {
-        if (rights.sees_board(board)) snapshot.boards.emplace_back(board, info.text);
+        if (snapshot.part.takes(board) && rights.sees_board(board))
+            snapshot.boards.emplace_back(board, info.text);
     }
     const bool open =
         call.request.header("accept").find("application/openmetrics-text") != std::string_view::npos;

@@ -34,6 +34,13 @@ std::vector<Parameter> query_parameters(bool boards) {
     return result;
 }
 
+std::vector<Parameter> metrics_parameters() {
+    return {{"part", kText,
+             "Boards of this part alone: of so many, which; what is not of boards is in part 1", "\"1/4\""},
+            {"values", kText, "With the last values of these services: BOARD/SERVICE, patterns, with commas",
+             "\"*/distance,hall*/pressure\""}};
+}
+
 Answer fault(int status, std::string_view about) {
     return {status, about, "Problem", "application/problem+json"};
 }
@@ -101,7 +108,7 @@ std::vector<Route> make_routes() {
         {"POST", "/api/stop", "stopAll", "The same on every board", Need::kCommand, {kOnce, kWhy}, "", {{200, "All of them are stopped", "Stopped"}, {207, "Some did not confirm it in time", "Stopped"}, kNotReady}, post_stop},
         {"POST", "/api/boards/{board}/resume", "resumeBoard", "Let a board that was stopped take commands again", Need::kCommand, {}, "", {{200, "Resumed", "Stopped"}, {207, "Its agent did not answer in time", "Stopped"}, kNotFound, kNotReady}, post_resume_board},
         {"POST", "/api/resume", "resumeAll", "The same for every board that is stopped", Need::kCommand, {}, "", {{200, "All of them take commands", "Stopped"}, {207, "Some did not answer in time", "Stopped"}, kNotReady}, post_resume},
-        {"GET", "/metrics", "getMetrics", "What agents, registries and this gateway count, for Prometheus", Need::kRead, {}, "", {{200, "Metrics", "EventStream", "text/plain; version=0.0.4; charset=utf-8"}, fault(403, "A kiosk sees its boards only"), fault(404, "Metrics are turned off")}, get_metrics},
+        {"GET", "/metrics", "getMetrics", "What agents, registries and this gateway count, for Prometheus", Need::kRead, metrics_parameters(), "", {{200, "Metrics", "EventStream", "text/plain; version=0.0.4; charset=utf-8"}, fault(400, "A parameter is wrong"), fault(403, "A kiosk sees its boards only"), fault(404, "Metrics are turned off")}, get_metrics},
         {"GET", "/api/models", "listModels", "The service models", Need::kRead, {}, "", {{200, "All of them", "Models"}}, get_models},
         {"GET", "/api/models/{name}", "getModel", "One service model", Need::kRead, {}, "", {{200, "The model", "Model"}, kNotFound}, get_model},
         {"GET", "/api/events", "streamEvents", "Changes of the catalogue as Server-Sent Events", Need::kRead, {{"board", kText, "Pattern of board names", R"("*")"}, kLastEventId}, "", {{200, "A stream without end", "EventStream", "text/event-stream"}, kNotReady, kTooMany}, get_events},

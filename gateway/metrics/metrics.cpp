@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "asip/model/json.hpp"
+#include "asip/protocol/body.hpp"
 
 namespace asip::gateway::metrics {
 namespace {
@@ -248,7 +250,7 @@ void add_gateway(Exposition& out, const Snapshot& s) {
     one(out, "asip_gateway_websockets", Type::kGauge, {}, "Open WebSockets", count(s.server.websockets));
     one(out, "asip_gateway_values", Type::kCounter, {}, "Values received", count(s.values_received));
     one(out, "asip_gateway_left_out_values", Type::kCounter, {}, "Values that slow readers did not get",
-        count(s.values_left_out));
+        count(s.values_skipped));
     one(out, "asip_gateway_kept_values_bytes", Type::kGauge, "bytes", "Recent values in memory",
         count(s.values_bytes));
     one(out, "asip_gateway_last_values_bytes", Type::kGauge, "bytes", "Last value of each event in memory",
@@ -273,15 +275,86 @@ void add_process(Exposition& out, const Snapshot& s) {
 
 }  // namespace
 
+bool Part::takes(std::string_view board) const {
+    // FNV-1a: the same in each gateway, and after each start.
+    std::uint64_t hash = 0xcbf29ce484222325;
+    for (const char byte : board)
+        hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3;
+    // Names that differ in their last digits differ in few bits until these are mixed (as MurmurHash3 ends).
+    hash = (hash ^ (hash >> 33)) * 0xff51afd7ed558ccd;
+    hash = (hash ^ (hash >> 33)) * 0xc4ceb9fe1a85ec53;
+    return (hash ^ (hash >> 33)) % of == number - 1;
+}
+
+Expected<Part> Part::parse(std::string_view text) {
+    const auto slash = std::min(text.find('/'), text.size());
+    const auto number = protocol::parse_integer(text.substr(0, slash));
+    const auto of = protocol::parse_integer(text.substr(std::min(slash + 1, text.size())));
+    if (!number || !of || *of < 1 || *of > static_cast<std::int64_t>(kMaxParts) || *number < 1 ||
+        *number > *of)
+        return fail("part: must be NUMBER/OF, such as 2/4; at most " + std::to_string(kMaxParts) + " parts");
+    return Part{static_cast<std::size_t>(*number), static_cast<std::size_t>(*of)};
+}
+
+namespace {
+
+void add_leaves(std::vector<ValueSample>& values, ValueSample& sample, const json& value) {
+    if (value.is_number() || value.is_boolean()) {
+        sample.value = value.is_boolean() ? (value.get<bool>() ? 1 : 0) : value.get<double>();
+        values.push_back(sample);
+        return;
+    }
+    if (!value.is_structured()) return;
+    const auto above = sample.field.size();
+    for (const auto& [key, below] : value.items()) {  // of a list: the places
+        sample.field += (above == 0 ? "" : ".") + key;
+        add_leaves(values, sample, below);
+        sample.field.resize(above);
+    }
+}
+
+void add_value_family(Exposition& out, const Snapshot& snapshot) {
+    out.family("asip_value", Type::kGauge, {}, "What services reported last");
+    for (const auto& [board, service, event, field, value] : snapshot.values)
+        out.sample({{"board", board}, {"asip_service", service}, {"event", event}, {"field", field}}, value);
+    one(out, "asip_gateway_unshown_values", Type::kGauge, {}, "Whether there are more values than are shown",
+        snapshot.values_left_out);
+}
+
+}  // namespace
+
+void add_values(std::vector<ValueSample>& values, const std::string& board, const std::string& service,
+                const std::string& event, const std::string& text) {
+    const auto document = model::parse_json(text);
+    if (!document) return;
+    ValueSample sample{board, service, event, {}, 0};
+    const bool wrapped = document->is_object() && document->size() == 1 && document->contains(event);
+    add_leaves(values, sample, wrapped ? (*document)[event] : *document);
+}
+
+void drop_repeated(std::vector<ValueSample>& values) {
+    const auto place = [](const ValueSample& one) {
+        return std::tie(one.board, one.service, one.event, one.field);
+    };
+    std::stable_sort(values.begin(), values.end(),
+                     [&](const auto& a, const auto& b) { return place(a) < place(b); });
+    values.erase(std::unique(values.begin(), values.end(),
+                             [&](const auto& a, const auto& b) { return place(a) == place(b); }),
+                 values.end());
+}
+
 std::string exposition(const Snapshot& snapshot, Exposition::Format format) {
     Exposition out(format);
-    add_gateway(out, snapshot);
-    add_catalogue(out, snapshot);
-    add_registries(out, parsed(snapshot.registries, kMaxKinds));
+    if (snapshot.part.is_first()) {
+        add_gateway(out, snapshot);
+        add_catalogue(out, snapshot);
+        add_registries(out, parsed(snapshot.registries, kMaxKinds));
+        add_process(out, snapshot);
+    }
     add_boards(out, parsed(snapshot.boards, kMaxBoards));
     one(out, "asip_gateway_unshown_boards", Type::kGauge, {}, "Boards beyond the limit of label values",
         snapshot.boards.size() > kMaxBoards ? static_cast<double>(snapshot.boards.size() - kMaxBoards) : 0);
-    add_process(out, snapshot);
+    if (!snapshot.values.empty()) add_value_family(out, snapshot);
     return out.finish();
 }
 

@@ -157,6 +157,17 @@ TEST_F(ViewTest, Metrics_CountWhatIsSeen) {
                 HasSubstr("asip_boards_lost{reason=\"agent-gone\"} 1\n"));
 }
 
+TEST_F(ViewTest, ValuesInMetrics_AreThoseThatAreSeen) {
+    const auto text = std::string(as("team", "/metrics?values=*/*")->response->text());
+    EXPECT_THAT(
+        text,
+        HasSubstr(
+            "asip_value{board=\"mid\",asip_service=\"distance\",event=\"distance\",field=\"0\"} 4711\n"));
+    EXPECT_THAT(text, Not(HasSubstr("alpha")));
+    EXPECT_THAT(std::string(as("all", "/metrics?values=alpha/*")->response->text()),
+                HasSubstr("asip_value{board=\"alpha\""));
+}
+
 TEST_F(ViewTest, StreamsSnapshotsAndChanges_SayNothingHidden) {
     const auto events = as("lobby", "/api/events");
     std::string text;

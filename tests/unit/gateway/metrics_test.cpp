@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// Metrics of more boards than one answer has, and values of services.
+#include "gateway/metrics/metrics.hpp"
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "api_bench.hpp"
+
+namespace asip::gateway::metrics {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(MetricsPart, EveryBoardIsInOnePart_AndThePartsAreAlike) {
+    for (const std::size_t of : {1u, 2u, 5u, 100u}) {
+        std::vector<std::size_t> sizes(of);
+        for (int board = 0; board < 10'000; ++board) {
+            std::size_t found = 0;
+            for (std::size_t number = 1; number <= of; ++number) {
+                if (!Part{number, of}.takes("board" + std::to_string(board))) continue;
+                ++found;
+                ++sizes[number - 1];
+            }
+            ASSERT_EQ(found, 1u) << board;
+        }
+        for (const auto size : sizes) {
+            EXPECT_GT(size, 10'000 / of * 6 / 10);
+            EXPECT_LT(size, 10'000 / of * 14 / 10 + 1);
+        }
+    }
+    // A series must not move to another scrape at an upgrade.
+    EXPECT_TRUE((Part{1, 2}.takes("desk") != Part{2, 2}.takes("desk")));
+}
+
+TEST(MetricsPart, Text_IsNumberAndCount) {
+    ASSERT_TRUE(Part::parse("2/4"));
+    EXPECT_EQ(Part::parse("2/4")->number, 2u);
+    EXPECT_EQ(Part::parse("2/4")->of, 4u);
+    for (const char* wrong : {"", "2", "/", "0/4", "5/4", "1/0", "1/101", "-1/4", "a/b", "1/4/2", "1/4 "}) {
+        const auto refused = Part::parse(wrong);
+        ASSERT_FALSE(refused) << wrong;
+        EXPECT_THAT(refused.error(), HasSubstr("such as 2/4"));
+    }
+}
+
+std::vector<std::pair<std::string, double>> fields(const std::string& event, const std::string& json) {
+    std::vector<ValueSample> values;
+    add_values(values, "desk", "service", event, json);
+    std::vector<std::pair<std::string, double>> found;
+    for (const auto& one : values)
+        found.emplace_back(one.field, one.value);
+    return found;
+}
+
+TEST(MetricsValues, EachNumberOfAnEvent_IsASample) {
+    using Fields = std::vector<std::pair<std::string, double>>;
+    EXPECT_EQ(fields("distance", R"({"distance":{"0":42,"1":7.5}})"), (Fields{{"0", 42}, {"1", 7.5}}));
+    EXPECT_EQ(
+        fields("pressure",
+               R"({"pressure":{"hpa":1013,"parts":[{"ok":true},{"ok":false}],"name":"x","none":null}})"),
+        (Fields{{"hpa", 1013}, {"parts.0.ok", 1}, {"parts.1.ok", 0}}));
+    EXPECT_EQ(fields("level", R"({"level":3})"), (Fields{{"", 3}}));
+    EXPECT_EQ(fields("", R"({"a":1,"b":2})"), (Fields{{"a", 1}, {"b", 2}}));
+    EXPECT_EQ(fields("text", R"({"text":"hello"})"), Fields{});
+    EXPECT_EQ(fields("", "no json"), Fields{});
+}
+
+class MetricsApiTest : public ApiTest {
+  protected:
+    MetricsApiTest() : ApiTest(Role::kAdmin) {
+        for (const std::string board : {"desk", "hall", "shed"}) {
+            bus("asip/servicebus/" + board + "/$description",
+                nlohmann::json{{"board", board},
+                               {"session", "s1"},
+                               {"seq", 1},
+                               {"lease", 60},
+                               {"services",
+                                {{{"name", "distance"}, {"id", "D"}, {"model", "distance@1"}, {"title", "D"}},
+                                 {{"name", "servo"}, {"id", "S"}, {"model", "servo@1"}, {"title", "S"}}}}}
+                    .dump());
+            bus("asip/servicebus/" + board + "/$state", "online");
+            bus("asip/" + board + "/distance/out", R"({"distance":{"0":42,"1":7}})");
+            bus("asip/" + board + "/servo/set", R"({"write":{"0":90}})");
+        }
+    }
+    std::string metrics(const std::string& query = {}) {
+        const auto answer = ask("GET", "/metrics" + query);
+        EXPECT_EQ(answer->status(), 200) << query;
+        return std::string(answer->response->text());
+    }
+    static std::size_t count(const std::string& text, const std::string& what) {
+        std::size_t found = 0;
+        for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1))
+            ++found;
+        return found;
+    }
+};
+
+TEST_F(MetricsApiTest, MoreBoardsThanOneAnswerHas_AreReadInParts) {
+    for (int board = 0; board < 5000; ++board) {
+        const auto name = "b" + std::to_string(board);
+        bus("asip/servicebus/" + name + "/$description",
+            R"({"board":")" + name + R"(","session":"s","seq":1,"lease":60,"services":[]})");
+        bus("asip/servicebus/" + name + "/$stats", R"({"uptime":1})");
+    }
+    const auto whole = metrics();
+    EXPECT_EQ(count(whole, "asip_board_agent_uptime_seconds{"), kMaxBoards);
+    EXPECT_THAT(whole, HasSubstr("asip_gateway_unshown_boards 3000\n"));
+    std::set<std::string> seen;
+    for (const std::string part : {"1/4", "2/4", "3/4", "4/4"}) {
+        const auto text = metrics("?part=" + part);
+        EXPECT_THAT(text, HasSubstr("asip_gateway_unshown_boards 0\n"));
+        EXPECT_EQ(count(text, "asip_gateway_build_info{"), part == "1/4" ? 1u : 0u);
+        EXPECT_EQ(count(text, "asip_boards{"), part == "1/4" ? count(whole, "asip_boards{") : 0u);
+        const std::string name = "asip_board_agent_uptime_seconds{board=\"";
+        for (auto at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) {
+            const auto begin = at + name.size();
+            EXPECT_TRUE(seen.insert(text.substr(begin, text.find('"', begin) - begin)).second);
+        }
+    }
+    EXPECT_EQ(seen.size(), 5000u);
+}
+
+TEST_F(MetricsApiTest, ChosenServices_ShowTheirLastValues) {
+    EXPECT_THAT(metrics(), Not(HasSubstr("asip_value")));
+    const auto text = metrics("?values=d*/distance,hall/*");
+    EXPECT_THAT(
+        text,
+        HasSubstr(
+            "asip_value{board=\"desk\",asip_service=\"distance\",event=\"distance\",field=\"0\"} 42\n"));
+    EXPECT_THAT(
+        text,
+        HasSubstr("asip_value{board=\"hall\",asip_service=\"distance\",event=\"distance\",field=\"1\"} 7\n"));
+    EXPECT_THAT(text, Not(HasSubstr("asip_value{board=\"shed\"")));
+    EXPECT_THAT(text, Not(HasSubstr("asip_service=\"servo\",event"))) << "what was set is no value";
+    EXPECT_EQ(count(metrics("?values=desk/distance,*/distance,desk/*"), "asip_value{board=\"desk\""), 2u)
+        << "once";
+    std::size_t in_parts = 0;
+    for (const std::string part : {"1/3", "2/3", "3/3"})
+        in_parts += count(metrics("?values=*/distance&part=" + part), "asip_value{");
+    EXPECT_EQ(in_parts, 6u);
+    for (const char* wrong : {"?values=desk", "?values=/distance", "?values=desk/", "?values=desk/distance,,",
+                              "?part=0/2", "?part=x"})
+        EXPECT_EQ(ask("GET", std::string("/metrics") + wrong)->status(), 400) << wrong;
+    std::string many = "?values=desk/distance";
+    for (int i = 0; i < 20; ++i)
+        many += ",desk/distance";
+    EXPECT_EQ(ask("GET", "/metrics" + many)->status(), 400);
+}
+
+}  // namespace
+}  // namespace asip::gateway::metrics
