@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/ask/quit_key.hpp"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <boost/asio/buffer.hpp>
@@ -17,9 +18,11 @@ QuitKey::QuitKey(boost::asio::io_context& io, std::function<void()> pressed)
     keys.c_cc[VMIN] = 1;
     keys.c_cc[VTIME] = 0;
     changed_ = ::tcsetattr(STDIN_FILENO, TCSANOW, &keys) == 0;
-    const int copy = ::dup(STDIN_FILENO);
-    if (!changed_ || copy < 0) return;
-    input_.assign(copy);
+    // Opened again, it is another one than standard output's, which Asio would make one that does not wait: a
+    // terminal that takes nothing (Ctrl-S) would be a failure to write.
+    const int own = ::open("/dev/tty", O_RDONLY | O_NOCTTY | O_CLOEXEC);
+    if (!changed_ || own < 0) return;
+    input_.assign(own);
     wait();
 }
 
@@ -29,8 +32,6 @@ QuitKey::~QuitKey() {
     if (changed_) ::tcsetattr(STDIN_FILENO, TCSANOW, &before_);
 }
 
-// Asked whether there is something, and then read: the terminal itself stays a blocking one, which others
-// have, too.
 void QuitKey::wait() {
     input_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
                       [this](const boost::system::error_code& error) {
